@@ -1,18 +1,18 @@
 # Two commands do everything: `make study` (the seed study, or CONFIG=...), `make test`.
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
-CONFIG ?= config/seed.yaml config/year.yaml
+CONFIG ?= config/buoy.yaml config/year.yaml
 BIN := .venv/bin
 READY := .venv/.installed
 
-.PHONY: study benchmark barge hard-cases torture cluster-test test lint unit format docs links container lock docs-lock clean help
+.PHONY: verification study benchmark barge hard-cases torture cluster-test test lint unit format docs links container lock docs-lock clean help
 
-study: $(READY) ## run the seed's study and its year, or others: make study [CONFIG=config/seed.yaml]
+study: $(READY) ## run the example study and its year, or others: make study [CONFIG=config/seed.yaml]
 	@for one in $(CONFIG); do $(BIN)/vsb run $$one || exit; done
 
 benchmark: $(READY) ## error against seconds of every method: integrators on the paper's study, hydrodynamic coefficients
 	@$(BIN)/python -m benchmarks integrators config/paper.yaml results/paper
 	@$(BIN)/python -m benchmarks coefficients results/hydro_precision
-	@$(BIN)/python -m benchmarks time-domain config/seed.yaml results/time_precision
+	@$(BIN)/python -m benchmarks time-domain config/few_modes.yaml results/time_precision
 	@$(BIN)/python -m benchmarks take-offs results/take_offs
 	@$(BIN)/python -m benchmarks bodies results/bodies
 
@@ -34,6 +34,9 @@ cluster-test: .venv-cluster/.installed ## a campaign on a real Slurm of one node
 
 test: $(READY) ## style, types, workflow lint, and all tests
 	@$(MAKE) --no-print-directory --jobs=2 lint unit
+
+verification: $(READY) ## every capability against computations that share nothing with the package, see docs/verification.md: a quarter of an hour
+	@PATH="$(CURDIR)/$(BIN):$$PATH" OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -q -n 2 --dist loadfile -o addopts="--import-mode=importlib" tests/verification
 
 lint: $(READY)
 	@$(BIN)/ruff check .

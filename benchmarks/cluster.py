@@ -31,7 +31,7 @@ PATIENCE = 600.0
 """What a run may take [s]."""
 CAMPAIGN = {
     "campaign": "shells",
-    "study": "seed.yaml",
+    "study": "pressurised.yaml",
     "vary": {"device.young_modulus": {"log": [1e7, 1e10, 100]}, "device.thickness": [0.01, 0.02, 0.03, 0.04]},
     "climate": {"spectra": "climate/ndbc46042_1996_spectra.txt.gz"},
     "tuning": ["one"],
@@ -188,7 +188,7 @@ def benchmark(place: str | Path) -> list[Row]:
             seconds = _ran(folder, name, environment)
             text = f"{_same(folder, name)}; {left} jobs had been left behind"
             rows.append(_said(Row(f"resumed after {number.name}", seconds, text)))
-        rows.append(_said(Row("seed's study on Slurm", _ran(folder, "study", environment, config="seed.yaml"), "")))
+        rows.append(_said(Row("a study on Slurm", _ran(folder, "study", environment, config="pressurised.yaml"), "")))
     return rows
 
 

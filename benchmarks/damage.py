@@ -21,13 +21,14 @@ import yaml
 
 from benchmarks.measure import Outcome, tabulated
 from vsb.errors import VsbError
-from vsb.stages.init import SEED
 from vsb.stages.make import make
 from vsb.stages.verify import stale_products, verify
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 from vsb.tools.files import read_groups, write_text
+from vsb.tools.shipped import HOME
 
+FEW_MODES = HOME / "config" / "few_modes.yaml"
 STUDY = "small.yaml"
 JUNK: tuple[Any, ...] = (
     None, True, "", "x", "../../small.yaml", "/nowhere", "\ud800", "a\x00b", [], {}, [[]], {"size": 1}, -1, 0.5, 10**30,
@@ -49,7 +50,7 @@ class Damage(NamedTuple):
 
 def small_text(duration: float, **hydro: str) -> str:
     """Return the text of a study that takes seconds."""
-    raw = yaml.safe_load(SEED.read_text(encoding="utf-8"))
+    raw = yaml.safe_load(FEW_MODES.read_text(encoding="utf-8"))
     raw |= {"study": "small", "modes": {"basis": "membrane", "degree": 2}}
     raw |= {"designs": {"FSB": {"flexible": False}, "VSWEC": {}}}
     raw["hydro"] = {"omega_max": 5.0, "tolerance": 1.0e-3, **hydro}

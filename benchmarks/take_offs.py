@@ -12,6 +12,7 @@ from scipy.optimize import minimize, minimize_scalar
 
 from benchmarks.measure import Row, as_csv, timed
 from vsb.motion.constrained import optimum_in_sea
+from vsb.motion.force_bound import NODES, Limits
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import Load, best_dampers, best_pairs, mean_power
@@ -21,15 +22,16 @@ from vsb.waves.seas import Sea
 
 SEAS, COMPONENTS, SPACING = 200, 125, 0.08
 """Seas, components of each and their distance [rad/s]: records of 80 s."""
+OMEGA = SPACING * np.arange(1, COMPONENTS + 1)
+"""Their frequencies [rad/s]."""
 SEARCHED = 20
 """Seas in which the plain method is run: it takes the same in all."""
 LIMITED = 10
 COLUMNS = ("case", "method", "seas", "seconds_per_sea", "ratio", "error")
 
 
-def ports() -> list[Port]:
+def ports(omega: FloatArray) -> list[Port]:
     """Four buoys of two motions, one beside the other: what shells of other stiffness look like at the port."""
-    omega = SPACING * np.arange(1, COMPONENTS + 1)
     found = []
     for stiffness in (9e4, 1.8e5, 4e5, 1.2e6):
         rate = -1j * omega
@@ -37,13 +39,14 @@ def ports() -> list[Port]:
         shell = rate * 3e3 + 40.0 + stiffness / rate
         y = 1 / heave + 1 / shell
         pushed = 1.0 / heave + 0.1 / shell
-        found.append(Port(omega, y, 1e5 * np.exp(-omega / 2) * pushed, 1 / 1.2e5 + 1 / stiffness))
+        compliance = 1 / 1.2e5 + 1 / stiffness
+        found.append(Port(omega, np.asarray(y), np.asarray(1e5 * np.exp(-omega / 2) * pushed), compliance))
     return found
 
 
 def seas() -> FloatArray:
     """Squared amplitudes of seas of one peak each, shape (sea, omega) [m^2]."""
-    rng, omega = np.random.default_rng(1), SPACING * np.arange(1, COMPONENTS + 1)
+    rng, omega = np.random.default_rng(1), OMEGA
     peak, width = rng.uniform(0.6, 2.5, (2, SEAS, 1))
     return np.asarray(np.exp(-0.5 * ((omega - peak) / (0.2 * width)) ** 2) * rng.exponential(size=(SEAS, COMPONENTS)))
 
@@ -85,7 +88,7 @@ CASES = {"damper": (best_dampers, searched_damper), "spring and damper": (reacti
 
 def linear_rows(case: str) -> list[Row]:
     """A rung of four designs in all seas, beside its plain search: error is the most by which a search is better."""
-    (ours, plain), squares, every = CASES[case], seas(), ports()
+    (ours, plain), squares, every = CASES[case], seas(), ports(OMEGA)
     seconds, loads = timed(lambda: [ours(port, squares) for port in every])
     slow, found = timed(lambda: [[plain(port, sea) for sea in squares[:SEARCHED]] for port in every])
     own = np.array([load.power[:SEARCHED] for load in loads])
@@ -98,20 +101,24 @@ def linear_rows(case: str) -> list[Row]:
 
 
 def limited_rows() -> list[Row]:
-    """The optimum under a limit of force, error its gap, beside what its steps take with the matrix multiplied out."""
-    port, squares = ports()[0], seas()[:LIMITED]
-    rng, harmonics = np.random.default_rng(2), Harmonics(SPACING, 1.0, COMPONENTS)
+    """The bound and the best force under a limit of force, error their gap, and the same steps with dense matrices."""
+    harmonics, squares = Harmonics(SPACING, 1.0, COMPONENTS), seas()[:LIMITED]
+    (whole, *_), (port, *_) = ports(harmonics.port_omega), ports(harmonics.omega)
+    rng = np.random.default_rng(2)
     phases = np.exp(2j * np.pi * rng.uniform(size=squares.shape))
     waves = [Sea(port.omega, np.sqrt(row) * turned) for row, turned in zip(squares, phases, strict=True)]
     loads = best_dampers(port, squares)
     speeds = [np.abs(port.velocity_under(port.load(c))) ** 2 for c in loads.damping]
     limits = [c * np.sqrt(v @ row / 2) for c, v, row in zip(loads.damping, speeds, squares, strict=True)]
-    optimum_in_sea(port, waves[0], harmonics, limits[0])  # compiles
-    seconds, found = timed(lambda: [optimum_in_sea(port, *pair) for pair in _pairs(waves, harmonics, limits)])
-    angle = 2 * np.pi * np.arange(harmonics.instants) / harmonics.instants
+    optimum_in_sea(whole, waves[0], harmonics, Limits(limits[0]))  # compiles
+    seconds, found = timed(lambda: [optimum_in_sea(whole, *pair) for pair in _pairs(waves, harmonics, limits)])
+    nodes = NODES * harmonics.instants
+    angle = 2 * np.pi * np.arange(nodes) / nodes
     turning = np.exp(-1j * np.outer(angle, 1 + np.arange(COMPONENTS)))
-    whole, weights = np.hstack([turning.real, turning.imag]), rng.uniform(0.5, 1.0, harmonics.instants)
-    step, _ = timed(lambda: [cho_factor((whole.T * weights) @ whole + np.eye(2 * COMPONENTS)) for _ in range(LIMITED)])
+    columns, weights = np.hstack([turning.real, turning.imag]), rng.uniform(0.5, 1.0, nodes)
+    step, _ = timed(
+        lambda: [cho_factor((columns.T * weights) @ columns + np.eye(2 * COMPONENTS)) for _ in range(LIMITED)]
+    )
     each, dense = seconds / LIMITED, step / LIMITED * float(np.mean([one.steps for one in found]))
     case, gap = "optimum under a limit of force", max(one.gap for one in found)
     return [
@@ -120,9 +127,9 @@ def limited_rows() -> list[Row]:
     ]
 
 
-def _pairs(waves: list[Sea], harmonics: Harmonics, limits: list[float]) -> list[tuple[Sea, Harmonics, float]]:
+def _pairs(waves: list[Sea], harmonics: Harmonics, limits: list[float]) -> list[tuple[Sea, Harmonics, Limits]]:
     """Arguments of the optimum in each sea."""
-    return [(sea, harmonics, float(limit)) for sea, limit in zip(waves, limits, strict=True)]
+    return [(sea, harmonics, Limits(float(limit))) for sea, limit in zip(waves, limits, strict=True)]
 
 
 def benchmark(folder: str | Path) -> list[Row]:

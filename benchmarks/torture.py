@@ -22,12 +22,13 @@ import yaml
 
 from benchmarks.measure import Outcome, tabulated
 from vsb.stages import preview
-from vsb.stages.init import SEED
 from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load
+from vsb.tools.shipped import HOME
 
 Raw = dict[str, Any]
+FEW_MODES = HOME / "config" / "few_modes.yaml"
 DIGITS = "twenty thousand digits"
 JUNK: tuple[Any, ...] = (
     None, True, "", "x", "1e5", "é" * 3, "/etc", [], {}, [[]], {"a": {"b": 1}}, -1, 0, 0.5, 1e308, -1e308, 1e25, 1e-300,
@@ -45,7 +46,7 @@ BAD = ("failed after check", "traceback", "not finite", "long message")
 
 def broken(rng: random.Random) -> str:
     """Return the text of a study with one to three things wrong with it."""
-    raw: Raw = yaml.safe_load(SEED.read_text(encoding="utf-8"))
+    raw: Raw = yaml.safe_load(FEW_MODES.read_text(encoding="utf-8"))
     raw["modes"]["degree"], raw["hydro"] = 2, {"model": "linear", "tolerance": 0.01, "omega_max": 4.0}
     raw["simulation"] |= {"duration": 6.0, "window": [3.0, 6.0]}
     for _ in range(rng.randint(1, 3)):

@@ -39,7 +39,15 @@ settings.register_profile("vsb", deadline=None)  # a machine may be busy
 settings.load_profile("vsb")
 
 HERE = Path(__file__).parent
-SEED = HERE.parent / "config" / "seed.yaml"
+SEED = HERE / "data" / "seed.yaml"
+"""The paper's shell with few modes."""
+EXAMPLE = HERE.parent / "config" / "buoy.yaml"
+"""The study a stranger begins with."""
+
+
+def shipped(name):
+    """The file of a shipped study; of the seed the one with few modes."""
+    return SEED if name == "seed" else EXAMPLE.with_name(f"{name}.yaml")
 
 
 def varied(study: Study, **changes) -> Study:

@@ -2,7 +2,6 @@
 
 import ast
 import re
-import statistics
 import subprocess
 import sys
 from pathlib import Path
@@ -108,17 +107,6 @@ def functions(tree):
     return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
 
 
-def asks_for_tests(tree):
-    """Whether a module does something."""
-    return any(isinstance(node, ast.FunctionDef) for node in ast.walk(tree))
-
-
-def body_lines(function):
-    """Lines of a function without its signature and docstring."""
-    body = function.body[1:] if ast.get_docstring(function) else function.body
-    return body[-1].end_lineno - body[0].lineno + 1 if body else 0
-
-
 def test_every_module_has_its_room():
     assert {name.split(".")[1] for name in PACKAGE} == set(ROOMS)
 
@@ -128,22 +116,6 @@ def test_a_room_imports_only_from_rooms_before_it(name):
     own = name.split(".")[1]
     after = rooms(TREES[name]) - set(ROOMS[: ROOMS.index(own) + 1])
     assert not after, f"{name} imports from {sorted(after)}, which come after {own}"
-
-
-@pytest.mark.parametrize("name", PACKAGE)
-def test_every_module_that_does_something_has_tests_of_its_name(name):
-    """One without a function, such as `vsb.motion.motion`, names things that other modules' tests meet."""
-    room, _, module = name.removeprefix("vsb.").rpartition(".")
-    own = HOME / "tests" / room.replace(".", "/") / f"test_{module}.py"
-    assert own.is_file() or not asks_for_tests(TREES[name]), (
-        f"{name} has functions, but there is no {own.relative_to(HOME)}"
-    )
-
-
-def test_the_checker_sees_what_asks_for_tests():
-    assert asks_for_tests(ast.parse("def f():\n    return 1"))
-    assert asks_for_tests(ast.parse("class A:\n    @property\n    def x(self):\n        return 1"))
-    assert not asks_for_tests(ast.parse("class E(Exception):\n    'why'\nX: int = 1"))
 
 
 def test_modules_import_each_other_in_no_circle():
@@ -205,14 +177,9 @@ def test_what_the_workflow_reads_at_every_parse_is_light(name):
     assert not heavy(ast.parse((HOME / "vsb" / f"{name}.py").read_text(encoding="utf-8")), TREES)
 
 
-@pytest.mark.parametrize("name", WORKFLOW)
-def test_the_workflow_itself_is_light(name):
-    assert not heavy(workflow_tree(WORKFLOW[name].read_text(encoding="utf-8")), TREES)
-
-
 def test_parsing_the_workflow_loads_nothing_heavy():
-    """The same, asked of the interpreter: third parties are in it too."""
-    code = f"import sys, vsb, vsb.study.study, vsb.study.plan; print(*({HEAVY!r} & sys.modules.keys()))"
+    """Asked of the interpreter: third parties are in it too. A degree looked for imports what solves, a kept one does not."""
+    code = f"import sys, vsb, vsb.study.study, vsb.stages.planning; print(*({HEAVY!r} & sys.modules.keys()))"
     done = subprocess.run([sys.executable, "-c", code], cwd=HOME, capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
 
@@ -260,17 +227,6 @@ def test_the_checker_sees_what_a_workflow_imports(text, found):
     assert heavy(workflow_tree(text), {**light, "vsb.shell": ast.parse("from scipy import linalg")}) == found
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_modules_are_short(name):
-    assert len(MODULES[name].read_text(encoding="utf-8").splitlines()) <= 400
-
-
-def test_functions_are_short():
-    lengths = sorted(body_lines(f) for tree in TREES.values() for f in functions(tree))
-    assert statistics.median(lengths) <= 8
-    assert lengths[int(0.9 * len(lengths))] <= 40
-
-
 def test_values_are_frozen():
     """Checked once, when they are made; what changes on its way is named here."""
     found = {
@@ -298,6 +254,7 @@ def test_pairs_and_texts_say_how_they_are_made():
 @pytest.mark.parametrize("name", MODULES)
 def test_everything_public_is_documented(name):
     nodes = [n for n in ast.walk(TREES[name]) if isinstance(n, ast.FunctionDef | ast.ClassDef)]
+    nodes = [n for n in nodes if "overload" not in map(ast.unparse, n.decorator_list)]
     nested = {id(child) for n in nodes if isinstance(n, ast.FunctionDef) for child in ast.walk(n) if child is not n}
     bare = [n.name for n in nodes if id(n) not in nested and not n.name.startswith("_") and not ast.get_docstring(n)]
     assert not bare

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
-from conftest import SEED, SMALL, SMALL_PLAN, told
+from conftest import EXAMPLE, SEED, SMALL, SMALL_PLAN, shipped, told
 
 import vsb
 from vsb import cli, errors
@@ -249,7 +249,7 @@ def test_a_results_folder_that_is_none_is_told_before_any_work(workplace, capsys
 
 
 def test_a_file_that_cannot_be_used_is_one_line(workplace, capsys, monkeypatch):
-    paper = yaml.safe_load(SEED.with_name("paper.yaml").read_text())
+    paper = yaml.safe_load(EXAMPLE.with_name("paper.yaml").read_text())
     given(monkeypatch, canonical(paper))
     options = {"modes": "m", "trajectories": "t", "figures": "f", "out": "r.html", "manifest": "m.json"}
     line = told(["report", "--tables", "none.json", *(f"--{key}={value}" for key, value in options.items())], capsys)
@@ -310,7 +310,7 @@ def test_a_profile_whose_executor_is_not_installed_says_what_to_install(tmp_path
 
 def test_campaigns_and_studies_have_names_of_their_own(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    year = SEED.parent / "year.yaml"
+    year = EXAMPLE.parent / "year.yaml"
     (tmp_path / "results" / "year").mkdir(parents=True)
     (tmp_path / "results" / "year" / "study.json").touch()
     assert main(["check", str(year)]) == 2
@@ -322,9 +322,9 @@ def test_campaigns_and_studies_have_names_of_their_own(tmp_path, monkeypatch, ca
 
 def test_check_tells_of_a_campaign_what_it_is_and_what_is_left(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    assert main(["check", str(SEED.parent / "when_it_pays.yaml")]) == 0
+    assert main(["check", str(EXAMPLE.parent / "when_it_pays.yaml")]) == 0
     out = capsys.readouterr().out
-    assert "seed.yaml over 8600 seas, tuning constrained" in out
+    assert "few_modes.yaml over 8600 seas, tuning constrained" in out
     assert "84 of device.young_modulus x device.thickness x pto.force_limit, 0 done" in out
     assert "32 of 32 batches to do, 1 shapes of the water" in out
 
@@ -547,7 +547,7 @@ def test_a_command_line_that_says_little_means_the_usual():
 )
 def test_check_prints_what_is_said_of_each_kind_of_file_a_line_each(workplace, monkeypatch, capsys, name, place):
     calls = noted(monkeypatch, f"vsb.stages.{place}", ["first", "second"])
-    assert main(["check", str(SEED.with_name(f"{name}.yaml"))]) == 0
+    assert main(["check", str(shipped(name))]) == 0
     assert capsys.readouterr().out == "first\nsecond\n"
     assert calls[0][0][-1].name == name
 

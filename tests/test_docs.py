@@ -15,6 +15,7 @@ import vsb
 from vsb.cli import main, parser
 from vsb.hydro.bodies.body import detected_symmetry
 from vsb.hydro.bodies.files import read_body
+from vsb.hydro.bodies.hydrostatics import linear_share
 from vsb.hydro.bodies.study import read_config
 from vsb.study.body import BodyStudy, load_body
 from vsb.study.body_file import BodyFile
@@ -117,6 +118,7 @@ def test_the_body_of_the_documentation_is_one(tmp_path, monkeypatch):
     assert body.labels == ("Heave", "Pitch", "Bending")
     assert body.volume == pytest.approx(20.0 * 8.0 * 2.0)
     assert detected_symmetry(body) == "xOz+yOz"
+    assert linear_share(body) is None  # its bending is a beam's
 
 
 def test_the_change_of_the_tutorial_is_a_study(tmp_path):

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
 from vsb.stages.init import init
+from vsb.stages.planning import plan_of, with_degree
 from vsb.stages.run import ERROR, check_name, cores, run
 from vsb.stages.stage import STAGES, Stage
 from vsb.study.body_plan import BodyPlan
-from vsb.study.campaign_plan import CampaignPlan, plan_of
+from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.quantities import Section
 from vsb.study.schema import nearest
@@ -90,7 +91,7 @@ def shell(args: argparse.Namespace) -> int:
     """Print dry natural frequencies of both branches, the paper's Ritz column, and the buckling pressure."""
     from vsb.stages import preview
 
-    table = preview.shell_table(load(args.config))
+    table = preview.shell_table(with_degree(StudyPlan(load(args.config))).study)
     print(json.dumps(table, indent=1) if args.json else preview.shell_text(table))
     return 0
 
@@ -102,9 +103,9 @@ def export(args: argparse.Namespace) -> int:
     if (path := Path(args.config)).suffix == ".nc":
         files = interchange.export(path, args.folder, path.stem)
     else:
-        study = load(args.config)
-        stored = Path(StudyPlan(study).database_path)
-        files = interchange.export(stored, args.folder, study.study, expected_id=stored.stem)
+        plan = with_degree(StudyPlan(load(args.config)))
+        stored = Path(plan.database_path)
+        files = interchange.export(stored, args.folder, plan.name, expected_id=stored.stem)
     print(*files, sep="\n")
     return 0
 
@@ -150,7 +151,9 @@ def shape_dependence(args: argparse.Namespace) -> int:
     """Shape database of a deep-water study, a figure, and one line: whether its power depends on the shape."""
     from vsb.stages import shape_dependence as stage
 
-    answer = stage.shape_dependence(load(args.config), f"{args.out}.nc", f"{args.out}.svg")
+    answer = stage.shape_dependence(
+        with_degree(StudyPlan(load(args.config))).study, f"{args.out}.nc", f"{args.out}.svg"
+    )
     print(f"{args.out}.nc {args.out}.svg\n{answer}")
     return 0
 

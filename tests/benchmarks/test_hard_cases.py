@@ -98,7 +98,7 @@ def test_cheap_cases_end_as_expected(name, tmp_path):
 
 
 def test_a_linear_case_has_a_reference_and_shares_its_files(tmp_path):
-    case = Case("linear", base=str(CASES.parent / "seed.yaml"), designs=("VSWEC", "VSWEC90"), overrides=SHORT)
+    case = Case("linear", base=str(CASES.parent / "few_modes.yaml"), designs=("VSWEC", "VSWEC90"), overrides=SHORT)
     first = run_cases([case], tmp_path)
     files = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nc")}
     coarse = replace(case, overrides=changed(SHORT, {"simulation": {"method": "convolution"}}))

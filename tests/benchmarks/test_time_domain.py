@@ -42,7 +42,7 @@ DURATION = 2.5
 
 @pytest.fixture(scope="module")
 def seed_study():
-    return config.load(HERE.parent / "config" / "seed.yaml")
+    return config.load(HERE.parent / "config" / "few_modes.yaml")
 
 
 @pytest.fixture(scope="module")

@@ -52,7 +52,7 @@ def test_what_passes_the_check_runs(tmp_path_factory, seed):
 
 
 def test_what_breaks_is_told_from_what_is_refused(tmp_path, monkeypatch):
-    text = torture.SEED.read_text()
+    text = torture.FEW_MODES.read_text()
     assert torture.fate("- no study\n", tmp_path).verdict == "refused"
     monkeypatch.setattr(torture, "run_stages", lambda study, plan: "response.nc: rao")
     assert torture.fate(text, tmp_path) == torture.Outcome("not finite", "response.nc: rao")
@@ -63,7 +63,7 @@ def test_what_breaks_is_told_from_what_is_refused(tmp_path, monkeypatch):
 
 
 def test_a_table_of_fates_is_written(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(torture, "study_text", lambda index: "- no study" if index else torture.SEED.read_text())
+    monkeypatch.setattr(torture, "study_text", lambda index: "- no study" if index else torture.FEW_MODES.read_text())
     monkeypatch.setattr(torture, "run_stages", lambda study, plan: "")
     assert main(["torture", "3", str(tmp_path / "table.csv")]) == 0
     assert (tmp_path / "table.csv").read_text().startswith("index,verdict,reason\n0,completed,\n1,refused,")

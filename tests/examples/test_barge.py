@@ -1,7 +1,9 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import yaml
-from conftest import SEED
+from conftest import EXAMPLE
 from scipy.integrate import quad
 from scipy.special import roots_legendre
 
@@ -121,16 +123,36 @@ def waters_energy(box, q, modes):
     return box.beam / 2 * (total + ends[0] - ends[1])
 
 
-def test_stiffness_of_bending_converges_to_that_of_the_bent_box(box):
+def test_stiffness_of_linear_displacements_converges_to_that_of_the_bent_box(box):
+    """As of a file that states no second order: vertical sections stretch as they turn."""
     h, modes = 1e-2, (1, 2)
     u = {(a, b): waters_energy(box, h * np.array([a, b]), modes) for a in (-1, 0, 1) for b in (-1, 0, 1)}
     mixed = (u[1, 1] - u[1, -1] - u[-1, 1] + u[-1, -1]) / 4
     pure = [u[1, 0] - 2 * u[0, 0] + u[-1, 0], u[0, 1] - 2 * u[0, 0] + u[0, -1]]
     exact = np.array([pure[0], mixed, mixed, pure[1]]) / h**2
-    found = np.array([hydrostatic_stiffness(box.body(n, 1.0), 1.0, 1.0)[2:4, 2:4].ravel() for n in (2, 3, 4, 6)])
+    bodies = [box.body(n, 1.0) for n in (2, 3, 4, 6)]
+    linear = [replace(each, second_order=np.zeros((6, *each.shapes.shape))) for each in bodies]
+    found = np.array([hydrostatic_stiffness(each, 1.0, 1.0)[2:4, 2:4].ravel() for each in linear])
     limit, order = barge.limit_and_order((2, 3, 4, 6), found)
     assert 1.8 < order < 2.2
     assert limit == pytest.approx(exact, abs=2e-3 * np.abs(exact).max())
+
+
+def test_bending_keeps_the_length_of_the_axis(box):
+    """U = B {int w^2/2 + T (T/2 + z_G) [int w'^2/2 - (w w') at the ends]}, coupling of modes included."""
+    node, weight = roots_legendre(60)
+    w, slope = np.array([free_free_shape(n, node) for n in range(1, 5)]).swapaxes(0, 1)
+    end, turn = np.array([free_free_shape(n, np.array([-1.0, 1.0])) for n in range(1, 5)]).swapaxes(0, 1) * [
+        [[1]],
+        [[2 / 80.0]],
+    ]
+    size = box.length / 2 * weight
+    edge = np.einsum("ie,je,e->ij", end, turn, [-1.0, 1.0])
+    bracket = np.einsum("is,js,s->ij", slope, slope, size) * (2 / box.length) ** 2 - edge - edge.T
+    draught = box.draught
+    exact = box.beam * (np.einsum("is,js,s->ij", w, w, size) + draught * (draught / 2 + box.centre_of_mass) * bracket)
+    found = hydrostatic_stiffness(box.body(3, 1.0), 1.0, 1.0)[2:6, 2:6]
+    assert found == pytest.approx(exact, abs=2e-4 * np.abs(exact).max())
 
 
 def test_panels_are_graded_and_counted():
@@ -206,7 +228,7 @@ def test_a_wrong_study_is_refused_in_one_line(tmp_path, changes, message):
 
 def test_the_shipped_body_is_what_this_writes():
     """And the port of the shipped study is the bow: what it rises by per unit of every degree of freedom."""
-    located = load_body(SEED.with_name("barge.yaml"))
+    located = load_body(EXAMPLE.with_name("barge.yaml"))
     found = read_body(located.files["mesh"], located.files["modes"])
     size = {"length": 80.0, "beam": 10.0, "draught": 5.0, "centre_of_mass": 0.0}
     box = barge.Barge(**size, bending_stiffness=2e10, hinge_stiffness=0.0)
@@ -218,6 +240,6 @@ def test_the_shipped_body_is_what_this_writes():
     assert [located.study.pto.port.dofs[label] for label in box.labels] == pytest.approx(bow)
     assert located.study.reference_design == "rigid"
     assert located.study.directions == (0.0, 45.0)
-    hinge = load_body(SEED.with_name("hinged_barge.yaml"))
+    hinge = load_body(EXAMPLE.with_name("hinged_barge.yaml"))
     assert hinge.files == located.files
     assert hinge.study.pto.port.dofs == {"Hinge": 1.0}

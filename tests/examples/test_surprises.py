@@ -8,11 +8,7 @@ from conftest import HERE, told
 from examples import surprises
 
 PAGE = (HERE.parent / "docs" / "surprises.md").read_text()
-CHEAP = [
-    name
-    for name in surprises.CASES
-    if name not in ("latching", "latching_when_wet", "the_paper", "surge", "same_limit")
-]
+CHEAP = [name for name in surprises.CASES if name not in ("latching", "the_paper", "same_limit")]
 """Cases of one database, and of no motion in time."""
 
 

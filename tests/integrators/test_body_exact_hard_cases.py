@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import SEED, compiled_motion, labelled, only_run, springs, varied
+from conftest import EXAMPLE, compiled_motion, labelled, only_run, springs, varied
 from scipy.integrate import solve_ivp
 
 from vsb.integrators.audit import energies, residual
@@ -23,7 +23,7 @@ STILL = [{"kind": "still"}]
 
 @pytest.fixture(scope="module")
 def paper():
-    study = config.load(SEED.parent / "paper.yaml")
+    study = config.load(EXAMPLE.parent / "paper.yaml")
     return config.parse({**study.model_dump(), "published": None})
 
 

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import HERE, only_run, varied
+from conftest import only_run, shipped, varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import block_diag
@@ -35,7 +35,7 @@ def scene(tmp_path_factory):
     folder = tmp_path_factory.mktemp("hydro")
 
     def build(name, design, **changes):
-        study = varied(config.load(HERE.parent / "config" / f"{name}.yaml"), published=None, **changes)
+        study = varied(config.load(shipped(name)), published=None, **changes)
         paths = hardcases.hydro_files(study, folder)
         one = varied(study, designs={design: study.designs[design].model_dump()})
         StudyPlan(one)
@@ -244,7 +244,7 @@ def test_a_tolerance_out_of_reach_says_so(scene, monkeypatch):
 
 @pytest.mark.parametrize("name", ["seed", "body_exact"])
 def test_a_study_may_ask_for_it(name):
-    study = config.load(HERE.parent / "config" / f"{name}.yaml")
+    study = config.load(shipped(name))
     assert varied(study, simulation={"method": "structure_preserving"}).simulation.method == "structure_preserving"
     with pytest.raises(ConfigError, match=r"simulation.method 'structure_preserving': .*'auto' needs one of auto"):
         varied(study, simulation={"method": "structure_preserving"}, hydro={"model": "auto"})
@@ -253,7 +253,7 @@ def test_a_study_may_ask_for_it(name):
 @pytest.mark.parametrize("name", ["seed", "body_exact"])
 def test_a_run_with_it_closes_its_audit(scene, name):
     plant = scene(name, "FSB")
-    settings = config.load(HERE.parent / "config" / f"{name}.yaml").simulation
+    settings = config.load(shipped(name)).simulation
     short = settings.model_copy(update={"duration": 10.0, "method": "structure_preserving", "tolerance": 1e-7})
     sea = Sea(plant.excitation.omega, np.array([0.179 + 0j]))
     motion, _, method = simulate(System.of(plant), sea, short, None)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import HERE, SEED, only_run, varied
+from conftest import EXAMPLE, HERE, only_run, varied
 
 from vsb.errors import ConvergenceError
 from vsb.hydro.retardation import DampingSpectrum
@@ -67,7 +67,7 @@ class Hardening(Force):
 
 @pytest.fixture(scope="module")
 def paper():
-    study = load(SEED.parent / "paper.yaml")
+    study = load(EXAMPLE.parent / "paper.yaml")
     short = varied(study, published=None, simulation={"duration": 2.0, "window": (1.0, 2.0)})
     return varied(short, designs={"FSB": short.designs["FSB"].model_dump()})
 

@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import SEED, only_run, varied
+from conftest import EXAMPLE, only_run, varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -27,7 +27,7 @@ from vsb.study import resolution
 from vsb.study.study import load
 from vsb.waves.seas import NO_WAVES, Sea, sea
 
-PAPER = SEED.parent / "paper.yaml"
+PAPER = EXAMPLE.parent / "paper.yaml"
 TRANSIENT = 1e7
 """A take-off that stops the seed's buoy in 2 ms [N s/m]; records are 12.5 ms apart."""
 

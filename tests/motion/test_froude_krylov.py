@@ -165,3 +165,12 @@ def test_elevation_and_pressure_are_sums_of_every_component_s_own_around_the_axi
         np.testing.assert_allclose(sea.head, now, atol=1e-15)
         np.testing.assert_allclose([_elevation(waves, sea, at**2) for at in x], around @ now, atol=1e-9)
         np.testing.assert_allclose(_dynamic(waves, sea, x**2, z), (around * profile) @ now, atol=1e-9)
+
+
+@pytest.mark.parametrize("depth", [np.inf, 20.0])
+def test_a_trial_state_far_under_water_is_no_number_or_a_small_one_but_no_error(depth):
+    """A step that was predicted too long asks for waves 1000 m down: it must fail as a step, by its size."""
+    waves = incident(Sea(np.array([1.0, 12.0]), np.array([0.1, 0.1j])), depth, G, 2.0)
+    sea = _moment(waves, rotated(waves, 0.3), -1000.0)
+    found = _dynamic(waves, sea, np.array([0.0, 1.0]), np.array([-1000.0, -1001.0]))
+    assert depth < np.inf or np.abs(found).max() < 1e-12

@@ -6,25 +6,37 @@ from conftest import varied
 from scipy.linalg import hankel, toeplitz
 
 from vsb.errors import ConfigError
-from vsb.motion import constrained
+from vsb.motion.constrained import optimum_in_sea
+from vsb.motion.force_bound import Limits
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.waves.seas import sea
 
 SEA = Harmonics(0.13, 0.5, 40)
-
-
 WAVES = Harmonics(0.8, 1.0, 9)
+MASS = 3e4
+
+
+def admittance(omega, resonance=1.6, loss=500.0):
+    """Admittance of a mass on a spring with radiation [m/(N s)]."""
+    resistance = loss + 8e3 * omega**2 * np.exp(-omega)
+    return 1 / (resistance - 1j * MASS * (omega - resonance**2 / omega))
 
 
 def buoy(harmonics, resonance=1.6, seed=0, loss=500.0):
-    """Admittance of a mass on a spring with radiation, and free velocity in a sea of random phases."""
-    w, mass = harmonics.omega, 3e4
-    resistance = loss + 8e3 * w**2 * np.exp(-w)
-    admittance = 1 / (resistance - 1j * (w * mass - mass * resonance**2 / w))
+    """Its free velocity in a sea of random phases, and its admittance, at the harmonics of the band."""
+    w = harmonics.omega
+    y = admittance(w, resonance, loss)
     phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(w))
-    force = 2e4 * np.exp(-(((w - 1.3) / 0.6) ** 2) + 1j * phase)
-    return admittance * force, admittance
+    return y * 2e4 * np.exp(-(((w - 1.3) / 0.6) ** 2) + 1j * phase), y
+
+
+def buoy_port(harmonics, resonance=1.6, seed=0, loss=500.0):
+    """Its port in and outside the band, whose velocity is that of `buoy` in waves of amplitude 1 at all harmonics."""
+    velocity, _ = buoy(harmonics, resonance, seed, loss)
+    y = admittance(harmonics.port_omega, resonance, loss)
+    outside = np.zeros(len(harmonics.outside))
+    return Port(harmonics.port_omega, y, np.append(velocity, outside), 1 / (MASS * resonance**2))
 
 
 def instants(harmonics, count):
@@ -46,6 +58,22 @@ def test_signals_products_and_adjoint_are_the_sums_they_stand_for(harmonics):
     np.testing.assert_allclose(hankel(together[:n], together[n - 1 :]), (waves * w) @ waves.T, atol=1e-11)
     finer = (c @ np.exp(-1j * np.outer(harmonics.omega, instants(harmonics, 3 * harmonics.instants)))).real
     np.testing.assert_allclose(harmonics.signal(c, 3), finer, atol=1e-12)
+
+
+@pytest.mark.parametrize("harmonics", [SEA, WAVES, Harmonics(0.3, 2.5, 7), Harmonics(0.3, 4.0, 3)])
+def test_harmonics_outside_the_band_complete_it_to_four_times_its_highest_frequency(harmonics):
+    """All frequencies of a signal of this period but a steady part; transforms against plain sums."""
+    spacing, rng = harmonics.spacing, np.random.default_rng(4)
+    together = np.sort(harmonics.port_omega) / spacing
+    first = harmonics.first % 1 or 1.0
+    np.testing.assert_allclose(together, first + np.arange(len(together)), rtol=1e-12)
+    assert 4 * harmonics.omega[-1] <= together[-1] * spacing < 4 * (harmonics.omega[-1] + spacing)
+    time, weights = instants(harmonics, 8 * harmonics.instants), rng.normal(size=8 * harmonics.instants)
+    outside = np.exp(1j * np.outer(harmonics.outside, time))
+    np.testing.assert_allclose(harmonics.phasors_outside(weights), outside @ weights, atol=1e-10)
+    c, d = (rng.normal(size=(2, n)).T @ [1, 1j] for n in (harmonics.count, len(harmonics.outside)))
+    expected = harmonics.signal(c, 8) + (d @ outside.conj()).real
+    np.testing.assert_allclose(harmonics.signal_with(c, d, 8), expected, atol=1e-10)
 
 
 @pytest.mark.parametrize(("spacing", "first", "count"), [(0.1, 0.0, 3), (0.1, 0.7, 3), (0.0, 1.0, 3), (0.1, 1.0, 0)])
@@ -73,10 +101,9 @@ def test_harmonics_of_a_sea_hold_its_components_and_fill_the_band(seed, wave):
     np.testing.assert_allclose(harmonics.omega[at], waves.omega, rtol=1e-9)
     assert 0.1 - 1e-9 <= harmonics.omega[0] < 0.1 + harmonics.spacing
     assert 12.0 - harmonics.spacing < harmonics.omega[-1] <= 12.0 + 1e-9
-    velocity, admittance = buoy(harmonics)
-    port = Port(harmonics.omega, admittance, velocity, 0.0)
-    power = np.sum(np.abs(velocity[at] * waves.amplitude) ** 2 / (8 * admittance.real[at]))
-    assert constrained.optimum_in_sea(port, waves, harmonics).power == pytest.approx(power, rel=1e-12)
+    velocity, y = buoy(harmonics)
+    power = np.sum(np.abs(velocity[at] * waves.amplitude) ** 2 / (8 * y.real[at]))
+    assert optimum_in_sea(buoy_port(harmonics), waves, harmonics, Limits()).power == pytest.approx(power, rel=1e-12)
 
 
 @pytest.mark.parametrize(

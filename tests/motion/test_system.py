@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import SEED, only_run, varied
+from conftest import EXAMPLE, only_run, varied
 
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.convolution import convolve
@@ -34,7 +34,7 @@ OMEGA = np.array([1.3, 2.1])
 @pytest.fixture(scope="module")
 def wet():
     """The paper's free shell under its assumed pressure."""
-    study = varied(load(SEED.parent / "paper.yaml"), published=None)
+    study = varied(load(EXAMPLE.parent / "paper.yaml"), published=None)
     one = varied(study, designs={"VSWEC": study.designs["VSWEC"].model_dump()})
     return assumed_pressure_design(only_run(one), {}).scene
 

@@ -1,9 +1,10 @@
-"""The band that counts: where some design absorbs a twentieth of the most, and waves are seas."""
+"""The band that counts: where some design absorbs a twentieth of the most, and waves are seas; extremes of gains in it."""
 
 import numpy as np
+import pytest
 import xarray as xr
 
-from vsb.report.band import LOWEST, USEFUL, lowest, useful_band
+from vsb.report.band import LOWEST, USEFUL, gain_band, lowest, useful_band, with_extremes
 
 
 def test_any_design_makes_a_frequency_useful_and_too_long_waves_none():
@@ -21,3 +22,55 @@ def test_the_bounds_of_the_band_are_part_of_it():
     )
     assert useful_band(absorbed).values.tolist() == [True, True, False]
     assert (lowest(0.1, 0.6), lowest(0.1, 0.599), lowest(0.5, 0.599)) == (0.3, 0.1, 0.5)
+
+
+NARROW = 3e-3
+"""Half width of a resonance, a third of the step of a grid [rad/s]."""
+
+
+def resonant(omega):
+    """A rigid design of a broad hump, and one that absorbs 6.36 times as much at 1.0437 rad/s, 0.2 at 1.6181."""
+    rigid = 50.0 / (1 + (omega - 1.3) ** 2)
+    peak, dip = (1 / (1 + ((omega - at) / NARROW) ** 2) for at in (1.0437, 1.6181))
+    values = [rigid, rigid * (1 + 6.36 * peak) * (1 - 0.8 * dip)]
+    return xr.DataArray(values, dims=("design", "omega"), coords={"design": ["FSB", "A"], "omega": omega})
+
+
+def test_gains_at_extremes_between_frequencies_are_found():
+    """In closed form +636 % and -80 %; the grid itself shows less than half of the first."""
+    omega = np.arange(0.5, 2.5, 0.01)
+    found = resonant(with_extremes(resonant, omega, "FSB"))
+    gain, coarse = (100 * (p.sel(design="A") / p.sel(design="FSB") - 1) for p in (found, resonant(omega)))
+    assert float(coarse.max()) < 300
+    assert (float(gain.max()), float(gain.min())) == pytest.approx((636.0, -80.0), abs=0.7)
+    assert float(gain.idxmax("omega")) == pytest.approx(1.0437, abs=1e-4)
+    assert set(omega) <= set(found.omega.values)
+    assert found.sizes["omega"] < len(omega) + 120
+
+
+def falling(omega):
+    """A rigid design whose power ends, and a gain that grows until it does: exp(2 omega) - 1 over 1/(1 + exp)."""
+    rigid = 1 / (1 + np.exp(40 * (omega - 1.0)))
+    values = [rigid, rigid * np.exp(2 * omega)]
+    return xr.DataArray(values, dims=("design", "omega"), coords={"design": ["FSB", "A"], "omega": omega})
+
+
+def test_a_gain_that_is_largest_where_its_band_ends_is_known_there():
+    """Where a tenth of what the other absorbs is more than the rigid one does, or a twentieth of its own most."""
+    omega = np.arange(0.3, 1.5, 0.037)
+    power = falling(with_extremes(falling, omega, "FSB"))
+    inside = power.omega.values[gain_band(power, "FSB").values]
+    end = inside.max()
+    fine = falling(np.linspace(end - 0.05, end + 0.05, 200001))
+    best, rigid = fine.max("design"), fine.sel(design="FSB")
+    ends = (best >= USEFUL * power.max("design").max()) & ((rigid >= USEFUL * 1.0) | (rigid >= 0.1 * best))
+    exact = float(fine.omega.values[ends.values].max())
+    assert np.exp(2 * end) == pytest.approx(np.exp(2 * exact), rel=2e-3)
+
+
+def test_what_is_resolved_stays_as_it_is():
+    omega = np.linspace(0.5, 1.5, 400)
+    smooth = xr.DataArray([np.ones(400), 1 + omega], dims=("design", "omega"))
+    smooth = smooth.assign_coords(design=["FSB", "A"], omega=omega)
+    found = with_extremes(lambda at: smooth.interp(omega=at), omega, "FSB")
+    assert found.tolist() == omega.tolist()

@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from matplotlib.legend import Legend
 
-from vsb.report.campaign_answer import shown_place, told_gain
+from vsb.report.campaign_answer import shown_place, told_bounds, told_gain
 from vsb.report.campaign_figures import (
     DRAWN,
     _label,
@@ -84,10 +84,23 @@ def test_the_member_shown_gains_most_of_those_that_carry_their_load():
     assert shown_place(campaign(), "one", None) == {"young_modulus": 1, "thickness": 0}
 
 
-def test_gains_told_are_corrected_ones_of_the_tuning_that_was_run():
-    ds = campaign(verified_tuning="one").assign(corrected_gain_percent=lambda ds: ds.gain_percent - 1.0)
-    assert told_gain(ds, "one").equals(ds.corrected_gain_percent)
+def by_runs(ds, gain, width=0.5, factor=1.0, model="body_exact"):
+    """A campaign whose tuning `one` is verified: gains, their half width, powers in terms of linear ones."""
+    begin = {"body_exact": "body_exact", "linear": "in_time"}[model]
+    gain = gain.sel(tuning="one", drop=True)
+    values = {"gain_percent": gain, "gain_low": gain - width, "gain_high": gain + width}
+    rigid = ds.annual_mean_power.sel(tuning="one", design="FSB", drop=True)
+    values["mean_power"] = factor * rigid * (1 + gain / 100)
+    attrs = {"verified_tuning": "one", "verified_model": model, "verification": "tuning one: 4 seas"}
+    return ds.assign({f"{begin}_{name}": value for name, value in values.items()}).assign_attrs(attrs)
+
+
+def test_gains_told_are_those_of_runs_under_the_tuning_that_was_run_each_in_its_own_interval():
+    ds = by_runs(campaign(), campaign().gain_percent - 1.0)
+    assert told_gain(ds, "one").equals(ds.body_exact_gain_percent)
     assert told_gain(ds, "each").equals(ds.gain_percent)
+    assert [bound.name for bound in told_bounds(ds, "one")] == ["body_exact_gain_low", "body_exact_gain_high"]
+    assert [bound.name for bound in told_bounds(ds, "each")] == ["gain_low", "gain_high"]
 
 
 def test_curves_and_optima_over_the_damper():
@@ -447,8 +460,8 @@ def test_power_over_force_begins_at_nothing_and_beside_optima_is_logarithmic():
 
 
 def test_gains_corrected_by_runs_are_lines_and_those_of_linear_theory_dotted_beside_them():
-    ds = campaign(gains=GAINS[:, :1], thickness=(0.01,), verified_tuning="one")
-    ds["corrected_gain_percent"] = ds.gain_percent - 1.5
+    ds = campaign(gains=GAINS[:, :1], thickness=(0.01,))
+    ds = by_runs(ds, ds.gain_percent - 1.5)
     for tuning, values in (("one", [GAINS[:, 0] - 1.5, GAINS[:, 0], [0.0, 0.0]]), ("each", [GAINS[:, 0], [0.0, 0.0]])):
         lines = sweep(ds, tuning, "FSB").axes[0].lines
         np.testing.assert_allclose([line.get_ydata() for line in lines], values)
@@ -517,8 +530,7 @@ def test_a_value_of_a_row_is_told_in_words_of_its_own_unit():
 
 def test_a_map_is_of_the_gains_that_are_told():
     """Corrected by runs in time under their tuning, in colours of their own reach; of linear theory under another."""
-    ds = campaign(verified_tuning="one")
-    ds["corrected_gain_percent"] = 3.0 * ds.gain_percent
+    ds = by_runs(campaign(), 3.0 * campaign().gain_percent)
     for tuning, factor in (("one", 3.0), ("each", 1.0)):
         mesh = sweep(ds, tuning, "FSB").axes[0].collections[0]
         np.testing.assert_allclose(mesh.get_array().reshape(2, 2), factor * GAINS)

@@ -194,7 +194,7 @@ def page(data):
     body = [["B", "20"], ["A", "100"], ["C", "-3"]]
     return html.page(
         "report.html.j2", living=as_script(data), kind="study", facts={}, head=head, body=body, details_head=head, details=body,
-        more_failed=0, doubts=0, thing="buoy", flexible=True, buoys=None, still="", **values,
+        below=(), parts_head=(), parts=(), more_failed=0, doubts=0, thing="buoy", flexible=True, buoys=None, still="", **values,
     )  # fmt: skip
 
 

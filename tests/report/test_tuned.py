@@ -6,6 +6,7 @@ from vsb.report.tuned import (
     closing_line,
     dampers_in_words,
     limited_statements,
+    parts_table,
     shares_text,
     tuned_statements,
     tuning_table,
@@ -75,10 +76,24 @@ def test_the_run_closes_with_the_fair_answer():
     assert even == "mean power against the rigid FSB +0.0 % at own best dampers, +0.0 % at the given damper; "
 
 
+def test_the_closing_line_is_of_valid_designs_or_says_that_there_is_no_answer():
+    buckled = {"name": "buckling", "value": 66.0, "limit": 1.0}
+    a, b = ({"design": name, "sea": "v", **buckled} for name in ("A", "B"))
+    assert closing_line(CHOP, "FSB", [a]) == "mean power against the rigid FSB +0.0 % at own best dampers; "
+    assert closing_line(CHOP, "FSB", [a, b]).startswith("No valid answer yet: the shell buckles under its static load")
+
+
+def test_the_parts_of_an_interval_are_told_source_by_source():
+    parts = [{"name": "modes left out", "low": -3.0, "high": 0.0, "kind": "bound", "shared": False}]
+    assert parts_table([CHOP[1] | {"errors": parts}]) == [["A", "v", "modes left out", "-3", "0", "bound"]]
+
+
 def test_table_has_a_dash_for_what_does_not_exist():
     first, second = tuning_table([SWELL[1], CHOP[0]])
-    assert first == ["A", "w", "64280", "705.8", "-9.6", "8000", "227", "+9.5", "32.2"]
-    assert second == ["FSB", "v", "64280", "100", "+0.0", "-", "-", "-", "-"]
+    assert first == ["A", "w", "64280", "705.8", "-9.6", "-", "8000", "227", "+9.5", "-", "32.2"]
+    assert second == ["FSB", "v", "64280", "100", "+0.0", "-", "-", "-", "-", "-", "-"]
+    (known,) = tuning_table([SWELL[1] | {"best_low": -9.7, "best_high": -9.5, "low": 9.0, "high": 10.0}])
+    assert (known[5], known[9]) == ("-9.7 to -9.5 %", "+9.0 to +10.0 %")
     assert len(first) == len(TUNING)
 
 

@@ -12,7 +12,7 @@ from vsb.results.power import energy_flux
 from vsb.scenes.build import TUNED
 from vsb.waves.seas import NO_WAVES, sea
 
-CONTRACT = "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,energy_residual,damping,stiffness,power_gain_percent"
+CONTRACT = "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,energy_residual,damping,stiffness,power_gain_percent,low,high"
 
 
 def test_table_has_the_promised_columns_and_no_nan():

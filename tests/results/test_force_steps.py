@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from report.test_living import ports
 
 from vsb.motion.constrained import optimum_in_sea
+from vsb.motion.force_bound import Limits
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers
@@ -56,7 +57,7 @@ def test_of_a_regular_wave_they_are_the_optima_of_the_ladder():
     steps = force_steps(SWELL, BOTH, "FSB", BAND)
     harmonics = Harmonics.of_sea(np.array([SWELL.omega]), *BAND)
     for limit, power in zip(steps.limits, steps.powers["VSWEC"], strict=True):
-        best = optimum_in_sea(ports(harmonics.omega)["VSWEC"], regular(SWELL), harmonics, limit)
+        best = optimum_in_sea(ports(harmonics.port_omega)["VSWEC"], regular(SWELL), harmonics, Limits(limit))
         assert best.power == power
 
 

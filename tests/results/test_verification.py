@@ -19,9 +19,11 @@ from vsb.results.verification import (
     drawn,
     half_width,
     linear_power,
+    record_of,
     verified,
 )
 from vsb.results.year import frequencies, year
+from vsb.study.study import Simulation
 from vsb.waves.climate import realised
 from vsb.waves.ndbc import read_ndbc
 from vsb.waves.seas import Sea
@@ -147,6 +149,31 @@ def test_what_begins_in_few_seas_is_covered(measured, kind):
     assert covered >= 243  # 87 % of a thousand, less three standard deviations
 
 
+def test_what_a_record_has_more_or_less_of_than_its_sea_drops_out(measured):
+    """A loss in proportion is known exactly from records that scatter by a half, of power and of gain."""
+    found, _ = measured
+    sample = drawn(chances(found, "one"), found.climate.hours, 8, 3)
+    record = np.random.default_rng(5).uniform(0.5, 1.5, 8)
+    linear = found.power[:, 0, sample.sea] * record
+    checked = verified(found, "one", sample, np.array([[0.9], [0.7]]) * linear, linear)
+    assert checked.power(0) == pytest.approx([0.9 * found.annual_mean_power[0, 0]] * 3, rel=1e-9)
+    linear_gain = found.annual_mean_power[1, 0] / found.annual_mean_power[0, 0]
+    assert checked.gain(1, 0) == pytest.approx([100 * (7 / 9 * linear_gain - 1)] * 3, rel=1e-9)
+
+
+@pytest.mark.parametrize(("te", "decay", "start"), [(11.0, 0.4, 33.0), (11.0, 8.0, 40.0)])
+def test_records_are_ten_energy_periods_from_rest_after_three_or_five_decay_times(te, decay, start):
+    given = Simulation(duration=60.0, window=(20.0, 30.0), initial_velocity=-0.8, tolerance=1e-5)
+    found = record_of(te, decay, given)
+    assert (found.duration, found.window) == (pytest.approx(start + 110.0), pytest.approx((start, start + 110.0)))
+    assert (found.initial_position, found.initial_velocity, found.tolerance) == (0.0, 0.0, 1e-5)
+
+
+def test_motions_that_remember_longer_than_any_record_are_refused():
+    with pytest.raises(ConfigError, match=r"motions that decay in 300 s in a sea of Te 11 s.*needs less than 220 s"):
+        record_of(11.0, 300.0, Simulation())
+
+
 def test_far_fewer_hours_than_plain_averaging(measured):
     """What is said of one campaign against the scatter of a hundred, and of a hundred plain averages."""
     found, strokes = measured
@@ -265,7 +292,7 @@ def test_the_hours_saved_are_those_of_the_scatter_between_seas_and_within_them_o
     for a in (0.1, 0.2):
         own = 4 * (a**2 / 2) * 2 / (-2 * np.log(0.75))
         assert fewer(linear + a * turned) == pytest.approx((1.25 + 0.25) / own, rel=1e-9)
-    left = 0.1 * turned - 0.2 * seas  # four fifths of the year are left, and of the scatter that is averaged
+    left = 0.1 * turned - 0.2 * linear  # four fifths of the year are left, and of the scatter that is averaged
     assert fewer(linear + left) == pytest.approx(0.8**2 * fewer(linear + 0.1 * turned), rel=1e-9)
     assert fewer(linear) == np.inf
 
@@ -378,27 +405,6 @@ def test_what_is_said_of_a_design_among_others_is_what_is_said_of_it_alone():
         assert together.power(i) == pytest.approx(alone.power(0), rel=1e-12)
         assert together.correction(i, None).fewer_hours == together.fewer_hours(i)
     assert together.correction(0, 2).gain_percent == together.gain(0, 2) != together.gain(0, 1)
-
-
-def test_linear_power_is_a_mean_over_its_window_at_eight_instants_in_the_shortest_period(monkeypatch):
-    """From its beginning to its end, of the damper's force times the speed it has."""
-    asked = []
-
-    def speeds(omega, phasors, instants):
-        asked.append((omega, phasors, instants))
-        return (instants - 30.0)[:, None]
-
-    monkeypatch.setattr("vsb.results.verification.superposed", speeds)
-    omega = np.array([0.5, 3.0, 1.0])
-    port = Port(omega, np.array([2e-5 + 1e-5j, 1e-5, 1e-5 + 3e-5j]), np.array([0.7 + 0.2j, 0.1, 1j]), 1e-5)
-    sea = Sea(omega, np.array([1.0, 2.0j, -0.5]))
-    found = linear_power(port, sea, 7e3, (30.0, 40.0))
-    ((of, phasors, instants),) = asked
-    assert of is sea.omega
-    assert phasors[:, 0] == pytest.approx(port.velocity / (1 + 7e3 * port.admittance) * sea.amplitude)
-    assert (instants[0], instants[-1]) == (30.0, 40.0)
-    assert 0.9 * 2 * np.pi / 24 < instants[1] - instants[0] <= 2 * np.pi / 24
-    assert found == pytest.approx(7e3 * 100.0 / 3, rel=1e-3)
 
 
 @pytest.mark.parametrize("lost", [np.nan, np.inf, -np.inf])

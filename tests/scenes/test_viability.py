@@ -27,7 +27,7 @@ def varied(study, **sections):
 @pytest.fixture(scope="module")
 def seed():
     """The shipped study."""
-    return load(CONFIG / "seed.yaml")
+    return load(CONFIG.parent / "tests" / "data" / "seed.yaml")
 
 
 def test_the_margin_is_that_of_the_ledger(seed):

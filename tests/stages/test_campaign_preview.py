@@ -133,7 +133,7 @@ def test_every_shape_of_the_water_is_checked_once_and_every_run_in_time(monkeypa
 
     def member(shape, degree, designs, omega_max=5.0):
         study = SimpleNamespace(
-            modes=SimpleNamespace(degree=degree), designs=designs, hydro=SimpleNamespace(omega_max=omega_max)
+            modes=SimpleNamespace(highest=degree), designs=designs, hydro=SimpleNamespace(omega_max=omega_max)
         )
         return SimpleNamespace(spec=SimpleNamespace(sweep=shape), study=study)
 
@@ -168,17 +168,16 @@ def test_every_shape_of_the_water_is_checked_once_and_every_run_in_time(monkeypa
     assert asked[6:] == [*few, ("x", "c.yaml"), ("y", "c.yaml")]
 
 
-def test_runs_in_time_are_told_by_the_verification_and_its_own_study(tmp_path):
+def test_runs_in_time_are_told_by_the_verification(tmp_path):
     """As many points as are run, which may be fewer than there are; those done are there."""
     paths = [str(tmp_path / name) for name in "abc"]
-    base = SimpleNamespace(simulation=SimpleNamespace(duration=90.0))
     verify = SimpleNamespace(seas=6, model="linear", seed=3)
     plan = SimpleNamespace(
-        loaded=SimpleNamespace(campaign=SimpleNamespace(verify=verify), base=base),
+        loaded=SimpleNamespace(campaign=SimpleNamespace(verify=verify)),
         verifications=dict.fromkeys("abc"), verification_paths=paths, members=list("abcde"),
     )  # fmt: skip
     Path(paths[1]).touch()
-    words = "verify       6 seas of 90 s, linear, of each of 3 points, 1 done"
+    words = "verify       6 seas, linear, of each of 3 points, 1 done"
     assert campaign_preview._runs_lines(plan) == [words]
     plan.loaded.campaign.verify = None
     assert campaign_preview._runs_lines(plan) == []

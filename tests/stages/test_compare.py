@@ -61,7 +61,7 @@ def test_results_of_another_study_are_refused_and_nothing_is_written(place):
 MAKERS = {
     compare: ["agreement_checks", "constrained_checks", "fair_damping_checks", "pause_checks",
               "reference_power_checks", "stored_checks"],
-    compare.ledger: ["bending_checks", "limit_check", "radiation_checks", "sea_checks", "shell_checks",
+    compare.ledger: ["limit_check", "mode_checks", "radiation_checks", "sea_checks", "shell_checks",
                      "transient_checks", "wave_checks", "witness_checks"],
     compare.irregular: ["statistical_checks"],
 }  # fmt: skip
@@ -95,10 +95,12 @@ def test_what_a_sea_leaves_is_small_and_its_own(small):
 
 
 def test_every_sea_is_met_in_its_own_waves_and_irregular_ones_are_sampled(seed, monkeypatch):
-    """Of a regular and two irregular seas: waves, runs and samples of each are its own."""
+    """Of a regular and two irregular seas: waves, runs and samples of each are its own, beside what its spectrum says."""
     sea = {"kind": "jonswap", "hs": 1, "tp": 4}
     study = varied(
-        seed, waves=[*seed.model_dump()["waves"], sea, {**sea, "tp": 5}], designs={"A": {"flexible": False}, "B": {}}
+        seed,
+        waves=[*seed.model_dump()["waves"], sea, {**sea, "amplitudes": "random"}],
+        designs={"A": {"flexible": False}, "B": {}},
     )
     runs = {(d, w.label): SimpleNamespace(attrs={"of": (d, w.label)}) for d in "AB" for w in study.waves}
     found = SimpleNamespace(study=study, database="database", response="response", runs=runs)
@@ -112,7 +114,8 @@ def test_every_sea_is_met_in_its_own_waves_and_irregular_ones_are_sampled(seed, 
         assert left.rows == [study, wave, own, waves]
         assert left.checks == [study, "basis", wave, own]
         assert left.runs == {(d, wave.label): {"of": (d, wave.label)} for d in "AB"}
-        samples = {(d, wave.label): (study, wave, d, own[d], waves, "response") for d in "AB"} if i else {}
+        spectral = (study.waves[1], "database")  # of both: the one of fixed amplitudes
+        samples = {(d, wave.label): (study, wave, d, own[d], waves, spectral, "response") for d in "AB"} if i else {}
         assert left.samples == samples
 
 
@@ -120,7 +123,7 @@ def test_every_sea_is_met_in_its_own_waves_and_irregular_ones_are_sampled(seed, 
 def test_checks_of_a_sea_are_asked_of_every_sea(seed, monkeypatch, name):
     seas = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.0, 3.0, 4.0)]
     study, asked = varied(seed, waves=seas), []
-    for maker in ("radiation_checks", "bending_checks", "wave_checks", "witness_checks"):
+    for maker in ("radiation_checks", "wave_checks", "witness_checks"):
         monkeypatch.setattr(compare.ledger, maker, lambda *_: [])
     monkeypatch.setattr(compare.ledger, "limit_check", lambda *_: Check("limit", 0.0, 1.0, "-", "ok", ""))
     monkeypatch.setattr(compare, "agreement_checks", lambda *_: [])
@@ -171,10 +174,14 @@ def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_pat
     monkeypatch.setattr(compare.irregular, "as_csv", lambda lines: "")
     monkeypatch.setattr(compare.comparison, "as_csv", lambda rows: f"{rows}")
     monkeypatch.setattr(compare, "equal_tuning", maker("equal_tuning", []))
+    monkeypatch.setattr(compare, "linearisation", maker("linearisation", "beyond"))
+    monkeypatch.setattr(compare, "with_intervals", lambda *given: asked.update(intervals=given) or given[1])
     monkeypatch.setattr(compare, "within_limits", maker("within_limits", []))
     reference = SimpleNamespace(basis="basis")
     monkeypatch.setattr(compare, "reference_shell", lambda of: reference)
-    monkeypatch.setattr(compare, "Inputs", lambda *given: SimpleNamespace(study=study, plan=plan, given=given))
+    monkeypatch.setattr(
+        compare, "Inputs", lambda *given: SimpleNamespace(study=study, plan=plan, given=given, response="response")
+    )
 
     def in_a_sea(found, basis, wave):
         assert (basis, found.given[:2]) == (None if kind == "body" else "basis", (study, "runs"))
@@ -197,6 +204,7 @@ def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_pat
         names |= {"shell_checks"}
     if kind == "dry":
         assert asked["assumed_pressure_checks"] == (study, rows)
+        assert asked["intervals"] == (study, rows, runs, (), None)
         names |= {"assumed_pressure_checks"}
     else:
         ladder = [compare.Rung(**rung)]
@@ -204,7 +212,10 @@ def test_tables_are_of_all_seas_and_checks_of_all_that_a_study_has(seed, tmp_pat
         assert asked["statistics"] == (study, {("A", of): f"sample {of}" for of in labels})
         assert asked["of_the_water"][1:] == (rows, runs)
         assert asked["statistical_checks"] == (study, [])
-        assert asked["equal_tuning"] == asked["within_limits"] == asked["reference_power_checks"] == (study, ladder)
+        assert asked["within_limits"] == asked["reference_power_checks"] == (study, ladder)
+        assert asked["equal_tuning"] == (study, ladder, "beyond")
+        assert asked["linearisation"] == (study, rows, runs, "response", [])
+        assert asked["intervals"] == (study, rows, runs, ladder, "response")
         assert asked["fair_damping_checks"] == ([], study.pto)
         assert asked["constrained_checks"] == (ladder,)
         names |= {

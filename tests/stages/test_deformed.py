@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import SEED, varied
+from conftest import SEED, shipped, varied
 
 from vsb.scenes.rest import reference_shell, study_basis
 from vsb.stages import deformed
@@ -21,7 +21,7 @@ KINDS = {
 @pytest.fixture(params=KINDS)
 def case(request):
     kind, name, changes = KINDS[request.param]
-    study = varied(load(SEED.with_name(f"{name}.yaml")), **changes)
+    study = varied(load(shipped(name)), **changes)
     return kind, study, StudyPlan(study).witness.meshes
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 import yaml
-from conftest import SEED
+from conftest import EXAMPLE
 
 from vsb.cli import main
 from vsb.errors import ConfigError
@@ -15,8 +15,8 @@ def test_it_is_the_shipped_study_under_its_own_name(tmp_path, capsys):
     path = tmp_path / "my_buoy.yaml"
     assert main(["init", str(path)]) == 0
     assert f"vsb run {path}" in capsys.readouterr().out
-    assert load(path) == load(SEED).model_copy(update={"study": "my_buoy"})
-    assert path.read_text().count("#") == SEED.read_text().count("#")
+    assert load(path) == load(EXAMPLE).model_copy(update={"study": "my_buoy"})
+    assert path.read_text().count("#") == EXAMPLE.read_text().count("#")
 
 
 def test_a_radius_told_is_that_of_the_study(tmp_path):
@@ -28,7 +28,7 @@ def test_a_radius_told_is_that_of_the_study(tmp_path):
 def test_size_changes_nothing_without_dimension(tmp_path, radius):
     """By Froude: same draft over radius, frequencies times sqrt(r/g), stiffness and damping over the water's."""
     init(str(tmp_path / "b.yaml"), radius)
-    found, seed = load(tmp_path / "b.yaml"), load(SEED)
+    found, example = load(tmp_path / "b.yaml"), load(EXAMPLE)
     assert found.device.radius == pytest.approx(radius)
 
     def numbers(study):
@@ -45,11 +45,11 @@ def test_size_changes_nothing_without_dimension(tmp_path, radius):
             device.damping.beta / time,
             run.duration / time,
             run.window[0] / run.duration,
-            study.pto.damping * time / (water.density * length**3),
+            device.internal_pressure / (water.density * water.gravity * length),
             *(natural_frequencies(Shell.of(device), 3) * time),
         ]
 
-    assert numbers(found) == pytest.approx(numbers(seed), rel=2e-5)
+    assert numbers(found) == pytest.approx(numbers(example), rel=2e-5)
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_every_scaled_key_is_in_the_study():
     from vsb.stages.init import FROUDE
 
     keys = {
-        key for section in yaml.safe_load(SEED.read_text()).values() if isinstance(section, dict) for key in section
+        key for section in yaml.safe_load(EXAMPLE.read_text()).values() if isinstance(section, dict) for key in section
     }
     others = {"omega", "pressure", "stiffness", "force_limit", "stroke_limit", "area"}  # of other studies
     others |= {"ballast_inertia", "centre_of_mass", "line_from", "line_to"}  # of those that surge and pitch
@@ -91,7 +91,7 @@ def test_its_first_line_names_the_file_and_the_others_stay(tmp_path):
         init(str(tmp_path / "sub" / name))
         first, *others = (tmp_path / "sub" / name).read_text().splitlines()
         assert first == f"# A study of vsb: `vsb check {name}`, then `vsb run {name}`."
-        assert others == SEED.read_text().replace("study: seed", "study: b").splitlines()[1:]
+        assert others == EXAMPLE.read_text().replace("study: buoy", "study: b").splitlines()[1:]
 
 
 @pytest.mark.parametrize(("radius", "inside"), [(0.01, True), (0.0099, False), (100.0, True), (100.1, False)])

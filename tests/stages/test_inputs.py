@@ -2,7 +2,7 @@
 
 import pytest
 import xarray as xr
-from conftest import SEED, varied
+from conftest import EXAMPLE, varied
 
 from vsb.errors import DatabaseError
 from vsb.stages import inputs
@@ -16,7 +16,7 @@ NAMES = ("database", "radiation", "response", "witness")
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_study_without_bem_has_none_of_its_files(name):
-    found = getattr(Inputs(load(SEED.with_name("paper.yaml")), "runs"), name)
+    found = getattr(Inputs(load(EXAMPLE.with_name("paper.yaml")), "runs"), name)
     assert isinstance(found, xr.Dataset)
     assert not found.data_vars
 
@@ -49,7 +49,7 @@ def test_every_file_is_read_from_its_own_path_and_is_what_the_study_asks_for(see
 def test_shapes_of_modes_are_of_every_buoy_and_of_no_body(monkeypatch):
     """Of one without coefficients, too: what is assumed of the water is no matter."""
     monkeypatch.setattr(inputs, "load", lambda path, expected: (path, expected))
-    paper = load(SEED.with_name("paper.yaml"))
+    paper = load(EXAMPLE.with_name("paper.yaml"))
     assert Inputs(paper, "runs", {"modes": "m.nc"}).modes == ("m.nc", content_id(StudyPlan(paper).modes))
     barge = BodyStudy.model_validate({"study": "a", "body": {"bemio": "a.h5"}, "waves": [{"kind": "still"}],
                                       "designs": {"A": {}}, "pto": {"damping": 1.0}})  # fmt: skip

@@ -171,7 +171,9 @@ def test_the_integral_of_a_spectrum_by_quadrature(gamma):
 
 def test_ports_are_in_waves_of_their_own_direction_beside_the_spring(seed, monkeypatch):
     """Waves bring rho g v_g/2 per metre and square of amplitude; limits of force know all seas and the stroke."""
-    monkeypatch.setattr(module, "headed", lambda linear, towards: SimpleNamespace(port=partial(linear, towards)))
+    monkeypatch.setattr(
+        module, "headed", lambda linear, towards: SimpleNamespace(extended_port=partial(linear, towards))
+    )
 
     def port(towards, omega, motions, direction):
         return SimpleNamespace(beside=lambda spring: (towards, list(omega), motions, direction, spring))

@@ -1,7 +1,6 @@
 import re
 from contextlib import contextmanager
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from conftest import HERE, SEED, varied
@@ -10,7 +9,7 @@ from vsb.stages import make as stage_make
 from vsb.stages.make import Job, due, jobs, make, solve
 from vsb.stages.stage import STAGES
 from vsb.study import study as config
-from vsb.study.body import BodyStudy, LocatedBody
+from vsb.study.body import BodyStudy
 from vsb.study.body_plan import BodyPlan, plan_for
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import validated
@@ -229,26 +228,3 @@ def test_only_what_studies_share_is_held_while_it_is_made(tmp_path, monkeypatch)
     monkeypatch.setattr(Job, "run", lambda self: None)
     make(plan, [])
     assert held == [(str(tmp_path), []), (str(tmp_path), [made["shared"], made["also"]])]
-
-
-@pytest.mark.parametrize("body", [False, True])
-def test_a_study_is_run_in_its_folder_after_its_checks_with_all_that_is_stale(seed, tmp_path, monkeypatch, body):
-    """And its results are those of that folder."""
-    asked, own = [], LocatedBody("a body", {"mesh": "m.stl"}) if body else seed
-    plan = SimpleNamespace(study="the study", folder=str(tmp_path / "x"), products=["a", "b"])
-    monkeypatch.setattr("vsb.stages.body_preview.body_before_run", lambda plan: asked.append(plan))
-    monkeypatch.setattr("vsb.stages.preview.check_before_run", lambda study, plan: asked.append((study, plan)))
-    monkeypatch.setattr(stage_make, "BodyPlan", lambda *given, **named: asked.append((given, named)) or plan)
-    monkeypatch.setattr(stage_make, "StudyPlan", lambda *given, **named: asked.append((given, named)) or plan)
-    monkeypatch.setattr(stage_make, "check_folder", lambda folder: asked.append(folder))
-    monkeypatch.setattr(stage_make, "stale_products", lambda plan, dry: asked.append(dry) or ["b"])
-    monkeypatch.setattr(stage_make, "make", lambda *given, **named: asked.append((given, named)))
-    folder = tmp_path / "all"
-    results = stage_make.run(own, folder)
-    given = (
-        (("a body",), {"root": str(folder), "files": {"mesh": "m.stl"}}) if body else ((seed,), {"root": str(folder)})
-    )
-    checked = plan if body else (seed, plan)
-    assert asked == [given, checked, folder, False, ((plan, ["a", "b"]), {"stale": ["b"]})]
-    assert (results.study, results.folder) == ("the study", str(folder))
-    assert (tmp_path / "x" / ".lock").exists()

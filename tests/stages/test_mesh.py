@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import SEED, varied
+from conftest import shipped, varied
 
 from vsb.hydro.panels import mesh as meshing
 from vsb.scenes.rest import reference_shell
@@ -15,7 +15,7 @@ from vsb.tools import files
 
 @pytest.fixture(scope="module", params=["seed", "pressurised"])
 def spec(request):
-    study = varied(load(SEED.with_name(f"{request.param}.yaml")), hydro={"rows": 20, "omega_max": 6.0})
+    study = varied(load(shipped(request.param)), hydro={"rows": 20, "omega_max": 6.0})
     return StudyPlan(study).mesh(6.0)
 
 

@@ -36,7 +36,7 @@ def study(folder, **changes):
         "study": "raft",
         "body": "body.yaml",
         "designs": {"rigid": {"dofs": "rigid"}, "flexible": {"dofs": DOFS[:-1]}, "hinged": {}},
-        "hydro": {"tolerance": 0.02, "accept": ["error_estimate", "modes", "one_resolution"]},
+        "hydro": {"tolerance": 0.005, "accept": ["error_estimate", "modes", "one_resolution"]},
         "pto": {"port": {"dofs": BOW}},
         "waves": [{"kind": "regular", "amplitude": 0.2, "period": 5.0, "direction": 30.0}],
         "simulation": {"duration": 100.0, "window": [75.0, 100.0]},

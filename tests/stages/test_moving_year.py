@@ -115,7 +115,7 @@ def test_every_design_moves_as_long_as_is_said_and_the_page_says_in_what(swept, 
       return { errors, shown: !document.getElementById("buoys").hidden, text };"""
     found = asked(page, script, tmp_path)
     assert (found["errors"], found["shown"]) == ([], True)
-    assert "by linear theory, each design at its own best damper of the year at thickness 0.0" in found["text"]
+    assert "by linear theory, each design at its own optimal damper of the year at thickness 0.0" in found["text"]
 
 
 def test_where_nothing_can_move_the_page_says_so(swept, monkeypatch):  # noqa: F811

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 import yaml
 from browser import findings
-from conftest import SEED, varied
+from conftest import EXAMPLE, varied
 
 import vsb
 from vsb import __version__
@@ -133,7 +133,7 @@ def test_seas_are_told_in_words(seed):
     assert report._seas(seed) == {"regular_A0.179_T2.5": "regular waves of 0.179 m amplitude and 2.5 s period"}
     many = varied(seed, waves=[{"kind": "jonswap", "hs": 1, "tp": 4, "realisations": 2}])
     assert list(report._seas(many)) == [*(f"jonswap_Hs1_Tp4_g3.3_s{s}" for s in (1, 2)), "jonswap_Hs1_Tp4_g3.3"]
-    paper = load(SEED.with_name("paper.yaml"))
+    paper = load(EXAMPLE.with_name("paper.yaml"))
     words = set(report._seas(paper).values())
     assert any(word.startswith("an assumed uniform pressure of ") for word in words)
     for period in (2.5, 7.0):
@@ -215,7 +215,14 @@ def test_the_page_is_told_of_the_first_sea_and_of_all_realisations(seed, tmp_pat
     """Responses in the direction of the first of three seas; irregular are those of every family alone."""
     swell, sea = seed.model_dump()["waves"][0], {"kind": "jonswap", "hs": 1, "tp": 4, "realisations": 2}
     study = varied(seed, waves=[swell, sea, {**sea, "tp": 5}, {**swell, "amplitude": 0.2}])
-    tables = {"comparison": [1], "statistics": [2], "equal_tuning": [3], "within_limits": [4], "checks": [5]}
+    tables = {
+        "comparison": [1],
+        "statistics": [2],
+        "equal_tuning": [3],
+        "within_limits": [4],
+        "checks": [5],
+        "invalid": [6],
+    }
     (tmp_path / "tables.json").write_text(json.dumps(tables))
     record(str(tmp_path / "manifest.json"), "0" * 16, [str(tmp_path / "tables.json")])
     plan = SimpleNamespace(figures=(), study_id="0" * 16)
@@ -233,8 +240,8 @@ def test_the_page_is_told_of_the_first_sea_and_of_all_realisations(seed, tmp_pat
     (page,) = pages
     assert page.response == ("all", study.waves[0])
     assert page.irregular == [wave.label for wave in study.waves[1:5]]
-    told = (page.rows, page.statistics, page.equal_tuning, page.within_limits, page.checks)
-    assert told == ([1], [2], [3], [4], [5])
+    told = (page.rows, page.statistics, page.equal_tuning, page.within_limits, page.checks, page.invalid)
+    assert told == ([1], [2], [3], [4], [5], [6])
     assert (page.thing, page.flexible, page.sketches, page.reference) == ("buoy", True, (study,), "FSB")
     assert page.living == (study, "database", "all", [4])
 
@@ -256,7 +263,7 @@ def test_a_page_is_of_the_hydrodynamics_its_study_has(seed, tmp_path, monkeypatc
     }  # fmt: skip
     dry = varied(seed, hydro={"model": "assumed_pressure", "pressure": 1800.0})
     study = validated(BodyStudy, raft, "raft.yaml") if kind == "body" else dry
-    tables = dict.fromkeys(("comparison", "statistics", "equal_tuning", "within_limits", "checks"), ())
+    tables = dict.fromkeys(("comparison", "statistics", "equal_tuning", "within_limits", "checks", "invalid"), ())
     texts = {"tables.json": json.dumps(tables), "f/one.svg": "<svg>1</svg>", "f/two.svg": "<svg>2</svg>"}
     plan = SimpleNamespace(figures=("two", "one"), study_id="identity")
     runs = SimpleNamespace(attributes=lambda: "attributes")

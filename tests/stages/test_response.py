@@ -1,6 +1,6 @@
 """Rule response: what a damper takes is half c |w X|^2, never more than its best, that never more than matched."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +10,8 @@ from conftest import varied
 
 from vsb.motion.port import Port
 from vsb.motion.pto import LinearPto
-from vsb.scenes.afloat import Afloat
+from vsb.report.band import gain_band
+from vsb.scenes.afloat import Afloat, afloat
 from vsb.stages import response
 from vsb.study.body_specs import BodyResponseSpec
 from vsb.study.plan import StudyPlan
@@ -51,6 +52,9 @@ def test_best_dampers_are_those_beside_the_spring_and_the_port_is_that_without(s
     plan = StudyPlan(varied(small.study, pto={"stiffness": 4.0e4}))
     response.run(plan.response, small.database_path, str(tmp_path / "sprung.nc"))
     sprung = load(tmp_path / "sprung.nc")
+    shared = np.intersect1d(sprung.omega, ds.omega)  # beside resonances and extremes each has its own
+    assert len(shared) > 0.8 * ds.sizes["omega"]
+    sprung, ds = sprung.sel(omega=shared), ds.sel(omega=shared)
     np.testing.assert_allclose(sprung.port_impedance.values, ds.port_impedance.values, rtol=1e-12)
     z, pushed = sprung.port_impedance, np.abs(sprung.port_velocity * sprung.port_impedance) ** 2
     seen = z + 4.0e4j / z.omega
@@ -69,6 +73,20 @@ def test_wave_frequencies_are_of_the_grid_and_a_response_made_again_is_the_same(
     response.run(small.response, small.database_path, str(tmp_path / "again.nc"))
     assert load(tmp_path / "again.nc").identical(ds)
     assert set(ds.wet_design.values) == {"FSB", "VSWEC"}
+
+
+def test_frequencies_show_resonances_and_extremes_of_gains(small, ds):
+    """A grid thirty times as fine shows no larger and no smaller gain than the one that is written."""
+    floating = afloat(small.response, small.database_path)
+    for motions in floating.motions.values():
+        natural, _ = replace(floating.linear, pto=LinearPto(0.0, 0.0, floating.port)).natural_modes(motions)
+        shown = natural[natural < float(ds.omega[-1])]
+        assert np.abs(ds.omega.values[:, None] - shown).min(axis=0).max() < 1e-9
+    fine = np.linspace(*ds.omega.values[[0, -1]], 30 * ds.sizes["omega"])
+    powers = response.best_powers(small.response, floating, floating.linear, fine)
+    found, exact = ((100 * (p / p.sel(design="FSB") - 1)).where(gain_band(p, "FSB")) for p in (ds.best_power, powers))
+    assert float(found.max()) == pytest.approx(float(exact.max()), abs=0.05)
+    assert float(found.min()) == pytest.approx(float(exact.min()), abs=0.05)
 
 
 @pytest.mark.parametrize("port", ["pitch", {"dof": "Roll"}])
@@ -138,7 +156,7 @@ def written(monkeypatch):
         monkeypatch.setattr(response, "channels_reached", lambda port, orders: reached)
         spec = SimpleNamespace(
             pto=Pto(**pto), water=WATER, designs=dict.fromkeys(MOTIONS), directions=directions,
-            step=0.1, lowest=0.2, omega_max=3.0, omega=(0.7,),
+            reference_design=None, step=0.1, lowest=0.2, omega_max=3.0, omega=(0.7,),
         )  # fmt: skip
         response.run(spec, "database.nc", "out.nc")
         grid, (ds, out) = found
@@ -207,7 +225,12 @@ def test_a_body_responds_at_the_frequencies_of_its_database_and_between_them(mon
     monkeypatch.setattr(response, "afloat", lambda spec, path: Afloat(Rings(database), MOTIONS, PORT_IN))
     monkeypatch.setattr(response, "stamp", lambda spec, *paths: {})
     monkeypatch.setattr(response, "save", lambda ds, out: found.append(ds))
-    asked = {"water": WATER, "designs": dict.fromkeys(MOTIONS), "directions": (0.0, 90.0), "omega": (0.77, 1.3)}
+    asked = {
+        "water": WATER,
+        "designs": dict.fromkeys(MOTIONS, SimpleNamespace(rigid=False)),
+        "directions": (0.0, 90.0),
+        "omega": (0.77, 1.3),
+    }
     response.run(BodyResponseSpec.model_construct(pto=Pto(damping=5.0), **asked), "database.nc", "out.nc")
     (ds,) = found
     np.testing.assert_allclose(ds.omega.values, response.refined(OMEGA, (0.77, 1.3)))

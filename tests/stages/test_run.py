@@ -609,10 +609,10 @@ def test_a_run_that_is_over_tells_its_answer_and_where_its_report_is(workplace, 
 
 def test_the_answer_of_a_study_is_of_its_own_checked_tables_over_its_rigid_design(monkeypatch):
     plan, asked = StudyPlan(varied(load(SEED), designs={"A": {}, "B": {"flexible": False}})), []
-    tables = '{"equal_tuning": ["tuned"], "comparison": ["run"], "checks": []}'
+    tables = '{"equal_tuning": ["tuned"], "comparison": ["run"], "invalid": ["broken"]}'
     monkeypatch.setattr("vsb.tools.stamps.read_text", lambda *given: asked.append(given) or tables)
     monkeypatch.setattr("vsb.report.tuned.closing_line", lambda *given: given)
-    assert launcher._answer(plan) == (["tuned"], "B")
+    assert launcher._answer(plan) == (["tuned"], "B", ["broken"])
     assert asked == [("results/seed/tables.json", plan.manifest, plan.study_id)]
 
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
-from conftest import varied
+from conftest import EXAMPLE, varied
 
 from vsb.errors import VsbError
 from vsb.stages import slurm
@@ -19,7 +19,7 @@ from vsb.study.plan import StudyPlan
 from vsb.study.study import load
 from vsb.tools.shipped import HOME
 
-SEED = HOME / "config" / "seed.yaml"
+SEED = HOME / "tests" / "data" / "seed.yaml"
 PROFILE = yaml.safe_load((HOME / "profiles" / "slurm" / "config.yaml").read_text())
 QUEUE = """7 vsb-seed-31_aa
 8 vsb-seed-312_bb
@@ -61,7 +61,7 @@ def test_the_one_job_of_a_study_is_known_to_its_next_run_and_to_no_other(queue, 
     name = slurm.whole_name(plan)
     assert re.fullmatch(r"vsb-seed-[0-9a-f]{8}", name)
     assert slurm.whole_name(plan_of(str(SEED))) == name
-    assert slurm.whole_name(plan_of(str(SEED.parent / "paper.yaml"))).removeprefix("vsb-paper") != name.removeprefix(
+    assert slurm.whole_name(plan_of(str(EXAMPLE.parent / "paper.yaml"))).removeprefix("vsb-paper") != name.removeprefix(
         "vsb-seed"
     )
     monkeypatch.chdir(tmp_path)
@@ -119,9 +119,9 @@ def cluster(tmp_path, monkeypatch):
     monkeypatch.delenv("SLURM_JOB_ID", raising=False)
 
 
-@pytest.mark.parametrize("name", ["seed.yaml", "year.yaml", "paper.yaml"])
+@pytest.mark.parametrize("name", ["pressurised.yaml", "paper.yaml"])
 def test_all_that_is_short_is_one_job_of_two_cores(cluster, name):
-    plan = plan_of(str(SEED.parent / name))
+    plan = plan_of(str(HOME / "config" / name))
     found = slurm.whole(plan, PROFILE)
     size = ["--ntasks=1", "--nodes=1", "--cpus-per-task=2", "--mem=4000", "--time=60"]  # [MB], [minutes]
     assert found == ["srun", *size, f"--job-name={slurm.whole_name(plan)}_whole"]
@@ -180,7 +180,7 @@ def test_what_is_long_is_a_job_for_every_rule(cluster, changes):
 
 
 def test_a_body_that_is_solved_of_its_mesh_is_long():
-    assert not slurm.is_short(plan_of(str(SEED.parent / "barge.yaml")))
+    assert not slurm.is_short(plan_of(str(EXAMPLE.parent / "barge.yaml")))
 
 
 @pytest.mark.parametrize(
@@ -236,8 +236,9 @@ def test_a_campaign_is_short_by_its_batches_and_the_motion_of_all_its_runs(monke
     ids=["hours verified", "optima under limits", "many members"],
 )
 def test_a_long_campaign_is_a_job_for_every_rule(changes, tmp_path):
-    shutil.copytree(SEED.parent, tmp_path, dirs_exist_ok=True)
+    shutil.copytree(HOME / "config", tmp_path, dirs_exist_ok=True)
     given = yaml.safe_load((tmp_path / "year.yaml").read_text()) | {
+        "study": "pressurised.yaml",
         "vary": {"device.density": [2600.0]},
         "tuning": ["one"],
     }

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from conftest import SEED, varied
+from conftest import SEED, shipped, varied
 from study.test_shape import OBLATE, raw
 
 from vsb.hydro.dofs import displacements
@@ -17,7 +17,7 @@ from vsb.tools import files
 
 def test_the_problem_is_that_of_the_wetted_shape():
     for name in ("seed", "pressurised"):
-        study = load(SEED.with_name(f"{name}.yaml"))
+        study = load(shipped(name))
         plan = StudyPlan(study)
         problem = spectral.spectral_problem(plan.sweep_blocks[0])
         assert tuple(d.label for d in problem.displacements) == plan.displacements()

@@ -6,7 +6,7 @@ import json
 import re
 
 import pytest
-from conftest import SEED, varied
+from conftest import EXAMPLE, SEED, shipped, varied
 
 from vsb.errors import ConfigError
 from vsb.stages.inputs import Inputs
@@ -17,7 +17,7 @@ from vsb.study.study import canonical, load
 
 RULES = {
     name: text
-    for path in sorted((SEED.parent.parent / "workflow" / "rules").glob("*.smk"))
+    for path in sorted((EXAMPLE.parent.parent / "workflow" / "rules").glob("*.smk"))
     for name, text in re.findall(r"^rule (\w+):\n((?:    .*\n|\n)*)", path.read_text(encoding="utf-8"), re.MULTILINE)
 }
 BY_NAME = {stage.name: stage for stage in STAGES}
@@ -73,7 +73,7 @@ def specifications(study):
 @pytest.mark.parametrize("name", ["seed", "paper", "pressurised", "automatic"])
 @pytest.mark.parametrize("solver", ["auto", "panels"])
 def test_what_a_plan_says_a_stage_reads(name, solver):
-    study = load(SEED.with_name(f"{name}.yaml"))
+    study = load(shipped(name))
     if study.needs_bem:
         study = varied(study, hydro={"solver": solver})
     for stage, spec in specifications(study).items():

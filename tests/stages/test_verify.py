@@ -456,7 +456,7 @@ def test_what_a_changed_study_replaces_is_said(tmp_path):
     assert differences(before) == ""
     assert differences(planned(pto={"damping": 9000.0})) == "pto.damping 8000.0 -> 9000.0"
     more = differences(planned(waves=[*RAW["waves"], {"kind": "jonswap", "hs": 0.2, "tp": 5.0}]))
-    assert more.startswith("waves.1.hs nothing -> 0.2, waves.1.seed nothing -> 1, ")
+    assert more.startswith("waves.1.hs nothing -> 0.2, waves.1.amplitudes nothing -> fixed, ")
     shorter = {"simulation": {"duration": 9.0, "window": [5.0, 9.0], "initial_velocity": 0.1, "tolerance": 1e-5}}
     many = planned(water={"density": 1020.0, "depth": 90.0, "gravity": 9.8}, **shorter)
     assert differences(many).endswith(" (and 2 more)")
@@ -645,21 +645,26 @@ def test_what_is_wrong_of_all_studies_is_counted_with_what_is_missing(tmp_path, 
     assert asked[-1] == (tmp_path, wrong)
 
 
+MEMBER = f"{'c' * 16}{packed.SUFFIX}"
+
+
 def test_files_that_no_plan_names_are_judged_by_what_they_say_of_themselves(tmp_path):
     """Netcdf, packed members and what manifests promise; those a plan names are its own to judge."""
     (tmp_path / "below").mkdir()
-    names = {name: tmp_path / "below" / name for name in ("a.nc", ".b.nc", f"c{packed.SUFFIX}", "d.csv", "e.csv")}
+    names = {
+        name: tmp_path / "below" / name for name in ("a.nc", ".b.nc", MEMBER, f"own{packed.SUFFIX}", "d.csv", "e.csv")
+    }
     for path in names.values():
         path.write_bytes(b"none")
     manifest = tmp_path / "below" / "manifest.json"
     record(manifest, "0" * 16, [names["d.csv"], names["e.csv"]])
     names["d.csv"].write_bytes(b"other")
     found = _other_faults(tmp_path, set())
-    assert [fault.path for fault in found] == [str(names[name]) for name in ("a.nc", f"c{packed.SUFFIX}", "d.csv")]
+    assert [fault.path for fault in found] == [str(names[name]) for name in ("a.nc", MEMBER, "d.csv")]
     assert {fault.kind for fault in found} == {"damaged"}
     assert not any(fault.reason.startswith(fault.path) for fault in found)
     known = _other_faults(tmp_path, {str(names["a.nc"]), str(names["d.csv"])})
-    assert [fault.path for fault in known] == [str(names[f"c{packed.SUFFIX}"])]
+    assert [fault.path for fault in known] == [str(names[MEMBER])]
     manifest.write_text("{")
     *_, last = _other_faults(tmp_path, set())
     assert (last.path, last.reason.startswith("cannot be read as a manifest")) == (str(manifest), True)

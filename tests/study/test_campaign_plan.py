@@ -193,8 +193,8 @@ def test_runs_in_time_know_what_they_depend_on(planned):
     assert {spec.hydro.model for spec in linear.verifications.values()} == {"linear"}
     assert not set(linear.verifications) & set(before)
     members = ids(linear)
-    longer = verified(planned, study={"simulation": {"duration": 100.0}})
-    assert not set(longer) & set(before)
+    assert verified(planned, study={"simulation": {"duration": 100.0}}) == before  # how long follows from the seas
+    assert not set(verified(planned, study={"simulation": {"tolerance": 1e-5}})) & set(before)
     assert ids(planned({"device.mass": [16000.0, 17000.0]})) == members
 
 
@@ -402,14 +402,14 @@ def test_no_curves_over_dampers_are_of_any_limit_varied_or_given(planned, key):
 
 def test_runs_in_time_are_told_in_the_order_of_the_members_each_with_all_of_its_own(planned):
     """Sweep, climate and the study of the point, by one tuning; the method in time is the study's."""
-    study = {"simulation": {"duration": 99.0, "tolerance": 1e-5}}
+    study = {"simulation": {"duration": 99.0, "initial_velocity": -0.8, "tolerance": 1e-5}}
     plan = planned({"device.mass": [1.7e4, 1.6e4]}, study=study, tuning=["each", "one"], verify={"seas": 6, "seed": 3})
     assert plan.campaign.verifications == tuple(plan.verifications)
     for one, spec in zip(plan.members, plan.verifications.values(), strict=True):
         assert spec.device.mass == one.study.device.mass
         assert (spec.sweep, spec.climate, spec.tuning) == (one.spec.sweep, plan.climate, ("one",))
         assert (spec.verify.seas, spec.verify.seed, spec.verify.model) == (6, 3, "body_exact")
-        assert (spec.simulation.duration, spec.simulation.tolerance) == (99.0, 1e-5)
+        assert (spec.simulation.tolerance, spec.simulation.initial_velocity) == (1e-5, 0.0)
         assert spec.pto == one.study.pto
 
 

@@ -49,14 +49,14 @@ DEFAULTS = {
     "Body.length": 1.0, "BodyFile.lid": 8, "BodyFile.symmetry": "auto", "BodyFile.wave_direction": (0.0,),
     "BodyHydro.added_mass_inf": "fitted", "BodyHydro.tolerance": 0.01, "Constrained.seconds": 10.0, "Constrained.seed": 1,
     "Device.internal_pressure": 0.0, "Gas.adiabatic_index": 1.4, "Gas.atmospheric_pressure": 101325.0,
-    "Hydro.model": "linear", "Hydro.omega_max": 12.0, "Hydro.tolerance": 1e-3, "IrregularSea.realisations": 1,
-    "IrregularSea.seed": 1, "Jonswap.gamma": 3.3, "LinePort.line_from": (0.0, 0.0), "Modes.basis": "membrane",
-    "Modes.degree": 6, "Modes.order": 1, "Pto.efficiency": 1.0, "Pto.force_limit": math.inf, "Pto.law": "linear",
+    "Hydro.model": "linear", "Hydro.omega_max": 12.0, "Hydro.tolerance": 1e-3, "IrregularSea.amplitudes": "fixed", "IrregularSea.realisations": 1,
+    "IrregularSea.seed": 1, "Jonswap.gamma": 3.3, "LinePort.line_from": (0.0, 0.0), "Modes.basis": "full",
+    "Modes.degree": None, "Modes.order": 1, "Modes.tolerance": 0.005, "Pto.efficiency": 1.0, "Pto.force_limit": math.inf, "Pto.law": "linear",
     "Pto.port": "heave", "Pto.stiffness": 0.0, "Pto.stroke_limit": math.inf, "RayleighDamping.alpha": 0.0,
     "RayleighDamping.beta": 0.0, "Scatter.gamma": 3.3, "Scatter.spectrum": "jonswap", "ShellPort.against": "sea_bed",
     "ShellPort.direction": "vertical", "Simulation.duration": 60.0, "Simulation.initial_position": 0.0,
     "Simulation.initial_velocity": 0.0, "Simulation.tolerance": 1e-6, "Simulation.window": (40.0, 60.0),
-    "Travelling.direction": 0.0, "Verify.model": "body_exact", "Verify.seas": 12, "Verify.seed": 1,
+    "Travelling.direction": 0.0, "Verify.model": "body_exact", "Verify.seas": 24, "Verify.seed": 1,
     "Water.density": 1025.0, "Water.depth": math.inf, "Water.gravity": 9.81,
 }  # fmt: skip
 

@@ -14,7 +14,7 @@ from vsb.study import study as config
 from vsb.study.froude import FROUDE, scaled
 from vsb.study.keys import KEYS
 
-SEED = Path(__file__).parents[2] / "config" / "seed.yaml"
+SEED = Path(__file__).parents[1] / "data" / "seed.yaml"
 KEPT = {
     "poisson_ratio", "density", "adiabatic_index", "atmospheric_pressure", "degree", "clamp", "depth",
     "gravity", "power_tolerance", "tolerance", "rows", "efficiency", "colatitude", "between", "seed", "realisations",

@@ -6,7 +6,7 @@ import math
 import jsonschema
 import pytest
 import yaml
-from conftest import SEED
+from conftest import EXAMPLE, SEED
 from pydantic import ValidationError
 from study.test_ids import STUDIES as STUDIES_OF_EVERY_KIND
 
@@ -20,7 +20,7 @@ from vsb.study.schema import _with_bounds, dotted, hint, keys_at, nearest, schem
 from vsb.study.study import Study, parse
 
 MODELS = {"campaign": Campaign, "study": Study, "body-study": BodyStudy, "body": BodyFile}
-FILES = {path: path.read_text() for path in SEED.parent.glob("*.yaml")}
+FILES = {path: path.read_text() for path in EXAMPLE.parent.glob("*.yaml")}
 CAMPAIGNS = sorted(path for path, text in FILES.items() if "\ncampaign:" in text)
 STUDIES = sorted(path for path, text in FILES.items() if "\nstudy:" in text and "\ncampaign:" not in text)
 
@@ -220,8 +220,9 @@ LIMITS = {
     "Hydro.tolerance": "[1e-6, 0.1]",
     "Jonswap.gamma": "[1, 10]",
     "Jonswap.tp": "[1e-3, 1e7]",
-    "Modes.degree": "0..40",
+    "Modes.degree": "0..90",
     "Modes.order": "1..8",
+    "Modes.tolerance": "[1e-4, 0.1]",
     "Plate.area": "(0, inf)",
     "Plate.coefficient": "[0, 100]",
     "Pto.damping": "[0, 1e12]",

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from conftest import SEED, varied
+from conftest import EXAMPLE, varied
 from pydantic import ValidationError
 from study.test_body_plan import plan as planned_body
 
@@ -16,7 +16,7 @@ from vsb.study.study import canonical, content_id, load
 @pytest.fixture(scope="module")
 def pressurised():
     """A study about its equilibrium, whose shapes and meshes hold the shell."""
-    return load(SEED.with_name("pressurised.yaml"))
+    return load(EXAMPLE.with_name("pressurised.yaml"))
 
 
 @pytest.mark.parametrize("kind", [specs.ModesSpec, specs.CompareSpec, specs.RadiationSpec])
@@ -44,7 +44,7 @@ def test_the_version_of_its_physics_names_a_stage(seed, tag, monkeypatch):
     monkeypatch.setitem(specs.PHYSICS, tag, specs.PHYSICS[tag] + 1)
     changed = {
         "mesh": {0, 1, 2, 3, 4, 8}, "bem": {2, 3, 4}, "database": {3, 4}, "radiation": {4}, "response": {5}, "compare": {6},
-        "simulate": {7}, "witness": {8}, "ladder": {9}, "member": set(), "members": set(), "campaign": set(),
+        "simulate": {7}, "witness": {8}, "ladder": {9}, "degree": set(), "member": set(), "members": set(), "campaign": set(),
         "verification": set(), "body": set(),
     }  # fmt: skip
     assert {i for i, (old, new) in enumerate(zip(before, ids(), strict=True)) if old != new} == changed[tag]

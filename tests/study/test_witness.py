@@ -4,7 +4,7 @@ import math
 
 import pytest
 import xarray as xr
-from conftest import SEED, varied
+from conftest import EXAMPLE, shipped, varied
 
 from vsb.errors import ConfigError
 from vsb.results.ledger import witness_checks
@@ -53,7 +53,7 @@ def test_another_geometry_has_another(seed, change):
 
 
 def test_about_an_equilibrium_it_is_the_shape_that_counts():
-    study = load(SEED.with_name("pressurised.yaml"))
+    study = load(EXAMPLE.with_name("pressurised.yaml"))
     assert identity(varied(study, device={"young_modulus": 1.1e7})) != identity(study)
     assert identity(varied(study, device={"damping": {"alpha": 1.0}})) == identity(study)
 
@@ -81,7 +81,7 @@ def test_by_default_a_study_is_what_it_was(seed):
     ],
 )
 def test_where_there_is_none_the_reason_is_said(name, change, reason, checks):
-    study = varied(load(SEED.with_name(f"{name}.yaml")), **change)
+    study = varied(load(shipped(name)), **change)
     plan = StudyPlan(study)
     assert no_witness(study) == reason
     assert plan.witness is None

@@ -9,11 +9,11 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from conftest import SEED
+from conftest import EXAMPLE
 
 from vsb.tools.shipped import HOME
 
-CHECKOUT = SEED.parent.parent
+CHECKOUT = EXAMPLE.parent.parent
 FOLDERS = ("vsb", "workflow", "profiles", "config")
 
 
@@ -45,7 +45,7 @@ def test_a_wheel_holds_every_file(installed):
 
 def test_a_checkout_finds_its_own():
     assert HOME == CHECKOUT
-    assert SEED == HOME / "config" / "seed.yaml"
+    assert EXAMPLE == HOME / "config" / "buoy.yaml"
 
 
 def test_what_a_package_holds_is_its_own_whatever_lies_beside_it(tmp_path):
@@ -74,4 +74,5 @@ def test_an_installed_package_begins_and_plans_a_study(installed, tmp_path):
     told = vsb("run", "my_buoy.yaml", "-n")
     assert f"Using profile {installed}/vsb/profiles/default" in told
     assert all(name in told for name in ("spectral", "simulate", "report"))
-    assert sorted(path.name for path in tmp_path.iterdir()) == [".snakemake", "my_buoy.yaml"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".snakemake", "my_buoy.yaml", "results"]
+    assert [path.parent.name for path in tmp_path.glob("results/**/*.json")] == ["degrees"]  # of its shell modes

@@ -19,6 +19,26 @@ from vsb.tools.units import PAIR, FloatArray
 Verdict = Literal["ok", "doubt", "fail", "accepted"]
 SWEEP = "sweep"
 """Group that holds the full frequency sweep when the study tabulates frequencies of its own."""
+ESTIMATE = "error"
+"""Dimension, and end of names, of the signed errors of coefficients by each way to estimate them."""
+
+
+INVALIDATING: dict[str, Literal["flexible", "all"]] = {
+    "buckling": "flexible",
+    "computed_buckling": "flexible",
+    "static_strain": "flexible",
+    "strain": "flexible",
+    "modes_left_out": "flexible",
+    "modes": "flexible",
+    "panels": "all",
+    "energy_residual": "all",
+    "power_limit": "all",
+    "assumed_pressure": "all",
+}
+"""Checks whose failure makes a result invalid, and of which designs where a check names none.
+
+A failure that the study accepts is one all the same: numbers are computed, but they are no answer.
+"""
 
 
 @dataclass(frozen=True)
@@ -33,6 +53,12 @@ class Check:
     explanation: str
     design: str = ""  # empty: all designs
     wave: str = ""  # label of the sea; empty: all seas
+
+    @property
+    def invalidates(self) -> Literal["flexible", "all"] | None:
+        """Which designs are not valid if it names none; None if it holds, or leaves results valid."""
+        failed = self.verdict in ("fail", "accepted")
+        return INVALIDATING.get(self.name.removeprefix("hydro ")) if failed else None
 
     @property
     def line(self) -> str:

@@ -97,6 +97,23 @@ class LinearBody(LinearMotion):
         mass, damping, force = (CubicSpline(self.database.omega.values, self.database[name].values) for name in names)
         return mass, damping, force
 
+    @property
+    def heading_index(self) -> int:
+        """Place of the waves' direction among those of the database.
+
+        Raises
+        ------
+        DatabaseError
+            If it is not there.
+        """
+        known = self.database.wave_direction.values
+        if (near := direction_index(known, self.direction)) is None:
+            raise DatabaseError(
+                f"wave direction: received {np.degrees(self.direction):g} degrees, needs one of "
+                f"{', '.join(f'{d:g}' for d in np.degrees(known))}."
+            )
+        return near
+
     def coefficients(self, omega: FloatArray) -> Coefficients:
         """Return the coefficients by cubic splines, in waves of one of the database's directions.
 
@@ -112,13 +129,7 @@ class LinearBody(LinearMotion):
                 f"{last:g} rad/s; solve a wider band, or use waves within it."
             )
         added_mass, damping, force = (spline(omega) for spline in self._splines)
-        known = self.database.wave_direction.values
-        if (near := direction_index(known, self.direction)) is None:
-            raise DatabaseError(
-                f"wave direction: received {np.degrees(self.direction):g} degrees, needs one of "
-                f"{', '.join(f'{d:g}' for d in np.degrees(known))}."
-            )
-        return Coefficients(added_mass, damping, np.asarray(force[:, near], dtype=complex))
+        return Coefficients(added_mass, damping, np.asarray(force[:, self.heading_index], dtype=complex))
 
     def added_mass_at(self, omega: float) -> FloatArray:
         """Return the added mass, beyond the band as constant below and as it nears its limit above, (dof, dof) [kg]."""

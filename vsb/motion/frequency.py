@@ -47,6 +47,11 @@ class LinearMotion(ABC):
         """Return the added mass at any frequency, in the band or not, shape (dof, dof) [kg]."""
 
     @property
+    def heading_index(self) -> int:
+        """Place of the waves' direction among those of the database; the first where all excite alike."""
+        return 0
+
+    @property
     def labels(self) -> tuple[str, ...]:
         """Names of the degrees of freedom."""
         return tuple(map(str, self.database.influenced_dof.values))
@@ -144,8 +149,16 @@ class LinearMotion(ABC):
 
         A chamber is in series with the port.
         """
+        return self._port(omega, self.coefficients(omega), motions, direction)
+
+    def extended_port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
+        """Return `port` at any frequency: outside the band solved with the coefficients of its nearest end."""
+        first, last = self.database.omega.values[[0, -1]]
+        return self._port(omega, self.coefficients(np.clip(omega, first, last)), motions, direction)
+
+    def _port(self, omega: FloatArray, c: Coefficients, motions: FloatArray, direction: FloatArray) -> Port:
+        """The port by coefficients at these frequencies."""
         matrices = (self.mass, self.structural_damping, self.stiffness)
-        c = self.coefficients(omega)
         moved = free_motion(dynamic_stiffness(omega, c, *matrices), c.excitation, motions, direction)
         seen = port_of_motion(omega, *moved, c.damping + self.structural_damping, self.stiffness, motions, direction)
         return seen.behind(self.chamber) if self.chamber else seen

@@ -74,7 +74,7 @@ def _terms(reach: float) -> int:
 @njit(cache=True)
 def _bessel(table: FloatArray, argument: float) -> float:
     """J_0 by cubic Hermite interpolation; beyond the table its last value, which no sane shell asks for."""
-    i = min(int(argument / _SPACING), table.shape[1] - 2)
+    i = max(min(int(argument / _SPACING), table.shape[1] - 2), 0)  # of what is not a number any
     s = min(argument / _SPACING - i, 1.0)
     value = (1 + 2 * s) * (1 - s) ** 2 * table[0, i] + s * s * (3 - 2 * s) * table[0, i + 1]
     return float(value + _SPACING * (s * (1 - s) ** 2 * table[1, i] + s * s * (s - 1) * table[1, i + 1]))
@@ -106,12 +106,12 @@ def _moment(waves: Incident, rotation: ComplexArray, centre: float) -> Moment:
     elevation, downward, upward = np.zeros(count), np.zeros(count), np.zeros(count)
     for j in range(len(waves.powers)):
         k, bottom = waves.wavenumber[j], waves.bottom[j]
-        profile = np.exp(k * centre)
-        down, up = head[j] * profile / (1 + bottom), head[j] * bottom / profile / (1 + bottom)
+        down = head[j] * np.exp(k * centre) / (1 + bottom)
         for i in range(count):
             elevation[i] += head[j] * waves.even[j, i]
             downward[i] += down * waves.powers[j, i]
         if bottom > 0:
+            up = head[j] * bottom * np.exp(-k * centre) / (1 + bottom)
             for i in range(count):
                 upward[i] += up * waves.powers[j, i]
     for i in range(count):
@@ -151,7 +151,7 @@ def _dynamic(waves: Incident, now: Moment, x2: FloatArray, z: FloatArray) -> Flo
         for i in range(len(z)):
             profile = np.exp(k * z[i])
             if bottom > 0:
-                profile = (profile + bottom / profile) / (1 + bottom)
+                profile = (profile + bottom * np.exp(-k * z[i])) / (1 + bottom)
             out[i] += now.head[j] * _bessel(waves.bessel, k * np.sqrt(x2[i])) * profile
     return out
 

@@ -8,11 +8,13 @@ import numpy as np
 from scipy.fft import fft, ifft, next_fast_len
 
 from vsb.errors import ConfigError
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import ComplexArray, FloatArray, IntArray
 
 POINTS_PER_WAVE = 4
 """Instants of collocation in the shortest period."""
 FEWEST_POINTS = 64
+BEYOND = 4
+"""Highest frequency at which a piecewise-linear force is evaluated, over the highest of the band."""
 SPACING = 1e-6
 """Part of the spacing by which a frequency may miss its order."""
 
@@ -77,6 +79,22 @@ class Harmonics:
         """Number of instants of collocation."""
         return int(next_fast_len(max(FEWEST_POINTS, int(np.ceil(POINTS_PER_WAVE * (self.first + self.count))))))
 
+    @cached_property
+    def _orders_outside(self) -> IntArray:
+        """Integer parts of the orders below the band, without the mean, and above it up to `BEYOND` times its end."""
+        low, top = int(self.first), int(self.first) + self.count
+        return np.concatenate([np.arange(0 if self.first % 1 else 1, low), np.arange(top, BEYOND * top)])
+
+    @cached_property
+    def outside(self) -> FloatArray:
+        """Frequencies outside the band at which a piecewise-linear force is evaluated, shape (outside,) [rad/s]."""
+        return (self._orders_outside + self.first % 1) * self.spacing
+
+    @property
+    def port_omega(self) -> FloatArray:
+        """Frequencies at which a port must be given: those of the band, then those outside [rad/s]."""
+        return np.concatenate([self.omega, self.outside])
+
     def signal(self, phasors: ComplexArray, finer: int = 1) -> FloatArray:
         """Return Re sum c_k exp(-i omega_k t) on the instants or some times as many, shape (instant,)."""
         count = finer * self.instants
@@ -91,6 +109,19 @@ class Harmonics:
         turned = ifft(weights * _half_turns(len(weights)).conj() if self.first % 1 else weights) * len(weights)
         whole = int(self.first)
         return np.asarray(turned[whole : whole + self.count])
+
+    def phasors_outside(self, weights: FloatArray) -> ComplexArray:
+        """Return `phasors` at the frequencies outside the band, shape (outside,)."""
+        turned = ifft(weights * _half_turns(len(weights)).conj() if self.first % 1 else weights) * len(weights)
+        return np.asarray(turned[self._orders_outside])
+
+    def signal_with(self, phasors: ComplexArray, outside: ComplexArray, finer: int) -> FloatArray:
+        """Return the signal of harmonics in and outside the band on a refined time grid, shape (instant,)."""
+        padded = np.zeros(finer * self.instants, dtype=complex)
+        padded[int(self.first) : int(self.first) + self.count] = phasors
+        padded[self._orders_outside] = outside
+        values = fft(padded)
+        return np.asarray((values * _half_turns(len(padded)) if self.first % 1 else values).real)
 
     def products(self, weights: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Return sums of w_j e_k conj(e_l) over k - l, of w_j e_k e_l over k + l, e_k = exp(i omega_k t_j).

@@ -1,15 +1,21 @@
-"""The answer of a campaign in words; a run closes with it and draws nothing, so nothing that draws is read."""
+"""The answer of a campaign in words: what stands, and what was computed but is not valid.
+
+A run closes with it and draws nothing, so nothing that draws is read.
+"""
 
 import numpy as np
 import xarray as xr
 
-from vsb.study.year_options import leading_tuning
-from vsb.tools.words import against_rigid, quantity
+from vsb.report.doubts import ADVICE
+from vsb.report.headline import COMPUTED, Answer
+from vsb.results.campaign import GAIN, POWER, in_time
+from vsb.study.year_options import GAIN_IN_TIME, leading_tuning
+from vsb.tools.words import against_rigid, quantity, short
 from vsb.waves.climate import YEAR_HOURS
 
 TUNED = {
-    "one": "each design at its own best damper of the year",
-    "each": "each design at its own best damper in each sea",
+    "one": "each design at its own optimal damper of the year",
+    "each": "each design at its own optimal damper in each sea",
     "fixed": "all at the given damper",
     "constrained": "each design under the best force there is within its limits",
 }
@@ -18,7 +24,7 @@ BESIDE = {
     "fixed": "All at the given damper, tuned for none of them",
 }
 """How the second sentence begins, by the tuning it is of."""
-MODELS = {"body_exact": "body-exact", "linear": "linear"}
+MODELS = {"body_exact": "body-exact runs", "linear": "linear runs in time"}
 
 
 def leading(ds: xr.Dataset) -> tuple[str, str | None]:
@@ -29,13 +35,25 @@ def leading(ds: xr.Dataset) -> tuple[str, str | None]:
 
 
 def closing_answer(ds: xr.Dataset) -> str:
-    """Return the answer of a campaign."""
+    """Return the answer of a campaign in one sentence."""
     tuning, reference = leading(ds)
-    return answer(ds, reference, tuning)
+    return whole_answer(ds, reference, tuning).stands[0]
+
+
+def whole_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> Answer:
+    """Return the site's answer: what stands, or that nothing does, and below it what was computed all the same."""
+    said = [line for line in (answer(ds, reference, tuning), second_answer(ds, reference, tuning)) if line]
+    best = best_flexible(ds, reference, tuning)
+    if best is None or float(best[0].margin) >= 0:
+        return Answer(said, [])
+    most = short(1 - float(best[0].margin))
+    where_so = f" at all {ds.margin.size} points" if ds.margin.size > 1 else ""
+    why = f"the shell buckles under its static load{where_so} ({most} times what it can carry)"
+    return Answer([f"No valid answer yet: {why}. Change first: {ADVICE['buckling']}."], [f"{COMPUTED}{' '.join(said)}"])
 
 
 def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
-    """Return the site's answer in one sentence."""
+    """Return what was computed for the site in one sentence."""
     begins, ends = f"Over a year of {ds.attrs['climate']}", f", {TUNED[tuning]}"
     best = best_flexible(ds, reference, tuning)
     if best is None:
@@ -43,9 +61,9 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
         if not bool(power.notnull().any()):
             return f"{begins}, no design is viable."
         if not float(power.max()) > 0:
-            return f"{begins}{ends}, no design takes anything."
+            return f"{begins}{ends}, no design absorbs power."
         one = power.where(power == power.max(), drop=True)
-        return f"{begins}{ends}, {one.design.values[0]} takes most: {float(power.max()):.4g} MWh."
+        return f"{begins}{ends}, {one.design.values[0]} absorbs most: {float(power.max()):.4g} MWh."
     return f"{begins}{ends}, {_taken(ds, reference, tuning, best)}."
 
 
@@ -53,22 +71,26 @@ def _taken(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr.Da
     """What the best flexible design takes beside the rigid one, with the interval."""
     one, design = best
     gain = float(told_gain(one, tuning))
-    from_what = " by linear theory" if "verification" in ds.attrs else ""
+    low, high = (float(end) for end in told_bounds(one, tuning))
+    by, beside = "linear theory", ""
     if is_verified(one, tuning):
-        runs = f"{MODELS[ds.attrs['verified_model']]} runs"
-        from_what = f" by {runs}, where linear theory says {float(one.gain_percent):+.1f} %"
+        by = MODELS[ds.attrs["verified_model"]]
+        beside = f", where linear theory says {float(one.gain_percent):+.1f} %"
+        if low <= 0 <= high:
+            beside += ", too few to tell more from less"
     rigid = shown_member(ds, tuning, reference).sel(tuning=tuning, design=reference)
     many = (ds.sizes["design"] > 2) or ds.margin.size > 1
     subject = f"the best flexible design, {design}{at_point(one)}," if many else f"{design}"
-    interval = f"{float(one.gain_low):+.1f} to {float(one.gain_high):+.1f} %{from_what}"
-    buckles = ", and would buckle under its static load" if float(one.margin) < 0 else ""
+    interval = f"{low:+.1f} to {high:+.1f} % by {by}{beside}"
     both = f"{_energy(one, tuning):.4g} against {_energy(rigid, tuning):.4g} MWh"
-    return f"{subject} takes {against_rigid(gain, str(reference))} ({interval}; {both}){buckles}"
+    return f"{subject} absorbs {against_rigid(gain, str(reference))} ({interval}; {both})"
 
 
 def _energy(one: xr.Dataset, tuning: str) -> float:
     """Energy of the year of one design under a tuning, corrected by runs in time where its gain is [MWh]."""
-    return float(one.corrected_mean_power) * YEAR_HOURS / 1e6 if is_verified(one, tuning) else float(one.annual_energy)
+    if not is_verified(one, tuning):
+        return float(one.annual_energy)
+    return float(one[in_time(one.attrs["verified_model"], POWER[0])]) * YEAR_HOURS / 1e6
 
 
 def told_beside(ds: xr.Dataset, tuning: str) -> str | None:
@@ -90,13 +112,13 @@ def second_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
 
 
 def of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
-    """At how many points flexibility pays: the interval of the gain of some design lies above zero."""
-    least = ds.gain_low.sel(tuning=tuning).where(ds.design != reference)
+    """At how many valid points flexibility pays: the interval of the gain of some design lies above zero."""
+    least = told_bounds(ds.sel(tuning=tuning), tuning)[0].where(ds.design != reference)
     carries, pays = ds.margin >= 0, least.max("design") > 0
-    return (
-        f"Of {ds.margin.size} points {int(carries.sum())} carry their static load; flexibility pays at "
-        f"{int(pays.sum())} of all and at {int((pays & carries).sum())} of those."
-    )
+    if not bool(carries.any()):
+        return f"None of the {ds.margin.size} points carries its static load without buckling."
+    carried = f"{int(carries.sum())} of {ds.margin.size} points carry their static load without buckling"
+    return f"{carried}; flexibility pays at {int((pays & carries).sum())} of these."
 
 
 def at_point(one: xr.Dataset) -> str:
@@ -152,9 +174,22 @@ def shown_member(ds: xr.Dataset, tuning: str, reference: str | None) -> xr.Datas
 
 def told_gain(ds: xr.Dataset, tuning: str) -> xr.DataArray:
     """Return the gains to be told of results under one tuning: corrected by runs in time, or else of linear theory."""
-    return ds["corrected_gain_percent" if is_verified(ds, tuning) else "gain_percent"]
+    return ds[_told_gains(ds, tuning)[0]]
+
+
+def told_bounds(ds: xr.Dataset, tuning: str) -> tuple[xr.DataArray, xr.DataArray]:
+    """Return the ends of the intervals of those gains, by the same model."""
+    _, low, high = _told_gains(ds, tuning)
+    return ds[low], ds[high]
+
+
+def _told_gains(ds: xr.Dataset, tuning: str) -> tuple[str, ...]:
+    """Names of the gains to be told under a tuning and of their ends."""
+    if is_verified(ds, tuning):
+        return tuple(in_time(ds.attrs["verified_model"], name) for name in GAIN)
+    return GAIN_IN_TIME
 
 
 def is_verified(ds: xr.Dataset, tuning: str) -> bool:
     """Return whether gains under a tuning are corrected by runs in time."""
-    return ds.attrs.get("verified_tuning") == tuning and "corrected_gain_percent" in ds
+    return ds.attrs.get("verified_tuning") == tuning and in_time(ds.attrs["verified_model"], GAIN[0]) in ds

@@ -10,7 +10,7 @@ from matplotlib.axis import Axis
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from vsb.report.campaign_answer import is_verified, shown_member, told_gain
+from vsb.report.campaign_answer import is_verified, shown_member, told_bounds, told_gain
 from vsb.report.canvas import grid_of_axes, legend_above, note, plain_numbers, style
 from vsb.results.bins import HEIGHT, PERIOD
 from vsb.results.campaign import damper
@@ -166,7 +166,7 @@ def _lines(ds: xr.Dataset, tuning: str, key: str, others: Sequence[str]) -> Figu
         ax.plot(places, told_gain(one, tuning), marker=marker, markersize=4, **line)
         if is_verified(one, tuning):
             ax.plot(places, one.gain_percent, color=line["color"], linewidth=0.8, ls=":")
-        ax.fill_between(places, one.gain_low, one.gain_high, color=line["color"], alpha=0.2, linewidth=0)
+        ax.fill_between(places, *told_bounds(one, tuning), color=line["color"], alpha=0.2, linewidth=0)
     ax.axhline(0, color="black", linewidth=0.8)
     ax.set(xlabel=_label(ds, key), ylabel="gain [%]", xscale=_scale(ds, key))
     if not _is_spaced(ds, key):
@@ -191,7 +191,7 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
         one = at.sel(design=design).isel(place).squeeze(drop=True).transpose(y, x, ...)
         cells = (_cells(ds, x), _cells(ds, y))
         image = ax.pcolormesh(*cells, told_gain(one, tuning), cmap=GAIN, vmin=-largest, vmax=largest)
-        _mark(ax, ds, one, x, y)
+        _mark(ax, ds, one, x, y, told_bounds(one, tuning))
         if not any(place.values()):
             ax.set_title(design, fontsize=9, color=style(design, list(ds.design.values))["color"])
         ax.grid(visible=False)
@@ -214,13 +214,13 @@ def _told(ds: xr.Dataset, key: str, i: int) -> str:
     return f"{key.replace('_', ' ')} {quantity(ds[key].values[i].item(), ds[key].attrs.get('units', '1'))}"
 
 
-def _mark(ax: Axes, ds: xr.Dataset, one: xr.Dataset, x: str, y: str) -> None:
+def _mark(ax: Axes, ds: xr.Dataset, one: xr.Dataset, x: str, y: str, bounds: tuple[xr.DataArray, xr.DataArray]) -> None:
     """Hatch where the interval of the gain includes zero or nothing is viable; draw the line of buckling."""
     places = (_places(ds, x), _places(ds, y))
     across, up = _cells(ds, x), _cells(ds, y)
     cells = [
         [(across[j + a], up[i + b]) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
-        for i, j in np.argwhere(((one.gain_low <= 0) & (one.gain_high >= 0)).values)
+        for i, j in np.argwhere(((bounds[0] <= 0) & (bounds[1] >= 0)).values)
     ]
     if cells:
         ax.add_collection(PolyCollection(cells, facecolor="none", edgecolor="black", linewidth=0, hatch=HATCH))

@@ -1,16 +1,16 @@
 """What to doubt, for the head of a page: what fails, the worst of its kind, and what to change first."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from vsb.tools.words import short
+from vsb.tools.words import plain, short
 
 ADVICE = {
     "buckling": "raise device.internal_pressure to carry the load, or device.thickness",
     "computed_buckling": "raise device.internal_pressure to carry the load, or device.thickness",
     "static_deformation": "reference_shape: equilibrium if it is undeformed, or a stiffer shell",
     "static_strain": "a stiffer shell",
-    "bending_modes": "modes.basis: full",
+    "modes_left_out": "modes: {basis: full} and a higher degree, or modes: {tolerance: 0.005}",
     "reference_power": "longer waves, in which the rigid design absorbs",
     "fair_damping": "pto.tuning: each, or read the gains at own best dampers",
     "energy_residual": "lower simulation.tolerance",
@@ -22,7 +22,7 @@ ADVICE = {
     "steepness": "lower or longer waves",
     "linearity": "hydro.model: body_exact",
     "statistical_error": "more waves.realisations, or a longer simulation.duration",
-    "spectral_prediction": "more waves.realisations, or a longer simulation.duration",
+    "spectral_prediction": "a later simulation.window",
     "record_length": "a longer simulation.duration",
     "spectrum_cut": "raise hydro.omega_max",
     "power_limit": "lower hydro.tolerance",
@@ -42,6 +42,8 @@ ADVICE = {
     "irregular_frequencies": "a lid, or finer panels",
     "afloat": "the mass, or how deep the mesh lies",
     "rigid_names": "the names of the displacements",
+    "hinge_gap": "a mesh whose parts are closed at the hinge",
+    "second_order": "second_order in the file of the displacements",
     **dict.fromkeys(("panels", "modes", "corners", "one_resolution"), "finer panels"),
     **dict.fromkeys(
         ("error_estimate", "interpolation_error", "symmetry", "far_field", "positive_damping", "rank_one", "haskind",
@@ -53,6 +55,41 @@ ADVICE = {
     ),
 }  # fmt: skip
 """Name of a check -> what to change first in the study where it does not hold."""
+REASONS = {
+    "buckling": "the shell buckles under its static load ({value} times the classical buckling pressure)",
+    "computed_buckling": "the shell buckles under its static load ({value} times what it can carry)",
+    "static_strain": "the shell is strained by {percent} % at rest, and Hooke's law ends at 10 %",
+    "strain": "the shell is strained by up to {percent} %, and Hooke's law ends at 10 %",
+    "modes_left_out": "the shell modes left out change the absorbed power by up to {percent} %",
+    "modes": "the panels do not resolve the shortest mode",
+    "panels": "the panels do not resolve the shortest waves",
+    "energy_residual": "the energy balance of the simulation does not close (residual {value})",
+    "power_limit": "a design absorbs {value} times what theory allows any device",
+    "assumed_pressure": "the assumed pressure gives a buoy {value} times what a wave of that pressure could",
+}
+"""Name of a check that invalidates (`vsb.hydro.database.INVALIDATING`) -> why a result is not valid, in words."""
+
+
+def reasons(invalid: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return why results are not valid, each reason once with its largest value.
+
+    Parameters
+    ----------
+    invalid : sequence of dict
+        Of `vsb.results.verdicts.Invalid`.
+    """
+    worst: dict[str, float] = {}
+    for line in invalid:
+        worst[line["name"]] = max(worst.get(line["name"], 0.0), float(line["value"]))
+    if "computed_buckling" in worst:
+        worst.pop("buckling", None)
+    return [REASONS[name].format(value=short(value), percent=plain(100 * value, 2)) for name, value in worst.items()]
+
+
+def no_answer(invalid: Sequence[Mapping[str, Any]]) -> str:
+    """Return that there is no valid answer, why, and what to change."""
+    changes = dict.fromkeys(ADVICE[line["name"]] for line in invalid)
+    return f"No valid answer yet: {'; '.join(reasons(invalid))}. Change first: {'; '.join(changes)}."
 
 
 def warnings(checks: Sequence[dict[str, Any]]) -> list[str]:

@@ -1,13 +1,30 @@
-"""The fair answer of a study in two sentences: each design at its own best damper, with what the numbers leave open."""
+"""The answer of a study: what stands, each design at its own optimal damper, and what was computed but is not valid."""
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 import xarray as xr
 
-from vsb.report.band import USEFUL, useful_band
+from vsb.report.band import gain_band, useful_band
+from vsb.report.doubts import no_answer, reasons
 from vsb.tools.words import SAME, against_rigid, multiple, watts
+
+DIGITS = 5
+"""Most decimals of an interval [%]."""
+COMPUTED = "What was computed, although the model does not hold: "
+
+
+class Answer(NamedTuple):
+    """The answer of a study, in sentences."""
+
+    stands: list[str]  # for bold letters
+    below: list[str]  # numbers that are not valid, named as such, and designs left out
+
+    @property
+    def lines(self) -> list[str]:
+        """All sentences."""
+        return [*self.stands, *self.below]
 
 
 def headline(
@@ -15,10 +32,10 @@ def headline(
     best_power: xr.DataArray,
     reference: str | None,
     seas: dict[str, str],
-    tolerance: float,
+    invalid: Sequence[dict[str, Any]] = (),
     neglected: str = "",
-) -> list[str]:
-    """Return the fair answer of a study: in its seas, and over all waves; empty without a gain to give.
+) -> Answer:
+    """Return the answer of a study: in its seas, and over all waves; empty without a gain to give.
 
     Parameters
     ----------
@@ -29,27 +46,77 @@ def headline(
     reference : str or None
         The rigid design gains are measured against.
     seas : mapping of sea to words
-    tolerance : float
-        Of the coefficients, relative [-]: gains are known to twice that much of both powers.
+    invalid : sequence of dict
+        Of `vsb.results.verdicts.Invalid`: designs that are not valid in a sea; the best one is chosen among the others.
     neglected : str
         What `best_power` knows nothing of, in words.
     """
     others = [line for line in lines if line["design"] != reference and line["best_gain_percent"] is not None]
     if reference is None or not others:
-        return []
-    best = max(others, key=lambda line: float(line["best_gain_percent"]))
+        return Answer([], [])
+    valid = valid_lines(others, reference, invalid)
+    if not valid:
+        found = [_in_seas(others, lines, reference, seas), *_over_band(best_power, reference, neglected)]
+        return Answer([no_answer(invalid)], [f"{COMPUTED}{' '.join(found)}"])
+    kept = [reference, *dict.fromkeys(line["design"] for line in valid)]
+    designs = [design for design in best_power.design.values if design in kept]
+    stands = [_in_seas(valid, lines, reference, seas)]
+    stands += _over_band(best_power.sel(design=designs), reference, neglected)
+    return Answer(stands, _left_out(others, valid, invalid, reference, seas))
+
+
+def _left_out(
+    others: Sequence[dict[str, Any]],
+    valid: Sequence[dict[str, Any]],
+    invalid: Sequence[dict[str, Any]],
+    reference: str,
+    seas: dict[str, str],
+) -> list[str]:
+    """Gains that are not valid and no part of the answer, and why."""
+    kept, found = {(line["design"], line["sea"]) for line in valid}, []
+    for line in others:
+        if (line["design"], line["sea"]) in kept:
+            continue
+        why = [one for one in invalid if one["design"] in (line["design"], reference) and one["sea"] == line["sea"]]
+        gain = against_rigid(float(line["best_gain_percent"]), reference)
+        what = f"{line['design']} in {seas[line['sea']]}, computed to absorb {gain}"
+        found.append(f"Not valid, and no part of this answer: {what}; {' and '.join(reasons(why))}.")
+    return found
+
+
+def _in_seas(
+    shown: Sequence[dict[str, Any]], lines: Sequence[dict[str, Any]], reference: str, seas: dict[str, str]
+) -> str:
+    """The largest gain of some lines, where, and its interval."""
+    best = max(shown, key=lambda line: float(line["best_gain_percent"]))
     gain, sea = float(best["best_gain_percent"]), best["sea"]
     base = next(line for line in lines if line["design"] == reference and line["sea"] == sea)
     (own, its), unit = watts([best["best_power"], base["best_power"]])
-    width = 2 * tolerance * (100 + gain)
-    count = len(dict.fromkeys(line["sea"] for line in others))
-    designs = len(dict.fromkeys(line["design"] for line in others))
+    count = len(dict.fromkeys(line["sea"] for line in shown))
+    designs = len(dict.fromkeys(line["design"] for line in shown))
     most = f"the best flexible design, {best['design']}," if designs > 1 else best["design"]
     where = f"In {seas[sea]}" + (f", the most favourable of {count} seas" if count > 1 else "")
-    interval = f"{gain - width:+.1f} to {gain + width:+.1f} % by the numbers' tolerance"
-    what = f"{most} absorbs {against_rigid(gain, reference)} ({interval}; {own} against {its} {unit})"
-    in_seas = f"{where}, each design at its own best damper, {what}{_elsewhere(others, count)}."
-    return [in_seas, *_over_band(best_power, reference, neglected)]
+    interval = interval_text(best.get("best_low"), best.get("best_high"))
+    known = f"{interval} with all known errors; " if interval else ""
+    what = f"{most} absorbs {against_rigid(gain, reference)} ({known}{own} against {its} {unit})"
+    return f"{where}, each design at its own optimal damper, {what}{_elsewhere(shown, count)}."
+
+
+def interval_text(low: float | None, high: float | None) -> str:
+    """Return an interval in per cent, to as many decimals as tell its ends apart; empty without one, or of no width.
+
+    Examples
+    --------
+    >>> interval_text(-3.64, 1.2), interval_text(4.4012, 4.4047)
+    ('-3.6 to +1.2 %', '+4.401 to +4.405 %')
+    """
+    if low is None or high is None or low == high:
+        return ""
+    for digits in range(1, DIGITS + 1):
+        ends = [f"{end:+.{digits}f}" for end in (low, high)]
+        if ends[0] != ends[1]:
+            return f"{ends[0]} to {ends[1]} %"
+    return f"{(low + high) / 2:+.1f} %, exact to 1e-{DIGITS} points"
 
 
 def _elsewhere(others: Sequence[dict[str, Any]], count: int) -> str:
@@ -62,15 +129,10 @@ def _elsewhere(others: Sequence[dict[str, Any]], count: int) -> str:
 
 
 def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list[str]:
-    """What flexible designs take over all waves: the most and the least, where, and which of them.
-
-    Where the rigid design takes next to nothing, of its own and of what others take, any power is a thousandfold of
-    it: that is no gain to lead with.
-    """
-    useful, rigid = useful_band(best_power), best_power.sel(design=reference, drop=True)
-    takes = (rigid >= USEFUL * rigid.max()) | (rigid >= 0.1 * best_power.max("design"))
-    shown = best_power.where(useful & takes, drop=True)
-    if shown.sizes["omega"] < 2 or not float(shown.sel(design=reference).min()) > 0:
+    """What flexible designs absorb over all waves: the most and the least, where, and which of them."""
+    useful, counts = useful_band(best_power), gain_band(best_power, reference)
+    shown = best_power.where(counts, drop=True)
+    if shown.sizes["omega"] < 2:
         return []
     gain = (100 * (shown / shown.sel(design=reference) - 1)).sel(design=shown.design != reference)
     parts = []
@@ -84,6 +146,18 @@ def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list
             said = multiple(float(at)) or f"{size:.{0 if size >= 1 else 1}f} % {word}"
             parts.append(f"up to {said} ({which}in waves of {period:.2f} s)")
     who = "flexible designs absorb" if gain.sizes["design"] > 1 else f"{gain.design.values[0]} absorbs"
-    but = " but those of which the rigid design takes next to nothing" if bool((useful & ~takes).any()) else ""
+    but = " but those of which the rigid design absorbs next to nothing" if bool((useful & ~counts).any()) else ""
     where = f"Over all waves that carry power{but}, tuned wave by wave{neglected and f' and {neglected}'}"
     return [f"{where}, {who} {' and '.join(parts)}."] if parts else []
+
+
+def valid_lines(
+    lines: Iterable[dict[str, Any]], reference: str | None, invalid: Iterable[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Return the lines of designs other than the reference that are valid in their sea, as is the reference."""
+    broken = {(line["design"], line["sea"]) for line in invalid}
+    return [
+        line
+        for line in lines
+        if line["design"] != reference and not {(line["design"], line["sea"]), (reference, line["sea"])} & broken
+    ]

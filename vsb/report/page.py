@@ -10,16 +10,18 @@ import xarray as xr
 from vsb.report.animation import in_motion
 from vsb.report.band import useful_band
 from vsb.report.captions import captions
-from vsb.report.doubts import warnings
-from vsb.report.headline import headline
+from vsb.report.doubts import no_answer, warnings
+from vsb.report.headline import COMPUTED, Answer, headline
 from vsb.report.html import captioned, page
 from vsb.report.living import as_script
 from vsb.report.tuned import (
     GIVEN,
     NO_BEST_DAMPER,
+    PARTS,
     TUNING,
     dampers_in_words,
     limited_statements,
+    parts_table,
     shares_text,
     tuned_statements,
     tuning_table,
@@ -82,6 +84,7 @@ class Report:
     statistics: Sequence[dict[str, Any]] = ()  # of irregular seas, realisations together
     equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their own best dampers; empty without BEM
     within_limits: Sequence[dict[str, Any]] = ()  # optima under limits, where the take-off has some
+    invalid: Sequence[dict[str, Any]] = ()  # of `vsb.results.verdicts.Invalid`: designs not valid, where and why
     thing: str = "buoy"  # what floats
     flexible: bool = True  # whether any design is: else there is no gain to ask for
     sketches: Sequence[dict[str, str]] = ()  # of each design: name, words, SVG
@@ -193,7 +196,7 @@ def irregular_statements(
     tuned: Sequence[dict[str, Any]] = (),
     where: str = GIVEN,
 ) -> list[str]:
-    """Return, for each irregular sea, mean power in time and its gain with the 95 % interval."""
+    """Return, for each irregular sea, mean power in time and its gain with its interval."""
     statements = []
     for name in dict.fromkeys(line["sea"] for line in lines):
         sea = [line for line in lines if line["sea"] == name]
@@ -208,8 +211,10 @@ def _gain_text(line: dict[str, Any], reference: str | None) -> str:
     """Gain over the reference in brackets, with its interval if there is one."""
     if line["design"] == reference or line["gain_percent"] in MISSING:
         return ""
-    known = line["gain_low"] not in MISSING
-    bounds = f"; 95 %: {float(line['gain_low']):+.1f} to {float(line['gain_high']):+.1f} %" if known else ""
+    bounds = ""
+    if line["gain_low"] not in MISSING:
+        of = "of the sea, 95 %" if line["amplitudes"] == "random" else "of these waves, by the numbers' tolerance"
+        bounds = f"; {float(line['gain_low']):+.1f} to {float(line['gain_high']):+.1f} % {of}"
     return f" ({float(line['gain_percent']):+.1f} %{bounds})"
 
 
@@ -241,8 +246,8 @@ def _cell(value: Any, form: str = "", factor: float = 1.0) -> str:
 
 
 STATISTICS = (
-    "design", "sea", "realisations", "batches", "mean power [W]", "95 % interval [W]", "linear [W]",
-    "gain [%]", "95 % interval [%]",
+    "design", "sea", "amplitudes", "realisations", "mean power [W]", "interval [W]", "linear, same waves [W]",
+    "linear, sea [W]", "gain [%]", "interval [%]",
 )  # fmt: skip
 """Head of the table of irregular seas."""
 
@@ -256,8 +261,9 @@ def statistics_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
 
     return [
         [
-            *(str(line[key]) for key in ("design", "sea", "realisations", "batches")),
-            _cell(line["power_mean"]), bounds(line, "power"), _cell(line["power_linear"]),
+            *(str(line[key]) for key in ("design", "sea", "amplitudes", "realisations")),
+            _cell(line["power_mean"]), bounds(line, "power"), _cell(line["power_linear_record"]),
+            _cell(line["power_linear"]),
             _cell(line["gain_percent"], "+.1f"), bounds(line, "gain", "+.1f"),
         ]
         for line in lines
@@ -285,15 +291,20 @@ def _neglected(report: Report) -> str:
     return "without drag" if report.study.get("drag") else ""
 
 
-def _answer(report: Report, in_seas: Sequence[str]) -> list[str]:
-    """The answer of a study in two sentences: at equal tuning if it is known, else as it was simulated."""
+def _answer(report: Report, in_seas: Sequence[str]) -> Answer:
+    """The answer: at equal tuning if it is known, else as it was simulated; what is not valid stands below."""
     if report.response is None:
-        return [NO_BEST_DAMPER, *in_seas[:1]]
-    tolerance = float(report.study["hydro"]["tolerance"])
-    found = headline(
-        report.equal_tuning, report.response.best_power, report.reference, report.seas, tolerance, _neglected(report)
-    )
-    return found or tuned_statements(report.equal_tuning, report.reference, report.seas)[:1] or list(in_seas[:1])
+        said = [NO_BEST_DAMPER, *in_seas[:1]]
+    else:
+        best, names = report.response.best_power, report.seas
+        found = headline(report.equal_tuning, best, report.reference, names, report.invalid, _neglected(report))
+        if found.stands:
+            return found
+        said = tuned_statements(report.equal_tuning, report.reference, report.seas)[:1] or list(in_seas[:1])
+    designs = {row["design"] for row in report.rows} - {report.reference}
+    if designs and designs <= {line["design"] for line in report.invalid}:
+        return Answer([no_answer(report.invalid)], [f"{COMPUTED}{' '.join(said)}"])
+    return Answer(said, [])
 
 
 def render(report: Report) -> str:
@@ -309,7 +320,7 @@ def render(report: Report) -> str:
         ),
         *irregular_statements(report.statistics, report.reference, report.seas, tuned, where),
     ]
-    failed = warnings(report.checks)
+    failed, answer = warnings(report.checks), _answer(report, in_seas)
     limit = "" if response is None else str(response.attrs.get("limit", ""))
     compared = report.reference is not None and len({row["design"] for row in report.rows}) > 1
     told = captions(_neglected(report), given=given, body=report.thing == "body", limit=limit, compared=compared)
@@ -318,7 +329,10 @@ def render(report: Report) -> str:
         study=report.study["study"],
         thing=report.thing,
         flexible=report.flexible,
-        answer=_answer(report, in_seas),
+        answer=answer.stands,
+        below=answer.below,
+        parts_head=PARTS,
+        parts=parts_table(report.equal_tuning),
         sketches=report.sketches,
         kind="study",
         living=as_script(report.living) if report.living else "",

@@ -108,6 +108,7 @@ def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> st
         "side_by_side.html.j2",
         names=list(reports),
         answer=[answer(lines)],
+        below=[],
         sketches=(),
         warnings=DOUBTS,
         living="",

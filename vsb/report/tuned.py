@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from typing import Any
 
+from vsb.report.doubts import no_answer
+from vsb.report.headline import interval_text, valid_lines
 from vsb.study.take_off import PAUSE
-from vsb.tools.words import against_rigid, plain, power, the_rigid, watts
+from vsb.tools.words import against_rigid, plain, power, short, the_rigid, watts
 
 NO_BEST_DAMPER = (
     "An assumed pressure does not answer to the buoy's motion, so no best damper is known: all gains here are at the "
@@ -14,8 +16,8 @@ GIVEN = "At the given damper"
 DAMPERS = {"fixed": GIVEN, "each": "In time, at their own best dampers", "one": "In time, at their best for all seas"}
 """`pto.tuning` -> which dampers simulated designs have."""
 TUNING = (
-    "design", "sea", "own best damper [N s/m]", "mean power [W]", "gain [%]", "given damper [N s/m]", "mean power [W]",
-    "gain [%]", "share of own best [%]",
+    "design", "sea", "own optimal damper [N s/m]", "mean power [W]", "gain [%]", "interval of the gain",
+    "given damper [N s/m]", "mean power [W]", "gain [%]", "interval of the gain", "share of own best [%]",
 )  # fmt: skip
 """Head of the table of designs at equal tuning."""
 
@@ -91,6 +93,19 @@ def shares_text(lines: Sequence[dict[str, Any]], sea: str) -> str:
     return f"; at {dampers} {known[0]['design']} reaches {first} of its own best{rest}"
 
 
+PARTS = ("design", "sea", "source of error", "below [points]", "above [points]", "kind")
+"""Head of the table of what makes up the interval of a gain."""
+
+
+def parts_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
+    """Return which source of error is which part of the interval of every gain at the optimal dampers."""
+    return [
+        [line["design"], line["sea"], source["name"], short(source["low"]), short(source["high"]), source["kind"]]
+        for line in lines
+        for source in line.get("errors", ())
+    ]
+
+
 def tuning_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
     """Return the cells of the table of designs at equal tuning; a quantity that does not exist is a dash."""
 
@@ -101,16 +116,23 @@ def tuning_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
         [
             line["design"], line["sea"],
             text(line["best_damping"]), text(line["best_power"]), text(line["best_gain_percent"], "+.1f"),
+            interval_text(line.get("best_low"), line.get("best_high")) or "-",
             text(line["damping"]), text(line["power"]), text(line["gain_percent"], "+.1f"),
+            interval_text(line.get("low"), line.get("high")) or "-",
             text(line["share"], ".1f", 100.0),
         ]
         for line in lines
     ]  # fmt: skip
 
 
-def closing_line(lines: Sequence[dict[str, Any]], reference: str | None) -> str:
-    """Return the answer of a study in one line, with a comma to go on from; empty if there is no gain to give."""
-    others = [line for line in lines if line["design"] != reference]
+def closing_line(lines: Sequence[dict[str, Any]], reference: str | None, invalid: Sequence[dict[str, Any]] = ()) -> str:
+    """Return the answer of a study in one line, to go on from; empty if there is no gain to give.
+
+    Of designs that are valid alone; where none is, that there is no answer and why.
+    """
+    others = valid_lines(lines, reference, invalid)
+    if not others and invalid:
+        return f"{no_answer(invalid)} "
     parts = [
         f"{_range(gains)} at {where}"
         for key, where in (("best_gain_percent", "own best dampers"), ("gain_percent", "the given damper"))

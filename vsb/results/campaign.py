@@ -10,7 +10,7 @@ from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CampaignSpec
 from vsb.study.take_off import turns
 from vsb.study.vary import MEMBER, PORT, Vary, unit
-from vsb.study.year_options import CONSTRAINED, leading_tuning
+from vsb.study.year_options import CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
 from vsb.tools.tables import csv_text
 from vsb.tools.units import AnyArray, FloatArray
 
@@ -22,11 +22,8 @@ TABLE = (
 """Variables of a table with a row for each point, design and tuning; dampers and reasons stand beside them."""
 OF_OPTIMA = ("power_bound", "impossible_share")
 """Variables only the tuning `constrained` has."""
-POWER = ("corrected_mean_power", "corrected_power_low", "corrected_power_high")
-GAIN = ("corrected_gain_percent", "corrected_gain_low", "corrected_gain_high")
+POWER, GAIN = (tuple(f"corrected_{name}" for name in names) for names in (POWER_IN_TIME, GAIN_IN_TIME))
 """What runs in time say of a year (`vsb.results.verified_year`)."""
-VERIFIED = (POWER[0], GAIN[0])
-"""Variables only the tuning has that runs in time are of."""
 
 
 def stacked(members: Sequence[xr.Dataset], ids: Sequence[str]) -> xr.Dataset:
@@ -94,7 +91,10 @@ def _unfolded(ds: xr.Dataset, vary: Vary, names: Sequence[str]) -> xr.Dataset:
 
 
 def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Return the results of a campaign with what runs in time say: intervals of gains under their tuning are theirs.
+    """Return the results of a campaign with what runs in time say, named by their model (`IN_TIME`).
+
+    The statistical intervals of their gains are wider by the errors of linear theory, whose ratio to runs they correct:
+    coefficients, quadrature and shell modes left out are the same in both.
 
     Parameters
     ----------
@@ -106,19 +106,26 @@ def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Data
     """
     if not runs:
         return ds
-    names = [name for name in (*POWER, *GAIN) if name in runs[0]]
-    found = ds.assign({name: _of_members(ds, [one[name] for one in runs]) for name in names})
-    tuning = leading_tuning(spec.tuning)
-    told = f"tuning {tuning}: {runs[0].attrs['runs']}"
-    if "gain_percent" in found:
-        here = found.tuning == tuning
-        for end in ("low", "high"):
-            found[f"gain_{end}"] = found[f"gain_{end}"].where(~here, found[f"corrected_gain_{end}"])
-        told += "; there gain_low and gain_high are the 95 % interval of the corrected gain"
-    found = found.drop_vars(GAIN[1:], errors="ignore")
+    model, tuning = runs[0].attrs["model"], leading_tuning(spec.tuning)
+    names = {name: in_time(model, name) for name in (*POWER, *GAIN) if name in runs[0]}
+    found = ds.assign({new: _of_members(ds, [one[name] for one in runs]) for name, new in names.items()})
+    for end, own in zip(GAIN[1:], GAIN_IN_TIME[1:], strict=True):
+        if end in names and own in ds:
+            beyond = (ds[own] - ds.gain_percent).sel(tuning=tuning, drop=True)
+            found[names[end]] = (found[names[end]] + beyond).transpose(*found[names[end]].dims)
     return found.assign_attrs(
-        {**ds.attrs, "verification": told, "verified_tuning": tuning, "verified_model": runs[0].attrs["model"]}
+        {
+            **ds.attrs,
+            "verification": f"tuning {tuning}: {runs[0].attrs['runs']}",
+            "verified_tuning": tuning,
+            "verified_model": model,
+        }
     )
+
+
+def in_time(model: str, name: str) -> str:
+    """Return the name in the results of a campaign of what runs of a model say, one of `POWER` and `GAIN`."""
+    return name.replace("corrected", IN_TIME[model])
 
 
 def _of_members(ds: xr.Dataset, values: Sequence[xr.DataArray]) -> tuple[tuple[str, ...], FloatArray]:
@@ -133,7 +140,9 @@ def as_csv(spec: CampaignSpec, ds: xr.Dataset) -> str:
     points = [str(dim) for dim in ds.margin.dims]
     verified = ds.tuning == ds.attrs.get("verified_tuning")
     columns = {name: ds[name] for name in TABLE if name in ds} | {"damping": damper(ds), "reason": ds.reason}
-    columns |= {name: ds[name].where(verified) for name in VERIFIED if name in ds}
+    if "verified_model" in ds.attrs:
+        said = [in_time(ds.attrs["verified_model"], name) for name in (*POWER, *GAIN)]
+        columns |= {name: ds[name].where(verified) for name in said if name in ds}
     columns |= {name: ds[name].where(ds.tuning == CONSTRAINED) for name in OF_OPTIMA if name in ds}
     by = xr.zeros_like(ds.annual_mean_power, dtype=bool)
     cells = [each.broadcast_like(by).transpose(*points, *BY).values.ravel().tolist() for each in columns.values()]

@@ -12,7 +12,9 @@ from vsb.tools.tables import csv_text
 from vsb.waves.seas import Sea
 
 TAKE_OFF = ("damping", "stiffness", "power_gain_percent")
-COLUMNS = ("design", "wave", *Merit._fields, "energy_gain_percent", "energy_residual", *TAKE_OFF)
+INTERVAL = ("low", "high")
+"""Of the gain of mean power, by all known sources of error [%]."""
+COLUMNS = ("design", "wave", *Merit._fields, "energy_gain_percent", "energy_residual", *TAKE_OFF, *INTERVAL)
 NOTHING = 1e-9
 """Energy or power below this part of the best design's is round-off of a buoy at rest: no gain is over it."""
 Row = dict[str, Any]
@@ -34,6 +36,7 @@ def comparison(study: Compared, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
     Notes
     -----
     Energy is that of the whole run, start-up included; in still water there is nothing else, and no gain of mean power.
+    The interval of a gain is for `vsb.results.intervals.with_intervals` to fill in.
     """
     window = study.simulation.window
     merits = {design: merit(runs[design], wave, sea, study.water, window) for design in study.designs}
@@ -45,7 +48,7 @@ def comparison(study: Compared, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
         row["energy_residual"] = float(runs[design].attrs["energy_residual"])
         gain = None if isinstance(wave, StillWater) else power[design]
         take_off = (damper_of(study, design, runs[design].attrs), study.pto.stiffness, gain)
-        rows.append({**row, **dict(zip(TAKE_OFF, take_off, strict=True))})
+        rows.append({**row, **dict(zip(TAKE_OFF, take_off, strict=True)), **dict.fromkeys(INTERVAL)})
     return rows
 
 

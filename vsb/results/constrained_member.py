@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import xarray as xr
 
+from vsb.motion.force_bound import Limits
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import PortMotion
-from vsb.results.constrained_year import ConstrainedYear, Limits, constrained_year, harmonics_of_year
+from vsb.results.constrained_year import ConstrainedYear, constrained_year, harmonics_of_year
 from vsb.results.member import OF_LIMITS
 from vsb.results.validity import LIMITS, motion_limits, wave_limits
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
@@ -45,7 +46,7 @@ class Optima:
             From where on coefficients and waves are known.
         """
         harmonics = harmonics_of_year(climate, lowest, study.hydro.omega_max, self.seconds)
-        waves = designs_in_waves(study, reference, self.water(reference.basis, harmonics.omega))
+        waves = designs_in_waves(study, reference, self.water(reference.basis, harmonics.port_omega))
         found = {design: self._year(study, design, one, climate, harmonics) for design, one in waves.items()}
         return constrained_dataset(study, found, waves, climate)
 
@@ -152,14 +153,15 @@ def _beyond(study: Study, one: ConstrainedYear, motion: PortMotion, climate: Cli
 
 def _motion_rms(one: ConstrainedYear, motion: PortMotion) -> dict[str, FloatArray]:
     """Root mean squares of heave and shell in the bins solved, shape (bin,) [m]; 0 where no force keeps the limits."""
-    zero = np.zeros(one.amplitude.shape[-1], dtype=complex)
+    count = one.amplitude.shape[-1]  # harmonics of the band, the first frequencies of the motion
+    zero = np.zeros(count, dtype=complex)
     force = np.array([[o.force if o else zero for o in pair] for pair in one.optima])
     held = np.array([[o is not None for o in pair] for pair in one.optima])[..., None]
     waves = np.where(held, one.amplitude, 0.0)
-    heave = waves * motion.heave[0] - force * motion.heave[1]
+    heave = waves * motion.heave[0][:count] - force * motion.heave[1][:count]
     variance = (np.abs(heave) ** 2).sum(axis=-1).mean(axis=1) / 2
     largest = np.zeros(len(variance))
     for free, forced in zip(*(np.moveaxis(part, 1, 0) for part in motion.shell), strict=True):  # points
-        both = waves[..., None, :] * free - force[..., None, :] * forced
+        both = waves[..., None, :] * free[..., :count] - force[..., None, :] * forced[..., :count]
         largest = np.maximum(largest, (np.abs(both) ** 2).sum(axis=(-1, -2)).mean(axis=1) / 2)
     return {"heave": np.sqrt(variance), "deformation": np.sqrt(largest)}

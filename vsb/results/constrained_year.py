@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.errors import ConfigError, StabilityError
-from vsb.motion.constrained import ConstrainedOptimum, constrained_optimum
+from vsb.motion.constrained import ConstrainedOptimum, NoForceFoundError, constrained_optimum
+from vsb.motion.force_bound import Limits
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.results.bins import Bins, bins_of
@@ -32,13 +33,6 @@ REALISATIONS = 2
 """Realisations of each bin."""
 SHORTEST, LONGEST = 4.0, 32.0
 """Periods a sea may be taken to repeat in, over the mean energy period of the year [-]."""
-
-
-class Limits(NamedTuple):
-    """What the force, and the displacement of the port from rest, must not exceed."""
-
-    force: float = np.inf  # [N]
-    stroke: float = np.inf  # [m]
 
 
 class Bracket(NamedTuple):
@@ -59,6 +53,7 @@ class ConstrainedYear:
     optima: tuple[tuple[ConstrainedOptimum | None, ...], ...]  # (bin, realisation); none: no force keeps the stroke
     matched: FloatArray  # mean power of the best force of all, of every bin (hs, te) [W]
     flux_share: float  # of the year's energy flux in the bins solved [-]
+    undecided: FloatArray | float = 0.0  # bounds where no force was found, but none is ruled out (bin, realisation) [W]
 
     def _each(self, field: str) -> FloatArray:
         """A field of the optima, 0 where there is none, shape (bin, realisation)."""
@@ -89,7 +84,7 @@ class ConstrainedYear:
 
     @property
     def impossible(self) -> float:
-        """Share of the year in which no force keeps the stroke within its limit [-]."""
+        """Share of the year in which no force was found that keeps the stroke within its limit [-]."""
         none = np.array([[one is None for one in pair] for pair in self.optima])
         return float(self.share @ none.mean(axis=1))
 
@@ -102,7 +97,7 @@ class ConstrainedYear:
     def bound(self) -> float:
         """What no force within the limits exceeds in these waves, nor any force in the bins not reached [W]."""
         left = float(np.sum((self.bins.share * self.matched)[~self.reached]))
-        return float(self.share @ self._each("bound").mean(axis=1)) + left
+        return float(self.share @ (self._each("bound") + self.undecided).mean(axis=1)) + left
 
     @property
     def _whole(self) -> float:
@@ -186,7 +181,7 @@ def constrained_year(
     Parameters
     ----------
     port : Port
-        At the frequencies of the harmonics.
+        At `harmonics.port_omega`.
     climate : Climate
     water : Water
         Of the energy flux.
@@ -203,10 +198,11 @@ def constrained_year(
     ConfigError
         If the port is known elsewhere, or harmonics leave out more than a hundredth of the variance.
     """
-    if len(port.omega) != harmonics.count or not np.allclose(port.omega, harmonics.omega, rtol=1e-9):
+    needed = harmonics.port_omega
+    if len(port.omega) != len(needed) or not np.allclose(port.omega, needed, rtol=1e-9):
         raise ConfigError(
             f"constrained: received a port at {len(port.omega)} frequencies up to {port.omega[-1]:.4g} rad/s, needs "
-            f"the {harmonics.count} harmonics up to {harmonics.omega[-1]:.4g} rad/s"
+            f"the {harmonics.count} harmonics up to {harmonics.omega[-1]:.4g} rad/s and those outside"
         )
     bins = bins_of(climate)
     squares = _squares(bins, climate, harmonics)
@@ -215,10 +211,13 @@ def constrained_year(
     solved = order[: affordable(harmonics, seconds)]
     rows = np.searchsorted(bins.occupied, solved)
     amplitude = np.array([np.sqrt(squares[row]) * _phases(seed, int(bins.occupied[row]), harmonics) for row in rows])
-    optima = tuple(tuple(_optimum(port, harmonics, one, limits) for one in pair) for pair in amplitude)
+    found = [[_optimum(port, harmonics, one, limits) for one in pair] for pair in amplitude]
+    optima = tuple(tuple(None if isinstance(one, float) else one for one in pair) for pair in found)
+    undecided = np.array([[one if isinstance(one, float) else 0.0 for one in pair] for pair in found])
     matched = np.zeros(bins.shape)
-    matched.ravel()[bins.occupied] = squares @ port.matched_power
-    return ConstrainedYear(bins, solved, amplitude, optima, matched, float(flux[solved].sum() / flux.sum()))
+    matched.ravel()[bins.occupied] = squares @ port.matched_power[: harmonics.count]
+    share = float(flux[solved].sum() / flux.sum())
+    return ConstrainedYear(bins, solved, amplitude, optima, matched, share, undecided)
 
 
 def _phases(seed: int, place: int, harmonics: Harmonics) -> ComplexArray:
@@ -247,12 +246,14 @@ def _squares(bins: Bins, climate: Climate, harmonics: Harmonics) -> FloatArray:
     return 2 * inside
 
 
-def _optimum(port: Port, harmonics: Harmonics, amplitude: ComplexArray, limits: Limits) -> ConstrainedOptimum | None:
-    """The optimum of one sea; none where no force keeps the stroke within its limit."""
+def _optimum(port: Port, harmonics: Harmonics, amplitude: ComplexArray, limits: Limits) -> ConstrainedOptimum | float:
+    """The optimum of one sea; where no force is found that keeps the stroke, the bound of those that might [W]."""
     if not port.moves:
         nothing = np.zeros(harmonics.count, dtype=complex)
         return ConstrainedOptimum(nothing, nothing, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
     try:
-        return constrained_optimum(harmonics, port.velocity * amplitude, port.admittance, limits.force, limits.stroke)
+        return constrained_optimum(harmonics, port, amplitude, limits)
+    except NoForceFoundError as error:
+        return max(0.0, error.bound)
     except StabilityError:
-        return None
+        return 0.0

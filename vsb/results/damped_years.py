@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vsb.motion.port import Port
+from vsb.motion.sensitivity import CoefficientError, sensitivity
 from vsb.results.validity import beyond_validity
 from vsb.results.year import DesignYear, Tuning, Year, best_for_all, gain_percent, year
 from vsb.scenes.ports import InWaves
@@ -32,8 +33,26 @@ class DampedYears:
     tunings: Sequence[Tuning]
     known: dict[bytes, Values] = field(default_factory=dict)  # of rigid designs of the points before
 
-    def __call__(self, study: Study, waves: Mapping[str, InWaves]) -> Values:
-        """Return the figures of some designs of a study in waves, each shape (design, ...), and their gains."""
+    def __call__(
+        self,
+        study: Study,
+        waves: Mapping[str, InWaves],
+        errors: Sequence[CoefficientError] = (),
+        left_out: FloatArray | None = None,
+    ) -> Values:
+        """Return the figures of some designs of a study in waves, each shape (design, ...), and their gains.
+
+        The intervals of gains are of quadrature over frequency, of errors of the coefficients, which designs share, and
+        of shell modes left out.
+
+        Parameters
+        ----------
+        study : Study
+        waves : mapping design -> InWaves
+        errors : sequence of CoefficientError
+        left_out : ndarray, shape (design, end) [percentage points], optional
+            As of `vsb.results.left_out.gain_of_year`.
+        """
         rigid = {name: _key(study, name, one) for name, one in waves.items() if not study.designs[name].flexible}
         parts = {name: self.known[key] for name, key in rigid.items() if key in self.known}
         if new := {name: one for name, one in waves.items() if name not in parts}:
@@ -43,7 +62,31 @@ class DampedYears:
             self.known.clear()
         self.known.update({key: parts[name] for name, key in rigid.items()})
         together = _stacked([parts[name] for name in waves])
-        return {**together, **_gains(together, list(waves), study.reference_design, study.hydro.tolerance)}
+        if (reference := study.reference_design) is None or "annual_mean_power" not in together:
+            return together
+        apart = self._apart(study, waves, together, errors)
+        beyond = np.zeros((len(waves), 2)) if left_out is None else left_out
+        return {**together, **_gains(together, list(waves), reference, apart, beyond)}
+
+    def _apart(
+        self, study: Study, waves: Mapping[str, InWaves], found: Values, errors: Sequence[CoefficientError]
+    ) -> FloatArray:
+        """Largest relative change of every design's power over the reference's by the errors, (design, tuning) [-].
+
+        At the given damper, else at the best one for the year, near which the best ones of most of its energy lie.
+        """
+        spring, best = study.pto.stiffness, np.asarray(found["tried_damping"][1])[:, len(TRIED) // 2]
+        apart = np.zeros((len(waves), len(self.tunings)))
+        for j, tuning in enumerate(self.tunings):
+            slopes = []
+            for (design, one), damping in zip(waves.items(), best, strict=True):
+                damper = float(study.pto.damper(design) or 0.0) if tuning == "fixed" else float(damping)
+                squares = DesignYear(one.port, self.climate).squares
+                load = one.port.load(damper, spring)
+                slopes.append(sensitivity(one.port.omega, one.moved, one.port, load, squares))
+            base = slopes[list(waves).index(study.reference_design or "")]
+            apart[:, j] = [sum((one - base).to(error) for error in errors) for one in slopes]
+        return apart
 
     def _computed(self, study: Study, waves: Mapping[str, InWaves]) -> Values:
         """The figures of designs that are not known."""
@@ -91,20 +134,20 @@ def _curves(ports: Mapping[str, Port], climate: Climate, of: Year | None) -> Val
     return {name: (("design", "damper"), values) for name, values in zip(CURVES, found, strict=True)}
 
 
-def _gains(found: Values, designs: Sequence[str], reference: str | None, tolerance: float) -> Values:
-    """Gains over the reference under the same tuning, and where they lie by the errors of numbers.
+def _gains(found: Values, designs: Sequence[str], reference: str, apart: FloatArray, left_out: FloatArray) -> Values:
+    """Gains over the reference under the same tuning, and where they lie by the errors that are known.
 
-    Those are quadrature over frequency and the tolerance of the coefficients.
+    Those are quadrature over frequency; `apart`, what errors of the coefficients do to the ratio of powers; and what
+    shell modes left out may change.
     """
-    if reference is None or "annual_mean_power" not in found:
-        return {}
     at, power = designs.index(reference), _plain(found, "annual_mean_power")
     if (gain := gain_percent(power, at)) is None:
         return {}
-    error = np.divide(_plain(found, "quadrature_error"), power, out=np.zeros_like(power), where=power > 0) + tolerance
-    width = (error + error[at]) * (100 + gain)
+    error = np.divide(_plain(found, "quadrature_error"), power, out=np.zeros_like(power), where=power > 0)
+    width = (error + error[at] + apart) * (100 + gain)
     width[at] *= 0.0
-    return {"gain_percent": (BY, gain), "gain_low": (BY, gain - width), "gain_high": (BY, gain + width)}
+    low, high = left_out.T[:, :, None]
+    return {"gain_percent": (BY, gain), "gain_low": (BY, gain - width + low), "gain_high": (BY, gain + width + high)}
 
 
 def _plain(found: Values, name: str) -> FloatArray:

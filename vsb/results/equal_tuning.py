@@ -1,11 +1,12 @@
 """Designs at equal tuning: each at its own best damper, and how much of that the given damper takes."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from vsb.hydro.database import Check, Verdict
+from vsb.results.budget import Budget, Rows, mean_budget
 from vsb.results.comparison import gains
 from vsb.results.ladder import Rung
 from vsb.study.compared import Compared
@@ -34,10 +35,27 @@ class Tuned(NamedTuple):
     power: float | None  # [W]
     gain_percent: float | None
     share: float | None  # power over best power [-]; none where there is none to take
+    best_low: float | None = None  # interval of the gain at its own best damper [%], of all known sources of error
+    best_high: float | None = None
+    low: float | None = None  # likewise at the given damper
+    high: float | None = None
+    errors: Rows = ()  # of the gain at its own best damper [percentage points], see `vsb.results.budget.Budget.rows`
 
 
-def equal_tuning(study: Compared, rungs: Sequence[Rung]) -> list[Tuned]:
-    """Return one line per sea and design, from the ladder of a study."""
+Beyond = Mapping[tuple[str, str], Budget]
+"""Errors of a gain beyond linear theory and its numbers, by design and sea [percentage points]."""
+
+
+def equal_tuning(study: Compared, rungs: Sequence[Rung], beyond: Beyond | None = None) -> list[Tuned]:
+    """Return one line per sea and design, from the ladder of a study.
+
+    Parameters
+    ----------
+    study : Compared
+    rungs : sequence of Rung
+    beyond : mapping, optional
+        See `vsb.results.intervals.linearisation`.
+    """
     found: list[Tuned] = []
     for sea, here in _by_sea(study, rungs).items():
         best, fixed = _means(here, "best_damper"), _means(here, "fixed")
@@ -47,8 +65,25 @@ def equal_tuning(study: Compared, rungs: Sequence[Rung]) -> list[Tuned]:
             given, taken = fixed.get(design, (None, None))
             share = taken / power if taken is not None and power > 0 else None
             at_best = (damper, power, best_gains[design])
-            found.append(Tuned(design, sea, *at_best, given, taken, fixed_gains.get(design), share))
+            line = Tuned(design, sea, *at_best, given, taken, fixed_gains.get(design), share)
+            more = (beyond or {}).get((design, sea), Budget())
+            errors = gain_budget(here, design, "best_damper") + more
+            low, high = _interval(line.best_gain_percent, errors)
+            line = line._replace(best_low=low, best_high=high, errors=errors.rows)
+            low, high = _interval(line.gain_percent, gain_budget(here, design, "fixed") + more)
+            found.append(line._replace(low=low, high=high))
     return found
+
+
+def gain_budget(rungs: Sequence[Rung], design: str, name: str) -> Budget:
+    """Return the error budget of the gain of a design at a rung, realisations together; the reference has none."""
+    rows = [rung.gain_error for rung in rungs if rung.rung == name and rung.design == design]
+    return mean_budget([Budget.of(each) for each in rows if each is not None])
+
+
+def _interval(gain: float | None, errors: Budget) -> tuple[float | None, float | None]:
+    """The interval of a gain, if there is one."""
+    return (None, None) if gain is None else errors.interval(gain)
 
 
 class Limited(NamedTuple):
@@ -58,6 +93,8 @@ class Limited(NamedTuple):
     sea: str
     power: float  # [W]
     gain_percent: float | None
+    low: float | None = None  # interval of the gain by all known sources of error [%]
+    high: float | None = None
 
 
 def within_limits(study: Compared, rungs: Sequence[Rung]) -> list[Limited]:
@@ -67,7 +104,9 @@ def within_limits(study: Compared, rungs: Sequence[Rung]) -> list[Limited]:
         unknown = {rung.design for rung in here if rung.rung == "constrained" and rung.power_mean is None}
         powers = {d: p for d, (_, p) in _means(here, "constrained").items() if d not in unknown}
         over = gains(powers, study.reference_design if study.reference_design in powers else None)
-        found += [Limited(design, sea, power, over[design]) for design, power in powers.items()]
+        for design, power in powers.items():
+            ends = _interval(over[design], gain_budget(here, design, "constrained"))
+            found.append(Limited(design, sea, power, over[design], *ends))
     return found
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from vsb.errors import VsbError
 from vsb.motion.constrained import optimum_in_sea
+from vsb.motion.force_bound import Limits
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers
@@ -74,7 +75,7 @@ def force_steps(
     ----------
     wave : RegularWave or Irregular
     seen : mapping design -> callable
-        Frequencies -> its port.
+        Frequencies -> its port, also outside the band.
     reference : str or None
         The design whose best damper the limits are of; else the first whose port waves move.
     band : (float, float) [rad/s]
@@ -90,7 +91,7 @@ def force_steps(
     else:
         waves, repeats = regular(wave), None
         harmonics = Harmonics.of_sea(waves.omega, *band)
-    ports = {design: port(harmonics.omega) for design, port in seen.items()}
+    ports = {design: port(harmonics.port_omega) for design, port in seen.items()}
     of = next((d for d in (reference, *ports) if d in ports and ports[d].moves), None)
     if of is None:
         return None
@@ -101,7 +102,7 @@ def force_steps(
 
 def _damper_force(port: Port, waves: Sea, harmonics: Harmonics) -> float:
     """Largest force of the best damper in a sea [N]."""
-    amplitude = np.zeros(harmonics.count, dtype=complex)
+    port, amplitude = port.at(np.arange(harmonics.count)), np.zeros(harmonics.count, dtype=complex)
     amplitude[np.rint(waves.omega / harmonics.spacing - harmonics.first).astype(int)] = waves.amplitude
     damping = float(best_dampers(port, np.abs(amplitude[None]) ** 2).damping[0])
     return float(np.abs(harmonics.signal(damping * port.velocity_under(port.load(damping)) * amplitude)).max())
@@ -112,6 +113,6 @@ def _power(port: Port, waves: Sea, harmonics: Harmonics, force: float, stroke: f
     if not port.moves:
         return 0.0
     try:
-        return optimum_in_sea(port, waves, harmonics, force, stroke).power
+        return optimum_in_sea(port, waves, harmonics, Limits(force, stroke)).power
     except VsbError:
         return None

@@ -43,6 +43,11 @@ class DesignInTime:
         """Return the design under another damper [N s/m]."""
         return replace(self, take_off=replace(self.take_off, damping=damping))
 
+    def decay_time(self, omega_max: float) -> float:
+        """Return the longest decay time 1/(zeta omega) of natural motions up to a frequency, beside the damper [s]."""
+        omega, ratio = replace(self.buoy, pto=self.take_off).natural_modes(self.motions)
+        return float(np.max(1 / (ratio * omega)[omega <= omega_max], initial=0.0))
+
     def powers(self, sea: Sea, settings: Simulation, model: Model = "body_exact") -> tuple[float, float]:
         """Return mean power over the window, of the model and of linear theory in the same waves [W].
 

@@ -6,22 +6,27 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
 from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.drag import DraggedPort, best_damper, best_pair, under
+from vsb.motion.force_bound import Limits
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
 from vsb.motion.tuning import Load, best_dampers, best_pairs, mean_power
-from vsb.scenes.afloat import Met, afloat, band, headings, met, study_sea
+from vsb.results.budget import Budget, Rows, Source
+from vsb.results.left_out import modes_left_out
+from vsb.results.rung_errors import Errors, Loaded, rung_errors
+from vsb.scenes.afloat import Afloat, Met, afloat, band, headings, met, study_sea
 from vsb.scenes.drag import dragged_port
 from vsb.study.body_specs import BodyLadderSpec
 from vsb.study.specs import LadderSpec
-from vsb.study.study import IrregularSea, StillWater
+from vsb.study.study import IrregularSea, StillWater, Wave
 from vsb.tools.tables import csv_text
 from vsb.tools.units import ComplexArray, FloatArray, IntArray
-from vsb.waves.seas import Sea
+from vsb.waves.seas import Sea, expected
 from vsb.waves.superposition import superposed
 
 RUNGS = ("fixed", "best_damper", "best_damper_all_seas", "best_spring_damper", "constrained", "matched")
@@ -31,8 +36,8 @@ INSTANTS = 8
 MOST_HARMONICS = 1024
 """Of the force of an optimum under limits: seconds of work and a tenth of a gigabyte."""
 STILL = "waves do not move this port"
-GAP = 1e-6
-"""Of an optimum under limits, as a part of its bound [-]."""
+GAP = 0.005
+"""Of the best force found under limits, as a part of the bound of all forces [-]."""
 
 
 class Rung(NamedTuple):
@@ -50,9 +55,13 @@ class Rung(NamedTuple):
     stroke_peak: float | None  # likewise, from rest [m]
     gap: float | None  # by which a better one is not ruled out, of a constrained optimum [-]
     note: str = ""  # why there is no optimum under limits, or what its limits are kept to
+    low: float | None = None  # interval of the mean power by all known sources of error [W]
+    high: float | None = None
+    power_error: Rows = ()  # error budget of the mean power [W], see `vsb.results.budget.Budget.rows`
+    gain_error: Rows | None = None  # of its gain over the reference [percentage points]; none of the reference
 
 
-COLUMNS = Rung._fields[:-1]
+COLUMNS = (*Rung._fields[: Rung._fields.index("note")], "low", "high")
 """Of `ladder.csv`."""
 
 
@@ -64,11 +73,10 @@ class Given(NamedTuple):
     efficiency: float = 1.0
 
 
-class Limits(NamedTuple):
-    """Limits of a take-off, and the band its force may be of."""
+class Limited(NamedTuple):
+    """Limits of a take-off, and the band its port is known in."""
 
-    force: float  # [N]
-    stroke: float  # [m]
+    limits: Limits
     lowest: float  # [rad/s]
     highest: float
 
@@ -168,7 +176,7 @@ def rungs_of(
 
 
 def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung]:
-    """Return the rungs of every design of a study in every sea; still water has none.
+    """Return the rungs of every design of a study in every sea, random amplitudes as expected; still water has none.
 
     Parameters
     ----------
@@ -181,7 +189,7 @@ def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung
     if not waves:
         return []
     ds = floating.linear.database
-    seas = {wave.label: study_sea(study, wave, ds) for wave in waves}
+    seas = {wave.label: study_sea(study, expected(wave), ds) for wave in waves}
     names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
     families = [names.index(name) for name in dict.fromkeys(names)]
     pairs = list(zip(waves, seas.values(), strict=True))
@@ -191,44 +199,88 @@ def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung
     if isinstance(study, LadderSpec) and study.drag is not None:
         dragged = {design: dragged_port(study, floating, design, headings(pairs)) for design in study.designs}
     rungs = rungs_of(ports, seas, families, given, study.simulation.duration, dragged)
-    if not pto.limited:
-        return rungs
-    limits = Limits(pto.force_limit, pto.stroke_limit, float(ds.omega[0]), band(study, ds)[1])
-    for design, wave in product(study.designs, waves):
-        seen = partial(floating.towards(wave).port, motions=floating.motions[design], direction=floating.port)
-        rungs.append(constrained_rung(design, wave.label, seas[wave.label], seen, limits))
-    designs, labels = list(study.designs), list(seas)
-    return sorted(rungs, key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
+    if pto.limited:
+        rungs += constrained_rungs(study, floating, seas)
+        designs, labels = list(study.designs), list(seas)
+        rungs.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
+    left_out = modes_left_out(study, pairs) if isinstance(study, LadderSpec) else xr.Dataset()
+    return with_errors(rungs, floating, pairs, study.reference_design, left_out)
 
 
-def constrained_rung(design: str, label: str, sea: Sea, seen: Callable[[FloatArray], Port], limits: Limits) -> Rung:
-    """Return what no take-off within limits can exceed in a sea, or why that is not known.
+def with_errors(
+    rungs: Sequence[Rung],
+    floating: Afloat,
+    seas: Sequence[tuple[Wave, Sea]],
+    reference: str | None,
+    left_out: xr.Dataset,
+) -> list[Rung]:
+    """Return rungs with the error budgets of power and gain; of an unknown power there are none.
+
+    Beside quadratic drag errors are taken as without it: what is damped more feels them less.
+    """
+    loads: dict[tuple[str, str], list[Loaded]] = {}
+    for rung in rungs:
+        some = loads.setdefault((rung.design, rung.wave), [])
+        if rung.power_mean is not None:
+            some.append(Loaded(rung.rung, rung.damping, rung.stiffness, rung.power_mean))
+    errors = rung_errors(floating, seas, loads, reference, left_out)
+    found = []
+    for rung in rungs:
+        if rung.power_mean is None:
+            found.append(rung)
+            continue
+        power, gain = errors.get((rung.design, rung.wave, rung.rung), Errors(Budget(), None))
+        if rung.gap:
+            power += Budget((Source("optimum not proven", 0.0, rung.power_mean * rung.gap / (1 - rung.gap)),))
+        low, high = power.interval(rung.power_mean)
+        rows = None if gain is None else gain.rows
+        found.append(rung._replace(low=low, high=high, power_error=power.rows, gain_error=rows))
+    return found
+
+
+def constrained_rungs(study: LadderSpec | BodyLadderSpec, floating: Afloat, seas: Mapping[str, Sea]) -> list[Rung]:
+    """Return the rung within the limits of the take-off of every design in every sea."""
+    pto, ds, rungs = study.pto, floating.linear.database, []
+    within = Limited(Limits(pto.force_limit, pto.stroke_limit), float(ds.omega[0]), band(study, ds)[1])
+    for design, wave in product(study.designs, study.waves):
+        if wave.label not in seas:
+            continue
+        seen = partial(floating.towards(wave).extended_port, motions=floating.motions[design], direction=floating.port)
+        rungs.append(constrained_rung(design, wave.label, seas[wave.label], seen, within))
+    return rungs
+
+
+def constrained_rung(design: str, label: str, sea: Sea, seen: Callable[[FloatArray], Port], within: Limited) -> Rung:
+    """Return the best force found within limits in a sea and how near it is to the bound of all, or why not.
 
     Parameters
     ----------
     design, label : str
     sea : Sea
     seen : callable
-        Frequencies -> port of the design.
-    limits : Limits
+        Frequencies -> port of the design, also outside the band of the database.
+    within : Limited
     """
     named = (design, label, "constrained", None, None)
     try:
-        harmonics = Harmonics.of_sea(sea.omega, limits.lowest, limits.highest)
+        harmonics = Harmonics.of_sea(sea.omega, within.lowest, within.highest)
         if harmonics.count > MOST_HARMONICS:
             raise ConfigError(
                 f"a force of {harmonics.count} harmonics has no optimum in reasonable time, needs at most "
                 f"{MOST_HARMONICS}; lower simulation.duration or hydro.omega_max"
             )
-        port = seen(harmonics.omega)
+        port = seen(harmonics.port_omega)
         if not port.moves:
             return Rung(*named, 0.0, None, 0.0, 0.0, 0.0, 0.0, STILL)
-        best = optimum_in_sea(port, sea, harmonics, limits.force, limits.stroke)
+        best = optimum_in_sea(port, sea, harmonics, within.limits)
     except VsbError as error:
         return Rung(*named, None, None, None, None, None, None, str(error))
     at = np.rint(sea.omega / harmonics.spacing - harmonics.first).astype(int)
     matched = sea.mean_of(port.matched_power[at])
-    note = f"between the instants limits are exceeded by up to {100 * best.excess:.2g} %"
+    proven = f"no force within the limits, of any harmonics, absorbs more than {best.bound:.4g} W"
+    note = f"{best.power:.4g} W found; {proven}"
+    if best.excess:
+        note += f"; between the instants limits are exceeded by up to {100 * best.excess:.2g} %"
     return Rung(*named, best.power, best.power / matched, *best[4:7], best.gap, note)
 
 
@@ -240,7 +292,7 @@ def constrained_checks(rungs: Sequence[Rung]) -> list[Check]:
         if rung.gap is None:
             checks.append(Check("constrained", 1.0, GAP, "-", "doubt", f"no optimum: {rung.note}", **where))
         else:
-            text = f"distance of the optimum under limits from the bound that proves it; {rung.note}"
+            text = f"distance of the best force found from the bound of every force within the limits: {rung.note}"
             checks.append(check_at_most("constrained", rung.gap, GAP, "-", text, doubt=True, **where))
     return checks
 
@@ -267,4 +319,4 @@ def _peaks(sea: Sea, phasors: ComplexArray, time: float) -> FloatArray:
 
 def as_csv(rungs: Sequence[Rung]) -> str:
     """Return the ladder as CSV; an empty cell is a quantity that does not exist, as of a port that cannot move."""
-    return csv_text(COLUMNS, (rung[: len(COLUMNS)] for rung in rungs), 12)
+    return csv_text(COLUMNS, ([getattr(rung, name) for name in COLUMNS] for rung in rungs), 12)

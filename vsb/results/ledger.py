@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, replace
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -12,29 +13,27 @@ from vsb.errors import ConvergenceError
 from vsb.hydro import witness
 from vsb.hydro.database import Check, check_at_most, stored_checks
 from vsb.hydro.dofs import flexible
-from vsb.hydro.orders import of_order
-from vsb.motion.frequency import LinearBuoy, with_open_chamber
-from vsb.motion.port import port_direction
-from vsb.motion.pto import LinearPto
 from vsb.results.attitude import attitude_checks
 from vsb.results.comparison import Row, Runs
-from vsb.results.power import apart, damper_of
+from vsb.results.ladder import Rung
+from vsb.results.power import apart
 from vsb.results.run_checks import Attributes, drift_checks, energy_check
+from vsb.results.rung_errors import MODES
+from vsb.results.verdicts import Invalid
 from vsb.scenes.directions import loaded_shell, order_bases
-from vsb.scenes.rest import carries_load, computed_buckling, design_motions, reference_shell, study_basis
-from vsb.shell.deformed import DeformedShell
+from vsb.scenes.mode_convergence import knows_port
+from vsb.scenes.rest import carries_load, computed_buckling
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import viable_pressure
-from vsb.shell.modes import ModeBasis, mode_basis
+from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.shell.sphere import Shell
 from vsb.shell.surface import largest_deformation, largest_displacement, largest_strain
 from vsb.study.quantities import RIGID
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.study import IrregularSea, RegularWave, StillWater, Study, Water, Wave
-from vsb.study.take_off import ShellPort
 from vsb.study.witness import no_witness
-from vsb.tools.units import PAIR, FloatArray
+from vsb.tools.units import FloatArray
 from vsb.tools.words import plain
 from vsb.waves.dispersion import power_limit, wavenumber
 from vsb.waves.seas import share_above, share_below
@@ -202,60 +201,27 @@ def transient_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
     return checks
 
 
-def with_full_basis(database: xr.Dataset, study: Study) -> tuple[xr.Dataset, ModeBasis]:
-    """Return the database and basis with both branches of the shell, from one that has a mode of every degree.
-
-    Possible without BEM: on the undeformed sphere a mode acts on the water by its radial part alone.
-    """
-    full = mode_basis(study.device, "full", study.modes.degree)
-    old = study_basis(study)
-    pick = [0, *(old.degrees.index(n, 1) for n in full.degrees[1:])]
-    ratio = full.pole_radial_displacement / old.pole_radial_displacement[pick]
-    out = {}
-    for name, data in database.data_vars.items():
-        indexers = {dim: pick for dim in PAIR if dim in data.dims}
-        scaled = data.isel(indexers)
-        for dim in indexers:
-            scaled = scaled.assign_coords({dim: list(full.labels)}) * xr.DataArray(
-                ratio, coords={dim: list(full.labels)}
-            )
-        out[name] = scaled.transpose(*data.dims)
-    out["inertia_matrix"] = xr.DataArray(full.inertia, dims=PAIR)
-    for name, stiffness in reference_shell(study, full).stiffness.items():
-        out[f"{name}_stiffness"] = xr.DataArray(stiffness, dims=PAIR)
-    return xr.Dataset(out, attrs=database.attrs), full
-
-
-def bending_checks(study: Study, database: xr.Dataset, runs: Attributes) -> list[Check]:
-    """Return by how much the bending modes, where the basis leaves them out, would change the absorbed power."""
-    if not study.flexible or study.pto.idle or study.modes.basis == "full" or study.modes.degree < 2:
-        return []
-    if study.at_equilibrium:  # bending modes move other water there: only BEM can tell
-        return []
-    if study.motion != "heave" and not (study.pto.port in ("heave", "volume") or isinstance(study.pto.port, ShellPort)):
-        return [Check("bending_modes", 1.0, 0.0, "-", "doubt", "not known of a port beside heave without basis: full")]
-    old = study_basis(study)
-    axisymmetric = list(old.labels)  # orders do not mix; yaw, of order 0 too, moves no water
-    database = of_order(database, 0).sel(influenced_dof=axisymmetric, radiating_dof=axisymmetric)
-    wider, full = with_full_basis(database, study)
-    checks, alone = [], study.model_copy(update={"motion": "heave"})
-    for wave in (w for w in study.waves if isinstance(w, RegularWave)):
-        at = np.array([wave.omega])
-        for design in (name for name, d in study.designs.items() if d.flexible):
-            powers, damper = [], damper_of(study, design, runs[design, wave.label])
-            for ds, basis in ((database, old), (wider, full)):
-                port = port_direction(study.pto.port, DeformedShell(basis, study.centre_height))
-                buoy = LinearBuoy(ds, basis.damping, LinearPto(damper, study.pto.stiffness, port))
-                buoy = with_open_chamber(buoy, port) if study.opens_chamber else buoy
-                powers.append(buoy.absorbed_power(at, buoy.rao(at, design_motions(alone, basis, design)))[0])
-            before, after = map(plain, powers)
-            checks.append(
-                check_at_most(
-                    "bending_modes", apart(powers[1], powers[0]), 0.05, "-",
-                    f"absorbed power would change from {before} to {after} W/m² with modes.basis: full",
-                    doubt=True, design=design, wave=wave.label,
-                )
-            )  # fmt: skip
+def mode_checks(study: Study, rungs: Sequence[Rung]) -> list[Check]:
+    """Return by how much shell modes that the basis leaves out may change the mean power, at any damper computed."""
+    checks, tolerance = [], study.modes.tolerance
+    for wave, design in product(study.waves, study.designs):
+        found = [r for r in rungs if (r.design, r.wave) == (design, wave.label) and r.rung in ("fixed", "best_damper")]
+        if not study.designs[design].flexible or not found:
+            continue
+        if not knows_port(study):
+            text = f"not estimated for pto.port {study.pto.port}; raise modes.degree and compare"
+            checks.append(Check("modes_left_out", 1.0, tolerance, "-", "doubt", text, design, wave.label))
+            continue
+        shares = [
+            max(-source["low"], source["high"]) / rung.power_mean
+            for rung in found
+            for source in rung.power_error or ()
+            if source["name"] == MODES and rung.power_mean
+        ]
+        text = f"mean power may change with more shell modes than {study.modes.basis} to degree {study.modes.highest}"
+        where = {"design": design, "wave": wave.label}
+        worst = max(shares, default=0.0)
+        checks.append(check_at_most("modes_left_out", worst, tolerance, "-", text, doubt=True, **where))
     return checks
 
 
@@ -350,6 +316,7 @@ def radiation_checks(radiation: xr.Dataset, tolerance: float) -> list[Check]:
     ]  # fmt: skip
 
 
-def ledger_json(study: str, checks: Sequence[Check]) -> str:
-    """Return the ledger as JSON text."""
-    return json.dumps({"study": study, "checks": [asdict(check) for check in checks]}, indent=1, allow_nan=False) + "\n"
+def ledger_json(study: str, checks: Sequence[Check], invalid: Sequence[Invalid] = ()) -> str:
+    """Return the ledger as JSON text: every check, and which designs are not valid, where and why."""
+    lines = {"checks": [asdict(check) for check in checks], "invalid": [line._asdict() for line in invalid]}
+    return json.dumps({"study": study, **lines}, indent=1, allow_nan=False) + "\n"

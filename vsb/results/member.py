@@ -8,7 +8,9 @@ import xarray as xr
 
 from vsb.results.bins import bins_of
 from vsb.results.damped_years import BY, CURVES, TRIED, DampedYears, Values
+from vsb.results.left_out import gain_of_year
 from vsb.results.validity import LIMITS
+from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import ShapeWater, designs_in_waves
 from vsb.scenes.viability import viability
 from vsb.shell.modes import ModeBasis
@@ -66,7 +68,10 @@ def member(
         shape = water(reference.basis)
         damped = DampedYears(climate, [one for one in tunings if one != CONSTRAINED], {} if known is None else known)
         here: Labels = {"design": list(some.designs), "tuning": [*damped.tunings]}
-        _fill(found, at, damped(some, designs_in_waves(some, reference, shape)), here)
+        errors = shape.errors(reference.basis, order_bases(some, reference.basis), some.water)
+        compared = some.reference_design is not None
+        left_out = gain_of_year(some, reference, shape, climate) if compared else None
+        _fill(found, at, damped(some, designs_in_waves(some, reference, shape), errors, left_out), here)
         if optima:
             within = optima(some, reference, climate, float(shape.omega[0]))
             _fill(found, at, _plain(within), here | {"tuning": [CONSTRAINED]})

@@ -108,6 +108,21 @@ def power_response(study: Compared, response: xr.Dataset, design: str, run: Mapp
     return found
 
 
+def velocity_response(
+    study: Compared, response: xr.Dataset, design: str, run: Mapping[str, Any]
+) -> tuple[float, xr.DataArray]:
+    """Return the damper of a run [N s/m] and the velocity of the port beside it, per wave amplitude [1/s].
+
+    Notes
+    -----
+    V = V0 Z/(Z + c + ik/omega), Z and V0 of the port; 0 where the port cannot move.
+    """
+    here, damper = response.sel(design=design), damper_of(study, design, run)
+    through = here.port_impedance + damper + 1j * study.pto.stiffness / here.omega
+    found: xr.DataArray = here.port_velocity * here.port_impedance / through.where(here.port_impedance != 0, 1.0)
+    return damper, found
+
+
 def lead(run: xr.Dataset) -> tuple[FloatArray, FloatArray]:
     """Return displacement and velocity of what a run is told by: of a body its port's, of a buoy heave."""
     if "stroke" in run:

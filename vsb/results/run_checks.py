@@ -35,25 +35,6 @@ def audit_check(settings: Simulation, residual: float) -> Check:
     return check_at_most("energy_residual", residual, closed, "-", text, doubt=True)
 
 
-def failed_audits(checks: Sequence[Mapping[str, Any]]) -> str:
-    """Return which runs of a study fail their energy audit, to go on from; empty if none does.
-
-    Parameters
-    ----------
-    checks : sequence of mapping
-        Checks as they are stored.
-    """
-    failed = [check for check in checks if check["name"] == "energy_residual" and check["verdict"] == "fail"]
-    if not failed:
-        return ""
-    worst = max(failed, key=lambda check: float(check["value"]))
-    count = f" ({len(failed)} runs in all)" if len(failed) > 1 else ""
-    return (
-        f"no valid answer: the energy audit of {worst['design']} in {worst['wave']} fails, {worst['value']:.1e} of the "
-        f"energy is missing, needs {worst['limit']:.0e}{count}; lower simulation.tolerance; "
-    )
-
-
 def drift_checks(study: Compared, run: xr.Dataset) -> list[Check]:
     """Return whether what a design holds at zero stays there, if it holds something."""
     if "constraint_drift" not in run.attrs:

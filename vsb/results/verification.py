@@ -4,10 +4,13 @@ Seas are drawn by the energy linear theory takes of them, the high and the steep
 of equal chance. What counts is the difference of the better model to linear theory in the very same waves: it is small,
 and so is its scatter, while that of the power itself, from sea to sea and within a record, drops out.
 
-With chances q that sum to 1 the sum of h (N - L) over the year is the mean of h (N - L)/q over draws (Hansen and
-Hurwitz), that of h L likewise, which is known: the correction is the year by linear theory times the ratio of both
-means. Its draws are what h (N - L)/q leaves beside that ratio of h L/q; of two draws x, y in each of S equal strata the
-variance of the mean is sum (x - y)^2/(4 S^2).
+With chances q that sum to 1 the sum of h N over the year is the mean of h N/q over draws (Hansen and Hurwitz), and that
+of h L is known. The corrected year is the year by linear theory times the ratio of the means of h N/q and h L/q, L in
+the very waves and window of N: what a record, or a sea, has more or less of than the year drops out of it. Its draws
+are what h N/q leaves beside that ratio of h L/q; of two draws x, y in each of S equal strata the variance of the mean
+is sum (x - y)^2/(4 S^2).
+
+A record is `RECORD` energy periods of its sea after a start-up of `STARTUP` or more, as long as motions remember.
 """
 
 from dataclasses import dataclass
@@ -19,16 +22,20 @@ from scipy.special import gammaincinv
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
-from vsb.results.statistics import Estimate, student
+from vsb.results.statistics import Estimate, linear_batches, student
 from vsb.results.year import Year
+from vsb.study.study import Simulation
 from vsb.tools.units import FloatArray, IntArray
 from vsb.waves.seas import Sea
-from vsb.waves.superposition import superposed
 
 FEWEST = 4
 """Fewest seas to draw: two strata."""
-INSTANTS = 8
-"""Instants per shortest period of a sea at which linear power is averaged."""
+STARTUP, RECORD = 3.0, 10.0
+"""Energy periods of a sea before means are taken, and over which they are."""
+DECAYS = 5.0
+"""Start-up in decay times of the slowest motion, where that is longer: a ten-thousandth of its power is left."""
+LONGEST = 100.0
+"""Energy periods of a start-up: what remembers longer cannot be verified."""
 
 
 @dataclass(frozen=True)
@@ -137,29 +144,29 @@ class Verification:
     @cached_property
     def differences(self) -> FloatArray:
         """Draws of the corrected year about its mean, shape (design, draw) [W]."""
-        mean = self._taken.mean(axis=1)
-        ratio = np.divide(self._left.mean(axis=1), mean, out=np.zeros_like(mean), where=mean > 0)
-        return np.asarray(self._scale[:, None] * (self._left - ratio[:, None] * self._taken))
+        mean = self._linear.mean(axis=1)
+        ratio = np.divide(self._better.mean(axis=1), mean, out=np.zeros_like(mean), where=mean > 0)
+        return np.asarray(self._scale[:, None] * (self._better - ratio[:, None] * self._linear))
 
     @property
     def corrected(self) -> FloatArray:
-        """Corrected annual mean power, shape (design,) [W]."""
-        return np.asarray(self.linear_year + self._scale * self._left.mean(axis=1))
+        """Corrected annual mean power, shape (design,) [W]; what the draws say where linear theory takes nothing."""
+        return np.asarray(self._scale * self._better.mean(axis=1))
 
     @property
-    def _left(self) -> FloatArray:
-        """Draws of what linear theory leaves out of the year, h (N - L)/q, shape (design, draw) [W]."""
-        return np.asarray(self.sample.weight * (self.better - self.linear))
+    def _better(self) -> FloatArray:
+        """Draws of the year by the better model, h N/q, shape (design, draw) [W]."""
+        return np.asarray(self.sample.weight * self.better)
 
     @property
-    def _taken(self) -> FloatArray:
-        """Draws of the year by linear theory, h L/q, shape (design, draw) [W]."""
-        return np.asarray(self.sample.weight * self.linear_seas[:, self.sample.sea])
+    def _linear(self) -> FloatArray:
+        """Draws of the year by linear theory in the same waves, h L/q, shape (design, draw) [W]."""
+        return np.asarray(self.sample.weight * self.linear)
 
     @property
     def _scale(self) -> FloatArray:
         """Year by linear theory over what the draws say of it, shape (design,) [-]; 1 where nothing is taken."""
-        mean = self._taken.mean(axis=1)
+        mean = self._linear.mean(axis=1)
         return np.asarray(np.divide(self.linear_year, mean, out=np.ones_like(mean), where=mean > 0))
 
     def power(self, design: int) -> Estimate:
@@ -253,6 +260,35 @@ def _estimate(mean: float, draws: FloatArray) -> Estimate:
     return Estimate(mean, mean - half, mean + half)
 
 
+def record_of(te: float, decay: float, settings: Simulation) -> Simulation:
+    """Return the run in time of a sea: long enough in its periods, from rest.
+
+    Parameters
+    ----------
+    te : float
+        Energy period of the sea [s].
+    decay : float
+        Longest decay time of the motions it excites [s].
+    settings : Simulation
+        Tolerance and method.
+
+    Raises
+    ------
+    ConfigError
+        If the motions remember for too long.
+    """
+    startup = max(STARTUP * te, DECAYS * decay)
+    if startup > LONGEST * te:
+        raise ConfigError(
+            f"verify: received motions that decay in {decay:.4g} s in a sea of Te {te:.3g} s, whose start-up no record "
+            f"outlasts; needs less than {LONGEST / DECAYS * te:.4g} s: device.damping or pto.damping"
+        )
+    end = startup + RECORD * te
+    return settings.model_copy(
+        update={"duration": end, "window": (startup, end), "initial_position": 0.0, "initial_velocity": 0.0}
+    )
+
+
 def linear_power(port: Port, sea: Sea, damping: float, window: tuple[float, float]) -> float:
     """Return the mean power of linear theory in a realisation over a window, after all transients [W].
 
@@ -265,7 +301,4 @@ def linear_power(port: Port, sea: Sea, damping: float, window: tuple[float, floa
     window : tuple of float [s]
     """
     velocity = port.velocity_under(port.load(damping)) * sea.amplitude
-    count = int(np.ceil(INSTANTS * float(sea.omega.max()) * (window[1] - window[0]) / (2 * np.pi))) + 1
-    instants = np.linspace(*window, count)
-    speed = superposed(sea.omega, velocity[:, None], instants)[:, 0]
-    return damping * float(np.trapezoid(speed**2, instants)) / (window[1] - window[0])
+    return float(linear_batches(sea.omega, velocity, damping, window, 1)[0])

@@ -23,9 +23,9 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.scenes.rest import design_motions
+from vsb.scenes.rest import design_motions, motions_to_degree
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import ModeBasis, mode_basis
+from vsb.shell.modes import ModeBasis
 from vsb.study.specs import Designed
 from vsb.study.study import Simulation
 from vsb.tools.units import FloatArray
@@ -97,15 +97,12 @@ def motion_ladder(study: Designed, basis: ModeBasis, design: str) -> dict[int, F
     ladder: dict[int, FloatArray] = {RIGID: np.eye(len(basis.labels), 1)}
     if not study.designs[design].flexible:
         return ladder
-    for degree in range(study.modes.degree):
-        smaller = mode_basis(study.device, study.modes.basis, degree)
+    for degree in range(study.modes.highest):
         try:
-            motions = design_motions(study, smaller, design)
+            ladder[degree] = motions_to_degree(study, basis, design, degree)
         except ConfigError:  # every mode clamped
             continue
-        ladder[degree] = np.zeros((len(basis.labels), motions.shape[1]))
-        ladder[degree][[basis.labels.index(label) for label in smaller.labels]] = motions
-    return {**ladder, study.modes.degree: design_motions(study, basis, design)}
+    return {**ladder, study.modes.highest: design_motions(study, basis, design)}
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ from vsb.study.specs import SimulateSpec
 from vsb.study.study import RegularWave
 from vsb.tools.files import load
 from vsb.tools.units import FloatArray
-from vsb.waves.seas import NO_WAVES, Sea, sea
+from vsb.waves.seas import NO_WAVES, Sea, expected, sea
 
 LIGHTEST = 0.01
 """Of the best damper alone: the least one tried with a pause."""
@@ -176,15 +176,16 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     (design,), (wave,) = run.designs, run.waves
     bare, basis = linear_buoy(run, paths["database"])
     model = radiation_model(paths["radiation"])
-    here, *others = ((w, sea(w, run.hydro.omega_max, run.simulation.duration)) for w in (wave, *run.seas))
+    waves, spectral = (sea(w, run.hydro.omega_max, run.simulation.duration) for w in (wave, expected(wave)))
+    others = [(w, sea(expected(w), run.hydro.omega_max, run.simulation.duration)) for w in run.seas]
     shape, motions = rest_shape(run, bare, basis), design_motions(run, basis, design)
     floating = Afloat(bare, {design: motions}, study_port(run, bare, basis))
     dragged = None if run.drag is None else partial(dragged_port, run)
-    pto = tuned_take_off(run.pto, design, floating, others or [here], dragged)
+    pto = tuned_take_off(run.pto, design, floating, others or [(wave, spectral)], dragged)
     notes = {} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
-    notes |= linearised(run, floating, design, pto, *here)
+    notes |= linearised(run, floating, design, pto, wave, spectral)
     buoy = replace(bare, direction=float(np.deg2rad(heading(wave))), pto=pto)
-    return _FromBem(buoy, shape, model, here[1], motions, notes)
+    return _FromBem(buoy, shape, model, waves, motions, notes)
 
 
 def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
@@ -192,19 +193,20 @@ def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     (design,), (wave,) = run.designs, run.waves
     body = stored_body(paths["database"])
     floating = body_afloat(run, body)
-    here, *others = ((one, study_sea(run, one, body.database)) for one in (wave, *run.seas))
-    pto = tuned_take_off(run.pto, design, floating, others or [here])
+    waves = study_sea(run, wave, body.database)
+    tuned_in = [(one, study_sea(run, expected(one), body.database)) for one in run.seas or (wave,)]
+    pto = tuned_take_off(run.pto, design, floating, tuned_in)
     notes = {"model": "linear"} | ({} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)})
     going = float(np.deg2rad(heading(wave)))
     motions = floating.motions[design]
     equipped = replace(body, pto=pto)
-    scene = body_scene(equipped, body_memory(paths["radiation"]), {going: here[1]}, motions)
+    scene = body_scene(equipped, body_memory(paths["radiation"]), {going: waves}, motions)
     scene = with_take_off(scene, run.pto, pto)
     if run.pto.pauses and scene.law:
-        damper, best, tuned = _paused(scene, run, here[1], equipped, motions)
+        damper, best, tuned = _paused(scene, run, waves, equipped, motions)
         scene = with_pause(scene, best.pause, damper)
         notes |= tuned | _noted(best)
-    return DesignInSea(scene, None, here[1], body.spectrum, notes)
+    return DesignInSea(scene, None, waves, body.spectrum, notes)
 
 
 def body_memory(path: str) -> Memory:

@@ -12,14 +12,16 @@ from vsb.hydro.database import shares
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.orders import order_shares
 from vsb.motion.channel import channelled
+from vsb.motion.coefficient_errors import INTERPOLATION, RESOLUTION, haskind_misfits, relative_error
 from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
 from vsb.motion.port import Port, PortMotion, port_direction
+from vsb.motion.sensitivity import CoefficientError
 from vsb.scenes.directions import order_bases, side_by_side, whole_stiffness
-from vsb.scenes.rest import design_motions, seen_by_take_off
+from vsb.scenes.rest import design_motions, motions_to_degree, seen_by_take_off
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
 from vsb.shell.reference import ReferenceShell
-from vsb.study.study import Study
+from vsb.study.study import Study, Water
 from vsb.tools.units import ComplexArray, FloatArray
 
 POINTS = 13
@@ -36,6 +38,8 @@ class ShapeWater:
     omega: FloatArray  # (omega,) [rad/s]
     coefficients: Coefficients  # of the displacements
     orders: tuple["ShapeWater", ...] = ()  # those of azimuthal orders 1, 2, ..., if the buoy moves in them
+    resolution: float = 0.0  # estimated relative error of what is solved, and of what is interpolated between [-]
+    interpolation: float = 0.0
     _known: dict[bytes, Coefficients] = field(default_factory=dict, repr=False, compare=False)
 
     def in_modes(self, basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Coefficients:
@@ -47,6 +51,26 @@ class ShapeWater:
             for water, each in zip(others, families, strict=True)
         ]
         return Coefficients.side_by_side([own, *beyond])
+
+    def errors(self, basis: ModeBasis, families: Sequence[OrderBasis], water: Water) -> list[CoefficientError]:
+        """Return the estimated errors of `in_modes`, as of `vsb.motion.coefficient_errors`."""
+        found, own, transform = self.in_modes(basis, families), len(basis.labels), shares(self.displacements, basis)
+        mass, damping, force = (self.interpolation * np.abs(values) for values in found)
+        misfits = haskind_misfits(
+            self.omega,
+            transform @ self.coefficients.damping @ transform.T,
+            found.damping[:, :own, :own],
+            found.excitation[:, :own],
+            water.depth,
+            water.density,
+            water.gravity,
+        )
+        mass[:, :own, :own], damping[:, :own, :own], force[:, :own] = misfits
+        between = Coefficients(mass, damping, force.astype(complex))
+        return [
+            relative_error(RESOLUTION, found, self.resolution),
+            CoefficientError(INTERPOLATION, between, signed=False),
+        ]
 
     def _combined(self, transform: FloatArray) -> Coefficients:
         """Coefficients of combinations of the displacements, once for all materials that combine them alike."""
@@ -76,8 +100,19 @@ class InWaves(NamedTuple):
         return self.moved[0] - (load * self.port.velocity_under(load))[:, None] * self.moved[1]
 
 
-def designs_in_waves(study: Study, reference: ReferenceShell, water: ShapeWater) -> dict[str, InWaves]:
-    """Return every design of a study in waves, without its take-off."""
+def designs_in_waves(
+    study: Study, reference: ReferenceShell, water: ShapeWater, degree: int | None = None
+) -> dict[str, InWaves]:
+    """Return every design of a study in waves, without its take-off.
+
+    Parameters
+    ----------
+    study : Study
+    reference : ReferenceShell
+    water : ShapeWater
+    degree : int, optional
+        Of a study in heave: higher shell modes of its basis are held.
+    """
     basis, omega, families = reference.basis, water.omega, order_bases(study, reference.basis)
     coefficients = water.in_modes(basis, families)
     direction = port_direction(study.pto.port, reference.shape, families)
@@ -92,6 +127,8 @@ def designs_in_waves(study: Study, reference: ReferenceShell, water: ShapeWater)
     found = {}
     for design in study.designs:
         free = design_motions(study, basis, design)
+        if degree is not None:
+            free = motions_to_degree(study, basis, design, degree)
         moved = free_motion(dynamic, coefficients.excitation, free, direction)
         port = port_of_motion(omega, *moved, lossy, stiffness, free, direction)
         heave, shell = zip(*((one[:, 0], _of_shell(one, shapes)) for one in moved), strict=True)

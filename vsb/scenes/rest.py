@@ -32,7 +32,7 @@ def study_basis(study: AtRest) -> ModeBasis:
     """Return the union of the modes of all designs of a study."""
     if not study.flexible or study.modes is None:
         return rigid_basis(study.device)
-    return mode_basis(study.device, study.modes.basis, study.modes.degree)
+    return mode_basis(study.device, study.modes.basis, study.modes.highest)
 
 
 def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray:
@@ -56,6 +56,21 @@ def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray
             f"modes free; use fewer clamps, a larger modes.degree, or flexible: false"
         )
     return side_by_side(free, *others)
+
+
+def motions_to_degree(study: Designed, basis: ModeBasis, design: str, degree: int) -> FloatArray:
+    """Return the motions a heaving design has with the shell modes to a degree, in a basis of more, (dof, free) [-].
+
+    Raises
+    ------
+    ConfigError
+        If the clamps leave none of those modes free.
+    """
+    smaller = mode_basis(study.device, study.modes.basis, degree)
+    motions = design_motions(study, smaller, design)
+    found = np.zeros((len(basis.labels), motions.shape[1]))
+    found[[basis.labels.index(label) for label in smaller.labels]] = motions
+    return found
 
 
 def complete_loaded_shell(study: AtRest) -> LoadedShell:

@@ -1,11 +1,12 @@
 """A closed meridian at some of its angles."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from vsb.study.meridian import RestMeridian
-from vsb.tools.units import FloatArray
+from vsb.tools.units import ComplexArray, FloatArray
 
 
 class Curve(NamedTuple):
@@ -20,8 +21,25 @@ class Curve(NamedTuple):
 def curve(meridian: RestMeridian, phi: FloatArray) -> Curve:
     """Return a meridian at angles, shape (point,) [rad]."""
     (a, j), (b, k) = _numbered(meridian)
-    up, down = np.cos(np.outer(k, phi)), np.sin(np.outer(k, phi))
-    return Curve(a @ np.sin(np.outer(j, phi)), b @ up, (j * a) @ np.cos(np.outer(j, phi)), -(k * b) @ down)
+    radial, slope = _sums(np.concatenate([np.zeros((2, 1)), np.array([a, j * a])], axis=1), phi)
+    axial, fall = _sums(np.array([b, k * b]), phi)
+    return Curve(radial.imag, axial.real, slope.real, -fall.imag)
+
+
+def _sums(coefficients: FloatArray, phi: FloatArray) -> ComplexArray:
+    """Sums c_k exp(i k phi) over k = 0, 1, ... of several series (series, term), shape (series, point).
+
+    With k = m w + r it is sum_m exp(i m w phi) sum_r c_mr exp(i r phi): two short tables of exponentials and a product
+    of matrices in place of one exponential for each term and point; long capsules have hundreds of terms.
+    """
+    series, terms = coefficients.shape
+    width = math.isqrt(terms - 1) + 1
+    rows = -(-terms // width)
+    padded = np.zeros((series, rows * width))
+    padded[:, :terms] = coefficients
+    near, far = (np.exp(1j * np.outer(step * np.arange(count), phi)) for step, count in ((1, width), (width, rows)))
+    inner = (padded.reshape(series * rows, width) @ near).reshape(series, rows, len(phi))
+    return np.asarray((inner * far).sum(axis=1))
 
 
 def bend(meridian: RestMeridian, phi: FloatArray) -> tuple[FloatArray, FloatArray]:

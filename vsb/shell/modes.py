@@ -286,17 +286,18 @@ def paper_ratio(shell: Shell, degree: int) -> float:
     return (1 + (1 + shell.poisson_ratio) * omega4) / (1 - omega4)
 
 
-def _degree_modes(shell: Shell, basis: Basis, degree: int) -> list[Mode]:
+@lru_cache(maxsize=1024)
+def _degree_modes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
     """Shell modes of one degree in a basis."""
     if degree == 0:
-        return [Mode("Membrane0", 0, 1.0, 0.0)]
+        return (Mode("Membrane0", 0, 1.0, 0.0),)
     if basis == "paper":
-        return [scaled(f"Membrane{degree}", degree, paper_ratio(shell, degree), 1.0)]
+        return (scaled(f"Membrane{degree}", degree, paper_ratio(shell, degree), 1.0),)
     lower, upper = _branches(shell, degree).T
     membrane = scaled(f"Membrane{degree}", degree, *upper)
     if basis == "membrane" or degree == 1:  # the lower branch of n = 1 is rigid heave (C4)
-        return [membrane]
-    return [membrane, scaled(f"Bending{degree}", degree, *lower)]
+        return (membrane,)
+    return (membrane, scaled(f"Bending{degree}", degree, *lower))
 
 
 def mode_basis(device: Device, basis: Basis, degree: int) -> ModeBasis:

@@ -32,7 +32,7 @@ def check_campaign(plan: CampaignPlan) -> None:
             )
     for member in plan.members:
         if any(
-            one.flexible and member.study.modes.degree <= 2 * len(one.clamp) for one in member.study.designs.values()
+            one.flexible and member.study.modes.highest <= 2 * len(one.clamp) for one in member.study.designs.values()
         ):
             _check_clamps(member, plan.loaded.source)
     for spec in plan.verifications.values():
@@ -85,6 +85,5 @@ def _runs_lines(plan: CampaignPlan) -> list[str]:
         return []
     done = sum(Path(path).exists() for path in plan.verification_paths)
     return [
-        f"verify       {verify.seas} seas of {plan.loaded.base.simulation.duration:g} s, {verify.model}, of each of "
-        f"{len(plan.verifications)} points, {done} done"
+        f"verify       {verify.seas} seas, {verify.model}, of each of {len(plan.verifications)} points, {done} done"
     ]

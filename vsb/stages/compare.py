@@ -16,9 +16,11 @@ from vsb.results.equal_tuning import (
     reference_power_checks,
     within_limits,
 )
+from vsb.results.intervals import linearisation, with_intervals
 from vsb.results.ladder import Rung, constrained_checks
 from vsb.results.pauses import pause_checks
 from vsb.results.run_checks import Attributes, agreement_checks
+from vsb.results.verdicts import invalid_designs
 from vsb.scenes.afloat import study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
@@ -29,7 +31,7 @@ from vsb.study.specs import CompareSpec
 from vsb.study.study import IrregularSea, Study, Wave, canonical
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
-from vsb.waves.seas import NO_WAVES
+from vsb.waves.seas import NO_WAVES, expected
 
 
 def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) -> None:
@@ -55,23 +57,29 @@ def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) ->
         checks += of_the_water(found, rows, runs)
         checks += irregular.statistical_checks(compared, lines)
         ladder = [Rung(**row) for row in json.loads(read_text(files["rungs"], files["manifest"], found.plan.ladder_id))]
-        tuned, limited = equal_tuning(compared, ladder), within_limits(compared, ladder)
+        beyond = linearisation(compared, rows, runs, found.response, lines)
+        tuned, limited = equal_tuning(compared, ladder, beyond), within_limits(compared, ladder)
+        rows = with_intervals(compared, rows, runs, ladder, found.response)
         checks += [*fair_damping_checks(tuned, compared.pto), *constrained_checks(ladder)]
         checks += reference_power_checks(compared, ladder)
+        checks += ledger.mode_checks(compared, ladder) if isinstance(compared, Study) else []
     elif isinstance(compared, Study):
         checks += ledger.assumed_pressure_checks(compared, rows)
+        rows = with_intervals(compared, rows, runs, (), None)
     checks = ledger.worst_first(checks)
+    invalid = invalid_designs(compared, checks)
     data = {
         "comparison": rows,
         "statistics": [line._asdict() for line in lines],
         "equal_tuning": [line._asdict() for line in tuned],
         "within_limits": [line._asdict() for line in limited],
         "checks": [asdict(check) for check in checks],
+        "invalid": [line._asdict() for line in invalid],
     }
     texts = {
         files["out"]: comparison.as_csv(rows),
         files["statistics"]: irregular.as_csv(lines),
-        files["validity"]: ledger.ledger_json(compared.study, checks),
+        files["validity"]: ledger.ledger_json(compared.study, checks, invalid),
         files["study"]: canonical(compared) + "\n",
         files["tables"]: json.dumps(data, indent=1, allow_nan=False) + "\n",
     }
@@ -83,14 +91,14 @@ def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) ->
 def of_the_water(found: Inputs, rows: list[comparison.Row], runs: Attributes) -> list[Check]:
     """Return the checks of linear hydrodynamics: waves, coefficients, radiation memory, time and frequency domain.
 
-    Of a buoy also whether bending modes are needed, the limit of its power, and what a second solver says.
+    Of a buoy also the limit of its power, and what a second solver says.
     """
     study, database = found.study, found.database
     checks = ledger.radiation_checks(found.radiation, study.hydro.tolerance)
     if isinstance(study, BodyStudy):
         checks += seas_checks(study, database)
     else:
-        checks = [*ledger.bending_checks(study, database, runs), ledger.limit_check(found.response), *checks]
+        checks = [ledger.limit_check(found.response), *checks]
     for wave in study.waves:
         if isinstance(study, Study):
             checks += ledger.wave_checks(wave, study.water, study.hydro.omega_max)
@@ -111,12 +119,16 @@ class InASea(NamedTuple):
 def in_a_sea(found: Inputs, basis: ModeBasis | None, wave: Wave) -> InASea:
     """Return what the runs of all designs in a sea leave."""
     study, label = found.study, wave.label
-    waves = study_sea(study, wave, found.database) if study.needs_bem else NO_WAVES
+    waves, spectral = NO_WAVES, NO_WAVES
+    if study.needs_bem:
+        waves, spectral = (study_sea(study, one, found.database) for one in (wave, expected(wave)))
     runs = {design: found.runs[design, label] for design in study.designs}
     samples = {}
     if study.needs_bem and isinstance(wave, IrregularSea):
         response = found.response
-        samples = {(d, label): irregular.sample(study, wave, d, run, waves, response) for d, run in runs.items()}
+        samples = {
+            (d, label): irregular.sample(study, wave, d, run, waves, spectral, response) for d, run in runs.items()
+        }
     if basis and isinstance(study, Study):
         checks = ledger.sea_checks(study, basis, wave, runs)
     elif isinstance(study, BodyStudy):

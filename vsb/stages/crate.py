@@ -16,8 +16,9 @@ from typing import Any
 
 from vsb import __version__
 from vsb.errors import VsbError
+from vsb.stages.planning import plan_of
 from vsb.stages.verify import Plan, study_faults
-from vsb.study.campaign_plan import CampaignPlan, plan_of
+from vsb.study.campaign_plan import CampaignPlan
 from vsb.tools.files import whole
 
 METADATA = "ro-crate-metadata.json"

@@ -11,7 +11,7 @@ from vsb.study.study import load, parse
 from vsb.tools.files import write_text
 from vsb.tools.shipped import HOME
 
-SEED = HOME / "config" / "seed.yaml"
+EXAMPLE = HOME / "config" / "buoy.yaml"
 SMALLEST, LARGEST = 0.01, 100.0
 """Radii asked for [m]."""
 NUMBER = r"-?\d+\.?\d*(?:e[-+]?\d+)?"
@@ -30,12 +30,12 @@ def init(path: str, radius: float | None = None) -> None:
         raise ConfigError(f"{path}: exists already; give a new name")
     if target.suffix not in (".yaml", ".yml"):
         raise ConfigError(f"{path}: received a name without .yaml, needs one such as my_buoy.yaml")
-    text = SEED.read_text(encoding="utf-8").replace("study: seed", f"study: {target.stem}")
+    text = EXAMPLE.read_text(encoding="utf-8").replace("study: buoy", f"study: {target.stem}")
     text = re.sub("^#.*", f"# A study of vsb: `vsb check {target.name}`, then `vsb run {target.name}`.", text, count=1)
     if radius is not None:
         if not SMALLEST <= radius <= LARGEST:
             raise ConfigError(f"--radius: received {radius:g} m, needs {SMALLEST:g} to {LARGEST:g} m")
-        text = scaled(text, radius / load(SEED).device.radius)
+        text = scaled(text, radius / load(EXAMPLE).device.radius)
     parse(yaml.safe_load(text), source=path)
     write_text(path, text)
 

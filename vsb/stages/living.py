@@ -79,7 +79,8 @@ class _Seen:
     def ports(self, towards: float) -> dict[str, SeenPort]:
         """Ports by design, to be had at any frequencies."""
         linear, port = headed(self.floating.linear, towards), self.floating.port
-        return {name: partial(linear.port, motions=n, direction=port) for name, n in self.floating.motions.items()}
+        motions = self.floating.motions
+        return {name: partial(linear.extended_port, motions=n, direction=port) for name, n in motions.items()}
 
     def grid(self, omega: FloatArray, towards: float) -> Grid:
         """Ports beside the spring, and what energy waves bring, at some frequencies."""

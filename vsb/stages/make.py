@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vsb.stages.alone import alone, sharing
+from vsb.stages.planning import with_degree
 from vsb.stages.stage import STAGES
 from vsb.stages.verify import stale_products
 from vsb.study.body import LocatedBody
@@ -70,7 +71,8 @@ def _checked(study: Study | LocatedBody, root: str) -> AnyPlan:
         return plan
     from vsb.stages.preview import check_before_run
 
-    check_before_run(study, found := StudyPlan(study, root=root))
+    found = with_degree(StudyPlan(study, root=root))
+    check_before_run(found.study, found)
     return found
 
 

@@ -33,6 +33,9 @@ from vsb.tools.files import load, save
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate
 
+STATED = ("error_estimate", "interpolation_error")
+"""Errors that blocks estimate of themselves."""
+
 
 def run(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:
     """Write the members of a batch, each to a file of its own as soon as it is finished, then all together."""
@@ -102,18 +105,32 @@ class Swept:
     _year: dict[str, ShapeWater] = field(default_factory=dict)  # at the frequencies of a climate
 
     def at(self, omega: FloatArray) -> ShapeWater:
-        """Return the coefficients at frequencies."""
+        """Return the coefficients at frequencies; outside the band those of its nearest end."""
+        known = np.clip(omega, *self._band)
         first, *others = (
-            ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(omega))
+            ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(known))
             for order, buoy in enumerate(self.buoys)
         )
-        return replace(first, orders=tuple(others))
+        resolution, interpolation = self._stated
+        return replace(first, orders=tuple(others), resolution=resolution, interpolation=interpolation)
+
+    @property
+    def _stated(self) -> tuple[float, float]:
+        """Estimated relative errors of what is solved and of what is interpolated between [-]."""
+        attrs = [buoy.database.attrs for buoy in self.buoys]
+        resolution, interpolation = (max(float(each.get(name, 0.0)) for each in attrs) for name in STATED)
+        return resolution, interpolation
+
+    @property
+    def _band(self) -> tuple[float, float]:
+        """Lowest and highest frequency solved [rad/s]."""
+        first, last = self.buoys[0].database.omega.values[[0, -1]]
+        return float(first), float(last)
 
     def of_year(self, climate: Climate) -> ShapeWater:
         """Return the coefficients at the frequencies of a climate."""
         if climate.name not in self._year:
-            band = self.buoys[0].database.omega.values[[0, -1]]
-            self._year = {climate.name: self.at(frequencies(climate, *band))}
+            self._year = {climate.name: self.at(frequencies(climate, *self._band))}
         return self._year[climate.name]
 
 
@@ -141,6 +158,7 @@ def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> L
     raw = database.with_symmetrized(whole)
     if order:
         raw = orders.with_haskind_damping(raw, order, water.depth, water.density, water.gravity)
+    raw = raw.assign_attrs({name: max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in STATED})
     count = raw.sizes["influenced_dof"]
     return LinearBuoy(raw, np.zeros((count, count)), LinearPto(0.0))
 

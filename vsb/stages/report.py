@@ -47,6 +47,7 @@ def run(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: st
         statistics=found["statistics"],
         equal_tuning=found["equal_tuning"],
         within_limits=found["within_limits"],
+        invalid=found["invalid"],
         checks=found["checks"],
         response=in_direction(stored.response, study.waves[0]) if study.needs_bem else None,
         reference=study.reference_design,

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -11,6 +12,7 @@ from vsb.motion import frequency as response
 from vsb.motion.frequency import LinearBuoy, LinearMotion
 from vsb.motion.port import Port, channels_reached
 from vsb.motion.pto import LinearPto
+from vsb.report.band import with_extremes
 from vsb.scenes.afloat import Afloat, afloat, towards
 from vsb.stages.stage import stamp
 from vsb.study.body_specs import BodyResponseSpec
@@ -44,15 +46,19 @@ def run(spec: ResponseSpec | BodyResponseSpec, database: str, out: str) -> None:
     """Write response amplitude operators, ports, powers, their limits, and wet natural frequencies of all designs.
 
     Best dampers are those beside the take-off's spring. Without a given damper `rao` and `absorbed_power` are at the
-    best one of each frequency, natural frequencies and damping ratios without any. Where waves have directions, as of a
-    body, all that depends on them has one more dimension.
+    best one of each frequency, natural frequencies and damping ratios without any. Frequencies are dense enough to show
+    every resonance, and the largest and least gain over the rigid design in the first direction. Where waves have
+    directions, as of a body, all that depends on them has one more dimension.
     """
     floating = afloat(spec, database)
     if isinstance(spec, BodyResponseSpec):
         omega = refined(floating.linear.database.omega.values, spec.omega)
     else:
         omega = response.frequency_grid(spec.step, spec.lowest, spec.omega_max, spec.omega)
+    omega = with_resonances(spec, floating, omega)
     moving = [towards(floating.linear, at) for at in spec.directions or (0.0,)]
+    if spec.reference_design and len(spec.designs) > 1:
+        omega = with_extremes(partial(best_powers, spec, floating, moving[0]), omega, spec.reference_design)
     seen = [ports(floating, one, omega) for one in moving]
     headings = [in_waves(spec, floating, one, its) for one, its in zip(moving, seen, strict=True)]
     waves = headings[0]
@@ -70,6 +76,21 @@ def refined(omega: FloatArray, extra: Iterable[float]) -> FloatArray:
     """Return frequencies with others between them, `PARTS` to a step, and further ones [rad/s]."""
     between = [float(w) for ends in pairwise(omega) for w in np.linspace(*ends, PARTS, endpoint=False)]
     return np.array(sorted({*between, float(omega[-1]), *extra}))
+
+
+def with_resonances(spec: AnySpec, floating: Afloat, omega: FloatArray) -> FloatArray:
+    """Return frequencies with those of the natural motions without a damper, and beside them at half their power."""
+    pto = LinearPto(0.0, spec.pto.stiffness, floating.port)
+    modes = [replace(floating.linear, pto=pto).natural_modes(motions) for motions in floating.motions.values()]
+    near = [natural * (1 + ratio * side) for natural, ratio in modes for side in (-1, 0, 1)]
+    every = np.concatenate([omega, *near])
+    return np.unique(every[(every >= omega[0]) & (every <= omega[-1])])
+
+
+def best_powers(spec: AnySpec, floating: Afloat, linear: LinearMotion, omega: FloatArray) -> xr.DataArray:
+    """Return the power of all designs at the best damper of each frequency, dims (design, omega) [W/m^2]."""
+    best = [port.best_power for port in beside_spring(spec, ports(floating, linear, omega)).values()]
+    return xr.DataArray(best, {"design": list(spec.designs), "omega": omega}, ("design", "omega"))
 
 
 def ports(floating: Afloat, linear: LinearMotion, omega: FloatArray) -> dict[str, Port]:

@@ -23,9 +23,10 @@ import psutil
 from vsb.errors import ConfigError, VsbError
 from vsb.stages import slurm
 from vsb.stages.alone import alone, sharing
+from vsb.stages.planning import plan_of
 from vsb.stages.stage import STAGES
 from vsb.study.body_plan import AnyPlan, BodyPlan
-from vsb.study.campaign_plan import CampaignPlan, plan_of
+from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.reading import read_yaml
 from vsb.study.schema import nearest
 from vsb.tools import completion
@@ -153,21 +154,17 @@ def _prepare_answer(plan: Plan) -> None:
 
 
 def _answer(plan: Plan) -> str:
-    """The gain at equal tuning and at the given damper, to go before the report's path; of a campaign its answer.
-
-    Where the energy audit of a run fails, that in their place.
-    """
+    """The gain at equal tuning and at the given damper, to go before the report's path; of a campaign its answer."""
     if isinstance(plan, CampaignPlan):
         from vsb.report.campaign_answer import closing_answer
         from vsb.tools.files import load
 
         return f"{closing_answer(load(plan.data_path, expected=plan.campaign_id))} "
     from vsb.report.tuned import closing_line
-    from vsb.results.run_checks import failed_audits
     from vsb.tools.stamps import read_text
 
     found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))
-    return failed_audits(found["checks"]) or closing_line(found["equal_tuning"], plan.study.reference_design)
+    return closing_line(found["equal_tuning"], plan.study.reference_design, found["invalid"])
 
 
 OF_MANY = ("mesh", "panels", "spectral", "simulate", "members", "verification")

@@ -17,6 +17,7 @@ from vsb.hydro.database import load_database
 from vsb.motion.port import Port
 from vsb.scenes.afloat import Afloat, AnyStudy, afloat, towards
 from vsb.scenes.build import DesignInSea, design_in_sea
+from vsb.stages.planning import with_degree
 from vsb.study.body_plan import plan_for
 from vsb.study.results_plan import ResultsPlan
 from vsb.study.study import Wave
@@ -42,7 +43,7 @@ class Results:
     @cached_property
     def plan(self) -> ResultsPlan:
         """Names and content ids of all files."""
-        return plan_for(self.study, self.folder)
+        return with_degree(plan_for(self.study, self.folder))
 
     @property
     def comparison(self) -> list[dict[str, Any]]:

@@ -1,6 +1,7 @@
 """Rule verification: runs in time of few seas of a member's year beside linear theory, and the year they correct."""
 
 from collections.abc import Mapping
+from functools import cache
 
 import numpy as np
 import xarray as xr
@@ -9,7 +10,7 @@ from vsb.errors import ConvergenceError, StabilityError
 from vsb.motion.pto import LinearPto
 from vsb.results.damped_years import ports_year
 from vsb.results.in_time import DesignInTime
-from vsb.results.verification import Sample, chances, drawn, verified
+from vsb.results.verification import RECORD, STARTUP, Sample, chances, drawn, record_of, verified
 from vsb.results.verified_year import of_nothing, verified_dataset, with_lost
 from vsb.results.year import Year
 from vsb.scenes.afloat import linear_buoy, rest_shape, study_port
@@ -42,10 +43,9 @@ def run(spec: VerificationSpec, climate: str, root: str, out: str) -> None:
 
 def _in_words(spec: VerificationSpec) -> str:
     """Which runs these are."""
-    start, end = spec.simulation.window
     return (
-        f"{spec.verify.seas} seas of {spec.simulation.duration:g} s, {spec.verify.model}, means from {start:g} to "
-        f"{end:g} s"
+        f"{spec.verify.seas} seas, {spec.verify.model}, means over {RECORD:g} energy periods of each after "
+        f"{STARTUP:g} or more of start-up"
     )
 
 
@@ -79,15 +79,23 @@ def _powers(
     spec: VerificationSpec, year: Year, sample: Sample, designs: Mapping[str, DesignInTime]
 ) -> tuple[FloatArray, FloatArray]:
     """Mean powers of the better model and of linear theory in the drawn seas, each shape (design, draw) [W]."""
+    climate, highest = year.climate, float(year.climate.edges[-1])
     found = np.empty((2, len(designs), len(sample.sea)))
+
+    @cache
+    def decay_time(name: str, damping: float) -> float:
+        return designs[name].under(damping).decay_time(highest)
+
     for j, (index, seed) in enumerate(zip(sample.sea, sample.seed, strict=True)):
+        dampers = {name: float(year.damping[i, 0, index]) for i, name in enumerate(designs)}
+        slowest = max(decay_time(*one) for one in dampers.items())
+        settings = record_of(float(climate.te[index]), slowest, spec.simulation)  # all designs meet the same waves
         for i, (name, design) in enumerate(designs.items()):
             low, high = design.buoy.database.omega.values[[0, -1]]
-            sea = realised(year.climate, int(index), spec.simulation.duration, int(seed), low, high)
-            damped = design.under(float(year.damping[i, 0, index]))
-            where = f"{name} in a sea of Hs {year.climate.hs[index]:.3g} m and Te {year.climate.te[index]:.3g} s"
+            sea = realised(climate, int(index), settings.duration, int(seed), low, high)
+            where = f"{name} in a sea of Hs {climate.hs[index]:.3g} m and Te {climate.te[index]:.3g} s"
             try:
-                found[:, i, j] = damped.powers(sea, spec.simulation, spec.verify.model)
+                found[:, i, j] = design.under(dampers[name]).powers(sea, settings, spec.verify.model)
             except (ConvergenceError, StabilityError) as error:
                 raise type(error)(f"verify: {where}: {error}") from None
             print(f"{where}: {found[0, i, j]:.5g} W, {found[1, i, j]:.5g} W by linear theory", flush=True)

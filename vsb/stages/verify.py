@@ -8,9 +8,10 @@ from pathlib import Path
 
 from vsb.errors import DatabaseError, VsbError
 from vsb.stages.alone import nobody_else
+from vsb.stages.planning import plan_of
 from vsb.study.body import is_body, located
 from vsb.study.body_plan import AnyPlan, plan_for
-from vsb.study.campaign_plan import CampaignPlan, plan_of
+from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.study import parse
 from vsb.tools import packed
 from vsb.tools.files import CHANGED, DELETE, attributes
@@ -98,7 +99,8 @@ def _other_faults(folder: Path, known: set[str]) -> list[Fault]:
             continue
         if name and identity != name:
             found.append(Fault(str(path), "damaged", f"holds {identity!r}"))
-    for path in sorted(folder.rglob(f"*{packed.SUFFIX}")):
+    members = (path for path in folder.rglob(f"*{packed.SUFFIX}") if re.fullmatch("[0-9a-f]{16}", path.stem))
+    for path in sorted(members):  # other archives are the Green function's table, in a manifest, or a user's own
         try:
             packed.load(path, expected=path.stem)
         except DatabaseError as error:

@@ -41,6 +41,11 @@ class OfDesigns(Spec):
     water: Water
     pto: Pto
 
+    @property
+    def reference_design(self) -> str | None:
+        """The first rigid design by name: gains are measured against it."""
+        return next((name for name, design in sorted(self.designs.items()) if design.rigid), None)
+
 
 class BodyResponseSpec(OfDesigns):
     """Frequency response of all designs in waves of some directions [degrees]; further frequencies [rad/s]."""

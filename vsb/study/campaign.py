@@ -181,7 +181,7 @@ def _check_draft(campaign: Campaign, floats_by: Mapping[str, float], source: str
 
 def _floats_by(path: Path, study: Study) -> dict[str, float]:
     """What decides the draft in a study file: its mass, its draft, or nothing, half immersion."""
-    raw = read_yaml(path, "a study file such as config/seed.yaml")
+    raw = read_yaml(path, "a study file such as config/buoy.yaml")
     device = raw["device"] if isinstance(raw, Mapping) else {}
     if "draft" in device:
         return {"draft": study.draft}

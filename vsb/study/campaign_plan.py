@@ -29,9 +29,9 @@ from vsb.study.specs import (
     Spec,
     VerificationSpec,
 )
-from vsb.study.study import Study, canonical, content_id, parse
+from vsb.study.study import Simulation, Study, canonical, content_id, parse
 from vsb.study.vary import Point
-from vsb.study.year_options import Constrained, Tunings, leading_tuning
+from vsb.study.year_options import GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, Constrained, Tunings, leading_tuning
 
 MOST_BATCHES = 32
 BATCH_SECONDS = 8.0
@@ -42,10 +42,10 @@ VARIABLES = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "damping",
     "force_rms", "viable", "margin", "reason", "practice_power", "quadrature_error", "power_matrix", "power_deviation",
     "capture_width_matrix", "capture_width_deviation", "count", "tried_damping", "power_of_damping",
-    "force_of_damping", "damper", "design", "tuning", "hs", "te", "corrected_mean_power", "corrected_power_low",
-    "corrected_power_high", "corrected_gain_percent", "energy_beyond", "limit",
+    "force_of_damping", "damper", "design", "tuning", "hs", "te", "energy_beyond", "limit",
     "energy_beyond_validity", "beyond_validity", "power_bound", "optimum_gap", "optimum_share", "optimum_excess",
     "impossible_share",
+    *(f"{model}_{name}" for model in IN_TIME.values() for name in (*POWER_IN_TIME, *GAIN_IN_TIME)),
 )  # fmt: skip
 """Names in the results that no varied key can have."""
 
@@ -102,7 +102,7 @@ def members(
 def _shape(study: Study) -> str:
     """All that the blocks of a sweep depend on: of the undeformed sphere neither its material nor its clamps."""
     device = study.device if study.rests_deformed else (study.device.radius, study.device.mass)
-    degree = study.modes.degree if study.flexible else None
+    degree = study.modes.highest if study.flexible else None
     shell = [study.modes, study.reference_shape] if study.rests_deformed else degree
     return canonical([device, shell, study.water, study.hydro, list(study.orders)])
 
@@ -202,11 +202,12 @@ class CampaignPlan(ResultsFolder):
         return {content_id(spec): spec for spec in found}
 
     def _verification(self, one: Member) -> VerificationSpec:
-        """Spec of the runs in time of a member: its study by the better model, with the run in time of the base."""
+        """Spec of the runs in time of a member: its study by the better model, tolerance and method of the base."""
         verify = self.loaded.campaign.verify
         assert verify is not None
-        raw = one.study.model_dump(exclude_none=True)
-        raw |= {"simulation": self.loaded.base.simulation, "hydro": {**raw["hydro"], "model": verify.model}}
+        given, raw = self.loaded.base.simulation, one.study.model_dump(exclude_none=True)
+        simulation = Simulation(tolerance=given.tolerance, method=given.method)  # how long follows from the seas
+        raw |= {"simulation": simulation, "hydro": {**raw["hydro"], "model": verify.model}}
         try:
             study = parse(raw, source="with the study's simulation")
         except ConfigError as error:
@@ -295,7 +296,7 @@ def planned(raw: dict[str, Any], source: str) -> StudyPlan | BodyPlan | Campaign
 
 def plan_of(path: str) -> StudyPlan | BodyPlan | CampaignPlan:
     """Return the plan of a study file, of a buoy or of a body, or of a campaign file."""
-    raw = read_yaml(path, "a study file such as config/seed.yaml")
+    raw = read_yaml(path, "a study file such as config/buoy.yaml")
     if is_body(raw):
         return BodyPlan.of(raw, path)
     return CampaignPlan(read(raw, path)) if is_campaign(raw) else StudyPlan(parse(raw, source=path))

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator
 
 from vsb.study.quantities import Finite
+from vsb.study.sections import DEGREES
 from vsb.study.take_off import LinePort
 
 Motion = Literal["heave", "planar", "free"]
@@ -72,9 +73,10 @@ def check_directions(study: Any) -> None:
         raise ValueError(
             f"motion {study.motion!r}: knows shells about the undeformed sphere; needs reference_shape: undeformed"
         )
-    if study.flexible and study.modes.order > max(1, study.modes.degree):
+    degree = DEGREES[0] if study.modes.degree is None else study.modes.degree  # where it is to follow: the least
+    if study.flexible and study.modes.order > max(1, degree):
         raise ValueError(
-            f"modes.order {study.modes.order}: needs at most modes.degree = {study.modes.degree}, because P_n^m has "
+            f"modes.order {study.modes.order}: needs at most modes.degree = {degree}, because P_n^m has "
             "no order above its degree"
         )
     _check_mooring(study)

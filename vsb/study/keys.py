@@ -13,7 +13,10 @@ class Key(NamedTuple):
 
 _SEA = {
     "hs": Key("m", "1.0", "significant wave height, four times the root of the spectrum's area"),
-    "seed": Key("-", "1", "seed of the random phases"),
+    "amplitudes": Key(
+        "", "random", "fixed: those of the spectrum; random: Rayleigh-distributed about it, as in records of a real sea"
+    ),
+    "seed": Key("-", "1", "seed of the random phases and amplitudes"),
     "realisations": Key("-", "8", "how many seas of this spectrum are followed, seeds one after the other"),
 }
 """Of every irregular sea."""
@@ -33,7 +36,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "the spherical buoy, shell and ballast",
         ),
         "motion": Key("", "planar", "directions of the buoy: heave; planar: surge, heave, pitch; free: all six"),
-        "modes": Key("", "{basis: full, degree: 6}", "shell modes the motion is made of"),
+        "modes": Key("", "{tolerance: 0.005}", "shell modes the motion is made of"),
         "reference_shape": Key(
             "", "equilibrium", "shape the coefficients are about: the sphere, or that of the loaded shell at rest"
         ),
@@ -126,7 +129,10 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "full", "membrane: stretching alone; full: stretching and bending; paper: the publication's own"
         ),
         "order": Key("-", "2", "highest azimuthal order of shell modes, cos(order theta); of motion beside heave"),
-        "degree": Key("-", "6", "highest Legendre degree"),
+        "degree": Key("-", "14", "highest Legendre degree; without it the least that meets `tolerance`"),
+        "tolerance": Key(
+            "-", "0.005", "change of mean power, relative, and of gain, absolute, that modes left out may cause"
+        ),
     },
     "Design": {
         "flexible": Key("", "false", "whether the shell deforms; false is the rigid buoy"),
@@ -315,7 +321,7 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "Campaign": {
         "campaign": Key("", "softness", "name of the campaign and of its folder of results"),
-        "study": Key("", "seed.yaml", "study file, relative to this one; its waves are not used"),
+        "study": Key("", "buoy.yaml", "study file, relative to this one; its waves are not used"),
         "vary": Key(
             "",
             "{device.young_modulus: {log: [1.0e+6, 1.0e+9, 7]}, device.thickness: [0.01, 0.02]}",
@@ -326,7 +332,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "[one, each]", "dampers of the year; constrained: the best force within the take-off's limits"
         ),
         "constrained": Key("", "{seconds: 10.0}", "work for the optima within limits"),
-        "verify": Key("", "{seas: 12}", "seas simulated in time beside linear theory, which they correct"),
+        "verify": Key("", "{seas: 24}", "seas simulated in time beside linear theory, which they correct"),
     },
     "Spectra": {
         "spectra": Key("", "sea.txt.gz", "NDBC's spectral text, plain or gz, or netCDF of wavespectra's names")

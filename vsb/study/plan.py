@@ -113,10 +113,11 @@ class StudyPlan(HydroPlan, ResultsPlan):
     @property
     def ladder(self) -> LadderSpec:
         """Spec of the tuning ladder; it follows no motion, so a method of the study's model is none of its own."""
-        sections = self._sections("device", "modes", "designs", "water", "pto", "drag", "waves", "motion", "mooring")
+        names = ("device", "modes", "reference_shape", "designs", "water", "pto", "drag", "waves", "motion", "mooring")
+        sections = self._sections(*names)
         simulation = self.study.simulation.model_copy(update={"method": "auto"})
         spring, hydro = SPRING if self.study.pto.spring_costs else 0, Band(omega_max=self.study.hydro.omega_max)
-        return LadderSpec(hydro=hydro, simulation=simulation, spring=spring, **sections)
+        return LadderSpec(hydro=hydro, simulation=simulation, spring=spring, **sections | {"modes": self.study.modes})
 
     def simulation(self, design: str, wave: Wave) -> SimulateSpec:
         """Spec of one time-domain run: of the take-off its own damper, or how to find it."""
@@ -140,7 +141,8 @@ class StudyPlan(HydroPlan, ResultsPlan):
 
     def _sections(self, *names: str) -> dict[str, Any]:
         """Sections of the study a stage reads."""
-        return {name: getattr(self.study, name) for name in names}
+        found = {name: getattr(self.study, name) for name in names}
+        return found | ({"modes": self.study.modes.alone} if "modes" in found else {})
 
     @property
     def figures(self) -> list[str]:

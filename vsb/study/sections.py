@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from vsb.errors import ConfigError
 from vsb.study.quantities import (
     OR_AUTO,
     Colatitude,
@@ -28,16 +29,55 @@ RestShape = Literal["undeformed", "equilibrium"]
 Basis = Literal["paper", "membrane", "full"]
 
 
+DEGREES = (6, 9, 14, 20, 30, 42, 60, 90)
+"""Degrees a converged basis is looked for among; each basis is part of the next."""
+MODE_TOLERANCE = 0.005
+"""Change of mean power, relative, and of gain, absolute, that shell modes left out may cause by default [-]."""
+
+
 class Modes(Extended):
     """Ritz basis of the shell: `paper`, `membrane` or `full`, up to Legendre degree `degree`.
+
+    Without a degree a `full` basis has the least of `DEGREES` that leaves out no more than `tolerance`: of the mean
+    power, relative, and of the gain, absolute, in every sea and of every design (`vsb.scenes.mode_convergence`).
+    `paper` and `membrane` leave out bending, so no degree of theirs converges: it is 6 unless given.
 
     Beside axisymmetric shapes, where the buoy moves in more directions than heave, those up to azimuthal order `order`.
     """
 
-    LATER = ("order",)
-    basis: Basis = "membrane"
-    degree: Annotated[Count, Field(ge=0, le=40)] = 6
+    LATER = ("order", "tolerance")
+    basis: Basis = "full"
+    degree: Annotated[Count, Field(ge=0, le=DEGREES[-1])] | None = None
+    tolerance: Annotated[Number, Field(ge=1e-4, le=0.1)] = MODE_TOLERANCE
     order: Annotated[Count, Field(ge=1, le=8)] = 1
+
+    @model_validator(mode="before")
+    @classmethod
+    def _degree_without_bending(cls, value: object) -> object:
+        if isinstance(value, dict) and value.get("basis") in ("paper", "membrane"):
+            return {"degree": DEGREES[0]} | value
+        return value
+
+    @property
+    def alone(self) -> "Modes":
+        """The basis without the tolerance that its degree follows from."""
+        return self.model_copy(update={"tolerance": MODE_TOLERANCE})
+
+    @property
+    def highest(self) -> int:
+        """Highest Legendre degree.
+
+        Raises
+        ------
+        ConfigError
+            If it is to follow from the tolerance and has not been found yet.
+        """
+        if self.degree is None:
+            raise ConfigError(
+                f"modes.degree: received none, so it follows from modes.tolerance {self.tolerance:g}; needs the study "
+                "as `vsb.stages.planning.plan_of` returns it, or a degree"
+            )
+        return self.degree
 
 
 class Design(Section):

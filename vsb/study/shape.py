@@ -148,7 +148,7 @@ def check_shape(study: Any) -> None:
             f"modes.basis {study.modes.basis!r}: modes of another shape than the sphere have no branches; device.shape "
             "needs full"
         )
-    if study.flexible and study.modes.degree < 1:
+    if study.flexible and study.modes.degree == 0:
         raise ValueError("modes.degree 0: device.shape needs at least 1")
     if (study.reference_shape, device.internal_pressure, device.gas) != ("undeformed", 0.0, None):
         raise ValueError(

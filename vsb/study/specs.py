@@ -22,8 +22,8 @@ from vsb.study.waves import StillWater, Wave
 from vsb.study.year_options import Constrained, Tunings, Verify
 
 PHYSICS = {
-    "mesh": 2, "bem": 7, "database": 7, "radiation": 1, "response": 2, "ladder": 1, "simulate": 5, "compare": 8,
-    "witness": 1, "member": 3, "members": 3, "campaign": 2, "verification": 3, "body": 2,
+    "degree": 1, "mesh": 2, "bem": 7, "database": 8, "radiation": 1, "response": 3, "ladder": 3, "simulate": 6,
+    "compare": 10, "witness": 1, "member": 4, "members": 4, "campaign": 4, "verification": 5, "body": 4,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
 PAUSE = 3
@@ -111,6 +111,11 @@ class DesignsSpec(AfloatSpec):
     def flexible(self) -> bool:
         """Whether any design needs shell modes."""
         return any(design.flexible for design in self.designs.values())
+
+    @property
+    def reference_design(self) -> str | None:
+        """The first rigid design by name: gains are measured against it."""
+        return next((name for name, design in sorted(self.designs.items()) if not design.flexible), None)
 
 
 class DesignsAtRest(DesignsSpec, RestSpec):
@@ -296,7 +301,15 @@ class Band(Section):
     omega_max: float
 
 
-class LadderSpec(DraggedSpec):
+class ClimateSpec(Section):
+    """The seas of a year: sha256 of the file, and what it is read as."""
+
+    contents: str
+    form: Literal["spectra", "jonswap", "pierson_moskowitz"]  # of a table the spectrum of its cells
+    gamma: float | None = None
+
+
+class LadderSpec(DesignsAtRest, DraggedSpec):
     """Tuning ladder of all designs in all seas."""
 
     TAG, LATER = "ladder", (*DraggedSpec.LATER, "spring")
@@ -304,6 +317,13 @@ class LadderSpec(DraggedSpec):
     simulation: Simulation
     hydro: Band
     spring: int = 0  # version of how dampers are found beside one that costs power; 0: none costs any
+
+
+class DegreeSpec(LadderSpec):
+    """Search for the degree of the shell modes: what powers follow from, in seas of a study or in those of a year."""
+
+    TAG, LATER = "degree", (*LadderSpec.LATER, "climate")
+    climate: ClimateSpec | None = None
 
 
 class SimulateSpec(DesignsAtRest, DraggedSpec):
@@ -322,14 +342,6 @@ class CompareSpec(Spec):
 
     TAG = "compare"
     study: Study
-
-
-class ClimateSpec(Section):
-    """The seas of a year: sha256 of the file, and what it is read as."""
-
-    contents: str
-    form: Literal["spectra", "jonswap", "pierson_moskowitz"]  # of a table the spectrum of its cells
-    gamma: float | None = None
 
 
 class MemberSpec(DesignsAtRest, DrivenSpec):

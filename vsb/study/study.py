@@ -348,7 +348,7 @@ def load(path: str | Path) -> Study:
     ConfigError
         One line with the file, the key, the value received and the value needed.
     """
-    return parse(read_yaml(path, "a study file such as config/seed.yaml"), source=str(path))
+    return parse(read_yaml(path, "a study file such as config/buoy.yaml"), source=str(path))
 
 
 def parse(raw: object, source: str = "study") -> Study:

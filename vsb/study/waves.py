@@ -81,12 +81,15 @@ class RegularWave(Travelling):
 
 
 class IrregularSea(Travelling):
-    """A sea of many components: significant height [m], seed of the random phases, number of realisations.
+    """A sea of many components: significant height [m], seed, number of realisations, amplitudes.
 
-    Realisations have seeds one after the other; a study lists each as a sea of its own and takes statistics over all.
+    Phases are random. `fixed` amplitudes follow the spectrum, so that every realisation carries the energy of the sea;
+    `random` ones are Rayleigh-distributed about it, as in records of a Gaussian sea. Realisations have seeds one after
+    the other; a study lists each as a sea of its own and takes statistics over all.
     """
 
     hs: Height
+    amplitudes: Literal["fixed", "random"] = "fixed"
     seed: Annotated[Count, Field(ge=0)] = 1
     realisations: Annotated[Count, Field(ge=1, le=1000)] = 1
 
@@ -105,6 +108,16 @@ class IrregularSea(Travelling):
     @abstractmethod
     def omega(self) -> float:
         """Frequency of the peak or of the middle of the band [rad/s]."""
+
+    @property
+    def _drawn(self) -> str:
+        """What random amplitudes add to a name."""
+        return "_random" if self.amplitudes == "random" else ""
+
+    @property
+    def _varying(self) -> str:
+        """What random amplitudes add to words."""
+        return ", amplitudes random" if self.amplitudes == "random" else ""
 
     @property
     def reach(self) -> tuple[float, float]:
@@ -137,12 +150,12 @@ class Jonswap(IrregularSea):
     @property
     def family(self) -> str:
         """Name of the sea without its seed."""
-        return f"jonswap_Hs{self.hs:g}_Tp{self.tp:g}_g{self.gamma:g}{self._towards}"
+        return f"jonswap_Hs{self.hs:g}_Tp{self.tp:g}_g{self.gamma:g}{self._towards}{self._drawn}"
 
     @property
     def description(self) -> str:
         """The sea in words."""
-        return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s{self._going}"
+        return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s{self._varying}{self._going}"
 
     @property
     def omega(self) -> float:
@@ -159,12 +172,12 @@ class PiersonMoskowitz(IrregularSea):
     @property
     def family(self) -> str:
         """Name of the sea without its seed."""
-        return f"pierson_moskowitz_Hs{self.hs:g}_Tp{self.tp:g}{self._towards}"
+        return f"pierson_moskowitz_Hs{self.hs:g}_Tp{self.tp:g}{self._towards}{self._drawn}"
 
     @property
     def description(self) -> str:
         """The sea in words."""
-        return f"a Pierson-Moskowitz sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s{self._going}"
+        return f"a Pierson-Moskowitz sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s{self._varying}{self._going}"
 
     @property
     def omega(self) -> float:
@@ -203,13 +216,13 @@ class WhiteNoise(IrregularSea):
     @property
     def family(self) -> str:
         """Name of the sea without its seed."""
-        return f"white_noise_Hs{self.hs:g}_w{self.band[0]:g}-{self.band[1]:g}{self._towards}"
+        return f"white_noise_Hs{self.hs:g}_w{self.band[0]:g}-{self.band[1]:g}{self._towards}{self._drawn}"
 
     @property
     def description(self) -> str:
         """The sea in words."""
         low, high = self.band
-        return f"white noise of {low:g} to {high:g} rad/s and Hs = {self.hs:g} m{self._going}"
+        return f"white noise of {low:g} to {high:g} rad/s and Hs = {self.hs:g} m{self._varying}{self._going}"
 
     @property
     def omega(self) -> float:

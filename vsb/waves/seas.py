@@ -88,7 +88,7 @@ def components(wave: Irregular, omega_max: float, duration: float) -> tuple[Floa
     """Return frequencies and amplitudes of components of a sea that does not repeat within a run, each (component,).
 
     Components lie at the centres of equal bands no wider than 2 pi/(1.1 duration), up to omega_max [rad/s]. Amplitudes
-    [m] follow the spectrum exactly, so every seed carries the same energy.
+    [m] follow the spectrum exactly: a_j^2 = 2 int S dw over the band.
     """
     low, high = wave.band if isinstance(wave, WhiteNoise) else (0.0, omega_max)
     count = int(np.ceil((high - low) * 1.1 * duration / (2 * np.pi)))
@@ -100,11 +100,23 @@ def components(wave: Irregular, omega_max: float, duration: float) -> tuple[Floa
 
 
 def irregular(wave: Irregular, omega_max: float, duration: float) -> Sea:
-    """Return a realisation that does not repeat within the run: amplitudes of `components`, random phases."""
+    """Return a realisation that does not repeat within the run: random phases, amplitudes of `components`.
+
+    Random amplitudes are Rayleigh-distributed about those, |a_j|^2 exponential of that mean: real and imaginary parts
+    are independent normal variables, and the elevation is exactly Gaussian.
+    """
     omega, amplitude = components(wave, omega_max, duration)
-    phase = np.random.default_rng(wave.seed).uniform(0.0, 2 * np.pi, len(omega))
+    random = np.random.default_rng(wave.seed)
+    phasor = np.exp(1j * random.uniform(0.0, 2 * np.pi, len(omega)))
+    if wave.amplitudes == "random":
+        phasor *= np.sqrt(random.exponential(size=len(omega)))
     kept = amplitude > 1e-12 * amplitude.max()
-    return Sea(omega[kept], (amplitude * np.exp(1j * phase))[kept])
+    return Sea(omega[kept], (amplitude * phasor)[kept])
+
+
+def expected(wave: Wave) -> Wave:
+    """Return a sea with the amplitudes of its spectrum, |a_j|^2 = E |a_j|^2: powers in it are those expected."""
+    return wave.model_copy(update={"amplitudes": "fixed"}) if isinstance(wave, IrregularSea) else wave
 
 
 def sea(wave: Wave, omega_max: float, duration: float) -> Sea:

@@ -404,19 +404,6 @@ def test_a_panel_s_diameter_is_the_largest_distance_of_its_corners(corners):
     np.testing.assert_allclose(bodies.panel_diameters(body), expected, rtol=1e-12)
 
 
-@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
-@pytest.mark.parametrize("kind", range(6))
-def test_a_motion_is_as_rigid_at_every_size(box, scale, kind):
-    """Round-off is told from a rotation by the motion's own size; what bends at a part in a million is not rigid."""
-    points = box[0] + [3.0, -2.0, 0.7]
-    moved = scale * rigid(points)[kind]
-    found = bodies.rigid_motion(points, moved)
-    assert np.concatenate(found) == pytest.approx(
-        scale * np.eye(6)[kind], rel=1e-12, abs=0.0
-    )  # the others exactly none
-    assert bodies.rigid_motion(points, moved + 1e-6 * scale * points[:, :1] ** 2 * [0.0, 0.0, 1.0]) is None
-
-
 def boxed(box, move=lambda x: x, faces=None):
     """The box with its vertices moved, heaving."""
     vertices = move(box[0].copy())
@@ -647,18 +634,6 @@ def test_one_panel_folded_along_its_other_diagonal_is_no_mirror_image(turned, fo
     if found == "none":
         with pytest.raises(ConfigError, match="symmetry xOz: the panels are not mirrored in the xOz plane"):
             bodies.check_symmetry(body, "xOz")
-
-
-@pytest.mark.parametrize(("reach", "kind"), [(1e4, 4), (1e4, 5), (1e-3, 3)])
-def test_a_turn_counts_by_how_far_it_moves_the_points_beside_a_shift(reach, kind):
-    """A ten thousand millionth of a radian moves what is ten kilometres away by a micrometre; round-off moves nothing."""
-    points = reach * np.random.default_rng(1).uniform(-1, 1, (20, 3))
-    moved = rigid(points)[0] + 1e-6 / reach * rigid(points)[kind]
-    found = bodies.rigid_motion(points, moved)
-    assert found.translation == pytest.approx([1.0, 0.0, 0.0], rel=1e-9)
-    assert found.rotation == pytest.approx(1e-6 / reach * np.eye(3)[kind - 3], rel=1e-6)
-    still = bodies.rigid_motion(points, rigid(points)[0] + 1e-10 / reach * rigid(points)[kind])
-    assert still.rotation.tolist() == [0.0, 0.0, 0.0]
 
 
 @pytest.mark.parametrize("size", [1e-2, 1.0, 1e3])

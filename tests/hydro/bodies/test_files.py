@@ -145,13 +145,17 @@ def test_what_is_infinite_is_told_to_be_so_not_to_be_too_large(tmp_path, body):
 
 @pytest.mark.parametrize(
     ("name", "limit"),
-    [("mode_shape", 1e6), ("centre_of_mass", 1e6), ("inertia_matrix", 1e30), ("structural_stiffness", 1e30)],
-)
+    [
+        ("mode_shape", 1e6), ("centre_of_mass", 1e6), ("inertia_matrix", 1e30), ("structural_stiffness", 1e30),
+        ("second_order", 1e6),
+    ],
+)  # fmt: skip
 def test_the_largest_numbers_a_body_has(tmp_path, body, name, limit):
     pair = ("influenced_dof", "radiating_dof")
     unit = {"mode_shape": (("dof", "vertex", "xyz"), np.eye(1, body.shapes.size).reshape(body.shapes.shape))}
     unit |= {"centre_of_mass": ("xyz", np.array([0.0, 0.0, -1.0])), "inertia_matrix": (pair, np.eye(2))}
     unit |= {"structural_stiffness": (pair, np.eye(2))}
+    unit |= {"second_order": ((*pair, "vertex", "xyz"), np.ones((2, 2, len(body.vertices), 3)))}
     dims, values = unit[name]
     mesh, modes = written(tmp_path, body, **{name: (dims, limit * values)})
     read = files._displacements(modes, (len(body.vertices), len(body.faces)), mesh)

@@ -42,7 +42,7 @@ def test_each_of_two_bodies_is_as_stiff_as_alone(both):
     expected = np.zeros((14, 14))
     expected[:7, :7], expected[7:, 7:] = (hydrostatic_stiffness(alone(k), 1025.0, 9.81) for k in (0, 1))
     assert found == pytest.approx(expected, rel=1e-12, abs=1e-6 * np.abs(expected).max())
-    assert sorted(both.alone) == [*range(6), *range(7, 13)]
+    assert sorted(both.rigid_parts) == [*range(6), *range(7, 13)]
     assert both.rigid == {}
 
 
@@ -66,7 +66,7 @@ def test_turning_together_they_have_the_stiffness_of_their_common_centre_of_mass
 
 def test_a_body_that_turns_alone_needs_its_own_centre_of_mass(both):
     with pytest.raises(
-        ConfigError, match=r"centre_of_mass: received one, but Dof3 turns one of 2 separate parts alone"
+        ConfigError, match=r"centre_of_mass: received one, but Dof3 turns 2 separate parts, not all alike"
     ):
         replace(both, centre_of_mass=np.zeros(3))
     with pytest.raises(ConfigError, match=r"centre_of_mass: shape \(3, 3\); needs \(3,\), or a row for each part, \(2"):
@@ -125,7 +125,7 @@ def test_what_moves_all_parts_is_as_stiff_as_the_motions_of_each_together(both):
 
 def test_parts_that_shift_alone_need_no_more_than_one_centre_of_mass(both):
     heaves = made(both.vertices, both.faces, both.shapes[[0, 2, 9]], centre_of_mass=np.array([4.0, 0.0, 0.1]))
-    assert sorted(heaves.alone) == [0, 1, 2]
+    assert sorted(heaves.rigid_parts) == [0, 1, 2]
     assert np.diag(hydrostatic_stiffness(heaves, 1.0, 1.0)) == pytest.approx([0.0, 24.0, 15.0], abs=1e-9)
 
 
@@ -151,7 +151,7 @@ def test_one_motion_that_turns_one_part_asks_for_the_centres_of_all(both, turnin
     kept = [0, turning, 9]
     shapes = both.shapes[kept]
     with pytest.raises(
-        ConfigError, match=r"^centre_of_mass: received one, but Dof1 turns one of 2 separate parts alone"
+        ConfigError, match=r"^centre_of_mass: received one, but Dof1 turns 2 separate parts, not all alike"
     ):
         made(both.vertices, both.faces, shapes, centre_of_mass=CENTRES[0])
-    assert sorted(made(both.vertices, both.faces, shapes, centre_of_mass=CENTRES).alone) == [0, 1, 2]
+    assert sorted(made(both.vertices, both.faces, shapes, centre_of_mass=CENTRES).rigid_parts) == [0, 1, 2]

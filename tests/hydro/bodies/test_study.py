@@ -74,7 +74,7 @@ def test_a_body_file_becomes_a_database_with_a_verdict(tmp_path, body, green_fol
     water = {"density": 1000.0, "gravity": 9.8}
     checks = bodystudy.run(files(tmp_path, body, water=water), tmp_path / "out", green_folder)
     names = {"error_estimate", "symmetry", "far_field", "haskind", "positive_damping", "panels", "corners"}
-    names |= {"rigid_names", "one_resolution", "afloat", "modes"}
+    names |= {"rigid_names", "one_resolution", "second_order", "afloat", "modes"}
     assert {check.name for check in checks} == names
     ds = load(tmp_path / "out/box.nc")
     assert database.stored_checks(ds) == checks
@@ -280,6 +280,7 @@ BORDERS = {  # check: where it is ok no more, where it fails
     "error_estimate": (0.05, 0.25), "one_resolution": (0.5, 2.5), "symmetry": (0.02, 0.1), "far_field": (0.02, 0.1),
     "haskind": (0.02, 0.1), "positive_damping": (0.01, 0.01), "panels": (0.25, 1.25), "modes": (1 / 3.5, 0.5),
     "corners": (0.05, 0.25), "rigid_names": (0.01, 0.05), "interpolation_error": (1e-3, 1e-3), "afloat": (0.01, 0.01),
+    "hinge_gap": (0.02, np.inf), "second_order": (0.02, np.inf),
 }  # fmt: skip
 
 
@@ -295,7 +296,7 @@ def test_every_limit_of_the_verdict_on_either_side(body, monkeypatch, name, part
         for place, found in {
             "error_estimate": told["error_estimate"], "panel_diameters": np.array([told["panels"] * DEEP]),
             "panels_per_lobe": 1 / max(told["modes"], 1e-9), "at_centres": body.modes + told["corners"] * shapes,
-            "rigid_misfit": told["rigid_names"],
+            "rigid_misfit": told["rigid_names"], "hinge_gap": told["hinge_gap"], "linear_share": told["second_order"],
         }.items():  # fmt: skip
             monkeypatch.setattr(bodystudy, place, lambda *_, found=found: found)
         monkeypatch.setattr(bodystudy.quality, "negative_damping", lambda *_: told["positive_damping"])
@@ -310,6 +311,9 @@ def test_every_limit_of_the_verdict_on_either_side(body, monkeypatch, name, part
         assert {found[other] for other in found if other != name} == {"ok"}
         return found[name]
 
+    if border == np.inf:
+        assert verdict(1e9) == "doubt"
+        return
     for sign in (1, -1) if name == "afloat" else (1,):  # too light is as wrong as too heavy
         below, above = verdict(0.99 * sign * border), verdict(1.01 * sign * border)
         if part:
@@ -493,7 +497,7 @@ def test_identities_are_measured_by_the_impedances_of_both_motions_or_the_least_
 
 ORDER = [
     "error_estimate", "interpolation_error", "one_resolution", "symmetry", "far_field", "haskind", "positive_damping",
-    "panels", "modes", "corners", "rigid_names", "afloat",
+    "panels", "modes", "corners", "rigid_names", "second_order", "afloat",
 ]  # fmt: skip
 
 
@@ -615,7 +619,7 @@ def test_a_database_holds_the_matrices_its_body_has(body, given):
     coefficients = xr.Dataset(data, {"omega": [1.0, 1.3], "wave_direction": [0.0], **dof})
     infinite = xr.Dataset({"added_mass_inf": (pair[1:], 7 * even)}, dof, {"spec_id": "inf", "seconds": 4.0})
     solved = [
-        SimpleNamespace(own=SimpleNamespace(attrs={"spec_id": name, "seconds": s}))
+        SimpleNamespace(own=SimpleNamespace(attrs={"spec_id": name, "seconds": s, "resolution_ratio": 1.0}))
         for name, s in (("a", 1.0), ("b", 2.5))
     ]
     file = BodyFile(body="b", mesh="-", modes="-", omega=[1.0, 1.1, 1.3], water={"density": 1010.0, "depth": 30.0})

@@ -373,8 +373,9 @@ def test_a_barge_goes_out_and_comes_back_by_either_form(solved, tmp_path, capsys
     ):
         back = files.load(tmp_path / f"{name}.nc")
         assert back.influenced_dof.values.tolist() == labels
-        assert set(back.data_vars) == {*ds.data_vars, "structural_damping_matrix"}
-        for key in ds.data_vars:
+        told = [name for name in ds.data_vars if not name.endswith("_error")]  # which no such file has a place for
+        assert set(back.data_vars) == {*told, "structural_damping_matrix"}
+        for key in told:
             assert back[key].values == pytest.approx(
                 ds[key].values, rel=error, abs=1e-9 * np.abs(ds[key].values).max()
             ), key

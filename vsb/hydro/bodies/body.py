@@ -16,6 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from vsb.errors import ConfigError
+from vsb.hydro.bodies.rigid import Rigid, rigid_motion
 from vsb.study.quantities import RIGID
 from vsb.tools.units import FloatArray, IntArray
 
@@ -27,7 +28,8 @@ _SAME = 1e-8  # of lengths, in lengths of the body
 _CLOSED = 1e-6  # of the three volumes of a closed surface, relatively
 _LEAST_BODY = 0.01  # [m], lengths below which capytaine's own tolerances drop panels
 _LARGEST_BODY = 1e5  # [m], beyond which no body lies
-_RIGID = 1e-9  # of the distance of a displacement from a rigid one, relatively
+LEAST_PANELS = 4
+"""Of a separate part: panels whose corners only nearly coincide make no body."""
 
 
 class Triangles(NamedTuple):
@@ -40,13 +42,6 @@ class Triangles(NamedTuple):
     def integral(self, f: FloatArray, g: FloatArray) -> FloatArray:
         """Integral of the product of fields linear in each triangle, (..., triangle, 3) [-]; weights are f's."""
         return np.asarray((f.sum(axis=-1) * g.sum(axis=-1) + (f * g).sum(axis=-1)).sum(axis=-1) / 12)
-
-
-class Rigid(NamedTuple):
-    """A rigid motion t + a x r."""
-
-    translation: FloatArray  # t (xyz)
-    rotation: FloatArray  # a (xyz)
 
 
 @dataclass(frozen=True)
@@ -66,6 +61,7 @@ class FlexibleBody:
     mass: FloatArray | None = None
     stiffness: FloatArray | None = None
     centre_of_mass: FloatArray | None = None
+    second_order: FloatArray | None = None  # (dof, dof, vertex, xyz): d2x/dq_i dq_j of the corners [1/m]
     history: str = ""  # of repairs
 
     def __post_init__(self) -> None:
@@ -81,10 +77,14 @@ class FlexibleBody:
     @cached_property
     def triangles(self) -> Triangles:
         """The panels as pairs of triangles, the second one empty if the panel is a triangle."""
-        index = np.concatenate([self.faces[:, [0, 1, 2]], self.faces[:, [0, 2, 3]]])
-        corner = self.vertices[index]
+        corner = self.vertices[self.triangle_corners]
         area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
-        return Triangles(corner, area, self.shapes[:, index])
+        return Triangles(corner, area, self.shapes[:, self.triangle_corners])
+
+    @property
+    def triangle_corners(self) -> IntArray:
+        """Vertices of `triangles`, shape (triangle, 3)."""
+        return np.concatenate([self.faces[:, [0, 1, 2]], self.faces[:, [0, 2, 3]]])
 
     @cached_property
     def centres(self) -> FloatArray:
@@ -114,26 +114,26 @@ class FlexibleBody:
         return parts(owners(self.vertices)[self.faces], len(self.vertices))
 
     @cached_property
-    def alone(self) -> dict[int, tuple[int, Rigid]]:
-        """Degrees of freedom that are rigid motions of one of several parts, the others at rest: its number, motion."""
-        found = {}
-        for i, shape in enumerate(self.shapes if self.part.max() else self.shapes[:0]):
-            moved = np.unique(self.part[shape[self.faces].any(axis=(1, 2))])
-            corners = np.unique(self.faces[self.part == moved[0]]) if len(moved) == 1 else moved[:0]
-            if len(corners) and (motion := rigid_motion(self.vertices[corners], shape[corners])):
-                found[i] = (int(moved[0]), motion)
+    def vertex_part(self) -> IntArray:
+        """Part of each vertex; one that no panel has is of the part next to it, shape (vertex,)."""
+        corners, first = np.unique(self.faces, return_index=True)
+        nearest = cKDTree(self.vertices[corners]).query(self.vertices)[1]
+        return np.asarray(np.repeat(self.part, self.faces.shape[1])[first][nearest])
+
+    @cached_property
+    def rigid_parts(self) -> dict[int, tuple[Rigid, ...]]:
+        """Degrees of freedom that move each of several separate parts rigidly, not all alike: the motion of each."""
+        found: dict[int, tuple[Rigid, ...]] = {}
+        count = np.bincount(self.part)
+        if len(count) == 1 or count.min() < LEAST_PANELS:
+            return found
+        corners = [np.unique(self.faces[self.part == p]) for p in range(len(count))]
+        for i, shape in enumerate(self.shapes):
+            size = float(np.abs(shape[self.faces]).max())
+            motions = [rigid_motion(self.vertices[c], shape[c], size) for c in corners] if i not in self.rigid else []
+            if rigid := tuple(motion for motion in motions if motion):
+                found |= {i: rigid} if len(rigid) == len(corners) else {}
         return found
-
-
-def rigid_motion(points: FloatArray, moved: FloatArray) -> Rigid | None:
-    """Return translation and rotation of a displacement of points, each shape (point, xyz), if it is rigid."""
-    columns = [np.tile(e, (len(points), 1)) for e in np.eye(3)] + [np.cross(e, points) for e in np.eye(3)]
-    basis, shape = np.array(columns).reshape(6, -1).T, moved.ravel()
-    motion = np.asarray(np.linalg.lstsq(basis, shape, rcond=None)[0])
-    size = np.abs(basis * motion).max(axis=0)
-    motion = np.where(size > _RIGID * size.max(), motion, 0.0)  # round-off is no rotation
-    fits = np.abs(basis @ motion - shape).max() < _RIGID * np.abs(shape).max()
-    return Rigid(motion[:3], motion[3:]) if fits else None
 
 
 def parts(faces: IntArray, vertices: int) -> IntArray:
@@ -230,8 +230,9 @@ def _check_modes(body: FlexibleBody) -> None:
     n = len(body.labels)
     if n == 0 or len(set(body.labels)) < n:
         raise ConfigError(f"modes: labels {str(list(body.labels))[:200]}; needs at least one, and none twice")
-    needed = {"modes": (n, len(body.faces), 3), "shapes": (n, len(body.vertices), 3)}
-    for name, shape in (needed | dict.fromkeys(("mass", "stiffness"), (n, n))).items():
+    needed: dict[str, tuple[int, ...]] = {"modes": (n, len(body.faces), 3), "shapes": (n, len(body.vertices), 3)}
+    needed |= dict.fromkeys(("mass", "stiffness"), (n, n)) | {"second_order": (n, n, len(body.vertices), 3)}
+    for name, shape in needed.items():
         values = getattr(body, name)
         if values is None:
             continue
@@ -245,9 +246,9 @@ def _check_modes(body: FlexibleBody) -> None:
         if moved <= 1e-12 * np.abs(shape).max():
             raise ConfigError(f"modes: {label} moves no water; remove it")
     _check_centre_of_mass(body)
-    for name in ("mass", "stiffness"):
+    for name in ("mass", "stiffness", "second_order"):
         m = getattr(body, name)
-        if m is not None and np.abs(m - m.T).max() > 1e-9 * np.abs(m).max():
+        if m is not None and np.abs(m - m.swapaxes(0, 1)).max() > 1e-9 * np.abs(m).max():
             raise ConfigError(f"{name}: not symmetric; needs a symmetric matrix")
 
 
@@ -255,18 +256,19 @@ def _check_centre_of_mass(body: FlexibleBody) -> None:
     """Weight lifts what turns: its centre must be there, of each part if one turns alone."""
     count, centre = int(body.part.max()) + 1, body.centre_of_mass
     if centre is None:
-        if any(np.any(a) for _, a in body.rigid.values()) or any(np.any(r.rotation) for _, r in body.alone.values()):
+        moved = [*body.rigid.values(), *(motion for motions in body.rigid_parts.values() for motion in motions)]
+        if any(np.any(motion.rotation) for motion in moved):
             raise ConfigError("modes: centre_of_mass is missing; a body that rotates needs it [m]")
         return
     if np.shape(centre) not in ((3,), (count, 3)):
         raise ConfigError(f"centre_of_mass: shape {np.shape(centre)}; needs (3,), or a row for each part, {(count, 3)}")
     if not np.isfinite(centre).all():
         raise ConfigError("centre_of_mass: holds NaN or infinite values; needs finite ones")
-    turning = [body.labels[i] for i, (_, motion) in body.alone.items() if np.any(motion.rotation)]
+    turning = [i for i, motions in body.rigid_parts.items() if any(np.any(motion.rotation) for motion in motions)]
     if turning and np.ndim(centre) == 1:
         raise ConfigError(
-            f"centre_of_mass: received one, but {turning[0]} turns one of {count} separate parts alone; needs a row "
-            "for each part, in the order of their first panels [m]"
+            f"centre_of_mass: received one, but {body.labels[turning[0]]} turns {count} separate parts, not all alike; "
+            "needs a row for each part, in the order of their first panels [m]"
         )
 
 
@@ -348,18 +350,25 @@ def panels_per_lobe(body: FlexibleBody) -> float:
     The wavenumber of a displacement psi is k, k^2 = int |grad psi|^2 dS/int |psi|^2 dS, over the surface, psi linear in
     every half of a panel: sqrt(n(n + 1) + 2)/r of P_n e_r on a sphere. Rigid motions are exact on any panels.
     """
-    t, flexible = body.triangles, [i for i in range(len(body.labels)) if i not in body.rigid]
+    rigid = body.rigid.keys() | body.rigid_parts.keys()
+    t, flexible = body.triangles, [i for i in range(len(body.labels)) if i not in rigid]
     if not flexible:
         return float("inf")
-    (e, f), moved = (t.corner[:, k] - t.corner[:, 0] for k in (1, 2)), t.moved[flexible]
+    moved = t.moved[flexible]
+    gradient = squared_gradients(t, flexible).sum(axis=1)
+    size = (((moved**2).sum(axis=(2, 3)) + (moved.sum(axis=2) ** 2).sum(axis=2)) / 12) @ np.linalg.norm(t.area, axis=1)
+    return float(np.pi * np.sqrt((size / np.maximum(gradient, 1e-300)).min()) / panel_size(body))
+
+
+def squared_gradients(t: Triangles, dofs: list[int]) -> FloatArray:
+    """Return int |grad psi|^2 dS of each triangle, zero of empty ones, shape (dof, triangle)."""
+    (e, f), moved = (t.corner[:, k] - t.corner[:, 0] for k in (1, 2)), t.moved[dofs]
     de, df = (moved[:, :, k] - moved[:, :, 0] for k in (1, 2))
     area = np.linalg.norm(t.area, axis=1)
     whole = area > 1e-12 * area.max()
     ee, ef, ff = ((a * b).sum(axis=1) for a, b in ((e, e), (e, f), (f, f)))
     squared = ff * (de**2).sum(axis=2) - 2 * ef * (de * df).sum(axis=2) + ee * (df**2).sum(axis=2)
-    gradient = (squared[:, whole] / (4 * area[whole])).sum(axis=1)  # area |grad psi|^2
-    size = (((moved**2).sum(axis=(2, 3)) + (moved.sum(axis=2) ** 2).sum(axis=2)) / 12) @ area
-    return float(np.pi * np.sqrt((size / np.maximum(gradient, 1e-300)).min()) / panel_size(body))
+    return np.asarray(np.where(whole, squared / (4 * np.where(whole, area, 1.0)), 0.0))
 
 
 def panel_diameters(body: FlexibleBody) -> FloatArray:

@@ -33,9 +33,15 @@ SECONDS = (20.0, 2e-5)
 """Seconds any file may take to be read, and a byte of it: some readers wait for an end that was cut off."""
 _FLAT = 1e-7
 """Height of a panel, in lengths of the body, that single precision makes of none."""
-_LARGEST = {"mode_shape": 1e6, "centre_of_mass": 1e6, "inertia_matrix": 1e30, "structural_stiffness": 1e30}
-"""Beyond which no body has displacements per unit amplitude [-], a centre of mass [m], masses, stiffness [kg, N/m]."""
-_MATRICES = {"mass": "inertia_matrix", "stiffness": "structural_stiffness", "centre_of_mass": "centre_of_mass"}
+_LARGEST = {
+    "mode_shape": 1e6, "second_order": 1e6, "centre_of_mass": 1e6, "inertia_matrix": 1e30, "structural_stiffness": 1e30,
+}  # fmt: skip
+"""Beyond which no body has displacements per unit amplitude [-], and their second-order part [1/m], a centre of mass
+[m], masses, stiffness [kg, N/m]."""
+_MATRICES = {
+    "mass": "inertia_matrix", "stiffness": "structural_stiffness", "centre_of_mass": "centre_of_mass",
+    "second_order": "second_order",
+}  # fmt: skip
 
 
 @contextlib.contextmanager
@@ -122,8 +128,9 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
     """Return a body from a mesh file and a netCDF file of its displacements.
 
     The latter holds `mode_shape` (dof, vertex or panel, xyz) with names on `dof`, and optionally `inertia_matrix` and
-    `structural_stiffness` (influenced_dof, radiating_dof) and `centre_of_mass` (xyz), or (part, xyz) where one of
-    several separate parts turns alone. Panels without area are dropped, which the body's `history` records.
+    `structural_stiffness` (influenced_dof, radiating_dof), `centre_of_mass` (xyz), or (part, xyz) where separate parts
+    do not all turn alike, and `second_order` (influenced_dof, radiating_dof, vertex, xyz), the second derivatives
+    d2x/dq_i dq_j of the corners' positions [1/m]. Panels without area are dropped, which the body's `history` records.
 
     Raises
     ------
@@ -197,6 +204,6 @@ def write_body(body: FlexibleBody, path: str | Path) -> None:
         data["centre_of_mass"] = (("part", "xyz")[2 - np.ndim(centre) :], centre)
     for field, name in _MATRICES.items():
         if name not in data and getattr(body, field) is not None:
-            data[name] = (PAIR, getattr(body, field))
+            data[name] = ((*PAIR, "vertex", "xyz") if field == "second_order" else PAIR, getattr(body, field))
     with whole(path) as temporary:
         xr.Dataset(data, coords={"dof": list(body.labels)}).to_netcdf(temporary, engine="netcdf4")

@@ -1,8 +1,12 @@
-"""Stiffness of still water, and of weight, for bodies of any shape: rigid motions, flexible ones, several bodies."""
+"""Stiffness of still water, and of weight, for bodies of any shape: rigid motions, hinges, bending, several bodies."""
+
+from typing import NamedTuple
 
 import numpy as np
 
-from vsb.hydro.bodies.body import FlexibleBody, Rigid, Triangles
+from vsb.hydro.bodies.body import FlexibleBody, Triangles, squared_gradients
+from vsb.hydro.bodies.rigid import Rigid
+from vsb.hydro.bodies.turning import Pieces, Sections, TurningMotions, turning_motions
 from vsb.tools.units import FloatArray
 
 
@@ -11,18 +15,37 @@ def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) ->
 
     Notes
     -----
-    Water has the energy U = -rho g int_V z dV = -(rho g/2) int_S z^2 n_z dS of the space V the body takes from it.
-    Between flexible displacements C is the exact second derivative of U on the displaced panels (x = x_0 + sum
-    q_i psi_i), moving waterline and turning panels included, hence symmetric. Rigid motions turn without stretching;
-    with a rigid motion i, C_ij = -rho g int psi_j.n w_i dS, w_i its vertical part (Newman 1994), and between rigid ones
-    the weight rho V g at the centre of mass joins in: metacentric heights. Of several separate parts a motion of one
-    alone is as rigid, with that part's weight. A flexible mode must carry no momentum, int psi dm = 0, as free-free
-    modes do, or the weight it moves is missing.
+    Water has the energy U = -rho g int_V z dV = -(rho g/2) int_S z^2 n_z dS of the space V the body takes from it. C is
+    the second derivative of U and of the weight's energy along x = x_0 + sum q_i psi_i + sum q_i q_j chi_ij/2. What
+    chi is depends on the displacements:
+
+    - Rigid motions, and those that are rigid on each of several separate parts, turn. With such a motion i,
+      C_ij = -rho g int psi_j.n w_i dS, w_i its vertical part (Newman 1994), and between such motions the weight
+      rho V g of each part at its centre of mass joins in: metacentric heights.
+    - Between motions of hinged pieces and of beams (`turning`), a their rotations, e their strains along the axis,
+
+          C_ij = rho g {int_waterplane w_i w_j dA + int_V [(a_i.a_j)_horizontal (z - z_G) - w_i e_j - w_j e_i] dV}.
+
+      Every piece and section carries the weight of its own displaced water at the height z_G of the part's centre of
+      mass. Pieces do not strain: C is the sum of their rigid forms, each closed by a wall at the hinge, with water in
+      the gap. Waves are solved on the wetted surface alone, as if the gap were sealed, and so are the rows of rigid
+      motions, which are the forces of long waves: `hinge_gap` says how much that matters.
+    - Between others that the file states (`FlexibleBody.second_order`) -rho g int z chi_ij.n dS joins the second
+      derivative on linearly displaced panels, in place of the forms of hinges and beams. The work of their weight,
+      g int chi_z dm, belongs to the structure's stiffness.
+    - Of all others chi = 0, which is an assumption: `linear_share`.
+
+    A flexible mode must carry no momentum, int psi dm = 0, as free-free modes do, or the weight it moves is missing.
     """
-    flexible = _energy_hessian(body.triangles)
-    eulerian = _fixed_field_stiffness(body.triangles)
-    stiffness = flexible.copy()
-    rigid = body.rigid.keys() | body.alone.keys()
+    t = body.triangles
+    stiffness, eulerian = _energy_hessian(t), _fixed_field_stiffness(t)
+    rigid = body.rigid.keys() | body.rigid_parts.keys()
+    if body.second_order is None:
+        motions = _turning(body)
+        if known := list(motions.fields):
+            stiffness[np.ix_(known, known)] = _form(body, motions, known, _columns(t))
+    else:
+        stiffness += [[_pressure_work(t, chi[body.triangle_corners]) for chi in row] for row in body.second_order]
     for i in rigid:
         for j in range(len(body.labels)):
             if j in rigid:
@@ -31,6 +54,116 @@ def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) ->
             else:
                 stiffness[i, j] = stiffness[j, i] = eulerian[i, j]
     return np.asarray(density * gravity * stiffness)
+
+
+def hinge_gap(body: FlexibleBody) -> float | None:
+    """Return by what share, at most, the stiffness of a hinge in one part changes if its gap is sealed against water.
+
+    None without such a hinge.
+
+    Notes
+    -----
+    The gap opens by psi.n between the walls that close the pieces; as part of the body it adds 2 int_walls w psi.n dS.
+    With the wetted surface S, on which waves are solved as if the gap were sealed, and the waterplane these walls
+    close every piece: int_walls w psi.n dS = int_V psi.grad w dV - int_S w psi.n dS - int_waterplane w^2 dA.
+    """
+    motions, columns, shares = _turning(body), _columns(body.triangles), list[float]()
+    for i, fields in motions.fields.items():
+        if any(isinstance(field, Pieces) and len(field.motions) > 1 for field in fields):
+            sections = _sections(body, motions, i, columns)
+            moved = sections.displacement(columns.across(motions.axis))
+            slope = np.einsum("tqcx,tqx->tqc", moved[..., :2], _gradient(sections.turn))
+            through = _fixed_field_stiffness(body.triangles)[i, i]
+            rise = moved[..., 0, 2]
+            walls = (slope * columns.volume).sum() + through - (rise**2 * columns.waterplane).sum()
+            form = _form(body, motions, [i], columns)[0, 0]
+            shares.append(float(2 * abs(walls) / (abs(form) + 2 * abs(walls))))
+    return max(shares, default=None)
+
+
+def linear_share(body: FlexibleBody) -> float | None:
+    """Return the largest share of a stiffness that displacements without a known second-order part may lack.
+
+    An estimate of its order, (1/2) int z^2 |grad psi|^2 dS, as of a box that shortens as it bends. None where it is
+    known of all displacements.
+    """
+    known = body.rigid.keys() | body.rigid_parts.keys() | _turning(body).fields.keys()
+    unknown = [i for i in range(len(body.labels)) if i not in known]
+    if not unknown or body.second_order is not None:
+        return None
+    t = body.triangles
+    height = ((t.corner[..., 2] ** 2).sum(axis=1) + t.corner[..., 2].sum(axis=1) ** 2) / 12
+    missed = squared_gradients(t, unknown) @ height / 2
+    linear = np.abs(np.diag(_energy_hessian(t))[unknown])
+    return float((missed / (missed + linear)).max())
+
+
+class _Columns(NamedTuple):
+    """Quadrature of the displaced water by vertical columns from points of the wetted surface up to the waterplane.
+
+    Vertical walls, such as those of a hinge, close a body without adding any.
+    """
+
+    points: FloatArray  # (triangle, n, xyz) [m]
+    z: FloatArray  # (triangle, n, m): heights in each column [m]
+    waterplane: FloatArray  # (triangle, n): weights [m^2]
+    volume: FloatArray  # (triangle, n, m): weights [m^3]
+
+    def across(self, axis: int) -> FloatArray:
+        """Return places across a horizontal axis, (triangle, n, m, xyz) [m]."""
+        rho = np.repeat(self.points[:, :, None], self.z.shape[-1], axis=2)
+        rho[..., 2], rho[..., axis] = self.z, 0.0
+        return rho
+
+
+def _columns(t: Triangles) -> _Columns:
+    """int_V g dV = int_S n_z int_0^z g dz dS, with Radon's seven points in a triangle and two of Gauss in a column."""
+    root = 15**0.5
+    corner = [np.full(3, 1 / 3)]
+    for a in ((6 - root) / 21, (6 + root) / 21):
+        corner += list(a + (1 - 3 * a) * np.eye(3))
+    weight = np.array([270.0, *[155 - root] * 3, *[155 + root] * 3]) / 1200
+    points = np.einsum("qk,tkx->tqx", np.array(corner), t.corner)
+    up = t.area[:, 2, None] * weight
+    z = points[..., 2, None] * (0.5 + np.array([-0.5, 0.5]) / 3**0.5)
+    return _Columns(points, z, -up, np.repeat((up * points[..., 2])[..., None] / 2, 2, axis=-1))
+
+
+def _turning(body: FlexibleBody) -> TurningMotions:
+    """Hinges and bending; none where the file states its own second order, or not where the mass of each part lies."""
+    rigid = body.rigid.keys() | body.rigid_parts.keys()
+    count = 0 if body.centre_of_mass is None else len(np.atleast_2d(body.centre_of_mass))
+    known = body.second_order is None and count == int(body.part.max()) + 1
+    return turning_motions(body, [i for i in range(len(body.labels)) if i not in rigid] if known else [])
+
+
+def _sections(body: FlexibleBody, motions: TurningMotions, i: int, columns: _Columns) -> Sections:
+    """Motion of the sections of all parts at the points of the columns, shape (triangle, n, 1, xyz) each."""
+    part, found = np.tile(body.part, 2), Sections(*(np.zeros_like(columns.points) for _ in Sections._fields))
+    for p, field in enumerate(motions.fields[i]):
+        for values, own in zip(found, field.sections(columns.points[part == p], motions.axis), strict=True):
+            values[part == p] = own
+    return Sections(*(values[:, :, None] for values in found))
+
+
+def _form(body: FlexibleBody, motions: TurningMotions, dofs: list[int], columns: _Columns) -> FloatArray:
+    """Stiffness between motions of hinges and beams, see `hydrostatic_stiffness`, (dof, dof) [m^2]."""
+    sections = [_sections(body, motions, i, columns) for i in dofs]
+    rho = columns.across(motions.axis)
+    rise = np.array([each.displacement(rho)[..., 0, 2] for each in sections])
+    turn = np.array([each.turn[:, :, 0, :2] for each in sections])
+    opened = np.array([(each.strain(rho, motions.axis) * columns.volume).sum(axis=-1) for each in sections])
+    mass = _centres(body)[np.tile(body.part, 2), 2]
+    metacentric = ((columns.z - mass[:, None, None]) * columns.volume).sum(axis=-1)
+    stretched = np.einsum("itq,jtq->ij", rise, opened)
+    form = np.einsum("itq,jtq,tq->ij", rise, rise, columns.waterplane, optimize=True)
+    form += np.einsum("itqx,jtqx,tq->ij", turn, turn, metacentric, optimize=True)
+    return np.asarray(form - stretched - stretched.T)
+
+
+def _gradient(turn: FloatArray) -> FloatArray:
+    """Horizontal gradient of the rise of what turns, (triangle, n, 1, xyz) -> (triangle, n, xy)."""
+    return np.stack([-turn[:, :, 0, 1], turn[:, :, 0, 0]], axis=-1)
 
 
 def _energy_hessian(t: Triangles) -> FloatArray:
@@ -47,6 +180,11 @@ def _energy_hessian(t: Triangles) -> FloatArray:
     lift = np.einsum("itk,jtk->ij", dz * t.area[:, 2, None], dz) + (dz.sum(axis=2) * t.area[:, 2]) @ dz.sum(axis=2).T
     hessian = (turn + turn.T) / 2 + slope @ rise.T + rise @ slope.T + lift / 6
     return np.asarray(-hessian / 2)
+
+
+def _pressure_work(t: Triangles, moved: FloatArray) -> float:
+    """Work against the pressure -z on a displacement of corners, (triangle, 3, xyz): -int z chi.n dS [m^2]."""
+    return -float(t.integral(np.einsum("tkx,tx->tk", moved, t.area), t.corner[..., 2]))
 
 
 def _fixed_field_stiffness(t: Triangles) -> FloatArray:
@@ -67,10 +205,7 @@ def _weight_lift(body: FlexibleBody, i: int, j: int) -> float:
 
 def _motion_of(body: FlexibleBody, i: int, p: int) -> Rigid:
     """Rigid motion of a part."""
-    if i in body.rigid:
-        return body.rigid[i]
-    part, motion = body.alone[i]
-    return motion if part == p else Rigid(np.zeros(3), np.zeros(3))
+    return body.rigid[i] if i in body.rigid else body.rigid_parts[i][p]
 
 
 def _volumes(body: FlexibleBody) -> FloatArray:

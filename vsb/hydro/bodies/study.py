@@ -6,7 +6,7 @@ solved twice, and an interrupted run goes on where it stopped.
 
 import hashlib
 import time as clock
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
@@ -18,6 +18,7 @@ from vsb import __version__
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import quality
 from vsb.hydro.bodies.body import (
+    SYMMETRIES,
     FlexibleBody,
     at_centres,
     check_symmetry,
@@ -28,11 +29,22 @@ from vsb.hydro.bodies.body import (
     panels_per_lobe,
     rigid_misfit,
 )
+from vsb.hydro.bodies.coarsening import coarser_body
 from vsb.hydro.bodies.files import read_body
-from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.hydro.bodies.hydrostatics import hinge_gap, hydrostatic_stiffness, linear_share
 from vsb.hydro.bodies.solver import BodyProblem
-from vsb.hydro.bodies.sweep import Block, Measure, Swept, error_estimate, least_sizes, sizes, swept
-from vsb.hydro.database import Check, as_json, check_at_most, with_excitation, with_symmetrized
+from vsb.hydro.bodies.sweep import (
+    Block,
+    Measure,
+    Swept,
+    error_estimate,
+    least_sizes,
+    resolution_ratio,
+    signed_errors,
+    sizes,
+    swept,
+)
+from vsb.hydro.database import ESTIMATE, Check, as_json, check_at_most, with_excitation, with_symmetrized
 from vsb.hydro.panels import rings as bem
 from vsb.study.blocks import panel_solver
 from vsb.study.body_file import PHYSICS, BodyFile
@@ -49,6 +61,8 @@ LARGEST_ERROR = 0.05
 """Estimated error above which there is doubt."""
 FEWEST_PER_LOBE = 3.5
 """Panels in half a wavelength of a displacement below which there is doubt: fewer, and the estimate says too little."""
+CHOICE = 0.02
+"""Share of a stiffness in still water above which a choice that was made for it is doubted."""
 _UNRESOLVED = 2.0  # panels there, below which it fails
 _COARSEST = 4.0  # wavelengths in a panel from which on nothing is solved
 _GROUPS = ("fewer_panels", "radiated_waves")  # of a block's file
@@ -223,6 +237,8 @@ def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
 _ERROR = "estimated error of added mass, damping and excitation, relative to the largest entry; smaller panels lower it"
 _ALONE = "share of the surface without fewer panels to compare with, whose part of the error no estimate has"
 _LOBE = "panel in terms of half a wavelength of the shortest mode; beyond the limit the error may exceed its estimate"
+_GAP = "share by which sealing the gap of a hinge, here full of water, would change its stiffness; waves see it sealed"
+_LINEAR = "share of a displacement's stiffness that its unknown second-order part may have; second_order states it"
 _MEANING = {
     "symmetry": "added mass and damping are symmetric matrices",
     "far_field": "damping is the energy of the waves sent in all directions",
@@ -263,6 +279,9 @@ def mesh_checks(study: BodyFile, body: FlexibleBody) -> list[Check]:
     ]
     named = "displacements named Surge, ..., Yaw are unit rigid motions"
     checks.append(check_at_most("rigid_names", rigid_misfit(body), 0.01, "-", named, doubt=True))
+    for name, share, text in (("hinge_gap", hinge_gap(body), _GAP), ("second_order", linear_share(body), _LINEAR)):
+        if share is not None:  # what is modelled is a choice: a doubt, never a failure
+            checks.append(Check(name, share, CHOICE, "-", "doubt" if share > CHOICE else "ok", text))
     heave = [i for i, (t, a) in body.rigid.items() if np.allclose([*t, *a], [0, 0, 1, 0, 0, 0], atol=1e-9)]
     if body.mass is not None and heave:
         afloat = abs(body.mass[heave[0], heave[0]] / (study.water.density * body.volume) - 1)
@@ -278,6 +297,17 @@ def _at_rest(body: FlexibleBody) -> Spec:
     facts = {"displaced_volume": body.volume, "centre_of_buoyancy": centre}
     centre = body.centre_of_mass
     return facts if centre is None or centre.ndim > 1 else {**facts, "centre_of_mass": centre}
+
+
+def _stiffness_error(study: BodyFile, body: FlexibleBody, stiffness: FloatArray, ratio: float) -> FloatArray:
+    """Estimated errors of the stiffness of still water, as of `signed_errors`, (way, dof, dof) [N/m].
+
+    From the same fewer panels; waves radiated say nothing of it.
+    """
+    fewer, _ = coarser_body(body, SYMMETRIES[detected_symmetry(body)])
+    fewer = replace(fewer, centre_of_mass=body.centre_of_mass, second_order=body.second_order)
+    change = hydrostatic_stiffness(fewer, study.water.density, study.water.gravity) - stiffness
+    return np.array([change / (ratio - 1), np.zeros_like(change)])
 
 
 def _database(
@@ -311,4 +341,7 @@ def _database(
         **_at_rest(body),
     }
     complete = ds.assign({name: (PAIR, matrix) for name, matrix in matrices.items()})
+    if (errors := signed_errors(found)) is not None:
+        of_stiffness = (ESTIMATE, *PAIR), _stiffness_error(study, body, stiffness, resolution_ratio(found))
+        complete = complete.merge(errors.assign({f"hydrostatic_stiffness_{ESTIMATE}": of_stiffness}))
     return complete.assign_attrs(ds.attrs, **attrs)

@@ -15,10 +15,10 @@ import xarray as xr
 from vsb.errors import DatabaseError
 from vsb.hydro.bodies.body import FlexibleBody
 from vsb.hydro.bodies.solver import unit_wave
-from vsb.hydro.database import with_excitation
+from vsb.hydro.database import ESTIMATE, with_excitation
 from vsb.hydro.sweep import FORCES, MOST_SOLVES, IncidentWave, apart, joined, on_grid
 from vsb.study.study import Water
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.units import PAIR, ComplexArray, FloatArray
 from vsb.waves.dispersion import wavenumber
 
 _LEAST_SIZE = 0.3
@@ -156,6 +156,47 @@ def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -
     both = sum(apart(value[name], known[name]) / largest[name] for name in known)
     change = {name: apart(value[name], coarse[name]) / largest[name] / (ratio - 1) for name in value}
     return max(error + (both if name in known else 0.0) for name, error in change.items())
+
+
+def resolution_ratio(found: Swept) -> float:
+    """Return how many times as large the fewer panels are, in the mean over the surface."""
+    return float(found.solved[0].own.attrs["resolution_ratio"])
+
+
+WAYS = ("fewer panels", "waves radiated")
+"""How the errors of coefficients are estimated."""
+
+
+def signed_errors(found: Swept) -> xr.Dataset | None:
+    """Return estimated errors of added mass, damping and excitation as they are, value less better value.
+
+    Of each of `WAYS`, on straight lines between the frequencies solved: from fewer panels, for an order of at least one
+    (`error_estimate`); and the distances from the energy of the far field and from Haskind's relation. None if panels
+    found no partners to be joined with.
+    """
+    if (ratio := resolution_ratio(found)) < _WEAKEST:
+        return None
+    own, fewer, waves = (joined(*parts).sortby("omega") for parts in zip(*found.solved, strict=True))
+    own, at = with_excitation(own), found.coefficients.omega.values
+    errors = {}
+    for name in (*_MATRICES, "excitation_force"):
+        value = own[name]
+        by_waves = value - waves[name] if name in waves else 0.0 * value
+        both = xr.concat([(fewer[name] - value) / (ratio - 1), by_waves], dim=ESTIMATE)
+        between = both.interp(omega=at) if both.sizes["omega"] > 1 else both
+        errors[f"{name}_{ESTIMATE}"] = between.transpose(ESTIMATE, *value.dims)
+    return with_symmetric(xr.Dataset(errors).assign_coords({ESTIMATE: list(WAYS)}))
+
+
+def with_symmetric(errors: xr.Dataset) -> xr.Dataset:
+    """Return errors of matrices made symmetric, as the matrices themselves are."""
+    swapped = dict(zip(PAIR, PAIR[::-1], strict=True))
+    even = {
+        name: 0.5 * (data + data.rename(swapped).transpose(*data.dims))
+        for name, data in errors.data_vars.items()
+        if set(PAIR) <= set(data.dims)
+    }
+    return errors.assign(even)
 
 
 def _in_units(ds: xr.Dataset, size: FloatArray) -> dict[str, npt.NDArray[np.inexact[Any]]]:

@@ -1,0 +1,103 @@
+"""Errors of coefficients in the power of a port: derivatives against differences, and what two designs share."""
+
+import numpy as np
+import pytest
+
+from vsb.hydro.coefficients import Coefficients
+from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
+from vsb.motion.sensitivity import CoefficientError, Sensitivity, sensitivity
+
+OMEGA = np.array([0.7, 1.1, 1.9])
+SQUARES = np.array([0.3, 1.0, 0.2])
+MASS = np.diag([3.0, 1.0, 0.5])
+STIFFNESS = np.array([[9.0, 1.0, 0.5], [1.0, 4.0, 0.2], [0.5, 0.2, 6.0]])
+DAMPING = 0.02 * STIFFNESS
+B = np.array([1.0, 0.0, 0.3])
+FREE = {"rigid": np.eye(3)[:, :1], "flexible": np.eye(3)}
+
+
+def symmetric(rng, scale=1.0):
+    a = rng.normal(size=(len(OMEGA), 3, 3))
+    return scale * (a + a.transpose(0, 2, 1))
+
+
+def water(rng):
+    root = rng.normal(size=(len(OMEGA), 3, 2))
+    force = rng.normal(size=(len(OMEGA), 3)) + 1j * rng.normal(size=(len(OMEGA), 3))
+    return Coefficients(np.eye(3) + symmetric(rng, 0.05), 0.3 * root @ root.transpose(0, 2, 1), force)
+
+
+def at_work(c, motions, load, stiffness=STIFFNESS):
+    """Motions, port and power of a design under a take-off."""
+    matrix = dynamic_stiffness(OMEGA, c, MASS, DAMPING, stiffness)
+    moved = free_motion(matrix, c.excitation, motions, B)
+    port = port_of_motion(OMEGA, *moved, c.damping + DAMPING, stiffness, motions, B)
+    impedance = np.conj(port.impedance) if load is None else port.load(*load)
+    power = np.sum(0.5 * SQUARES * impedance.real * np.abs(port.velocity_under(impedance)) ** 2)
+    return moved, port, impedance, power
+
+
+def best(c, motions, load, stiffness=STIFFNESS):
+    """Power under a take-off, the best force of all if none is given."""
+    return at_work(c, motions, load, stiffness)[3]
+
+
+@pytest.mark.parametrize("load", [(2.0, 0.0), (2.0, 1.5), None])
+@pytest.mark.parametrize("design", FREE)
+def test_derivatives_are_those_of_the_power(load, design):
+    """By central differences; the matched force follows the coefficients, to first order without effect."""
+    rng = np.random.default_rng(3)
+    c, changed, of_stiffness = water(rng), (symmetric(rng), symmetric(rng), water(rng).excitation), symmetric(rng)[0]
+    moved, port, impedance, power = at_work(c, FREE[design], load)
+    slopes = sensitivity(OMEGA, moved, port, impedance, SQUARES)
+    size = 1e-5
+    for name, change in (*zip(Coefficients._fields, changed, strict=True), ("stiffness", of_stiffness)):
+        ends = []
+        for sign in (1, -1):
+            if name == "stiffness":
+                ends.append(best(c, FREE[design], load, STIFFNESS + sign * size * change))
+            else:
+                ends.append(best(c._replace(**{name: getattr(c, name) + sign * size * change}), FREE[design], load))
+        expected = (ends[0] - ends[1]) / (2 * size) / power
+        assert np.sum(getattr(slopes, name) * change).real == pytest.approx(expected, rel=1e-6, abs=1e-9), name
+
+
+def test_a_common_scale_of_the_force_is_in_both_powers_and_not_in_the_gain():
+    """P goes with |X|^2: 1 % in X is 2 % of each power; of their ratio nothing."""
+    c = water(np.random.default_rng(4))
+    slopes = {}
+    for name, motions in FREE.items():
+        moved, port, impedance, _ = at_work(c, motions, (2.0, 0.5))
+        slopes[name] = sensitivity(OMEGA, moved, port, impedance, SQUARES)
+    none = np.zeros((len(OMEGA), 3, 3))
+    scale = CoefficientError("scale", Coefficients(none, none, 0.01 * c.excitation), signed=True)
+    assert [one.to(scale) for one in slopes.values()] == pytest.approx([0.02, 0.02], rel=1e-9)
+    assert (slopes["flexible"] - slopes["rigid"]).to(scale) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_unsigned_errors_are_taken_in_the_worst_combination():
+    rng = np.random.default_rng(5)
+    slopes = Sensitivity(symmetric(rng), symmetric(rng), water(rng).excitation, symmetric(rng))
+    sizes = Coefficients(np.abs(symmetric(rng)), np.abs(symmetric(rng)), np.abs(water(rng).excitation))
+    worst = CoefficientError("worst", sizes, signed=False)
+    for _ in range(20):
+        signs = [np.sign(rng.normal(size=size.shape)) for size in sizes]
+        one = CoefficientError("one", Coefficients(*(s * v for s, v in zip(signs, sizes, strict=True))), signed=True)
+        assert slopes.to(one) <= slopes.to(worst)
+    aligned = CoefficientError(
+        "aligned",
+        Coefficients(
+            np.sign(slopes.added_mass) * sizes.added_mass,
+            np.sign(slopes.damping) * sizes.damping,
+            np.exp(-1j * np.angle(slopes.excitation)) * sizes.excitation,
+        ),
+        signed=True,
+    )
+    assert slopes.to(aligned) == pytest.approx(slopes.to(worst), rel=1e-12)
+
+
+def test_nothing_absorbed_has_no_errors():
+    c = water(np.random.default_rng(6))
+    moved, port, impedance, _ = at_work(c, FREE["rigid"], (0.0, 0.0))
+    slopes = sensitivity(OMEGA, moved, port, impedance, SQUARES)
+    assert not any(np.any(part) for part in slopes)

@@ -1,0 +1,168 @@
+"""Shell modes left out: convergence against an independent computation, and intervals that hold richer bases.
+
+The gains are those of an own multipole computation of the floating hemisphere with exact membrane and bending energy
+(no code shared with the package), each design at its optimal damper; `basis: full` of every degree to 0.05 points.
+"""
+
+import numpy as np
+import pytest
+from conftest import varied
+
+from vsb.results.left_out import gain_of_year, modes_left_out
+from vsb.results.year import band_weights
+from vsb.scenes.mode_convergence import DEGREES, MOST_FREQUENCIES, ModeConvergence, powers_of_ports, sampled
+from vsb.scenes.ports import designs_in_waves
+from vsb.scenes.rest import reference_shell
+from vsb.stages.members import swept_shape
+from vsb.study.plan import StudyPlan
+from vsb.study.sections import Modes
+from vsb.waves.climate import Climate
+from vsb.waves.seas import Sea, jonswap_spectrum, sea
+
+PERIODS = (2.5, 3.0, 3.06, 3.3, 5.0, 8.0)
+MULTIPOLES = {  # degree of the full basis: gains over the rigid buoy [%]; 3.06 s of the clamped shell is not known
+    6: {"VSWEC": (-68.6, 5.1, 20.1, 18.5, -18.0, -22.1), "VSWEC90": (-45.2, 15.3, None, 12.4, -13.2, -18.2)},
+    40: {"VSWEC": (-77.5, -10.7, 9.4, 26.1, -20.8, -25.0), "VSWEC90": (-60.8, 11.1, None, 16.3, -16.7, -21.4)},
+    80: {"VSWEC90": (-61.24, None, None, None, None, None)},
+}
+DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC90": {"clamp": 90}}
+WAVES = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in PERIODS]
+
+
+def convergence(study, **options):
+    spec = StudyPlan(study).ladder
+    return ModeConvergence(spec, [sea(wave, study.hydro.omega_max, 60.0) for wave in study.waves], **options)
+
+
+def left_out(study):
+    return modes_left_out(
+        StudyPlan(study).ladder, [(wave, sea(wave, study.hydro.omega_max, 60.0)) for wave in study.waves]
+    )
+
+
+def gains(powers, study):
+    """Percentages over the rigid design at optimal dampers, by design."""
+    rigid = powers[list(study.designs).index("FSB")]
+    return {name: 100 * (power / rigid - 1)[:, 1] for name, power in zip(study.designs, powers, strict=True)}
+
+
+@pytest.fixture(scope="module")
+def vented(seed):
+    return varied(seed, designs=DESIGNS, waves=WAVES)
+
+
+@pytest.fixture(scope="module")
+def converged(vented):
+    return convergence(vented)
+
+
+@pytest.mark.parametrize("degree", MULTIPOLES)
+def test_gains_of_the_full_basis_are_those_of_independent_multipoles(vented, converged, degree):
+    found = gains(converged.powers(Modes(basis="full", degree=degree)), vented)
+    for design, expected in MULTIPOLES[degree].items():
+        for value, gain in zip(expected, found[design], strict=True):
+            assert value is None or abs(gain - value) < 0.1, (design, degree)
+
+
+def test_a_clamped_shell_needs_the_highest_degree_and_what_is_beyond_enters(converged):
+    assert converged.degree == DEGREES[-1]
+    assert 1e-3 < converged.worst(converged.further) < 0.01
+
+
+@pytest.mark.parametrize("modes", [{"basis": "membrane", "degree": 6}, {"basis": "full", "degree": 14}])
+def test_the_interval_of_a_poorer_basis_holds_the_converged_gain(vented, converged, modes):
+    """At given and at optimal dampers, of power and of gain; between is no more than what is left out."""
+    study = varied(vented, modes=modes)
+    found, before = left_out(study), converged.powers(Modes(**modes))
+    rich = converged.powers(Modes(basis="full", degree=90))
+    rigid = before[list(study.designs).index("FSB")]
+    for name, change in (("power", rich / before - 1), ("gain", 100 * (rich - before) / rigid)):
+        low, high = (found[name].sel(end=end).values for end in ("low", "high"))
+        assert np.all(low <= change + 1e-8)
+        assert np.all(change <= high + 1e-8)
+        flexible = [i for i, design in enumerate(study.designs) if design != "FSB"]
+        assert np.median((high - low)[flexible] / np.abs(change)[flexible]) < 2.0
+    assert not found.sel(design="FSB").power.values.any()
+
+
+def test_about_an_equilibrium_few_modes_suffice(seed):
+    """Gains at 16.5 kPa, 2.5 s: an independent computation; the free shell stands at 6, the clamped one goes on."""
+    study = varied(
+        seed, designs=DESIGNS, waves=WAVES[:1], reference_shape="equilibrium", device={"internal_pressure": 16500.0}
+    )
+    found = convergence(study)
+    expected = {"VSWEC": {6: -9.60, 14: -9.65}, "VSWEC90": {6: -8.29, 14: -8.83}}
+    for design, values in expected.items():
+        for degree, gain in values.items():
+            assert gains(found.climbed[degree], study)[design][0] == pytest.approx(gain, abs=0.03)
+    assert found.degree == 14
+
+
+def test_seas_are_sampled_with_all_their_energy():
+    omega = np.linspace(0.2, 6.0, 400)
+    amplitude = 0.05 * np.exp(-((omega - 1.3) ** 2) / 0.1) + 0j
+    found = sampled([Sea(omega, amplitude), Sea(np.array([2.5]), np.array([0.1 + 0j]))])
+    assert len(found.omega) <= MOST_FREQUENCIES + 1
+    assert found.squares[0].sum() == pytest.approx((amplitude.real**2).sum(), rel=1e-12)
+    assert found.squares[1, np.searchsorted(found.omega, 2.5)] == pytest.approx(0.01)
+    mean = (found.squares[0] @ found.omega) / found.squares[0].sum()
+    assert mean == pytest.approx((amplitude.real**2 @ omega) / (amplitude.real**2).sum(), rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"designs": {"FSB": {"flexible": False}}},
+        {
+            "modes": {"basis": "full"},
+            "motion": "planar",
+            "pto": {"port": "pitch", "damping": 1e4},
+            "device": {"centre_of_mass": -0.5, "ballast_inertia": 5e3},
+        },
+    ],
+)
+def test_nothing_is_stated_of_what_has_no_modes_or_is_not_estimated(seed, changes):
+    assert not left_out(varied(seed, **changes)).data_vars
+
+
+def test_the_interval_of_a_spheroid_holds_the_gain_of_more_modes(seed):
+    """That of degree 16 is an independent computation, an own Ritz solution and multipoles; at optimal dampers."""
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (6.0, 4.0, 3.0, 2.5)]
+    device = {"shape": {"spheroid": {"height": 3.0}}, "young_modulus": 3e7, "mass": 12880.529879718}
+    study = varied(
+        seed, device=device, designs={"FSB": {"flexible": False}, "VSWEC": {}}, waves=waves,
+        modes={"basis": "full", "degree": 10}, hydro={"witness": "none"}, pto={"damping": None, "tuning": "each"},
+    )  # fmt: skip
+    before, found = convergence(study).powers(study.modes), left_out(study).gain.sel(design="VSWEC", take_off="optimal")
+    gain = gains(before, study)["VSWEC"]
+    assert gain == pytest.approx([-4.745, -2.833, 0.761, -1.948], abs=2e-3)
+    more = np.array([-4.955, -3.005, 0.754, -2.109])
+    assert np.all(gain + found.sel(end="low") - 2e-3 <= more)
+    assert np.all(more <= gain + found.sel(end="high") + 2e-3)
+    assert np.all(found.sel(end="high") - found.sel(end="low") < 1.0)
+
+
+@pytest.mark.parametrize("modes", [{"basis": "full", "degree": 14}, {"basis": "membrane", "degree": 6}])
+def test_the_interval_of_a_year_holds_the_gain_of_many_modes(seed, tmp_path, modes):
+    omega = np.linspace(0.4, 3.0, 40)
+    year = Climate.of_spectra(omega, jonswap_spectrum(omega, 1.0, 5.0, 1.0)[None], np.ones(1), "a sea")
+
+    def computed(modes):
+        study = varied(seed, modes=modes, designs=DESIGNS, hydro={"omega_max": 5.0})
+        reference = reference_shell(study)
+        water = swept_shape(study, reference.basis, str(tmp_path)).of_year(year)
+        squares = (year.mean_density @ band_weights(water.omega, year))[None]
+        ports = {design: seen.port for design, seen in designs_in_waves(study, reference, water).items()}
+        gain = 100 * (
+            powers_of_ports(ports, study.pto, squares)[:, 0] / powers_of_ports(ports, study.pto, squares)[0] - 1
+        )
+        return gain, gain_of_year(study, reference, water, year)
+
+    gain, interval = computed(modes)
+    many, _ = computed({"basis": "full", "degree": 42})
+    assert np.all(interval[0] == 0.0)
+    assert np.all((gain + interval[:, :1])[1:] <= many[1:])
+    assert np.all(many[1:] <= (gain + interval[:, 1:])[1:])
+    assert np.all(
+        (gain - many)[1:, 1] > 0
+    )  # at optimal dampers more modes absorb less: the interval has to reach below

@@ -1,0 +1,157 @@
+"""Bodies of panels: a cylinder against matched eigenfunctions, hinges against Newman's rigid forms."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+from verification.beam import free_free, stiffness
+from verification.cylinder import radiation
+
+RHO, G = 1025.0, 9.81
+
+
+def database(command, folder: Path, name: str, vertices, faces, shapes: dict, centre, **body) -> xr.Dataset:
+    """What `vsb body` makes of a mesh and its displacements."""
+    dims = ("part", "xyz") if np.ndim(centre) == 2 else "xyz"
+    modes = np.array(list(shapes.values()))
+    xr.Dataset(
+        {
+            "vertices": (("vertex", "xyz"), vertices),
+            "faces": (("panel", "corner"), faces),
+            "mode_shape": (("dof", "vertex", "xyz"), modes),
+            "centre_of_mass": (dims, np.asarray(centre, dtype=float)),
+        },
+        coords={"dof": list(shapes)},
+    ).to_netcdf(folder / f"{name}.nc")
+    told = {"body": name, "mesh": f"{name}.nc", "modes": f"{name}.nc", "wave_direction": [0.0], **body}
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump(told), encoding="utf-8")
+    command("body", folder / f"{name}.yaml", folder / name)
+    with xr.open_dataset(folder / name / f"{name}.nc") as found:
+        return found.load()
+
+
+def cylinder(radius: float, draft: float, counts: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners and panels of a cylinder's bottom and wall, finer towards its edges; counts around, in r and in z."""
+    around, across, down = counts
+    angle = 2 * np.pi * np.arange(around) / around
+    r = radius * np.sin(np.pi / 2 * np.arange(1, across + 1) / across)
+    z = -draft * (1 + np.cos(np.pi * np.arange(1, down + 1) / down)) / 2
+    z[-1] = 0.0
+    rings = [(q, -draft) for q in r] + [(radius, q) for q in z]
+    ring = [[(q * np.cos(t), q * np.sin(t), height) for t in angle] for q, height in rings]
+    vertices = np.vstack([[(0.0, 0.0, -draft)], *ring])
+    faces = [[0, 1 + (i + 1) % around, 1 + i, 1 + i] for i in range(around)]
+    for j in range(len(rings) - 1):
+        low, high = 1 + j * around, 1 + (j + 1) * around
+        faces += [[low + i, low + (i + 1) % around, high + (i + 1) % around, high + i] for i in range(around)]
+    return vertices, np.array(faces)
+
+
+@pytest.mark.parametrize("lid", [0, None], ids=["no lid", "default lid"])
+def test_cylinder(agree, command, tmp_path, lid):
+    """Radius 5 m, draft 4 m, water of 12 m; the first irregular frequency of heave is 2.2 rad/s."""
+    vertices, faces = cylinder(5.0, 4.0, (48, 8, 10))
+    zero, one = np.zeros(len(vertices)), np.ones(len(vertices))
+    shapes = {"Surge": np.transpose([one, zero, zero]), "Heave": np.transpose([zero, zero, one])}
+    omega = [0.6, 1.2, 1.8] if lid == 0 else [0.6, 1.2, 1.8, 2.2]
+    given = {} if lid is None else {"lid": lid}
+    water = {"density": RHO, "depth": 12.0, "gravity": G}
+    found = database(
+        command, tmp_path, "cylinder", vertices, faces, shapes, [0, 0, 0], water=water, omega=omega, **given
+    )
+    for motion in ("surge", "heave"):
+        wanted = np.array([radiation(w, 5.0, 4.0, 12.0, motion, RHO, 200) for w in omega])
+        at = {"influenced_dof": motion.capitalize(), "radiating_dof": motion.capitalize()}
+        added = found["added_mass"].sel(at).sel(omega=omega)
+        damping = found["radiation_damping"].sel(at).sel(omega=omega)
+        name = f"{motion} of a cylinder, {'no' if lid == 0 else 'default'} lid"
+        agree("bodies, finite depth", f"added mass, {name}", added, wanted[:, 0], 4e-2)
+        agree("bodies, finite depth", f"damping, {name}", damping, wanted[:, 1], 4e-2)
+
+
+def box(start: float, length: float, counts: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Wetted panels of a box from x = start, 10 m wide and 5 m deep."""
+
+    def face(origin, first, second, cells):
+        s, t = (np.linspace(0, 1, n + 1) for n in cells)
+        corners = np.array([origin + a * first + b * second for a in s for b in t])
+        row = cells[1] + 1
+        return corners, [
+            [i * row + j, (i + 1) * row + j, (i + 1) * row + j + 1, i * row + j + 1]
+            for i in range(cells[0])
+            for j in range(cells[1])
+        ]
+
+    x, y, z = np.diag([length, 10.0, 5.0])
+    corner = np.array([start, -5.0, -5.0])
+    nx, ny, nz = counts
+    sides = [
+        face(corner, y, x, (ny, nx)),
+        face(corner, x, z, (nx, nz)),
+        face(corner + y, z, x, (nz, nx)),
+        face(corner, z, y, (nz, ny)),
+        face(corner + x, y, z, (ny, nz)),
+    ]
+    starts = np.cumsum([0] + [len(corners) for corners, _ in sides])
+    return np.concatenate([c for c, _ in sides]), np.vstack(
+        [np.array(f) + n for (_, f), n in zip(sides, starts, strict=False)]
+    )
+
+
+def test_bending(agree, command, tmp_path):
+    """The shipped barge of 80 x 10 x 5 m: four bending modes and a hinge along the inextensible path."""
+    barge = Path(__file__).parents[2] / "config" / "barge" / "barge.nc"
+    told = {"body": "barge", "mesh": str(barge), "modes": str(barge), "omega": [0.8], "wave_direction": [0.0], "lid": 0}
+    told["water"] = {"density": RHO, "depth": float("inf"), "gravity": G}
+    (tmp_path / "barge.yaml").write_text(yaml.safe_dump(told), encoding="utf-8")
+    command("body", tmp_path / "barge.yaml", tmp_path / "barge")
+    with xr.open_dataset(tmp_path / "barge" / "barge.nc") as found:
+        stiff = found["hydrostatic_stiffness"].load()
+
+    def hinge(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.abs(s) / 20 - 1, np.sign(s) / 20
+
+    shapes = {f"Bending{n}": (free_free(n, 80.0), [-40.0, 40.0]) for n in (1, 2, 3, 4)} | {
+        "Hinge": (hinge, [-40.0, 0.0, 40.0])
+    }
+    for name, (shape, ends) in shapes.items():
+        wanted = stiffness(shape, ends, 10.0, 5.0, 0.0, RHO * G)
+        own = float(stiff.sel(influenced_dof=name, radiating_dof=name))
+        agree("hinges", f"still-water stiffness of {name} of a barge", own, wanted, 1e-6 if name == "Hinge" else 1e-4)
+
+
+def test_hinge(agree, command, tmp_path):
+    """Two boxes hinged between: as a field of its own and as a combination of the parts' rigid motions.
+
+    Newman (1994), Applied Ocean Research 16: each box turns by 0.05 about the middle of its waterplane, rho g (the
+    waterplane's second moment - the volume times the depth of its centre), its mass centre lying in the waterplane.
+    """
+    (v1, f1), (v2, f2) = box(2.0, 38.0, (10, 4, 4)), box(-40.0, 38.0, (10, 4, 4))
+    vertices, faces = np.concatenate([v1, v2]), np.concatenate([f1, f2 + len(v1)])
+    fore = (np.arange(len(vertices)) < len(v1)).astype(float)
+    x, _, z = vertices.T
+    zero = np.zeros(len(vertices))
+
+    def pitch(part, centre: float) -> np.ndarray:
+        return np.transpose([part * z, zero, -part * (x - centre)])
+
+    aft = 1 - fore
+    shapes = {
+        "fore__Heave": np.transpose([zero, zero, fore]),
+        "aft__Heave": np.transpose([zero, zero, aft]),
+        "fore__Pitch": pitch(fore, 21.0),
+        "aft__Pitch": pitch(aft, -21.0),
+        "Hinge": 0.05 * pitch(aft, -21.0) - 0.05 * pitch(fore, 21.0),
+    }
+    water = {"density": RHO, "depth": float("inf"), "gravity": G}
+    centres = [[21.0, 0, 0], [-21.0, 0, 0]]
+    found = database(command, tmp_path, "boxes", vertices, faces, shapes, centres, water=water, omega=[0.8], lid=0)
+    stiff = found["hydrostatic_stiffness"].transpose("influenced_dof", "radiating_dof")
+    one_box = RHO * G * (10 * 38**3 / 12 - 10 * 5 * 38 * 2.5)
+    labels = [str(name) for name in found["influenced_dof"].values]
+    mixed = np.array([{"fore__Pitch": -0.05, "aft__Pitch": 0.05}.get(name, 0.0) for name in labels])
+    own = stiff.sel(influenced_dof="Hinge", radiating_dof="Hinge")
+    agree("hinges", "stiffness by parts' rotations [N/m]", mixed @ stiff.values @ mixed, 2 * one_box * 0.05**2, 1e-6)
+    agree("hinges", "stiffness of the hinge's own field [N/m]", float(own), 2 * one_box * 0.05**2, 1e-6)

@@ -1,0 +1,67 @@
+"""Shells that are spheroids at rest, against an own Ritz solution and multipoles on their meridian."""
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh, null_space
+from verification.revolution import Spheroid
+
+PERIODS = (2.5, 3.0, 4.0, 6.0)
+
+
+@pytest.fixture(scope="module", params=[3.0, 5.0], ids=["oblate", "prolate"])
+def pair(request, run):
+    """An own spheroid without structural damping, and the package's study of it."""
+    own = Spheroid(2.0, request.param, 3e7, 10, beta=0.0)
+    device = {
+        "radius": 2.0,
+        "thickness": 0.01,
+        "young_modulus": 3e7,
+        "poisson_ratio": 0.3,
+        "density": 2700.0,
+        "mass": own.mass,
+        "shape": {"spheroid": {"height": request.param}},
+    }
+    results = run(
+        f"spheroid{request.param:.0f}",
+        device=device,
+        modes={"basis": "full", "degree": 10},
+        designs={"FSB": {"flexible": False}, "VSWEC": {}},
+        waves=[{"kind": "regular", "amplitude": 0.05, "period": t} for t in PERIODS],
+        simulation={"duration": 60.0, "window": [36.0, 60.0]},
+    )
+    return own, results
+
+
+def test_gain(agree, pair):
+    """Each buoy at its own best damper."""
+    own, results = pair
+    rows = {(r["design"], r["wave"]): r for r in results.ladder if r["rung"] == "best_damper"}
+    labels = [r["wave"] for r in results.ladder if r["design"] == "FSB" and r["rung"] == "best_damper"]
+    power = {d: np.array([rows[d, label]["power_mean"] for label in labels]) for d in ("FSB", "VSWEC")}
+    wanted = np.array([[0.0025 * p.power() for p in own.ports(t)] for t in PERIODS]).T
+    name = f"spheroid {own.height:.0f} m"
+    agree("rest shapes", f"power of the rigid {name}", power["FSB"] / wanted[0], np.ones(4), 2e-3)
+    gain = 100 * (power["VSWEC"] / power["FSB"] - 1)
+    agree("rest shapes", f"gain of the {name} [points]", gain, [own.gain(t) for t in PERIODS], 0.1, absolute=True)
+
+
+def test_long_wave_force(agree, pair):
+    """Excitation of the six lowest natural modes at the lowest frequency, in all their Legendre parts."""
+    own, results = pair
+    mass, elastic = own.structure
+    heave = np.zeros(len(mass))
+    heave[1] = heave[own.degree + 1] = 1
+    free = null_space((mass @ heave)[None])
+    vectors = free @ eigh(free.T @ elastic @ free, free.T @ mass @ free)[1]
+    x, z, *_ = own.shapes(np.linspace(1e-6, np.pi - 1e-6, 4001))
+    vectors /= np.sqrt(((vectors.T @ x) ** 2 + (vectors.T @ z) ** 2).max(axis=1))
+    vectors *= np.sign((vectors.T @ z)[:, 0])
+    database = results.database
+    omega = float(database["omega"][0])
+    shells = [f"Shell{n}" for n in range(1, 7)]
+    found = database["excitation_force"].isel(omega=0, wave_direction=0).sel(influenced_dof=shells)
+    wanted = own.radiation(omega)[2] @ vectors[:, :6]
+    name = f"spheroid {own.height:.0f} m"
+    agree("rest shapes", f"long-wave force of six modes of the {name}", np.asarray(found), wanted, 2e-3)
+    still = own.long_wave_force() @ vectors[:, :6]
+    agree("rest shapes", f"the same by -rho g int n.psi dS, {name}", np.asarray(found).real, still, 3e-2)

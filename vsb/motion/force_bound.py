@@ -1,0 +1,302 @@
+"""Upper bound of the mean power of every force within limits, and a force whose power comes close to it.
+
+In a sea that repeats after a period the port moves with velocity V = V0 - Y F. A force F =
+Re sum f_k exp(-i omega_k t) absorbs the mean power P = sum Re(conj(f_k) v0_k)/2 - Re(Y_k) |f_k|^2/2, summed over all
+its harmonics. For any two signals m = Re sum m_k exp(-i omega_k t) and n, every force with |F| <= F_max and
+displacement |S| <= S_max satisfies
+
+    P <= F_max <|m|> + S_max <|n|> - sum Re(conj(s0_k) n_k)/2 + sum |v0_k - m_k - conj(gamma_k) n_k|^2/(8 Re Y_k),
+
+where s0 is the displacement without force, gamma = Y/(i omega) the displacement per unit force and <> the mean over
+continuous time. The signals m and n contain harmonics up to omega_max only: beyond it the bound uses nothing but
+Re Y >= 0, so Y need not be known there. Frequencies of the force that are not in the sea only dissipate power.
+Without a force limit m = 0, without a stroke limit n = 0.
+
+The m and n that minimise the bound, with |m| and |n| evaluated at nodes, are found by Mehrotra's interior-point
+method. The Toeplitz and Hankel parts of its matrix are each one Fourier transform of weights. The dual solution is
+a force that is linear between the nodes, hence within its limit at every instant.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import LinAlgError, cho_factor, cho_solve
+
+from vsb.motion.harmonics import Harmonics
+from vsb.tools.compiled import njit
+from vsb.tools.units import ComplexArray, FloatArray
+
+NODES = 4
+"""Nodes per instant of collocation."""
+CELLS = 8
+"""Integration cells of |m| per node."""
+PENALTY = 5e-4
+"""Penalty on the mean square of force and stroke, over the power: selects the smallest of nearly equal optima."""
+STEP_FRACTION = 0.995  # of the distance to the boundary
+MOST_STEPS = 60
+
+
+def mean_magnitude(harmonics: Harmonics, phasors: ComplexArray, cells: int = CELLS * NODES) -> float:
+    """Return an upper bound of the mean over continuous time of |Re sum c_k exp(-i omega_k t)|.
+
+    Parameters
+    ----------
+    harmonics : Harmonics
+    phasors : ndarray, shape (harmonic,)
+        c.
+    cells : int
+        Cells of the period, per instant of collocation.
+
+    Notes
+    -----
+    In a cell of length h the signal m differs from its chord by at most h^2 K/8, where K >= |m''| is the larger value
+    at both ends plus h/2 sum omega^3 |c|. Where the chord stays further than that from zero, m does not change sign and
+    the integral of |m| is the difference of its antiderivative. Elsewhere it is at most the integral of the chord's
+    magnitude plus h^3 K/12.
+    """
+    omega = harmonics.omega
+    turn = -1.0 if harmonics.first % 1 else 1.0
+    orders = (np.ones(len(omega)), 1 / (-1j * omega), -(omega**2))
+    value, integral, curved = (
+        np.append(signal, turn * signal[0]) for signal in (harmonics.signal(order * phasors, cells) for order in orders)
+    )
+    left, right = value[:-1], value[1:]
+    h = 2 * np.pi / harmonics.spacing / len(left)
+    curvature = np.maximum(np.abs(curved[:-1]), np.abs(curved[1:])) + h / 2 * float(omega**3 @ np.abs(phasors))
+    smaller, sum_of_ends = np.minimum(np.abs(left), np.abs(right)), np.abs(left) + np.abs(right)
+    one_sign = (left * right > 0) & (smaller > h**2 / 8 * curvature)
+    crossing = left * right < 0
+    squares = np.divide(left**2 + right**2, sum_of_ends, out=np.zeros_like(left), where=crossing)
+    chord = h / 2 * np.where(crossing, squares, sum_of_ends)
+    total = np.where(one_sign, np.abs(np.diff(integral)), chord + h**3 / 12 * curvature).sum()
+    return float(total) / (h * len(left))
+
+
+@njit(cache=True)
+def add_weighted(out: FloatArray, toeplitz: ComplexArray, hankel: ComplexArray, gain: ComplexArray) -> None:
+    """Add the lower half of C^T W C, where C x = Re sum gain_bk x_bk exp(-i omega_k t), over real and imaginary x.
+
+    Parameters
+    ----------
+    out : ndarray, shape (2 block harmonic, 2 block harmonic)
+        Real, then imaginary parts of each block; column-major.
+    toeplitz, hankel : ndarray, shape (harmonic,), (2 harmonic - 1,)
+        `Harmonics.products` of half the weights.
+    gain : ndarray, shape (block, harmonic)
+    """
+    blocks, n = gain.shape
+    for c in range(blocks):
+        for b in range(c, blocks):
+            row, column = 2 * n * b, 2 * n * c
+            for j in range(n):
+                for k in range(n):
+                    apart = toeplitz[k - j] if k >= j else np.conj(toeplitz[j - k])
+                    plain = np.conj(gain[b, k]) * gain[c, j] * apart
+                    mirrored = np.conj(gain[b, k] * gain[c, j]) * hankel[k + j]
+                    out[row + n + k, column + j] += plain.imag + mirrored.imag
+                    if b > c or k >= j:
+                        out[row + k, column + j] += plain.real + mirrored.real
+                        out[row + n + k, column + n + j] += plain.real - mirrored.real
+                    if b > c:
+                        out[row + k, column + n + j] += mirrored.imag - plain.imag
+
+
+class Limits(NamedTuple):
+    """Largest force and largest displacement of the port from rest."""
+
+    force: float = np.inf  # [N]
+    stroke: float = np.inf  # [m]
+
+
+class ForceBound(NamedTuple):
+    """Bound of the power of every force within limits, and a force whose power comes close to it."""
+
+    power: float  # no force within the limits absorbs more [W]
+    force: FloatArray  # at `NODES` nodes per instant, linear between them; empty without a limit of force [N]
+    steps: int
+
+
+@dataclass(frozen=True)
+class _Multiplier:
+    """Multiplier sum_b gain_b x_b of one limit."""
+
+    limit: float
+    gain: ComplexArray  # (block, harmonic)
+    free: ComplexArray  # the limited signal without force (harmonic,)
+
+
+@dataclass(frozen=True)
+class _Bound:
+    """The bound as a function of the unknowns x, shape (block, harmonic).
+
+    The first block is m + conj(gamma) n, in which the last sum is diagonal. With both limits the second block is n.
+    """
+
+    harmonics: Harmonics
+    velocity: ComplexArray  # v0 (harmonic,)
+    loss: FloatArray  # Re Y (harmonic,)
+    multipliers: Sequence[_Multiplier]
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes in a period."""
+        return NODES * self.harmonics.instants
+
+    @property
+    def hat(self) -> FloatArray:
+        """Harmonics of a piecewise-linear signal over those of its node values, shape (harmonic,)."""
+        return np.asarray(np.sinc((self.harmonics.first + np.arange(self.harmonics.count)) / self.nodes) ** 2)
+
+    def quadratic(self, x: ComplexArray) -> float:
+        """The part of the bound without absolute values: quadratic and linear terms."""
+        linear = sum(float(np.sum((one.free.conj() * (one.gain * x).sum(axis=0)).real)) for one in self.multipliers)
+        return float(np.sum(np.abs(self.velocity - x[0]) ** 2 / (8 * self.loss))) - linear / 2
+
+    def value(self, x: ComplexArray) -> float:
+        """The bound, over continuous time."""
+        sizes = (one.limit * mean_magnitude(self.harmonics, (one.gain * x).sum(axis=0)) for one in self.multipliers)
+        return sum(sizes) + self.quadratic(x)
+
+    def at_nodes(self, x: ComplexArray) -> FloatArray:
+        """Limit times multiplier averaged around each node, over the number of nodes, shape (limit, node)."""
+        return np.array(
+            [
+                one.limit / self.nodes * self.harmonics.signal(self.hat * (one.gain * x).sum(axis=0), NODES)
+                for one in self.multipliers
+            ]
+        )
+
+    def from_nodes(self, values: FloatArray) -> ComplexArray:
+        """The adjoint of `at_nodes`, shape (block, harmonic)."""
+        pairs = zip(self.multipliers, values, strict=True)
+        return np.asarray(
+            sum(one.limit / self.nodes * one.gain.conj() * self.hat * self.harmonics.phasors(v) for one, v in pairs)
+        )
+
+    @property
+    def negative_gradient(self) -> ComplexArray:
+        """Negative gradient of `quadratic` at x = 0, shape (block, harmonic)."""
+        out = np.asarray(sum(one.gain.conj() * one.free / 2 for one in self.multipliers), dtype=complex)
+        out[0] += self.velocity / (4 * self.loss)
+        return out
+
+    def matrix(self, weights: FloatArray) -> FloatArray:
+        """Lower half of the Hessian, weighted squares of `at_nodes` included, shape (unknown, unknown)."""
+        blocks, n = self.multipliers[0].gain.shape
+        out = np.zeros((2 * blocks * n, 2 * blocks * n), order="F")
+        for one, weight in zip(self.multipliers, weights, strict=True):
+            products = self.harmonics.products(weight * (one.limit / self.nodes) ** 2 / 2)
+            add_weighted(out, *products, one.gain * self.hat)
+        first = np.arange(2 * n)
+        out[first, first] += np.tile(1 / (4 * self.loss), 2)
+        return out
+
+
+@dataclass(frozen=True)
+class _Point:
+    """Iterate: unknowns, limited signals over their limits at the nodes, and multipliers of both sides of |u| <= 1."""
+
+    x: ComplexArray  # (block, harmonic)
+    u: FloatArray  # (limit, node), within -1 and 1
+    sides: FloatArray  # (limit, side, node), above 0; their difference is `at_nodes` apart from the penalty
+
+    @property
+    def slack(self) -> FloatArray:
+        """Distance to both sides, shape (limit, side, node)."""
+        return np.stack([1 - self.u, 1 + self.u], axis=1)
+
+    def moved(self, step: "_Point", share: float) -> tuple["_Point", float]:
+        """The next iterate, at most a share of the way to the boundary or the whole step, and that part of the step."""
+        change = np.stack([-step.u, step.u], axis=1)
+        room = max(np.max(-change / self.slack), np.max(-step.sides / self.sides), 1e-30)
+        part = min(1.0, share / float(room))
+        return _Point(self.x + part * step.x, self.u + part * step.u, self.sides + part * step.sides), part
+
+
+def _newton(
+    bound: _Bound, at: _Point, factor: tuple[FloatArray, bool], target: FloatArray | float, penalty: float
+) -> _Point:
+    """Newton step towards slack times multiplier equal to a target, with multipliers consistent with the unknowns."""
+    slack = at.slack
+    weight, pull = at.sides / slack, target / slack
+    net, stiff = pull[:, 0] - pull[:, 1] + penalty * at.u, weight.sum(axis=1) + penalty
+    right = bound.negative_gradient - bound.from_nodes(at.u - net / stiff)
+    parts = np.stack([right.real, right.imag], axis=1)
+    real, imag = np.moveaxis(cho_solve(factor, parts.ravel(), check_finite=False).reshape(parts.shape), 1, 0)
+    x = real + 1j * imag
+    u = (bound.at_nodes(x) - net) / stiff
+    change = np.stack([u, -u], axis=1)
+    return _Point(x - at.x, u, pull - at.sides + weight * change)
+
+
+def _start(bound: _Bound) -> _Point:
+    """Starting point: no force, and multipliers of the order of the available power."""
+    x = np.zeros(bound.multipliers[0].gain.shape, dtype=complex)
+    x[0] = bound.velocity
+    values = bound.at_nodes(x)
+    least = np.abs(values).mean(axis=1, keepdims=True) + bound.quadratic(0 * x) / values.size
+    sides = np.stack([np.maximum(v, 0) for v in (values, -values)], axis=1) + least[:, None]
+    return _Point(x, np.zeros(values.shape), sides)
+
+
+def force_bound(
+    harmonics: Harmonics,
+    velocity: ComplexArray,
+    admittance: ComplexArray,
+    limits: Limits,
+    least: float = -np.inf,
+    tolerance: float = 1e-4,
+) -> ForceBound:
+    """Return an upper bound of the mean power of every force within limits, of which at least one is finite.
+
+    Parameters
+    ----------
+    harmonics : Harmonics
+        Of the multipliers; they include those of the sea.
+    velocity : ndarray, shape (harmonic,) [m/s]
+        Free velocity V0 of the port in this sea.
+    admittance : ndarray, shape (harmonic,) [m/(N s)]
+        Y of the port, with a positive real part.
+    limits : Limits
+    least : float [W]
+        Lower bound of what any force within its limit absorbs in the band. Iteration stops once the bound is below:
+        then no force keeps both limits.
+    tolerance : float [-]
+        Relative tolerance of the optimal multipliers. The bound is valid for any multipliers.
+    """
+    gamma = admittance / (1j * harmonics.omega)  # displacement per unit force
+    unit, free = np.ones((1, harmonics.count), dtype=complex), velocity / (-1j * harmonics.omega)
+    force_limited, stroke_limited = np.isfinite(limits.force), np.isfinite(limits.stroke)
+    both = force_limited and stroke_limited
+    multipliers = []
+    if force_limited:
+        gain: ComplexArray = np.concatenate([unit, -gamma.conj()[None]]) if both else unit
+        multipliers.append(_Multiplier(limits.force, gain, np.zeros(harmonics.count, dtype=complex)))
+    if stroke_limited:
+        gain = np.asarray(np.concatenate([0 * unit, unit]) if both else unit / gamma.conj(), dtype=complex)
+        multipliers.append(_Multiplier(limits.stroke, gain, free))
+    bound = _Bound(harmonics, velocity, admittance.real, multipliers)
+    at, missing = _start(bound), 1.0
+    matched = bound.quadratic(np.zeros_like(at.x))
+    penalty = 2 * PENALTY * min(matched, *np.abs(bound.at_nodes(at.x)).sum(axis=1)) / bound.nodes
+    for steps in range(MOST_STEPS):  # noqa: B007 - returned
+        value = float(np.abs(bound.at_nodes(at.x)).sum()) + bound.quadratic(at.x)
+        products = at.slack * at.sides
+        if value < least or max(float(products.sum()), missing * matched) <= tolerance * abs(value):
+            break
+        weights = 1 / ((at.sides / at.slack).sum(axis=1) + penalty)
+        try:
+            factor = cho_factor(bound.matrix(weights), lower=True, overwrite_a=True, check_finite=False)
+        except LinAlgError:  # limited by round-off; the bound holds for the present multipliers
+            break
+        straight = _newton(bound, at, factor, 0.0, penalty)
+        ahead, _ = at.moved(straight, 1.0)
+        mean = float(products.mean())
+        centring = (float((ahead.slack * ahead.sides).mean()) / mean) ** 3
+        curved = np.stack([-straight.u, straight.u], axis=1) * straight.sides
+        at, part = at.moved(_newton(bound, at, factor, centring * mean - curved, penalty), STEP_FRACTION)
+        missing *= 1 - part
+    force = limits.force * at.u[0] if force_limited else np.zeros(0)
+    return ForceBound(min(bound.value(at.x), matched), force, steps)

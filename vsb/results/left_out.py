@@ -1,0 +1,123 @@
+"""What the shell modes that a study leaves out would change: of mean powers and of gains, in every sea."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from vsb.results.year import band_weights
+from vsb.scenes.mode_convergence import (
+    SAMPLED,
+    TAKE_OFFS,
+    ModeConvergence,
+    further,
+    knows_port,
+    mean_sea,
+    powers_of_ports,
+)
+from vsb.scenes.ports import ShapeWater, designs_in_waves
+from vsb.shell.reference import ReferenceShell
+from vsb.study.sections import DEGREES
+from vsb.study.specs import LadderSpec
+from vsb.study.study import Study, Wave
+from vsb.tools.units import FloatArray
+from vsb.waves.climate import Climate
+from vsb.waves.seas import Sea
+
+LEAST_RATIO = 1.4
+"""Of degrees that are compared: what is still to come is estimated for steps as large as those of the list."""
+ENDS = ("low", "high")
+"""Of a range, about zero: where the value of all modes lies from the one computed."""
+
+
+def modes_left_out(study: LadderSpec, seas: Sequence[tuple[Wave, Sea]]) -> xr.Dataset:
+    """Return how far powers and gains may lie from those of a shell with all its modes.
+
+    Parameters
+    ----------
+    study : LadderSpec
+    seas : sequence of (Wave, Sea)
+        Without still water.
+
+    Returns
+    -------
+    xarray.Dataset
+        `power(design, wave, take_off, end)`, of the mean power [-], and `gain(design, wave, take_off, end)`, of the
+        gain over the reference design [percentage points], `end` as `ENDS`, `take_off` as of
+        `vsb.scenes.mode_convergence.TAKE_OFFS`; nothing of what cannot be estimated.
+
+    Notes
+    -----
+    The change from the basis of the study to the full basis of the highest degree tried, and what further degrees may
+    change (`vsb.scenes.mode_convergence`). Not known beside ports that turn, as pitch and lines: there the buoy
+    moves in more directions than heave.
+    """
+    if not study.flexible or not knows_port(study) or not seas:
+        return xr.Dataset()
+    convergence = ModeConvergence(study, tuple(sea for _, sea in seas))
+    before, further = convergence.powers(study.modes), convergence.further
+    bounds = _bounds(convergence.converged - before, further)
+    designs, reference = list(study.designs), study.reference_design
+    bounds[[i for i, name in enumerate(designs) if not study.designs[name].flexible]] = 0.0
+    power, gain = _relative(bounds, before), np.zeros_like(bounds)
+    if reference is not None:
+        gain = 100 * _relative(bounds, before[[designs.index(reference)]])
+    dims = ("design", "wave", "take_off", "end")
+    coords = {"design": designs, "wave": [wave.label for wave, _ in seas], "take_off": list(TAKE_OFFS)}
+    return xr.Dataset({"power": (dims, power), "gain": (dims, gain)}, {**coords, "end": list(ENDS)})
+
+
+def gain_of_year(study: Study, reference: ReferenceShell, water: ShapeWater, climate: Climate) -> FloatArray:
+    """Return how far gains of a year's mean power may lie from those of a shell with all its modes.
+
+    Parameters
+    ----------
+    study : Study
+        Of viable designs, among them a rigid one that they are compared with.
+    reference : ReferenceShell
+    water : ShapeWater
+        Of its shape, at frequencies of the climate.
+    climate : Climate
+
+    Returns
+    -------
+    ndarray, shape (design, end)
+        `end` as `ENDS`, the wider of both take-offs [percentage points]; nothing beside ports that turn.
+
+    Notes
+    -----
+    With the full basis lower degrees of it are compared, in the water that is there; see `further`. With another basis,
+    or too few modes for that, powers of ascending degrees of the full basis are computed as in `modes_left_out`.
+    """
+    designs, rigid = list(study.designs), study.reference_design
+    at = designs.index(rigid or "")
+    flexible = np.array([study.designs[design].flexible for design in designs])
+    if not flexible.any() or not knows_port(study):
+        return np.zeros((len(designs), len(ENDS)))
+    heaving = study.model_copy(update={"motion": "heave", "mooring": None})
+    lower = [degree for degree in DEGREES if degree <= study.modes.highest / LEAST_RATIO][-2:]
+    if study.modes.basis == "full" and lower:
+        squares = (climate.mean_density @ band_weights(water.omega, climate))[None]
+        seen = [designs_in_waves(heaving, reference, water, n) for n in (*lower, study.modes.highest)]
+        powers = [powers_of_ports({d: w.port for d, w in one.items()}, study.pto, squares)[:, 0] for one in seen]
+        beyond = further(powers)
+        before, bounds = powers[-1], np.stack([-beyond, beyond], axis=-1)
+    else:
+        convergence = ModeConvergence(heaving, [mean_sea(climate, study.hydro.omega_max)])
+        before, beyond = convergence.powers(study.modes)[:, 0], convergence.further[:, 0]
+        bounds = _bounds(convergence.converged[:, 0] - before, beyond)
+    bounds[~flexible] = 0.0
+    gain = 100 * _relative(bounds, before[[at]])
+    return np.stack([gain[..., 0].min(axis=1), gain[..., 1].max(axis=1)], axis=-1)
+
+
+def _bounds(change: FloatArray, further: FloatArray) -> FloatArray:
+    """Range (..., end) about zero of a change to the highest degree tried and what further degrees may change."""
+    missed = further + SAMPLED * np.abs(change)
+    return np.stack([np.minimum(change, 0.0) - missed, np.maximum(change, 0.0) + missed], axis=-1)
+
+
+def _relative(bounds: FloatArray, size: FloatArray) -> FloatArray:
+    """Bounds (..., end) in terms of powers (...); nothing of no power."""
+    there = np.broadcast_to((size > 0)[..., None], bounds.shape)
+    return np.divide(bounds, size[..., None], out=np.zeros_like(bounds), where=there)

@@ -1,0 +1,115 @@
+"""The plan of a file: its shell modes converged before anything else is planned, for their degree stands in every id.
+
+A degree is looked for once: it is kept under `hydro/degrees` of the results, by all that it follows from.
+"""
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, overload
+
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.study import campaign_plan
+from vsb.study.body_plan import BodyPlan
+from vsb.study.campaign import study_at
+from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.plan import StudyPlan
+from vsb.study.sections import DEGREES
+from vsb.study.specs import ClimateSpec, DegreeSpec, Spec
+from vsb.study.study import Study, canonical, content_id
+from vsb.study.vary import Point
+
+AnyPlan = StudyPlan | BodyPlan | CampaignPlan
+
+
+def plan_of(path: str) -> AnyPlan:
+    """Return the plan of a study file, of a buoy or of a body, or of a campaign file; see `with_degree`."""
+    return with_degree(campaign_plan.plan_of(path))
+
+
+def planned(raw: dict[str, Any], source: str) -> AnyPlan:
+    """Return the plan of a file as nested mappings, its results folder, if not `results`, as `root`."""
+    return with_degree(campaign_plan.planned(raw, source))
+
+
+@overload
+def with_degree(plan: StudyPlan) -> StudyPlan: ...
+@overload
+def with_degree(plan: StudyPlan | BodyPlan) -> StudyPlan | BodyPlan: ...
+@overload
+def with_degree(plan: AnyPlan) -> AnyPlan: ...
+def with_degree(plan: AnyPlan) -> AnyPlan:
+    """Return a plan whose shell modes have a degree: the one given, or the least that meets `modes.tolerance`.
+
+    Of a campaign it is the largest of those of its study and of the points with the least and the largest value of
+    each key.
+
+    Raises
+    ------
+    ConfigError
+        If the shell of a study does not carry its load, so that it has no modes about its equilibrium.
+    """
+    if isinstance(plan, BodyPlan):
+        return plan
+    if isinstance(plan, StudyPlan):
+        degree = _degree(degree_spec(plan.study), plan.root) if plan.study.modes.degree is None else None
+        return plan if degree is None else StudyPlan(_with(plan.study, degree), root=plan.root)
+    base, vary = plan.loaded.base, plan.loaded.campaign.vary
+    if base.modes.degree is not None or "modes.degree" in vary.keys:
+        return plan
+    specs = [degree_spec(study_at(plan.base, point), plan.climate) for point in extremes(vary.points)]
+    degrees = [DEGREES[0]]
+    for spec in {content_id(spec): spec for spec in specs}.values():
+        try:
+            degrees.append(_degree(spec, plan.root, plan.loaded.climate_path))
+        except (ConfigError, ConvergenceError):
+            continue  # a shell that does not carry its load: the campaign says that it is not viable
+    return CampaignPlan(plan.loaded.model_copy(update={"base": _with(base, max(degrees))}), root=plan.root)
+
+
+def extremes(points: Sequence[Point]) -> list[Point]:
+    """Return the points with the least and the largest number of each key, and with each of its words, once each."""
+    chosen: list[Point] = []
+    for key in points[0]:
+        values = [point[key] for point in points]
+        numbers = [value for value in values if not isinstance(value, str)]
+        words = {value: value for value in values if isinstance(value, str)}
+        wanted = [*([min(numbers), max(numbers)] if numbers else []), *words]
+        chosen += [next(point for point in points if point[key] == value) for value in wanted]
+    return [point for i, point in enumerate(chosen or points[:1]) if point not in chosen[:i]]
+
+
+def degree_spec(study: Study, climate: ClimateSpec | None = None) -> DegreeSpec:
+    """Return what the degree of the shell modes follows from, in the seas of a study or of a year."""
+    ladder = StudyPlan(study).ladder
+    parts = {name: value for name, value in ladder if name not in Spec.model_fields}
+    return DegreeSpec(**{**parts, "climate": climate})
+
+
+def _with(study: Study, degree: int) -> Study:
+    """The study with a degree."""
+    return study.model_copy(update={"modes": study.modes.model_copy(update={"degree": degree})})
+
+
+def _degree(spec: DegreeSpec, root: str, climate_path: str = "") -> int:
+    """The degree that meets the tolerance, from where it is kept or looked for now."""
+    if not spec.flexible:
+        return DEGREES[0]
+    path = Path(root, "hydro", "degrees", f"{content_id(spec)}.json")
+    try:
+        kept = json.loads(path.read_text(encoding="utf-8"))
+        if kept["spec_id"] == content_id(spec) and kept["degree"] in DEGREES:
+            return int(kept["degree"])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        pass  # not there, or not what it should be: looked for anew
+    from vsb.scenes.mode_convergence import converged_degree  # only now: it imports what solves
+    from vsb.stages.climate import read_climate
+    from vsb.tools.files import write_text
+
+    words = f"finding how many shell modes meet modes.tolerance {spec.modes.tolerance:g}: seconds, once, kept in {path}"
+    print(words, file=sys.stderr, flush=True)
+    climate = read_climate(spec.climate, climate_path) if spec.climate else None
+    degree = converged_degree(spec, climate)
+    write_text(path, json.dumps({"degree": degree, "spec_id": content_id(spec), "spec": canonical(spec)}) + "\n")
+    return degree
