@@ -35,7 +35,7 @@ cluster-test: .venv-cluster/.installed ## a campaign on a real Slurm of one node
 test: $(READY) ## style, types, workflow lint, and all tests
 	@$(MAKE) --no-print-directory --jobs=2 lint unit
 
-verification: $(READY) ## every capability against computations that share nothing with the package, see docs/verification.md: a quarter of an hour
+verification: $(READY) ## every capability against computations that share nothing with the package, see docs/verification.md: five minutes
 	@PATH="$(CURDIR)/$(BIN):$$PATH" OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -q -n 2 --dist loadfile -o addopts="--import-mode=importlib" tests/verification
 
 lint: $(READY)
