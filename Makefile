@@ -1,4 +1,4 @@
-# Two commands do everything: `make study` (the seed study, or CONFIG=...), `make test`.
+# Two commands do everything: `make study` (the example and its year, or CONFIG=...), `make test`.
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 CONFIG ?= config/buoy.yaml config/year.yaml
 BIN := .venv/bin
