@@ -15,12 +15,12 @@ ENV PATH=/opt/vsb/bin:$PATH \
     OMP_NUM_THREADS=1 \
     OPENBLAS_NUM_THREADS=1
 # A first study compiles the loops for all who run the image, and shows that it works.
-WORKDIR /tmp/first
+WORKDIR /opt/first
 RUN export HOME=/root \
  && vsb init first.yaml \
  && vsb run first.yaml \
  && chmod -R a+rwX /opt/vsb/compiled \
- && rm -rf /tmp/first/* /tmp/first/.snakemake
+ && rm -rf /opt/first/* /opt/first/.snakemake
 WORKDIR /study
 ENTRYPOINT ["vsb"]
 CMD ["--help"]

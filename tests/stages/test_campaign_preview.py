@@ -133,7 +133,7 @@ def test_every_shape_of_the_water_is_checked_once_and_every_run_in_time(monkeypa
 
     def member(shape, degree, designs, omega_max=5.0):
         study = SimpleNamespace(
-            modes=SimpleNamespace(highest=degree), designs=designs, hydro=SimpleNamespace(omega_max=omega_max)
+            modes=SimpleNamespace(max_degree=degree), designs=designs, hydro=SimpleNamespace(omega_max=omega_max)
         )
         return SimpleNamespace(spec=SimpleNamespace(sweep=shape), study=study)
 

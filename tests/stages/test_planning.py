@@ -8,7 +8,7 @@ import yaml
 from conftest import EXAMPLE, varied
 
 import vsb
-from vsb.stages.planning import degree_spec, extremes, plan_of, with_degree
+from vsb.stages.planning import _checksum, degree_spec, extremes, plan_of, with_degree
 from vsb.study.plan import StudyPlan
 from vsb.study.sections import DEGREES
 from vsb.study.study import content_id, load
@@ -47,12 +47,13 @@ def test_a_tolerance_becomes_a_degree_of_the_list_and_is_kept(asked, planned):
 def test_what_is_kept_is_not_looked_for_again_and_what_is_damaged_is(asked, planned):
     path, right = kept(planned), kept(planned).read_text()
     again = StudyPlan(asked, root=planned.root)
-    path.write_text(json.dumps({**json.loads(right), "degree": 42}))
+    checksum = _checksum(content_id(degree_spec(asked)), 42)
+    path.write_text(json.dumps({**json.loads(right), "degree": 42, "checksum": checksum}))
     assert with_degree(again).study.modes.degree == 42
     for damaged in (
         right[:20],
-        json.dumps({**json.loads(right), "degree": 7}),
-        right.replace('"spec_id": "', '"spec_id": "0'),
+        json.dumps({**json.loads(right), "degree": 60}),
+        json.dumps({**json.loads(right), "degree": "none"}),
     ):
         path.write_text(damaged)
         assert with_degree(again).study.modes == planned.study.modes

@@ -184,7 +184,7 @@ def told_bounds(ds: xr.Dataset, tuning: str) -> tuple[xr.DataArray, xr.DataArray
 
 
 def _told_gains(ds: xr.Dataset, tuning: str) -> tuple[str, ...]:
-    """Names of the gains to be told under a tuning and of their ends."""
+    """Names of the gains reported under a tuning, and of the ends of their intervals."""
     if is_verified(ds, tuning):
         return tuple(in_time(ds.attrs["verified_model"], name) for name in GAIN)
     return GAIN_IN_TIME

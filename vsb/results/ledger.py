@@ -218,7 +218,9 @@ def mode_checks(study: Study, rungs: Sequence[Rung]) -> list[Check]:
             for source in rung.power_error or ()
             if source["name"] == MODES and rung.power_mean
         ]
-        text = f"mean power may change with more shell modes than {study.modes.basis} to degree {study.modes.highest}"
+        text = (
+            f"mean power may change with more shell modes than {study.modes.basis} to degree {study.modes.max_degree}"
+        )
         where = {"design": design, "wave": wave.label}
         worst = max(shares, default=0.0)
         checks.append(check_at_most("modes_left_out", worst, tolerance, "-", text, doubt=True, **where))

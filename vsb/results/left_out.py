@@ -1,6 +1,6 @@
 """What the shell modes that a study leaves out would change: of mean powers and of gains, in every sea."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,7 @@ from vsb.scenes.mode_convergence import (
     mean_sea,
     powers_of_ports,
 )
-from vsb.scenes.ports import ShapeWater, designs_in_waves
+from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.shell.reference import ReferenceShell
 from vsb.study.sections import DEGREES
 from vsb.study.specs import LadderSpec
@@ -67,7 +67,9 @@ def modes_left_out(study: LadderSpec, seas: Sequence[tuple[Wave, Sea]]) -> xr.Da
     return xr.Dataset({"power": (dims, power), "gain": (dims, gain)}, {**coords, "end": list(ENDS)})
 
 
-def gain_of_year(study: Study, reference: ReferenceShell, water: ShapeWater, climate: Climate) -> FloatArray:
+def gain_of_year(
+    study: Study, reference: ReferenceShell, water: ShapeWater, climate: Climate, waves: Mapping[str, InWaves]
+) -> FloatArray:
     """Return how far gains of a year's mean power may lie from those of a shell with all its modes.
 
     Parameters
@@ -78,6 +80,8 @@ def gain_of_year(study: Study, reference: ReferenceShell, water: ShapeWater, cli
     water : ShapeWater
         Of its shape, at frequencies of the climate.
     climate : Climate
+    waves : mapping design -> InWaves
+        Of all its modes, in that water; what varies around the axis moves no heaving port.
 
     Returns
     -------
@@ -95,10 +99,10 @@ def gain_of_year(study: Study, reference: ReferenceShell, water: ShapeWater, cli
     if not flexible.any() or not knows_port(study):
         return np.zeros((len(designs), len(ENDS)))
     heaving = study.model_copy(update={"motion": "heave", "mooring": None})
-    lower = [degree for degree in DEGREES if degree <= study.modes.highest / LEAST_RATIO][-2:]
+    lower = [degree for degree in DEGREES if degree <= study.modes.max_degree / LEAST_RATIO][-2:]
     if study.modes.basis == "full" and lower:
         squares = (climate.mean_density @ band_weights(water.omega, climate))[None]
-        seen = [designs_in_waves(heaving, reference, water, n) for n in (*lower, study.modes.highest)]
+        seen = [*(designs_in_waves(heaving, reference, water, n) for n in lower), waves]
         powers = [powers_of_ports({d: w.port for d, w in one.items()}, study.pto, squares)[:, 0] for one in seen]
         beyond = further(powers)
         before, bounds = powers[-1], np.stack([-beyond, beyond], axis=-1)

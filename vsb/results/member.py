@@ -70,8 +70,9 @@ def member(
         here: Labels = {"design": list(some.designs), "tuning": [*damped.tunings]}
         errors = shape.errors(reference.basis, order_bases(some, reference.basis), some.water)
         compared = some.reference_design is not None
-        left_out = gain_of_year(some, reference, shape, climate) if compared else None
-        _fill(found, at, damped(some, designs_in_waves(some, reference, shape), errors, left_out), here)
+        waves = designs_in_waves(some, reference, shape)
+        left_out = gain_of_year(some, reference, shape, climate, waves) if compared else None
+        _fill(found, at, damped(some, waves, errors, left_out), here)
         if optima:
             within = optima(some, reference, climate, float(shape.omega[0]))
             _fill(found, at, _plain(within), here | {"tuning": [CONSTRAINED]})

@@ -79,7 +79,7 @@ def linear_buoy(study: Driven, database_path: str) -> tuple[LinearBuoy, ModeBasi
     ds = database.load_database(database_path, Path(database_path).stem)
     shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
     modes = study.modes
-    basis = mode_basis(study.device, modes.basis, modes.highest) if shell_moves else rigid_basis(study.device)
+    basis = mode_basis(study.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(study.device)
     damping = block_diag(basis.damping, *(order.damping for order in order_bases(study, basis)))
     buoy = LinearBuoy(ds, damping, LinearPto(0.0))
     return (with_open_chamber(buoy, study_port(study, buoy, basis)) if study.opens_chamber else buoy), basis

@@ -97,12 +97,12 @@ def motion_ladder(study: Designed, basis: ModeBasis, design: str) -> dict[int, F
     ladder: dict[int, FloatArray] = {RIGID: np.eye(len(basis.labels), 1)}
     if not study.designs[design].flexible:
         return ladder
-    for degree in range(study.modes.highest):
+    for degree in range(study.modes.max_degree):
         try:
             ladder[degree] = motions_to_degree(study, basis, design, degree)
         except ConfigError:  # every mode clamped
             continue
-    return {**ladder, study.modes.highest: design_motions(study, basis, design)}
+    return {**ladder, study.modes.max_degree: design_motions(study, basis, design)}
 
 
 @dataclass(frozen=True)

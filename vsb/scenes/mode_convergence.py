@@ -125,8 +125,8 @@ class ModeConvergence:
         """Return mean powers with a basis, shape (design, sea, take-off) [W]."""
         study = self._with(modes)
         reference = reference_shell(study)
-        if study.at_equilibrium or modes.highest > self._degrees[-1]:
-            water = self._solved(reference.shape, _displacements(max(1, modes.highest)))
+        if study.at_equilibrium or modes.max_degree > self._degrees[-1]:
+            water = self._solved(reference.shape, _displacements(max(1, modes.max_degree)))
         else:
             water = self._undeformed_water
         as_study = Study.model_construct(**{name: getattr(study, name) for name in type(study).model_fields})
@@ -134,7 +134,7 @@ class ModeConvergence:
         return powers_of_ports(ports, study.pto, self._sampled.squares)
 
     @cached_property
-    def climbed(self) -> Mapping[int, FloatArray]:
+    def powers_by_degree(self) -> Mapping[int, FloatArray]:
         """Powers by degree of the full basis, up to where further degrees change less than half the tolerance.
 
         Or to where the water around the shell can be solved: of shapes other than spheres that is less than the list.
@@ -162,12 +162,12 @@ class ModeConvergence:
     @cached_property
     def further(self) -> FloatArray:
         """What degrees beyond the highest tried may change, shape of the powers [W]."""
-        return further(list(self.climbed.values()))
+        return further(list(self.powers_by_degree.values()))
 
     @property
     def converged(self) -> FloatArray:
         """Powers with the highest degree tried, shape (design, sea, take-off) [W]."""
-        return self.climbed[max(self.climbed)]
+        return self.powers_by_degree[max(self.powers_by_degree)]
 
     @cached_property
     def _size(self) -> FloatArray:
@@ -189,10 +189,10 @@ class ModeConvergence:
     @cached_property
     def degree(self) -> int:
         """Least degree of the list whose powers and gains are within the tolerance of those of all modes."""
-        for degree, power in self.climbed.items():
+        for degree, power in self.powers_by_degree.items():
             if self.worst(np.abs(self.converged - power) + self.further) <= self.study.modes.tolerance:
                 return degree
-        return max(self.climbed)
+        return max(self.powers_by_degree)
 
 
 def _displacements(highest: int, *, meridional: bool = True) -> tuple[Displacement, ...]:

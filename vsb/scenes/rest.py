@@ -32,7 +32,7 @@ def study_basis(study: AtRest) -> ModeBasis:
     """Return the union of the modes of all designs of a study."""
     if not study.flexible or study.modes is None:
         return rigid_basis(study.device)
-    return mode_basis(study.device, study.modes.basis, study.modes.highest)
+    return mode_basis(study.device, study.modes.basis, study.modes.max_degree)
 
 
 def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray:

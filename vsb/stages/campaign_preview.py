@@ -32,7 +32,8 @@ def check_campaign(plan: CampaignPlan) -> None:
             )
     for member in plan.members:
         if any(
-            one.flexible and member.study.modes.highest <= 2 * len(one.clamp) for one in member.study.designs.values()
+            one.flexible and member.study.modes.max_degree <= 2 * len(one.clamp)
+            for one in member.study.designs.values()
         ):
             _check_clamps(member, plan.loaded.source)
     for spec in plan.verifications.values():

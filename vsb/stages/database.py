@@ -51,7 +51,7 @@ def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
         **_at_rest(spec),
         "centre_height": spec.centre_height,
         "basis": spec.modes.basis if spec.modes else "rigid",
-        "degree": spec.modes.highest if spec.modes else 1,
+        "degree": spec.modes.max_degree if spec.modes else 1,
         "water_density": water.density,
         "water_depth": str(water.depth),
         "gravity": water.gravity,

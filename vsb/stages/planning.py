@@ -3,6 +3,7 @@
 A degree is looked for once: it is kept under `hydro/degrees` of the results, by all that it follows from.
 """
 
+import hashlib
 import json
 import sys
 from collections.abc import Sequence
@@ -99,7 +100,7 @@ def _degree(spec: DegreeSpec, root: str, climate_path: str = "") -> int:
     path = Path(root, "hydro", "degrees", f"{content_id(spec)}.json")
     try:
         kept = json.loads(path.read_text(encoding="utf-8"))
-        if kept["spec_id"] == content_id(spec) and kept["degree"] in DEGREES:
+        if kept["checksum"] == _checksum(content_id(spec), kept["degree"]):
             return int(kept["degree"])
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         pass  # not there, or not what it should be: looked for anew
@@ -111,5 +112,11 @@ def _degree(spec: DegreeSpec, root: str, climate_path: str = "") -> int:
     print(words, file=sys.stderr, flush=True)
     climate = read_climate(spec.climate, climate_path) if spec.climate else None
     degree = converged_degree(spec, climate)
-    write_text(path, json.dumps({"degree": degree, "spec_id": content_id(spec), "spec": canonical(spec)}) + "\n")
+    entry = {"degree": degree, "checksum": _checksum(content_id(spec), degree), "spec": canonical(spec)}
+    write_text(path, json.dumps(entry) + "\n")
     return degree
+
+
+def _checksum(spec_id: str, degree: int) -> str:
+    """What a degree is kept with: a flipped bit can make one degree of the list of another."""
+    return hashlib.sha256(f"{spec_id} {degree}".encode()).hexdigest()[:16]

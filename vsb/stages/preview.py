@@ -60,7 +60,7 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
     check_before_run(study, plan)
     lines = [
         f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
-        f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.highest})",
+        f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.max_degree})",
         *(_bem_lines(study, plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
         *_pause_lines(study),
     ]
@@ -142,11 +142,11 @@ def shell_table(study: Study) -> dict[str, Any]:
     """
     shell = Shell.of(study.device)
     if shell.rest is not None:
-        omega = natural_modes(shell, max(1, study.modes.highest)).omega
+        omega = natural_modes(shell, max(1, study.modes.max_degree)).omega
         return {"natural": [{"mode": f"Shell{i}", "omega": float(w)} for i, w in enumerate(omega, 1)]}
-    degrees = range(study.modes.highest + 1)
+    degrees = range(study.modes.max_degree + 1)
     closed = {n: natural_frequencies(shell, n) for n in degrees}
-    paper = mode_basis(study.device, "paper", study.modes.highest)
+    paper = mode_basis(study.device, "paper", study.modes.max_degree)
     return {
         "membrane": [{"degree": n, "omega": float(closed[n][1])} for n in degrees],
         "bending": [{"degree": n, "omega": float(closed[n][0])} for n in degrees if n >= 2],

@@ -66,7 +66,7 @@ class HydroPlan:
         finer = ROWS_OF_A_DEFORMED_SHELL if study.rests_deformed else 1.0
         wanted = max(
             2 * math.ceil(finer * tolerance_rows(study.hydro.tolerance) / 2),
-            mode_rows(self.study.modes.highest if self.study.flexible else 1),
+            mode_rows(self.study.modes.max_degree if self.study.flexible else 1),
             wave_rows(radius, self._wavelength(omega)),
         )
         if not study.hydro.rows and tolerance_rows(study.hydro.tolerance) > MAX_ROWS:
@@ -97,7 +97,7 @@ class HydroPlan:
             radius=radius,
             centre_height=height,
             device=study.device,
-            modes=study.modes.alone,
+            modes=study.modes.without_tolerance,
             water=study.water,
             reference_shape=study.reference_shape,
         )
@@ -107,7 +107,7 @@ class HydroPlan:
 
         Pitch about its centre moves no water. On another shape meridional ones do, too.
         """
-        highest = max(1, self.study.modes.highest)
+        highest = max(1, self.study.modes.max_degree)
         shaped = self.study.device.shape is not None
         if not self.study.flexible:
             return ("Radial1", "Meridional1") if shaped else ("Radial1",)
@@ -123,7 +123,7 @@ class HydroPlan:
     @property
     def _modes(self) -> Modes | None:
         """The mode section, if any design is flexible."""
-        return self.study.modes.alone if self.study.flexible else None
+        return self.study.modes.without_tolerance if self.study.flexible else None
 
     def _block(
         self, omega: list[float], highest: float, interpolation: float | None = None, order: int = 0
@@ -168,7 +168,7 @@ class HydroPlan:
     def least_band(self) -> float:
         """Frequency to which the damping must be known [rad/s]."""
         study, radius = self.study, self.study.waterline_radius
-        higher = HIGHER_DEGREES * max(0, study.modes.highest - 2) if study.flexible else 0.0
+        higher = HIGHER_DEGREES * max(0, study.modes.max_degree - 2) if study.flexible else 0.0
         k = math.hypot(BEYOND_THE_PEAK / min(radius, study.draft), math.sqrt(higher) / radius)
         return math.sqrt(k * study.water.gravity)
 
@@ -262,7 +262,7 @@ class HydroPlan:
         """Labels of the shell modes, as the basis will name them."""
         if not self.study.flexible:
             return ()
-        degree = self.study.modes.highest
+        degree = self.study.modes.max_degree
         if self.study.device.shape is not None:
             return tuple(f"Shell{i}" for i in range(1, 2 * degree + 1))
         bending = range(2, degree + 1) if self.study.modes.basis == "full" else ()

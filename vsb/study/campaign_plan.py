@@ -102,7 +102,7 @@ def members(
 def _shape(study: Study) -> str:
     """All that the blocks of a sweep depend on: of the undeformed sphere neither its material nor its clamps."""
     device = study.device if study.rests_deformed else (study.device.radius, study.device.mass)
-    degree = study.modes.highest if study.flexible else None
+    degree = study.modes.max_degree if study.flexible else None
     shell = [study.modes, study.reference_shape] if study.rests_deformed else degree
     return canonical([device, shell, study.water, study.hydro, list(study.orders)])
 

@@ -142,7 +142,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
     def _sections(self, *names: str) -> dict[str, Any]:
         """Sections of the study a stage reads."""
         found = {name: getattr(self.study, name) for name in names}
-        return found | ({"modes": self.study.modes.alone} if "modes" in found else {})
+        return found | ({"modes": self.study.modes.without_tolerance} if "modes" in found else {})
 
     @property
     def figures(self) -> list[str]:

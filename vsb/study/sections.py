@@ -59,12 +59,12 @@ class Modes(Extended):
         return value
 
     @property
-    def alone(self) -> "Modes":
+    def without_tolerance(self) -> "Modes":
         """The basis without the tolerance that its degree follows from."""
         return self.model_copy(update={"tolerance": MODE_TOLERANCE})
 
     @property
-    def highest(self) -> int:
+    def max_degree(self) -> int:
         """Highest Legendre degree.
 
         Raises
