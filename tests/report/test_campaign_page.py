@@ -68,7 +68,7 @@ def test_what_to_doubt():
     assert warnings(campaign(margin=[[0.5, -0.5], [0.5, 0.5]]))[2].startswith("At 1 of 4 points the shell would buckle")
     ds = campaign()
     runs, coverage = warnings(by_runs(ds, ds.gain_percent, width=0.1))[:2]
-    assert "in 77 to 95 % where 3 to 5 %; in 89 to 96 % with 24: there they are not 95 % intervals" in coverage
+    assert "they are not: coverage 77 to 95 % with 12 seas, 89 to 96 % with 24" in coverage
     assert runs.startswith("Runs in time correct tuning one: 4 seas. Figures")
     _, few, _ = warnings(by_runs(ds, ds.gain_percent, width=5.1))[:3]
     assert few == "The interval of the gain of VSWEC includes none: more verify.seas would narrow it."

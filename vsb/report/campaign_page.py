@@ -156,10 +156,9 @@ def warnings(ds: xr.Dataset) -> list[str]:
             f"Runs in time correct {ds.attrs['verification']}. Figures of power and other tunings are linear theory, "
             "their intervals those of the numbers.",
             *_unresolved(ds),
-            "Of what grows smoothly with the seas these intervals cover the truth in 93 to 97 % of campaigns; of what "
-            "begins only in storms (breaking, limits, large deformation) in 87 to 95 % with 12 seas where they bring "
-            "7 % of the energy or more, in 77 to 95 % where 3 to 5 %; in 89 to 96 % with 24: there they are not 95 % "
-            "intervals.",
+            "The intervals of runs in time are 95 % intervals of mean power (coverage 93 to 97 %). For quantities set "
+            "by a few storms (breaking, limits, large deformation) they are not: coverage 77 to 95 % with 12 seas, 89 "
+            "to 96 % with 24.",
         ]
     if bool(ds.viable.any()):
         found.append(
