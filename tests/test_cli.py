@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
-from conftest import EXAMPLE, SEED, SMALL, SMALL_PLAN, shipped, told
+from conftest import EXAMPLE, SEED, SMALL, SMALL_PLAN, told
 
 import vsb
 from vsb import cli, errors
@@ -345,7 +345,9 @@ def test_every_option_of_every_command_says_what_it_is_for():
 
 def test_check_prints_all_that_can_be_said_of_a_study_a_line_each(small, capsys):
     assert main(["check", "small.yaml"]) == 0
-    assert capsys.readouterr().out.splitlines() == summary(small.study, small)
+    said = capsys.readouterr().out.splitlines()
+    assert said[:-1] == summary(small.study, small)
+    assert said[-1].startswith("doubt        modes: membrane, degree 2, but modes.tolerance 0.005 needs the full basis")
 
 
 def test_export_names_its_files_as_the_study_or_as_the_database_that_was_given(small, tmp_path, capsys):
@@ -535,21 +537,6 @@ def test_a_command_line_that_says_little_means_the_usual():
         assert str(line.parse_args(["run", "a.yaml", name, "3"]).cores) == "3"
     assert line.parse_args(["schema"]).kind == "study"
     assert line.parse_args(["init", "a.yaml"]).radius is None
-
-
-@pytest.mark.parametrize(
-    ("name", "place"),
-    [
-        ("hinged_barge", "body_preview.body_summary"),
-        ("year", "campaign_preview.campaign_summary"),
-        ("seed", "preview.summary"),
-    ],
-)
-def test_check_prints_what_is_said_of_each_kind_of_file_a_line_each(workplace, monkeypatch, capsys, name, place):
-    calls = noted(monkeypatch, f"vsb.stages.{place}", ["first", "second"])
-    assert main(["check", str(shipped(name))]) == 0
-    assert capsys.readouterr().out == "first\nsecond\n"
-    assert calls[0][0][-1].name == name
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh"])

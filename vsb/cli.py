@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
 from vsb.stages.init import init
-from vsb.stages.planning import plan_of, with_degree
+from vsb.stages.planning import degree_lines, plan_of, with_degree
 from vsb.stages.run import ERROR, check_name, cores, run
 from vsb.stages.stage import STAGES, Stage
 from vsb.study.body_plan import BodyPlan
@@ -44,11 +44,11 @@ def check(args: argparse.Namespace) -> int:
     plan = plan_of(args.config)
     check_name(plan)
     if isinstance(plan, CampaignPlan):
-        print(*campaign_preview.campaign_summary(plan), sep="\n")
+        print(*campaign_preview.campaign_summary(plan), *degree_lines(plan), sep="\n")
     elif isinstance(plan, BodyPlan):
         print(*body_preview.body_summary(plan), sep="\n")
     else:
-        print(*preview.summary(plan.study, plan), sep="\n")
+        print(*preview.summary(plan.study, plan), *degree_lines(plan), sep="\n")
     return 0
 
 

@@ -8,7 +8,7 @@ import yaml
 from conftest import EXAMPLE, varied
 
 import vsb
-from vsb.stages.planning import _checksum, degree_spec, extremes, plan_of, with_degree
+from vsb.stages.planning import _checksum, degree_lines, degree_spec, extremes, plan_of, with_degree
 from vsb.study.plan import StudyPlan
 from vsb.study.sections import DEGREES
 from vsb.study.study import content_id, load
@@ -119,3 +119,15 @@ def test_a_campaign_has_the_degree_of_its_thinnest_shell_and_one_that_gives_way_
 
 def test_results_of_a_study_as_it_is_in_its_file_are_those_of_its_degree(asked, planned):
     assert vsb.Results(asked, planned.root).plan.study.modes == planned.study.modes
+
+
+def test_check_says_whether_a_given_degree_meets_the_tolerance(asked, planned):
+    needed = planned.study.modes.degree
+
+    def line(**modes):
+        (only,) = degree_lines(StudyPlan(varied(asked, modes=modes), root=planned.root))
+        return only
+
+    assert line(basis="full", degree=needed).startswith("ok ")
+    assert f"needs the full basis to degree {needed}" in line(basis="full", degree=needed - 1)
+    assert line(basis="membrane", degree=90).startswith("doubt")

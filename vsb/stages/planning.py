@@ -16,7 +16,7 @@ from vsb.study.body_plan import BodyPlan
 from vsb.study.campaign import study_at
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import StudyPlan
-from vsb.study.sections import DEGREES
+from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import ClimateSpec, DegreeSpec, Spec
 from vsb.study.study import Study, canonical, content_id
 from vsb.study.vary import Point
@@ -54,19 +54,52 @@ def with_degree(plan: AnyPlan) -> AnyPlan:
     if isinstance(plan, BodyPlan):
         return plan
     if isinstance(plan, StudyPlan):
-        degree = _degree(degree_spec(plan.study), plan.root) if plan.study.modes.degree is None else None
-        return plan if degree is None else StudyPlan(_with(plan.study, degree), root=plan.root)
-    base, vary = plan.loaded.base, plan.loaded.campaign.vary
-    if base.modes.degree is not None or "modes.degree" in vary.keys:
+        given = plan.study.modes.degree is not None
+        return plan if given else StudyPlan(_with(plan.study, degree_needed(plan)), root=plan.root)
+    base = plan.loaded.base
+    if base.modes.degree is not None or "modes.degree" in plan.loaded.campaign.vary.keys:
         return plan
-    specs = [degree_spec(study_at(plan.base, point), plan.climate) for point in extremes(vary.points)]
+    return CampaignPlan(plan.loaded.model_copy(update={"base": _with(base, degree_needed(plan))}), root=plan.root)
+
+
+def degree_needed(plan: StudyPlan | CampaignPlan) -> int:
+    """Return the least degree of the full basis that meets `modes.tolerance`, whatever degree is given.
+
+    Raises
+    ------
+    ConfigError
+        If the shell of a study does not carry its load, so that it has no modes about its equilibrium.
+    """
+    if isinstance(plan, StudyPlan):
+        return _degree(degree_spec(_converged(plan.study)), plan.root)
+    base = CampaignPlan(plan.loaded.model_copy(update={"base": _converged(plan.loaded.base)}), root=plan.root).base
+    points = extremes(plan.loaded.campaign.vary.points)
+    specs = [degree_spec(study_at(base, point), plan.climate) for point in points]
     degrees = [DEGREES[0]]
     for spec in {content_id(spec): spec for spec in specs}.values():
         try:
             degrees.append(_degree(spec, plan.root, plan.loaded.climate_path))
         except (ConfigError, ConvergenceError):
             continue  # a shell that does not carry its load: the campaign says that it is not viable
-    return CampaignPlan(plan.loaded.model_copy(update={"base": _with(base, max(degrees))}), root=plan.root)
+    return max(degrees)
+
+
+def degree_lines(plan: StudyPlan | CampaignPlan) -> list[str]:
+    """Return what `vsb check` says of a given degree: nothing where the degree follows from the tolerance."""
+    study = plan.study if isinstance(plan, StudyPlan) else plan.loaded.base
+    modes, varied = study.modes, isinstance(plan, CampaignPlan) and "modes.degree" in plan.loaded.campaign.vary.keys
+    if not study.flexible or not study.needs_bem or modes.degree is None or varied:
+        return []
+    try:
+        needed = degree_needed(plan)
+    except (ConfigError, ConvergenceError) as error:
+        return [f"doubt        modes: degree {modes.degree} is given; what it leaves out is not known: {error}"]
+    if modes.basis == "full" and modes.degree >= needed:
+        return [f"ok           modes: degree {modes.degree} meets modes.tolerance {modes.tolerance:g}"]
+    return [
+        f"doubt        modes: {modes.basis}, degree {modes.degree}, but modes.tolerance {modes.tolerance:g} needs the "
+        f"full basis to degree {needed}: what is left out is estimated in the run and widens the intervals"
+    ]
 
 
 def extremes(points: Sequence[Point]) -> list[Point]:
@@ -86,6 +119,12 @@ def degree_spec(study: Study, climate: ClimateSpec | None = None) -> DegreeSpec:
     ladder = StudyPlan(study).ladder
     parts = {name: value for name, value in ladder if name not in Spec.model_fields}
     return DegreeSpec(**{**parts, "climate": climate})
+
+
+def _converged(study: Study) -> Study:
+    """The study with the full basis, its degree not given."""
+    modes = Modes(tolerance=study.modes.tolerance, order=study.modes.order)
+    return study.model_copy(update={"modes": modes})
 
 
 def _with(study: Study, degree: int) -> Study:
