@@ -13,8 +13,6 @@ benchmark: $(READY) ## error against seconds of every method: integrators on the
 	@$(BIN)/python -m benchmarks integrators config/paper.yaml results/paper
 	@$(BIN)/python -m benchmarks coefficients results/hydro_precision
 	@$(BIN)/python -m benchmarks time-domain config/few_modes.yaml results/time_precision
-	@$(BIN)/python -m benchmarks take-offs results/take_offs
-	@$(BIN)/python -m benchmarks bodies results/bodies
 
 barge: $(READY) ## any body by the general route: a flexible barge
 	@$(BIN)/python -m examples.barge config/barge_convergence.yaml results/barge
@@ -22,12 +20,9 @@ barge: $(READY) ## any body by the general route: a flexible barge
 hard-cases: $(READY) ## table of the cases that break other codes
 	@$(BIN)/python -m benchmarks hard-cases config/hard_cases.yaml results/hard_cases.csv
 
-torture: $(READY) ## a thousand studies, 200 campaigns and 200 bodies at random, 700 flipped bits, edited files: told in one line or as they should be; 120 faults in the package: seen by its tests
+torture: $(READY) ## a thousand random studies and 700 damaged results: refused in one line or completed
 	@$(BIN)/python -m benchmarks torture 1000 results/torture.csv
-	@$(BIN)/python -m benchmarks torture-campaigns 200 results/torture_campaigns.csv
-	@$(BIN)/python -m benchmarks torture-bodies 200 results/torture_bodies.csv
 	@$(BIN)/python -m benchmarks damage 700 results/damage.csv
-	@$(BIN)/python -m benchmarks faults 120 results/faults.csv
 
 cluster-test: .venv-cluster/.installed ## a campaign on a real Slurm of one node, killed and resumed (Debian: slurm-wlm, munge)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" .venv-cluster/bin/python -m benchmarks cluster results/cluster

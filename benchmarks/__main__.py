@@ -31,18 +31,6 @@ COMMANDS = {
         ("folder",), files="hydro_precision*",
         fails=lambda rows: any(row["status"].startswith("failed") for row in rows),
     ),
-    "memories": Command(
-        "Passivity, error and order against seconds of radiation memories of many motions by three fits: a table.",
-        ("folder",), files="memories*",
-    ),
-    "bodies": Command(
-        "Panels against the spectral solver, memories against convolutions: error, seconds and ratio; takes minutes.",
-        ("folder",), files="bodies*",
-    ),
-    "take-offs": Command(
-        "Best take-offs of four designs in 200 seas against plain searches: seconds, ratio and error, a table.",
-        ("folder",), files="take_offs*",
-    ),
     "time-domain": Command(
         "Error against seconds of every integrator and radiation model, cost against size: a table and two figures.",
         ("config", "folder"), load, "time_*",
@@ -55,18 +43,6 @@ COMMANDS = {
         "So many studies at random: each is refused in one line or runs to finite results; 1 if any does not.",
         ("count", "out"), int, fails=bool,
     ),
-    "torture-campaigns": Command(
-        "So many campaigns at random: each is refused in one line or told to its page; 1 if any is not.",
-        ("count", "out"), int, fails=bool,
-    ),
-    "torture-bodies": Command(
-        "So many studies of bodies at random: each is refused in one line or told to its page; 1 if any is not.",
-        ("count", "out"), int, fails=bool,
-    ),
-    "campaigns": Command(
-        "Year, dampers and sweep of a campaign against plain loops: a table with seconds of both and their difference.",
-        ("config", "folder"), files="campaigns*",
-    ),
     "cluster": Command(
         "A campaign on a Slurm of one node, killed and resumed: seconds, and whether bytes are the same; 1 if not.",
         ("folder",), fails=lambda rows: any(row.verdict.startswith("other") for row in rows),
@@ -77,10 +53,6 @@ COMMANDS = {
     ),
     "damage": Command(
         "So many flipped bits, and half as many edits of JSON, in finished results: none is silent; 1 if one is.",
-        ("count", "out"), int, fails=bool,
-    ),
-    "faults": Command(
-        "So many careless edits of the package at random: 95 % of them are seen by its tests; 1 if fewer are.",
         ("count", "out"), int, fails=bool,
     ),
 }  # fmt: skip
