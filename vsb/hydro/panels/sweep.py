@@ -32,7 +32,7 @@ class TwoMeshes:
     -----
     Panels are of an order between one and two, so on the fine mesh the error is at most what half the rows change; what
     both meshes have wrong, a lid too near to resonance and a Green function of finite depth, shows in Haskind's
-    relation. The estimate adds up both. Measured against the spectral solver (docs/decisions/0024).
+    relation. The estimate adds up both. Measured against the spectral solver (docs/decisions/0001).
     """
 
     fine: AxisymmetricProblem
