@@ -49,17 +49,3 @@ def test_components_add_up_to_the_plane_wave(kr, theta):
     """Jacobi and Anger's expansion of exp(i k R cos theta)."""
     parts = [multiplicity(m) * 1j**m * bessel(m, np.array(kr))[0] * np.cos(m * theta) for m in range(50)]
     assert sum(parts) == pytest.approx(np.exp(1j * kr * np.cos(theta)), abs=1e-12)
-
-
-@pytest.mark.parametrize("order", [0, 1, 2, 5])
-def test_the_second_is_the_order_below(order):
-    x, h = np.linspace(0.5, 15.0, 30), 1e-5
-    value, lower = bessel(order, x)
-    slope = (bessel(order, x + h)[0] - bessel(order, x - h)[0]) / (2 * h)
-    assert lower - order * value / x == pytest.approx(slope, abs=1e-9)
-
-
-@pytest.mark.parametrize("order", [0, 1, 4])
-def test_multiplicity_is_the_norm_of_the_cosine(order):
-    theta = 2 * np.pi * np.arange(16) / 16
-    assert multiplicity(order) * np.mean(np.cos(order * theta) ** 2) == pytest.approx(1.0)

@@ -1,20 +1,13 @@
 """Degrees of freedom are values: what they do, and which strings are none."""
 
-import dataclasses
-
 import numpy as np
 import pytest
-from conftest import varied
 from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.errors import ConfigError
 from vsb.hydro.azimuthal import legendre_function
 from vsb.hydro.dofs import Displacement, azimuthal_order, displacements, flexible, normal_velocities
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.motion.scene import Scene
-from vsb.shell.deformed import rigid_sphere
-from vsb.study.plan import StudyPlan
 
 PHI = np.linspace(0.05, np.pi - 0.05, 41)
 SPHERE = np.array([np.sin(PHI), np.cos(PHI)])
@@ -37,31 +30,6 @@ def shapes():
 def test_what_is_flexible_says_so_itself(labels, answer):
     """However many motions there are."""
     assert flexible(np.array(labels)) is answer
-
-
-@pytest.mark.parametrize(("rows", "answer"), [((0,), False), ((0, 2), False), ((1,), True), ((0, 1), True)])
-def test_only_what_motions_move_is_flexible(rows, answer):
-    """However many there are: planar motion has three and is rigid."""
-    motions = np.eye(3)[:, list(rows)]
-    assert flexible(("Heave", "Membrane2", "Pitch"), motions) is answer
-    assert Scene(("Heave", "Membrane2", "Pitch"), np.eye(3), {}, motions).flexible is answer
-
-
-@given(shapes() | st.sampled_from([SURGE, HEAVE, PITCH]))
-def test_labels_name_their_displacements(moved):
-    assert displacements([moved.label], moved.order) == (moved,)
-    assert moved.rigid == (moved.label in {"Surge", "Heave", "Pitch"})
-
-
-def test_labels_on_disk_stay_as_they_are():
-    values = Displacement("radial", 0), Displacement("meridional", 12), HEAVE, SURGE, PITCH
-    assert [each.label for each in values] == ["Radial0", "Meridional12", "Heave", "Surge", "Pitch"]
-
-
-def test_what_a_plan_asks_for_is_known(seed):
-    for study in (seed, varied(seed, reference_shape="equilibrium", device={"internal_pressure": 2.0e4})):
-        asked = StudyPlan(study).displacements()
-        assert tuple(each.label for each in displacements(asked)) == asked
 
 
 def test_heave_of_a_sphere_is_its_first_radial_and_meridional_shape():
@@ -140,22 +108,6 @@ def test_displacements_an_order_does_not_have(name, order):
         displacements([name], order)
 
 
-@pytest.mark.parametrize(("degree", "order"), [(-1, 0), (2, -1), (0, 1)])
-def test_degrees_and_orders_there_are_not(degree, order):
-    with pytest.raises(ConfigError, match=rf"received Radial{degree} of azimuthal order {order}; needs Radial<n>"):
-        Displacement("radial", degree, order)
-
-
-def test_a_rigid_motion_has_no_degree():
-    with pytest.raises(ConfigError, match="received Heave2 of azimuthal order 0; needs Radial<n>"):
-        Displacement("heave", 2)
-
-
-def test_a_kind_that_is_none():
-    with pytest.raises(ConfigError, match="received kind 'Membrane'; needs one of radial, meridional, surge, heave"):
-        Displacement("Membrane", 2)
-
-
 @pytest.mark.parametrize(
     ("moved", "received"),
     [((), "none"), ((HEAVE, SURGE), "Heave of order 0, Surge of order 1"), ((HEAVE, HEAVE), "Heave of order 0, Heave")],
@@ -163,38 +115,3 @@ def test_a_kind_that_is_none():
 def test_displacements_of_a_problem_are_of_one_order_and_different(moved, received):
     with pytest.raises(ConfigError, match=f"received {received}.*; needs one or more, all of one order, none twice"):
         azimuthal_order(moved)
-
-
-@pytest.mark.parametrize("label", ["Rubbish2", "Membrane2", "Heave", "Radial2"])
-def test_solvers_take_no_strings(label):
-    with pytest.raises(ConfigError, match=rf"received '{label}'; needs values such as Displacement\('radial', 3\)"):
-        SpectralProblem(rigid_sphere(1.0, 0.0), (label,), 1.0, 1.0, 8)
-
-
-def test_heave_is_solved_as_the_first_shapes_together():
-    solved = SpectralProblem(rigid_sphere(1.0, 0.3), displacements(["Heave", "Radial1"]), 1.0, 1.0, 16).solve([1.0])
-    heave, radial = (solved.sel(influenced_dof=name, radiating_dof=name) for name in ("Heave", "Radial1"))
-    for name in ("added_mass", "radiation_damping"):
-        assert float(heave[name][0]) == pytest.approx(float(radial[name][0]), rel=1e-12)  # P_1' moves no water
-
-
-def test_a_displacement_is_frozen():
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        HEAVE.degree = 2
-
-
-@pytest.mark.parametrize("place", [0, 1, 2])
-def test_a_string_anywhere_among_displacements_is_told(place):
-    moved = [Displacement("radial", 2), HEAVE, Displacement("radial", 3)]
-    moved[place] = "Radial4"
-    with pytest.raises(ConfigError, match=r"^displacements: received 'Radial4'; needs values such as Displacement"):
-        azimuthal_order(moved)
-
-
-@pytest.mark.parametrize("degree", [0, 9, 10, 99, 100, 999, 1000, 9999])
-def test_degrees_have_up_to_four_digits(degree):
-    assert displacements([f"Radial{degree}"]) == (Displacement("radial", degree),)
-    with pytest.raises(ConfigError, match=f"received Radial0{degree} of azimuthal order 0"):
-        displacements(["Heave", f"Radial0{degree}"])
-    with pytest.raises(ConfigError, match="received Radial10000 of azimuthal order 0"):
-        displacements(["Radial10000"])

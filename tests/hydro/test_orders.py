@@ -4,24 +4,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.errors import DatabaseError
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.orders import (
     ORDER,
     heading_share,
-    headings,
-    in_headings,
     in_order_modes,
-    in_wet_modes,
-    most_exciting,
     of_order,
     order_groups,
     order_shares,
-    own_heading,
-    own_headings,
-    renamed,
     side_by_side,
-    still_part,
     with_haskind_damping,
     with_order_structure,
 )
@@ -31,7 +22,7 @@ from vsb.shell.deformed import rigid_sphere
 from vsb.shell.modes import mode_basis
 from vsb.shell.orders import Ballast, order_basis, semi_normalisation
 from vsb.study.device import Device
-from vsb.waves.dispersion import group_velocity, power_limit, wavenumber
+from vsb.waves.dispersion import power_limit
 
 RHO, G = 1025.0, 9.81
 DEVICE = Device(radius=2.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=2700.0, mass=17170.0)
@@ -105,20 +96,6 @@ def test_matched_power_of_ports_with_orders_up_to_n_is_one_plus_twice_n_times_wa
         np.testing.assert_allclose(taken, (1 + 2 * order) * limit, rtol=1e-6)
 
 
-def test_a_displacement_that_was_not_solved_is_missed():
-    with pytest.raises(
-        DatabaseError, match=r"displacements \['Radial3'\] of order 1 are not among those solved, \['Rad"
-    ):
-        order_shares([Displacement("radial", n, 1) for n in (1, 2)], basis(1))
-
-
-def test_displacements_that_were_not_solved_are_named_in_their_order():
-    """However many, whatever a set makes of them: the same words each time."""
-    missing = ", ".join(f"'Radial{n}'" for n in range(2, 10))
-    with pytest.raises(DatabaseError, match=rf"displacements \[{missing}\] of order 1 are not among those"):
-        order_shares([Displacement("radial", 1, 1)], basis(1, degree=9))
-
-
 def parts():
     first = xr.Dataset(
         {
@@ -146,30 +123,6 @@ def test_side_by_side_nothing_is_between_orders_and_each_can_be_taken_out_again(
         assert of_order(whole, order).equals(part)
 
 
-def test_side_by_side_the_history_is_that_of_those_that_have_one():
-    first, second = parts()
-    bare = first.drop_attrs()
-    assert side_by_side([bare, second], [0, 1]).attrs["history"] == "from excitation"
-    assert (
-        side_by_side([first.assign_attrs(history=""), second, second], [0, 1, -1]).attrs["history"] == "from excitation"
-    )
-    assert side_by_side([bare, bare], [0, 1]).attrs["history"] == ""
-    third, last = (second.assign_attrs(history=text) for text in ("read", "cut"))
-    assert side_by_side([first, second, third, last], [0, 1, 2, 3]).attrs["history"] == (
-        "symmetrized; from excitation; read; cut"
-    )
-
-
-def test_forces_of_an_order_can_be_taken_out_alone():
-    forces = side_by_side(parts(), [0, 1])[["excitation_force", ORDER]].drop_vars("radiating_dof", errors="ignore")
-    assert of_order(forces, 1).excitation_force.values.tolist() == [[[2.0]], [[2.0]]]
-
-
-def test_a_database_without_orders_is_of_order_zero():
-    assert list(order_groups(parts()[0])) == [0]
-    assert of_order(parts()[0], 0).equals(parts()[0])
-
-
 def test_structure_of_an_order_is_complete():
     one = basis(2)
     pair = ("influenced_dof", "radiating_dof")
@@ -191,29 +144,6 @@ def test_cosines_and_sines_of_a_heading_make_the_whole_wave(order, direction):
     np.testing.assert_allclose(whole, np.cos(order * (theta - direction)), atol=1e-12)
 
 
-@pytest.mark.parametrize("order", [-3, -2, -1, 0, 1, 2, 3])
-def test_the_waves_that_excite_an_order_most_do_so_with_the_share_one(order):
-    """Not minus one: what is stored in these waves is the excitation itself."""
-    assert heading_share(order, own_heading(order)) == pytest.approx(1.0, abs=1e-15)
-
-
-def test_headings_are_those_of_all_orders_once_and_the_waves_along_x():
-    assert headings([0]) == [0.0]
-    assert headings([0, 1, 2, -1, -2]) == pytest.approx([0.0, np.pi / 4, np.pi / 2])
-    assert headings([-1]) == pytest.approx([0.0, np.pi / 2])
-
-
-def test_each_degree_of_freedom_is_excited_most_by_its_own_of_the_directions():
-    going = headings([0, 1, -1, -2])
-    turned = [in_headings(one, order, going) for one, order in zip([*parts(), *parts()], (0, 1, -1, -2), strict=True)]
-    whole = side_by_side([renamed(one, [name]) for one, name in zip(turned, "abcd", strict=True)], [0, 1, -1, -2])
-    assert own_headings(whole).tolist() == [0, 0, 2, 1]
-    np.testing.assert_allclose(most_exciting(whole, "excitation_force"), [[1.0, 2.0, 1.0, 2.0]] * 2, rtol=1e-12)
-    np.testing.assert_allclose(  # cos m beta and sin m beta at 0, 45 and 90 degrees
-        whole.excitation_force[0], [[1, 2, 0, 0], [1, 2**0.5, 0.5**0.5, 2], [1, 0, 1, 0]], atol=1e-12
-    )
-
-
 @pytest.mark.parametrize("order", [1, 2])
 def test_shapes_of_an_order_are_semi_normalised_and_moved_by_their_radial_part(order):
     """Whatever else was solved, in whatever order; surge is P_1^1 itself and pitch moves no water."""
@@ -225,92 +155,3 @@ def test_shapes_of_an_order_are_semi_normalised_and_moved_by_their_radial_part(o
     expected = [*rigid.values(), *({m.degree: m.radial * semi_normalisation(m.degree, order)} for m in one.modes)]
     assert list(one.labels[: len(rigid)]) == list(rigid)
     assert found == pytest.approx(np.array([[of.get(each.degree, 0.0) for each in solved_] for of in expected]))
-
-
-def test_only_pitch_is_left_out_of_what_moves_water():
-    raw = solved(1, range(1, 4), [1.5], nodes=8)
-    wet, whole = in_wet_modes(raw, basis(1)), in_order_modes(raw, basis(1))
-    labels = [label for label in basis(1).labels if label != "Pitch"]
-    assert list(wet.influenced_dof.values) == list(wet.radiating_dof.values) == labels
-    assert wet.equals(whole.sel(influenced_dof=labels, radiating_dof=labels))
-    assert in_wet_modes(solved(2, [2, 3], [1.5], nodes=8), basis(2)).sizes["influenced_dof"] == len(basis(2).labels)
-
-
-@pytest.mark.parametrize("order", [0, 1, 2])
-def test_damping_from_excitation_is_that_of_its_water_and_its_order(order):
-    """In water of finite depth, of two motions out of phase; what was done before is told first."""
-    pair, force = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
-    x, omega, depth, density, gravity = np.array([3.0 + 1.0j, -0.5 + 2.0j]), 1.3, 4.0, 800.0, 3.7
-    ds = xr.Dataset(
-        {"radiation_damping": (("omega", *pair), np.zeros((1, 2, 2))), "excitation_force": (force, x[None, None])},
-        {"omega": [omega]},
-        {"history": "read"},
-    )
-    k = wavenumber(omega, depth, gravity)
-    share = k / (4 * (2 if order else 1) * density * gravity * group_velocity(omega, depth, gravity))
-    made = with_haskind_damping(ds, order, depth, density, gravity)
-    assert made.radiation_damping.values[0] == pytest.approx(share * np.outer(x, x.conj()).real, rel=1e-12)
-    assert made.attrs["history"] == f"read; damping of order {order} from excitation (Haskind)"
-
-
-def test_sines_come_after_the_cosines_of_their_order_and_orders_ascend():
-    orders = [2, -1, 0, 1, -2, 1, 0]
-    ds = xr.Dataset({ORDER: ("influenced_dof", orders), "a": ("influenced_dof", np.arange(7.0))})
-    groups = order_groups(ds)
-    assert list(groups) == [0, 1, -1, 2, -2]
-    assert [group.tolist() for group in groups.values()] == [[2, 6], [3, 5], [1], [0], [4]]
-    assert of_order(ds, -2).a.values.tolist() == [4.0]
-    assert ORDER not in of_order(ds, 1)
-
-
-def test_a_part_that_moves_no_water_is_like_another_in_all_but_its_motions():
-    like = side_by_side(parts(), [0, 0]).drop_vars(ORDER)
-    one = basis(1)
-    still = still_part(like, one)
-    assert still.attrs == like.attrs
-    assert list(still.influenced_dof.values) == list(still.radiating_dof.values) == list(one.labels)
-    assert set(still.data_vars) == set(like.data_vars)
-    assert still.added_mass.shape == (2, len(one.labels), len(one.labels))
-    assert still.omega.equals(like.omega)
-    assert not any(still[name].values.any() for name in still.data_vars)
-
-
-def test_structure_of_an_order_has_every_stiffness_under_its_name():
-    one, pair = basis(1), ("influenced_dof", "radiating_dof")
-    bare = xr.Dataset({"a": (pair, np.eye(len(one.labels)))}, {dim: list(one.labels) for dim in pair}, {"solver": "s"})
-    given = {"structural": one.stiffness, "hydrostatic": np.triu(one.inertia) - 2 * one.stiffness}
-    ds = with_order_structure(bare, one, given)
-    for name, matrix in given.items():
-        np.testing.assert_array_equal(ds[f"{name}_stiffness"], matrix)
-    assert ds.attrs == {"solver": "s"}
-
-
-def test_every_force_is_turned_into_every_direction_and_matrices_stay():
-    """Of one order and its sine; forces keep their places among the dimensions."""
-    (first, second), going = parts(), [0.0, np.pi / 4, 1.9]
-    several = second.assign(
-        Froude_Krylov_force=3.0 * second.excitation_force, diffraction_force=-2.0j * second.excitation_force
-    )
-    for order in (2, -2):
-        found = in_headings(several, order, going)
-        assert found.wave_direction.values.tolist() == going
-        share = [np.cos(2 * at) if order > 0 else np.sin(2 * at) for at in going]
-        for name, size in (("excitation_force", 1.0), ("Froude_Krylov_force", 3.0), ("diffraction_force", -2.0j)):
-            assert found[name].dims == second.excitation_force.dims
-            own = size * second.excitation_force.values
-            np.testing.assert_allclose(found[name].values, own * np.array(share)[:, None], atol=1e-12)
-        for name, data in second.data_vars.items():
-            if "wave_direction" not in data.dims:
-                assert found[name].identical(data)
-    assert first.attrs == in_headings(first, 0, going).attrs
-
-
-@pytest.mark.parametrize("directions", [[-90.0, 0.0, 45.0, 90.0], [90.0, -45.0, 44.0, 1.0], [-90.0, -1.0, 30.0, 70.0]])
-def test_its_own_of_the_directions_is_the_nearest_with_its_sign(directions):
-    """In whatever order they stand; upright motions are excited by all alike, and alone take the first."""
-    going = np.deg2rad(directions)
-    orders = [1, -2, 0, -1]
-    ds = xr.Dataset({ORDER: ("influenced_dof", orders)}, {"wave_direction": going, "influenced_dof": list("abcd")})
-    nearest = [min(range(len(going)), key=lambda at: abs(going[at] - own)) for own in map(own_heading, orders)]
-    assert own_headings(ds).tolist() == nearest
-    assert own_headings(ds.drop_vars(ORDER)).tolist() == [0] * 4

@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from scipy.linalg import block_diag
 
 from vsb.hydro.realisation import Balanced, StateSpace, _combined, rational_fit
 
@@ -62,12 +61,6 @@ def uneven(order, dof, seed):
     return one._replace(output_matrix=rng.normal(size=(dof, order)))
 
 
-def test_a_function_that_is_not_symmetric_is_found_row_by_row():
-    k = uneven(6, 2, 3).transfer(OMEGA)
-    assert np.abs(k - k.swapaxes(1, 2)).max() > 0.1
-    assert rational_fit(OMEGA, k, 6).transfer(OMEGA) == pytest.approx(k, abs=1e-9)
-
-
 def test_balancing_tells_what_is_reached_from_what_is_seen():
     """Gramians of the truncated space, by their equations, are both the diagonal of Hankel's values."""
     whole = uneven(6, 2, 3)
@@ -77,44 +70,6 @@ def test_balancing_tells_what_is_reached_from_what_is_seen():
     hankel = np.diag(hankel_values(whole))
     assert a @ hankel + hankel @ a.T == pytest.approx(-b @ b.T, abs=1e-8)
     assert a.T @ hankel + hankel @ a == pytest.approx(-c.T @ c, abs=1e-8)
-
-
-def test_damping_is_the_least_eigenvalue_of_the_hermitian_part():
-    """By Rayleigh's quotients of many phasors: none is less, and one is as little."""
-    system = uneven(6, 2, 3)
-    k, rng = system.transfer(OMEGA), np.random.default_rng(0)
-    v = rng.normal(size=(20000, 2)) + 1j * rng.normal(size=(20000, 2))
-    power = np.einsum("si,wij,sj->ws", v.conj(), k, v, optimize=True).real / (np.abs(v) ** 2).sum(axis=1)
-    least, size = system.damping(OMEGA), np.abs(k).max(axis=(1, 2))
-    assert np.all(power.min(axis=1) >= least - 1e-12 * size)
-    assert np.all(power.min(axis=1) <= least + 2e-3 * size)
-
-
-def test_poles_of_what_is_small_beside_the_rest_are_found_as_well():
-    """An entry a hundred millionth of another, with poles of its own."""
-    one, other = oscillators(2, 1, 0), oscillators(2, 1, 5)
-    k = np.zeros((len(OMEGA), 2, 2), dtype=complex)
-    k[:, 0, 0], k[:, 1, 1] = one.transfer(OMEGA)[:, 0, 0], 1e-8 * other.transfer(OMEGA)[:, 0, 0]
-    found = rational_fit(OMEGA, k, 4).transfer(OMEGA)
-    for i in (0, 1):
-        assert np.abs(found[:, i, i] - k[:, i, i]).max() < 1e-9 * np.abs(k[:, i, i]).max()
-
-
-def test_states_that_are_reached_or_seen_by_round_off_alone_are_none():
-    """Of a fit with three times the states of its function, and of one with states that no motion reaches."""
-    whole, rng = uneven(6, 2, 3), np.random.default_rng(1)
-    idle = StateSpace(
-        block_diag(whole.state_matrix, [[-0.3, 1.0], [-1.0, -0.3]]),
-        np.vstack([whole.input_matrix, np.zeros((2, 2))]),
-        np.hstack([whole.output_matrix, rng.normal(size=(2, 2))]),
-    )
-    fitted = rational_fit(OMEGA, oscillators(8, 3, 0).transfer(OMEGA), 8)
-    for system, least in ((idle, 6), (fitted, 8)):
-        balanced = Balanced.of(system)
-        assert least <= balanced.order < len(system.state_matrix)
-        assert balanced.left.T @ balanced.right == pytest.approx(np.eye(balanced.order), abs=0.1)
-        full = balanced.truncated(balanced.order)
-        assert full.transfer(OMEGA) == pytest.approx(system.transfer(OMEGA), abs=1e-6)
 
 
 @pytest.mark.parametrize("unit", [1e-13, 1e13])

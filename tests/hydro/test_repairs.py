@@ -10,7 +10,6 @@ from vsb.hydro.database import Check
 from vsb.hydro.formats.foreign import sizes
 from vsb.hydro.repairs import (
     PAIR,
-    check_repairable,
     repaired,
     told,
     with_causal_added_mass,
@@ -131,12 +130,6 @@ def test_more_than_noise_is_refused():
         repaired(ds.isel(omega=slice(5)), ["kramers_kronig"])
 
 
-def test_what_no_spline_follows_in_many_rounds_is_refused(monkeypatch):
-    monkeypatch.setattr("vsb.hydro.repairs._ROUNDS", 1)
-    with pytest.raises(ConfigError, match=r"leaves damping that is negative between the frequencies, up to 6 rad/s"):
-        repaired(noisy(two_channels(), 0.05), ["positive_damping"])
-
-
 def test_failures_of_what_is_repaired_are_doubts():
     fails = [Check(name, 1.0, 0.1, "-", "fail", "text") for name in ("positive_damping", "haskind")]
     assert [check.verdict for check in told(fails, ["positive_damping"])] == ["doubt", "fail"]
@@ -169,130 +162,3 @@ def test_stiffness_is_even_but_for_round_off_and_doubted_beyond_two_percent(unev
     mended, checks = with_symmetric_stiffness(ds)
     assert [check.verdict for check in checks] == verdicts
     assert mended.hydrostatic_stiffness.values[0, 1] == pytest.approx(0.5 + uneven, rel=1e-12)
-
-
-@pytest.mark.parametrize("count", [9, 10])
-def test_a_transform_takes_ten_frequencies(count):
-    omega = OMEGA[:count]
-    check_repairable(["positive_damping"], omega)
-    if count == 10:
-        check_repairable(["positive_damping", "kramers_kronig"], omega)
-        return
-    with pytest.raises(ConfigError, match=r"^hydro.repair: kramers_kronig needs 10 frequencies, received 9$"):
-        check_repairable(["positive_damping", "kramers_kronig"], omega)
-
-
-@pytest.mark.parametrize(
-    ("name", "variable", "measure"),
-    [("positive_damping", "radiation_damping", "damping"), ("kramers_kronig", "added_mass", "added_mass")],
-)
-def test_a_change_is_told_in_terms_of_both_motions_own_at_its_frequency(name, variable, measure):
-    ds = noisy(two_channels(), 0.05)
-    shaken = ds.added_mass.values.copy()
-    shaken[20, 0, 1] = shaken[20, 1, 0] = shaken[20, 0, 1] - 0.1
-    ds, units = ds.assign(added_mass=(("omega", *PAIR), shaken)), np.outer([1.0, 3.0], [1.0, 3.0])
-    ds = ds.assign({each: ds[each] * units for each in ("added_mass", "radiation_damping")})
-    mended, (check,) = repaired(ds, [name])
-    own = getattr(sizes(ds), measure)
-    change = np.abs(mended[variable].values - ds[variable].values) / np.sqrt(np.outer(own, own))
-    at = OMEGA[change.max(axis=(1, 2)).argmax()]
-    what = {
-        "damping": "damping, in terms of both motions' largest",
-        "added_mass": "added mass, in terms of both motions' own",
-    }
-    assert own[1] > 2 * own[0]
-    assert check.value == pytest.approx(change.max(), rel=1e-12)
-    assert check.explanation == f"largest change of {what[measure]}; most at {at:.4g} rad/s"
-
-
-def test_added_mass_at_infinity_is_the_median_of_what_damping_leaves():
-    """A few frequencies far off do not move it."""
-    ds = two_channels(np.arange(1, 201) * 0.1)
-    off = ds.added_mass.values.copy()
-    off[:30] += np.array([[0.2, 0.1], [0.1, 0.3]])
-    found, sound = (with_causal_added_mass(each) for each in (ds.assign(added_mass=(("omega", *PAIR), off)), ds))
-    assert found.added_mass_inf.values == pytest.approx(sound.added_mass_inf.values, abs=5e-3)
-    assert found.attrs["history"] == "read; added mass made that of the damping by Kramers and Kronig"
-
-
-def test_stiffness_between_rigid_motions_is_the_mean_and_its_size_that_of_rows_and_columns():
-    """3 of sqrt(9 * 16); a motion without a diagonal has the size of its largest coupling, in rows or columns."""
-    labels = ["Heave", "Pitch", "Mode7"]
-    c = np.array([[9.0, 2.0, 0.0], [-1.0, 16.0, 0.0], [0.0, 0.0, 1.0]])
-    ds = xr.Dataset({"hydrostatic_stiffness": (PAIR, c)}, dict.fromkeys(PAIR, labels))
-    mended, (check,) = with_symmetric_stiffness(ds)
-    assert mended.hydrostatic_stiffness.values.tolist() == [[9.0, 0.5, 0.0], [0.5, 16.0, 0.0], [0.0, 0.0, 1.0]]
-    assert (check.value, check.limit) == (pytest.approx(3.0 / 12.0), 0.02)
-    for turned in (c, c.T):
-        empty = turned.copy()
-        empty[1, 1] = 0.0
-        _, (check,) = with_symmetric_stiffness(ds.assign(hydrostatic_stiffness=(PAIR, empty)))
-        assert check.value == pytest.approx(3.0 / np.sqrt(9.0 * 2.0))
-
-
-def test_only_failures_of_what_is_repaired_are_doubts():
-    given = [Check("positive_damping", 1.0, 0.1, "-", verdict, "text") for verdict in ("ok", "doubt", "accepted")]
-    assert told(given, ["positive_damping"]) == given
-
-
-@pytest.mark.parametrize("at", [0, 1, 2])
-def test_what_is_dry_stands_anywhere_and_what_is_wet_is_repaired_as_without_it(at):
-    """In units of its own; what a dry motion has of round-off goes."""
-    wet = noisy(two_channels(), 0.05)
-    units = np.outer([1.0, 30.0], [1.0, 30.0])
-    names = ("added_mass", "radiation_damping")
-    wet = wet.assign({name: wet[name] * units for name in names})
-    places, labels = [i for i in range(3) if i != at], list(LABELS)
-    labels.insert(at, "Yaw")
-    given = {}
-    for name in names:
-        values = np.zeros((len(OMEGA), 3, 3))
-        values[:, [[i] for i in places], places] = wet[name].values
-        given[name] = (("omega", *PAIR), values)
-    given["radiation_damping"][1][:, at, at] = 1e-13
-    ds = xr.Dataset(given, {"omega": OMEGA, **dict.fromkeys(PAIR, labels)}, wet.attrs)
-    assert sizes(ds).wet.tolist() == [label != "Yaw" for label in labels]
-    mended, alone = with_passive_damping(ds), with_passive_damping(wet)
-    found = mended.radiation_damping.values
-    assert np.array_equal(found[:, [[i] for i in places], places], alone.radiation_damping.values)
-    assert not found[:, at].any()
-    assert not found[:, :, at].any()
-    assert mended.attrs == alone.attrs
-
-
-def test_frequencies_are_lifted_on_both_sides_of_where_a_spline_draws():
-    """One that draws between the last two of the frequencies, and one that draws between the first two."""
-    for turned in (False, True):
-        b = np.ones((12, 1, 1))
-        b[-3:, 0, 0] = [1e-4, 1e-5, 0.8]
-        b = b[::-1] if turned else b
-        omega = np.arange(1, 13) * 0.1
-        coords = {"omega": omega, **{dim: ["Heave"] for dim in PAIR}}
-        data = {"added_mass": (("omega", *PAIR), np.ones((12, 1, 1))), "radiation_damping": (("omega", *PAIR), b)}
-        ds = xr.Dataset(data, coords, {"water_density": 1.0, "displaced_volume": 1.0})
-        fine = np.linspace(omega[0], omega[-1], 2000)
-        assert CubicSpline(omega, b[:, 0, 0])(fine).min() < 0
-        mended = with_passive_damping(ds)
-        found = mended.radiation_damping.values[:, 0, 0]
-        assert CubicSpline(omega, found)(fine).min() >= 0
-        raised = np.flatnonzero(found != b[:, 0, 0])
-        assert set(raised) == ({1, 2} if turned else {9, 10})
-        assert np.all(found[raised] > b[raised, 0, 0])
-        assert mended.attrs["history"] == "damping made positive definite at 2 of 12 frequencies"
-
-
-def test_a_second_repair_is_of_what_the_first_one_left():
-    """Its size, too; of none nothing is told."""
-    ds = noisy(two_channels(), 0.05)
-    found, checks = repaired(ds, ["positive_damping", "kramers_kronig"])
-    first, (one,) = repaired(ds, ["positive_damping"])
-    second, (two,) = repaired(first, ["kramers_kronig"])
-    assert checks == [one, two]
-    assert found.identical(second)
-    assert found.attrs["history"].endswith("frequencies; added mass made that of the damping by Kramers and Kronig")
-
-
-def test_failures_keep_all_but_their_verdict():
-    given = Check("kramers_kronig", 0.3, 0.1, "-", "fail", "text")
-    (found,) = told([given], ["positive_damping", "kramers_kronig"])
-    assert found == Check("kramers_kronig", 0.3, 0.1, "-", "doubt", "text; repaired")

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from vsb.errors import DatabaseError
 from vsb.hydro.retardation import DampingSpectrum
 
 OMEGA = np.arange(1, 121) * 0.1
@@ -72,15 +71,6 @@ def test_damping_continues_beyond_the_band(spectrum):
     assert at[1] == pytest.approx(at[0] / 8)
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("where", ["omega", "damping"])
-def test_what_is_no_number_is_refused(where, value):
-    given = {"omega": OMEGA.copy(), "damping": damping(OMEGA)[:, None, None]}
-    given[where][7] = value
-    with pytest.raises(DatabaseError, match=r"^radiation damping: received NaN or infinite values; solve these freq"):
-        DampingSpectrum(**given)
-
-
 def test_every_entry_of_a_matrix_has_its_own_transform(spectrum):
     """Which is linear: a coupling that is negative, one of another shape, and none; each at its place."""
     one = damping(OMEGA)
@@ -105,47 +95,7 @@ def test_every_entry_of_a_matrix_has_its_own_transform(spectrum):
         np.testing.assert_allclose(getattr(whole, name)(at), expected, atol=1e-12)
 
 
-def test_below_the_band_damping_falls_to_nothing_at_frequency_zero(spectrum):
-    assert spectrum.at(np.zeros(1)).item() == 0.0
-    assert 0.0 < spectrum.at(np.array([0.05])).item() < spectrum.at(np.array([0.1])).item()
-    assert spectrum.transfer(np.zeros(1)).item() == 0.0
-
-
-def ends_high(v):
-    """A cubic up to 4 rad/s, omega^-3 beyond, which has half of all there is."""
-    return v**2 * (12.0 - v) if v < 4.0 else 128.0 * (4.0 / v) ** 3
-
-
 @pytest.fixture(scope="module")
 def cubic():
     omega = np.linspace(0.2, 4.0, 20)
     return DampingSpectrum(omega, (omega**2 * (12.0 - omega))[:, None, None])
-
-
-@pytest.mark.parametrize("omega", [0.0, 0.9, 2.7])
-def test_added_mass_of_a_damping_that_ends_high_holds_what_is_beyond_the_band(cubic, omega):
-    """By quadrature of its own; the pole apart, what is about it by Cauchy's weight."""
-    if omega:
-        below = quad(lambda v: ends_high(v) / (v + omega), 0, 4.0, weight="cauchy", wvar=omega)[0]
-    else:
-        below = quad(lambda v: 12.0 - v, 0, 4.0)[0]
-    above = quad(lambda v: ends_high(v) / (v**2 - omega**2), 4.0, np.inf)[0]
-    assert cubic.added_mass_difference(np.array([omega])).item() == pytest.approx(2 / np.pi * (below + above), rel=1e-7)
-
-
-@pytest.mark.parametrize("time", [0.0, 0.8, 5.0])
-def test_a_kernel_of_a_damping_that_ends_high_holds_what_is_beyond_the_band(cubic, time):
-    below = quad(lambda v: ends_high(v) * np.cos(v * time), 0, 4.0, epsabs=1e-10)[0]
-    above = quad(ends_high, 4.0, np.inf, weight="cos", wvar=time, epsabs=1e-10)[0] if time else 256.0
-    assert cubic.kernel(np.array([time])).item() == pytest.approx(2 / np.pi * (below + above), abs=1e-6)
-
-
-@pytest.mark.parametrize("slow", [1e-4, 1e4])
-def test_a_spectrum_knows_no_unit_of_time(slow):
-    """The same damping at other frequencies is the same damping, within the band and beyond, its transforms in step."""
-    values, at = damping(OMEGA)[:, None, None], np.array([0.0, 0.05, 0.75, 3.3, 11.0, 30.0])
-    one, other = DampingSpectrum(OMEGA, values), DampingSpectrum(slow * OMEGA, values)
-    assert other.at(slow * at) == pytest.approx(one.at(at), rel=1e-9)
-    difference = one.added_mass_difference(at)
-    assert slow * other.added_mass_difference(slow * at) == pytest.approx(difference, abs=1e-9)
-    assert other.kernel(at / slow) / slow == pytest.approx(one.kernel(at), abs=1e-9)

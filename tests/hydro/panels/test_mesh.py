@@ -1,21 +1,17 @@
 import meshio
 import numpy as np
 import pytest
-from conftest import varied
 
 from vsb.hydro.panels.mesh import (
     deformed_mesh,
-    display_shapes,
     graded_colatitudes,
     mean_mesh,
     polygon_radius,
     revolved,
     write_wet_shell,
 )
-from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.shell.modes import mode_basis
-from vsb.study import study as config
 
 
 def panel_area(vertices, faces):
@@ -56,15 +52,6 @@ def test_area_of_the_viewable_mesh_converges_at_second_order(seed, tmp_path):
     assert np.all(np.abs(slopes - 2.0) < 0.1), slopes
 
 
-def test_one_shape_per_mode_and_sign(seed):
-    shell = DeformedShell(mode_basis(seed.device, "membrane", 2), 0.0)
-    shapes = display_shapes(shell)
-    assert list(shapes) == [
-        "mean", "Membrane0_minus", "Membrane0_plus", "Membrane1_minus", "Membrane1_plus", "Membrane2_minus", "Membrane2_plus",
-    ]  # fmt: skip
-    assert shapes["Membrane0_plus"].volume() > shell.volume() > shapes["Membrane0_minus"].volume()
-
-
 def enclosed_volume(vertices, faces):
     """Volume below z = 0 by the divergence theorem on two triangles per panel; positive for outward normals."""
     a, b, c, d = (vertices[faces[:, i]] for i in range(4))
@@ -103,59 +90,11 @@ def test_normals_point_into_the_water():
     assert np.all(np.einsum("ij,ij->i", normals, centres) > 0)
 
 
-@pytest.mark.parametrize("rows", [1, 2, 33])
-def test_rows_span_any_band(rows):
-    phi = graded_colatitudes(0.4, rows, keel=1.1)
-    assert phi.shape == (rows + 1,)
-    assert (phi[0], phi[-1]) == pytest.approx((0.4, 1.1), rel=1e-15)
-    assert np.all(np.diff(phi) > 0)
-
-
 def test_lid_covers_the_waterplane_in_equal_rows():
     mesh = mean_mesh(2.0, -0.5, 30, 60, 9)
     assert np.diff(mesh.lid_radius.values) == pytest.approx(np.full(9, mesh.lid_radius.values[-1] / 9), rel=1e-12)
     assert mesh.lid_radius.values[-1] == pytest.approx(polygon_radius(60) * np.sqrt(4.0 - 0.25), rel=1e-14)
     assert mesh.attrs["azimuth"] == 60
-
-
-def test_both_wet_bands_of_a_dented_shell_are_written(seed, tmp_path):
-    basis = mode_basis(seed.device, "full", 6)
-    shell = DeformedShell(basis, -1.7, -0.4 * np.array([label == "Bending6" for label in basis.labels]))
-    assert len(shell.wet_segments) == 2
-    write_wet_shell(shell, tmp_path / "deep" / "wet.vtu", 40, 80)
-    mesh = meshio.read(tmp_path / "deep" / "wet.vtu")
-    quads = mesh.cells_dict["quad"]
-    assert quads.shape == (2 * 40 * 80, 4)
-    assert panel_area(mesh.points, quads).sum() == pytest.approx(shell.wet_area(120), rel=5e-3)
-    assert mesh.points[:, 2].max() < 1e-12
-
-
-def test_panels_of_three_wet_bands_have_their_own_corners(seed, tmp_path):
-    """The first of which is all of the pole."""
-    basis = mode_basis(seed.device, "full", 12)
-    shell = DeformedShell(basis, -1.5, -0.7 * np.array([label == "Bending12" for label in basis.labels]))
-    assert len(shell.wet_segments) == 3
-    write_wet_shell(shell, tmp_path / "wet.vtu", 40, 40)
-    mesh = meshio.read(tmp_path / "wet.vtu")
-    quads = mesh.cells_dict["quad"]
-    assert np.array_equal(np.unique(quads), np.arange(len(mesh.points)))
-    assert panel_area(mesh.points, quads).sum() == pytest.approx(shell.wet_area(240), rel=2e-2)
-
-
-def test_viewable_shapes_are_a_tenth_of_the_radius(seed):
-    shapes = display_shapes(DeformedShell(mode_basis(seed.device, "full", 3), 0.1))
-    for name, shape in shapes.items():
-        assert shape.centre_height == 0.1
-        if name != "mean":
-            assert np.abs(shape.modal_amplitude).sum() == pytest.approx(0.2)
-    assert [np.argmax(np.abs(s.modal_amplitude)) for n, s in shapes.items() if n.endswith("plus")] == [1, 2, 3, 4, 5, 6]
-
-
-def test_every_viewable_shape_of_a_very_light_buoy_is_written(seed, tmp_path):
-    study = config.parse(varied(seed, device={"density": 100.0, "mass": 60.0}).model_dump())
-    for name, shape in display_shapes(DeformedShell(study_basis(study), study.centre_height)).items():
-        write_wet_shell(shape, tmp_path / f"{name}.vtu", 8, 8)
-        assert (tmp_path / f"{name}.vtu").is_file()
 
 
 @pytest.mark.parametrize("height", [-0.5, 0.0, 0.8])
@@ -166,19 +105,6 @@ def test_a_shell_that_is_not_deformed_has_the_mesh_of_the_sphere(height):
         np.testing.assert_allclose(found[name].values, sphere[name].values, atol=1e-12, err_msg=name)
     assert sphere.normal_radius.values == pytest.approx(np.sin(sphere.row_colatitude.values))
     assert sphere.normal_height.values == pytest.approx(np.cos(sphere.row_colatitude.values))
-
-
-@pytest.mark.parametrize(("height", "size"), [(-0.5, 0.2), (0.9, 0.2), (1.5, 0.1), (1.9, 0.02)])
-def test_viewable_shapes_of_what_hardly_dips_are_less_and_add_to_the_shape_at_rest(seed, height, size):
-    """A tenth of the radius or of two drafts; one mode at a time, of either sign, heave never."""
-    rest = np.array([0.01, -0.02, 0.005, 0.0])
-    shapes = display_shapes(DeformedShell(mode_basis(seed.device, "membrane", 2), height, rest))
-    moved = np.array([shape.modal_amplitude - rest for shape in shapes.values()])
-    expected = [0 * rest]
-    for j in (1, 2, 3):
-        expected += [-size * np.eye(4)[j], size * np.eye(4)[j]]
-    assert moved == pytest.approx(np.array(expected), abs=1e-15)
-    assert {shape.centre_height for shape in shapes.values()} == {height}
 
 
 def test_normals_of_a_deformed_shell_are_across_its_meridian_into_the_water(seed):

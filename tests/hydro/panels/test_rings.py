@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from scipy.special import eval_legendre, legendre_p_all
 
-from vsb.errors import ConfigError, DatabaseError
+from vsb.errors import DatabaseError
 from vsb.hydro import dofs
 from vsb.hydro.bodies.solver import unit_wave, unit_wave_slope
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import mean_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import rigid_sphere
-from vsb.tools.stamps import read_manifest, record
+from vsb.tools.stamps import read_manifest
 from vsb.waves.dispersion import group_velocity
 
 DEGREES = tuple(range(7))
@@ -75,17 +75,6 @@ def test_a_table_that_is_not_the_one_written_is_one_line(green_folder, tmp_path,
         return
     with pytest.raises(DatabaseError, match=r"its contents are not those it was .*; delete the folder .*green and run"):
         bem.green_function(place)
-
-
-@pytest.mark.parametrize("wrong", ["one", "other"])
-def test_every_table_of_a_folder_must_be_the_one_written(tmp_path, wrong):
-    tables = [tmp_path / "one.npz", tmp_path / "other.npz"]
-    for table in tables:
-        table.write_bytes(table.name.encode())
-    record(tmp_path / "manifest.json", bem.panel_solver(), tables)
-    (tmp_path / f"{wrong}.npz").write_bytes(b"another")
-    with pytest.raises(DatabaseError, match=rf"{wrong}\.npz: its contents are not those it was .*; delete the folder"):
-        bem.green_function(tmp_path)
 
 
 def test_rings_equal_capytaines_full_solution_to_round_off(green):
@@ -191,14 +180,6 @@ def test_finite_depth_tends_to_deep_water(green):
     assert differences[2] < 1e-3 * deep.added_mass.item()
 
 
-def test_waves_too_short_to_feel_the_bottom_radiate_as_in_deep_water(green):
-    omegas = [2.0, 3.0]  # kd = 20 and 45
-    deep, finite = (unit_problem(green, 20, degrees=(0, 1), depth=d).solve(omegas) for d in (np.inf, 5.0))
-    for n in (0, 1):
-        deep_b, finite_b = (ds.radiation_damping.values[:, n, n] for ds in (deep, finite))
-        assert finite_b == pytest.approx(deep_b, rel=5e-2)
-
-
 def test_added_mass_at_infinite_frequency_in_finite_depth(green):
     deep, near, far = (unit_problem(green, 20, degrees=(1,), depth=d).at_infinity().item() for d in (np.inf, 2.0, 40.0))
     assert far == pytest.approx(deep, rel=1e-3)
@@ -213,37 +194,6 @@ def test_haskind_holds_in_finite_depth(green):
     k = bem.wavenumber(omega, depth, 1.0)
     haskind = k * np.abs(x) ** 2 / (4 * group_velocity(omega, depth, 1.0))
     assert haskind == pytest.approx(np.diag(result.radiation_damping.values[0]), rel=2e-2)
-
-
-def test_coefficients_are_named_by_their_displacements_in_their_order_in_waves_along_x(green):
-    """What one displacement radiates is what it does among others."""
-    found, alone = (unit_problem(green, 6, degrees=degrees).solve([1.2, 0.7]) for degrees in ((4, 0, 1), (0,)))
-    for result, names in ((found, ["Radial4", "Radial0", "Radial1"]), (alone, ["Radial0"])):
-        assert result.omega.values.tolist() == [1.2, 0.7]
-        assert result.wave_direction.values.tolist() == [0.0]
-        assert result.influenced_dof.values.tolist() == result.radiating_dof.values.tolist() == names
-    for name, values in alone.items():
-        one = {dim: ["Radial0"] for dim in ("influenced_dof", "radiating_dof") if dim in values.dims}
-        np.testing.assert_allclose(found[name].sel(one), values, rtol=1e-10)
-
-
-def test_capytaines_own_solutions_are_alike_whatever_symmetry_they_use_and_those_of_rings(green):
-    """Without a lid, capytaine's own diagonal, displacements in their order; each says how long it took."""
-    mesh = mean_mesh(1.0, 0.2, 4, 12, 0)
-    problem = Plain(green, mesh, dofs.displacements(("Radial2", "Radial0"), 0), 1.0, np.inf, 1.0)
-    ours = problem.solve([1.1])
-    for symmetry in ("none", "planes", "rotation"):
-        theirs = bem.capytaine_solution(problem, [1.1], symmetry)
-        assert theirs.attrs["seconds"] > 0
-        for dim in ("influenced_dof", "radiating_dof"):
-            assert theirs[dim].values.tolist() == ["Radial2", "Radial0"]
-        for name in ("added_mass", "radiation_damping"):
-            expected = ours[name].values
-            found = theirs[name].transpose(*ours[name].dims).values
-            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * np.abs(expected).max())
-
-
-# azimuthal orders ---------------------------------------------------------------------------------------------------
 
 
 def order_problem(green, rows, displacements, order, *, azimuth=None, depth=np.inf):
@@ -366,13 +316,6 @@ def test_haskind_of_every_order(green, order, names, depth):
     assert np.abs(haskind - b).max() < (2e-3 if np.isinf(depth) else 2e-2) * b.max()
 
 
-@pytest.mark.parametrize(("order", "azimuth"), [(6, 12), (7, 13), (-1, 12)])
-def test_orders_the_panels_cannot_tell_apart(green, order, azimuth):
-    rings = bem.ring_mesh(mean_mesh(1.0, 0.0, 4, azimuth, 2))
-    with pytest.raises(ConfigError, match=f"order: received {order} on {azimuth} panels around; needs"):
-        bem.ring_matrices(green, rings, 1.0, order=order)
-
-
 @pytest.mark.parametrize(("order", "names"), [(1, ("Surge", "Radial2", "Radial3")), (2, ("Radial2", "Radial3"))])
 def test_every_order_converges_to_the_solver_without_panels(green, order, names):
     """At second order so far, from the flux correction; with the phases of excitation."""
@@ -386,63 +329,6 @@ def test_every_order_converges_to_the_solver_without_panels(green, order, names)
     slopes = np.log(np.array(errors[0]) / errors[-1]) / np.log(2.8)
     assert np.all((slopes > 1.5) & (slopes < 2.2)), slopes
     assert np.max(errors[-1]) < 6e-3, errors
-
-
-@pytest.mark.parametrize("symmetry", ["none", "planes", "rotation"])
-@pytest.mark.parametrize(
-    ("order", "names", "depth"), [(0, ("Radial2", "Heave"), 3.0), (1, ("Surge", "Radial3"), np.inf)]
-)
-def test_capytaines_own_solution_is_of_its_water_its_order_and_all_frequencies(green, symmetry, order, names, depth):
-    """In units where nothing is one; forces too, in waves along x."""
-    mesh = mean_mesh(1.3, 0.2, 4, 12, 0)
-    problem = Plain(green, mesh, dofs.displacements(names, order), 7.0, depth, 2.0)
-    theirs, ours = bem.capytaine_solution(problem, [1.1, 0.7], symmetry), problem.solve([1.1, 0.7])
-    assert theirs.influenced_dof.values.tolist() == theirs.radiating_dof.values.tolist() == list(names)
-    for name in ours:
-        found, expected = theirs[name].sel(omega=[1.1, 0.7]), ours[name].values
-        found = found.squeeze(["rho", "g", "water_depth"], drop=True) if "rho" in found.dims else found
-        size = np.abs(expected).max()
-        np.testing.assert_allclose(found.transpose(*ours[name].dims).values, expected, rtol=0, atol=1e-7 * size)
-    assert (float(theirs.rho), float(theirs.g), float(theirs.water_depth)) == (7.0, 2.0, depth)
-
-
-@pytest.mark.parametrize("azimuth", [5, 6, 7, 8, 10])
-def test_copies_of_a_wedge_stand_for_all_of_its_ring(azimuth):
-    """Those beside the wedge for two, for itself one; one opposite is there once. Harmonics as of all panels around."""
-    rings = bem.ring_mesh(mean_mesh(1.0, 0.2, 3, azimuth, 2))
-    assert rings.weights.sum() == azimuth
-    assert rings.weights.tolist() == [1.0, *[2.0] * ((azimuth - 1) // 2), *([] if azimuth % 2 else [1.0])]
-    assert (rings.rows, rings.body_rows) == (5, 3)
-    centres = rings.copies.faces_centers.reshape(len(rings.weights), 5, 3)
-    angle = np.arctan2(centres[..., 1], centres[..., 0])
-    np.testing.assert_allclose(
-        angle[:, 0] % (2 * np.pi), 2 * np.pi * np.arange(len(rings.weights)) / azimuth, atol=1e-9
-    )
-    for order in range((azimuth + 1) // 2):
-        expected = rings.weights * np.cos(order * angle[:, 0])
-        np.testing.assert_allclose(rings.harmonic(order), expected, atol=1e-9)
-    area = 2 * np.pi * 1.0 * 0.8
-    assert rings.areas.sum() == pytest.approx(area, rel=0.2)
-    for order in (-1, (azimuth + 1) // 2):
-        with pytest.raises(
-            ConfigError, match=rf"^order: received {order} on {azimuth} panels around; needs 0 <= order"
-        ):
-            rings.harmonic(order)
-
-
-@pytest.mark.parametrize("depth", [np.inf, 3.0])
-@pytest.mark.parametrize(("order", "names"), [(0, ("Radial0", "Heave")), (1, ("Surge", "Radial2"))])
-def test_what_is_known_of_the_wave_is_of_its_order_its_water_and_its_waterline(green, order, names, depth):
-    """Froude-Krylov forces are those of the solution; the phase is k times the waterline's radius."""
-    mesh = mean_mesh(1.5, 0.3, 4, 12, 0)
-    problem = bem.AxisymmetricProblem(green, mesh, dofs.displacements(names, order), 7.0, depth, 2.0)
-    wave, omega = problem.incident_wave, np.array([1.1, 0.6])
-    assert wave.order == order
-    k = [bem.wavenumber(w, depth, 2.0) for w in omega]
-    assert wave.phase(omega) == pytest.approx(mesh.meridian_radius.values[0] * np.array(k))
-    solved = problem.solve(omega.tolist()).Froude_Krylov_force.values
-    assert wave.froude_krylov(omega) == pytest.approx(solved, rel=1e-12)
-    assert solved.shape == (2, 1, 2)
 
 
 def patch_of_panels():
@@ -469,100 +355,6 @@ def test_a_mesh_is_mirrored_in_every_plane_it_says_and_nothing_is_reordered(plan
     assert sorted(map(tuple, centres.round(9))) == sorted(map(tuple, expected.round(9)))
 
 
-def test_meshes_are_joined_as_they_are():
-    """Triangles at the axis, told by a corner twice, and panels of a small model stay what they are, in their order."""
-    vertices, faces = patch_of_panels()
-    faces = np.concatenate([faces, [[faces[0][0], faces[0][0], faces[0][1], faces[0][2]]]])
-    parts = [bem.panel_mesh(1e-5 * vertices, faces), bem.panel_mesh(1e-5 * (vertices + 1.0), faces)]
-    mesh = bem._joined(parts)
-    np.testing.assert_allclose(mesh.vertices[mesh.faces], np.concatenate([m.vertices[m.faces] for m in parts]))
-
-
-def test_panels_however_small_are_kept_in_their_order():
-    """Of a model a hundred thousandth of its size, and one panel twice."""
-    vertices, faces = patch_of_panels()
-    mesh = bem.panel_mesh(1e-5 * vertices, np.concatenate([faces, faces[:1]]))
-    own = bem.panel_mesh(vertices, faces).faces_centers
-    np.testing.assert_allclose(mesh.faces_centers, 1e-5 * np.concatenate([own, own[:1]]), rtol=1e-12)
-
-
-@pytest.mark.parametrize("planes", [(), ("xOz",), ("xOz", "yOz")])
-@pytest.mark.parametrize(
-    ("k", "depth", "asked", "water"),
-    [
-        (1.3, np.inf, 1.3, np.inf),
-        (1.3, 5.0, 1.3, 5.0),
-        (0.0, np.inf, 0.0, np.inf),
-        (0.0, 5.0, 0.0, np.inf),
-        (np.inf, np.inf, np.inf, np.inf),
-        (np.inf, 5.0, 9e4 / 5.0, 5.0),
-    ],
-)
-def test_influences_of_a_part_on_its_images_are_those_of_all_panels(green, planes, k, depth, asked, water):
-    """A wall in the surface at frequency zero, none of the bottom there; at infinite frequency the surface gives way."""
-    mesh = bem.panel_mesh(*patch_of_panels(), planes)
-    s, d = bem.influence_blocks(green, mesh, k, depth)
-    assert s.shape == d.shape == (2 ** len(planes), 3, 3)
-    whole = mesh.merged() if planes else mesh
-    options = {"wavenumber": asked, "water_depth": water, "adjoint_double_layer": True}
-    for found, full in zip((s, d), green.evaluate(whole, whole, **options), strict=True):
-        rows = np.asarray(full).reshape(len(whole.faces_centers), -1)[:3]
-        blocks = [rows[:, 3 * i : 3 * i + 3] for i in range(2 ** len(planes))]
-        np.testing.assert_allclose(found[0], blocks[0], rtol=1e-5, atol=1e-7)
-        np.testing.assert_allclose(found.sum(axis=0), sum(blocks), rtol=1e-5, atol=1e-7)
-
-
-@pytest.mark.parametrize("lid_rows", [0, 1, 2])
-def test_a_lid_has_its_rows_behind_those_of_the_body_if_it_is_asked_for(lid_rows):
-    """One row alone covers the waterplane as well as several."""
-    mesh = mean_mesh(2.0, 0.5, 5, 12, lid_rows)
-    with_lid, without = (bem.ring_mesh(mesh, with_lid=asked) for asked in (True, False))
-    assert (with_lid.body_rows, with_lid.rows) == (5, 5 + lid_rows)
-    assert (without.body_rows, without.rows) == (5, 5)
-    covered = 12 * with_lid.wedge.faces_areas[5:].sum()
-    assert covered == pytest.approx(np.pi * (2.0**2 - 0.5**2) if lid_rows else 0.0, rel=1e-12)
-
-
-@pytest.mark.parametrize(("depth", "highest"), [(np.inf, np.inf), (3.0, 9e4 / 3.0)])
-@pytest.mark.parametrize(("order", "names"), [(0, ("Radial0", "Heave")), (2, ("Radial2", "Radial3", "Radial4"))])
-def test_forces_are_of_the_potentials_that_rings_of_the_order_set_up(monkeypatch, depth, highest, order, names):
-    """Of influences as they come: at infinite frequency without a lid; else the lid is at rest and feels no force."""
-    rng, asked, rows = np.random.default_rng(5), [], {False: 4, True: 7}
-    parts = {n: rng.normal(size=(2, n, n)) + 1j * rng.normal(size=(2, n, n)) for n in rows.values()}
-    lacking = {n: rng.normal(size=n) for n in rows.values()}
-
-    def matrices(green, rings, *water):
-        asked.append((green, rings.rows, *water))
-        return parts[rings.rows]
-
-    monkeypatch.setattr(bem, "ring_matrices", matrices)
-    monkeypatch.setattr(bem, "flux_correction", lambda green, rings: lacking[rings.rows])
-    mesh, moved = mean_mesh(1.5, 0.2, 4, 12, 3), dofs.displacements(names, order)
-    problem = bem.AxisymmetricProblem("green", mesh, moved, 7.0, depth, 2.0)
-    w, area = problem.velocities, problem.body.areas
-    onto = -7.0 * w * area / (2 if order else 1)
-
-    def set_up(n, velocity):
-        (s, d), full = parts[n], np.zeros((n, velocity.shape[1]), dtype=complex)
-        full[:4] = velocity
-        return (s @ np.linalg.solve(d + np.diag(lacking[n]), full))[:4]
-
-    np.testing.assert_allclose(problem.at_infinity(), (onto @ set_up(4, w.T)).real, rtol=1e-9)
-    omegas = [0.9, 1.7]
-    ds = problem.solve(omegas)
-    k = [bem.wavenumber(omega, depth, 2.0) for omega in omegas]
-    assert asked == [("green", 4, highest, depth, order), *(("green", 7, each, depth, order) for each in k)]
-    for i, omega in enumerate(omegas):
-        potential, velocity = problem.incident(problem.body, omega)
-        radiated, scattered = onto @ set_up(7, w.T), onto @ set_up(7, -velocity[:, None])[:, 0]
-        expected = {
-            "added_mass": radiated.real, "radiation_damping": omega * radiated.imag,
-            "Froude_Krylov_force": 1j * omega * (onto @ potential), "diffraction_force": 1j * omega * scattered,
-        }  # fmt: skip
-        for name, values in expected.items():
-            np.testing.assert_allclose(ds[name].values[i].reshape(values.shape), values, rtol=1e-9)
-
-
 @pytest.mark.parametrize("depth", [np.inf, 2.5])
 @pytest.mark.parametrize(("order", "names"), [(0, ("Heave",)), (1, ("Surge",)), (3, ("Radial3",))])
 def test_of_an_undisturbed_wave_rings_see_what_panels_around_see_of_their_order(depth, order, names):
@@ -586,14 +378,3 @@ def test_of_an_undisturbed_wave_rings_see_what_panels_around_see_of_their_order(
     for found, wave in zip(problem.incident(rings, omega), expected, strict=True):
         whole = -1j * 2.0 / omega * wave.reshape(len(x), len(theta)) @ weight
         np.testing.assert_allclose(found, whole, rtol=1e-9, atol=1e-12 * np.abs(whole).max())
-
-
-def test_a_table_is_made_in_folders_that_are_not_there_yet(tmp_path, monkeypatch):
-    made = []
-    monkeypatch.setattr(bem, "green_function", lambda folder: made.append(Path(folder)) or Path(folder))
-    place = tmp_path / "out" / "green" / "solver"
-    assert bem.stored_green_function(place) == place
-    assert [each.name for each in place.parent.iterdir()] == ["solver"]
-    assert (made[0].parent, made[1:]) == (place.parent, [place])
-    assert bem.stored_green_function(place) == place  # once it is there
-    assert made[2:] == [place]

@@ -16,17 +16,6 @@ def test_second_kind_of_low_degree():
     assert q[2] == pytest.approx((3 * c**2 - 1) / 2 * np.arctanh(c) - 1.5 * c, abs=1e-14)
 
 
-def test_weights_integrate_polynomials_over_the_pole():
-    """PV int_0^kc k/(k - K) dk = kc + K log((kc - K)/K)."""
-    part = WavePart(WetMeridian(rigid_sphere(1.0, 0.0), 8), 2.0)
-    k = np.array([0.3, 2.0])
-    cutoff = 12.0
-    nodes = cutoff * part.wavenumbers[0]
-    logarithm = np.log((cutoff - k) / k)
-    assert part.pole_weights(k) @ np.ones_like(nodes) == pytest.approx(logarithm, rel=1e-12)
-    assert part.pole_weights(k) @ nodes == pytest.approx(cutoff + k * logarithm, rel=1e-12)
-
-
 NODE, WEIGHT = np.polynomial.legendre.leggauss(80)
 
 
@@ -71,18 +60,3 @@ def test_the_wavenumber_where_the_transform_takes_over_does_not_matter(order):
     inside = (low - high)[:, :, 16:] * root
     assert np.abs(on).max() < 1e-6 * np.abs(high[:, :, :16] * root * root[:, None]).max()
     assert np.abs(inside).max() < 1e-9 * np.abs(high[:, :, 16:] * root).max()
-
-
-@pytest.mark.parametrize("order", [0, 1])
-@pytest.mark.parametrize("size", [0.3, 4.0])
-def test_waves_of_a_larger_shell_are_those_of_the_smaller_one_stretched(order, size):
-    """Potentials go with the inverse of the size, their derivatives with its square; each wavenumber is its own."""
-    ones, k = [WetMeridian(rigid_sphere(s, 0.2 * s), 12, order) for s in (1.0, size)], np.array([3.0, 0.2, 1.0])
-    small, large = (list(WavePart(one, 4.0 / s).influences(k / s)) for one, s in zip(ones, (1.0, size), strict=True))
-    assert len(small) == 3
-    for ours, theirs in zip(small, large, strict=True):
-        for power, (one, other) in enumerate(zip(ours, theirs, strict=True), start=1):
-            assert other * size**power == pytest.approx(one, abs=1e-8 * np.abs(one).max())
-    alone = [next(WavePart(ones[0], 4.0).influences(k[i : i + 1])) for i in range(3)]
-    for ours, theirs in zip(small, alone, strict=True):
-        assert ours == pytest.approx(theirs, abs=1e-12 * np.abs(ours).max())

@@ -1,6 +1,5 @@
 import dataclasses
 import itertools
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -334,21 +333,6 @@ def test_zero_frequency_has_no_limit_for_order_zero(bowl):
         bowl(2.0, 12).at_zero()
 
 
-@pytest.mark.parametrize("order", [0, 1])
-@pytest.mark.parametrize("size", [0.3, 4.0])
-def test_the_bottom_under_a_larger_shell_is_that_under_the_smaller_one_stretched(order, size):
-    """At all frequencies and in both limits; wavenumbers in any order, from the smallest on."""
-    k, found = np.array([1.0, 0.02, 5.0]), []
-    for s in (1.0, size):
-        part = FiniteDepthWavePart(WetMeridian(rigid_sphere(s, 0.2 * s), 12, order), 1.1 * s, 0.02 / s)
-        assert part.draft == pytest.approx(0.8 * s, rel=1e-12)
-        limits = [part.at_infinity(), *([part.at_zero()] if order else [])]
-        found.append([*part.influences(k / s), *limits])
-    for ours, theirs in zip(*found, strict=True):
-        for power, (one, other) in enumerate(zip(ours, theirs, strict=True), start=1):
-            assert other * size**power == pytest.approx(one, abs=1e-9 * np.abs(one).max())
-
-
 @pytest.mark.parametrize("clearance", [0.0099, 0.0101])
 def test_water_may_be_one_percent_of_the_draft_deeper_than_it(clearance):
     meridian = WetMeridian(rigid_sphere(3.0, 0.6), 12)
@@ -360,14 +344,3 @@ def test_water_may_be_one_percent_of_the_draft_deeper_than_it(clearance):
         match=r"^water.depth: received 2.42376 m under a shell of 2.4 m draft; needs at least 2.424 m: deepen",
     ):
         FiniteDepthWavePart(meridian, 2.4 * (1 + clearance), 1.0)
-
-
-@pytest.mark.parametrize(("keel", "lowest"), [(-1.2, 1.2), (-0.7, 0.9)])
-def test_the_draft_is_that_of_the_lowest_point_be_it_the_keel_or_none(keel, lowest):
-    """A dented shell's is beside its keel."""
-    at = SimpleNamespace(z=np.array([keel]))
-    points = SimpleNamespace(z=np.array([-0.1, -0.9, -0.5]))
-    meridian = SimpleNamespace(at=lambda t: at, points=points)
-    assert FiniteDepthWavePart(meridian, 1.02 * lowest, 1.0).draft == lowest
-    with pytest.raises(ConfigError, match=rf"^water.depth: received .* m under a shell of {lowest} m draft; needs"):
-        FiniteDepthWavePart(meridian, 1.005 * lowest, 1.0)

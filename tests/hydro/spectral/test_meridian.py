@@ -6,9 +6,7 @@ import pytest
 from vsb.errors import ConfigError
 from vsb.hydro.spectral import meridian
 from vsb.hydro.spectral.meridian import WetMeridian, log_rule
-from vsb.shell.deformed import DeformedShell, rigid_sphere
-from vsb.shell.modes import mode_basis
-from vsb.study.study import Device
+from vsb.shell.deformed import rigid_sphere
 
 
 def wet_sphere(nodes=32, height=0.0, order=0):
@@ -71,47 +69,3 @@ def test_potential_flow_that_is_known_satisfies_the_equation(order):
 def test_a_shell_without_waterline_is_refused(height):
     with pytest.raises(ConfigError, match="needs one waterline with the keel"):
         _ = wet_sphere(12, height).points
-
-
-@pytest.mark.parametrize("degree", [6, 20, 40])
-def test_ways_along_the_shell_are_those_between_its_points(degree):
-    """By the integral of the slope, which for shapes of high degree has many turns."""
-    device = Device(radius=1.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=1000.0, mass=1000.0)
-    basis = mode_basis(device, "membrane", degree)
-    wet = WetMeridian(DeformedShell(basis, 0.0, np.eye(len(basis.labels))[-1] * 0.3 / degree), 32)
-    t = np.linspace(0.1, 1.0, 10)
-    start = wet.at(t[:1] / 2)
-    dx, dz = wet.chord(np.full_like(t, t[0] / 2), t - t[0] / 2)
-    end = wet.at(t)
-    np.testing.assert_allclose(dx, end.x - start.x, atol=1e-12)
-    np.testing.assert_allclose(dz, end.z - start.z, atol=1e-12)
-
-
-@pytest.mark.parametrize("height", [-0.6, 0.0, 0.6])
-def test_circles_inside_are_a_share_of_what_is_clear_at_their_own_height(height):
-    """Each height with each share once, depths in terms of the draft; on the axis for order 0."""
-    wet, draft = wet_sphere(24, height, 1), 1.0 - height
-    x, z = (a[wet.nodes :] for a in wet.targets)
-    assert sorted(z / -draft) == pytest.approx(sorted(2 * [0.02, 0.15, 0.4]))
-    clear = np.hypot(wet.points.x - 0.0, wet.points.z - z[:, None]).min(axis=1)
-    found = sorted(zip(z.round(9), (x / clear).round(9), strict=True))
-    assert found == [(d, share) for d in sorted(set(z.round(9))) for share in (0.2, 0.45)]
-    x, z = (a[wet.nodes :] for a in wet_sphere(24, height).targets)
-    assert not x.any()
-    assert z == pytest.approx(-draft * np.array([0.02, 0.15, 0.4]))
-
-
-@pytest.mark.parametrize("longest", [0.1, 2.0])
-@pytest.mark.parametrize("t", [1e-4, 0.02, 0.4, 0.5, 0.7, 0.98, 0.9999])
-def test_the_rule_about_a_point_is_exact_for_logarithms_there_and_at_its_images_beyond_both_ends(t, longest):
-    """At -t and at 2 - t, as near as the point is to an end."""
-    offset, weight = meridian._rule_about(t, longest)
-    x = t + offset
-    assert np.all((x > 0) & (x < 1))
-    assert np.all(weight > 0)
-    for p in range(4):
-        assert weight @ x**p == pytest.approx(1 / (p + 1), rel=1e-12)
-    found = [weight @ np.log(np.abs(offset)), weight @ np.log(x + t), weight @ np.log(2 - t - x)]
-    inner, below, above = t * np.log(t), (1 - t) * np.log(1 - t), (2 - t) * np.log(2 - t)
-    expected = [inner + below - 1, (1 + t) * np.log(1 + t) - inner - 1, above - below - 1]
-    assert found == pytest.approx(expected, rel=0, abs=1e-11)

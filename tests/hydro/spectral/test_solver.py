@@ -4,21 +4,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from scipy.special import eval_legendre, gammaln
 
 from vsb.errors import ConfigError
 from vsb.hydro import dofs
-from vsb.hydro.bodies.solver import unit_wave
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import deformed_mesh
-from vsb.hydro.spectral import meridian, solver
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.shell.modes import mode_basis
 from vsb.study import study as config
-from vsb.waves.dispersion import group_velocity, wavenumber
 
 HERE = Path(__file__).parents[2]
 RADIAL = tuple(f"Radial{n}" for n in range(7))
@@ -151,24 +147,6 @@ def test_heave_of_the_hemisphere_after_hulme_1982(sphere, ka, added_mass, dampin
     assert result.radiation_damping.item() / volume / np.sqrt(ka) == pytest.approx(damping, abs=1e-4)
 
 
-def jump(problem, ka):
-    """How far the coefficients at irregular frequencies are from the cubic through four neighbours a hundredth away."""
-    ds = problem.solve([w for k in ka for w in omegas_of([k - 0.02, k - 0.01, k, k + 0.01, k + 0.02])])
-    worst = 0.0
-    for x in values(ds):
-        for five in np.split(x, len(ka)):
-            cubic = (-five[0] + 4 * five[1] + 4 * five[3] - five[4]) / 6
-            worst = max(worst, np.abs(five[2] - cubic).max() / np.abs(five[2]).max())
-    return worst
-
-
-def test_nothing_is_felt_of_irregular_frequencies(sphere, hemisphere, monkeypatch):
-    ka = hemisphere["irregular_Ka_axisymmetric"]
-    assert jump(sphere(20), ka) < 1e-6
-    monkeypatch.setattr(meridian, "_INTERIOR", ())
-    assert jump(sphere(20), ka) > 1e-4  # what the points inside are for
-
-
 def test_scan_is_as_exact_near_irregular_frequencies_as_elsewhere(sphere, hemisphere):
     ka = [k + d for k in hemisphere["irregular_Ka_axisymmetric"] for d in (-1e-3, -1e-6, 0.0, 1e-6, 1e-3)]
     omegas = omegas_of([*ka, 10.0])
@@ -287,12 +265,6 @@ def test_a_shell_without_waterline_is_refused(sphere, height):
         sphere(12, height).at_infinity()
 
 
-@pytest.mark.parametrize("omegas", [[], [1.0, 0.0], [-1.0], [np.inf]])
-def test_limits_are_not_frequencies(sphere, omegas):
-    with pytest.raises(ConfigError, match="needs positive, finite frequencies"):
-        sphere(12).solve(omegas)
-
-
 def test_shapes_of_high_degree_have_no_floor_of_the_singular_integrals():
     """Odd degrees are multipoles of their own at infinite frequency: A_nn = 2 pi/((n + 1)(2n + 1)), no coupling."""
     degree = np.array([1, 9, 19, 29, 39])
@@ -305,126 +277,3 @@ def test_shapes_of_high_degree_have_no_floor_of_the_singular_integrals():
     assert errors[0] > errors[1] > errors[2] > errors[3]
     assert errors[2] < 1e-8
     assert errors[3] < 1e-11
-
-
-@pytest.mark.parametrize(("labels", "order"), [(("Radial0", "Heave"), 0), (("Surge", "Radial2"), 1)])
-def test_haskinds_damping_is_of_its_water_order_and_each_force(labels, order):
-    """Rows are conjugate to columns; two frequencies, each with its own wave of finite depth."""
-    problem = SpectralProblem(rigid_sphere(1.0, 0.0), dofs.displacements(labels, order), 700.0, 4.0, 8, depth=2.5)
-    omegas, force = [1.0, 3.0], np.array([[1.0 + 2.0j, -3.0], [0.5j, 2.0 - 1.0j]])
-    for omega, x, found in zip(omegas, force, problem.haskind(omegas, force), strict=True):
-        flux = 4 * (1 + order) * 700.0 * 4.0 * group_velocity(omega, 2.5, 4.0)
-        assert found == pytest.approx(wavenumber(omega, 2.5, 4.0) / flux * np.outer(x, x.conj()), rel=1e-12)
-
-
-def test_an_estimate_is_twice_what_fewer_points_change_and_what_haskind_misses(sphere, monkeypatch):
-    """At each frequency in terms of the largest there; the total force counts, not its parts."""
-    pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
-
-    def solve(problem, omegas):
-        assert problem.nodes in (12, 16)
-        off = np.array([0.1, 0.4]) * (problem.nodes == 12)
-        a = np.array([[[2.0, 1.0], [1.0, -4.0]], [[1.0, 0.0], [0.0, 0.5]]])
-        x = np.array([[[2.0, 1.0j]], [[1.0, -5.0]]])
-        return xr.Dataset({
-            "added_mass": (pair, a + off[:, None, None]), "radiation_damping": (pair, 2 * a - off[:, None, None]),
-            "Froude_Krylov_force": (wave, x + 7.0 - off[:, None, None]), "diffraction_force": (wave, -7.0 + 0 * x),
-        }, {"omega": omegas})  # fmt: skip
-
-    def haskind(problem, omegas, force):
-        assert force.tolist() == [[2.0, 1.0j], [1.0, -5.0]]  # of the finer run
-        return 2 * solve(problem, omegas).added_mass.values + np.array([0.8, 0.02])[:, None, None]
-
-    monkeypatch.setattr(SpectralProblem, "solve", solve)
-    monkeypatch.setattr(SpectralProblem, "haskind", haskind)
-    found = sphere(16).error_estimate([1.0, 2.0])
-    missed = np.array([0.8 / 8, 0.02 / 2])
-    assert found.added_mass.values == pytest.approx(2 * np.array([0.1 / 4, 0.4 / 1]))
-    assert found.radiation_damping.values == pytest.approx(2 * (np.array([0.1 / 8, 0.4 / 2]) + missed))
-    assert found.excitation_force.values == pytest.approx(2 * (np.array([0.1 / 2, 0.4 / 5]) + missed))
-    assert found.omega.values.tolist() == [1.0, 2.0]
-
-
-@pytest.mark.parametrize("depth", [np.inf, 1.2])
-def test_frequencies_may_come_in_any_order(depth):
-    """Long and short waves together: what serves them all is found by the longest and the shortest."""
-    problem = SpectralProblem(rigid_sphere(1.0, 0.0), dofs.displacements(["Radial0", "Radial3"]), 1.0, 1.0, 12, depth)
-    omegas = [1.0, 3.0, 0.002, 0.5]
-    mixed, ascending = problem.solve(omegas), problem.solve(sorted(omegas)).sel(omega=omegas)
-    for name in mixed:
-        assert mixed[name].values == pytest.approx(ascending[name].values, rel=1e-9, abs=1e-11)
-    assert mixed.omega.values.tolist() == omegas
-
-
-@pytest.mark.parametrize("depth", [0.0, -3.0, np.nan])
-def test_a_depth_is_positive(depth):
-    with pytest.raises(
-        ConfigError, match=rf"^depth: received {depth} m; needs a positive depth, infinite for deep water$"
-    ):
-        SpectralProblem(rigid_sphere(1.0, 0.0), dofs.displacements(["Heave"]), 1.0, 1.0, 8, depth)
-
-
-@pytest.mark.parametrize(("limit", "image", "part"), [("at_infinity", -1.0, 0.2), ("at_zero", 1.0, 0.3)])
-@pytest.mark.parametrize("depth", [np.inf, 2.5])
-def test_each_limit_takes_what_the_bottom_adds_there(monkeypatch, limit, image, part, depth):
-    """Of surge and a shape of its order; in deep water there is none."""
-    problem = SpectralProblem(rigid_sphere(1.0, 0.0), dofs.displacements(["Surge", "Radial2"], 1), 7.0, 4.0, 8, depth)
-    m, asked = problem.meridian, []
-
-    class Bottom:
-        def __init__(self, meridian, at, smallest):
-            asked.append((meridian is m, at, smallest))
-
-        def at_infinity(self):
-            return np.full(m.rankine.shape[1:], 0.2)
-
-        def at_zero(self):
-            return np.full(m.rankine.shape[1:], 0.3)
-
-    monkeypatch.setattr(solver, "FiniteDepthWavePart", Bottom)
-    found = getattr(problem, limit)()
-    assert asked == ([(True, 2.5, 0.4)] if np.isfinite(depth) else [])
-    single, double = m.rankine[0] + image * m.rankine[1] + (part * m.areas if np.isfinite(depth) else 0.0)
-    w = problem.velocities
-    force = -7.0 * np.pi * w * m.areas  # half a turn of cos^2
-    np.testing.assert_allclose(found, (force @ m.solve(double + 0j, -single @ w.T + 0j)).real, rtol=1e-9)
-
-
-@pytest.mark.parametrize("depth", [np.inf, 1.8])
-@pytest.mark.parametrize(("order", "names"), [(0, ("Heave",)), (1, ("Surge",)), (3, ("Radial3",))])
-def test_the_component_of_a_wave_that_excites_an_order_is_that_around_the_body(depth, order, names):
-    """At the nodes and inside, of two wavenumbers: the wave over general panels, by many points around."""
-    problem = SpectralProblem(rigid_sphere(1.0, 0.2), dofs.displacements(names, order), 7.0, 4.0, 8, depth)
-    k, (x, z), theta = np.array([0.7, 3.0]), problem.meridian.targets, 2 * np.pi * np.arange(96) / 96
-    around = np.stack([np.outer(x, np.cos(theta)), np.outer(x, np.sin(theta)), np.outer(z, np.ones(96))], axis=-1)
-    for each, found in zip(k, problem.incident(k), strict=True):
-        wave = unit_wave(around.reshape(-1, 3), each, depth, np.zeros(1)).reshape(len(x), 96)
-        expected = (2 if order else 1) * (wave * np.cos(order * theta)).mean(axis=1)
-        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-13)
-
-
-@pytest.mark.parametrize(("order", "names"), [(0, ("Heave", "Radial2", "Radial3")), (2, ("Radial2", "Radial4"))])
-def test_forces_are_of_the_potentials_of_motions_and_of_the_wave_about_the_fixed_body(monkeypatch, order, names):
-    """Of whatever the water's surface adds to 1/r and 1/r', per unit area; of two frequencies each its own."""
-    problem = SpectralProblem(rigid_sphere(1.0, 0.2), dofs.displacements(names, order), 7.0, 4.0, 8, 1.8)
-    m, omegas, rng = problem.meridian, [1.1, 2.3], np.random.default_rng(8)
-    surface = [rng.normal(size=m.rankine.shape[1:]) + 1j * rng.normal(size=m.rankine.shape[1:]) for _ in omegas]
-    asked = []
-    monkeypatch.setattr(SpectralProblem, "_waves", lambda self, given: asked.append(given) or iter(surface))
-    ds = problem.solve(omegas)
-    assert asked == [omegas]
-    w = problem.velocities
-    force = -7.0 * (np.pi if order else 2 * np.pi) * w * m.areas
-    incident = problem.incident(np.array([wavenumber(omega, 1.8, 4.0) for omega in omegas]))
-    for i, omega in enumerate(omegas):
-        single, double = m.rankine[0] + m.rankine[1] + surface[i] * m.areas
-        radiated = force @ m.solve(double, -single @ w.T)
-        total = 4.0 * force @ m.solve(double, 4 * np.pi * incident[i][:, None])[:, 0]  # i omega (-i g/omega) = g
-        undisturbed = 4.0 * force @ incident[i][: m.nodes]
-        expected = {
-            "added_mass": radiated.real, "radiation_damping": omega * radiated.imag,
-            "Froude_Krylov_force": undisturbed, "diffraction_force": total - undisturbed,
-        }  # fmt: skip
-        for name, values in expected.items():
-            np.testing.assert_allclose(ds[name].values[i].reshape(values.shape), values, rtol=1e-8)
-    assert ds.influenced_dof.values.tolist() == ds.radiating_dof.values.tolist() == list(names)
