@@ -13,7 +13,7 @@ from scenes.test_ports import water
 from stages.test_members import gather, planned, with_seas
 
 from vsb.errors import DatabaseError
-from vsb.report.campaign_answer import closing_answer, leading
+from vsb.report.campaign_answer import closing_answer
 from vsb.results.campaign import stacked
 from vsb.results.member import member
 from vsb.stages import answer
@@ -105,24 +105,6 @@ def test_data_of_another_campaign_are_refused(plan, tmp_path):
 
 def test_readers_who_do_not_see_the_page_lose_nothing(plan, written, tmp_path):
     assert findings(written[f"{plan.folder}/report.html"].decode(), tmp_path, 360) == []
-
-
-def test_the_page_is_of_all_its_parts_and_sketches_the_first_point(plan, monkeypatch):
-    """Both moving parts are told the same of the campaign; what is drawn is no other point's."""
-    asked, data = [], load(plan.data_path, expected=plan.campaign_id)
-    for name in ("living_year", "moving_year"):
-        part = f"vsb.stages.{name}.{name}"
-        monkeypatch.setattr(part, lambda *given, name=name: asked.append(given) or name)
-    monkeypatch.setattr("vsb.report.sketch.sketches", lambda study: study)
-    monkeypatch.setattr("vsb.report.campaign_page.render", lambda report: report)
-    seas = read_climate(plan.campaign.climate, plan.loaded.climate_path)
-    page = answer._page(plan.campaign, data, seas, "root")({"sweep": "<svg/>"})
-    first, second = (one.study for one in plan.members)
-    assert first != second
-    parts = list(vars(page).values())
-    assert [parts[0] is data, parts[1]] == [True, {"sweep": "<svg/>"}]
-    assert parts[2:] == ["living_year", first, "moving_year", seas.notes]
-    assert asked == [(plan.campaign, data, *leading(data), seas, "root")] * 2
 
 
 def test_every_figure_is_that_of_its_name_at_the_tuning_of_the_answer(monkeypatch):

@@ -1,7 +1,6 @@
 """Rule answer: figures and report of a campaign."""
 
-from collections.abc import Callable, Iterable, Mapping
-from functools import partial
+from collections.abc import Iterable, Mapping
 
 import matplotlib as mpl
 import xarray as xr
@@ -9,19 +8,19 @@ from matplotlib.figure import Figure
 
 from vsb.report.campaign_answer import leading
 from vsb.report.campaign_figures import DRAWN
+from vsb.report.campaign_page import CampaignReport, render
 from vsb.report.sea_figures import year_spectra
+from vsb.report.sketch import sketches
 from vsb.report.svg import Drawn, drawn
 from vsb.stages.climate import read_climate
+from vsb.stages.living_year import living_year
+from vsb.stages.moving_year import moving_year
 from vsb.study.campaign_plan import figure_names, members
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import content_id
-from vsb.tools.aside import aside
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import record
 from vsb.waves.climate import Climate
-
-ASIDE = ("sweep", "spectra", "power_matrices")
-"""Figures that take as long to draw as all else: a process of their own does."""
 
 
 def run(spec: CampaignSpec, data: str, climate: str, root: str, figures: str, out: str, manifest: str) -> None:
@@ -30,11 +29,9 @@ def run(spec: CampaignSpec, data: str, climate: str, root: str, figures: str, ou
     ds = load(data, expected=identity)
     seas = read_climate(spec.climate, climate)
     names = figure_names(spec)
-    meanwhile = aside(partial(_drawn, [name for name in names if name in ASIDE], ds, seas))
-    rest, page = _drawn([name for name in names if name not in ASIDE], ds, seas), _page(spec, ds, seas, root)
-    every = meanwhile() | rest
+    every = _drawn(names, ds, seas)
     files = [path for name in names for path in every[name].write(figures, name)]
-    write_text(out, page({name: every[name].svg for name in names}))
+    write_text(out, _page(spec, ds, seas, root, {name: one.svg for name, one in every.items()}))
     record(manifest, identity, [out, *files])
 
 
@@ -51,13 +48,8 @@ def _figure(name: str, ds: xr.Dataset, seas: Climate) -> Figure:
     return DRAWN[name](ds, *leading(ds))
 
 
-def _page(spec: CampaignSpec, ds: xr.Dataset, seas: Climate, root: str) -> Callable[[Mapping[str, str]], str]:
-    """The report but for its figures; what solves is imported while figures are drawn aside."""
-    from vsb.report.campaign_page import CampaignReport, render
-    from vsb.report.sketch import sketches
-    from vsb.stages.living_year import living_year
-    from vsb.stages.moving_year import moving_year
-
+def _page(spec: CampaignSpec, ds: xr.Dataset, seas: Climate, root: str, svgs: Mapping[str, str]) -> str:
+    """The report, with its figures."""
     living, moving = (made(spec, ds, *leading(ds), seas, root) for made in (living_year, moving_year))
     first = members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)[0].study
-    return lambda svgs: render(CampaignReport(ds, svgs, living, sketches(first), moving, seas.notes))
+    return render(CampaignReport(ds, svgs, living, sketches(first), moving, seas.notes))

@@ -104,7 +104,7 @@ def _command(args: argparse.Namespace, profile: Path, whole: Sequence[str]) -> l
     workflow = ["--snakefile", str(SNAKEFILE), "--configfile", args.config, "--nolock"]
     place, cores = (HOME / "profiles" / "default", args.cores or str(slurm.CORES)) if whole else (profile, args.cores)
     settings = ["--profile", str(place), "--workflow-profile", "none", *(["--cores", cores] if cores else [])]
-    return [*whole, sys.executable, "-m", "vsb.tools.launcher", *workflow, *settings]
+    return [*whole, sys.executable, "-m", "snakemake", *workflow, *settings]
 
 
 def forget_damaged(records: Path) -> None:
