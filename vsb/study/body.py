@@ -23,7 +23,7 @@ from pydantic import (
 from vsb.errors import ConfigError
 from vsb.study.body_file import BodyFile
 from vsb.study.compared import Compared, check_all
-from vsb.study.quantities import Extended, Finite, Name, Number, Positive, Section, is_rigid
+from vsb.study.quantities import Finite, Name, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import Published, Simulation, Water
 from vsb.study.take_off import DofPort, Pto
@@ -136,7 +136,7 @@ class BodyDesign(Section):
         return self.dofs == "rigid" or (isinstance(self.dofs, tuple) and all(map(is_rigid, self.dofs)))
 
 
-class BodyHydro(Extended):
+class BodyHydro(Section):
     """Linear hydrodynamics: tolerance of the radiation memory [-], highest frequency kept [rad/s], accepted checks.
 
     A failure accepted leaves the coefficients as they are; `repair` changes them, as little as it takes.
@@ -145,7 +145,6 @@ class BodyHydro(Extended):
     has it (`given`).
     """
 
-    LATER = ("repair",)
     model: Literal["linear"] = "linear"
     tolerance: Annotated[Number, Field(ge=1e-6, le=0.1)] = 1e-2
     added_mass_inf: Literal["fitted", "given"] = "fitted"

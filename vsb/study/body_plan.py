@@ -19,13 +19,11 @@ from vsb.study.body_specs import (
 from vsb.study.canonical import content_id
 from vsb.study.plan import StudyPlan
 from vsb.study.results_plan import ResultsPlan
-from vsb.study.specs import SPRING
 from vsb.study.study import Study
 from vsb.study.waves import RegularWave, Wave
 
 OF_THE_BAND = ("absorbed_power", "reactance", "added_mass_damping", "radiation_kernel")
 OF_A_SEA = ("port_motion", "degrees_of_freedom", "power_energy", "energy_audit")
-_START = 1  # version of what an initial position and velocity are of
 _MOST_MOTIONS, _HIGHEST = 40, 20.0  # for memory alone: degrees of freedom and band of a body whose file is not read yet
 
 
@@ -77,8 +75,7 @@ class BodyPlan(ResultsPlan):
     def ladder(self) -> BodyLadderSpec:
         """Spec of the tuning ladder; it follows no motion, so a method is none of its own."""
         simulation = self.study.simulation.model_copy(update={"method": "auto"})
-        spring = SPRING if self.study.pto.spring_costs else 0
-        return BodyLadderSpec(waves=self.study.waves, simulation=simulation, spring=spring, **self._sections())
+        return BodyLadderSpec(waves=self.study.waves, simulation=simulation, **self._sections())
 
     def simulation(self, design: str, wave: Wave) -> BodySimulateSpec:
         """Spec of one time-domain run: of the take-off its own damper, or how to find it."""
@@ -89,8 +86,7 @@ class BodyPlan(ResultsPlan):
             "pto": study.pto.model_copy(update={"damping": damping, "tuning": tuning}),
         }
         seas = study.one_of_each_sea if tuning == "one" else ()
-        moved = study.simulation.initial_position or study.simulation.initial_velocity
-        run: dict[str, Any] = {"waves": (wave,), "seas": seas, "start": _START if moved else 0}
+        run: dict[str, Any] = {"waves": (wave,), "seas": seas}
         return BodySimulateSpec(simulation=study.simulation, **run, **{**self._sections(), **own})
 
     @property

@@ -14,7 +14,6 @@ class BodySpec(Spec):
     """Hydro database of a body: its source by contents, its matrices, the degrees of freedom kept; none: all."""
 
     TAG = "body"
-    LATER = ("repair",)
     body: Body
     water: Water
     dofs: tuple[str, ...] | None
@@ -58,20 +57,18 @@ class BodyResponseSpec(OfDesigns):
 class BodyLadderSpec(OfDesigns):
     """Tuning ladder of all designs in all seas."""
 
-    TAG, LATER = "ladder", ("spring",)
+    TAG = "ladder"
     waves: tuple[Wave, ...]
     simulation: Simulation
-    spring: int = 0  # as of `LadderSpec`
 
 
 class BodySimulateSpec(OfDesigns):
     """One design in one sea; `seas` are those its damper is to suit, where one is for all."""
 
-    TAG, LATER = "simulate", ("start",)
+    TAG = "simulate"
     waves: tuple[Wave, ...]
     simulation: Simulation
     seas: tuple[Wave, ...] = ()
-    start: int = 0  # version of what an initial position and velocity are of; of rest none
 
 
 class BodyCompareSpec(Spec):

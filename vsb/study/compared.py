@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import field_validator
 
 from vsb.errors import ConfigError
-from vsb.study.quantities import Extended, Section
+from vsb.study.quantities import Section
 from vsb.study.sections import Published, Simulation, Water
 from vsb.study.take_off import Pto, Tuning
 from vsb.study.waves import IrregularSea, StillWater, Wave
@@ -18,7 +18,7 @@ from vsb.study.waves import IrregularSea, StillWater, Wave
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks")
 
 
-class Compared(Extended):
+class Compared(Section):
     """Designs compared in seas: the keys that studies of a buoy and of a body share are declared by each of them."""
 
     if TYPE_CHECKING:

@@ -47,7 +47,6 @@ class Device(Sized):
     about the vertical axis.
     """
 
-    LATER = ("centre_of_mass", "ballast_inertia", "ballast_yaw_inertia", "shape")
     radius: Annotated[Positive, within(0.01, 1e3, "m", "below surface tension matters, above nothing floats")]
     thickness: Positive
     young_modulus: Annotated[Positive, within(1.0, 1e16, "Pa", "diamond has 1.2e12 Pa; flexible: false is rigid")]

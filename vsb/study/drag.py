@@ -8,7 +8,7 @@ from typing import Annotated, Self
 
 from pydantic import model_validator
 
-from vsb.study.quantities import Extended, NonNegative, Positive, Section, within
+from vsb.study.quantities import NonNegative, Positive, Section, within
 from vsb.study.take_off import Pto
 
 Coefficient = Annotated[NonNegative, within(0.0, 100.0, "", "no body of any shape drags more")]
@@ -27,10 +27,9 @@ class Vane(Plate):
     lever: Positive
 
 
-class Drag(Extended):
+class Drag(Section):
     """Quadratic drag on the buoy's rigid motion past the water, whose flow is that of the undisturbed waves."""
 
-    LATER = ("surge", "sway", "heave", "roll", "pitch", "yaw")
     surge: Plate | None = None
     sway: Plate | None = None
     heave: Plate | None = None
@@ -41,13 +40,13 @@ class Drag(Extended):
     @model_validator(mode="after")
     def _acts(self) -> Self:
         if not self.directions:
-            raise ValueError(f"needs one of {', '.join(self.LATER)}")
+            raise ValueError(f"needs one of {', '.join(type(self).model_fields)}")
         return self
 
     @property
     def directions(self) -> Mapping[str, Plate]:
         """The rigid motions it acts on, by name."""
-        return {name: plate for name in self.LATER if isinstance(plate := getattr(self, name), Plate)}
+        return {name: plate for name in type(self).model_fields if isinstance(plate := getattr(self, name), Plate)}
 
 
 def check_followed(model: str, method: str, pto: Pto) -> None:

@@ -9,8 +9,6 @@ from typing import Any
 from vsb.study.blocks import BlockSpec, HydroPlan
 from vsb.study.results_plan import ResultsPlan
 from vsb.study.specs import (
-    PAUSE,
-    SPRING,
     Band,
     CompareSpec,
     DatabaseSpec,
@@ -116,8 +114,8 @@ class StudyPlan(HydroPlan, ResultsPlan):
         names = ("device", "modes", "reference_shape", "designs", "water", "pto", "drag", "waves", "motion", "mooring")
         sections = self._sections(*names)
         simulation = self.study.simulation.model_copy(update={"method": "auto"})
-        spring, hydro = SPRING if self.study.pto.spring_costs else 0, Band(omega_max=self.study.hydro.omega_max)
-        return LadderSpec(hydro=hydro, simulation=simulation, spring=spring, **sections | {"modes": self.study.modes})
+        hydro = Band(omega_max=self.study.hydro.omega_max)
+        return LadderSpec(hydro=hydro, simulation=simulation, **sections | {"modes": self.study.modes})
 
     def simulation(self, design: str, wave: Wave) -> SimulateSpec:
         """Spec of one time-domain run: of the take-off its own damper, or how to find it."""
@@ -130,7 +128,6 @@ class StudyPlan(HydroPlan, ResultsPlan):
             hydro=Dynamics(**study.hydro.model_dump(include=set(Dynamics.model_fields))),
             pto=study.pto.model_copy(update={"damping": damping, "tuning": tuning}),
             seas=study.one_of_each_sea if tuning == "one" else (),
-            pause=PAUSE if study.pto.pauses else 0,
             **self._sections("device", "modes", "reference_shape", "water", "drag", "simulation", "motion", "mooring"),
         )
 

@@ -5,7 +5,7 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from pydantic import (
     AfterValidator,
@@ -14,9 +14,7 @@ from pydantic import (
     ConfigDict,
     Field,
     GetJsonSchemaHandler,
-    SerializerFunctionWrapHandler,
     WithJsonSchema,
-    model_serializer,
 )
 from pydantic_core import CoreSchema
 
@@ -106,18 +104,7 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
-class Extended(Section):
-    """A section with keys of later: at their defaults they are not said, so that ids stay what they were before."""
-
-    LATER: ClassVar[tuple[str, ...]] = ()
-
-    @model_serializer(mode="wrap")
-    def _without_what_is_not_asked(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        silent = {name: type(self).model_fields[name].default for name in self.LATER}
-        return {key: value for key, value in dump(self).items() if key not in silent or value != silent[key]}
-
-
-class Sized(Extended):
+class Sized(Section):
     """A section whose mass a study may leave to a draft, or to half immersion (`vsb.study.floating`)."""
 
     model_config = ConfigDict(json_schema_extra=_mass_or_draft)

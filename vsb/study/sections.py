@@ -13,7 +13,6 @@ from vsb.study.quantities import (
     OR_AUTO,
     Colatitude,
     Count,
-    Extended,
     Finite,
     Name,
     NonNegative,
@@ -35,7 +34,7 @@ MODE_TOLERANCE = 0.005
 """Change of mean power, relative, and of gain, absolute, that shell modes left out may cause by default [-]."""
 
 
-class Modes(Extended):
+class Modes(Section):
     """Ritz basis of the shell: `paper`, `membrane` or `full`, up to Legendre degree `degree`.
 
     Without a degree a `full` basis has the least of `DEGREES` that leaves out no more than `tolerance`: of the mean
@@ -45,7 +44,6 @@ class Modes(Extended):
     Beside axisymmetric shapes, where the buoy moves in more directions than heave, those up to azimuthal order `order`.
     """
 
-    LATER = ("order", "tolerance")
     basis: Basis = "full"
     degree: Annotated[Count, Field(ge=0, le=DEGREES[-1])] | None = None
     tolerance: Annotated[Number, Field(ge=1e-4, le=0.1)] = MODE_TOLERANCE
@@ -120,7 +118,7 @@ POWER_TOLERANCE = 0.01
 """Error of mean absorbed power that model auto may cause, unless another is given [-]."""
 
 
-class Hydro(Extended):
+class Hydro(Section):
     """Hydrodynamic model, tolerance [-], highest frequency solved [rad/s], optional tabulated frequencies [rad/s].
 
     `linear`: radiation, diffraction and hydrostatics about the mean shape, from BEM. `body_exact`: hydrostatics and
@@ -132,7 +130,6 @@ class Hydro(Extended):
     other solver is `witness`, on the mean and on deformed shapes; `none` leaves it out.
     """
 
-    LATER = ("witness",)
     model: Literal["linear", "body_exact", "assumed_pressure", "auto"] = "linear"
     pressure: Annotated[NonNegative, within(0.0, 1e8, "Pa", "no wave presses like a thousand atmospheres")] | None = (
         None

@@ -1,7 +1,6 @@
 """What the stages compute from: frozen values, whose canonical JSON travels to a job and names its result.
 
-Only what a stage reads stands in its specification. The words under `stage` are historical tags: results already there
-keep their names, whatever rules and commands are called.
+Only what a stage reads stands in its specification.
 """
 
 from typing import Any, ClassVar, Literal
@@ -12,7 +11,7 @@ from vsb.study.device import Device
 from vsb.study.directions import Mooring, Motion
 from vsb.study.drag import Drag
 from vsb.study.floating import centre_height, keel_depth
-from vsb.study.quantities import Extended, Name, Section
+from vsb.study.quantities import Name, Section
 from vsb.study.sections import Basis, Design, Hydro, Modes, RestShape, Simulation, Water
 from vsb.study.shape import Shape
 from vsb.study.study import Study
@@ -22,17 +21,13 @@ from vsb.study.waves import StillWater, Wave
 from vsb.study.year_options import Constrained, Tunings, Verify
 
 PHYSICS = {
-    "degree": 1, "mesh": 2, "bem": 7, "database": 8, "radiation": 1, "response": 3, "ladder": 3, "simulate": 6,
-    "compare": 10, "witness": 1, "member": 4, "members": 4, "campaign": 4, "verification": 5, "body": 4,
+    "block": 1, "body": 1, "campaign": 1, "compare": 1, "database": 1, "degree": 1, "ladder": 1, "member": 1,
+    "members": 1, "mesh": 1, "radiation": 1, "response": 1, "simulate": 1, "verification": 1, "witness": 1,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
-PAUSE = 3
-"""Hand-bumped version of how the pause of a law is found: in the runs of laws that pause alone."""
-SPRING = 1
-"""Hand-bumped version of how dampers are found beside a spring that costs power: in ladders of such alone."""
 
 
-class Spec(Extended):
+class Spec(Section):
     """Specification of one stage, with the version of its physics."""
 
     TAG: ClassVar[str]
@@ -52,10 +47,9 @@ class Spec(Extended):
         return {**raw, **tags}
 
 
-class Sphere(Extended):
+class Sphere(Section):
     """Undeformed wetted shape: radius and height of the centre above still water [m], of a sphere but for a shape."""
 
-    LATER: ClassVar[tuple[str, ...]] = ("shape",)
     radius: float
     centre_height: float
     shape: Shape | None = None
@@ -72,7 +66,6 @@ class Shapes(Sphere):
 class AfloatSpec(Spec):
     """Specification of what floats, in the directions it moves in."""
 
-    LATER: ClassVar[tuple[str, ...]] = ("motion", "mooring")
     device: Device
     water: Water
     motion: Motion = "heave"
@@ -138,7 +131,6 @@ class DrivenSpec(DesignsSpec):
 class DraggedSpec(DrivenSpec):
     """Specification of designs whose motion a drag may brake."""
 
-    LATER = (*AfloatSpec.LATER, "drag")
     drag: Drag | None = None
 
     @property
@@ -233,7 +225,7 @@ class ModesSpec(DesignsAtRest):
 class Block(Spec):
     """Coefficients of displacements at frequencies [rad/s], as many of them solved as `interpolation` [-] asks for."""
 
-    TAG, LATER = "bem", ("interpolation", "order")
+    TAG = "block"
     solver: str
     water: Water
     displacements: tuple[str, ...]
@@ -278,7 +270,7 @@ class RadiationSpec(Spec):
 class ResponseSpec(DrivenSpec):
     """Frequency response of all designs: step, ends and further frequencies of its grid [rad/s]."""
 
-    TAG, LATER = "response", (*DrivenSpec.LATER, "directions")
+    TAG = "response"
     step: float
     lowest: float
     omega_max: float
@@ -312,29 +304,27 @@ class ClimateSpec(Section):
 class LadderSpec(DesignsAtRest, DraggedSpec):
     """Tuning ladder of all designs in all seas."""
 
-    TAG, LATER = "ladder", (*DraggedSpec.LATER, "spring")
+    TAG = "ladder"
     waves: tuple[Wave, ...]
     simulation: Simulation
     hydro: Band
-    spring: int = 0  # version of how dampers are found beside one that costs power; 0: none costs any
 
 
 class DegreeSpec(LadderSpec):
     """Search for the degree of the shell modes: what powers follow from, in seas of a study or in those of a year."""
 
-    TAG, LATER = "degree", (*LadderSpec.LATER, "climate")
+    TAG = "degree"
     climate: ClimateSpec | None = None
 
 
 class SimulateSpec(DesignsAtRest, DraggedSpec):
     """One design in one sea; `seas` are those its damper is to suit, where one is for all."""
 
-    TAG, LATER = "simulate", (*DraggedSpec.LATER, "seas", "pause")
+    TAG = "simulate"
     simulation: Simulation
     waves: tuple[Wave, ...]
     hydro: Dynamics
     seas: tuple[Wave, ...] = ()
-    pause: int = 0  # version of how it is found; 0: of a law that does not pause
 
 
 class CompareSpec(Spec):
@@ -359,18 +349,13 @@ RUN_BY = ("member", "database", "radiation", "simulate")
 """Tags of the physics runs in time of a member rest on, beside their own."""
 
 
-def _versions(pto: Pto) -> dict[str, int]:
-    """Versions of what runs in time rest on."""
-    return {tag: PHYSICS[tag] for tag in RUN_BY} | ({"pause": PAUSE} if pto.pauses else {})
-
-
 class VerificationSpec(MemberSpec):
     """One point of a campaign under one tuning, and the runs in time its year is corrected by."""
 
     TAG = "verification"
     simulation: Simulation
     verify: Verify
-    versions: dict[str, int] = Field(default_factory=lambda said: _versions(said["pto"]))
+    versions: dict[str, int] = Field(default_factory=lambda: {tag: PHYSICS[tag] for tag in RUN_BY})
 
     @property
     def simulated(self) -> Study:
@@ -393,7 +378,7 @@ class MembersSpec(Spec):
 class CampaignSpec(Spec):
     """A whole campaign: what is varied of which sections, and its batches by id, each with the members it holds."""
 
-    TAG, LATER = "campaign", ("verifications",)
+    TAG = "campaign"
     campaign: str
     study: str
     base: dict[str, Any]

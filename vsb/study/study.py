@@ -86,7 +86,6 @@ CHECKS = (
 class Study(Compared):
     """One study file."""
 
-    LATER = ("motion", "mooring", "drag")
     study: Name
     motion: Motion = "heave"
     device: Device

@@ -5,9 +5,9 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 
 import math
 from abc import abstractmethod
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from vsb.study.quantities import Count, Number, Positive, Section, within
 
@@ -35,11 +35,6 @@ class Travelling(Section):
     """Waves that go somewhere: their direction [degrees] from the x axis."""
 
     direction: Annotated[Number, Field(ge=-360, le=360)] = 0.0
-
-    @model_serializer(mode="wrap")
-    def _without_default_direction(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Results of before waves had directions keep their names."""
-        return {key: value for key, value in dump(self).items() if (key, value) != ("direction", 0.0)}
 
     @property
     def _towards(self) -> str:
