@@ -167,3 +167,22 @@ def test_the_interval_of_a_year_holds_the_gain_of_many_modes(seed, tmp_path, mod
     assert np.all(
         (gain - many)[1:, 1] > 0
     )  # at optimal dampers more modes absorb less: the interval has to reach below
+
+
+def test_about_an_equilibrium_the_rigid_design_depends_on_the_modes_through_its_shape(seed):
+    study = varied(
+        seed,
+        device={"young_modulus": 40e6, "thickness": 0.015, "internal_pressure": 18e3},
+        reference_shape="equilibrium",
+        modes={"basis": "full", "degree": 6},
+        designs={"FSB": {"flexible": False}, "VSWEC": {}},
+        waves=[{"kind": "regular", "amplitude": 0.1, "period": 3.4}],
+    )
+    found = left_out(study).isel(wave=0)
+    convergence = ModeConvergence(study, [sea(study.waves[0], 12.0, 0.0)])
+    poor, rich = (convergence.powers(Modes(basis="full", degree=n))[:, 0] for n in (6, 20))
+    power, gain = rich / poor - 1, 100 * (rich[1] / rich[0] - poor[1] / poor[0])
+    assert np.abs(power[0]).max() > 1e-5
+    for bounds, value in ((found.power, power), (found.gain.sel(design="VSWEC"), gain)):
+        assert np.all(bounds.sel(end="low") <= value)
+        assert np.all(value <= bounds.sel(end="high"))

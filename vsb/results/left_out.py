@@ -17,7 +17,7 @@ from vsb.scenes.mode_convergence import (
 )
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.shell.reference import ReferenceShell
-from vsb.study.sections import DEGREES
+from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import LadderSpec
 from vsb.study.study import Study, Wave
 from vsb.tools.units import FloatArray
@@ -55,15 +55,15 @@ def modes_left_out(study: LadderSpec, seas: Sequence[tuple[Wave, Sea]]) -> xr.Da
     if not study.flexible or not knows_port(study) or not seas:
         return xr.Dataset()
     convergence = ModeConvergence(study, tuple(sea for _, sea in seas))
-    before, further = convergence.powers(study.modes), convergence.further
-    bounds = _bounds(convergence.converged - before, further)
-    designs, reference = list(study.designs), study.reference_design
-    bounds[[i for i, name in enumerate(designs) if not study.designs[name].flexible]] = 0.0
-    power, gain = _relative(bounds, before), np.zeros_like(bounds)
-    if reference is not None:
-        gain = 100 * _relative(bounds, before[[designs.index(reference)]])
+    before, tried = convergence.powers(study.modes), list(convergence.powers_by_degree.values())
+    power, gain = _relative(_bounds(before, tried), before), np.zeros((*before.shape, len(ENDS)))
+    if (reference := study.reference_design) is not None:
+        at = list(study.designs).index(reference)
+        gain = _bounds(_gains(before, at), [_gains(one, at) for one in tried])
+    if not study.at_equilibrium:  # else the shape at rest depends on the modes, too
+        power[[i for i, design in enumerate(study.designs.values()) if not design.flexible]] = 0.0
     dims = ("design", "wave", "take_off", "end")
-    coords = {"design": designs, "wave": [wave.label for wave, _ in seas], "take_off": list(TAKE_OFFS)}
+    coords = {"design": list(study.designs), "wave": [wave.label for wave, _ in seas], "take_off": list(TAKE_OFFS)}
     return xr.Dataset({"power": (dims, power), "gain": (dims, gain)}, {**coords, "end": list(ENDS)})
 
 
@@ -100,25 +100,34 @@ def gain_of_year(
         return np.zeros((len(designs), len(ENDS)))
     heaving = study.model_copy(update={"motion": "heave", "mooring": None})
     lower = [degree for degree in DEGREES if degree <= study.modes.max_degree / LEAST_RATIO][-2:]
-    if study.modes.basis == "full" and lower:
+    nested = study.modes.basis == "full" and lower
+    if nested and not study.at_equilibrium:
         squares = (climate.mean_density @ band_weights(water.omega, climate))[None]
         seen = [*(designs_in_waves(heaving, reference, water, n) for n in lower), waves]
-        powers = [powers_of_ports({d: w.port for d, w in one.items()}, study.pto, squares)[:, 0] for one in seen]
-        beyond = further(powers)
-        before, bounds = powers[-1], np.stack([-beyond, beyond], axis=-1)
+        tried = [powers_of_ports({d: w.port for d, w in one.items()}, study.pto, squares) for one in seen]
+        before = tried[-1]
     else:
         convergence = ModeConvergence(heaving, [mean_sea(climate, study.hydro.omega_max)])
-        before, beyond = convergence.powers(study.modes)[:, 0], convergence.further[:, 0]
-        bounds = _bounds(convergence.converged[:, 0] - before, beyond)
-    bounds[~flexible] = 0.0
-    gain = 100 * _relative(bounds, before[[at]])
+        before = convergence.powers(study.modes)
+        if nested:  # the shape at rest, and with it the rigid design, depends on the modes, too
+            tried = [*(convergence.powers(Modes(basis="full", degree=n)) for n in lower), before]
+        else:
+            tried = list(convergence.powers_by_degree.values())
+    gain = _bounds(_gains(before, at), [_gains(one, at) for one in tried])[:, 0]
     return np.stack([gain[..., 0].min(axis=1), gain[..., 1].max(axis=1)], axis=-1)
 
 
-def _bounds(change: FloatArray, further: FloatArray) -> FloatArray:
-    """Range (..., end) about zero of a change to the highest degree tried and what further degrees may change."""
-    missed = further + SAMPLED * np.abs(change)
+def _bounds(before: FloatArray, tried: Sequence[FloatArray]) -> FloatArray:
+    """Range (..., end) about zero of what all modes change: to the highest of the degrees tried, and beyond it."""
+    change = tried[-1] - before
+    missed = further(tried) + SAMPLED * np.abs(change)
     return np.stack([np.minimum(change, 0.0) - missed, np.maximum(change, 0.0) + missed], axis=-1)
+
+
+def _gains(power: FloatArray, at: int) -> FloatArray:
+    """Gains over the design in a place, of powers (design, sea, take-off) [percentage points]; nothing of no power."""
+    base = np.broadcast_to(power[[at]], power.shape)
+    return np.divide(100 * (power - base), base, out=np.zeros_like(power), where=base > 0)
 
 
 def _relative(bounds: FloatArray, size: FloatArray) -> FloatArray:
