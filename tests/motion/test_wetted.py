@@ -68,19 +68,6 @@ def test_shallow_dimple_is_resolved(full):
     assert np.all(np.abs(slopes - 0.5) < 0.05), slopes
 
 
-@settings(max_examples=8)
-@given(st.lists(st.floats(-0.06, 0.06), min_size=12, max_size=12), st.floats(-1.5, 1.5))
-def test_static_force_is_the_gradient_of_its_potential(full, modal, height):
-    """Central differences with one Richardson step."""
-    q = np.array([0.0, *modal])
-
-    def slope(e, h):
-        return (compiled(full, height, q + h * e)[2] - compiled(full, height, q - h * e)[2]) / (2 * h)
-
-    gradient = [(4 * slope(e, 5e-4) - slope(e, 1e-3)) / 3 for e in np.eye(13)]
-    assert gradient == pytest.approx(compiled(full, height, q)[0], abs=1e-8)
-
-
 def test_uniform_pressure_acts_on_the_waterplane(full):
     q = amplitudes(full, Membrane2=0.05)
     shell = DeformedShell(full, 0.4, q)
