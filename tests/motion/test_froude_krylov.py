@@ -6,7 +6,6 @@ from scipy.integrate import quad
 from scipy.special import j0
 
 from vsb.motion.froude_krylov import (
-    _bessel,
     _dynamic,
     _elevation,
     _moment,
@@ -42,12 +41,6 @@ def deformed(basis):
     q = np.zeros(len(basis.labels))
     q[[0, 1, 3, 9]] = 0.1, 0.05, -0.08, 0.06
     return q
-
-
-def test_bessel_table_has_nine_digits():
-    table = incident(Sea(np.array([12.0]), np.array([1.0 + 0j])), np.inf, G, 2.0).bessel
-    for argument in np.linspace(0.0, 50.0, 997):
-        assert _bessel(table, argument) == pytest.approx(j0(argument), abs=1e-9)
 
 
 @pytest.mark.parametrize("height", [-2.6, -0.7, 0.0, 0.4, 2.6])

@@ -200,7 +200,7 @@ def on_one_line(angle, **changes):
 def test_oblique_mooring_line(folder):
     """Line and waves rotated together: same frequencies and power; no mean position across the line."""
     runs, frequencies = [], []
-    for study in (on_one_line(0.0, study="ahead"), on_one_line(20.0, study="turned")):
+    for study in (on_one_line(0.0, study="ahead"), on_one_line(20.0, study="oblique")):
         check_stable(study, reference_shell(study))
         plan = made(study, folder, (*HYDRO, "response"))
         frequencies.append(load_data(plan.response_files["response"]).wet_natural_frequency.values)

@@ -3,18 +3,11 @@
 import numpy as np
 import pytest
 
-from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, shell_modes
 from vsb.shell.reference import ReferenceShell
 from vsb.shell.sphere import Shell
 from vsb.study.meridian import capsule
-
-
-def test_total_stiffness_is_the_sum_of_its_contributions(seed):
-    parts = {"structural": np.diag([0.0, 2.0]), "hydrostatic": np.array([[1.0, 0.5], [0.5, 3.0]]), "gas": np.eye(2)}
-    reference = ReferenceShell(DeformedShell(study_basis(seed), 0.0), parts)
-    np.testing.assert_array_equal(reference.total, [[2.0, 0.5], [0.5, 6.0]])
 
 
 @pytest.mark.parametrize("radius", [0.8, 3.0])
