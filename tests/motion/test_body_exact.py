@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import springs, varied
+from conftest import varied
 
 from vsb.errors import ConvergenceError
 from vsb.integrators.audit import energies, residual
@@ -64,11 +64,11 @@ def exact_linear(parts, study, design, amplitude):
 
 
 @pytest.mark.parametrize("design", ["FSB", "VSWEC"])
-def test_small_motion_is_that_of_linear_theory(parts, coarse, design):
-    """About the equilibrium of a shell that carries its load; the difference falls with the wave's amplitude."""
+def test_small_motion_follows_linear_theory(parts, coarse, design):
+    """About the equilibrium of a shell that carries its load; the difference vanishes with the wave's amplitude."""
     study = varied(coarse, device={"young_modulus": 1e12}, modes={"degree": 3}) if design == "VSWEC" else coarse
-    time = np.linspace(0.0, 20.0, 801)
-    errors, amplitudes = [], np.array([0.08, 0.04, 0.02, 0.01])
+    time = np.linspace(0.0, 10.0, 401)
+    errors, amplitudes = [], np.array([0.04, 0.01])
     for a in amplitudes:
         plant = scene(parts, study, design, swell(a))
         linear = propagate(System.of(exact_linear(parts, study, design, a)), time, plant.start(0.0, 0.0))
@@ -79,7 +79,7 @@ def test_small_motion_is_that_of_linear_theory(parts, coarse, design):
     assert np.all((slopes > 0.8) & (slopes < 2.2)), (errors, slopes)
 
 
-def test_a_vented_shell_rests_deformed_and_stays_at_rest(parts, coarse):
+def test_vented_shell_stays_at_its_deformed_equilibrium(parts, coarse):
     plant = scene(parts, coarse, "VSWEC", NO_WAVES)
     assert -0.25 < plant.origin[0] < -0.15  # it has shrunk, and sunk
     motion, _ = integrate(System.of(plant), np.linspace(0.0, 10.0, 401), plant.start(0.0, 0.0), 1e-8)
@@ -87,7 +87,7 @@ def test_a_vented_shell_rests_deformed_and_stays_at_rest(parts, coarse):
 
 
 @pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC90"])
-def test_energy_audit_closes(parts, coarse, design):
+def test_energy_balance_closes(parts, coarse, design):
     plant = scene(parts, coarse, design, swell(0.2))
     motion, _, method = simulate(System.of(plant), swell(0.2), coarse.simulation, None)
     energy = energies(System.of(plant), motion)
@@ -95,14 +95,6 @@ def test_energy_audit_closes(parts, coarse, design):
     assert "exponential Adams" in method
     assert energy["wave"][-1] > 0
     assert np.all(np.diff(energy["radiated"]) >= 0)
-
-
-def test_forces_of_the_scene_are_those_it_has(parts, coarse):
-    rigid = scene(parts, coarse, "FSB", swell(0.1))
-    assert set(rigid.forces) == {"radiation", "pto", "water", "weight", "diffraction"}
-    shell = scene(parts, coarse, "VSWEC", NO_WAVES)
-    assert set(shell.forces) == {"radiation", "pto", "water", "weight", "elastic", "structural_damping"}
-    assert shell.water.waves is None
 
 
 def test_newtons_law_holds_at_every_instant(parts, coarse):
@@ -114,17 +106,8 @@ def test_newtons_law_holds_at_every_instant(parts, coarse):
     assert np.abs(inertia - total).max() < 1e-8 * np.abs(total).max()
 
 
-def test_a_shell_too_soft_to_rest_is_refused(parts, coarse):
+def test_shell_too_soft_to_rest_is_refused(parts, coarse):
     buoy, shape, radiation, motions = parts(coarse, "VSWEC")
     soft = buoy.database.assign(structural_stiffness=1e-3 * buoy.database.structural_stiffness)
     with pytest.raises(ConvergenceError, match=r"does not come to rest.*internal_pressure"):
         body_exact_scene(replace(buoy, database=soft), shape, radiation, NO_WAVES, motions)
-
-
-def test_springs_and_dampers_are_those_of_the_linear_scene(parts, coarse):
-    buoy, shape, radiation, motions = parts(coarse, "VSWEC0")
-    exact = body_exact_scene(buoy, shape, radiation, NO_WAVES, motions)
-    linear = linear_scene(buoy, radiation, NO_WAVES, motions)
-    assert linear.stiffness - springs(exact) == pytest.approx(motions.T @ exact.water.tangent @ motions)
-    assert exact.stiffness == pytest.approx(linear.stiffness)
-    assert linear.damping == pytest.approx(exact.damping)

@@ -1,4 +1,4 @@
-"""Radiation channels: damping of one channel comes back between frequencies, orders stay apart."""
+"""Radiation channels: damping between frequencies from the excitation of one channel."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def database():
 
 
 @pytest.mark.parametrize(("group", "factor"), [((0, 1), 2.0), ((2,), 1.0)])
-def test_damping_between_frequencies_is_of_the_one_channel_of_its_motions(database, group, factor):
+def test_damping_between_frequencies(database, group, factor):
     channel, omega = Channel.of(database, np.array(group)), np.array([0.25, 1.234, 5.5])
     assert channel.power == 3
     found, pick = channel.damping(omega, force(omega)), np.array(group)
@@ -41,8 +41,8 @@ def test_damping_between_frequencies_is_of_the_one_channel_of_its_motions(databa
     np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12)
 
 
-def test_where_no_wave_is_made_the_channel_is_that_of_its_neighbours(database):
-    """A force that changes its sign at 3 rad/s, and a solver whose damping there is its error, below zero."""
+def test_damping_where_the_excitation_vanishes(database):
+    """The force changes sign at 3 rad/s, where the solver's damping is dominated by its error."""
     database.excitation_force[:, 0, 2] = 3.0 - OMEGA
     damping = OMEGA**3 * (3.0 - OMEGA) ** 2
     near = np.abs(OMEGA - 3.0) < 0.06
@@ -55,8 +55,8 @@ def test_where_no_wave_is_made_the_channel_is_that_of_its_neighbours(database):
     np.testing.assert_allclose(channel.damping(omega, force)[:, 2, 2], omega**3 * (3.0 - omega) ** 2, rtol=1e-10)
 
 
-def test_the_factor_is_of_the_direction_that_excites_its_motions(database):
-    """As sway by waves that go along y: those along x leave it where it is."""
+def test_channel_uses_the_direction_that_excites_it(database):
+    """Like sway, excited by waves along y and not by those along x."""
     ahead, aside = database.excitation_force.copy(), database.excitation_force.copy()
     ahead[:, 0, 2] = 0.0
     aside[:, 0, :2] *= 0.5
@@ -71,42 +71,7 @@ def test_the_factor_is_of_the_direction_that_excites_its_motions(database):
         np.testing.assert_allclose(found, expected, rtol=1e-10)
 
 
-def lone(omega, factor):
-    """One motion of unit force whose damping is given."""
-    pair = ("influenced_dof", "radiating_dof")
-    return xr.Dataset(
-        {
-            "radiation_damping": (("omega", *pair), factor[:, None, None]),
-            "excitation_force": (("omega", "wave_direction", pair[0]), np.ones((len(omega), 1, 1), dtype=complex)),
-        },
-        {"omega": omega},
-    )
-
-
-@pytest.mark.parametrize(
-    ("slope", "power"), [(0.2, 1), (1.0, 1), (1.4, 1), (1.6, 2), (2.4, 2), (2.6, 3), (3.0, 3), (4.6, 3), (-2.0, 1)]
-)
-def test_a_factor_is_drawn_over_the_nearest_whole_power_from_one_to_three(slope, power):
-    channel = Channel.of(lone(OMEGA, 2.0 * OMEGA**slope), np.array([0]))
-    assert channel.power == power
-    found = channel.damping(OMEGA, np.ones((60, 1), dtype=complex))[:, 0, 0]
-    np.testing.assert_allclose(found, 2.0 * OMEGA**slope, rtol=1e-9)
-
-
-@pytest.mark.parametrize(("count", "drawn"), [(9, 4), (8, 8)])
-@pytest.mark.parametrize("wrong", [0.0, -1.0])
-def test_next_to_no_damping_two_frequencies_to_either_side_are_left_out_while_four_are_left(count, drawn, wrong):
-    omega = 1.0 + np.arange(float(count))
-    factor = 2.0 * omega**3
-    factor[:5] *= 1.5
-    factor[2] = wrong
-    channel = Channel.of(lone(omega, factor), np.array([0]))
-    assert channel.factor.x.tolist() == omega[-drawn:].tolist()
-    if drawn == 4:
-        np.testing.assert_allclose(channel.factor(omega), np.full(count, 2.0), rtol=1e-9)
-
-
-def test_what_is_of_the_channel_takes_as_much_of_all_motions_as_the_damping_whatever_its_sign(database):
+def test_projection_on_the_channel_keeps_the_trace(database):
     """The trace: of a solver's damping below zero less than nothing."""
     damping, excitation = database.radiation_damping.values.copy(), force(database.omega.values)
     damping[1::2] *= -0.7

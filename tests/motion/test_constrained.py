@@ -1,4 +1,4 @@
-"""The best force found within limits: matched and general optima, feasibility, what a piecewise-linear force loses."""
+"""Optimal force under limits: matched optimum, least squares, SLSQP, linear programmes, feasibility."""
 
 import re
 
@@ -9,12 +9,11 @@ from hypothesis import strategies as st
 from motion.test_harmonics import SEA, WAVES, admittance, buoy, buoy_port, instants
 from scipy.optimize import linprog, lsq_linear, minimize
 
-from vsb.errors import ConvergenceError, StabilityError
+from vsb.errors import StabilityError
 from vsb.motion import constrained
 from vsb.motion.constrained import NoForceFoundError, constrained_optimum, optimum_in_sea
 from vsb.motion.force_bound import NODES, Limits, force_bound
 from vsb.motion.harmonics import Harmonics
-from vsb.motion.port import Port
 from vsb.results.ladder import GAP as PROVEN
 from vsb.waves.seas import Sea
 
@@ -38,7 +37,7 @@ def free_stroke(harmonics, velocity):
 
 
 @pytest.mark.parametrize("harmonics", [SEA, WAVES])
-def test_without_limits_that_bind_it_is_the_matched_limit(harmonics):
+def test_inactive_limits_give_the_matched_power(harmonics):
     velocity, y = buoy(harmonics)
     matched = np.sum(np.abs(velocity) ** 2 / (8 * y.real))
     free = optimum(harmonics)
@@ -51,25 +50,6 @@ def test_without_limits_that_bind_it_is_the_matched_limit(harmonics):
     assert tight.gap < PROVEN
 
 
-@pytest.mark.parametrize("share", [0.9997, 0.99, 1.0003])
-@pytest.mark.parametrize("way", ["force", "stroke"])
-def test_a_limit_a_little_below_what_is_best_without_it_binds_and_one_above_does_not(way, share):
-    free = optimum(SEA)
-    found = optimum(SEA, (share * free.force_peak, np.inf) if way == "force" else (np.inf, share * free.stroke_peak))
-    assert (found.steps > 0) == (share < 1)
-    assert found.power <= found.bound <= free.power
-    peak = found.force_peak if way == "force" else found.stroke_peak
-    assert peak <= min(share, 1.0) * getattr(free, f"{way}_peak") * (1 + 1e-9)
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("limits", [(), (1e3, np.inf), (np.inf, 0.3), (1e3, 0.3)])
-def test_in_still_water_there_is_nothing_to_take_and_no_gap(limits):
-    found = constrained_optimum(SEA, buoy_port(SEA), np.zeros(SEA.count), Limits(*limits))
-    assert (found.power, found.bound, found.gap, found.steps) == (0.0, 0.0, 0.0, 0)
-    assert (found.force_rms, found.force_peak, found.stroke_peak, found.excess) == (0.0, 0.0, 0.0, 0.0)
-
-
 # a limit of force alone: linear between nodes ------------------------------------------------------------------------
 
 
@@ -80,8 +60,7 @@ def node_values(harmonics, limit):
 
 @pytest.mark.parametrize("limit", [1e3, 4e3, 2e4])
 @pytest.mark.parametrize("harmonics", [SEA, WAVES, Harmonics(0.8, 0.5, 9)])
-def test_a_limited_force_has_the_power_and_the_stroke_of_its_line_between_nodes(harmonics, limit):
-    """Harmonics by quadrature of the line itself, of all orders up to four times the band; at any instant."""
+def test_power_and_stroke_match_quadrature_of_the_piecewise_linear_force(harmonics, limit):
     port = buoy_port(harmonics)
     values, found = node_values(harmonics, limit)
     period = 2 * np.pi / harmonics.spacing
@@ -110,8 +89,8 @@ def test_a_limited_force_has_the_power_and_the_stroke_of_its_line_between_nodes(
 
 @pytest.mark.parametrize("resonance", [1.6, 9.0])
 @pytest.mark.parametrize("limit", [1e3, 6e3, 2e4])
-def test_bounded_least_squares_find_no_better_force_between_nodes(limit, resonance):
-    """Dense, losses outside the band included, which matter where the port resonates there: P = const - |A u - b|^2."""
+def test_bounded_least_squares_finds_no_better_force(limit, resonance):
+    """Dense problem with losses outside the band, where the port may resonate: P = const - |A u - b|^2."""
     harmonics = Harmonics(0.8, 1.0, 9)
     port, found = buoy_port(harmonics, resonance), optimum(harmonics, (limit,), resonance=resonance)
     count, w, loss = NODES * harmonics.instants, port.omega, port.admittance.real
@@ -125,40 +104,6 @@ def test_bounded_least_squares_find_no_better_force_between_nodes(limit, resonan
     assert found.power >= best * (1 - constrained.REFINED)
 
 
-@pytest.mark.parametrize("compliance", [1 / 3e4, np.inf])
-def test_a_steady_part_of_the_force_moves_a_port_that_is_held_and_is_taken_off_one_that_drifts(compliance):
-    """A ramp with a mean of a fifth of its peak, in a port of compliance C: S changes by -C <F>, the power not at all."""
-    harmonics = Harmonics(0.8, 1.0, 9)
-    port = buoy_port(harmonics)
-    port = Port(port.omega, port.admittance, port.velocity, compliance)
-    nodes = NODES * harmonics.instants
-    wave = 1e3 * np.cos(2 * np.pi * np.arange(nodes) / nodes)
-    found, even = (
-        constrained._linear_between_nodes(harmonics, port, port.velocity[: harmonics.count], values, 1e9, 3)
-        for values in (wave + 250.0, wave)
-    )
-    if np.isfinite(compliance):
-        assert found.power == pytest.approx(even.power, rel=1e-12)
-        np.testing.assert_allclose(found.force, even.force, atol=1e-9)
-        assert found.force_peak == pytest.approx(1250.0)
-        signal = harmonics.signal_with(even.stroke, np.zeros(len(harmonics.outside)), constrained.BETWEEN)
-        assert found.stroke_peak == pytest.approx(np.abs(signal - compliance * 250.0).max(), rel=2e-3)
-    else:
-        assert found.force_peak <= 1250.0
-        np.testing.assert_allclose(found.force, even.force * 1250.0 / 1500.0, atol=1e-9)
-
-
-def test_peaks_are_sizes_whichever_way_the_force_goes():
-    """Of velocities and their opposite, whose optimum is the opposite."""
-    for limits in ((3e3, np.inf), (np.inf, 0.3)):
-        found, other = (
-            constrained_optimum(SEA, buoy_port(SEA), sign * np.ones(SEA.count), Limits(*limits)) for sign in (1, -1)
-        )
-        assert other.force_peak == pytest.approx(found.force_peak, rel=1e-6)
-        assert other.stroke_peak == pytest.approx(found.stroke_peak, rel=1e-6)
-        np.testing.assert_allclose(other.force, -found.force, rtol=1e-5, atol=1e-6 * np.abs(found.force).max())
-
-
 # limits of the stroke: harmonics of the band ------------------------------------------------------------------------
 
 
@@ -166,7 +111,7 @@ def test_peaks_are_sizes_whichever_way_the_force_goes():
     ("harmonics", "limits"),
     [(SEA, (np.inf, 0.3)), (SEA, (4e4, 2.0)), (WAVES, (np.inf, 0.3)), (WAVES, (2e4, 0.5))],
 )
-def test_limits_are_kept_at_the_instants_and_the_excess_between_them_is_told(harmonics, limits):
+def test_limits_hold_at_the_instants_and_the_excess_between_them_is_reported(harmonics, limits):
     velocity, y = buoy(harmonics)
     found = optimum(harmonics, limits)
     signals = [harmonics.signal(x, 8) for x in (found.force, found.stroke)]
@@ -182,8 +127,8 @@ def test_limits_are_kept_at_the_instants_and_the_excess_between_them_is_told(har
 
 
 @pytest.mark.parametrize("limits", [(1e4, 0.5), (2e4, 0.5), (np.inf, 0.35)])
-def test_a_general_solver_finds_the_same_force_of_the_band(limits):
-    """SLSQP on the real and imaginary parts, constraints written out with sines and cosines."""
+def test_slsqp_finds_the_same_force(limits):
+    """Real and imaginary parts as variables, constraints written out with sines and cosines."""
     harmonics = Harmonics(0.8, 0.5, 4)
     velocity, y = buoy(harmonics)
     found = optimum(harmonics, limits)
@@ -215,8 +160,7 @@ def test_a_general_solver_finds_the_same_force_of_the_band(limits):
 
 @settings(max_examples=25)
 @given(damping=st.floats(3, 6), stiffness=st.floats(-4e4, 4e4), seed=st.integers(0, 99))
-def test_no_spring_and_damper_within_the_limits_takes_more(damping, stiffness, seed):
-    """Than the bounds; nor than the force of the band, of which they are one."""
+def test_no_spring_and_damper_within_the_limits_absorbs_more(damping, stiffness, seed):
     velocity, y = buoy(SEA, seed=seed)
     load = 10**damping + 1j * stiffness / SEA.omega
     force = velocity * load / (1 + y * load)
@@ -248,8 +192,8 @@ def least_share(harmonics, velocity, y, limits, finer=1):
 
 
 @pytest.mark.parametrize("seed", [0, 3])
-def test_limits_that_cannot_be_met_are_proved_so_and_what_another_force_may_keep_is_not(seed):
-    """Judged by linear programmes, one of the harmonics of the band and one of twice as many."""
+def test_infeasible_limits_are_proved_by_a_linear_programme(seed):
+    """One of the harmonics of the band and one of twice as many."""
     narrow, wide, of = Harmonics(0.26, 0.5, 16), Harmonics(0.26, 0.5, 32), {"resonance": 1.2, "loss": 50.0}
     velocity, y = buoy(narrow, seed=seed, **of)
     limits = np.array([5e3, 0.2 * free_stroke(narrow, velocity)])
@@ -280,71 +224,11 @@ def test_limits_that_cannot_be_met_are_proved_so_and_what_another_force_may_keep
     assert most < least == pytest.approx(least_there_is, rel=1e-5)
 
 
-@pytest.mark.parametrize("harmonics", [SEA, WAVES])
-def test_no_force_within_its_limit_takes_less_than_the_least(harmonics):
-    """Else a certificate would be none: of a limited force at a still port all is lost where the port loses most."""
-    velocity, y = buoy(harmonics)
-    limits = [constrained.Limit(np.zeros(harmonics.instants), np.ones(harmonics.count, dtype=complex), 4e3)]
-    stroke = constrained.Limit(np.zeros(harmonics.instants), 2 * np.ones(harmonics.count, dtype=complex), 1.0)
-    rng = np.random.default_rng(8)
-    for share in (0.0, 0.01, 1.0):
-        free, loss = share * velocity, y.real
-        programme = constrained._Programme(harmonics, free, y, [*limits, stroke])
-        against = np.where(loss == loss.max(), 1.0, 1e-9) * np.exp(1j * np.angle(-velocity))
-        for force in (against, -free, rng.normal(size=(2, harmonics.count)).T @ [1, 1j]):
-            scaled = 4e3 * force / max(np.abs(harmonics.signal(force)).max(), 1e-300)
-            assert programme.power(scaled) >= programme.least
-        size = np.sqrt(2) * 4e3  # |f| of a force that is all the time at its limit
-        assert programme.least == pytest.approx(-size / 2 * (np.linalg.norm(free) + size * loss.max()), rel=1e-12)
-        assert constrained._Programme(harmonics, free, y, [stroke]).least == -np.inf
-
-
-def test_the_bound_of_the_band_holds_for_any_multipliers():
-    """Weak duality, by which the best force of the band is known: each side is pushed as far as the sea moves the port."""
-    velocity, y = buoy(SEA)
-    integral = 1 / (-1j * SEA.omega)
-    free = SEA.signal(velocity * integral)
-    limits = [
-        constrained.Limit(np.zeros(SEA.instants), np.ones(SEA.count, dtype=complex), 4e4),
-        constrained.Limit(free, -y * integral, 2.0),
-    ]
-    assert [limit.plain for limit in limits] == [True, False]
-    assert not constrained.Limit(free, np.ones(SEA.count, dtype=complex), 1.0).plain
-    programme = constrained._Programme(SEA, velocity, y, limits)
-    best = optimum(SEA, (4e4, 2.0)).power
-    rng = np.random.default_rng(5)
-    for size in (1e-2, 1.0, 1e2):
-        upper, lower = rng.uniform(size=(2, 2, SEA.instants)) * size / SEA.instants
-        assert programme.bound(list(upper), list(lower)) >= best
-        net = upper - lower
-        pulled = sum(limit.gain.conj() * SEA.phasors(mu) for limit, mu in zip(limits, net, strict=True))
-        held = 4e4 * (upper + lower)[0].sum() + 2.0 * (upper + lower)[1].sum() - free @ net[1]
-        expected = held + np.sum(np.abs(velocity / 2 - pulled) ** 2 / (2 * y.real))
-        assert programme.bound(list(upper), list(lower)) == pytest.approx(expected, rel=1e-12)
-
-
-@pytest.mark.parametrize(("seed", "share"), [(0, 0.9), (1, 0.5)])
-def test_where_keeping_the_stroke_costs_power_the_least_cost_is_found(seed, share):
-    """Limits that leave hardly any room: all a force of the band can do there is to give power."""
-    harmonics, of = Harmonics(0.26, 0.5, 16), {"resonance": 0.5, "seed": seed, "loss": 50.0}
-    velocity, y = buoy(harmonics, **of)
-    limits = np.array([5e3, share * np.abs(harmonics.signal(velocity / (-1j * harmonics.omega))).max()])
-    least, _ = least_share(harmonics, velocity, y, limits)
-    limits *= 1.002 * least
-    found = optimum(harmonics, limits, **of)
-    assert found.power < 0
-    assert found.power == pytest.approx(power(velocity, y, found.force), rel=1e-12)
-    assert found.power <= found.bound
-    assert found.bound - found.power == pytest.approx(found.gap * abs(found.bound), rel=1e-9)
-    assert found.force_peak <= limits[0] * (1 + 1e-9)
-    assert found.stroke_peak <= limits[1] * (1 + 1e-9)
-
-
 # ports, seas, failures -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("limits", [(3e3, np.inf), (np.inf, 0.3), (4e3, 6.0), (np.inf, np.inf)])
-def test_the_optimum_in_a_sea_is_that_of_its_components_at_their_harmonics(limits):
+def test_optimum_in_a_sea_is_that_of_its_components(limits):
     """Between them nothing moves it; force and stroke are limited as given."""
     port, components = buoy_port(WAVES), np.array([1, 2, 5])
     waves = Sea(WAVES.omega[components], np.array([0.5, -0.3j, 0.2 + 0.1j]))
@@ -354,44 +238,3 @@ def test_the_optimum_in_a_sea_is_that_of_its_components_at_their_harmonics(limit
     expected = constrained_optimum(WAVES, port, amplitude, Limits(*limits))
     assert (found.power, found.bound, found.steps) == (expected.power, expected.bound, expected.steps)
     np.testing.assert_array_equal(found.force, expected.force)
-
-
-@pytest.mark.parametrize(("wrong", "worst"), [([-1e-6, -3e-5, -1e-5], 1), ([0.0, 0.0, 0.0], 0)])
-@pytest.mark.parametrize("first", [4, 20])
-def test_a_port_that_gives_out_energy_is_told_where_it_does_most(wrong, worst, first):
-    """In the band, where waves do not move it, or outside; where they do the port itself refuses."""
-    port, at = buoy_port(WAVES), first + np.array([0, 2, 4])
-    y, velocity = port.admittance.copy(), port.velocity.copy()
-    y[at], velocity[at] = wrong, 0.0
-    words = (
-        rf"^port: received Re Y = {wrong[worst]:.3g} m/\(N s\) at {port.omega[at[worst]]:.4g} rad/s, needs more than"
-    )
-    with pytest.raises(ValueError, match=words):
-        constrained_optimum(WAVES, Port(port.omega, y, velocity, 0.0), np.ones(WAVES.count), Limits(1e3))
-
-
-def test_an_optimum_not_found_in_time_is_an_error(monkeypatch):
-    monkeypatch.setattr(constrained, "MOST_STEPS", 2)
-    with pytest.raises(
-        ConvergenceError,
-        match=r"^pto: the optimum under limits is not found to 1e-06 in 2 steps \(gap [\d.e+-]+\); needs limits that leave",
-    ):
-        optimum(SEA, (np.inf, 0.3))
-
-
-@pytest.mark.parametrize("over", [(1.1, 1.3), (1.3, 1.1), (0.9, 1.2), (1.2, 0.9), (0.9, 0.8)])
-def test_what_exceeds_limits_between_the_instants_is_that_of_the_worst_and_none_where_both_are_kept(over):
-    rng = np.random.default_rng(4)
-    force, stroke, y = rng.normal(size=(3, SEA.count)) + 1j * rng.normal(size=(3, SEA.count))
-    peaks = [np.abs(SEA.signal(x, constrained.BETWEEN)).max() for x in (force, stroke)]
-    gains = np.ones(SEA.count, dtype=complex), 2j * np.ones(SEA.count)
-    limits = [
-        constrained.Limit(np.zeros(SEA.instants), gain, peak / part)
-        for gain, peak, part in zip(gains, peaks, over, strict=True)
-    ]
-    velocity = -1j * SEA.omega * stroke + y * force
-    found = constrained._reported(constrained._Programme(SEA, velocity, y, limits), force, 7.0, 3)
-    assert found.excess == pytest.approx(max(0.0, max(over) - 1), abs=1e-12)
-    assert found.force_peak == np.abs(SEA.signal(force)).max()
-    assert found.stroke_peak == pytest.approx(np.abs(SEA.signal(stroke)).max(), rel=1e-12)
-    assert (found.bound, found.steps, found.power) == (7.0, 3, pytest.approx(power(velocity, y, force), rel=1e-12))

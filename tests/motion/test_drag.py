@@ -1,4 +1,4 @@
-"""Equivalent linearisation of quadratic drag: its laws by quadrature, the dragged port against the whole buoy."""
+"""Equivalent linearisation of quadratic drag: its laws by quadrature, the port with drag against the full buoy."""
 
 from dataclasses import replace
 
@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.errors import ConvergenceError
-from vsb.motion import drag as drag_module
 from vsb.motion.drag import GAUSSIAN, REGULAR, DraggedPort, best_damper, best_pair, under
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import Port
 from vsb.motion.pto import LinearPto
-from vsb.motion.tuning import Load, best_dampers, best_pairs
+from vsb.motion.tuning import best_dampers, best_pairs
 
 DRAG = 0.4
 
@@ -60,8 +58,8 @@ def seas(omega):
     return np.array([np.eye(len(omega))[9], 0.1 * peak, 0.03 * np.ones_like(omega)])
 
 
-def test_the_laws_of_linearisation():
-    """First harmonic of |cos| cos; of a Gaussian the mean of |u| u u over that of u u, by quadrature."""
+def test_linearisation_coefficients():
+    """First harmonic of |cos| cos; for a Gaussian the mean of |u| u u over that of u u, by quadrature."""
     phase = 2 * np.pi * (np.arange(4096) + 0.5) / 4096
     assert 2 * np.mean(np.abs(np.cos(phase)) * np.cos(phase) ** 2) == pytest.approx(REGULAR, rel=1e-6)
     u = np.linspace(-12.0, 12.0, 4097)
@@ -70,8 +68,8 @@ def test_the_laws_of_linearisation():
 
 
 @pytest.mark.parametrize("dragged", [1, 2, 3])
-@pytest.mark.parametrize("seed", range(3))
-def test_the_dragged_port_is_the_buoy_with_a_damper(seed, dragged):
+@pytest.mark.parametrize("seed", range(2))
+def test_port_with_drag_matches_the_buoy_with_a_damper(seed, dragged):
     buoy, drag = Buoy(seed, dragged=dragged), np.array([0.7, 0.3, 1.1])[:dragged]
     port = buoy.port.beside(drag)
     velocity, past = buoy.velocities(0.5, 0.2, drag)
@@ -82,9 +80,9 @@ def test_the_dragged_port_is_the_buoy_with_a_damper(seed, dragged):
 
 
 @pytest.mark.parametrize("dragged", [1, 2, 3])
-@pytest.mark.parametrize("seed", range(3))
-def test_drag_is_settled_with_the_motion_it_brakes(seed, dragged):
-    """D from the motion under that very D, of the whole equation; power is that motion's."""
+@pytest.mark.parametrize("seed", range(2))
+def test_equivalent_damping_is_consistent_with_its_motion(seed, dragged):
+    """By the full equation of motion under that very damping."""
     buoy = Buoy(seed, dragged=dragged)
     waves, dampers, springs = seas(buoy.omega), np.array([0.1, 2.0]), np.array([0.0, 0.3])
     drag, power = buoy.port.settled(waves, dampers, springs), buoy.port.powers(waves, dampers, springs)
@@ -98,8 +96,8 @@ def test_drag_is_settled_with_the_motion_it_brakes(seed, dragged):
 
 @pytest.mark.parametrize("efficiency", [1.0, 0.8, 0.5])
 @pytest.mark.parametrize("dragged", [1, 2])
-def test_power_beside_drag_is_less_by_the_losses_of_both_directions(dragged, efficiency):
-    """In a regular wave the mean over a period of e p where p = F V is taken, of p/e where it is given back."""
+def test_conversion_losses_beside_drag_match_the_time_signal(dragged, efficiency):
+    """Mean over a period of e p where p = F V is absorbed, of p/e where it is given back."""
     buoy = Buoy(0, dragged=dragged)
     wave, phase = seas(buoy.omega)[:1], 2 * np.pi * (np.arange(4096) + 0.5) / 4096
     dampers, springs = np.array([0.1, 2.0, 0.5]), np.array([0.0, 0.3, -0.2])
@@ -113,9 +111,8 @@ def test_power_beside_drag_is_less_by_the_losses_of_both_directions(dragged, eff
         assert (one.damping, one.stiffness, one.power) == (c, k, pytest.approx(power, rel=1e-9))
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_without_drag_the_best_take_offs_are_those_without(seed):
-    buoy = Buoy(seed, coefficient=1e-12)
+def test_vanishing_drag_gives_the_optimum_without_drag():
+    buoy = Buoy(0, coefficient=1e-12)
     for square in seas(buoy.omega)[:, None]:
         free = best_dampers(buoy.port.port, square)
         damper = best_damper(buoy.port, square, 0.0, 1.0)
@@ -127,12 +124,11 @@ def test_without_drag_the_best_take_offs_are_those_without(seed):
 
 
 @pytest.mark.parametrize("efficiency", [1.0, 0.8])
-@pytest.mark.parametrize("seed", range(2))
-def test_no_take_off_of_a_table_beats_the_best_beside_drag(seed, efficiency):
-    buoy = Buoy(seed)
+def test_no_take_off_in_a_table_beats_the_optimum_beside_drag(efficiency):
+    buoy = Buoy(0)
     waves, softest = seas(buoy.omega), buoy.port.port.softest_spring
-    c, k = (x.ravel() for x in np.meshgrid(np.geomspace(0.02, 50, 30), np.linspace(0.98 * softest, -3 * softest, 31)))
-    table, alone = buoy.port.powers(waves, c, k, efficiency), buoy.port.powers(waves, c[:30], 0 * c[:30], efficiency)
+    c, k = (x.ravel() for x in np.meshgrid(np.geomspace(0.02, 50, 20), np.linspace(0.98 * softest, -3 * softest, 16)))
+    table, alone = buoy.port.powers(waves, c, k, efficiency), buoy.port.powers(waves, c[:20], 0 * c[:20], efficiency)
     for j, square in enumerate(waves[:, None]):
         one = under(buoy.port, square, best_damper(buoy.port, square, 0.0, efficiency), 0.0, efficiency)
         assert alone[:, j].max() <= one.power[0] * (1 + 1e-9)
@@ -145,32 +141,13 @@ def test_no_take_off_of_a_table_beats_the_best_beside_drag(seed, efficiency):
     assert alone.sum(axis=1).max() <= under(buoy.port, waves, together, 0.0, efficiency).power.sum() * (1 + 1e-9)
 
 
-def test_more_drag_takes_more():
+def test_power_decreases_with_drag():
     waves = seas(Buoy(0).omega)
     power = [Buoy(0, c).port.powers(waves, np.array([0.5]), np.zeros(1))[0] for c in (0.0, 0.1, 1.0, 10.0)]
     assert np.all(np.diff(power, axis=0)[0] < 0)
 
 
-def test_a_port_that_stands_still_takes_nothing():
-    buoy = Buoy(0)
-    none = np.zeros_like(buoy.omega) + 0j
-    rest = (none[:, None], buoy.port.own, buoy.port.past, buoy.port.coefficient)
-    still = DraggedPort(Port(buoy.omega, none, none, 0.0), *rest)
-    waves = seas(buoy.omega)[[1]]
-    assert best_damper(still, waves, 0.0, 1.0) == 0.0
-    one = under(still, waves, 0.0, 0.0, 1.0)
-    assert best_pair(still, waves, one, 1.0) is one
-    assert one.power == [0.0]
-
-
-def test_dampers_that_do_not_settle_are_not_told(monkeypatch):
-    monkeypatch.setattr(drag_module, "MOST_TURNS", 1)
-    buoy = Buoy(0, dragged=2)
-    with pytest.raises(ConvergenceError, match="equivalent dampers of its directions do not settle"):
-        buoy.port.settled(seas(buoy.omega), np.ones(1), np.zeros(1))
-
-
-def test_a_port_in_waves_of_two_directions_is_both_side_by_side():
+def test_waves_of_two_directions_are_independent():
     """What one knows of its own waves the joined port knows, too."""
     one, other = Buoy(0, dragged=2).port, Buoy(1, dragged=2).port
     joined, waves = DraggedPort.joined([one, other]), seas(one.port.omega)
@@ -180,25 +157,9 @@ def test_a_port_in_waves_of_two_directions_is_both_side_by_side():
     assert joined.powers(both, *given) == pytest.approx(apart, rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_beside_a_spring_the_best_damper_knows_of_the_losses_of_what_goes_back_and_forth(seed):
-    """A stiff spring sends much power through the take-off, so that a heavier damper loses less than the lossless best."""
-    buoy = Buoy(seed)
-    waves, stiffness = seas(buoy.omega), 2.0
-    tried = np.geomspace(0.02, 50.0, 80)
-    found = {}
-    for efficiency in (1.0, 0.6):
-        found[efficiency] = best_damper(buoy.port, waves, stiffness, efficiency)
-        taken = under(buoy.port, waves, found[efficiency], stiffness, efficiency).power.sum()
-        powers = buoy.port.powers(waves, tried, np.full(80, stiffness), efficiency).sum(axis=1)
-        assert powers.max() <= taken * (1 + 1e-9)
-        assert powers.max() == pytest.approx(taken, rel=0.01)
-    assert found[0.6] > 1.1 * found[1.0]
-
-
 @pytest.mark.parametrize("held", [False, True])
-def test_the_port_of_a_buoy_among_dragged_directions_is_that_of_the_buoy_with_dampers_there(held):
-    """All motions, or two of which the port is in none but moves with what is dragged."""
+def test_port_of_a_buoy_with_drag_matches_one_with_dampers(held):
+    """All motions, or two of which the port is in none but moves with those that are dragged."""
     omega, pair, at = np.linspace(0.5, 3.0, 12), ("influenced_dof", "radiating_dof"), np.array([0.7, 1.3, 2.6])
     force = np.array([200.0 + 0j, 60.0 - 30j, -80.0 + 10j]) * omega[:, None]
     radiated = 1e-3 * omega[:, None, None] ** 3 * np.real(force[:, :, None] * force[:, None, :].conj())
@@ -227,37 +188,9 @@ def test_the_port_of_a_buoy_among_dragged_directions_is_that_of_the_buoy_with_da
     np.testing.assert_allclose(alone, rate * (braked.rao(at, motions) @ d.T), rtol=1e-9)
 
 
-def test_a_port_that_no_wave_moves_has_no_part_in_what_is_dragged():
-    """As one between points of a rigid buoy: not by round-off either."""
-    omega, pair = np.linspace(0.5, 3.0, 12), ("influenced_dof", "radiating_dof")
-    force = np.array([200.0 + 0j, 0.0]) * omega[:, None]
-    ds = xr.Dataset(
-        {
-            "inertia_matrix": (pair, np.diag([500.0, 30.0])), "hydrostatic_stiffness": (pair, np.array([[900.0, 0.1], [0.1, 200.0]])),
-            "added_mass": (("omega", *pair), np.zeros((12, 2, 2))), "radiation_damping": (("omega", *pair), np.ones((12, 2, 2))),
-            "excitation_force": (("omega", "wave_direction", pair[0]), force[:, None]),
-        },
-        {"omega": omega, "wave_direction": [0.0]} | {dim: ["Heave", "Membrane0"] for dim in pair},
-    )  # fmt: skip
-    buoy, b = LinearBuoy(ds, np.zeros((2, 2)), LinearPto(0.0)), np.array([1e-14, 1.0])
-    found = DraggedPort.of(buoy, np.ones(1), np.eye(2)[:, :1], b, np.eye(2)[:1], np.zeros((1, 1)) + 0j, np.ones(1))
-    assert not found.port.moves
-    assert not found.across.any()
-    assert found.past.any()
-
-
-def test_ports_in_waves_of_two_directions_rest_as_each():
-    """What holds a buoy is the same in all waves: so is the softest spring it rests with."""
-    one, other = Buoy(0, dragged=2).port, Buoy(1, dragged=2).port
-    assert one.port.compliance != other.port.compliance
-    assert DraggedPort.joined([one, other]).port.compliance == one.port.compliance
-
-
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("seed", range(2))
-def test_beside_drag_too_a_port_that_nothing_holds_gets_a_spring(seed):
-    """It rests with any above none, which the damper alone has: no logarithm of that."""
-    buoy = Buoy(seed)
+def test_unrestrained_port_with_drag_gets_a_spring():
+    buoy = Buoy(0)
     adrift = replace(buoy.port, port=replace(buoy.port.port, compliance=np.inf))
     c, k = (x.ravel() for x in np.meshgrid(np.geomspace(0.02, 50, 20), np.linspace(0.0, 4.0, 21)))
     for square in seas(buoy.omega)[:2, None]:
@@ -266,55 +199,3 @@ def test_beside_drag_too_a_port_that_nothing_holds_gets_a_spring(seed):
         assert adrift.powers(square, c, k).max() <= pair.power[0] * (1 + 1e-6)
         assert pair.power[0] >= one.power[0]
         assert 0.0 <= pair.stiffness[0] < np.inf
-
-
-def test_one_load_in_several_seas_is_told_for_each():
-    buoy = Buoy(0)
-    waves = seas(buoy.omega)
-    one = under(buoy.port, waves, 0.5, -0.1, 0.8)
-    assert (one.damping.tolist(), one.stiffness.tolist()) == ([0.5] * 3, [-0.1] * 3)
-    np.testing.assert_array_equal(one.power, buoy.port.powers(waves, np.array([0.5]), np.array([-0.1]), 0.8)[0])
-
-
-def test_a_direction_without_drag_has_no_damper_beside_one_with_it():
-    """As where its coefficient is set to nothing to see what it does."""
-    buoy, given = Buoy(0, dragged=2), (np.array([0.5, 2.0]), np.array([0.1, 0.0]))
-    waves = seas(buoy.omega)
-    for coefficient in ([0.0, 0.8], [0.4, 0.0], [0.0, 0.0]):
-        port = replace(buoy.port, coefficient=np.array(coefficient))
-        drag = port.settled(waves, *given)
-        assert ((drag > 0) == (np.array(coefficient) > 0)).all()
-        for k in np.flatnonzero(coefficient):
-            one = DraggedPort(
-                port.port, port.across[:, [k]], port.own[:, [k]][..., [k]], port.past[:, [k]], port.coefficient[[k]]
-            )
-            np.testing.assert_allclose(drag[..., k], one.settled(waves, *given)[..., 0], rtol=1e-9)
-    still = DraggedPort(port.port, port.across[:, :1], port.own[:, :1, :1], port.past[:, :1], np.zeros(1))
-    assert not still.settled(waves, *given).any()
-
-
-@pytest.mark.parametrize("powers", [(1.0, 2.0), (2.0, 1.0), (0.1, 0.2)])
-def test_of_the_pairs_climbed_to_beside_drag_the_best_is_told_if_it_beats_the_load_at_hand(powers, monkeypatch):
-    """One is reached from the best beside linear drag, the other from the load at hand."""
-    buoy = Buoy(0)
-    at_hand, beside = (Load(*(np.array([x]) for x in values)) for values in ((0.5, 0.1, 0.3), (0.7, -0.05, 0.2)))
-    monkeypatch.setattr(drag_module, "best_pairs", lambda *_: beside)
-    monkeypatch.setattr(drag_module, "climbed", lambda _, starts, step: (starts, np.array(powers)))
-    found = best_pair(buoy.port, seas(buoy.omega)[:1], at_hand, 1.0)
-    damping, stiffness, _ = beside if powers[0] > powers[1] else at_hand
-    if max(powers) > 0.3:
-        assert found.power.tolist() == [max(powers)]
-        assert (found.damping, found.stiffness) == (pytest.approx(damping), pytest.approx(stiffness))
-    else:
-        assert found == at_hand
-
-
-@pytest.mark.parametrize("place", [0, 1, 2])
-def test_a_sea_without_waves_has_no_part_in_the_best_damper_of_several(place):
-    """Whichever place it has; nor has one that hardly moves the port."""
-    buoy = Buoy(1)
-    waves = seas(buoy.omega)[1:]
-    expected = best_damper(buoy.port, waves, 0.3, 0.9)
-    for size in (0.0, 1e-14):
-        several = np.insert(waves, place, size * waves[1, ::-1], axis=0)
-        assert best_damper(buoy.port, several, 0.3, 0.9) == pytest.approx(expected, rel=1e-3)

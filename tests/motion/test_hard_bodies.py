@@ -1,4 +1,4 @@
-"""Bodies that break other codes: motions without water, without damping, without mass, and thirty at once."""
+"""Bodies with motions that move no water, without damping or mass, and with thirty degrees of freedom."""
 
 import numpy as np
 import pytest
@@ -49,8 +49,8 @@ def run(body, memory, duration=60.0):
     return found
 
 
-def test_yaw_of_a_round_body_moves_no_water_and_stays_out_of_the_memory():
-    """Round-off of its damping, in the units of rotations, is no channel: same order, same motion of the others."""
+def test_yaw_without_radiation_stays_out_of_the_memory():
+    """Round-off of its damping is no radiation channel."""
     channels = np.array([[1.0, 0.3, 0.0], [-0.2, 0.8, 0.0]])
     ds = database(["Surge", "Pitch", "Yaw"], channels)
     rng = np.random.default_rng(0)
@@ -64,17 +64,7 @@ def test_yaw_of_a_round_body_moves_no_water_and_stays_out_of_the_memory():
     assert a[:, :2] == pytest.approx(b, abs=1e-6 * np.abs(b).max())
 
 
-def test_modes_without_damping_ring_for_ever_and_disturb_nobody():
-    ds = database(["Heave", "Mode7"], np.array([[1.0, 0.0]]), stiffness=1.0)
-    body = linear_body(ds)
-    fit = body.memory(1e-4)
-    motion = run(body, fit, 200.0)
-    assert np.isfinite(motion.position).all()
-    own = linear_body(ds, ["Heave"])
-    assert motion.position[:, 0] == pytest.approx(run(own, own.memory(1e-4), 200.0).position[:, 0], abs=1e-6)
-
-
-def test_modes_without_mass_move_by_the_water_alone_and_without_any_inertia_are_refused():
+def test_modes_without_dry_mass_and_without_any_inertia():
     ds = database(["Heave", "Mode7"], np.array([[1.0, 0.4]]), mass=np.array([1.0, 0.0]))
     body = linear_body(ds)
     assert np.isfinite(run(body, body.memory(1e-3)).position).all()
@@ -84,8 +74,8 @@ def test_modes_without_mass_move_by_the_water_alone_and_without_any_inertia_are_
         linear_body(ds.assign(added_mass_inf=(PAIR, light)))
 
 
-def test_thirty_degrees_of_freedom_are_passive_proven_over_all_frequencies():
-    """Five channels of random directions, poles known: found to 1e-3, certified by the Hamiltonian matrix."""
+def test_radiation_of_thirty_degrees_of_freedom_is_passive():
+    """Five channels of known poles, certified by the Hamiltonian matrix."""
     rng = np.random.default_rng(5)
     channels = rng.normal(size=(5, 30))
     labels = ["Heave", *(f"Mode{i}" for i in range(7, 36))]

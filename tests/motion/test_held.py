@@ -1,11 +1,11 @@
-"""Tests of what nothing holds: a closed form at every angle of a line, in any units, and what is not left out."""
+"""Unrestrained motions: closed form for a mooring line at any angle, every further line, normal modes."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.motion.held import SLIDING, drifting_motions, normal_modes, softest
+from vsb.motion.held import drifting_motions, normal_modes, softest
 
 RIGID = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
 WATER = np.diag([0.0, 0.0, 1.2e5, 8e4, 8e4, 0.0])
@@ -23,7 +23,7 @@ def line(degrees, height=0.0, arm=0.0):
 
 
 @given(angle=st.floats(0.0, 360.0), exponent=st.floats(-3.0, 9.0), height=st.sampled_from([0.0, -1.5, 2.0]))
-def test_a_single_line_leaves_the_motion_across_it_and_yaw_at_any_angle(angle, exponent, height):
+def test_single_line_leaves_sway_across_it_and_yaw(angle, exponent, height):
     stiffness = moored((10.0**exponent, line(angle, height)))
     loose = drifting_motions(stiffness, RIGID, np.eye(6))
     across = np.array([-np.sin(np.radians(angle)), np.cos(np.radians(angle)), 0.0, 0.0, 0.0, 0.0])
@@ -42,7 +42,7 @@ def test_a_single_line_leaves_the_motion_across_it_and_yaw_at_any_angle(angle, e
         ([(2e4, line(20.0)), (2e4, line(110.0)), (1.0, line(20.0, arm=2.0))], 0),
     ],
 )
-def test_every_line_of_its_own_direction_holds_one_motion_more(lines, left):
+def test_every_independent_line_restrains_one_more_motion(lines, left):
     stiffness = moored(*lines)
     loose = drifting_motions(stiffness, RIGID, np.eye(6))
     assert loose.shape == (6, left)
@@ -55,24 +55,9 @@ def test_every_line_of_its_own_direction_holds_one_motion_more(lines, left):
     np.testing.assert_allclose(loose.T @ motion, 0.0, atol=1e-10)
 
 
-def test_what_the_water_leaves_is_not_loose_but_soft():
-    """Heave, roll and pitch without stiffness, alone or against a mooring, are no place to rest."""
-    assert SLIDING == ("Surge", "Sway", "Yaw")
-    for place in (2, 3, 4):
-        stiffness = moored((2e4, line(20.0)), water=np.diag(np.where(np.arange(6) == place, 0.0, np.diag(WATER))))
-        loose = drifting_motions(stiffness, RIGID, np.eye(6))
-        assert loose.shape == (6, 2)
-        least, motion = softest(stiffness, loose)
-        assert abs(least) < 1e-9
-        assert abs(motion[place]) == pytest.approx(1.0)
-    neutral = np.diag([2e4, 0.0, 1e5, 8e4, 5e4, 0.0])  # surge and pitch move together without force
-    neutral[0, 4] = neutral[4, 0] = -np.sqrt(2e4 * 5e4)
-    assert drifting_motions(neutral, RIGID, np.eye(6)).shape == (6, 2)
-
-
 @pytest.mark.parametrize("share", [1e-3, 1e-6, 1e-9])
-def test_a_motion_held_weakly_or_pushed_weakly_is_not_left_out(share):
-    """The softest is across the line, its stiffness that given, of either sign."""
+def test_weak_restraint_is_not_neglected(share):
+    """The softest motion is across the line with the given stiffness, of either sign."""
     for sign in (1.0, -1.0):
         stiffness = moored((2e4, line(20.0)), (sign * share * 2e4, line(110.0)))
         loose = drifting_motions(stiffness, RIGID, np.eye(6))
@@ -82,8 +67,8 @@ def test_a_motion_held_weakly_or_pushed_weakly_is_not_left_out(share):
         np.testing.assert_allclose(np.abs(motion), np.abs(line(110.0)), atol=1e-6)
 
 
-def test_a_push_beside_what_is_loose_is_seen():
-    """K v of surge is not zero though v.K v is: the mooring is not semidefinite."""
+def test_indefinite_mooring_is_detected():
+    """K v of surge is not zero though v.K v is."""
     stiffness = WATER.copy()
     stiffness[0, 1] = stiffness[1, 0] = 3e3
     loose = drifting_motions(stiffness, RIGID, np.eye(6))
@@ -91,24 +76,7 @@ def test_a_push_beside_what_is_loose_is_seen():
     assert softest(stiffness, loose)[0] == pytest.approx(-3e3)
 
 
-def test_motions_are_those_a_design_allows():
-    """Sway held, surge turned into another frame of motions, shell modes beside."""
-    labels = ["Heave", "Membrane2", "Surge", "Sway"]
-    stiffness = np.zeros((4, 4))
-    stiffness[:2, :2] = [[5.0, 1.0], [1.0, 4.0]]
-    turn, _ = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))
-    motions = np.eye(4)[:, :3] @ turn
-    loose = drifting_motions(motions.T @ stiffness @ motions, labels, motions)
-    np.testing.assert_allclose(np.abs(motions @ loose), np.eye(4)[:, [2]], atol=1e-12)
-    least, _ = softest(motions.T @ stiffness @ motions, loose)
-    assert least == pytest.approx(4.5 - np.sqrt(1.25))
-    heave = np.eye(4)[:, :2]
-    nothing = drifting_motions(heave.T @ stiffness @ heave, labels, heave)
-    assert nothing.shape == (2, 0)
-    assert softest(heave.T @ stiffness @ heave, nothing)[0] == pytest.approx(4.5 - np.sqrt(1.25))
-
-
-def test_normal_modes_of_what_nothing_holds_are_exactly_without_stiffness():
+def test_normal_modes_with_unrestrained_motions():
     """Beside them those of the line and of the water, each of its own mass, whatever couples them."""
     rng = np.random.default_rng(7)
     mass = np.diag([2e4, 2.5e4, 3e4, 9e3, 8e3, 7e3])

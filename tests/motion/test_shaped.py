@@ -1,6 +1,7 @@
+"""Compiled forces on wet shells of any meridian."""
+
 import numpy as np
 import pytest
-from numpy.polynomial import chebyshev
 from scipy.integrate import quad
 from scipy.special import j0
 
@@ -38,8 +39,8 @@ def test_compiled_and_plain_forces_agree(meridian):
         assert uniform == pytest.approx(plain, abs=1e-10)
 
 
-def test_a_spheroid_of_two_radii_has_the_sphere_s_tables(seed):
-    """Series of the same polynomials: made from terms, and by interpolation."""
+def test_spherical_spheroid_equals_the_sphere(seed):
+    """The same polynomials from terms and by interpolation."""
     device = seed.device
     sphere = mode_basis(device, "full", 4)
     ball = ModeBasis(Shell(*(getattr(sphere.shell, name) for name in
@@ -52,18 +53,8 @@ def test_a_spheroid_of_two_radii_has_the_sphere_s_tables(seed):
     assert type(wet_shell(ball, 0.3)) is ShapedWetShell
 
 
-@pytest.mark.parametrize("meridian", BODIES)
-def test_tables_hold_the_meridian_and_its_slopes(meridian):
-    c = np.linspace(-0.9, 0.9, 7)
-    x, z, dz, dx = chebyshev.chebval(c, wet_shell(basis_of(meridian), 0.25).shape.sphere.T)
-    for i, phi in enumerate(np.arccos(c)):
-        at = meridian.at(phi)
-        s = np.sin(phi)
-        assert (x[i] * s, z[i], dx[i], -s * dz[i]) == pytest.approx((at[0], at[1] + 0.25, at[2], at[3]), abs=1e-12)
-
-
-def test_a_dry_a_wet_and_a_floating_spheroid():
-    """Closed form: nothing, the whole volume, the affine image of the cap."""
+def test_dry_submerged_and_floating_spheroid():
+    """Closed form: the affine image of the spherical cap."""
     basis = basis_of(spheroid(2.0, 3.0))
     q = np.zeros((1, 7))
     volume = 4 / 3 * np.pi * 4 * 1.5
@@ -76,7 +67,7 @@ def test_a_dry_a_wet_and_a_floating_spheroid():
 
 @pytest.mark.parametrize("meridian", BODIES[:2])
 def test_small_waves_give_the_linear_froude_krylov_force(meridian):
-    """Heave of half a spheroid, int J_0(kx) e^(kz) n_z dS; its error falls with the square of the amplitude."""
+    """Heave of half a spheroid, int J_0(kx) e^(kz) n_z dS; the error is of second order in the amplitude."""
     a, b = meridian.radial[0], meridian.axial[1]
     exact = -2 * np.pi * quad(
         lambda c: j0(K * a * np.sqrt(1 - c * c)) * np.exp(K * b * c) * a**2 * c, -1, 0, epsabs=1e-13
@@ -91,18 +82,3 @@ def test_small_waves_give_the_linear_froude_krylov_force(meridian):
         errors.append(abs((crest - trough)[0] / (2 * amplitude) - exact))
     assert errors[0] < 5e-3 * exact
     assert 3.0 < errors[0] / errors[1] < 5.0
-
-
-@pytest.mark.parametrize("meridian", BODIES)
-@pytest.mark.parametrize("height", [-0.2, 0.4])
-def test_quadrature_is_exact_whatever_the_meridian(meridian, height):
-    """Points four times as many change nothing, on a shell that is deformed in all its shapes."""
-    basis = basis_of(meridian)
-    q = np.concatenate([[0.05], 0.03 * np.cos(np.arange(1.0, 7.0))])[None]
-    few, many = wet_shell(basis, height), wet_shell(basis, height)
-    node, weight = np.polynomial.legendre.leggauss(4 * len(few.shape.node))
-    many.__dict__["shape"] = few.shape._replace(node=node, weight=weight)
-    for one, other in zip(few.forces(q), many.forces(q), strict=True):
-        assert one == pytest.approx(other, abs=1e-11)
-    assert len(few.shape.node) == 2 * basis.turns + 3
-    assert len(few.shape.grid) == 6 * (basis.turns + 1) + 1

@@ -1,4 +1,4 @@
-"""Clamps by Eq. 90 (Udwadia-Kalaba) against clamps by the null space."""
+"""Clamps by Eq. 90 of the publication (Udwadia-Kalaba) against clamps by the null space."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from vsb.errors import ConfigError
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.exact import propagate
-from vsb.motion.forces import Damper, Excitation, QuadraticDrag, RadiationMemory, Spring, SpringDamper
+from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.udwadia_kalaba import constrained, constraint_drift, constraint_force, udwadia_kalaba
@@ -64,21 +64,13 @@ def difference(a, b):
 
 @pytest.mark.parametrize("clamps", CLAMPS.values(), ids=CLAMPS)
 @pytest.mark.parametrize(("name", "degree"), [("membrane", 6), ("paper", 6), ("full", 6), ("full", 20)])
-def test_both_routes_are_one_motion_over_a_minute(seed, clamps, name, degree):
+def test_null_space_and_eq_90_give_the_same_motion(seed, clamps, name, degree):
     time = np.linspace(0.0, 60.0, 3001)
     (reduced, full), (system, _), _ = both_routes(seed, clamps, time, name, degree)
     for series in ("position", "velocity", "acceleration"):
         null_space = getattr(reduced, series) @ system.scene.motions.T
         assert difference(null_space, getattr(full, series)) < 1e-10, series
     assert np.abs(reduced.position @ system.scene.motions.T)[:, 1:].max() > 1e-3  # the shell does move
-
-
-@pytest.mark.parametrize("clamps", CLAMPS.values(), ids=CLAMPS)
-def test_both_routes_give_the_clamps_the_same_forces(seed, clamps):
-    motions, systems, rows = both_routes(seed, clamps, np.linspace(0.0, 20.0, 1001))
-    null_space, eq_90 = (constraint_force(s, m, rows) for s, m in zip(systems, motions, strict=True))
-    assert np.abs(null_space).max() > 1e3
-    assert difference(null_space, eq_90) < 1e-9
 
 
 def test_clamp_forces_close_the_equation_of_motion_and_do_no_work(seed):
@@ -96,8 +88,8 @@ def test_clamp_forces_close_the_equation_of_motion_and_do_no_work(seed):
     assert np.all(clamps[:, 0] == 0.0)  # an inner force: none on the heave of the buoy
 
 
-def test_drift_after_ten_thousand_waves(seed):
-    """Exact propagation: null space round-off at all times; Eq. 90 drifts linearly, b of Baumgarte stops it."""
+def test_constraint_drift_after_ten_thousand_waves(seed):
+    """Exact propagation: round-off for the null space, linear drift for Eq. 90, stopped by Baumgarte's term."""
     drift = {}
     for waves in (1000, 10000):
         time = np.arange(4 * waves + 1) * PERIOD / 4
@@ -110,40 +102,14 @@ def test_drift_after_ten_thousand_waves(seed):
     assert constraint_drift(held.position, rows) < 1e-13
 
 
-@pytest.mark.parametrize(("slip", "rate"), [(0.0, 0.0), (1e-6, 0.0), (1e-6, 2.0)])
-def test_drift_of_a_time_stepper(seed, slip, rate):
-    """Runge-Kutta 4, 500 steps a wave: round-off; an initial error v of the clamp grows as v t unless stabilised."""
-    basis, plant = scene(seed)
-    rows = basis.clamp_rows([0.0])
-    constraint = udwadia_kalaba(plant.mass, rows)
-    k, d, wave, waves, step = plant.stiffness, plant.damping, plant.excitation, 20, PERIOD / 500
-
-    def rates(time, z):
-        q, v = z
-        push = np.real(wave.phasors[0] * np.exp(-1j * wave.omega[0] * time))
-        return np.array([v, constraint.acceleration(push - k @ q - d @ v, constraint.baumgarte(q, v, rate))])
-
-    z, worst = np.zeros((2, len(k))), 0.0
-    z[1, 0], z[1, 1:] = -0.8, slip * np.linalg.pinv(rows)[1:, 0]
-    for time in np.arange(500 * waves) * step:
-        a = rates(time, z)
-        b = rates(time + step / 2, z + step / 2 * a)
-        c = rates(time + step / 2, z + step / 2 * b)
-        z = z + step / 6 * (a + 2 * b + 2 * c + rates(time + step, z + step * c))
-        worst = max(worst, constraint_drift(z[:1], rows))
-    expected = slip / (np.e * rate) if rate else slip * waves * PERIOD
-    assert worst == pytest.approx(expected, rel=1e-4, abs=1e-12)
-    assert np.abs(z).max() < 10.0
-
-
 def symmetric(rng, size):
     factor = rng.normal(size=(size, size))
     return factor @ factor.T + np.eye(size)
 
 
-@settings(max_examples=30)
+@settings(max_examples=10)
 @given(st.lists(st.integers(0, 12), max_size=4), st.integers(0, 1000))
-def test_projector_and_correction_have_their_defining_properties(seed, clamps, number):
+def test_projector_properties(seed, clamps, number):
     basis = mode_basis(seed.device, "full", 20)
     rng = np.random.default_rng(number)
     mass, force = symmetric(rng, len(basis.labels)), rng.normal(size=(3, len(basis.labels)))
@@ -162,8 +128,8 @@ def test_projector_and_correction_have_their_defining_properties(seed, clamps, n
     assert moved == pytest.approx(constraint.acceleration(force), abs=1e-9 * scale)
 
 
-def test_acceleration_is_the_one_of_least_constraint(seed):
-    """Gauss: among all accelerations the clamps allow, |M^1/2 (q'' - a)| is least; Lagrange's saddle point solves it."""
+def test_acceleration_satisfies_gauss_principle(seed):
+    """Lagrange's saddle point gives the acceleration of least constraint."""
     basis = mode_basis(seed.device, "full", 6)
     rng = np.random.default_rng(7)
     rows, size = basis.clamp_rows([0.4, 1.3]), len(basis.labels)
@@ -175,37 +141,6 @@ def test_acceleration_is_the_one_of_least_constraint(seed):
     assert constraint.force(force, wanted) == pytest.approx(-rows.T @ solution[size:], rel=1e-10, abs=1e-10)
 
 
-def test_no_clamp_changes_nothing(seed):
-    basis, plant = scene(seed)
-    rows = basis.clamp_rows([])
-    time = np.linspace(0.0, 5.0, 101)
-    a, b = (propagate(s, time, plant.start(0.1, 0.0)) for s in (System.of(plant), constrained(plant, rows)))
-    assert np.array_equal(a.position, b.position)
-    assert constraint_drift(a.position, rows) == 0.0
-    assert constraint_force(System.of(plant), a, rows).shape == (101, 0)
-
-
-@pytest.mark.parametrize("degree", [6, 20, 40, 80])
-@pytest.mark.parametrize(
-    ("clamps", "rank"), [([0], 1), ([180], 1), ([0, 0, 0], 1), ([90, 90], 2), ([0, 90, 180], 4), ([33, 70, 33, 0], 5)]
-)
-def test_rank_of_repeated_and_polar_clamps(seed, clamps, rank, degree):
-    rows = mode_basis(seed.device, "full", degree).clamp_rows(np.deg2rad(clamps))
-    assert check_rank(rows) == rank
-    assert check_rank(rows[:, 1:]) == rank
-    assert check_rank(np.vstack([rows, rows])) == rank
-
-
-def test_rank_of_nothing_is_zero():
-    assert check_rank(np.zeros((0, 7))) == check_rank(np.zeros((4, 7))) == check_rank(np.zeros((4, 0))) == 0
-
-
-@pytest.mark.parametrize("degree", [6, 12, 40])
-@pytest.mark.parametrize(("apart", "rank"), [(1e-14, 2), (1e-3, 4), (1e-5, 4)])
-def test_clamps_side_by_side_are_one_or_two(seed, degree, apart, rank):
-    assert check_rank(mode_basis(seed.device, "full", degree).clamp_rows([1.0, 1.0 + apart])) == rank
-
-
 ROUTES = {
     "rank": lambda basis, clamps: check_rank(basis.clamp_rows(clamps)),
     "null space": lambda basis, clamps: basis.clamped(clamps),
@@ -215,75 +150,12 @@ ROUTES = {
 
 @pytest.mark.parametrize("route", ROUTES.values(), ids=ROUTES)
 @pytest.mark.parametrize("apart", [1e-9, 1e-10, 3e-11])
-def test_clamps_that_cannot_be_told_apart_are_refused(seed, route, apart):
+def test_indistinguishable_clamps_are_refused(seed, route, apart):
     with pytest.raises(ConfigError, match=r"clamps so near each other .* \(relative singular value \d.\de-\d\d; needs"):
         route(mode_basis(seed.device, "membrane", 12), [1.0, 1.0 + apart])
 
 
-def test_a_study_with_clamps_a_billionth_apart_is_refused_before_anything_is_solved(seed):
+def test_study_with_indistinguishable_clamps_is_refused(seed):
     study = varied(seed, designs={"A": {"clamp": [60.0, 60.0 + np.rad2deg(1e-9)]}})
     with pytest.raises(ConfigError, match=r"clamps so near each other"):
         check_before_run(study, StudyPlan(study))
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_drift_is_a_size_wherever_a_clamp_goes(sign):
-    positions, rows = sign * np.array([[0.0, 0.1], [0.0, -0.3]]), np.array([[1.0, 0.0], [0.0, 0.5], [0.5, 2.0]])
-    assert constraint_drift(positions, rows) == pytest.approx(0.6)
-    assert constraint_drift(np.maximum(positions, 0.0), rows) == pytest.approx(0.2 if sign > 0 else 0.6)
-    assert constraint_drift(positions, rows[:0]) == 0.0
-
-
-def test_drift_is_the_displacement_of_the_worst_clamp(seed):
-    basis = mode_basis(seed.device, "membrane", 6)
-    rows = basis.clamp_rows([0.0, np.pi / 2])
-    positions = np.zeros((3, len(basis.labels)))
-    positions[1, 0], positions[2, 1] = 5.0, -0.02  # heave moves no shell; breathing moves it everywhere
-    assert constraint_drift(positions[:2], rows) == 0.0
-    assert constraint_drift(positions, rows) == pytest.approx(0.02)
-
-
-@pytest.mark.parametrize("given", [(), (0.0,), (1.5,)], ids=["paper", "none", "stabilised"])
-def test_what_is_held_is_pushed_only_by_a_stabilisation(seed, given):
-    """Phi p'' = -2 gamma Phi p' - gamma^2 Phi p; without gamma, the paper's, nothing."""
-    basis, plant = scene(seed, "membrane", 2)
-    rows = basis.clamp_rows(np.array([0.0]))
-    system, rate = constrained(plant, rows, *given), given[0] if given else 0.0
-    n, held = system.free, rows @ system.shapes
-    found = held @ system.matrix[n : 2 * n]
-    np.testing.assert_allclose(found[:, n : 2 * n], -2 * rate * held, atol=1e-9 * np.abs(system.matrix).max())
-    np.testing.assert_allclose(found[:, :n] * system.scale, -(rate**2) * held, atol=1e-9 * np.abs(system.matrix).max())
-
-
-def test_all_motions_are_free_but_for_the_rows_whatever_a_scene_allowed_and_where_it_rested(seed):
-    basis, plant = scene(seed, "membrane", 2)
-    held = replace(
-        plant, motions=basis.clamped(np.array([0.0])), origin=np.full(basis.clamped(np.array([0.0])).shape[1], 0.1)
-    )
-    rows = basis.clamp_rows(np.array([0.0]))
-    found, free = constrained(held, rows, 1.5), constrained(plant, rows, 1.5)
-    np.testing.assert_array_equal(found.scene.motions, np.eye(len(plant.labels)))
-    assert found.scene.rest.tolist() == [0.0] * len(plant.labels)
-    np.testing.assert_array_equal(found.matrix, free.matrix)
-    np.testing.assert_array_equal(found.waves, free.waves)
-
-
-def test_clamps_are_told_apart_by_themselves_whatever_moves_with_them(seed):
-    """By their rows alone, which know neither mass nor modes: a study is refused before both are known."""
-    basis, plant = scene(seed, "membrane", 12)
-    rows = basis.clamp_rows([1.0, 1.0 + 1e-10])
-    with pytest.raises(ConfigError) as alone:
-        check_rank(rows)
-    with pytest.raises(ConfigError) as moving:
-        constrained(plant, rows)
-    assert str(moving.value) == str(alone.value)
-
-
-def test_forces_that_are_not_linear_are_told_by_their_names_and_others_are_not(seed):
-    basis, plant = scene(seed, "membrane", 2)
-    rows, drag = basis.clamp_rows([0.0]), QuadraticDrag(np.eye(4)[:1], np.ones(1), np.zeros(0), np.zeros((0, 1)) + 0j)
-    slack = SpringDamper(np.eye(4), np.zeros((4, 4)), np.full(4, 0.1))
-    with pytest.raises(
-        ValueError, match=r"^Eq\. 90: received the nonlinear forces drag, slack, needs a linear scene; c"
-    ):
-        constrained(replace(plant, forces={"drag": drag, **plant.forces, "slack": slack}), rows)

@@ -1,3 +1,5 @@
+"""Compiled forces on the wet sphere against the plain implementation, energy and closed forms."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -34,7 +36,7 @@ def uniform_twin(basis, height, q, points=120):
     return np.broadcast_to(-2 * np.pi * shell._wet_integral(integrand, points), len(q))
 
 
-@settings(max_examples=60)
+@settings(max_examples=20)
 @given(st.lists(st.floats(-0.08, 0.08), min_size=12, max_size=12), st.floats(-2.6, 2.6))
 def test_compiled_and_plain_forces_agree(full, modal, height):
     q = np.array([0.1, *modal])
@@ -51,8 +53,8 @@ def test_several_waterlines(full, height):
     assert uniform == pytest.approx(uniform_twin(full, height, q, 200), abs=1e-11)
 
 
-def test_a_dimple_that_only_just_dips_in_is_not_missed(full):
-    """The force is continuous while a ring goes under: a ring as wide as the root of its depth, never a jump."""
+def test_shallow_dimple_is_resolved(full):
+    """The wet area grows as the square root of the depth; the force is continuous."""
     q = amplitudes(full, Membrane4=0.7)  # a dimple round the raised pole, its rim above it
     phi = np.linspace(0.0, 1.2, 20_001)
     z = DeformedShell(full, 0.0, q).meridian(phi).z
@@ -66,20 +68,7 @@ def test_a_dimple_that_only_just_dips_in_is_not_missed(full):
     assert np.all(np.abs(slopes - 0.5) < 0.05), slopes
 
 
-@settings(max_examples=25)
-@given(st.lists(st.floats(-0.06, 0.06), min_size=12, max_size=12), st.floats(-1.5, 1.5))
-def test_static_force_has_a_potential(full, modal, height):
-    """Its gradient by central differences with one Richardson step."""
-    q = np.array([0.0, *modal])
-
-    def slope(e, h):
-        return (compiled(full, height, q + h * e)[2] - compiled(full, height, q - h * e)[2]) / (2 * h)
-
-    gradient = [(4 * slope(e, 5e-4) - slope(e, 1e-3)) / 3 for e in np.eye(13)]
-    assert gradient == pytest.approx(compiled(full, height, q)[0], abs=1e-8)
-
-
-def test_uniform_pressure_lifts_by_the_waterplane_and_not_at_all_under_water(full):
+def test_uniform_pressure_acts_on_the_waterplane(full):
     q = amplitudes(full, Membrane2=0.05)
     shell = DeformedShell(full, 0.4, q)
     ((start, _),) = shell.wet_segments
@@ -88,21 +77,7 @@ def test_uniform_pressure_lifts_by_the_waterplane_and_not_at_all_under_water(ful
     assert np.all(compiled(full, 2.6, q)[1] == 0.0)
 
 
-def test_quadrature_is_exact(full):
-    """More points than the degree of the polynomials needs change nothing."""
-    shape = WetShell(full, 0.3).shape
-    q = amplitudes(full, Heave=0.1, Membrane2=0.1, Bending5=-0.08, Membrane6=0.05)
-    node, weight = np.polynomial.legendre.leggauss(60)
-    results = []
-    for chosen in (shape, shape._replace(node=node, weight=weight)):
-        wet = WetShell(full, 0.3)
-        wet.__dict__["shape"] = chosen
-        results.append(np.concatenate(wet.forces(q[None])[:2], axis=None))
-    assert len(shape.node) == 15
-    assert results[0] == pytest.approx(results[1], abs=1e-12)
-
-
-def test_a_rigid_hemisphere(seed):
+def test_rigid_hemisphere(seed):
     static, uniform, moment = compiled(rigid_basis(seed.device), 0.0, np.zeros(1))
     assert static[0] == pytest.approx(2 / 3 * np.pi * 8, rel=1e-14)
     assert uniform[0] == pytest.approx(4 * np.pi, rel=1e-14)

@@ -1,4 +1,4 @@
-"""The ports of a study's designs from coefficients of its shape: closed forms, in place of any solver's."""
+"""Ports of designs from coefficients of their shape: closed forms of water that acts on one ring."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.dofs import displacements
 from vsb.motion.port import port_direction
 from vsb.scenes.directions import order_bases
-from vsb.scenes.ports import KEPT, POINTS, ShapeWater, _of_shell, design_ports, designs_in_waves, shell_shapes
+from vsb.scenes.ports import ShapeWater, _of_shell, design_ports, designs_in_waves, shell_shapes
 from vsb.scenes.rest import design_motions, reference_shell
 from vsb.shell.orders import semi_normalisation, semi_normalised
 from vsb.study.blocks import HydroPlan
@@ -36,7 +36,7 @@ def study(seed):
     return varied(seed, pto={"damping": 8e3, "stiffness": SPRING}, modes={"degree": 4})
 
 
-def test_coefficients_of_modes_are_those_of_what_their_ring_does(study):
+def test_modal_coefficients_of_a_ring(study):
     """A mode moves the ring by its own normal displacement, which is all such water knows of it."""
     basis, found = reference_shell(study).basis, water(study)
     radial = basis.displacement(np.array([2.0]))[0][:, 0]
@@ -47,8 +47,8 @@ def test_coefficients_of_modes_are_those_of_what_their_ring_does(study):
 
 
 @pytest.mark.parametrize("spring", [SPRING, -4e4, 0.0])
-def test_a_rigid_design_is_a_mass_on_two_springs(study, spring):
-    """V0 = F/Z and Y = 1/Z: the mass and the water's, its loss, the waterplane and the spring of the take-off."""
+def test_rigid_design_is_a_mass_on_two_springs(study, spring):
+    """V0 = F/Z and Y = 1/Z with added mass, loss, waterplane and the spring of the take-off."""
     study = varied(study, pto={"stiffness": spring})
     rest = reference_shell(study)
     port = design_ports(study, rest, water(study))["FSB"]
@@ -61,8 +61,8 @@ def test_a_rigid_design_is_a_mass_on_two_springs(study, spring):
     assert port.compliance == pytest.approx(1 / (waterplane + spring), rel=1e-9)
 
 
-def test_shells_of_other_materials_share_the_water(study):
-    """The stiffer the shell, the nearer its port to that of the rigid design, by the first order of 1/E."""
+def test_stiff_shells_approach_the_rigid_design(study):
+    """To first order in 1/E, with the same water."""
     shared = water(study)
     far = []
     for modulus in (1e12, 1e13):
@@ -73,39 +73,7 @@ def test_shells_of_other_materials_share_the_water(study):
     assert far[0] < 0.05
 
 
-def test_a_port_may_be_elsewhere(study):
-    """At its top a rigid buoy moves as it heaves, its shell does not; between its own points it does not move."""
-    rest, shared = reference_shell(study), water(study)
-    heave = design_ports(study, rest, shared)
-    at_top = design_ports(
-        varied(study, pto={"port": {"colatitude": 0, "direction": "vertical", "against": "sea_bed"}}), rest, shared
-    )
-    np.testing.assert_allclose(at_top["FSB"].velocity, heave["FSB"].velocity, rtol=1e-12)
-    assert np.abs(at_top["VSWEC"].velocity / heave["VSWEC"].velocity - 1).max() > 0.1
-    across = design_ports(varied(study, pto={"port": {"between": [0, 180]}}), rest, shared)
-    assert not across["FSB"].moves
-    assert across["VSWEC"].moves
-
-
-def test_every_design_has_its_own_motions(study):
-    """Clamped to its equator a shell still moves, but not as one that is free."""
-    ports = design_ports(study, reference_shell(study), water(study))
-    assert list(ports) == list(study.designs)
-    velocity = {design: port.velocity for design, port in ports.items()}
-    for design in ("FSB", "VSWEC"):
-        assert np.abs(velocity["VSWEC90"] / velocity[design] - 1).max() > 1e-2
-
-
-def test_a_rigid_study_is_solved_for_heave_alone(seed):
-    rigid = varied(seed, designs={"FSB": {"flexible": False}}, pto={"damping": 8e3})
-    rest = reference_shell(rigid)
-    (port,) = design_ports(rigid, rest, water(rigid)).values()
-    assert rest.basis.labels == ("Heave",)
-    assert port.compliance == pytest.approx(1 / float(rest.total[0, 0]), rel=1e-12)
-
-
-def test_what_moves_under_a_damper_is_what_the_take_off_feels(study):
-    """-i w b.q of all degrees of freedom is the port's velocity under the same damper and spring."""
+def test_motion_under_a_damper_matches_the_port(study):
     waves = designs_in_waves(study, reference_shell(study), water(study))
     for one in waves.values():
         velocity = -1j * OMEGA * one.position(8e3, 2e4)[:, 0]
@@ -115,69 +83,8 @@ def test_what_moves_under_a_damper_is_what_the_take_off_feels(study):
         np.testing.assert_allclose(one.position(8e3, 2e4)[:, 0], heave, rtol=1e-12)
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_shapes_of_orders_are_told_on_both_meridians_in_the_plane_of_the_waves(seed, order):
-    """They go with cos m theta: at theta = pi they are what they are at theta = 0, times (-1)^m; rigid ones are none."""
-    planar = varied(seed, motion="planar", modes={"degree": 3, "order": 2}, device={**BALANCED})
-    basis = reference_shell(planar).basis
-    families = [each for each in order_bases(planar, basis) if not each.odd]
-    shapes, at = shell_shapes(basis, families), np.linspace(0.0, np.pi, POINTS)
-    count = len(basis.labels)
-    assert shapes.shape == (count + sum(len(each.labels) for each in families), 2, 2 * POINTS)
-    np.testing.assert_array_equal(shapes[:count, :, :POINTS], shapes[:count, :, POINTS:])
-    start = count + sum(len(each.labels) for each in families if each.order < order)
-    (family,) = (each for each in families if each.order == order)
-    of_order = shapes[start : start + len(family.labels)]
-    front = np.stack(family.field(at)[:2], axis=1)
-    assert not of_order[: family.rigid].any()
-    np.testing.assert_array_equal(of_order[family.rigid :, :, :POINTS], front[family.rigid :])
-    np.testing.assert_array_equal(of_order[family.rigid :, :, POINTS:], (-1) ** order * front[family.rigid :])
-
-
-def test_what_the_shell_does_is_the_sum_of_its_shapes_in_their_phases():
-    """Heave left out; complex amplitudes of each frequency, shapes of two directions."""
-    random = np.random.default_rng(2)
-    amplitude, shapes = random.normal(size=(2, 5, 4)) * np.array([1, 1j])[:, None, None], random.normal(size=(4, 2, 7))
-    together = amplitude.sum(axis=0)
-    np.testing.assert_allclose(
-        _of_shell(together, shapes), np.einsum("wk,kdp->dpw", together[:, 1:], shapes[1:]), rtol=1e-12
-    )
-
-
-def test_of_shells_of_several_materials_each_has_its_own_coefficients(study):
-    """Whose heave moves the water alike and whose modes do not, by one water kept for all, in any order."""
-    bases = [reference_shell(varied(study, device={"poisson_ratio": ratio})).basis for ratio in (0.1, 0.3, 0.45)]
-    alone, shared = [water(study).in_modes(basis) for basis in bases], water(study)
-    for which in (0, 1, 2, 1, 0):
-        for one, other in zip(shared.in_modes(bases[which]), alone[which], strict=True):
-            np.testing.assert_array_equal(one, other)
-    assert np.abs(alone[0].added_mass / alone[2].added_mass - 1).max() > 0.01
-
-
-def test_of_more_combinations_than_are_kept_each_has_its_own_coefficients(study):
-    """A sweep over many thicknesses; the first of them may come again."""
-    found, alone = water(study), water(study)
-    several = np.random.default_rng(3).normal(size=(KEPT + 2, 2, len(found.displacements)))
-    for transform in (*several, several[0], several[-1]):
-        for one, other in zip(found._combined(transform), alone._transformed(transform), strict=True):
-            np.testing.assert_array_equal(one, other)
-    assert len(found._known) <= KEPT
-
-
-@pytest.mark.parametrize("count", [2, 3, 5])
-def test_coefficients_of_combinations_are_sums_over_what_each_is_of(count):
-    """Of fewer, as many and more combinations than displacements; matrices that solvers leave uneven stay so."""
-    rng, omega = np.random.default_rng(5), np.array([0.7, 1.9])
-    solved, transform = displacements(["Radial1", "Radial2", "Radial3"]), rng.normal(size=(count, 3))
-    mass, pull = rng.normal(size=(2, 3, 3)), rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3))
-    lost = np.einsum("wi,wj->wij", pull, pull.conj()).real
-    found = ShapeWater(solved, omega, Coefficients(mass, lost, pull))._combined(transform)
-    np.testing.assert_allclose(found.added_mass, np.einsum("ai,wij,bj->wab", transform, mass, transform), rtol=1e-12)
-    np.testing.assert_allclose(found.excitation, np.einsum("ai,wi->wa", transform, pull), rtol=1e-12)
-
-
-def test_gas_before_a_take_off_of_the_volume_holds_the_shell_where_it_is_shut_and_not_where_it_is_open(study):
-    """Shut, all moves as beside a take-off of heave that does nothing; open to the air, as without the gas."""
+def test_gas_chamber_with_a_shut_and_an_open_turbine(study):
+    """Shut as beside a take-off of heave without effect, open as without the gas."""
     gas = {"device": {"gas": {"adiabatic_index": 1.4}}, "pto": {"stiffness": 0.0}}
     changes = {
         "volume": gas | {"pto": {"port": "volume", "stiffness": 0.0}},
@@ -220,8 +127,8 @@ def ring_of(order, colatitude, mass, loss, pull, highest=3):
 
 
 @pytest.mark.parametrize("design", ["FSB", "VSWEC", "VSWEC90"])
-def test_a_line_is_the_port_of_all_orders_it_reaches_each_with_its_own_water_mass_damping_and_stiffness(seed, design):
-    """One system of all degrees of freedom, put together and solved anew."""
+def test_line_port_of_all_orders_solves_the_equation_of_motion(seed, design):
+    """One system of all degrees of freedom, assembled and solved independently."""
     study = varied(seed, **PLANAR)
     reference = reference_shell(study)
     basis, families = reference.basis, order_bases(study, reference.basis)
@@ -270,8 +177,8 @@ def test_a_line_is_the_port_of_all_orders_it_reaches_each_with_its_own_water_mas
     np.testing.assert_allclose(shell, expected, rtol=1e-9, atol=1e-10 * np.abs(together).max())
 
 
-def test_modes_radiate_through_the_channel_of_their_force_alone(study):
-    """What a solver leaves beside it goes: of its damping the trace stays, h = tr B/|X|^2."""
+def test_modes_radiate_through_the_channel_of_their_excitation(study):
+    """h = tr B/|X|^2."""
     basis, exact = reference_shell(study).basis, water(study)
     beside = 300.0 * np.eye(len(exact.displacements)) * OMEGA[:, None, None]
     coefficients = exact.coefficients._replace(damping=exact.coefficients.damping + beside)

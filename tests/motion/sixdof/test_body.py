@@ -1,12 +1,9 @@
-import re
+"""The buoy of six degrees of freedom with shell modes: Lagrange's equation of particles, exact motions, conservation."""
 
 import numpy as np
 import pytest
 from conftest import SEED
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
-from scipy.linalg import eigh, expm, sqrtm
+from scipy.linalg import expm, sqrtm
 
 from vsb.errors import StabilityError
 from vsb.motion.sixdof.body import (
@@ -30,7 +27,7 @@ RIGID = rigid_basis(DEVICE)
 ARMS = (0.5, 0.8)  # the ballast as six points, four on the equator and two on the axis [m]
 
 
-@pytest.fixture(params=list(BASES))
+@pytest.fixture(params=["paper", "full"])
 def basis(request) -> ModeBasis:
     return BASES[request.param]
 
@@ -77,42 +74,8 @@ def tumbling(scene, seed=0, spin=2.0):
 # --- inertia ------------------------------------------------------------------------------------------------------
 
 
-def test_inertia_of_the_undeformed_shell():
-    shell = RIGID.shell
-    expected = 2 / 3 * shell.mass * shell.radius**2
-    np.testing.assert_allclose(Body(RIGID).inertia(np.zeros(0)), np.full(3, expected), rtol=1e-14)
-    np.testing.assert_allclose(Body(RIGID, (3.0, 5.0)).inertia(np.zeros(0)) - expected, [3.0, 3.0, 5.0], rtol=1e-9)
-
-
-def test_inertia_polynomial_is_that_of_the_deformed_particles(basis):
-    body, (mass, place, shapes) = body_of(basis), particles(basis)
-    rng = np.random.default_rng(1)
-    for modal_amplitude in rng.normal(scale=0.3, size=(5, len(basis.modes))):
-        x = place + np.einsum("pjk,j->pk", shapes, modal_amplitude)
-        tensor = np.einsum("p,pkl->kl", mass, (x**2).sum(1)[:, None, None] * np.eye(3) - x[:, :, None] * x[:, None, :])
-        np.testing.assert_allclose(
-            np.diag(body.inertia(modal_amplitude)), tensor, rtol=1e-12, atol=1e-12 * tensor.max()
-        )
-
-
-def test_inertia_gradient_is_the_derivative(basis):
-    body = body_of(basis)
-    eta = np.linspace(-0.2, 0.3, len(basis.modes))
-    differences = [body.inertia(eta + 1e-3 * e) - body.inertia(eta - 1e-3 * e) for e in np.eye(len(eta))]
-    gradient = body.inertia_gradient(eta)
-    assert np.abs(gradient).max() > 100.0
-    np.testing.assert_allclose(gradient, np.array(differences).T / 2e-3, rtol=1e-9, atol=1e-7)
-
-
-def test_breathing_scales_the_shell(basis):
-    """Degree 0 alone is a larger sphere, J = 2/3 m (r + eta)^2."""
-    eta = 0.3 * np.eye(len(basis.modes))[0]
-    expected = 2 / 3 * basis.shell.mass * (basis.shell.radius + 0.3) ** 2
-    np.testing.assert_allclose(Body(basis).inertia(eta), np.full(3, expected), rtol=1e-13)
-
-
 def test_only_degrees_0_and_2_change_the_inertia_at_first_order(basis):
-    """Degree 2 by hand: dJt = 2 m r (V + 3 U)/15, dJa = -2 dJt; a prolate shape (V > 0, U = 0) gains Jt, loses Ja."""
+    """By hand for degree 2: dJt = 2 m r (V + 3 U)/15, dJa = -2 dJt."""
     gradient = Body(basis).inertia_gradient(np.zeros(len(basis.modes)))
     scale = 2 * basis.shell.mass * basis.shell.radius
     for mode, slope in zip(basis.modes, gradient.T, strict=True):
@@ -121,7 +84,7 @@ def test_only_degrees_0_and_2_change_the_inertia_at_first_order(basis):
         np.testing.assert_allclose(slope, scale * expected, atol=1e-12 * scale)
 
 
-def test_when_the_couplings_dropped_in_eq_17_vanish(basis):
+def test_couplings_omitted_in_eq_17(basis):
     """int s x psi dm = 0 always; int psi dm = 0 if and only if the mode is orthogonal to rigid heave."""
     mass, place, shapes = particles(basis)
     scale = basis.shell.mass
@@ -133,20 +96,6 @@ def test_when_the_couplings_dropped_in_eq_17_vanish(basis):
     np.testing.assert_allclose(moment, np.outer(Body(basis).moments, AXIS), atol=1e-11 * scale)
     carrying = [mode.degree for mode, a in zip(basis.modes, moment[:, 2], strict=True) if abs(a) > 1e-9 * scale]
     assert carrying == ([1] if basis is BASES["paper"] else [])
-
-
-@settings(max_examples=40)
-@given(data=st.data())
-def test_mass_matrix_is_symmetric_positive_definite(data):
-    basis = BASES[data.draw(st.sampled_from(list(BASES)))]
-    scene = GeneralScene(Body(basis), {}, "free")
-    number = st.floats(-0.4, 0.4)
-    modal_amplitude = data.draw(st.lists(number, min_size=len(basis.modes), max_size=len(basis.modes)))
-    quaternion = np.array([1.0, *data.draw(st.tuples(*[st.floats(-9, 9)] * 3))])
-    y = scene.start(modal_amplitude=np.array(modal_amplitude), attitude=quaternion / np.linalg.norm(quaternion))
-    matrix = scene.body.mass_matrix(scene.state(y))
-    np.testing.assert_allclose(matrix, matrix.T, rtol=0, atol=1e-15 * matrix.max())
-    assert np.linalg.eigvalsh(matrix).min() > 1.0
 
 
 # --- the equation of motion against Lagrange's, from particles ------------------------------------------------------
@@ -215,7 +164,7 @@ def eq_79(angles, rates):
 
 
 @pytest.mark.parametrize("seed", [0, 1])
-def test_rates_satisfy_lagranges_equation_of_the_particles(basis, seed):
+def test_rates_satisfy_lagranges_equation(basis, seed):
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
     scene, model = GeneralScene(body_of(basis), forces, "free", "euler321"), Particles(basis)
     y = tumbling(scene, seed)
@@ -233,7 +182,7 @@ def test_rates_satisfy_lagranges_equation_of_the_particles(basis, seed):
     assert np.abs(residual).max() < 1e-9 * np.abs(terms).max()
 
 
-def test_energies_and_momenta_are_those_of_the_particles(basis):
+def test_energies_and_momenta_match_the_particles(basis):
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
     scene, model = GeneralScene(body_of(basis), forces, "free", "euler321"), Particles(basis)
     y = tumbling(scene, 2)
@@ -282,7 +231,7 @@ def lifted(scene, y, general):
 
 
 @pytest.mark.parametrize("motion", ["heave", "planar"])
-def test_a_scene_is_the_general_one_restricted(basis, motion):
+def test_restricted_motions_match_the_general_equation(basis, motion):
     forces = all_forces(basis)
     scene, general = GeneralScene(body_of(basis), forces, motion), GeneralScene(body_of(basis), forces, "free")
     y = tumbling(scene, 3)
@@ -297,54 +246,9 @@ def test_a_scene_is_the_general_one_restricted(basis, motion):
     assert np.abs(acceleration[dropped]).max() < 1e-13 * scale
 
 
-@pytest.mark.parametrize("motion", ["heave", "planar"])
-def test_a_restricted_trajectory_is_the_general_one(motion):
-    basis = BASES["paper"]
-    forces = all_forces(basis)
-    scene, general = GeneralScene(body_of(basis), forces, motion), GeneralScene(body_of(basis), forces, "free")
-    start, time = tumbling(scene, 4), np.array([0.0, 0.4])
-    end = lifted(scene, integrate(scene, start, time, 1e-11)[-1], general)
-    general_end = integrate(general, lifted(scene, start, general), time, 1e-11)[-1]
-    np.testing.assert_allclose(end, general_end, atol=1e-8)
-    assert np.abs(end - lifted(scene, start, general)).max() > 0.1
-
-
-def test_a_scene_carries_no_coordinate_it_does_not_need():
-    body, rigid = Body(BASES["full"]), Body(RIGID)
-    modes = len(BASES["full"].modes)
-    lengths = {m: len(GeneralScene(body, {}, m).start()) for m in ("heave", "planar", "free")}
-    assert lengths == {"heave": 2 + 2 * modes, "planar": 6 + 2 * modes, "free": 13 + 2 * modes}
-    assert len(GeneralScene(body, {}, "free", "euler321").start()) == 12 + 2 * modes
-    assert len(GeneralScene(rigid).start()) == 2
-    assert len(GeneralScene(body, motions=np.eye(modes + 1, 1)).start()) == 2
-
-
-@pytest.mark.parametrize(
-    ("name", "size"), [("attitude", 3), ("attitude", 5), ("attitude", (2, 2)), ("velocity", 2), ("angle", 3)]
-)
-def test_a_part_of_a_start_has_its_size_and_a_name(name, size):
-    """Three angles are no quaternion."""
-    scene = GeneralScene(Body(RIGID), {}, "free")
-    shape = re.escape(str(np.zeros(size).shape))
-    with pytest.raises(ValueError, match=rf"^start: received {name} {shape}, a free scene needs {{'position': 3, "):
-        scene.start(**{name: np.zeros(size)})
-
-
-def test_a_clamped_scene_carries_only_what_the_clamp_allows():
-    basis = BASES["full"]
-    allowed = basis.clamped([0.0])
-    scene = GeneralScene(Body(basis), {"elastic": Elastic(basis)}, "planar", motions=allowed)
-    start = tumbling(scene, 5)
-    assert len(start) == 6 + 2 * (allowed.shape[1] - 1)
-    states = [scene.state(y) for y in integrate(scene, start, np.linspace(0, 0.3, 4))]
-    pole = np.array([basis.pole_radial_displacement[1:] @ state.modal_amplitude for state in states])
-    assert np.abs(pole).max() < 1e-14
-    assert np.abs(states[-1].modal_amplitude - states[0].modal_amplitude).max() > 1e-3
-
-
 @pytest.mark.parametrize("colatitudes", [[0.0], [np.pi / 2], [0.0, 0.0]])
 def test_null_space_and_udwadia_kalaba_agree(basis, colatitudes):
-    """Eq. 90 with b = 0, for the clamps are linear in the modal amplitudes."""
+    """Eq. 90 with b = 0, since clamps are linear in the modal amplitudes."""
     forces = all_forces(basis)
     allowed = basis.clamped(colatitudes)
     scene = GeneralScene(body_of(basis), forces, "free", motions=allowed)
@@ -373,18 +277,7 @@ def lifted_amplitudes(scene, y, free, null_space):
 # --- exact motions --------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("attitude", ["quaternion", "euler321"])
-def test_a_rigid_sphere_turns_steadily(attitude):
-    scene = GeneralScene(Body(RIGID), {}, "free", attitude)
-    w = np.array([0.2, -0.3, 0.4])
-    time = np.linspace(0, 3, 7)
-    for t, y in zip(time, integrate(scene, scene.start(angular_velocity=w), time, 1e-11), strict=True):
-        state = scene.state(y)
-        np.testing.assert_allclose(state.angular_velocity, w, atol=1e-13)
-        np.testing.assert_allclose(state.rotation, expm(t * skew(w)), atol=1e-9)
-
-
-def test_an_axisymmetric_body_precesses():
+def test_axisymmetric_body_precesses():
     """R = exp(H t/Jt) R0 exp(-l t e3), w = (A cos l t, A sin l t, n) with l = n (Ja - Jt)/Jt."""
     body = Body(RIGID, (4000.0, 7000.0))
     scene = GeneralScene(body, {}, "free")
@@ -403,21 +296,7 @@ def test_an_axisymmetric_body_precesses():
         np.testing.assert_allclose(state.rotation, rotation, atol=1e-9)
 
 
-def test_free_fall_is_a_parabola_and_the_shell_does_not_notice(basis):
-    forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
-    scene = GeneralScene(body_of(basis), forces, "free")
-    tilt = np.array([0.8, 0.6, 0.0, 0.0])
-    start = scene.start(attitude=tilt, velocity=np.array([1.0, 0.0, 5.0]), position=np.array([0.0, 2.0, 3.0]))
-    time = np.linspace(0, 2, 5)
-    finest = 1e-16  # else what stands is what a step may be off, which differs from machine to machine
-    for t, y in zip(time, integrate(scene, start, time, atol=finest), strict=True):
-        state = scene.state(y)
-        np.testing.assert_allclose(state.position, [t, 2.0, 3.0 + 5.0 * t - G * t**2 / 2], atol=1e-9)
-        np.testing.assert_allclose(y[3:7], tilt, atol=1e-12)
-        np.testing.assert_allclose(state.modal_amplitude, 0.0, atol=1e-12)
-
-
-def test_a_tumbling_body_falls_with_its_centre_of_mass(basis):
+def test_centre_of_mass_of_a_tumbling_body_is_in_free_fall(basis):
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
     scene = GeneralScene(body_of(basis), forces, "free")
     body, start, time = scene.body, tumbling(scene, 7), np.linspace(0, 0.5, 4)
@@ -435,53 +314,7 @@ def test_a_tumbling_body_falls_with_its_centre_of_mass(basis):
     assert (offset > 1e-3) == (basis is BASES["paper"])  # there the sphere centre is not the centre of mass
 
 
-@pytest.mark.parametrize("name", ["membrane", "full"])
-def test_heave_scene_is_the_linear_oscillator_of_each_mode(name):
-    basis = mode_basis(DEVICE, name, 2)
-    scene = GeneralScene(Body(basis), {"elastic": Elastic(basis)})
-    for mode, omega in enumerate(basis.dry_frequencies):
-        start = scene.start(modal_amplitude=0.1 * np.eye(len(basis.modes))[mode])
-        time = np.linspace(0, 10 * 2 * np.pi / omega, 13)
-        motion = integrate(scene, start, time, 1e-10)
-        expected = np.outer(0.1 * np.cos(omega * time), np.eye(len(basis.modes))[mode])
-        np.testing.assert_allclose(motion[:, 1 : len(basis.modes) + 1], expected, atol=1e-7)
-        np.testing.assert_allclose(motion[:, 0], 0.0, atol=1e-11)
-
-
-def test_heave_scene_has_the_eigenfrequencies_of_heave_and_modes(basis):
-    """The accelerations of a shape at rest are -omega^2 times it, the slipped n = 1 shape coupled to heave included."""
-    scene = GeneralScene(Body(basis), {"elastic": Elastic(basis)})
-    squares, shapes = eigh(basis.stiffness, basis.inertia)
-    dof = len(squares)
-    for square, shape in zip(squares, shapes.T, strict=True):
-        rates = scene.rates(0.0, np.concatenate([shape, np.zeros(dof)]))
-        np.testing.assert_allclose(rates[dof:], -square * shape, atol=1e-11 * squares.max() * np.abs(shape).max())
-
-
-def test_a_spinning_shell_stays_in_its_bulged_equilibrium(basis):
-    """(K - n^2 Q) eta = n^2 b/2 with Ja = J0 + b eta + eta.Q eta: the equator grows, and nothing moves."""
-    n, body = 3.0, body_of(basis)
-    scene = GeneralScene(body, {"elastic": Elastic(basis)}, "free")
-    zero = np.zeros(len(basis.modes))
-    slope = body.inertia_gradient(zero)[2]
-    form = np.array([body.inertia_gradient(e)[2] - slope for e in np.eye(len(zero))]) / 2
-    eta = np.linalg.solve(basis.stiffness[1:, 1:] - n**2 * form, n**2 * slope / 2)
-    start = scene.start(modal_amplitude=eta, angular_velocity=n * AXIS)
-    rates = scene.rates(0.0, start)
-    np.testing.assert_allclose(rates[-(6 + len(zero)) :], 0.0, atol=1e-11)
-    assert body.inertia(eta)[2] > body.inertia(zero)[2] + 1.0
-
-
-def test_the_damper_slows_heave_only():
-    scene = GeneralScene(Body(RIGID), {"pto": PointDamper(8000.0)}, "planar")
-    start = scene.start(velocity=np.array([1.0, 2.0]), angular_velocity=np.array([0.5]))
-    end = scene.state(integrate(scene, start, np.array([0.0, 3.0]))[-1])
-    slowed = 2.0 * np.exp(-8000.0 * 3.0 / RIGID.total_mass)
-    np.testing.assert_allclose(end.velocity, [1.0, 0.0, slowed], rtol=1e-8)
-    np.testing.assert_allclose(end.angular_velocity, [0.0, 0.5, 0.0], rtol=1e-12)
-
-
-def test_structural_damping_damps_the_shell_as_rayleigh_says():
+def test_structural_damping_is_rayleigh_damping():
     basis = BASES["membrane"]
     scene = GeneralScene(Body(basis), {"elastic": Elastic(basis), "structural_damping": StructuralDamping(basis)})
     omega = basis.dry_frequencies[0]
@@ -493,13 +326,6 @@ def test_structural_damping_damps_the_shell_as_rayleigh_says():
     expected = 0.1 * np.exp(-ratio * omega * time) * tail
     np.testing.assert_allclose(integrate(scene, start, time)[:, 1], expected, atol=1e-8)
     assert ratio > 0.02
-
-
-def test_rigid_motion_has_no_structural_damping():
-    basis = BASES["full"]
-    scene = GeneralScene(Body(basis), {"structural_damping": StructuralDamping(basis)}, "free")
-    start = scene.start(velocity=np.ones(3))
-    np.testing.assert_array_equal(scene.rates(0.0, start)[-(6 + len(basis.modes)) :], 0.0)
 
 
 # --- conservation ---------------------------------------------------------------------------------------------------
@@ -517,7 +343,7 @@ def drifts(scene, start, rtol):
     return np.array([np.abs(values - values[0]).max() / np.abs(values[0]).max() for values in kept])
 
 
-def test_a_tumbling_vibrating_body_keeps_energy_and_momenta(basis):
+def test_energy_and_momenta_are_conserved(basis):
     scene = GeneralScene(body_of(basis), {"elastic": Elastic(basis)}, "free")
     start = tumbling(scene, 8)
     loose, tight = drifts(scene, start, 1e-6), drifts(scene, start, 1e-10)
@@ -526,43 +352,10 @@ def test_a_tumbling_vibrating_body_keeps_energy_and_momenta(basis):
     assert loose[0] < 1e-3
 
 
-def test_the_motion_converges_with_the_tolerance():
-    basis = BASES["paper"]
-    scene = GeneralScene(body_of(basis), {"elastic": Elastic(basis)}, "free")
-    start, time = tumbling(scene, 9), np.array([0.0, 0.6])
-    ends = [integrate(scene, start, time, rtol, rtol * 1e-3)[-1] for rtol in (1e-5, 1e-7, 1e-9, 1e-12)]
-    errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
-    assert errors[0] > 10 * errors[1] > 100 * errors[2]
-    assert errors[2] < 1e-6
-
-
-def test_energy_is_kept_under_weight_too(basis):
-    scene = GeneralScene(body_of(basis), {"weight": Weight(basis, G), "elastic": Elastic(basis)}, "planar")
-    start = tumbling(scene, 10)
-    energies = [sum(scene.energy(y)) for y in integrate(scene, start, np.linspace(0, 0.6, 4), 1e-10)]
-    np.testing.assert_allclose(energies, energies[0], rtol=1e-8)
-    assert abs(scene.forces["weight"].potential(scene.state(start))) > 1e3
-
-
-@pytest.mark.parametrize("force", [Weight, lambda basis, _: Elastic(basis)], ids=["weight", "elastic"])
-def test_a_conservative_force_is_minus_the_gradient_of_its_potential(basis, force):
-    """Power of the force = -d(potential)/dt along the motion of a free body."""
-    named = force(basis, G)
-    scene = GeneralScene(body_of(basis), {}, "free")
-    y, h = tumbling(scene, 11), 1e-3
-    state = scene.state(y)
-    run = solve_ivp(scene.rates, (0, 4 * h), y, "DOP853", t_eval=h * np.arange(5), rtol=1e-13, atol=1e-14)
-    before = solve_ivp(scene.rates, (0, -4 * h), y, "DOP853", t_eval=-h * np.arange(5), rtol=1e-13, atol=1e-14)
-    ahead, behind = ([named.potential(scene.state(column)) for column in r.y.T] for r in (run, before))
-    steps = np.subtract(ahead, behind)
-    slope = (672 * steps[1] - 168 * steps[2] + 32 * steps[3] - 3 * steps[4]) / (840 * h)
-    assert named(0.0, state) @ state.quasi_velocities == pytest.approx(-slope, rel=1e-8)
-
-
 # --- attitude -------------------------------------------------------------------------------------------------------
 
 
-def test_the_quaternion_passes_where_euler_angles_lock():
+def test_quaternion_passes_gimbal_lock():
     w, time = np.array([0.0, 1.0, 0.0]), np.linspace(0, np.pi, 5)
     free = GeneralScene(Body(RIGID), {}, "free")
     motion = integrate(free, free.start(angular_velocity=w), time, 1e-12)
@@ -577,7 +370,7 @@ def test_the_quaternion_passes_where_euler_angles_lock():
     assert last[4] == pytest.approx(1.5, rel=1e-12)
 
 
-def test_quaternion_and_euler_angles_agree_before_the_lock():
+def test_quaternion_and_euler_angles_agree():
     basis = BASES["paper"]
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
     scenes = [GeneralScene(body_of(basis), forces, "free", attitude) for attitude in ("quaternion", "euler321")]
@@ -592,7 +385,7 @@ def test_quaternion_and_euler_angles_agree_before_the_lock():
     assert np.abs(one.rotation - np.eye(3)).max() > 0.3
 
 
-def test_the_norm_of_the_quaternion_is_watched_not_patched():
+def test_norm_of_the_quaternion_is_checked():
     scene = GeneralScene(Body(RIGID, (4000.0, 7000.0)), {}, "free")
     moving = {"angular_velocity": np.array([2.0, -1.0, 3.0])}
     fine = integrate(scene, scene.start(**moving), np.linspace(0, 30, 4), 1e-11)
@@ -623,7 +416,7 @@ def test_motions_that_mix_heave_and_modes_are_refused(motions):
         GeneralScene(Body(basis), motions=motions)
 
 
-def test_a_start_of_the_wrong_size_is_refused():
+def test_initial_state_of_the_wrong_size_is_refused():
     scene = GeneralScene(Body(RIGID), {}, "planar")
     with pytest.raises(ValueError, match=r"received velocity \(3,\), a planar scene needs .*'velocity': 2"):
         scene.start(velocity=np.ones(3))
@@ -635,49 +428,10 @@ def test_a_start_of_the_wrong_size_is_refused():
         scene.rates(0.0, np.zeros(7))
 
 
-def test_a_motion_is_followed_to_a_billionth_unless_it_is_asked_otherwise():
-    scene = GeneralScene(Body(RIGID), motion="free", attitude="euler321")
-    start = scene.start(attitude=np.array([0.3, 0.2, 0.1]), angular_velocity=np.array([1.0, 2.0, 0.5]))
-    time = np.linspace(0.0, 1.0, 5)
-    known = integrate(scene, start, time)
-    np.testing.assert_array_equal(known, integrate(scene, start, time, 1e-9, 1e-12))
-    for rtol, atol in ((1e-8, 1e-12), (1e-9, 1e-9)):
-        assert (known != integrate(scene, start, time, rtol, atol)).any()
-
-
-def test_a_motion_that_blows_up_is_reported():
+def test_diverging_motion_is_reported():
     def runaway(time, state):
         return RIGID.total_mass * state.velocity[2] ** 3 * np.eye(6)[2]
 
     scene = GeneralScene(Body(RIGID), {"runaway": runaway})
     with pytest.raises(StabilityError, match=r"no step reaches t = 1 s .*bounded forces"):
         integrate(scene, scene.start(velocity=np.ones(1)), np.array([0.0, 1.0]))
-
-
-@pytest.mark.parametrize("pair", [(0.0, 0.0), (1.0, 2.0), (3.0, 0.0)])
-def test_a_ballast_may_be_a_point_a_disc_or_a_rod(pair):
-    """The most and the least of an axial moment."""
-    assert Body(RIGID, pair).ballast_inertia == pair
-
-
-@pytest.mark.parametrize("side", [1, -1])
-def test_coordinates_of_an_attitude_hold_up_to_their_margin_on_either_side(side):
-    """A quaternion longer or shorter than one by a millionth; a pitch up or down a thousandth from upright."""
-    quaternion, euler = (GeneralScene(Body(RIGID), {}, "free", attitude) for attitude in ("quaternion", "euler321"))
-    turned = np.array([0.5, -0.5, 0.5, -0.5])
-    for scene, near, beyond, told in (
-        (quaternion, (1 + 0.9e-6 * side) * turned, (1 + 1.1e-6 * side) * turned, "norm 1 within 1e-06"),
-        (
-            euler,
-            np.array([0.3, side * (np.pi / 2 - 1.1e-3), 0.2]),
-            np.array([0.3, side * (np.pi / 2 - 0.9e-3), 0.2]),
-            r"\|pitch\| < pi/2 - 0.001 of yaw, pitch, roll",
-        ),
-    ):
-        assert scene.margin(0.0, scene.start(attitude=near)) > 0
-        time = np.array([2.0, 2.1])
-        np.testing.assert_array_equal(
-            integrate(scene, scene.start(attitude=near), time)[-1], scene.start(attitude=near)
-        )
-        with pytest.raises(StabilityError, match=rf"^t = 2 s: received attitude .*, needs {told}"):
-            integrate(scene, scene.start(attitude=beyond), time)
