@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import ConvergenceError
-from vsb.hydro.statespace import RadiationModel
+from vsb.hydro import database
+from vsb.hydro.statespace import RadiationModel, fit_radiation
 from vsb.integrators.audit import TERMS, energies, residual
 from vsb.integrators.convolution import convolve
 from vsb.integrators.exact import propagate
@@ -17,9 +18,11 @@ from vsb.integrators.simulate import EXACT, legs, simulate
 from vsb.integrators.trajectory import recorded
 from vsb.motion.builders import linear_scene
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.scenes.rest import design_motions, study_basis
+from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.study import resolution
 from vsb.waves.seas import sea
 
@@ -27,16 +30,19 @@ STIFF = 1e7
 """Damping that stops the seed's buoy in 2 ms [N s/m], between records 12.5 ms apart."""
 
 
-@pytest.fixture
-def scene(buoy_of, radiation_of, seed):
-    """Function (design, changes) -> linear scene, sea, settings, radiation damping."""
+@pytest.fixture(scope="module")
+def scene(seed, spectral_seed):
+    """Function (design, changes but those of the water) -> linear scene, sea, settings, radiation damping."""
+    radiation = fit_radiation(spectral_seed.spectrum, 1e-3)[0]
 
     def build(design="VSWEC", **changes):
         study = varied(seed, **changes)
-        waves = sea(study.waves[0], study.hydro.omega_max, study.simulation.duration)
-        motions = design_motions(study, study_basis(study), design)
-        plant = linear_scene(buoy_of(study), radiation_of(seed), waves, motions)
-        return plant, waves, study.simulation, buoy_of(study).spectrum
+        waves = sea(study.waves[0], 6.0, study.simulation.duration)
+        basis = study_basis(study)
+        ds = database.with_structure(spectral_seed.database, reference_shell(study))
+        buoy = LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping))
+        plant = linear_scene(buoy, radiation, waves, design_motions(study, basis, design))
+        return plant, waves, study.simulation, buoy.spectrum
 
     return build
 

@@ -104,7 +104,7 @@ def test_optimal_damper_lies_between_scarce_force_and_the_matched_year():
 
 def test_interval_of_the_gain_covers_other_realisations():
     """Eight draws of phases in the same waves; the gap between powers and bounds is left out."""
-    coarse, seas = Harmonics(0.1, 3.0, 18), climate(seas=8)
+    coarse, seas = Harmonics(0.1, 3.0, 18), climate(seas=4)
     ports = port(coarse.port_omega), port(coarse.port_omega, mass=22000.0)
     pairs = [
         [limited(Limits(force=1e4), harmonics=coarse, port=p, climate=seas, seed=seed) for p in ports]

@@ -69,9 +69,9 @@ def test_clamped_shell_needs_the_highest_degree(converged):
     assert 1e-3 < converged.worst(converged.further) < 0.01
 
 
-@pytest.mark.parametrize("modes", [{"basis": "membrane", "degree": 6}, {"basis": "full", "degree": 14}])
-def test_interval_of_a_truncated_basis_contains_the_converged_gain(vented, converged, modes):
+def test_interval_of_a_truncated_basis_contains_the_converged_gain(vented, converged):
     """Of power and gain at the given and at the optimal damping; the interval is not needlessly wide."""
+    modes = {"basis": "membrane", "degree": 6}
     study = varied(vented, modes=modes)
     found, before = left_out(study), converged.powers(Modes(**modes))
     rich = converged.powers(Modes(basis="full", degree=90))
