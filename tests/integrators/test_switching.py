@@ -198,6 +198,15 @@ def test_coulomb_friction_decay_has_its_closed_form():
     assert switches == 8
 
 
+@pytest.mark.parametrize("name", ["saturated", "latching within a force"])
+def test_no_event_is_missed_between_distant_records(name):
+    """Motion and number of switches do not depend on the recorded step."""
+    system = oscillator(*LAWS[name])
+    (fine, events), (coarse, as_many) = (switched(system, TIME[::step], START) for step in (1, 16))
+    assert as_many == events
+    assert coarse.position == pytest.approx(fine.position[::16], abs=1e-10)
+
+
 @pytest.mark.parametrize("part", [0, 38])
 def test_stick_slip_has_no_spurious_events(part):
     """Slip starts without velocity and acceleration; round-off alone made it reverse and stick again at once."""
