@@ -1,16 +1,14 @@
-"""Hard cases of the body-exact path: degenerate waterlines, rings in step with the nodes, motion that hardly exists."""
+"""Hard cases of body-exact motion: degenerate waterlines, ringing in step with the nodes, extreme motion."""
 
 import numpy as np
 import pytest
 from conftest import EXAMPLE, compiled_motion, labelled, only_run, springs, varied
 from scipy.integrate import solve_ivp
 
-from vsb.integrators.audit import energies, residual
 from vsb.integrators.exponential import integrate
 from vsb.integrators.simulate import simulate
 from vsb.motion.system import System
 from vsb.motion.wetted import WetShell, meridian_series, wet_intervals
-from vsb.results.comparison import comparison
 from vsb.results.power import merit
 from vsb.scenes.build import assumed_pressure_design
 from vsb.shell.deformed import DeformedShell
@@ -34,11 +32,8 @@ def scene(study, design="VSWEC", **changes):
     return assumed_pressure_design(only_run(one), {})[0], one
 
 
-def independent(plant, time, start, method="DOP853", rtol=1e-8):
-    """The same scene in plain coordinates: forces of `DeformedShell`'s own quadrature in colatitude, no compiled loop.
-
-    Uniform pressure is left out: still water only.
-    """
+def independent(plant, time, start):
+    """Motion in still water from `DeformedShell`'s quadrature in colatitude and a general integrator."""
     shell, n, weight = plant.water.shell, plant.motions.shape[1], plant.forces["weight"].value
     inverse = np.linalg.inv(plant.motions.T @ plant.mass @ plant.motions)
     stiffness, damping = springs(plant), plant.damping
@@ -48,41 +43,34 @@ def independent(plant, time, start, method="DOP853", rtol=1e-8):
         force = plant.motions.T @ (wet.hydrostatic_force(plant.water.specific_weight, 1.0, 24) + weight)
         return np.concatenate([y[n:], inverse @ (force - stiffness @ y[:n] - damping @ y[n:])])
 
-    done = solve_ivp(rates, (0.0, time[-1]), np.concatenate(start), method=method, rtol=rtol, atol=1e-12, t_eval=time)
+    done = solve_ivp(rates, (0.0, time[-1]), np.concatenate(start), "DOP853", rtol=1e-8, atol=1e-12, t_eval=time)
     return done.y[:n].T
-
-
-# wet force ----------------------------------------------------------------------------------------------------------
-
-
-def edges_of(wet, q):
-    return wet_intervals(wet.shape, meridian_series(wet.shape, q))
 
 
 @pytest.mark.parametrize(
     ("kind", "q", "sample"),
     [
         ("membrane0", [-0.9410052093878509, -0.004144601433786726], 5),
-        ("membrane0", [0.6891598029259418, 0.007458217469204836], 4),
         ("paper1", [0.5495002273134131, 0.0018683685342966545, 0.0024957238438051326], 4),
     ],
 )
-def test_a_waterline_on_a_sample_is_found_there_whatever_round_off_says(paper, kind, q, sample):
-    """The table and the recurrence may see z of one sample with two signs: no reason to lose the waterline."""
+def test_waterline_on_a_sample_is_found_despite_round_off(paper, kind, q, sample):
+    """Table and recurrence may see z at a sample with different signs."""
     basis, q = mode_basis(paper.device, kind[:-1], int(kind[-1])), np.array(q)
     table = WetShell(basis, 0.0).shape
     on_sample = -(meridian_series(table, q)[1] @ table.on_grid[:, sample])
     for ulps in range(-8, 9):
         height = float(on_sample + ulps * 1.1e-16)
-        (low, high) = edges_of(WetShell(basis, height), q)
+        wet = WetShell(basis, height).shape
+        (low, high) = wet_intervals(wet, meridian_series(wet, q))
         assert low == -1.0
         assert high == pytest.approx(table.grid[sample], abs=1e-12), ulps
 
 
-@pytest.mark.parametrize("degree", [0, 1, 40])
-@pytest.mark.parametrize("height", [2.0, -2.0, 0.0, 1.0, -1.0, 2.0 * np.cos(np.pi / 12), 2.0 + 1e-15, -2.0 - 1e-15])
-def test_sphere_that_touches_or_meets_the_water_at_a_sample(paper, degree, height):
-    """Undeformed: the cap's volume and waterplane in closed form, from dry to sunk, with any basis."""
+@pytest.mark.parametrize("degree", [0, 40])
+@pytest.mark.parametrize("height", [2.0, -2.0, 0.0, -1.0, 2.0 + 1e-15, -2.0 - 1e-15])
+def test_sphere_that_touches_the_water_has_its_closed_form_force(paper, degree, height):
+    """Volume and waterplane of a spherical cap, from dry to submerged."""
     basis = mode_basis(paper.device, "full", degree)
     static, uniform, moment = WetShell(basis, height).forces(np.zeros((1, len(basis.labels))))
     depth = min(max(2.0 - height, 0.0), 4.0)
@@ -91,17 +79,16 @@ def test_sphere_that_touches_or_meets_the_water_at_a_sample(paper, degree, heigh
     assert np.isfinite(moment).all()
 
 
-@pytest.mark.parametrize("height", [-0.4, 0.0, 0.3])
-def test_highest_degree_against_the_plain_twin(paper, height):
-    basis = mode_basis(paper.device, "full", 40)
+def test_highest_degree_agrees_with_plain_quadrature(paper):
+    height, basis = 0.3, mode_basis(paper.device, "full", 40)
     q = np.random.default_rng(5).uniform(-0.004, 0.004, len(basis.labels))
     plain = DeformedShell(basis, height, q).hydrostatic_force(1.0, 1.0, 300)
     assert WetShell(basis, height).forces(q[None])[0][0] == pytest.approx(plain, abs=1e-10)
 
 
 @pytest.mark.parametrize("kind", ["flat pole", "level belt"])
-def test_meridian_level_with_the_water(paper, kind):
-    """z and dz/dc vanish together: the force is continuous there, the dry and the wet side meet."""
+def test_force_is_continuous_where_the_meridian_is_level_with_the_water(paper, kind):
+    """Both z and dz/dc vanish there."""
     basis = mode_basis(paper.device, "membrane", 3)
     at = 1.0 if kind == "flat pole" else 0.4
     wet = WetShell(basis, 0.0)
@@ -119,8 +106,8 @@ def test_meridian_level_with_the_water(paper, kind):
     assert forces[1] == pytest.approx(DeformedShell(basis, 0.0, q).hydrostatic_force(1.0, 1.0, 200), abs=1e-6)
 
 
-def test_force_of_a_meridian_that_crosses_itself_still_has_a_potential(paper):
-    """Nonsense as a shell, but never a source of energy: an integrator that meets it must not run away by it."""
+def test_force_of_a_self_crossing_meridian_has_a_potential(paper):
+    """No possible shell, but an integrator that meets it must not gain energy."""
     basis = mode_basis(paper.device, "membrane", 3)
     wet = WetShell(basis, 0.2)
     q = np.array([0.0, -1.6, 0.4, 1.6, 0.9])
@@ -133,24 +120,13 @@ def test_force_of_a_meridian_that_crosses_itself_still_has_a_potential(paper):
     assert wet.forces(q[None])[0][0] == pytest.approx(gradient, abs=1e-6)
 
 
-# motion -------------------------------------------------------------------------------------------------------------
-
-
-def ringing(paper, young_modulus, **changes):
-    """A thin stiff shell without damping, held at the top, dropped from a metre below its rest: one mode that rings."""
-    device = {"young_modulus": young_modulus, "thickness": 7.6e-4, "damping": {"alpha": 0.0, "beta": 0.0}}
-    return scene(
-        paper, "VSWEC0", device=device, modes={"basis": "full", "degree": 1}, pto={"damping": 1e6}, **changes
-    )  # fmt: skip
-
-
-@pytest.mark.parametrize(("young_modulus", "tolerance"), [(1.2e10, 1e-6), (1.3e10, 1e-7)])
-def test_a_ring_in_step_with_the_nodes_is_not_overlooked(paper, young_modulus, tolerance):
-    """Two turns of the ring between nodes, nearly: all five meet it in one phase, and a polynomial through them fits."""
-    plant, _ = ringing(paper, young_modulus)
-    time, start = np.linspace(0.0, 0.4, 33), plant.start(-1.0, 0.0)
+def test_ringing_in_step_with_the_nodes_is_resolved(paper):
+    """A thin undamped shell, clamped at the top, rings nearly twice between nodes: sampled there it looks constant."""
+    device = {"young_modulus": 1.2e10, "thickness": 7.6e-4, "damping": {"alpha": 0.0, "beta": 0.0}}
+    plant, _ = scene(paper, "VSWEC0", device=device, modes={"basis": "full", "degree": 1}, pto={"damping": 1e6})
+    time, start = np.linspace(0.0, 0.2, 17), plant.start(-1.0, 0.0)
     truth = compiled_motion(plant, time, start, rtol=1e-9)
-    motion, _ = integrate(System.of(plant), time, start, tolerance)
+    motion, _ = integrate(System.of(plant), time, start, 1e-6)
     shell = np.abs(truth[:, 1]).max()
     assert np.abs(motion.position - truth)[:, 1].max() < 0.01 * shell
 
@@ -167,18 +143,18 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_motion_against_plain_quadrature_and_a_general_integrator(paper, name):
+def test_motion_agrees_with_plain_quadrature_and_a_general_integrator(paper, name):
     design, changes, heave, velocity, duration = CASES[name]
     plant, _ = scene(paper, design, **{**changes, "waves": STILL})
     time, start = np.linspace(0.0, duration, 9), plant.start(heave, velocity)
-    truth = independent(plant, time, start, rtol=1e-8)
+    truth = independent(plant, time, start)
     motion, _ = integrate(System.of(plant), time, start, 1e-9)
     assert np.abs(motion.position - truth).max() < 3e-6 * np.abs(truth).max()
 
 
 @pytest.mark.parametrize("duration", [1e-3, 0.0125, 0.013, 1.2345])
-def test_any_duration_ends_where_a_longer_run_passes(paper, duration):
-    """Shorter than a record, one record, no multiple of a step."""
+def test_run_of_any_duration_ends_on_the_longer_run(paper, duration):
+    """Shorter than a record, one record, not a multiple of a step."""
     settings = {"duration": duration, "window": [0.0, duration], "tolerance": 1e-10}
     plant, study = scene(paper, "VSWEC", simulation=settings)
     motion, _, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
@@ -187,90 +163,22 @@ def test_any_duration_ends_where_a_longer_run_passes(paper, duration):
     assert motion.position[-1] == pytest.approx(longer.position[200], abs=1e-8)
 
 
-def test_heave_held_by_a_very_strong_take_off_creeps_as_it_should(paper):
-    """1e9 N s/m: m v' is nothing beside c v, so c z' is the force on the buoy at rest there."""
+def test_heave_under_a_very_strong_damper_creeps(paper):
+    """At 1e9 N s/m inertia is negligible, so that c z' is the hydrostatic force."""
     held = {"initial_velocity": 0.0, "initial_position": 1.0}
     plant, study = scene(paper, "FSB", pto={"damping": 1e9}, waves=STILL, simulation=held)
     motion, _, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
-    force = 1024.7589 * 9.81 * np.pi * (4.0 - 1.0 / 3)  # of the water the buoy stands out of, one metre of it
+    force = 1024.7589 * 9.81 * np.pi * (4.0 - 1.0 / 3)  # of one metre of draft
     assert (1.0 - motion.position[-1, 0]) == pytest.approx(force * 60.0 / 1e9, rel=2e-2)
 
 
-@pytest.mark.parametrize("young_modulus", [1e7, 1e15])
-def test_a_clamp_holds_to_round_off_for_any_stiffness(paper, young_modulus):
-    device, settings = {"young_modulus": young_modulus}, {"duration": 5.0, "window": [0.0, 5.0]}
-    plant, study = scene(paper, "VSWEC0", device=device, simulation=settings)
-    motion, _, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
-    q = motion.position @ plant.motions.T
-    rows = plant.water.shell.basis.clamp_rows([0.0])
-    assert np.abs(q @ rows.T).max() < 1e-13 * max(np.abs(q[:, 1:]).max(), 1e-3)
-
-
-# audit and sampling ------------------------------------------------------------------------------------------------
-
-
-def audited(paper, design, **changes):
-    plant, study = scene(paper, design, **changes)
-    motion, stride, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
-    return plant, motion, stride, study
-
-
-LOSSLESS = {"pto": {"damping": 0.0}, "device": {"damping": {"alpha": 0.0, "beta": 0.0}}, "waves": STILL}
-SHORT = {"duration": 10.0, "window": [5.0, 10.0]}
-
-
-@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
-def test_free_motion_without_losses_passes_its_audit(paper, design):
-    """No term but stored energy, and that constant: its error counts against what swings, not against itself."""
-    plant, motion, _, _ = audited(paper, design, **LOSSLESS, simulation=SHORT)
-    assert residual(energies(System.of(plant), motion)) < 1e-5
-
-
-def test_a_buoy_at_rest_passes_its_audit(paper):
-    plant, motion, _, _ = audited(paper, "FSB", waves=STILL, simulation={**SHORT, "initial_velocity": 0.0})
-    assert np.abs(motion.position).max() < 1e-12
-    assert residual(energies(System.of(plant), motion)) < 1e-5
-
-
-def test_the_audit_still_sees_an_error_of_free_motion(paper):
-    plant, motion, _, _ = audited(paper, "FSB", **LOSSLESS, simulation=SHORT)
-    motion.velocity[-1] *= 1.01
-    assert residual(energies(System.of(plant), motion)) > 1e-3
-
-
-def test_free_heave_is_recorded_well_under_a_long_period(paper):
-    """A period of 60 s, free heave of 2.3 s: the range of heave is that of a run recorded ten times as finely."""
+def test_fast_free_heave_is_recorded_under_a_long_load_period(paper):
+    """Load of 60 s period, free heave of 2.3 s: the range of heave agrees with records ten times as fine."""
     changes = {"waves": [{"kind": "regular", "amplitude": 0.1, "period": 60.0}], "simulation": {"window": [0.0, 60.0]}}
-    plant, motion, stride, study = audited(paper, "VSWEC", **changes)
+    plant, study = scene(paper, "VSWEC", **changes)
+    motion, stride, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
     run = labelled(System.of(plant), motion, None, "VSWEC", study.waves[0].label, stride)
     ours = merit(run, study.waves[0], NO_WAVES, study.water, study.simulation.window)
     fine, _ = integrate(System.of(plant), np.linspace(0.0, 60.0, 24_001), plant.start(0.0, -0.8), 1e-8)
     assert ours.displacement_pp == pytest.approx(np.ptp(fine.position[:, 0]), rel=1e-3)
     assert run.attrs["energy_residual"] < 1e-4
-
-
-def test_no_gain_over_a_buoy_that_never_moves(paper):
-    """The rigid buoy at rest absorbs its own round-off, 1e-26 J."""
-    still = varied(
-        paper, waves=STILL, simulation={**SHORT, "initial_velocity": 0.0}, device={"young_modulus": 1e9},
-        designs={"FSB": {"flexible": False}, "VSWEC": {}},
-    )  # fmt: skip
-    runs = {}
-    for design in still.designs:
-        plant, one = scene(still, design)
-        motion, stride, _ = simulate(System.of(plant), NO_WAVES, one.simulation, None)
-        runs[design] = labelled(System.of(plant), motion, None, design, "still", stride)
-    rows = comparison(still, still.waves[0], runs, NO_WAVES)
-    assert all(row["energy_gain_percent"] is None or abs(row["energy_gain_percent"]) < 1e6 for row in rows)
-
-
-def test_a_short_window_holds_instants_of_its_own(paper):
-    plant, motion, stride, study = audited(paper, "FSB", simulation={"duration": 10.0, "window": [5.001, 5.002]})
-    run = labelled(System.of(plant), motion, None, "FSB", "wave", stride)
-    inside = (run.time.values >= 5.001 - 1e-9) & (run.time.values <= 5.002 + 1e-9)
-    assert inside.sum() >= 4
-    found = merit(run, study.waves[0], NO_WAVES, study.water, study.simulation.window)
-    assert 0 < found.velocity_pp < np.ptp(run.velocity.values[:, 0])
-
-
-# compiled loops ----------------------------------------------------------------------------------------------------

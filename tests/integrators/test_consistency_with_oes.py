@@ -129,7 +129,7 @@ def closed_form(plant, centre, height, *, cubic=True):
 
 
 @pytest.mark.parametrize("height", [0.1, 1.0, 3.0, 5.0, 6.0, -3.0])
-def test_the_decay_is_that_of_a_sphere_in_closed_form(height, scenes, decay, sphere):
+def test_decay_agrees_with_the_closed_form_of_a_sphere(height, scenes, decay, sphere):
     """From 6 m too, out of the water."""
     expected = closed_form(scenes[1], sphere.centre_height, height)
     motion = decay(height)
@@ -137,19 +137,12 @@ def test_the_decay_is_that_of_a_sphere_in_closed_form(height, scenes, decay, sph
     assert np.abs(motion.velocity[:, 0] - expected[1]).max() < 1e-7 * abs(height)
 
 
-def test_the_closed_form_less_its_cube_is_linear_theory(scenes, sphere):
-    """The check of the check, and of the hydrostatic stiffness."""
-    linear = propagate(System.of(scenes[0]), TIME, scenes[0].start(1.0, 0.0))
-    expected = closed_form(scenes[1], sphere.centre_height, 1.0, cubic=False)
-    assert np.abs(linear.position[:, 0] - expected[0]).max() < 1e-9
-
-
 def test_linear_decay_has_the_published_extrema(scenes):
     found = turns(propagate(System.of(scenes[0]), TIME, scenes[0].start(1.0, 0.0)))[:6]
     assert np.all(np.abs(found - PUBLISHED) < (0.02, 0.01)), found - PUBLISHED
 
 
-def test_from_one_metre_it_is_among_the_published_codes(scenes, decay):
+def test_decay_from_one_metre_is_within_the_published_spread(scenes, decay):
     """Nearer to linear theory than the farthest of them, and later at every extremum, by less than 1 %."""
     linear = propagate(System.of(scenes[0]), TIME, scenes[0].start(1.0, 0.0))
     difference = decay(1.0).position[:, 0] - linear.position[:, 0]
@@ -158,45 +151,8 @@ def test_from_one_metre_it_is_among_the_published_codes(scenes, decay):
     assert np.all((late > 1e-3) & (late < 1e-2)), late
 
 
-def test_the_error_of_linear_theory_is_of_second_order(scenes, decay):
-    """Relative to the height; the restoring force of a sphere in the surface's plane is odd."""
-    heights = 2.0 / 2.0 ** np.arange(5)
-    errors = []
-    for height in heights:
-        linear = propagate(System.of(scenes[0]), TIME, scenes[0].start(height, 0.0))
-        errors.append(np.abs(decay(height).position[:, 0] - linear.position[:, 0]).max() / height)
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert np.all(np.abs(orders - 2) < 0.15), orders
-    assert abs(orders[-1] - 2) < 0.02, orders
-
-
-def test_the_first_half_period_is_longer_by_the_square_of_the_height(scenes, decay, sphere):
-    """As perturbation theory says: z = a z_1 + a^3 z_3, and z_3' (t)/z_1'' (t) is how much earlier the turn is."""
-    small = 0.05
-    linear = closed_form(scenes[1], sphere.centre_height, small, cubic=False)
-    third = (closed_form(scenes[1], sphere.centre_height, small)[1] - linear[1]) / small**3
-    first = turns(propagate(System.of(scenes[0]), TIME, scenes[0].start(1.0, 0.0)))[0, 0]
-    velocity = CubicHermiteSpline(TIME, linear[1] / small, np.gradient(linear[1] / small, TIME))
-    coefficient = -np.interp(first, TIME, third) / velocity(first, 1)
-    heights = 2.0 / 2.0 ** np.arange(5)
-    late = np.array([turns(decay(height))[0, 0] for height in heights]) - first
-    orders = np.log2(late[:-1] / late[1:])
-    assert np.all(late > 0)
-    assert np.all(np.abs(orders - 2) < 0.1), orders
-    assert late[-1] / heights[-1] ** 2 == pytest.approx(coefficient, rel=5e-3)
-    assert 0.3 < coefficient / first * 8 * RADIUS**2 < 1  # undamped, (a/R)^2/8 of Duffing's equation
-
-
-def test_larger_decays_are_slower(decay):
-    """The first half period grows with the height; all decay to the same period in the end."""
-    first = [turns(decay(height))[0, 0] for height in (0.1, 1.0, 3.0, 5.0)]
-    assert np.all(np.diff(first) > 0)
-    last = [np.diff(turns(decay(height))[12:15, 0])[0] for height in (0.1, 1.0, 3.0, 5.0)]
-    np.testing.assert_allclose(last, last[0], rtol=3e-3)
-
-
 @pytest.mark.parametrize("height", [1.0, 3.0, 5.0, -3.0])
-def test_what_is_radiated_is_what_was_stored(height, scenes, decay, sphere):
+def test_radiated_energy_equals_the_energy_stored_at_the_start(height, scenes, decay, sphere):
     """Energy audit; and the energy at the start in closed form, rho g pi ((R^2 - c^2) z^2/2 - c z^3/3 - z^4/12)."""
     energy = energies(System.of(scenes[1]), decay(height))
     c = sphere.centre_height
@@ -208,13 +164,13 @@ def test_what_is_radiated_is_what_was_stored(height, scenes, decay, sphere):
     assert -energy["stored"][-1] == pytest.approx(energy["radiated"][-1], rel=1e-7)
 
 
-def test_in_regular_waves_the_best_dampers_are_those_of_the_task():
+def test_optimal_dampings_in_regular_waves_are_as_published():
     omega = 2 * np.pi / np.array(PERIODS)
     impedance, _ = heave_alone(omega)
     assert np.abs(impedance) == pytest.approx(DAMPERS, rel=2e-3)
 
 
-def test_beside_them_it_heaves_as_published():
+def test_heave_with_optimal_damping_is_as_published():
     omega = 2 * np.pi / np.array(PERIODS)
     impedance, force = heave_alone(omega)
     heave = np.abs(force / (omega * (impedance + DAMPERS))) * WAVES

@@ -15,7 +15,7 @@ SOURCES = st.builds(
 )
 
 
-def test_bounds_add_linearly_statistics_in_quadrature_and_both_linearly():
+def test_bounds_add_linearly_and_statistics_in_quadrature():
     budget = Budget(
         (
             Source("coefficients", -1.0, 2.0),
@@ -30,7 +30,7 @@ def test_bounds_add_linearly_statistics_in_quadrature_and_both_linearly():
 
 
 @given(st.lists(SOURCES, max_size=6), st.floats(-1e6, 1e6))
-def test_a_number_lies_in_its_interval_and_more_sources_never_narrow_it(sources, value):
+def test_more_sources_never_narrow_the_interval(sources, value):
     budget = Budget(tuple(sources))
     low, high = budget.interval(value)
     assert low <= value <= high
@@ -41,12 +41,12 @@ def test_a_number_lies_in_its_interval_and_more_sources_never_narrow_it(sources,
 
 
 @pytest.mark.parametrize("ends", [(0.1, 1.0), (-1.0, -0.1), (float("nan"), 0.0), (0.0, float("inf"))])
-def test_a_source_that_does_not_hold_zero_is_refused(ends):
+def test_source_that_excludes_zero_is_refused(ends):
     with pytest.raises(VsbError, match=r"error budget: x: received .* needs a finite range about zero"):
         Source("x", *ends)
 
 
-def test_of_realisations_bounds_stay_and_statistics_average():
+def test_bounds_stay_and_statistics_average_over_realisations():
     one = Budget((Source.within("coefficients", 2.0), Source.within("runs", 4.0, "statistic")))
     four = mean_budget([one] * 4)
     assert [(source.low, source.high) for source in four.sources] == [(-2.0, 2.0), (-2.0, 2.0)]

@@ -1,15 +1,14 @@
+"""Designs compared at their own optimal damping."""
+
 import pytest
 from conftest import varied
 
 from vsb.results.equal_tuning import equal_tuning, fair_damping_checks, reference_power_checks, within_limits
 from vsb.results.ladder import Rung
-from vsb.study.study import Jonswap
 from vsb.study.take_off import Pto
 
 REGULAR = {"kind": "regular", "amplitude": 0.5, "period": 5.0}
 NOISE = {"kind": "jonswap", "hs": 1.0, "tp": 5.0, "realisations": 2}
-
-
 DAMPER = Pto(damping=8e3)
 
 
@@ -36,7 +35,7 @@ def rungs(study):
     return rows
 
 
-def test_gains_are_between_best_powers_realisations_together(study, rungs):
+def test_gains_are_between_optimal_powers_of_all_realisations(study, rungs):
     rigid, shell, rigid_sea, shell_sea = equal_tuning(study, rungs)
     assert (rigid.best_gain_percent, rigid.share) == (0.0, 0.25)
     assert shell.best_gain_percent == pytest.approx(-10.0)
@@ -46,43 +45,27 @@ def test_gains_are_between_best_powers_realisations_together(study, rungs):
     assert (shell_sea.best_gain_percent, shell_sea.damping) == (0.0, 8000.0)
 
 
-def test_power_lost_at_the_given_damper_is_doubted_above_five_per_cent(study, rungs):
+def test_power_lost_at_the_given_damper_is_reported(study, rungs):
     checks = fair_damping_checks(equal_tuning(study, rungs), DAMPER)
     assert [(check.name, check.verdict) for check in checks] == [
         ("fair_damping", "doubt"), ("fair_damping", "doubt"), ("fair_damping", "ok"), ("fair_damping", "ok"),
     ]  # fmt: skip
     assert checks[0].value == 0.75
-    assert checks[0].explanation == (
-        "power lost against the own best damper: 200 W at 8000 N s/m, 800 W at 10000 N s/m, by linear theory"
-    )
 
 
-@pytest.mark.parametrize(("law", "count"), [("saturated", 4), ("coulomb", 0), ("latching", 0), ("declutching", 0)])
-def test_a_law_whose_power_is_not_that_of_a_damper_is_not_judged_by_one(study, rungs, law, count):
+@pytest.mark.parametrize(("law", "count"), [("saturated", 4), ("latching", 0)])
+def test_fair_damping_applies_to_dampers_only(study, rungs, law, count):
     pto = Pto(damping=8e3, law=law, force_limit=300.0)
     assert len(fair_damping_checks(equal_tuning(study, rungs), pto)) == count
 
 
-@pytest.mark.parametrize(("share", "verdict"), [(1.001, "ok"), (0.951, "ok"), (0.949, "doubt"), (0.0, "doubt")])
-def test_five_per_cent_lost_is_the_limit(study, rungs, share, verdict):
-    line = equal_tuning(study, rungs)[0]._replace(share=share)
-    (check,) = fair_damping_checks([line], DAMPER)
-    assert (check.verdict, check.limit) == (verdict, 0.05)
-    assert check.value == pytest.approx(max(0.0, 1 - share))
-
-
-def test_power_lost_is_said_in_the_unit_of_the_damper(study, rungs):
-    first, *_ = fair_damping_checks(equal_tuning(study, rungs), Pto(damping=8e3, port="volume"))
-    assert "200 W at 8000 Pa s/m³, 800 W at 10000 Pa s/m³" in first.explanation
-
-
-def test_where_no_damper_is_given_nothing_is_lost(study, rungs):
+def test_without_a_given_damper_nothing_is_lost(study, rungs):
     lines = equal_tuning(study, [rung for rung in rungs if rung.rung != "fixed"])
     assert {(line.power, line.gain_percent, line.share) for line in lines} == {(None, None, None)}
     assert fair_damping_checks(lines, DAMPER) == []
 
 
-def test_optima_under_limits_stand_side_by_side_where_they_are_known(study, rungs):
+def test_constrained_optima_are_compared_where_known(study, rungs):
     swell, first, second = (wave.label for wave in study.waves)
     powers = {"FSB": (100.0, 50.0, 70.0), "VSWEC": (110.0, 66.0, 66.0)}
     best = [
@@ -98,7 +81,7 @@ def test_optima_under_limits_stand_side_by_side_where_they_are_known(study, rung
     assert within_limits(study, rungs) == []
 
 
-def test_a_gain_over_next_to_nothing_is_doubted_by_sea_and_without_a_rigid_design_none_is(study, rungs):
+def test_gain_over_a_negligible_reference_power_is_in_doubt(study, rungs):
     swell, sea = reference_power_checks(study, rungs)
     assert (swell.value, sea.value) == (1e3 / 800.0, 1e3 / 200.0)
     assert {swell.verdict, sea.verdict} == {"ok"}
@@ -106,72 +89,4 @@ def test_a_gain_over_next_to_nothing_is_doubted_by_sea_and_without_a_rigid_desig
     weak = [row._replace(power_mean=0.5) if row.rung == "best_damper" else row for row in rungs]
     first, _ = reference_power_checks(study, weak)
     assert first.verdict == "doubt"
-    assert first.explanation.startswith("1000 W within reach of FSB over 0.5 W at its best damper")
     assert reference_power_checks(varied(study, designs={"A": {}, "B": {}}), rungs) == []
-
-
-def test_thousands_of_realisations_are_named_once_each_not_once_for_every_rung(study, rungs, monkeypatch):
-    """The squares of thousands took longer than reading all runs."""
-    named = []
-    family = Jonswap.family.fget
-    monkeypatch.setattr(Jonswap, "family", property(lambda sea: named.append(sea.seed) or family(sea)))
-    labels = [wave.label for wave in study.waves if isinstance(wave, Jonswap)]
-    named.clear()
-    equal_tuning(study, rungs)
-    within_limits(study, [rung(each.design, each.wave, "constrained", None, 1.0) for each in rungs])
-    assert len(named) <= 4 * len(labels)  # two tables, each by label and family
-
-
-@pytest.mark.parametrize("dead", [{"matched"}, {"best_damper"}, {"matched", "best_damper"}])
-def test_a_sea_that_gives_the_rigid_design_nothing_has_no_share_to_judge(study, rungs, dead):
-    """No quotient of nothing, nor over nothing: such a sea is left out, the other is not."""
-    swell = study.waves[0]
-    changed = [row._replace(power_mean=0.0) if row.rung in dead and row.wave != swell.label else row for row in rungs]
-    assert [check.wave for check in reference_power_checks(study, changed)] == [swell.label]
-
-
-def test_an_optimum_of_nothing_is_shown_and_one_that_is_not_known_is_not(study, rungs):
-    """A port that waves do not move takes 0 W for sure; gains over that are none."""
-    swell = study.waves[0].label
-    best = [rung("FSB", swell, "constrained", None, 0.0), rung("VSWEC", swell, "constrained", None, 110.0)]
-    found = within_limits(study, rungs + best)
-    assert [tuple(line)[:4] for line in found] == [("FSB", swell, 0.0, None), ("VSWEC", swell, 110.0, None)]
-    found = within_limits(study, [*rungs, best[0]._replace(power_mean=None), best[1]])
-    assert [tuple(line)[:4] for line in found] == [("VSWEC", swell, 110.0, None)]
-
-
-def test_realisations_in_which_nothing_is_taken_count_in_the_mean_with_their_dampers(study, rungs):
-    """0 W and 300 W are 150 W, at dampers of 0 and of 30 kN s/m 15; a damper of a port that cannot move is none."""
-    _, first, second = (wave.label for wave in study.waves)
-
-    def changed(one):
-        if one.rung == "best_damper" and one.design == "FSB" and one.wave == first:
-            return one._replace(power_mean=0.0, damping=0.0)
-        return one
-
-    *_, rigid, _ = equal_tuning(study, [changed(one) for one in rungs])
-    assert (rigid.design, rigid.sea) == ("FSB", study.waves[1].family)
-    assert (rigid.best_power, rigid.best_damping) == (150.0, 1.5e4)
-    still = [one._replace(damping=None, power_mean=0.0) if one.design == "FSB" else one for one in rungs]
-    *_, rigid, shell = equal_tuning(study, still)
-    assert (rigid.best_power, rigid.best_damping, rigid.damping, rigid.share) == (0.0, None, None, None)
-    assert (shell.best_gain_percent, shell.gain_percent) == (None, None)
-    assert {check.design for check in fair_damping_checks(equal_tuning(study, still), DAMPER)} == {"VSWEC"}
-    assert second != first
-
-
-def test_all_that_is_lost_is_told_of_its_own_sea(study, rungs):
-    """A given damper that takes nothing: no line is left out, and every one names its design and its sea."""
-    dead = [one._replace(power_mean=0.0) if one.rung == "fixed" else one for one in rungs]
-    checks = fair_damping_checks(equal_tuning(study, dead), DAMPER)
-    seas = (study.waves[0].label, study.waves[1].family)
-    assert [(one.design, one.wave, one.value) for one in checks] == [
-        (design, sea, 1.0) for sea in seas for design in study.designs
-    ]
-
-
-def test_a_best_damper_that_takes_all_there_is_leaves_nothing_to_gain_in_its_sea(study, rungs):
-    """Of a wave at resonance: a share of one, which is told as any other is."""
-    matched = [row._replace(power_mean=800.0) if row.rung == "matched" else row for row in rungs]
-    found = reference_power_checks(study, matched)
-    assert [(check.value, check.verdict) for check in found] == [(1.0, "ok"), (4.0, "ok")]

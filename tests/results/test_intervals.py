@@ -1,4 +1,4 @@
-"""Intervals of gains in time, and what runs in time say of linear theory."""
+"""Intervals of gains in time, and the error of linear theory found by runs in time."""
 
 import numpy as np
 import pytest
@@ -6,10 +6,9 @@ import xarray as xr
 from conftest import varied
 
 from vsb.results.budget import Budget, Source
-from vsb.results.intervals import linear_mean, linearisation, with_intervals
+from vsb.results.intervals import linearisation, with_intervals
 from vsb.results.ladder import Rung
 from vsb.results.statistics import Line
-from vsb.scenes.drag import LINEARISED
 
 OMEGA = 2 * np.pi / 5.0
 
@@ -22,7 +21,7 @@ def study(seed):
 
 @pytest.fixture
 def frequency():
-    """100 W of the rigid design, 80 W of the other in waves of half a metre."""
+    """100 W of the rigid design, 80 W of the other in waves of 0.5 m."""
     dims, at = ("design", "omega"), {"design": ["FSB", "A"], "omega": [OMEGA]}
     return xr.Dataset({"absorbed_power": (dims, [[400.0], [320.0]])}, at)
 
@@ -49,8 +48,8 @@ def ladder(study, *sources):
     ]  # fmt: skip
 
 
-def test_a_gain_in_time_has_the_errors_of_its_damper_and_of_both_runs(study, frequency):
-    """Runs 1 % and 2 % off the frequency domain: 3 % of the ratio 0.808; a row of the reference is exact."""
+def test_interval_of_a_gain_adds_the_errors_of_both_runs(study, frequency):
+    """Runs that differ by 1 % and 2 % from the frequency domain: 3 % of the ratio."""
     found = with_intervals(
         study, rows(study, {"FSB": 101.0, "A": 81.6}), runs(study, "linear"),
         ladder(study, Source.within("coefficients", 0.5), Source("modes left out", -3.0, 0.0)), frequency,
@@ -62,19 +61,14 @@ def test_a_gain_in_time_has_the_errors_of_its_damper_and_of_both_runs(study, fre
     assert shell["high"] - gain == pytest.approx(0.5 + 0.03 * (100 + gain))
 
 
-def test_of_a_nonlinear_run_the_energy_left_unbalanced_counts_and_what_was_left_out(study, frequency):
+def test_interval_of_a_nonlinear_run_includes_its_energy_residual(study, frequency):
     attrs = runs(study, "body_exact", power_error=0.01)
     attrs["A", study.waves[0].label]["energy_residual"] = 0.02
     _, shell = with_intervals(study, rows(study, {"FSB": 100.0, "A": 60.0}), attrs, ladder(study), frequency)
     assert shell["high"] - shell["power_gain_percent"] == pytest.approx((0.02 + 0.02) * 60, rel=1e-6)
 
 
-def test_without_a_gain_there_is_no_interval(study, frequency):
-    still = [row | {"power_gain_percent": None} for row in rows(study, {"FSB": 1.0, "A": 1.0})]
-    assert with_intervals(study, still, runs(study, "linear"), [], frequency) == still
-
-
-def test_what_nonlinear_runs_say_of_a_gain_is_one_sided(study, frequency):
+def test_linearisation_error_is_one_sided(study, frequency):
     """-20 % by linear theory, -40 % in time at the same damper."""
     said = linearisation(study, rows(study, {"FSB": 100.0, "A": 60.0}), runs(study, "body_exact"), frequency, [])
     (key,) = said
@@ -83,8 +77,8 @@ def test_what_nonlinear_runs_say_of_a_gain_is_one_sided(study, frequency):
     assert linearisation(study, rows(study, {"FSB": 100.0, "A": 60.0}), runs(study, "linear"), frequency, []) == {}
 
 
-def test_in_irregular_seas_the_statistics_of_the_runs_join(study, frequency):
-    """Linear theory in the same waves, not of the sea; of fixed amplitudes there are no statistics."""
+def test_linearisation_error_in_irregular_seas_includes_the_sampling_error(study, frequency):
+    """For random amplitudes only; linear theory is that in the same waves."""
     lines = [
         Line("FSB", "noise", "random", 4, 40, 100.0, 95.0, 105.0, 90.0, 100.0, None, None, None),
         Line("A", "noise", "random", 4, 40, 60.0, 55.0, 65.0, 50.0, 80.0, -40.0, -43.0, -37.0),
@@ -94,9 +88,3 @@ def test_in_irregular_seas_the_statistics_of_the_runs_join(study, frequency):
         said = linearisation(study, rows(study, {"FSB": 100.0, "A": 80.0}), runs(study, "body_exact"), frequency, drawn)
         assert said["A", "noise"].low == pytest.approx(-20.0 - half)
         assert said["A", "noise"].high == pytest.approx(half)
-
-
-def test_linear_power_of_a_run_is_of_its_wave(study, frequency):
-    run = runs(study, "linear")["A", study.waves[0].label]
-    assert linear_mean(study, study.waves[0], frequency, "A", run) == pytest.approx(80.0)
-    assert linear_mean(study, study.waves[0], frequency, "A", run | {LINEARISED: 70.0}) == 70.0

@@ -1,4 +1,4 @@
-"""Every limit of the ledger is crossed: a hundredth below it a check is ok, a hundredth above it is not."""
+"""Every check of the ledger is ok 1 % below its limit and not ok 1 % above it."""
 
 from dataclasses import asdict, replace
 
@@ -16,7 +16,6 @@ from vsb.results.ladder import Rung
 from vsb.results.rung_errors import MODES
 from vsb.results.statistics import FEWEST_BATCHES, Line, statistical_checks
 from vsb.scenes.rest import reference_shell, study_basis
-from vsb.shell.modes import mode_basis
 from vsb.study.study import PiersonMoskowitz, RegularWave, Water
 from vsb.study.take_off import Pto
 from vsb.waves.dispersion import power_limit
@@ -27,7 +26,7 @@ TIME = np.linspace(0.0, 60.0, 61)
 
 
 def run(heave=0.0, breathing=0.0, residual=0.0, **attrs):
-    """A run that only breathes and heaves, at its most at 50 s."""
+    """A run that heaves and breathes at 50 s only."""
     position = np.zeros((61, 8))
     position[50, :2] = heave, breathing
     labels = ["Heave", *(f"Membrane{n}" for n in range(7))]
@@ -40,7 +39,7 @@ def of_run(study, **motion):
 
 
 def of_auto(study, errors):
-    """What the automatic model left out of both designs."""
+    """Errors of the automatic model in both designs."""
     two = varied(study, hydro={"model": "auto"}, designs={"FSB": {"flexible": False}, "VSWEC": {}})
     attrs = {"description": "linear", "left_out": "[]"}
     runs = {d: xr.Dataset(attrs={"power_error": e, **attrs}) for d, e in zip(two.designs, errors, strict=True)}
@@ -74,7 +73,7 @@ def of_limit(share):
 
 
 def of_pressure(study, share):
-    """Mean power of a share of what a wave of the same pressure, 0.3 m in amplitude, could give."""
+    """Mean power as a share of the limit of a wave with the same pressure."""
     pressure = 0.3 * 1025 * 9.81
     assumed = varied(study, hydro={"model": "assumed_pressure", "pressure": pressure}, waves=[WAVE.model_dump()])
     best = share * power_limit(WAVE.omega, np.inf, 1025.0, 9.81) * 0.3**2
@@ -88,7 +87,7 @@ def of_transient(difference):
 
 
 def of_keel(study, share):
-    """Pressure inside that leaves a share of the classical buckling pressure at the keel."""
+    """Internal pressure that leaves a share of the classical buckling pressure at the keel."""
     keel = study.water.density * study.water.gravity * reference_shell(study).keel_depth
     inside = keel - share * ledger.Shell.of(study.device).buckling_pressure
     pressed = varied(study, device={"internal_pressure": inside})
@@ -96,13 +95,13 @@ def of_keel(study, share):
 
 
 def of_buckling(study, share):
-    """A shell as much stiffer as its load is beyond what the seed's buckles under."""
+    """A shell stiff enough for a load of this share of its buckling load."""
     modulus = study.device.young_modulus * ledger.viability_checks(study)[0].value
     return ledger.viability_checks(varied(study, device={"young_modulus": modulus / share}))
 
 
 def of_static_load(study, name, value):
-    """A shell as much softer as it takes to move or strain so far under the static load."""
+    """A shell soft enough for this static deformation or strain."""
     shell = reference_shell(study)
 
     def checks(softness):
@@ -114,14 +113,14 @@ def of_static_load(study, name, value):
 
 
 def at_rest(study, breathing):
-    """A shell that rests squeezed."""
+    """A shell compressed at rest."""
     resting, shape = varied(study, reference_shape="equilibrium"), reference_shell(study).shape
     squeezed = replace(shape, modal_amplitude=-2.0 * breathing * np.eye(8)[1])
     return ledger.static_checks(resting, replace(reference_shell(study), shape=squeezed))
 
 
 def of_modes(study, change):
-    """Power of all modes so much below that of the study's, at the optimal damper."""
+    """Change of the power by the shell modes left out, at the optimal damping."""
     one = varied(study, designs={"VSWEC": {}}, waves=[WAVE.model_dump()])
     left = [asdict(Source(MODES, -4.0 * change, 0.0))]
     rung = Rung("VSWEC", one.waves[0].label, "best_damper", 1e4, 0.0, 4.0, *[None] * 5, power_error=left)
@@ -129,7 +128,7 @@ def of_modes(study, change):
 
 
 def of_witness(share, parts):
-    """Two solvers, or derivatives by one mode, that are a share of what their estimates allow apart."""
+    """Two solvers, or derivatives by a mode, that differ by a share of their error estimates."""
     where = {"shape": ["mean"], "shape_dof": ["Membrane0"], "omega": [1.0, 2.0], "coefficient": ["added_mass"]}
     apart, estimate = np.array([[[0.1], [share * 0.3]]]), np.array([[[0.1]], [[0.2]]])
     if parts == "derivatives":
@@ -189,11 +188,11 @@ CASES = {
 
 FAILS = ("buckling", "computed_buckling", "constraint_drift", "left_out", "gain_error", "power_limit", "passivity",
          "assumed_pressure")  # fmt: skip
-"""What cannot be lived with; the rest is in doubt first."""
+"""Checks that fail at once; the others are in doubt first."""
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_limit_lies_where_it_is_stated(seed, name):
+def test_check_changes_its_verdict_at_its_limit(seed, name):
     limit, unit, checks = CASES[name]
     below, above = (
         next(check for check in reversed(checks(seed, x * limit)) if check.name == name.split()[0])
@@ -205,22 +204,14 @@ def test_a_limit_lies_where_it_is_stated(seed, name):
         assert check.value == pytest.approx(share * limit, rel=2e-3)
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-9])
-def test_energy_is_balanced_to_the_tolerance_of_the_run_but_no_better_than_a_millionth(seed, tolerance):
-    limit = max(tolerance, 1e-6)
-    study = varied(seed, simulation={"tolerance": tolerance})
-    verdicts = [of_run(study, residual=x * limit)[0].verdict for x in (0.99, 1.01, 5.1)]
-    assert verdicts == ["ok", "doubt", "fail"]
-
-
-def test_a_record_is_long_enough_from_the_fewest_batches_on(seed):
+def test_record_with_too_few_batches_is_reported(seed):
     assert [c.name for c in of_lines(seed, batches=6)] == ["statistical_error", "spectral_prediction"]
     short, _ = of_lines(seed, batches=5)
     assert (short.name, short.verdict, short.value) == ("record_length", "doubt", 1.2)
 
 
-def test_a_gain_known_sharply_is_not_doubted_for_the_power_it_is_of(seed):
-    """In the same waves: power to 60 %, its ratio to 0.2 %; that of the reference is asked for the gain, too."""
+def test_sharp_gain_of_a_scattered_power_is_ok(seed):
+    """In the same waves: power to 60 %, gain to 0.2 %."""
     rigid = Line("FSB", "sea", "random", 1, 20, 100.0, 40.0, 160.0, 100.0, 100.0, None, None, None)
     soft = Line("VSWEC", "sea", "random", 1, 20, 120.0, 50.0, 190.0, 120.0, 120.0, 20.0, 19.76, 20.24)
     other = rigid._replace(sea="other")
@@ -228,60 +219,10 @@ def test_a_gain_known_sharply_is_not_doubted_for_the_power_it_is_of(seed):
         (c.design, c.wave): c for c in statistical_checks(seed, [rigid, soft, other]) if c.name == "statistical_error"
     }
     assert checks["VSWEC", "sea"].value == checks["FSB", "sea"].value == pytest.approx(0.002)
-    assert "of the gain in the same waves; that of mean power is 58 %" in checks["VSWEC", "sea"].explanation
     assert (checks["FSB", "other"].value, checks["FSB", "other"].verdict) == (pytest.approx(0.6), "fail")
 
 
-def test_only_the_window_counts(seed):
+def test_only_the_averaging_window_counts(seed):
     study = varied(seed, simulation={"window": [51.0, 60.0]})
     values = {check.name: check.value for check in of_run(study, heave=5.0, breathing=1.0)}
     assert (values["heave"], values["deformation"], values["strain"]) == (0.0, 0.0, 0.0)
-
-
-@pytest.mark.parametrize("mode", ["Membrane0", "Membrane3", "Bending2", "Bending3", "all"])
-def test_strain_is_that_of_circles_and_meridians(seed, mode):
-    """How much longer both get, from where the shell's points go; now the one strains more, now the other."""
-    basis = mode_basis(seed.device, "full", 4)
-    mixed = np.array([0.0, *np.random.default_rng(0).normal(size=len(basis.labels) - 1)])
-    amplitudes = 1e-6 * (mixed if mode == "all" else np.array(basis.labels) == mode)
-    phi, r, h = np.linspace(0.01, np.pi - 0.01, 361), basis.shell.radius, 1e-5
-
-    def moved(at):
-        v, u = (amplitudes @ part for part in basis.displacement(at))
-        return (r + v) * np.sin(at) + u * np.cos(at), (r + v) * np.cos(at) - u * np.sin(at)
-
-    (x, _), (x1, z1), (x0, z0) = (moved(phi + d) for d in (0.0, h, -h))
-    hoop, meridional = x / (r * np.sin(phi)) - 1, np.hypot(x1 - x0, z1 - z0) / (2 * h * r) - 1
-    expected = max(np.abs(hoop).max(), np.abs(meridional).max())
-    assert ledger.largest_strain(basis, amplitudes) == pytest.approx(expected, rel=1e-3)
-
-
-def test_a_port_that_no_design_moves_is_within_its_limit_of_nothing():
-    """A rigid design alone with a take-off of its volume ended in a traceback: 0/0 was a check's value."""
-    power, limit = [[0.0, 0.0]], [0.0, 0.0]
-    still = xr.Dataset({"absorbed_power": (("design", "omega"), power), "power_limit": ("omega", limit)})
-    assert (ledger.limit_check(still).value, ledger.limit_check(still).verdict) == (0.0, "ok")
-    one = still.assign(absorbed_power=(("design", "omega"), [[0.0, 3.0]]), power_limit=("omega", [0.0, 2.0]))
-    assert (ledger.limit_check(one).value, ledger.limit_check(one).verdict) == (1.5, "fail")
-
-
-def test_each_regular_wave_under_an_assumed_pressure_has_the_most_that_is_taken_of_it(seed):
-    """Each by its own limit, at most what its best design takes; an irregular sea and still water have none."""
-    short = WAVE.model_copy(update={"period": WAVE.period / 2})
-    seas = [WAVE.model_dump(), {"kind": "still"}, short.model_dump()]
-    pressure = 0.3 * 1025 * 9.81
-    assumed = varied(seed, hydro={"model": "assumed_pressure", "pressure": pressure}, waves=seas)
-    limits = [power_limit(one.omega, np.inf, 1025.0, 9.81) * 0.3**2 for one in (WAVE, short)]
-    shares = {WAVE.label: {"FSB": 0.7, "VSWEC": 0.2}, short.label: {"FSB": 1.1, "VSWEC": 1.4}, "still": {"FSB": 0.0}}
-    size = dict(zip((WAVE.label, short.label, "still"), [*limits, 0.0], strict=True))
-    rows = [
-        {"design": d, "wave": wave, "power_mean": share * size[wave]}
-        for wave, own in shares.items()
-        for d, share in own.items()
-    ]
-    found = ledger.assumed_pressure_checks(assumed, rows)
-    assert [(check.wave, check.design, check.verdict) for check in found] == [
-        (WAVE.label, "FSB", "ok"),
-        (short.label, "VSWEC", "fail"),
-    ]
-    assert [check.value for check in found] == pytest.approx([0.7, 1.4])

@@ -1,4 +1,4 @@
-"""Which designs are not valid, by which checks, in which seas."""
+"""Designs invalidated by failed checks."""
 
 from conftest import varied
 
@@ -18,11 +18,11 @@ def check(name, verdict="fail", design="", wave="", value=2.0):
     return Check(name, value, 1.0, "-", verdict, "why", design, wave)
 
 
-def test_every_check_that_invalidates_is_told_in_words_with_what_to_change():
+def test_every_invalidating_check_has_a_reason_and_advice():
     assert set(REASONS) == set(INVALIDATING) <= set(ADVICE)
 
 
-def test_what_fails_of_the_shell_is_of_flexible_designs_and_of_the_water_of_all(seed):
+def test_failed_shell_check_invalidates_flexible_designs_only(seed):
     study = study_of(seed)
     seas = {wave.label if i == 0 else wave.family for i, wave in enumerate(study.waves)}
     assert flexible_designs(study) == ["A", "B"]
@@ -33,7 +33,7 @@ def test_what_fails_of_the_shell_is_of_flexible_designs_and_of_the_water_of_all(
     assert {line.name for line in found} == {"panels"}
 
 
-def test_a_design_is_not_valid_in_the_sea_of_its_check_alone_by_the_worst_realisation(seed):
+def test_failed_check_invalidates_its_own_sea_only(seed):
     study = study_of(seed)
     swell, first, second = (wave.label for wave in study.waves)
     strained = [check("strain", design="A", wave=first, value=3.0), check("strain", design="A", wave=second, value=5.0)]
@@ -42,7 +42,7 @@ def test_a_design_is_not_valid_in_the_sea_of_its_check_alone_by_the_worst_realis
     assert invalid_designs(study, [unbalanced]) == [Invalid("FSB", swell, "energy_residual", 2.0, 1.0)]
 
 
-def test_doubts_and_other_failures_leave_results_valid(seed):
+def test_doubts_leave_results_valid(seed):
     checks = [check("buckling", "doubt"), check("strain", "ok", "A"), check("steepness"), check("fair_damping")]
     assert invalid_designs(study_of(seed), checks) == []
     assert [one.invalidates for one in (check("buckling"), check("panels"), *checks)] == [
