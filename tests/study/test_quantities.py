@@ -122,7 +122,6 @@ def test_long_values_are_shortened_in_errors(tmp_path):
     assert len(str(error.value)) < 400
 
 
-@pytest.mark.parametrize("number", [f"0x{'f' * 20_000}"], ids=["hex", "decimal", "least"])
 @pytest.mark.parametrize(
     ("old", "new", "key", "line"),
     [
@@ -131,16 +130,12 @@ def test_long_values_are_shortened_in_errors(tmp_path):
         ("FSB: {", "? {}\n  : {", "designs.a key", 13),
     ],
 )
-def test_integer_of_too_many_digits_is_refused(tmp_path, monkeypatch, old, new, key, line, number):
-    unraised = []
-    monkeypatch.setattr("sys.unraisablehook", unraised.append)
+def test_integer_of_too_many_digits_is_refused(tmp_path, old, new, key, line):
     file = tmp_path / "digits.yaml"
-    file.write_text(SEED.read_text().replace(old, new.replace("{}", number)))
-    with pytest.raises(
-        ConfigError, match=rf"^{file}:{line}: {key}: received a number of too many digits; needs at most 4300$"
-    ):
+    file.write_text(SEED.read_text().replace(old, new.replace("{}", f"0x{'f' * 20_000}")))
+    told = rf"^{file}:{line}: {key}: received a number of too many digits; needs at most 4300$"
+    with pytest.raises(ConfigError, match=told):
         config.load(file)
-    assert unraised == []
 
 
 def test_junk_of_json_is_one_line():
