@@ -63,12 +63,3 @@ def test_displacement_and_velocity_of_the_port_within_the_window(data):
         for line, design in zip(ax.get_lines(), data.designs, strict=True):
             expected = data.runs[design, "swell"][name].sel(time=slice(2.0, 9.0))
             np.testing.assert_array_equal(line.get_xydata(), np.stack([expected.time, expected], axis=1))
-
-
-def test_every_degree_of_freedom_has_a_row(data):
-    for design, labels in {"rigid": ["Surge", "Heave"], "flexible": ["Heave", "Mode7"]}.items():
-        data.runs[design, "swell"] = data.runs["flexible", "swell"].assign_coords(dof=labels)
-    (ax,) = degrees_of_freedom(data, "swell").axes
-    assert [text.get_text() for text in ax.get_yticklabels()] == ["Surge", "Heave", "Mode7"]
-    rows = sorted((round(bar.get_y() + bar.get_height() / 2, 1), round(bar.get_width(), 1)) for bar in ax.patches)
-    assert rows == [(-0.2, 2.0), (0.8, 0.5), (1.2, 2.0), (2.2, 0.5)]

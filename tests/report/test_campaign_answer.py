@@ -98,19 +98,6 @@ def three(**changes):
     return ds
 
 
-def test_missing_gains_of_some_points_do_not_change_the_reference():
-    ds = campaign()
-    ds.gain_percent[0, 0, :, :] = np.nan
-    ds.annual_energy[0, 0, :, :] = np.nan
-    ds.energy_beyond_validity[0, 0, :, :] = np.nan
-    assert leading(ds) == ("one", "FSB")
-    assert answer(ds, None, "one").endswith("VSWEC absorbs most: 94.67 MWh.")
-    lost = ds.sel(tuning=["one"]).isel(young_modulus=[0])
-    assert second_answer(lost, None, "one") == (
-        "This is linear theory alone: 25 % of the energy is from seas beyond what is described."
-    )
-
-
 def test_best_design_is_chosen_by_the_gains_of_the_runs():
     """Linear theory would choose another design and another point."""
     ds = three(gain_percent=[[1.0, 2.0], [12.0, 4.0]])

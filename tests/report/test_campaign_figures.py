@@ -8,7 +8,6 @@ from matplotlib.colors import to_hex
 from vsb.report.campaign_answer import shown_place, told_bounds, told_gain
 from vsb.report.campaign_figures import (
     DRAWN,
-    is_mapped,
     pareto,
     power_matrices,
     sweep,
@@ -138,14 +137,6 @@ def test_power_matrices_share_a_scale_and_mark_empty_and_invalid_bins():
     np.testing.assert_array_equal(crosses[1], [[6.5, 1.25]])
 
 
-def test_design_that_is_not_viable_has_no_matrix():
-    ds = campaign()
-    ds["viable"] = ds.viable.where(ds.design != "VSWEC", other=False)
-    ax = power_matrices(ds, "one", "FSB").axes[1]
-    assert [text.get_text() for text in ax.texts] == ["not viable"]
-    assert not ax.collections
-
-
 def test_cells_of_a_map_are_centred_on_their_values():
     """On a logarithmic axis the edges lie halfway by ratio."""
     ax = sweep(campaign(), "one", "FSB").axes[0]
@@ -187,13 +178,6 @@ def test_no_warning_where_every_damping_is_zero(recwarn):
     assert not recwarn.list
 
 
-def test_volume_port_is_labelled_in_pressure_units():
-    ds = campaign(port="volume")
-    labels = [figure(ds, "one", "FSB").axes[0].get_xlabel() for figure in (tuned_power, pareto)]
-    assert labels == ["damper [Pa s/m³]", "rms pressure of the take-off [kPa]"]
-    assert pareto(campaign(), "one", "FSB").axes[0].get_xlabel() == "rms force of the take-off [kN]"
-
-
 def test_third_key_has_a_row_of_maps_for_each_value():
     soft = campaign(gains=2 * GAINS).sel(design=["VSWEC"]).assign_coords(design=["SOFT"])
     ds = xr.concat([campaign(), soft], "design", data_vars="minimal").assign_attrs(
@@ -217,23 +201,6 @@ def test_third_key_has_a_row_of_maps_for_each_value():
         assert pair[0].get_ylabel() == f"young modulus [Pa]\nmass {100 * (i + 1)} kg"
     assert [ax.get_xlabel() for ax in maps[-2:]] == ["thickness [m]"] * 2
     assert figure.axes[-1].get_ylabel() == "gain over the rigid design [%]"
-
-
-def test_constrained_optima_are_joined_along_the_limit():
-    limits, power = np.array([3e3, 1e3, 2e3]), np.array([3.0, 1.0, 2.0])
-    ds = campaign().sel(tuning=["one", "one"]).assign_coords(tuning=["one", "constrained"])
-    ds = ds.expand_dims(force_limit=limits).assign_attrs(varied="young_modulus thickness force_limit")
-    share = xr.DataArray(power, dims="force_limit", coords={"force_limit": limits})
-    soft = xr.where(ds.young_modulus == ds.young_modulus[0], 100.0, 1.0)
-    ds = ds.assign(
-        annual_mean_power=1e3 * share * soft * xr.ones_like(ds.annual_mean_power),
-        force_rms=0.5 * ds.force_limit * xr.ones_like(ds.force_rms),
-    )
-    ax = pareto(ds, "one", "FSB").axes[0]
-    lines = [line for line in ax.lines if line.get_marker() == "s"]
-    assert [to_hex(line.get_color()) for line in lines] == [colour(design) for design in DESIGNS]
-    for line in lines:
-        np.testing.assert_allclose(line.get_xydata(), [[0.5, 1.0], [1.0, 2.0], [1.5, 3.0]])
 
 
 def over(values, gains, **attrs):
@@ -267,17 +234,6 @@ def test_gains_of_runs_are_solid_and_those_of_linear_theory_dotted():
     assert (dotted.get_linestyle(), to_hex(dotted.get_color())) == (":", colour("VSWEC"))
 
 
-def test_keys_varied_together_are_drawn_over_the_first_of_them():
-    ds = campaign(gains=GAINS[:, :1], thickness=(0.01,)).isel(thickness=0, drop=True).rename(young_modulus="member")
-    keys = {"thickness": ("member", [0.02, 0.01], {"units": "m"}), "mass": ("member", [10.0, 20.0], {"units": "kg"})}
-    ds = ds.drop_vars("member").assign_coords(keys).assign_attrs(varied="thickness mass")
-    assert not is_mapped(ds)
-    assert is_mapped(campaign())
-    (ax,) = sweep(ds.swap_dims(member="thickness").swap_dims(thickness="member"), "one", "FSB").axes
-    assert ax.get_xlabel() == "thickness [m]"
-    np.testing.assert_array_equal(ax.lines[0].get_xydata(), [[0.01, 8.0], [0.02, -5.0]])
-
-
 def test_map_is_hatched_where_the_interval_holds_zero_and_lined_where_the_margin_vanishes():
     gains = np.array([[-5.0, 3.0], [8.0, 4.0], [-3.0, 9.0]])
     margin = np.array([[-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0]])
@@ -293,11 +249,3 @@ def test_map_is_hatched_where_the_interval_holds_zero_and_lined_where_the_margin
     np.testing.assert_allclose(line.get_paths()[0].vertices[:, 0], 0.01 + 0.02 * share, rtol=1e-9)
     for none in (0.5, -0.5):
         assert len(sweep(campaign(margin=none), "one", "FSB").axes[0].collections) == 2
-
-
-def test_map_shows_the_gains_of_runs_under_the_verified_tuning():
-    ds = by_runs(campaign(), 3.0 * campaign().gain_percent)
-    for tuning, factor in (("one", 3.0), ("each", 1.0)):
-        mesh = sweep(ds, tuning, "FSB").axes[0].collections[0]
-        np.testing.assert_allclose(mesh.get_array().reshape(2, 2), factor * GAINS)
-        assert mesh.get_clim() == pytest.approx((-7.55 * factor, 7.55 * factor))

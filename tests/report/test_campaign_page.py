@@ -1,10 +1,7 @@
 """The report page of a campaign on made-up results: statements, doubts, tables, captions."""
 
-import re
-
 import numpy as np
 import pytest
-import xarray as xr
 from report.test_campaign_figures import GAINS, by_runs, campaign
 
 from vsb.report.campaign_answer import TUNED
@@ -59,13 +56,6 @@ def test_table_has_a_row_for_every_point_design_and_tuning():
     assert len(rows(campaign(gains=np.tile(GAINS, (2, 1)), modulus=(1.0, 2.0, 3.0, 4.0)))) == MOST_ROWS
 
 
-def test_omitted_rows_are_counted():
-    long = campaign(gains=np.tile(GAINS, (2, 1)), modulus=(1.0, 2.0, 3.0, 4.0))
-    for ds, left_out in ((campaign(), []), (long, ["24 more rows in campaign.csv"])):
-        text = render(CampaignReport(ds.assign_attrs(study="a.yaml", campaign="c", spec_id="1"), {}))
-        assert re.findall(r"-?\d+ more rows in campaign\.csv", text) == left_out
-
-
 @pytest.mark.parametrize(("port", "unit"), [("volume", "Pa s/m³"), ("heave", "N s/m")])
 def test_units_of_the_page_follow_the_port(port, unit):
     text = render(CampaignReport(campaign(port=port, study="a.yaml", campaign="c", spec_id="1"), {}))
@@ -108,15 +98,3 @@ def test_page_names_campaign_tunings_study_and_id():
     assert STILL not in more
     for part in ("FSB side by side; all is to scale.", '"here":1', "elastic shell, free"):
         assert part in more, part
-
-
-def test_usual_practice_is_compared_if_any_design_differs():
-    ds = campaign()
-    for part in (1.2, 0.8):
-        ds["practice_power"] = ds.annual_mean_power * xr.DataArray(
-            [1.0, part], {"design": ["FSB", "VSWEC"]}, ("design",)
-        )
-        low, high = sorted((0.0, 100 * (part - 1)))
-        assert statements(ds, "FSB", "one")[-1].endswith(
-            f"would have said {low:+.1f} to {high:+.1f} % of the annual energy."
-        )

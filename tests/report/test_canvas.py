@@ -13,27 +13,14 @@ from vsb.report.canvas import (
     grid_of_axes,
     heave_force,
     period_axis,
-    plain_numbers,
     shown_window,
     style,
-    zero_axis,
 )
 
 
 def test_designs_of_the_paper_keep_their_colours():
     assert style("VSWEC", ["VSWEC"]) == style("VSWEC", ["FSB", "other", "VSWEC"])
     assert len({colour for colour, _ in STYLES.values()}) == 4
-
-
-@pytest.mark.parametrize(
-    ("values", "alone"), [([0.0, 0.0], True), ([0.0, 1e-6], False), ([-3.0, 0.0], False), ([2.0, 1.0], False)]
-)
-def test_axis_keeps_its_numbers_if_any_line_leaves_zero(values, alone):
-    _, axes = grid_of_axes(3.0)
-    for value in values:
-        axes[0, 0].plot([0.0, 1.0], [0.0, value])
-    zero_axis(axes[0, 0])
-    assert (axes[0, 0].get_yticks().tolist() == [0.0]) == alone
 
 
 def test_axis_of_periods_is_2_pi_over_frequency():
@@ -73,13 +60,3 @@ def test_forces_are_kilonewtons():
     assert heave_force(run, "drag").values.tolist() == [0.0]
     assert force_of(run, "pto").values.tolist() == [[7.0, 9e6]]
     assert force_of(run, "drag").values.tolist() == [[0.0, 0.0]]
-
-
-def test_logarithmic_axis_of_few_decades_has_plain_numbers():
-    figure, axes = grid_of_axes(3.0)
-    axes[0, 0].set(yscale="log", ylim=(4.0, 300.0))
-    plain_numbers(axes[0, 0].yaxis)
-    figure.draw_without_rendering()
-    told = [label.get_text() for label in axes[0, 0].get_yticklabels() if 4 <= label.get_position()[1] <= 300]
-    assert told == ["5", "10", "20", "50", "100", "200"]
-    assert not any(label.get_text() for label in axes[0, 0].get_yticklabels(minor=True))

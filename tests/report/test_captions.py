@@ -1,8 +1,6 @@
 """Captions name what is drawn."""
 
-import pytest
 from conftest import varied
-from report.test_curves import SERIES
 
 from vsb.report.captions import captions
 from vsb.study.plan import figure_names
@@ -31,10 +29,3 @@ def test_every_figure_of_a_study_has_a_caption(seed):
     names = {*figure_names(irregular), *figure_names(seed.model_copy(update={"motion": "planar"}))}
     assert {"spectra", "directions-regular_A0.179_T2.5"} < names
     assert {name.partition("-")[0] for name in names} <= captions(given=True, body=False).keys()
-
-
-@pytest.mark.parametrize("name", SERIES)
-def test_captions_name_the_quantities_of_the_axes(name):
-    text = captions(given=True, body=False)[name].lower()
-    for label, _ in SERIES[name]:
-        assert all(word in text for word in label.partition(" [")[0].split()), label

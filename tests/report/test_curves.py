@@ -188,12 +188,6 @@ def test_shell_is_drawn_at_its_magnified_displacement():
     np.testing.assert_allclose(z, (2.0 - 10 * 0.04) * np.cos(PHI) + 10 * 0.02, atol=1e-12)
 
 
-@pytest.mark.parametrize(("amplitude", "factor"), [(0.013, 20), (0.04, 10), (0.05, 5), (0.3, 1), (1.0, 1), (0.0, 1)])
-def test_displacements_are_magnified_to_at_most_a_fifth_of_the_radius(amplitude, factor):
-    title = draw("extreme_shapes-w", posed(amplitude)).get_suptitle()
-    assert title.endswith(f"shell displacement magnified {factor} times")
-
-
 def test_snapshots_show_heave_and_surface_elevation():
     """The last of five instants is a fifth of a period before the end of the window."""
     given = posed()
@@ -208,47 +202,4 @@ def test_snapshots_show_heave_and_surface_elevation():
     assert np.max(shell.get_ydata()) == pytest.approx(2.8)
 
 
-def test_shell_in_space_is_twelve_meridians_and_closed_rings():
-    for ax in draw("shapes_3d-w", posed(0.04)).axes:
-        wires = [np.array(line.get_data_3d()) for line in ax.get_lines()]
-        rings = [wire for wire in wires if np.ptp(wire[2]) == 0]
-        assert len(wires) - len(rings) == 12
-        assert len(rings) == 11
-        for x, y, _ in rings:
-            assert (x[0], y[0]) == pytest.approx((x[-1], y[-1]), abs=1e-12)
-            assert np.hypot(x, y) == pytest.approx(x.max())
-            assert (x.min(), y.min(), y.max()) == pytest.approx((-x.max(), -x.max(), x.max()), rel=1e-9)
-
-
 # the second solver --------------------------------------------------------------------------------------------------
-
-
-def test_cross_check_is_drawn_in_percent_of_the_mean_shape():
-    shapes, omegas = ["mean", "Membrane0_minus", "Membrane0_plus"], [1.0, 2.0, 3.0]
-    pair = ("solver", "shape", "omega", "influenced_dof", "radiating_dof")
-    heave = np.array([[1.0, 0.9, 1.1], [1.0, 0.8, 1.2]])[:, :, None, None, None] * np.ones((2, 3, 3, 1, 1))
-    names = ["added_mass", "radiation_damping", "excitation_force"]
-    apart = np.arange(1.0, 28.0).reshape(3, 3, 3) * 1e-4
-    ds = xr.Dataset(
-        {
-            "shape_added_mass": (pair, heave), "shape_radiation_damping": (pair, heave),
-            "witness_difference": (("shape", "omega", "coefficient"), apart),
-            "witness_estimate": (("solver", "shape", "coefficient"), np.full((2, 3, 3), 2e-3)),
-        },
-        {"solver": ["panels", "spectral"], "shape": shapes, "omega": omegas, "coefficient": names},
-    )  # fmt: skip
-    differences, changes = draw("witness", data(witness=ds)).axes
-    for name, label in zip(names, ("added mass", "radiation damping", "excitation"), strict=True):
-        largest = ds.witness_difference.sel(coefficient=name).max("omega")
-        np.testing.assert_allclose(curve(differences, label)[1], largest)
-    assert {bar.get_height() for bar in differences.patches} == {4e-3}
-    np.testing.assert_allclose(curve(changes, "added mass, 1 rad/s")[1], [0.0, -20.0, 20.0], atol=1e-9)
-    dots = [line for line in changes.get_lines() if line.get_marker() == "." and len(line.get_ydata())]
-    for line in dots:
-        np.testing.assert_allclose(line.get_ydata(), [0.0, -10.0, 10.0], atol=1e-9)
-    assert len(dots) == 6
-    assert [text.get_text() for text in changes.get_xticklabels()] == [
-        "mean",
-        "Membrane0 \N{MINUS SIGN}",
-        "Membrane0 +",
-    ]

@@ -201,18 +201,6 @@ def test_legends_match_the_lines_and_designs_keep_their_colour(name):
         assert to_hex(line.get_color()) == designs[line.get_label()].lower()
 
 
-@pytest.mark.parametrize("name", [f"{name}-w" for name in ("heave_excitation", "velocity_pto", "port_motion")])
-def test_curves_are_proportional_to_the_motion(name):
-    given = swimming()
-    larger = replace(given, runs={key: run.map(lambda v: 2 * v, keep_attrs=True) for key, run in given.runs.items()})
-    once, twice = ([ax for ax in draw(name, one).axes if ax.axison] for one in (given, larger))
-    for ax, other in zip(once, twice, strict=True):
-        for line, doubled in zip(lines_of(ax), lines_of(other), strict=True):
-            np.testing.assert_allclose(doubled.get_ydata(), 2 * np.asarray(line.get_ydata()), rtol=1e-9, atol=1e-9)
-            if "motion" not in name:  # which is drawn over itself
-                np.testing.assert_allclose(doubled.get_xdata(), line.get_xdata())
-
-
 @pytest.mark.parametrize("name", CASES)
 def test_figures_fit_the_page_and_letters_are_legible(name):
     figure = figure_of(name)

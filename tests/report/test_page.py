@@ -105,16 +105,6 @@ def test_no_gain_over_a_reference_without_power():
     assert band_statements(resting, "FSB") == ["FSB does not move this port, so no gain can be given."]
 
 
-def test_statements_name_gains_losses_and_ties():
-    text = band_statements(response(wins=0.3, loses=-0.2, same=0.001).absorbed_power, "FSB")
-    assert text[0].startswith("wins absorbs more in waves of")
-    assert "up to 30 %" in text[0]
-    assert "less" not in text[0]
-    assert "less in waves of" in text[1]
-    assert "up to 20 %" in text[1]
-    assert text[2] == "same: the same within 1 % everywhere."
-
-
 def test_band_statement_gives_gain_and_periods():
     """A gain of 20 % peaks at 2 rad/s, 3.14 s, from 1.6 to 2.4 rad/s, 2.62 to 3.93 s; beyond, a loss."""
     gain = np.where(np.abs(OMEGA - 2.0) < 0.405, 0.2 - 0.1 * np.abs(OMEGA - 2.0), -0.1 - 0.01 * OMEGA)
@@ -145,21 +135,6 @@ def test_published_values_beside_computed_ones():
         ["B", "w", "mean power [W]", "-4", "1", "-125.0 %"],
     ]
     assert published_table({**study, "published": None}, rows) == []
-
-
-def test_published_force_is_compared_with_damping_times_velocity():
-    study = {"published": {"source": "x", "values": {name: {"pto_force_pp": 1e3} for name in "AB"}}}
-    known = [("A", "w", 100.0, 20.0), ("A", "v", 300.0, 5.0), ("B", "w", 50.0, 30.0)]
-    ours = {"displacement_pp": 1.0, "power_peak": 1.0, "power_mean": 1.0, "energy": 1.0}
-    rows = [{"design": d, "wave": w, "damping": c, "velocity_pp": v, **ours} for d, w, c, v in known]
-    assert [line[:2] + line[4:] for line in published_table(study, rows)] == [
-        ["A", "w", "2000", "+100.0 %"], ["A", "v", "1500", "+50.0 %"], ["B", "w", "1500", "+50.0 %"],
-    ]  # fmt: skip
-
-
-def test_statement_without_reference_or_power():
-    assert "No rigid design" in band_statements(response(a=0.1).absorbed_power, None)[0]
-    assert "no power take-off damping" in band_statements(0 * response(a=0.1).absorbed_power, "FSB")[0]
 
 
 def test_best_design_of_each_sea():
@@ -228,21 +203,6 @@ def test_page_is_self_contained_and_escaped():
     assert "1 further point is in doubt" in page
 
 
-@pytest.mark.parametrize("drag", [None, {"heave": {"coefficient": 1.0, "area": 12.0}}])
-def test_frequency_response_says_that_it_is_without_drag(drag):
-    study = {"study": "s", "published": None, "pto": {"damping": 10.0}, "hydro": {"tolerance": 1e-3}}
-    figures = dict.fromkeys(("absorbed_power", "reactance", "port_motion"), "<svg>x</svg>")
-    rows = [row("FSB", 100), row("A", 120)]
-    page = render(
-        Report(
-            study | {"drag": drag} if drag else study, {"w": "a swell"}, rows, [], response(A=0.2), "FSB", figures, {}
-        )
-    )
-    assert page.count("Over the whole band and without drag, ") == (2 if drag else 0)
-    assert page.count("Over the whole band, ") == (0 if drag else 2)
-    assert page.count("Without drag: ") == (2 if drag else 0)
-
-
 LINE = {
     "design": "A", "sea": "noise", "amplitudes": "random", "realisations": "4", "batches": "40", "power_mean": "120",
     "power_low": "110", "power_high": "130", "power_linear": "125", "power_linear_record": "121", "gain_percent": "20", "gain_low": "18.04", "gain_high": "21.96",
@@ -277,40 +237,6 @@ def page_of(rows=BOTH, checks=(), study=STUDY, found=None, figures=(), **more):
     drawn = dict.fromkeys(figures, "<svg>x</svg>")
     seas = {line["wave"]: "a swell" for line in rows}
     return render(Report(study, seas, rows, checks, found, more.pop("reference", "FSB"), drawn, {}, **more))
-
-
-def test_damping_is_in_units_of_the_port():
-    volume = {**STUDY, "pto": {"damping": 10.0, "port": "volume"}}
-    assert "damper [N s/m]" in page_of()
-    assert "damper [Pa s/m³]" in page_of(study=volume)
-    assert "N s/m" not in page_of(study=volume)
-    assert "Designs side by side, at the given damper<" in page_of()
-    tuned = {**STUDY, "pto": {"tuning": "each"}}
-    both = [page_of(study=study, found=response(A=0.2)) for study in (STUDY, tuned)]
-    assert ["all at the given damper:" in page for page in both] == [True, False]
-    assert "Designs side by side, in time, at their own best dampers<" in both[1]
-
-
-def test_optimum_within_limits_and_source_of_published_values_are_on_the_page():
-    limited = [
-        {"design": "FSB", "sea": "w", "power": 100.0, "gain_percent": 0.0},
-        {"design": "A", "sea": "w", "power": 112.3, "gain_percent": 12.3},
-    ]
-    study = {**STUDY, "published": {"source": "Somebody 2020", "values": {"A": {"power_mean": 100.0}}}}
-    page = page_of(study=study, within_limits=limited)
-    assert "In a swell, no take-off within its limits absorbs more than: FSB 100 W, A 112.3 W (+12.3 %)." in page
-    assert "<p>Somebody 2020</p>" in page
-    assert "published" not in page_of().partition("<body")[2].lower()
-
-
-def test_share_of_the_optimum_is_that_of_each_sea():
-    chop = [{**line, "sea": "v", "share": share} for line, share in zip(SWELL, (0.5, 1.0), strict=True)]
-    rows = [row(design, power, wave) for wave in "wvu" for design, power in (("FSB", 100), ("A", 120))]
-    seas = {"w": "a swell", "v": "a chop", "u": "a wake"}
-    swell, choppy, wake = sea_statements(rows, "FSB", seas, [*SWELL, *chop])
-    assert swell.endswith("(against FSB: A +20.0 %); at 8000 N s/m FSB reaches 26 % of its own best, A 32 %.")
-    assert choppy.endswith("(against FSB: A +20.0 %); at 8000 N s/m FSB reaches 50 % of its own best, A 100 %.")
-    assert wake.endswith("(against FSB: A +20.0 %).")
 
 
 @pytest.mark.parametrize(
@@ -361,19 +287,3 @@ def test_tables_can_be_downloaded_as_they_stand():
         assert found[name] == [list(head), *body], name
     bare = page_of(found=None)
     assert [name for name in tables if f'download="{name}.csv"' in bare] == ["given_damper", "energy"]
-
-
-def test_regular_seas_first_then_irregular_ones_without_their_realisations():
-    noise = [{**line, "sea": "noise", "share": share} for line, share in zip(SWELL, (0.5, 1.0), strict=True)]
-    rows = [*BOTH, {**row("FSB", 100), "wave": "noise_s1"}]
-    study = {**STUDY, "pto": {"tuning": "each"}}
-    more = {"irregular": ["noise_s1"], "statistics": [BASE, LINE], "equal_tuning": [*SWELL, *noise]}
-    seas = {"w": "a swell", "noise": "white noise", "noise_s1": "one of them"}
-    page = render(Report(study, seas, rows, [], response(A=0.2), "FSB", {}, {}, **more))
-    where = "In time, at their own best dampers, in"
-    swell = (
-        f"{where} a swell, A absorbs most: 120 W on average (against FSB: A +20.0 %); at 8000 N s/m FSB reaches 26 %"
-    )
-    white = f"{where} white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; +18.0 to +22.0 % of the sea, 95 %)"
-    assert 0 < page.index(swell) < page.index(f"{white}; at 8000 N s/m FSB reaches 50 % of its own best, A 100 %.")
-    assert "in one of them" not in page

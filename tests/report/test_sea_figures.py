@@ -54,12 +54,3 @@ def test_median_mean_and_quantiles_of_a_year(hours, median):
     assert np.all(below <= above)
     assert below[peak] == pytest.approx(climate.density[0, peak])
     assert above[peak] == pytest.approx(climate.density[1, peak])
-
-
-def test_calm_sea_beside_a_storm_lies_within_the_axis():
-    density = [jonswap_spectrum(OMEGA, 0.1, 2.0, 3.3), jonswap_spectrum(OMEGA, 6.0, 10.0, 3.3)]
-    assert density[0].max() < 0.001 * density[1].max()
-    for rows in (density, density[::-1]):
-        found = xr.DataArray(rows, {"sea": ["one", "other"], "omega": OMEGA})
-        low, high = spectra(data(spectra=found)).axes[0].get_xlim()
-        assert low < 2 * np.pi / 10 < 2 * np.pi / 2 < high

@@ -5,10 +5,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
-from report.test_every_figure import shapes
 
-from vsb.report.shape_figures import _draw_errors, _draw_powers, _draw_slopes
-from vsb.scenes.shape_dependence import _CURVES, _EXPANSIONS, NEGLIGIBLE, largest_mode, relative_slope
+from vsb.report.shape_figures import _draw_errors, _draw_powers
+from vsb.scenes.shape_dependence import _EXPANSIONS, NEGLIGIBLE
 
 SIZE = np.array([0.05, 0.1, 0.2])
 
@@ -59,20 +58,3 @@ def test_powers_are_drawn_as_changes_in_percent():
     (band,) = ax.patches
     height = band.get_extents().transformed(ax.transData.inverted()).height
     assert height == pytest.approx(200 * NEGLIGIBLE)
-
-
-def test_slopes_are_relative_to_the_coefficient():
-    ds = shapes()
-    ax = Figure().subplots()
-    _draw_slopes(ax, ds)
-    drawn = {line.get_label(): line for line in ax.get_lines()}
-    mode = largest_mode(ds)
-    assert mode == "Membrane2"
-    for shape_dof, look in (("Heave", "-"), (mode, "--")):
-        for name, (symbol, _) in _CURVES.items():
-            line = drawn.pop(f"{symbol} by {shape_dof}")
-            np.testing.assert_allclose(line.get_ydata(), relative_slope(ds, name).sel(shape_dof=shape_dof))
-            assert line.get_linestyle() == look
-    assert not drawn
-    assert (ax.get_xlim()[0], ax.get_xlim()[1]) == (0.0, ds.omega.values[-1])
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("angular frequency [rad/s]", "relative change [1/m]")

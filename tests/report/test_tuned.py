@@ -8,7 +8,6 @@ from vsb.report.tuned import (
     closing_line,
     dampers_in_words,
     limited_statements,
-    parts_table,
     shares_text,
     tuned_statements,
     tuning_table,
@@ -34,12 +33,6 @@ def test_answer_is_the_gain_at_own_optimal_damping():
         "In a chop, each design at its own best damper: A absorbs 12.8 % more than the rigid FSB (112.8 against 100 W); "
         "B absorbs as much as the rigid FSB (100 against 100 W).",
     ]
-
-
-@pytest.mark.parametrize("lines", [SWELL[:1], [line("FSB", 781.1, None)]])
-def test_powers_are_given_where_there_is_no_gain(lines):
-    text = "In a swell, each design at its own best damper: FSB absorbs 781.1 W."
-    assert tuned_statements(lines, "FSB" if lines is SWELL[:1] else None, SEAS) == [text]
 
 
 def test_share_of_the_optimum_at_the_given_damping():
@@ -74,11 +67,6 @@ def test_closing_line_counts_valid_designs_only():
     a, b = ({"design": name, "sea": "v", **buckled} for name in ("A", "B"))
     assert closing_line(CHOP, "FSB", [a]) == "mean power against the rigid FSB +0.0 % at own best dampers; "
     assert closing_line(CHOP, "FSB", [a, b]).startswith("No valid answer yet: the shell buckles under its static load")
-
-
-def test_parts_of_an_interval_by_source():
-    parts = [{"name": "modes left out", "low": -3.0, "high": 0.0, "kind": "bound", "shared": False}]
-    assert parts_table([CHOP[1] | {"errors": parts}]) == [["A", "v", "modes left out", "-3", "0", "bound"]]
 
 
 def test_table_of_optimal_damping():

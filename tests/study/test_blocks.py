@@ -1,6 +1,5 @@
 """Frequencies, resolution and solver of the hydrodynamics, and what cannot be solved."""
 
-import itertools
 import math
 
 import numpy as np
@@ -61,22 +60,6 @@ def test_sweep_covers_the_band_without_gap_or_repetition(seed, omega_max):
     assert grid == [round(0.1 * i, 1) for i in range(1, len(grid) + 1)]
     assert omega_max <= grid[-1] + 1e-6
     assert grid[-1] < omega_max + 3.2 + 1e-6
-
-
-def test_tabulated_frequencies_are_kept_in_blocks_of_32(seed):
-    omega = [0.1 * i for i in range(1, 71)]
-    blocks = StudyPlan(varied(seed, hydro={"omega": omega})).tabulated_blocks
-    assert [len(block.omega) for block in blocks] == [32, 32, 6]
-    assert list(itertools.chain.from_iterable(block.omega for block in blocks)) == omega
-    assert StudyPlan(seed).tabulated_blocks == []
-
-
-def test_finer_tolerance_needs_more_rows(seed):
-    rows = [
-        StudyPlan(varied(seed, modes={"degree": 2}, hydro={"tolerance": t})).resolution(3.0).rows
-        for t in (4e-3, 1e-3, 2.5e-4)
-    ]
-    assert rows == [20, 40, 80]
 
 
 def test_solver_follows_from_depth_and_rows(seed):
@@ -181,17 +164,6 @@ def test_database_reaches_the_highest_frequency_asked_for(seed, radius, highest,
     assert plan.highest_omega in plan.sweep_blocks[-1].omega
     on_grid = StudyPlan(varied(study, hydro={"omega_max": plan.highest_omega}))
     assert content_id(on_grid.database) == content_id(plan.database)  # what is solved names it, not what was asked
-
-
-def test_given_rows_suffice_for_the_highest_frequency_asked_for(seed):
-    radius, gravity = seed.device.radius, seed.water.gravity
-    enough = wave_rows(radius, 2 * math.pi * gravity / 9.7**2)
-    assert wave_rows(radius, 2 * math.pi * gravity / 12.8**2) > enough
-    plan = StudyPlan(varied(seed, hydro={"rows": enough, "omega_max": 9.7}))
-    assert plan.sweep_blocks[-1].omega[-1] == 12.8
-    assert plan.resolution(12.8).rows == enough
-    with pytest.raises(ConfigError, match=rf"needs {enough} rows of panels, there are {enough - 2}; lower .* or raise"):
-        StudyPlan(varied(seed, hydro={"rows": enough - 2, "omega_max": 9.7})).resolution(12.8)
 
 
 def test_rows_follow_from_tolerance_modes_and_waves(seed):

@@ -3,12 +3,10 @@
 import math
 
 import pytest
-from conftest import SEED
 
 from vsb.study.body import LocatedBody, located
 from vsb.study.body_plan import BodyPlan, plan_for
 from vsb.study.canonical import content_id
-from vsb.study.study import load
 
 RAW = {
     "study": "raft",
@@ -50,31 +48,9 @@ def test_key_changes_the_ids_of_the_stages_that_read_it(changes, renamed):
     assert before.study_id != after.study_id
 
 
-@pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize("key", ["initial_position", "initial_velocity"])
-def test_start_concerns_only_runs_that_have_one(key, sign):
-    (wave, _) = plan().study.waves
-    rest, moved = (plan(simulation=start).simulation("rigid", wave) for start in ({}, {key: sign * 0.1}))
-    assert content_id(rest.model_copy(update={"start": 0})) == content_id(rest)
-    assert content_id(moved.model_copy(update={"start": 0})) != content_id(moved)
-
-
 def test_short_and_long_form_of_a_port():
     short, long = plan(pto={"port": {"dof": "Heave"}}), plan(pto={"port": {"dofs": {"Heave": 1.0}}})
     assert short.study_id == long.study_id
-
-
-def test_products_of_a_body_study():
-    own = plan()
-    assert plan_for(own.study).ids == own.ids
-    assert set(own.products) <= set(own.ids)
-    assert f"{own.folder}/report.html" in own.products
-    assert f"{own.folder}/figures/spectra.csv" in own.products
-    assert "spectra" not in plan(waves=RAW["waves"][:1]).figures
-    assert not any("modes.nc" in path or "/mesh/" in path for path in own.products)
-    assert own.ids[own.database_path] == content_id(own.database)
-    assert own.simulation_megabytes(own.study.waves[1]) > own.simulation_megabytes(own.study.waves[0]) > 0
-    assert plan_for(load(SEED)).study == load(SEED)
 
 
 def test_mesh_is_solved_with_a_green_function_table(tmp_path):
@@ -97,25 +73,6 @@ def test_response_frequencies_are_those_of_regular_waves():
     periods = (7.0, 3.0, 11.0, 5.0, 3.0)
     waves = [{"kind": "regular", "amplitude": a, "period": t} for a, t in enumerate(periods, 1)]
     assert plan(waves=waves).response.omega == tuple(2 * math.pi / t for t in (11.0, 7.0, 5.0, 3.0))
-
-
-@pytest.mark.parametrize(
-    ("pto", "damping", "seas"), [({"damping": 5.0}, 5.0, 0), ({}, None, 0), ({"tuning": "one"}, None, 2)]
-)
-def test_run_depends_on_all_seas_only_if_tuned_for_all(pto, damping, seas):
-    other = {**RAW["waves"][1], "seed": 2}  # of a sea there already
-    own = plan(pto=pto, waves=[*RAW["waves"], other])
-    spec = own.simulation("rigid", own.study.waves[0])
-    assert (spec.pto.damping, spec.seas) == (damping, own.study.waves[:seas])
-    assert list(spec.designs) == ["rigid"]
-    assert spec.waves == own.study.waves[:1]
-
-
-def test_order_of_accepted_checks_does_not_matter():
-    for key, names in (("accept", ["symmetry", "haskind"]), ("repair", ["positive_damping", "kramers_kronig"])):
-        one, other = (plan(hydro={key: order}).database for order in (names, names[::-1]))
-        assert getattr(one, key) == tuple(sorted(names))
-        assert one == other
 
 
 def test_damping_of_a_run():
@@ -153,13 +110,3 @@ def test_inputs_of_a_wamit_body(tmp_path):
 
 
 MESHED = {"body": "raft", "mesh": "sha256:m", "modes": "sha256:d", "omega": [0.6, 0.9]}
-
-
-def test_figures_of_a_body_study():
-    own = plan()
-    band = ["absorbed_power", "reactance", "added_mass_damping", "radiation_kernel"]
-    sea = ["port_motion", "degrees_of_freedom", "power_energy", "energy_audit"]
-    first, second = (wave.label for wave in own.study.waves)
-    each = [f"{name}-{label}" for label in (first, second) for name in sea]
-    assert own.figures == [*band, "spectra", *each]
-    assert plan(waves=RAW["waves"][:1]).figures == [*band, *each[:4]]

@@ -8,9 +8,8 @@ from conftest import SEED, varied
 
 from vsb.errors import ConfigError
 from vsb.study.campaign import load, sections, study_at
-from vsb.study.froude import scaled
-from vsb.study.study import content_id, parse
 from vsb.study.study import load as load_study
+from vsb.study.study import parse
 from vsb.study.year_options import leading_tuning
 
 RAW = {"campaign": "year", "study": "seed.yaml", "climate": {"spectra": "sea.txt"}}
@@ -146,11 +145,6 @@ def test_errors_of_a_point(point, message):
         study_at(sections(load_study(SEED)), point)
 
 
-def test_scale_of_one_is_the_study_itself():
-    raw = load_study(SEED).model_dump()
-    assert content_id(parse(scaled(raw, 1.0))) == content_id(load_study(SEED))
-
-
 def test_froude_scaling_keeps_water_and_density():
     """A buoy four times as large in the same water."""
     seed, large = load_study(SEED), study_at(sections(load_study(SEED)), {"scale": 4.0})
@@ -161,22 +155,6 @@ def test_froude_scaling_keeps_water_and_density():
     assert large.device.damping.beta == 2 * seed.device.damping.beta
     assert (large.device.density, large.water) == (seed.device.density, seed.water)
     assert study_at(sections(seed), {"scale": 4.0, "device.mass": 2e6}).device.mass == 2e6
-
-
-def test_verification_covers_the_reported_tuning_only(folder):
-    loaded = load(written(folder, tuning=["fixed", "one"], verify={}))
-    switching = varied(load_study(SEED), pto={"law": "latching"})
-    needed = r"needs tuning: \[constrained\], or \[fixed\] with verify$"
-    with pytest.raises(
-        ConfigError,
-        match=rf"^here: pto: received law latching, .* which linear theory of tuning fixed does not see; {needed}",
-    ):
-        loaded.check_take_off(switching, "here")
-    limited = varied(load_study(SEED), pto={"force_limit": 2e3, "stroke_limit": 0.5})
-    with pytest.raises(ConfigError, match=r"received law linear, force_limit 2000 N, stroke_limit 0.5 m, which linear"):
-        loaded.check_take_off(limited, "here")
-    loaded.check_take_off(load_study(SEED), "here")
-    load(written(folder, tuning=["fixed", "constrained"], verify={})).check_take_off(switching, "here")
 
 
 @pytest.mark.parametrize("device", [{"mass": 17170.0}, {"draft": 1.8}, {}], ids=str)

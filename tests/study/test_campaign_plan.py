@@ -71,20 +71,6 @@ def test_member_ids_include_climate_and_tuning(planned, tmp_path):
     assert ids(planned()) != before
 
 
-def test_gamma_does_not_matter_for_pierson_moskowitz(planned):
-    found = [
-        planned(climate={"scatter": "sea.txt", "spectrum": form, "gamma": gamma}).climate
-        for form in ("pierson_moskowitz", "jonswap")
-        for gamma in (1.0, 5.0)
-    ]
-    assert [(one.form, one.gamma) for one in found] == [
-        ("pierson_moskowitz", None),
-        ("pierson_moskowitz", None),
-        ("jonswap", 1.0),
-        ("jonswap", 5.0),
-    ]
-
-
 def test_widened_sweep_keeps_its_members(planned):
     narrow = planned({"device.young_modulus": {"log": [1e6, 1e9, 4]}})
     wide = planned({"device.young_modulus": {"log": [1e6, 1e10, 5]}, "device.thickness": [0.01, 0.02]})
@@ -174,21 +160,6 @@ def test_verification_ids_include_what_they_depend_on(planned):
 LIMITS = {"pto.force_limit": [1e4, 2e4]}
 
 
-@pytest.mark.parametrize(
-    ("vary", "changes", "blind"),
-    [
-        (LIMITS, {"tuning": ["one"]}, "one"),
-        (LIMITS, {}, "fixed"),
-        ({"pto.stroke_limit": [1.0, 2.0]}, {"tuning": ["each"]}, "each"),
-    ],
-)
-def test_limits_need_runs_in_time_or_constrained_optima(planned, vary, changes, blind):
-    """Limits and laws need runs in time, or optima that know the limits."""
-    expected = rf"sweep\.yaml: vary: with .*: pto: received law .* linear theory of tuning {blind} does not see; needs"
-    with pytest.raises(ConfigError, match=expected):
-        planned(vary, **changes).members  # noqa: B018
-
-
 def test_constrained_optima_depend_on_budget_and_seed(planned):
     found = [
         ids(planned(LIMITS, tuning=["constrained"], constrained=given)) for given in ({}, {"seconds": 5}, {"seed": 2})
@@ -233,12 +204,3 @@ def test_member_uses_the_blocks_of_its_own_study(planned, vary, study):
     for one in found:
         assert one.spec.sweep == tuple(content_id(block) for block in StudyPlan(one.study).sweep_blocks)
     assert len({one.spec.sweep for one in found}) == 2
-
-
-def test_members_of_one_shape_go_together(planned):
-    vary = {"device.thickness": [0.01, 0.02], "pto.stiffness": [1.0, 0.0], "device.mass": [1.6e4, 1.7e4]}
-    points = [point for batch in planned(vary).batches.values() for point in batch.points]
-    for keys in (("device.mass",), ("device.mass", "pto.stiffness")):
-        runs = [tuple(point[key] for key in keys) for point in points]
-        assert len(list(itertools.groupby(runs))) == len(set(runs)) == 2 ** len(keys)
-    assert [point["device.thickness"] for point in points] == [0.01, 0.02] * 4

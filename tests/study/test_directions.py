@@ -7,7 +7,7 @@ from vsb.errors import ConfigError
 from vsb.study.campaign import sections, study_at
 from vsb.study.directions import RIGID
 from vsb.study.plan import StudyPlan
-from vsb.study.study import canonical, load, parse
+from vsb.study.study import load, parse
 
 BALANCE = {"centre_of_mass": -0.5, "ballast_inertia": 8000.0}
 
@@ -29,19 +29,6 @@ def planar(**changes):
 
 def free(**changes):
     return planar(motion="free", device={"ballast_yaw_inertia": 7e3}, **changes)
-
-
-@pytest.mark.parametrize(("order", "orders"), [(1, (0, 1)), (3, (0, 1, 2, 3))])
-def test_orders_of_the_shell_and_of_a_rigid_buoy(order, orders):
-    study = parse(planar(modes={"order": order}))
-    assert study.orders == orders
-    rigid = parse(
-        planar(modes={"order": order}, designs={"FSB": {"flexible": False}}) | {"designs": {"FSB": {"flexible": False}}}
-    )
-    assert rigid.orders == (0, 1)
-    assert load(SEED).orders == (0,)
-    assert [block.order for block in StudyPlan(study).sweep_blocks] == list(orders)
-    assert StudyPlan(study).sweep_blocks[-1].displacements[0] == f"Radial{order}"
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -81,13 +68,6 @@ def test_waves_must_travel_in_the_directions_of_motion(motion, known):
         else:
             with pytest.raises(ConfigError, match=rf"waves.1.direction {direction:g} degrees: "):
                 parse(study)
-
-
-def test_mooring_may_be_its_diagonal():
-    rows = parse(planar(mooring=[1.0, 0, 2.0, 0, 3.0, 0])).mooring
-    assert [rows[i][i] for i in range(6)] == [1.0, 0.0, 2.0, 0.0, 3.0, 0.0]
-    assert sum(map(sum, rows)) == 6.0
-    assert parse(planar(mooring=rows)).mooring == rows
 
 
 UNEVEN = [[0.0] * 6 for _ in range(6)]
@@ -184,14 +164,3 @@ def test_free_buoy_has_every_order_twice_and_yaw():
     assert [block.order for block in StudyPlan(study).sweep_blocks] == [0, 1, 2]
     plane = StudyPlan(parse(planar(modes={"degree": 3, "order": 2}))).bem_blocks
     assert StudyPlan(study).bem_blocks.keys() == plane.keys()
-
-
-@pytest.mark.parametrize("motion", ["planar", "free"])
-def test_directions_of_waves_concern_the_response_only(motion):
-    given = {"device": {"ballast_yaw_inertia": 7e3}, "motion": motion}
-    along = StudyPlan(parse(planar(**given, waves=[WAVE])))
-    assert along.study.directions == along.response.directions == ()
-    assert "directions" not in canonical(along.response)
-    both = StudyPlan(parse(planar(**given, waves=[WAVE, {**WAVE, "direction": 180.0}])))
-    assert both.response.directions == (0.0, 180.0)
-    assert both.hydro_ids == along.hydro_ids

@@ -10,8 +10,7 @@ from conftest import SEED, varied
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan, figure_names
 from vsb.study.sections import Basis
-from vsb.study.specs import PAUSE
-from vsb.study.study import content_id, parse
+from vsb.study.study import content_id
 
 
 @pytest.fixture(scope="module")
@@ -26,13 +25,6 @@ def block_ids(study):
 
 def database_id(study):
     return content_id(StudyPlan(study).database)
-
-
-def test_rigid_study_solves_heave_alone(seed):
-    plan = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}}))
-    assert plan.displacements() == ("Radial1",)
-    assert plan.mode_labels == ()
-    assert [path.rsplit("/")[-1] for path in plan.display_paths] == ["mean.vtu"]
 
 
 def test_labels_are_those_of_the_basis(seed):
@@ -99,14 +91,6 @@ def test_paths_lie_under_the_root_and_name_their_ids(seed):
     assert len(set(plan.display_paths)) == 1 + 2 * 7
 
 
-def test_one_realisation_is_drawn(seed):
-    sea = {"kind": "jonswap", "hs": 1.0, "tp": 4.0, "realisations": 3}
-    study = varied(seed, waves=[{"kind": "still"}, sea, {**sea, "hs": 2.0, "seed": 4}])
-    drawn = {name.partition("-")[2] for name in figure_names(study)} - {""}
-    assert drawn == {"still", "jonswap_Hs1_Tp4_g3.3_s1", "jonswap_Hs2_Tp4_g3.3_s4"}
-    assert len(study.waves) == 7
-
-
 def test_memory_bounds_what_was_measured(seed):
     """Measured with the seed's free shell: 0.3 GB for 60 s, 0.6 GB for 16 000 s, 1.7 GB for 100 000 s."""
     asked = {}
@@ -118,46 +102,3 @@ def test_memory_bounds_what_was_measured(seed):
     assert 1700 < asked[1e5] < 2 * 1700
     irregular = varied(seed, waves=[{"kind": "jonswap", "hs": 0.5, "tp": 4.0}], simulation={"duration": 1e5})
     assert 2900 < StudyPlan(irregular).simulation_megabytes(irregular.waves[0]) < 2 * 2900
-
-
-@pytest.mark.parametrize(
-    ("pto", "damping", "seas", "pause"),
-    [
-        ({"damping": 5.0}, 5.0, 0, 0),
-        ({"damping": {"FSB": 5.0, "VSWEC": 6.0}}, 6.0, 0, 0),
-        ({"damping": 5.0, "law": "latching"}, 5.0, 0, PAUSE),
-        ({"tuning": "each"}, None, 0, 0),
-        ({"tuning": "one"}, None, 2, 0),
-    ],
-)
-def test_run_depends_on_what_its_damping_follows_from(seed, pto, damping, seas, pause):
-    sea = {"kind": "jonswap", "hs": 0.5, "tp": 4.0}
-    waves = [{"kind": "regular", "amplitude": 0.1, "period": 4.0}, sea, {**sea, "seed": 2}]
-    raw = seed.model_dump() | {"waves": waves, "pto": pto, "designs": {"FSB": {"flexible": False}, "VSWEC": {}}}
-    plan = StudyPlan(parse(raw))
-    spec = plan.simulation("VSWEC", plan.study.waves[0])
-    assert (spec.pto.damping, spec.seas, spec.pause) == (damping, plan.study.waves[:seas], pause)
-    assert list(spec.designs) == ["VSWEC"]
-    assert spec.waves == plan.study.waves[:1]
-
-
-def test_plan_without_a_damping(seed):
-    """A member of a campaign lies in still water, where no damping is optimal."""
-    still = varied(seed, pto={"damping": None, "tuning": "each"}, waves=[{"kind": "still"}])
-    run = StudyPlan(still).simulation("FSB", still.waves[0])
-    assert (run.pto.damping, run.pto.tuning) == (None, "each")
-    for damping in (8000.0, 0.0):
-        given = varied(still, pto={"damping": damping})
-        run = StudyPlan(given).simulation("FSB", given.waves[0])
-        assert (run.pto.damping, run.pto.tuning) == (damping, "fixed")
-
-
-@pytest.mark.parametrize("depth", [math.inf, 7.0])
-def test_response_begins_at_the_first_frequency_solved(seed, depth):
-    plan = StudyPlan(varied(seed, water={"depth": depth}))
-    first = plan.sweep_blocks[1].omega[0]
-    assert (plan.lowest_omega < first) is (depth == 7.0)
-    told = StudyPlan(varied(plan.study, hydro={"omega": [first, 1.23]})).response
-    assert told.lowest == plan.response.lowest == first
-    assert told.omega[:2] == (first, 1.23)
-    assert told.step == 0.1

@@ -104,32 +104,6 @@ def test_at_most_twenty_errors_are_listed(count, last):
     assert str(error.value) == f"{error.value.mistakes[0]} (and {count - 1} more)"
 
 
-WRONG = [None, True, "x" * 70, -1, 2.5, float("nan"), [[]], {"x": 1}, b"\xff"]
-
-
-def wronged(raw, value):
-    """The same file with a value in place of each of its values, kinds of seas left."""
-    if isinstance(raw, dict):
-        return {key: wronged(inner, value) for key, inner in raw.items() if key != "kind"} | (
-            {"kind": raw["kind"]} if "kind" in raw else {}
-        )
-    return [wronged(inner, value) for inner in raw] if isinstance(raw, list) and raw else value
-
-
-@pytest.mark.parametrize("value", WRONG, ids=lambda value: shortened(repr(value)))
-@pytest.mark.parametrize(
-    ("model", "name"), [(Study, "seed"), (Study, "irregular"), (Campaign, "year"), (BodyStudy, "hinged_barge")]
-)
-def test_errors_do_not_quote_pydantic(model, name, value):
-    raw = wronged(yaml.safe_load((HOME / "config" / f"{name}.yaml").read_text(encoding="utf-8")), value)
-    with pytest.raises(ConfigError) as error:
-        reading.validated(model, raw, "file.yaml")
-    found = [
-        text for text in error.value.mistakes if re.search("should|Input|pydantic|valid|needs another value", text)
-    ]
-    assert not found
-
-
 TOLD = {  # pydantic's name: kind of the value, the value, what is needed
     "bool_parsing": (bool, "x", "true or false"), "bool_type": (bool, [], "true or false"),
     "dict_type": (dict[str, int], 1, "a mapping of keys and values"),
@@ -197,23 +171,6 @@ def test_keys_are_named_as_in_the_file(model, name, section, value, told):
     with pytest.raises(ConfigError) as error:
         reading.validated(model, raw, "file.yaml")
     assert re.match(f"file.yaml: {told}", error.value.mistakes[0])
-
-
-@pytest.mark.parametrize(
-    ("waves", "told"),
-    [
-        ([], ["waves: received []; needs at least 1 item(s), not 0"]),
-        ([{"kind": "nope"}], ["waves.0: kind 'nope': needs one of 'still', 'regular', 'jonswap', "]),
-        ([{"kind": "regular"}], ["waves.0.amplitude: missing", "waves.0.period: missing"]),
-    ],
-)
-def test_errors_of_list_items(waves, told):
-    raw = changed(("waves",), waves)
-    with pytest.raises(ConfigError) as caught:
-        config.parse(raw, source="a.yaml")
-    assert len(caught.value.mistakes) == len(told)
-    for line, begins in zip(caught.value.mistakes, told, strict=True):
-        assert line.startswith(f"a.yaml: {begins}")
 
 
 def test_number_of_too_many_digits_is_refused(tmp_path):

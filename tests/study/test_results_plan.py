@@ -7,15 +7,7 @@ import pytest
 from conftest import SEED, varied
 
 from vsb.study.plan import StudyPlan
-from vsb.study.results_plan import figure_paths, options, quoted, trajectory_name
 from vsb.study.study import content_id, load, result_id
-
-
-def test_names_of_files_and_options():
-    assert trajectory_name("FSB", "still") == "FSB-still.nc"
-    assert figure_paths("results/a", ["b"]) == [f"results/a/figures/b.{kind}" for kind in ("svg", "pdf", "csv")]
-    assert options({"database": "a.nc", "out": "b"}) == "--database a.nc --out b"
-    assert quoted({"mesh": "my mesh's.stl"}) == """--mesh 'my mesh'"'"'s.stl'"""
 
 
 def test_order_of_designs_does_not_change_ids(seed):
@@ -76,15 +68,6 @@ def test_study_id_covers_all_results(seed, pressed):
     assert {plan.ids[path] for path in plan.display_paths} == {content_id(plan.display)}
 
 
-def test_every_run_of_every_sea_is_a_product(seed):
-    regular = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
-    sea = {"kind": "jonswap", "hs": 0.5, "tp": 4.0, "realisations": 2}
-    plan = StudyPlan(varied(seed, waves=[regular, sea], designs={"B": {}, "A": {"clamp": 0}}), root="r")
-    runs = {path for path in plan.answers if "/trajectories/" in path}
-    seas = ("regular_A0.1_T3", "jonswap_Hs0.5_Tp4_g3.3_s1", "jonswap_Hs0.5_Tp4_g3.3_s2")
-    assert runs == {f"r/seed/trajectories/{design}-{sea}.nc" for design in "AB" for sea in seas}
-
-
 def test_size_of_a_record(seed):
     """Nine series per coordinate and ten others, 200 instants per period, thinned if too long."""
     regular = {"kind": "regular", "amplitude": 0.1, "period": 2.0}
@@ -97,12 +80,6 @@ def test_size_of_a_record(seed):
             assert plan.record_megabytes(study.waves[0]) == pytest.approx(
                 8e-6 * (9 * coordinates + 10) * kept, abs=1.01
             )
-
-
-def test_every_product_and_intermediate_file_has_an_id(seed):
-    plan = StudyPlan(varied(seed, hydro={"omega": [2.0, 11.0]}), root="r")
-    assert list(plan.ids) == [*plan.products, *plan.solved_files]
-    assert set(plan.solved_files) - set(plan.products)
 
 
 def test_memory_of_runs_and_reports(seed):

@@ -72,12 +72,6 @@ def test_schema_accepts_every_kind_of_study(name):
     jsonschema.validate(raw, schema_of(Study))
 
 
-@pytest.mark.parametrize(("given", "valid"), [([[0, 1], [1, 0]], True), ("hull.csv", True), (None, True), (3.0, False)])
-def test_points_of_a_profile_in_the_study_or_in_a_file(given, valid):
-    profile = schema_of(Study)["$defs"]["Shape"]["properties"]["profile"]
-    assert jsonschema.Draft202012Validator(profile).is_valid(given) == valid
-
-
 @pytest.mark.parametrize("path", CAMPAIGNS, ids=lambda path: path.stem)
 def test_shipped_campaigns_are_valid_by_the_schema(path):
     given = numbers(yaml.safe_load(path.read_text()))
@@ -142,20 +136,3 @@ def test_lines_of_a_file(tmp_path):
     found = read_yaml(path, "any")
     places = [("a",), ("b",), ("b", 0, "c"), ("b", 1, "d", 1), ("b", "kind", 1, "x"), ("b", 7), ("no",), ()]
     assert [found.line(place) for place in places] == [1, 2, 3, 5, 4, 2, None, None]
-
-
-def test_lines_of_a_file_with_many_aliases(tmp_path):
-    lines = ["a0: &a0 [x, x]"] + [f"a{i}: &a{i} [{', '.join(10 * [f'*a{i - 1}'])}]" for i in range(1, 5)]
-    (tmp_path / "laughs.yaml").write_text("\n".join(lines))
-    line = read_yaml(tmp_path / "laughs.yaml", "any").line(("a4", 0, 0, 0))
-    assert line == 2
-
-
-@pytest.mark.parametrize(
-    ("changes", "valid"),
-    [({"mass": 1e4}, True), ({"draft": 1.5}, True), ({}, True), ({"draft": 0.0}, False), ({"draft": "deep"}, False)],
-)
-def test_editor_accepts_a_mass_a_draft_or_neither(changes, valid):
-    raw = numbers(yaml.safe_load(SEED.read_text()))
-    raw["device"] = {key: value for key, value in raw["device"].items() if key != "mass"} | changes
-    assert jsonschema.Draft202012Validator(schema_of(Study)).is_valid(raw) == valid

@@ -49,16 +49,6 @@ def test_spheroid_of_two_radii_floats_as_the_sphere():
     assert ball.device.shell_mass == pytest.approx(sphere.device.shell_mass, rel=1e-12)
 
 
-def test_plan_solves_meridional_displacements():
-    plan = StudyPlan(parse(raw(OBLATE)))
-    assert plan.displacements() == ("Radial0", "Radial1", "Radial2", "Radial3", *(f"Meridional{n}" for n in (1, 2, 3)))
-    assert plan.mode_labels == tuple(f"Shell{i}" for i in range(1, 7))
-    assert plan.coordinates == 7
-    assert plan.witness is None
-    rigid = StudyPlan(parse(raw(OBLATE, designs={"FSB": {"flexible": False}})))
-    assert rigid.displacements() == ("Radial1", "Meridional1")
-
-
 def test_profile_in_a_file(tmp_path):
     points = [(2 * math.sin(math.pi * i / 16) if i % 16 else 0.0, 1.5 * math.cos(math.pi * i / 16)) for i in range(17)]
     (tmp_path / "hull.csv").write_text("x,z\n" + "".join(f"{x!r},{z!r}\n" for x, z in points))
@@ -126,16 +116,6 @@ def test_height_is_a_tenth_to_ten_diameters(key, size, limit, inwards):
     assert str(refused.value) == f"shape.{key}: received a height of {across:.4g} diameters, needs 0.1 to 10"
 
 
-def test_empty_lines_of_a_profile_are_skipped(tmp_path):
-    (tmp_path / "hull.csv").write_text("x,z\n\n0,1\n , \n1,0.5\n")
-    given = {"device": {"shape": {"profile": "hull.csv"}, "radius": 1.0}}
-    found = with_points(given, str(tmp_path / "study.yaml"))
-    assert found == {"device": {"shape": {"profile": [[0.0, 1.0], [1.0, 0.5]]}, "radius": 1.0}}
-    assert given["device"]["shape"]["profile"] == "hull.csv"
-    for other in ({"device": 3}, {}, [], {"device": {"shape": None}}, {"device": {"shape": {"profile": [[0, 1]]}}}):
-        assert with_points(other, "study.yaml") is other
-
-
 @pytest.mark.parametrize("data", [b"\xff\xfe0,1", b'0,1\n"' + b"1" * 200_000])
 def test_profile_that_is_not_text(tmp_path, data):
     """Bytes that are no letters, a cell longer than any."""
@@ -154,11 +134,3 @@ def test_invalid_shape_is_the_only_error():
         assert str(refused.value).startswith(
             "here: device.shape.spheroid.height: received -1.0; needs a number above 0"
         )
-
-
-@pytest.mark.parametrize("words", ["", "x,z\n"])
-@pytest.mark.parametrize("mark", ["", "\ufeff"])
-def test_byte_order_mark_of_a_profile_is_skipped(tmp_path, mark, words):
-    (tmp_path / "hull.csv").write_text(f"{mark}{words}0,1\n1,0.5\n", encoding="utf-8")
-    found = with_points({"device": {"shape": {"profile": "hull.csv"}}}, str(tmp_path / "study.yaml"))
-    assert found["device"]["shape"]["profile"] == [[0.0, 1.0], [1.0, 0.5]]

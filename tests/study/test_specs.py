@@ -30,31 +30,6 @@ def test_specification_of_another_stage_or_version_is_refused(seed, kind):
         kind.model_validate({**raw, "more": 1})
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [{},
-        {"designs": {"FSB": {"flexible": False}}},
-        {"reference_shape": "equilibrium"},
-        {"reference_shape": "equilibrium", "designs": {"FSB": {"flexible": False}}},
-        {"device": {"gas": {}}, "pto": {"port": "volume"}},
-        {"device": {"shape": {"capsule": {"length": 1.0}}, "mass": 2.2e4}, "modes": {"basis": "full", "degree": 2}}],
-    ids=str,
-)  # fmt: skip
-def test_specifications_agree_with_the_study(seed, changes):
-    """Flexibility, rest shape, height, draft and gas chamber."""
-    study = varied(seed, **changes)
-    plan = StudyPlan(study)
-    for spec in (plan.modes, plan.display, plan.database):
-        assert (spec.flexible, spec.at_equilibrium) == (study.flexible, study.at_equilibrium)
-        assert spec.centre_height == study.centre_height
-    for name, design in study.designs.items():
-        run = plan.simulation(name, study.waves[0])
-        assert run.flexible == design.flexible
-        assert run.centre_height == plan.response.centre_height == plan.ladder.centre_height == study.centre_height
-        assert run.draft == plan.ladder.draft == study.draft
-        assert run.opens_chamber == plan.response.opens_chamber == plan.ladder.opens_chamber == study.opens_chamber
-
-
 def test_simulated_member_is_its_study_in_still_water(seed):
     parts = {name: part for name, part in seed if name in specs.VerificationSpec.model_fields}
     climate = specs.ClimateSpec(contents="0" * 16, form="spectra")

@@ -48,33 +48,6 @@ def test_spellings_of_one_number(tmp_path, spelling):
     assert content_id(config.load(file)) == content_id(config.parse(changed(("device", "young_modulus"), 1e5)))
 
 
-LEAVES = [
-    (("device", "radius"), st.floats(2.0, 3.0)),
-    (("device", "young_modulus"), st.floats(1e6, 1e12)),
-    (("hydro", "tolerance"), st.floats(1e-6, 0.1)),
-    (("pto", "damping"), st.floats(0.0, 1e5).map(abs)),
-    (("simulation", "initial_velocity"), st.floats(0.1, 1.0)),
-    (("modes", "degree"), st.integers(0, 40)),
-]
-
-
-@pytest.mark.parametrize(("path", "values"), LEAVES, ids=[".".join(path) for path, _ in LEAVES])
-def test_id_of_a_study_changes_if_and_only_if_a_value_does(path, values):
-    @settings(max_examples=20)
-    @given(values, values)
-    def check(first, second):
-        ids = [content_id(config.parse(changed(path, value))) for value in (first, second, first)]
-        assert ids[0] == ids[2]
-        assert (ids[0] == ids[1]) == (first == second)
-
-    check()
-
-
-def test_study_is_frozen(seed):
-    with pytest.raises(ValueError, match="Instance is frozen"):
-        seed.study = "other"
-
-
 @given(st.floats(1400.0, 34000.0))
 def test_any_floating_mass_is_that_of_the_displaced_water(mass):
     study = config.parse(changed(("device", "mass"), mass))
@@ -252,14 +225,3 @@ def test_fastest_motion_of_a_study(seed):
     assert study.fastest(still) == study.heave_frequency
     pressed = varied(seed, **{**PRESSED, "waves": [REGULAR, {**REGULAR, "period": 0.5}]})
     assert [pressed.fastest(wave) for wave in pressed.waves] == [pressed.heave_frequency, pressed.waves[1].omega]
-
-
-@pytest.mark.parametrize("motion", ["planar", "free"])
-def test_directions_of_the_waves(seed, motion):
-    device = {"centre_of_mass": -0.5, "ballast_inertia": 8e3, "ballast_yaw_inertia": 7e3}
-    back = {**REGULAR, "direction": 180.0}
-    for waves, going in (
-        ([back], (180.0,)), ([back, {**back, "period": 5.0}, {"kind": "still"}], (180.0,)),
-        ([REGULAR, {"kind": "still"}], ()), ([{**REGULAR, "period": 5.0}, back], (0.0, 180.0)),
-    ):  # fmt: skip
-        assert varied(seed, motion=motion, device=device, waves=waves).directions == going

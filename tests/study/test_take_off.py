@@ -7,7 +7,7 @@ from conftest import SEED, varied
 from vsb.errors import ConfigError
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load, parse
-from vsb.study.take_off import DofPort, Pto, at_port, damper_unit
+from vsb.study.take_off import DofPort, Pto, damper_unit
 
 
 @pytest.fixture(scope="module")
@@ -31,19 +31,6 @@ def test_automatic_model_cannot_follow_a_law(seed):
         varied(seed, pto=keys, hydro={"model": "auto"})
     for model in ("linear", "body_exact"):
         assert varied(seed, pto=keys, hydro={"model": model}).pto.law == "saturated"
-
-
-@pytest.mark.parametrize("law", ["latching", "declutching"])
-def test_latching_needs_waves(seed, law):
-    study = varied(seed, pto={"law": law})
-    assert study.pto.pauses
-    assert study.pto.switches
-    assert canonical(study.pto) == f'{{"damping":8000.0,"law":"{law}"}}'
-    assert not seed.pto.pauses
-    with pytest.raises(
-        ConfigError, match=rf"pto.law '{law}': how long it pauses is found in waves, which hydro.model "
-    ):
-        varied(study, hydro={"model": "assumed_pressure", "pressure": 100.0})
 
 
 # tuning -------------------------------------------------------------------------------------------------------------
@@ -153,30 +140,6 @@ def test_damping_of_a_run(seed):
     assert StudyPlan(varied(study, pto={"tuning": "each"})).simulation("A", again).seas == ()
 
 
-def test_units_of_words_follow_the_port():
-    said = ["damper [N s/m]", "rms force [kN]", "rms force of the take-off [kN]", "gain [%]"]
-    assert [at_port(text, "heave") for text in said] == said
-    assert [at_port(text, "volume") for text in said] == [
-        "damper [Pa s/m³]", "rms pressure [kPa]", "rms pressure of the take-off [kPa]", "gain [%]"
-    ]  # fmt: skip
-    for port in ("pitch", {"dofs": {"fore__Pitch": 1.0, "aft__Pitch": -1.0}}, DofPort(dofs={"Roll": 1.0})):
-        assert [at_port(text, port) for text in said] == [
-            "damper [N m s]", "rms moment [kN m]", "rms moment of the take-off [kN m]", "gain [%]"
-        ]  # fmt: skip
-        assert damper_unit(port) == "N m s"
-    for port in ({"dofs": {"Heave": 1.0, "Pitch": -40.0}}, {"line_to": (20.0, -50.0)}, "surge"):
-        assert [at_port(text, port) for text in said] == said
-
-
-def test_points_and_shares_of_a_port():
-    assert Pto(port={"between": [170.0, 20.0]}).port.between == (170.0, 20.0)
-    with pytest.raises(ValueError, match="needs two different colatitudes"):
-        Pto(port={"between": [20.0, 20.0]})
-    assert Pto(port={"dofs": {"float__Heave": 1.0, "spar__Heave": -1.0}}).port.dofs["spar__Heave"] == -1.0
-    with pytest.raises(ValueError, match="needs a share that is not zero"):
-        Pto(port={"dofs": {"float__Heave": 0.0, "spar__Heave": 0.0}})
-
-
 def test_single_degree_of_freedom_as_a_port():
     assert DofPort.model_validate({"dof": "Pitch"}) == DofPort(dofs={"Pitch": 1.0})
     editor = jsonschema.Draft202012Validator(DofPort.model_json_schema())
@@ -201,22 +164,6 @@ def test_single_degree_of_freedom_as_a_port():
 )  # fmt: skip
 def test_unit_of_damping_follows_the_port(port, unit):
     assert damper_unit(port) == damper_unit(Pto(port=port).port) == unit
-
-
-def test_limited_switching_and_latching_laws():
-    for keys, limited, switches, pauses in (
-        ({}, False, False, False),
-        ({"force_limit": 1e3}, True, True, False),
-        ({"stroke_limit": 0.5}, True, True, False),
-        ({"law": "latching"}, False, True, True),
-        ({"law": "declutching"}, False, True, True),
-        ({"law": "coulomb", "force_limit": 1e3}, True, True, False),
-    ):
-        pto = Pto(damping=1.0, **keys)
-        assert (pto.limited, pto.switches, pto.pauses) == (limited, switches, pauses)
-    for law in ("saturated", "coulomb"):
-        with pytest.raises(ValueError, match=f"force_limit: missing; law {law} needs one in N"):
-            Pto(damping=1.0, law=law, stroke_limit=0.5)
 
 
 def test_zero_damping_is_a_given_damping():

@@ -117,27 +117,6 @@ def test_units_of_the_take_off_follow_the_port(key, force, pressure, moment):
     assert (unit(key), unit(key, "volume"), unit(key, "pitch")) == (force, pressure, moment)
 
 
-@pytest.mark.parametrize(
-    ("key", "expected"),
-    [("device.radius", "m"),
-        ("device.young_modulus", "Pa"),
-        ("device.mass", "kg"),
-        ("device.ballast_inertia", "kg m^2"),
-        ("device.damping.alpha", "1/s"),
-        ("device.damping.beta", "s"),
-        ("device.shape.capsule.length", "m"),
-        ("device.gas.adiabatic_index", "1"),
-        ("designs.VSWEC.clamp", "degrees"),
-        ("hydro.omega_max", "rad/s"),
-        ("hydro.tolerance", "1"),
-        ("modes.degree", "1"),
-        ("scale", "1"),
-        ("pto.port.colatitude", "degrees")],
-)  # fmt: skip
-def test_units_of_varied_keys(key, expected):
-    assert unit(key) == expected
-
-
 def test_unit_of_a_key_follows_from_its_last_word():
     for section in _VARIED_IN:
         for name, key in KEYS[section].items():

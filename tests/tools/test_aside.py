@@ -40,13 +40,3 @@ def test_killed_subprocess_is_reported(monkeypatch):
     result = aside(lambda: os._exit(3))
     with pytest.raises(ChildProcessError, match="ended without a result, with code 3"):
         result()
-
-
-@pytest.mark.skipif(not LINUX, reason="work is done aside on Linux alone")
-def test_several_subprocesses_at_a_time(monkeypatch):
-    monkeypatch.setenv("OMP_NUM_THREADS", "3")
-    begun = [aside(lambda k=k: None if k == 1 else (os.getpid(), k)) for k in range(3)]
-    first, nothing, last = (result() for result in begun)
-    assert nothing is None
-    assert (first[1], last[1]) == (0, 2)
-    assert len({os.getpid(), first[0], last[0]}) == 3

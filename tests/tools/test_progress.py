@@ -41,20 +41,6 @@ def test_progress_is_one_line_that_is_erased(width):
     assert all(len(re.sub(r"\x1b\[[?\d]*\w", "", line)) <= width for line in lines)
 
 
-@pytest.mark.parametrize(
-    ("told", "shown"),
-    [
-        (TOLD[3:], "2/3 jobs"),
-        ([*TOLD, "3 of 7 steps (43%) done\n"], "3/7 jobs"),
-        ([*TOLD, "3 of 3 steps (100%) done\n"], "3/3 jobs"),
-        (["1200 of 30000 steps (4%) done\n"], "1200/30000 jobs"),
-    ],
-    ids=["none", "other", "all", "many"],
-)
-def test_total_is_the_latest_one(told, shown):
-    assert shown in screen(read_slowly(told))[0]
-
-
 def test_interrupted_run_leaves_nothing():
     def interrupted():
         yield from read_slowly(TOLD)
