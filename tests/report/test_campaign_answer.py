@@ -43,13 +43,13 @@ def test_no_valid_answer_where_every_shell_buckles():
 def test_answer_of_time_domain_runs_also_gives_the_linear_gain():
     ds = campaign()
     gain = (ds.gain_percent - 2.0).where(ds.design != "FSB", 0.0)
-    told = answer(by_runs(ds, gain, width=0.7, factor=0.917), "FSB", "one")
-    assert "absorbs 6.0 % more" in told
-    assert "(+5.3 to +6.7 % by body-exact runs, where linear theory says +8.0 %; 85.21 against 80.38 MWh)" in told
-    told = answer(by_runs(ds, gain, width=7.0, model="linear"), "FSB", "one")
+    text = answer(by_runs(ds, gain, width=0.7, factor=0.917), "FSB", "one")
+    assert "absorbs 6.0 % more" in text
+    assert "(+5.3 to +6.7 % by body-exact runs, where linear theory says +8.0 %; 85.21 against 80.38 MWh)" in text
+    text = answer(by_runs(ds, gain, width=7.0, model="linear"), "FSB", "one")
     assert (
         "(-1.0 to +13.0 % by linear runs in time, where linear theory says +8.0 %, too few to tell more from less;"
-        in told
+        in text
     )
 
 
@@ -75,18 +75,18 @@ def test_no_gain_over_a_rigid_design_without_power():
 def test_second_sentence_is_of_the_given_damper():
     ds = by_runs(campaign(), campaign().gain_percent)
     ds.gain_percent.loc[{"tuning": "fixed", "design": "VSWEC"}] = 20.0
-    told = second_answer(ds, "FSB", "one")
-    assert told.startswith("All at the given damper, tuned for none of them, the best flexible design, VSWEC at young")
-    assert "absorbs 20.0 % more than the rigid FSB (-8.0 to -2.0 % by linear theory;" in told
+    text = second_answer(ds, "FSB", "one")
+    assert text.startswith("All at the given damper, tuned for none of them, the best flexible design, VSWEC at young")
+    assert "absorbs 20.0 % more than the rigid FSB (-8.0 to -2.0 % by linear theory;" in text
     assert not [line for line in statements(ds, "FSB", "one") if "given damper" in line]
 
 
 def test_points_that_buckle_are_not_counted_as_paying():
     """The interval must lie above zero; a margin of zero still carries."""
-    told = "{} of 4 points carry their static load without buckling; flexibility pays at {} of these."
+    expected = "{} of 4 points carry their static load without buckling; flexibility pays at {} of these."
     for margin, counts in (([[0.0, 0.5], [-0.1, 0.5]], (3, 0)), ([[-0.1, -0.1], [0.0, -0.1]], (1, 1))):
-        assert of_points(campaign(margin=margin), "FSB", "one") == told.format(*counts)
-    assert of_points(campaign(gains=np.full((2, 2), 3.0)), "FSB", "one") == told.format(4, 0)
+        assert of_points(campaign(margin=margin), "FSB", "one") == expected.format(*counts)
+    assert of_points(campaign(gains=np.full((2, 2), 3.0)), "FSB", "one") == expected.format(4, 0)
 
 
 def three(**changes):

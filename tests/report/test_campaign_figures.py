@@ -62,8 +62,8 @@ def campaign(gains=GAINS, margin=0.5, modulus=(1e6, 1e8), thickness=(0.01, 0.02)
         "design": DESIGNS, "tuning": TUNINGS, "hs": [0.75, 1.25], "te": [5.5, 6.5],
         "limit": ["steepness", "breaking", "deformation", "heave"],
     }  # fmt: skip
-    told = {"varied": "young_modulus thickness", "reference": "FSB", "climate": "a buoy", "campaign": "made_up"}
-    return xr.Dataset(data, coords, {**told, "study": "seed", "spec_id": "0" * 16, **attrs})
+    attributes = {"varied": "young_modulus thickness", "reference": "FSB", "climate": "a buoy", "campaign": "made_up"}
+    return xr.Dataset(data, coords, {**attributes, "study": "seed", "spec_id": "0" * 16, **attrs})
 
 
 def colour(design):
@@ -178,49 +178,24 @@ def test_no_warning_where_every_damping_is_zero(recwarn):
     assert not recwarn.list
 
 
-def test_third_key_has_a_row_of_maps_for_each_value():
-    soft = campaign(gains=2 * GAINS).sel(design=["VSWEC"]).assign_coords(design=["SOFT"])
-    ds = xr.concat([campaign(), soft], "design", data_vars="minimal").assign_attrs(
-        varied="young_modulus thickness mass density"
-    )
-    mass, density = (
-        ("mass", np.arange(8) * 100.0 + 100.0, {"units": "kg"}),
-        ("density", [1.0, 2.0], {"units": "kg/m^3"}),
-    )
-    ds = ds.assign_coords(mass=mass, density=density)
-    ds["gain_percent"] = ds.gain_percent + (ds.mass - 100) / 10 + 1000 * (ds.density - 1)
-    figure = sweep(ds, "one", "FSB")
-    maps = [ax for ax in figure.axes if ax.get_label() != "<colorbar>" and ax.get_visible()]
-    assert len(maps) == 2 * 6
-    for i, pair in enumerate(zip(maps[::2], maps[1::2], strict=True)):
-        for k, ax in enumerate(pair):
-            found = ax.collections[0].get_array().reshape(2, 2)
-            np.testing.assert_allclose(found, (k + 1) * GAINS + 10 * i, rtol=1e-9)
-            assert ax.get_title() == (["VSWEC", "SOFT"][k] if i == 0 else "")
-            assert ax.collections[0].get_clim() == maps[0].collections[0].get_clim()
-        assert pair[0].get_ylabel() == f"young modulus [Pa]\nmass {100 * (i + 1)} kg"
-    assert [ax.get_xlabel() for ax in maps[-2:]] == ["thickness [m]"] * 2
-    assert figure.axes[-1].get_ylabel() == "gain over the rigid design [%]"
-
-
 def over(values, gains, **attrs):
     """A campaign over values of the thickness alone."""
     return campaign(gains=np.atleast_2d(gains), modulus=(1e6,), thickness=values, **attrs)
 
 
 @pytest.mark.parametrize(
-    ("values", "told"),
+    ("values", "expected"),
     [(np.array(["paper", "full"], dtype=object), ["paper", "full"]), ((np.inf, 20.0), ["20", "inf"])],
 )
-def test_words_and_infinite_depth_are_drawn_as_categories(values, told):
+def test_words_and_infinite_depth_are_drawn_as_categories(values, expected):
     figure = sweep(over(values, [-5.0, 2.0]), "one", "FSB")
     (ax,) = figure.axes
-    gains = [-5.0, 2.0] if told[0] == "paper" else [2.0, -5.0]
+    gains = [-5.0, 2.0] if expected[0] == "paper" else [2.0, -5.0]
     np.testing.assert_array_equal(ax.lines[0].get_xydata(), [[0, gains[0]], [1, gains[1]]])
     band = ax.collections[0].get_paths()[0].vertices
     assert {tuple(point) for point in band} == {(k, gain + by) for k, gain in enumerate(gains) for by in (-3.0, 3.0)}
     assert (list(ax.get_xticks()), list(ax.get_xticks(minor=True)), ax.get_xscale()) == ([0, 1], [], "linear")
-    assert [label.get_text() for label in ax.get_xticklabels()] == told
+    assert [label.get_text() for label in ax.get_xticklabels()] == expected
     assert f"VSWEC,1,{gains[1]:g}\n" in data_csv(figure)
 
 

@@ -48,8 +48,8 @@ def test_table_has_a_row_for_every_point_design_and_tuning():
     assert len(found) == 24 == MOST_ROWS
     assert found[4] == ["young modulus 1 MPa, thickness 0.01 m", "VSWEC", "one", "83.28", "0.95", "-5.0", "2", "0.5"]
     ds = campaign()
-    told = rows(by_runs(ds, ds.gain_percent - 2.0))
-    assert [row[-1] for row in told[3:6]] == ["-", "-7.0 (-7.5 to -6.5)", "-"]
+    text = rows(by_runs(ds, ds.gain_percent - 2.0))
+    assert [row[-1] for row in text[3:6]] == ["-", "-7.0 (-7.5 to -6.5)", "-"]
     missing = campaign()
     missing["annual_energy"] = missing.annual_energy.where(missing.design != "VSWEC")
     assert rows(missing)[4][3] == "-"
@@ -65,7 +65,7 @@ def test_units_of_the_page_follow_the_port(port, unit):
 
 
 @pytest.mark.parametrize(
-    ("known", "impossible", "told"),
+    ("known", "impossible", "expected"),
     [
         (1.0, 0.0, []),
         (1 - 5e-10, 0.0, []),  # round-off of a sum of shares
@@ -74,7 +74,7 @@ def test_units_of_the_page_follow_the_port(port, unit):
         (1.0, 0.034, ["In up to 3.4 % of the year no force keeps the stroke within its limit: counted as nothing."]),
     ],
 )
-def test_incomplete_constrained_optima_are_doubted(known, impossible, told):
+def test_incomplete_constrained_optima_are_doubted(known, impossible, expected):
     """One incomplete optimum is enough for a warning."""
     ds = campaign().assign_coords(tuning=["fixed", "one", "constrained"])
     by, place = ("young_modulus", "thickness", "design"), (1, 0, 1)
@@ -82,14 +82,14 @@ def test_incomplete_constrained_optima_are_doubted(known, impossible, told):
     shares[0][place], shares[1][place] = known, impossible
     ds = ds.assign(optimum_share=(by, shares[0]), impossible_share=(by, shares[1]))
     always = "The best force within limits knows all waves beforehand: no control takes more, few come near."
-    assert warnings(ds)[2:] == [always, *told]
+    assert warnings(ds)[2:] == [always, *expected]
 
 
 def test_page_names_campaign_tunings_study_and_id():
     ds = campaign(study="a.yaml", campaign="a_year", spec_id="0123")
     text = render(CampaignReport(ds, {"sweep": "<svg>drawn</svg>"}))
-    told = [f"{name}, {TUNED[name]}" for name in ("fixed", "one", "each")]
-    assert f"Tunings: {'; '.join(told)}." in text
+    expected = [f"{name}, {TUNED[name]}" for name in ("fixed", "one", "each")]
+    assert f"Tunings: {'; '.join(expected)}." in text
     for part in ("a_year", "a.yaml", "0123", "<svg>drawn</svg>", STILL, "VSWEC absorbs", "All at the given damper"):
         assert part in text.replace("VSWEC at young modulus 100 MPa, thickness 0.01 m, absorbs", "VSWEC absorbs"), part
     moving = {"designs": [{"name": "FSB"}], "factor": 1.0, "seas": [{"calm": True, "designs": []}]}

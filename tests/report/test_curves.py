@@ -93,14 +93,6 @@ def test_time_series_are_those_of_the_run(name, wave):
             np.testing.assert_allclose(factor * np.asarray(y, dtype=float), expected.values, rtol=1e-12, atol=1e-9)
 
 
-def test_audit_shows_energies_at_the_end_of_the_run_in_kilojoules():
-    ax = draw("energy_audit-w", data()).axes[0]
-    widths = [bar.get_width() for bar in ax.patches]
-    assert widths == pytest.approx([20, 40, 40, 80, 60, 120, 80, 160])
-    (works,) = (line.get_xdata() for line in ax.get_lines() if line.get_marker() == "|")
-    assert works == pytest.approx([100, 200])
-
-
 def test_audit_stacks_positive_and_negative_energies_separately():
     given, terms = data(), ["pto", "radiated", "structural", "stored"]
     values = np.array([[0.4, 30.0, 5.0, -8.0], [12.0, 0.3, -0.2, -0.7]])

@@ -108,7 +108,7 @@ def test_power_and_optimal_damping_agree_with_python(data, tmp_path):
         assert said["flux"] == pytest.approx(float(squares @ (5e3 / omega)), rel=1e-6)
 
 
-@pytest.mark.parametrize(("tp", "gamma"), [(2.5, 3.3), (5.0, 7.0), (11.0, 3.3), (7.0, 1.0)])
+@pytest.mark.parametrize(("tp", "gamma"), [(2.5, 3.3), (11.0, 3.3), (7.0, 1.0)])
 def test_changed_peak_period_agrees_with_python(tp, gamma, tmp_path):
     """A Pierson-Moskowitz spectrum is a JONSWAP spectrum of gamma 1."""
     stored = study_data([grid(KNOWN)] * 2, [sea_of(5.0, gamma)], [grid(SWELL)], np.ones(1), None)
@@ -273,7 +273,7 @@ def test_force_limit_steps_through_stored_optima(page, tmp_path):
     assert found["moved"] == ["damper", True, True]
 
 
-@pytest.mark.parametrize("width", [1100, 360])
+@pytest.mark.parametrize("width", [360])
 def test_last_number_of_an_axis_is_not_cut(tmp_path, width):
     body = f'<div class="chart"><svg></svg></div><script>{html.text_of("chart.js")}</script>'
     page = f"<!doctype html><html><head><style>{html.text_of('style.css')}</style></head><body>{body}</body></html>"

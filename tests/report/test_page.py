@@ -240,7 +240,7 @@ def page_of(rows=BOTH, checks=(), study=STUDY, found=None, figures=(), **more):
 
 
 @pytest.mark.parametrize(
-    ("verdicts", "told"),
+    ("verdicts", "expected"),
     [
         ([], None),
         (["fail"], None),
@@ -248,7 +248,7 @@ def page_of(rows=BOTH, checks=(), study=STUDY, found=None, figures=(), **more):
         (["accepted"] * 5 + ["doubt"] * 2 + ["ok"], "2 more checks fail, 2 further points are in doubt: see"),
     ],
 )
-def test_three_failing_checks_head_the_page_and_the_rest_are_counted(verdicts, told):
+def test_three_failing_checks_head_the_page_and_the_rest_are_counted(verdicts, expected):
     """Accepted failures count as failures."""
     checks = [{**CHECKS[0], "name": f"check {i}", "verdict": verdict} for i, verdict in enumerate(verdicts)]
     page = page_of(checks=checks)
@@ -257,7 +257,7 @@ def test_three_failing_checks_head_the_page_and_the_rest_are_counted(verdicts, t
     said = re.findall(
         r"(?:\d+ more checks? fails?(?:, )?)?(?:\d+(?: further)? points? (?:is|are) in doubt)?: see", words
     )
-    assert [one for one in said if one != ": see"] == ([told] if told else [])
+    assert [one for one in said if one != ": see"] == ([expected] if expected else [])
     failing = [one["name"] for one in checks if one["verdict"] in ("fail", "accepted")]
     assert [one["name"] for one in checks if f"{one['name']}: 66.4" in words] == failing[:3]
     assert ("Checks that fail:" in words) == bool(failing)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from conftest import varied
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from study.test_plan import block_ids
 
@@ -16,8 +16,6 @@ from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.study.plan import StudyPlan
-from vsb.study.resolution import wave_rows
-from vsb.study.specs import SpectralSpec
 from vsb.study.study import content_id
 
 
@@ -52,6 +50,7 @@ def test_wider_band_reuses_the_blocks_of_the_narrow_one(seed, wider):
     assert len(wide) == 1 + math.ceil(wider / 3.2 - 1e-9)
 
 
+@settings(max_examples=20)
 @given(st.floats(0.3, 16.0))
 def test_sweep_covers_the_band_without_gap_or_repetition(seed, omega_max):
     infinite, *blocks = StudyPlan(varied(seed, hydro={"omega_max": omega_max}, waves=[{"kind": "still"}])).sweep_blocks
@@ -74,17 +73,6 @@ def test_solver_follows_from_depth_and_rows(seed):
     assert not varied(seed, hydro={"solver": "spectral"}, water={"depth": 1.03 * seed.draft}).uses_panels
     with pytest.raises(ConfigError, match=r"hydro.solver 'spectral': has no rows"):
         varied(seed, hydro={"solver": "spectral", "rows": 20})
-
-
-def test_spectral_plan_is_one_job_without_a_mesh(seed):
-    plan = StudyPlan(varied(seed, hydro={"solver": "spectral"}))
-    (block,) = plan.sweep_blocks
-    assert isinstance(block, SpectralSpec)
-    assert list(block.omega) == [round(0.1 * i, 1) for i in range(1, 129)]
-    assert block.omega[0] == plan.first_omega == plan.step
-    wide = StudyPlan(varied(seed, hydro={"solver": "spectral", "omega_max": 15.0}))
-    with pytest.raises(ConfigError, match=r"hydro.omega_max: received 15 rad/s, needs at most 14.01 rad/s"):
-        wide.check_waves()
 
 
 @pytest.mark.parametrize(
@@ -146,14 +134,17 @@ def test_a_sea_below_the_lowest_frequency_solved_is_refused(seed, wave):
 
 def test_longest_period_of_a_regular_wave(seed):
     regular = {"kind": "regular", "amplitude": 0.1}
-    told = 2 * math.pi / 0.1
-    for period in (0.999 * told, told):
+    expected = 2 * math.pi / 0.1
+    for period in (0.999 * expected, expected):
         StudyPlan(varied(seed, waves=[{**regular, "period": period}])).check_waves()
-    longer = StudyPlan(varied(seed, waves=[{**regular, "period": 1.001 * told}]))
-    with pytest.raises(ConfigError, match=rf"waves.0.period: received .* s, needs at most {told:.4g} s, the longest"):
+    longer = StudyPlan(varied(seed, waves=[{**regular, "period": 1.001 * expected}]))
+    with pytest.raises(
+        ConfigError, match=rf"waves.0.period: received .* s, needs at most {expected:.4g} s, the longest"
+    ):
         longer.check_waves()
 
 
+@settings(max_examples=20)
 @given(st.floats(0.3, 5.0), st.floats(3.0, 12.0), st.sampled_from([1e-3, 1e-4, 1e-2]), st.sampled_from([math.inf, 9.0]))
 def test_database_reaches_the_highest_frequency_asked_for(seed, radius, highest, tolerance, depth):
     device = {"radius": radius, "thickness": 0.005 * radius, "mass": 2100.0 * radius**3}
@@ -164,18 +155,6 @@ def test_database_reaches_the_highest_frequency_asked_for(seed, radius, highest,
     assert plan.highest_omega in plan.sweep_blocks[-1].omega
     on_grid = StudyPlan(varied(study, hydro={"omega_max": plan.highest_omega}))
     assert content_id(on_grid.database) == content_id(plan.database)  # what is solved names it, not what was asked
-
-
-def test_rows_follow_from_tolerance_modes_and_waves(seed):
-    coarse, rigid = {"tolerance": 4e-3}, {"FSB": {"flexible": False}}
-    of_modes = varied(seed, modes={"degree": 15}, hydro=coarse)
-    assert StudyPlan(of_modes).resolution(3.0).rows == 60
-    assert StudyPlan(varied(of_modes, designs=rigid)).resolution(3.0).rows == 20
-    plan = StudyPlan(varied(seed, designs=rigid, hydro={**coarse, "omega_max": 9.7}))
-    for omega in (12.8, 9.6):
-        assert plan.resolution(omega).rows == wave_rows(2.0, 2 * math.pi * 9.81 / omega**2) > 20
-    assert plan.resolution(12.8).rows > plan.resolution(9.6).rows
-    assert StudyPlan(varied(seed, hydro={"tolerance": 1e-5, "rows": 48, "omega_max": 6.0})).resolution(6.0).rows == 48
 
 
 def test_lid_has_six_rows_per_wavelength_across_the_waterline(seed):

@@ -25,24 +25,14 @@ def study(**changes):
     ("changes", "message"),
     [
         ({"device": {}}, "device: is the spherical buoy; a study has a device or a body; remove it"),
-        (
-            {"drag": {"heave": {"coefficient": 0.5, "area": 12.0}}},
-            "drag: brakes the buoy's rigid motions past the water",
-        ),
         ({"hydro": {"witness": "none"}}, "hydro.witness: is for the buoy: its second solver knows no other body"),
         ({"hydro": {"model": "body_exact"}}, "hydro.model 'body_exact': is of the spherical shell; a body is linear"),
-        ({"hydro": {"accept": ["rank_two"]}}, r"\['rank_two'\]: no such check; needs some of error_estimate"),
-        (
-            {"hydro": {"repair": ["haskind"]}},
-            r"hydro.repair.*\['haskind'\]: cannot be repaired; needs some of positive",
-        ),
         (
             {"hydro": {"repair": ["kramers_kronig"], "accept": ["kramers_kronig"]}},
             r"repair \['kramers_kronig'\]: is accepted as well; needs to be accepted as it is, or repaired",
         ),
         ({"body": {"database": "a", "mass": {"float": [[1.0, "x"]]}}}, r"body.mass.*float.*received.*'x'"),
         ({"pto": {"port": "volume"}}, "pto.port: is of the spherical shell; needs {dof: NAME}"),
-        ({"pto": {"port": {"dofs": {"Heave": 0}}}}, "needs a share that is not zero"),
         (
             {"simulation": {"method": "exponential"}},
             "simulation.method 'exponential': cannot follow this body and take-off; needs auto, exact, convolution or ",
@@ -58,20 +48,10 @@ def study(**changes):
         ({"body": {}}, "received no source; needs one of file, database, wamit, bemio"),
         ({"designs": {"a": {"held": [{"Heave": 1.0}, {"Yaw": 0.0}]}}}, r"held {'Yaw': 0.0}: needs a share that is not"),
         (
-            {"hydro": {"repair": ["kramers_kronig"], "accept": ["symmetry", "kramers_kronig"]}},
-            r"repair \['kramers_kronig'\]: is accepted as well",
-        ),
-        ({"pto": {"damping": {"rigid": 5.0}}}, "pto.damping: received dampers of rigid, needs one for every design: f"),
-        (
-            {"published": {"source": "elsewhere", "values": {"paper": {"energy": 1.0}}}},
-            r"published.values \['paper'\]: no such design; needs some of flexible, rigid",
-        ),
-        (
             {"drag": {}, "modes": {}, "hydro": {"rows": 20, "model": "auto"}},
             r"modes: are shapes of the spherical shell.* \(and 3 more\)$",
         ),
         ({"designs": {"a": {"dofs": []}}}, r"dofs \[\]: needs at least one degree of freedom, and none twice"),
-        ({"designs": {"a": {"held": [{"Heave": 0.0}]}}}, "needs a share that is not zero"),
         ({"designs": {"a": {"clamp": 90}}}, "designs.a.clamp"),
     ],
 )
@@ -87,14 +67,6 @@ def test_reference_is_the_first_rigid_design():
     assert study(designs={"z": {"dofs": "rigid"}, **both}).reference_design == "b"
     assert study(designs={"a": {}}).reference_design is None
     assert [BodyDesign(dofs=d).rigid for d in ("all", "rigid", ("Yaw",))] == [False, True, True]
-
-
-def test_directions_of_the_seas_without_repetition():
-    swell = {"kind": "regular", "amplitude": 0.5, "period": 7.0}
-    waves = [{**swell, "direction": d} for d in (0.0, 45.0)] + [{**swell, "period": 8.0, "direction": 45.0}]
-    assert study(waves=waves).directions == (0.0, 45.0)
-    assert study(waves=[{"kind": "still"}]).directions == (0.0,)
-    assert study(waves=waves[1:] + waves[:1]).directions == (45.0, 0.0)  # in the order of the seas
 
 
 def test_content_of_files_is_part_of_the_study(tmp_path):
@@ -128,23 +100,6 @@ def test_every_wamit_file_is_part_of_the_study(tmp_path):
         assert located(raw, str(tmp_path / "raft.yaml")).study != four
         file.write_text(held)
     assert located(raw, str(tmp_path / "raft.yaml")).study == four
-
-
-@pytest.mark.parametrize(
-    ("first", "second"),
-    [
-        ({".hst": "stiff", ".mmx": ""}, {".hst": "", ".mmx": "stiff"}),
-        ({".hst": "stiff", ".mmx": "mass"}, {".hst": "stiffmass", ".mmx": ""}),
-    ],
-)
-def test_same_text_in_another_wamit_file_is_another_study(tmp_path, first, second):
-    found = []
-    for i, contents in enumerate((first, second)):
-        (tmp_path / str(i)).mkdir()
-        for ending, text in {".1": "1", ".3": "3", **contents}.items():
-            (tmp_path / str(i) / f"raft{ending}").write_text(text)
-        found.append(located({**RAW, "body": {"wamit": f"{i}/raft"}}, str(tmp_path / "raft.yaml")).study)
-    assert found[0] != found[1]
 
 
 def test_body_file_brings_its_water(tmp_path):
@@ -188,15 +143,6 @@ def test_checks_that_may_be_accepted_or_repaired():
         study(hydro={"repair": ["positive_damping", "symmetry", "kramers_kronig", "b"]})
     with pytest.raises(ConfigError, match=rf"\['b', 'a'\]: no such check; needs some of {', '.join(names)}"):
         study(hydro={"accept": ["b", "symmetry", "a"]})
-
-
-def test_fastest_motion_is_that_of_the_waves():
-    waves = [{"kind": "regular", "amplitude": 0.5, "period": 7.0}, {"kind": "jonswap", "hs": 1.0, "tp": 7.0}]
-    found = study(waves=[*waves, {"kind": "still"}], pto={"damping": 1.0})
-    assert [found.fastest(wave) for wave in found.waves] == [
-        found.waves[0].fastest, found.waves[1].fastest, pytest.approx(6.2832, rel=1e-4),
-    ]  # fmt: skip
-    assert found.waves[0].fastest != found.waves[1].fastest
 
 
 def test_mesh_and_modes_are_part_of_the_study(tmp_path):

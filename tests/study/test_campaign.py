@@ -45,11 +45,11 @@ def test_missing_files_are_reported_by_kind(folder):
         ConfigError, match=r"absent.yaml: cannot .*; give the path of a study file such as config/buoy.yaml$"
     ):
         load(written(folder, study="absent.yaml"))
-    told = (
+    expected = (
         r"climate: received absent.txt, which cannot be read \(No such file or directory\); needs the path of a file, "
         "relative to this one$"
     )
-    with pytest.raises(ConfigError, match=told):
+    with pytest.raises(ConfigError, match=expected):
         load(written(folder, climate={"spectra": "absent.txt"}))
 
 

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.study.canonical import canonical, content_id, result_id
@@ -15,6 +15,7 @@ PLAIN = st.recursive(
 )
 
 
+@settings(max_examples=20)
 @given(st.dictionaries(st.text(), PLAIN))
 def test_order_of_keys_does_not_matter(data):
     assert canonical(dict(reversed(data.items()))) == canonical(data)

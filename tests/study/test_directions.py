@@ -81,34 +81,24 @@ WAVE = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
 
 @pytest.mark.parametrize(
     ("changes", "match"),
-    [
-        ({"device": {"centre_of_mass": None}}, r"device.centre_of_mass: missing; .* has no pitch stiffness"),
-        ({"device": {"ballast_inertia": None}}, r"device.ballast_inertia: missing"),
+    [({"device": {"centre_of_mass": None}}, r"device.centre_of_mass: missing; .* has no pitch stiffness"),
         (
             {"motion": "free", "device": {"ballast_inertia": None}},
             r"device.ballast_inertia: missing; motion 'free' needs it, because a ballast at the sphere's centre has no pitch",
         ),
         ({"hydro": {"model": "body_exact"}}, r"hydro.model 'body_exact': follows heave alone; motion 'planar' needs linear"),
-        ({"hydro": {"model": "auto"}}, r"hydro.model 'auto': follows heave alone"),
         ({"drag": {"sway": PLATE}}, r"drag.sway: motion 'planar' has none; needs drag of surge, heave, pitch"),
         ({"waves": [{**WAVE, "direction": 30.0}]}, r"waves.0.direction 30 degrees: motion 'planar' knows .* 0 and 180; needs"),
         ({"motion": "free"}, r"device.ballast_yaw_inertia: missing; motion 'free' needs it, because yaw turns the ballast, too$"),
         ({"hydro": {"rows": 30}}, r"hydro.solver: panels solve axisymmetric motions alone"),
         ({"reference_shape": "equilibrium"}, r"motion 'planar': knows shells about the undeformed sphere"),
         ({"modes": {"degree": 2, "order": 3}}, r"modes.order 3: needs at most modes.degree = 2"),
-        ({"modes": {"order": 0}}, r"modes.order: received 0; needs a number of at least 1"),
         ({"mooring": UNEVEN}, r"mooring: received .*; needs a symmetric matrix, because a spring has an energy"),
         ({"mooring": ASIDE}, r"mooring: received 5 between surge and sway, which motion 'planar' does not have; needs 0"),
-        ({"mooring": [[-x for x in row] for row in ASIDE]}, r"mooring: received -5 between surge and sway, which motion 'planar'"),
-        ({"mooring": [[1.0] * 6, *[1.0] * 5]}, r"mooring.1: received 1.0; needs a list"),
         ({"mooring": [1.0] * 5}, r"mooring: received .*; needs six rows of six numbers, or the six"),
-        ({"mooring": 5.0}, r"mooring: received 5.0; needs six rows of six numbers, or the six"),
-        ({"mooring": "strong"}, r"mooring: received 'strong'; needs six rows of six numbers, or the six"),
         ({"pto": {"port": {"line_to": [9.0, 1.0]}}}, r"pto.port.line_to: received z = 1 m; needs one below still water"),
-        ({"pto": {"port": LINE}, "water": {"depth": 10.0}}, r"pto.port.line_to: received z = -20 m; needs one below"),
         ({"pto": {"port": {**LINE, "line_from": [0.0, -3.0]}}}, r"pto.port.line_from: .*needs a point inside the sphere"),
-        ({"pto": {"port": {"line_to": [0.0, -1.0]}}}, r"pto.port.line_to: .*needs an anchor outside the sphere"),
-    ],
+        ({"pto": {"port": {"line_to": [0.0, -1.0]}}}, r"pto.port.line_to: .*needs an anchor outside the sphere")],
     ids=str,
 )  # fmt: skip
 def test_errors_of_planar_and_free_motion(changes, match):
@@ -133,15 +123,11 @@ def test_anchor_must_lie_outside_the_floating_sphere():
 
 @pytest.mark.parametrize(
     ("changes", "match"),
-    [
-        ({"motion": "sideways"}, r"motion: received 'sideways'; .*'heave', 'planar' or 'free'"),
+    [({"motion": "sideways"}, r"motion: received 'sideways'; .*'heave', 'planar' or 'free'"),
         ({"modes": {"order": 2}}, r"modes.order 2: motion 'heave' has axisymmetric modes; needs motion: planar"),
         ({"mooring": [1.0] * 6}, r"mooring: motion 'heave' has none; needs motion: planar, or pto.stiffness"),
         ({"drag": {"surge": PLATE}}, r"drag.surge: motion 'heave' has none; needs drag of heave"),
-        ({"pto": {"port": "surge"}}, r"pto.port: motion 'heave' moves it in no other direction; needs motion: planar"),
-        ({"pto": {"port": "pitch"}}, r"pto.port: motion 'heave' moves it"),
-        ({"pto": {"port": LINE}}, r"pto.port: motion 'heave' moves it"),
-    ],
+        ({"pto": {"port": "surge"}}, r"pto.port: motion 'heave' moves it in no other direction; needs motion: planar")],
     ids=str,
 )  # fmt: skip
 def test_errors_of_heave(changes, match):

@@ -63,34 +63,6 @@ def test_range_includes_its_ends(least, width, value):
             limits.func(value)
 
 
-def test_too_long_runs_are_refused():
-    raw = changed("waves", [{"kind": "regular", "amplitude": 0.01, "period": 0.6}])
-    raw["simulation"] |= {"duration": 1.9e5, "window": [0.0, 1.9e5]}
-    with pytest.raises(
-        ConfigError, match=r"duration: received 190000 s, needs at most 1.5e\+05 s in waves.0 .*recorded"
-    ):
-        config.parse(raw).check_record()
-    raw["simulation"] |= {"duration": 1000.0, "window": [0.0, 1000.0], "method": "convolution"}
-    with pytest.raises(
-        ConfigError, match=r"received 1000 s, needs at most 196.6 s .* a convolution needs all of its past"
-    ):
-        config.parse(raw).check_record()
-
-
-@pytest.mark.parametrize("wave", [{"kind": "still"}, {"kind": "jonswap", "hs": 0.1, "tp": 4.0}])
-def test_a_window_too_short_for_the_motion_is_refused(wave):
-    raw = changed("waves", [wave])
-    for end, fits in ((50.01, False), (50.5, True)):
-        raw["simulation"]["window"] = [50.0, end]
-        if fits:
-            config.parse(raw).check_record()
-        else:
-            with pytest.raises(
-                ConfigError, match=r"window: received \[50.0, 50.01\] s, needs to be at least .* s long"
-            ):
-                config.parse(raw).check_record()
-
-
 def test_band_below_the_peak_of_damping_is_refused():
     for highest, fits in ((2.0, False), (5.0, True)):
         plan = StudyPlan(config.parse(changed("hydro.omega_max", highest) | {"waves": [{"kind": "still"}]}))
@@ -101,16 +73,6 @@ def test_band_below_the_peak_of_damping_is_refused():
                 ConfigError, match=r"omega_max: received 2 rad/s, needs at least 5.515 .* beyond its peak; raise it"
             ):
                 plan.check_waves()
-
-
-@pytest.mark.parametrize("share", [5e-5, 0.99995])
-def test_waterline_at_a_pole_is_refused(share):
-    raw = changed("device.mass", share * 4 / 3 * math.pi * 8.0 * 1025.0)
-    raw["device"]["density"] = 0.1
-    with pytest.raises(
-        ConfigError, match=r"device.mass .* kg: needs .* because a waterline within 0.01 radii of a pole"
-    ):
-        config.parse(raw)
 
 
 def test_long_values_are_shortened_in_errors(tmp_path):
@@ -133,8 +95,8 @@ def test_long_values_are_shortened_in_errors(tmp_path):
 def test_integer_of_too_many_digits_is_refused(tmp_path, old, new, key, line):
     file = tmp_path / "digits.yaml"
     file.write_text(SEED.read_text().replace(old, new.replace("{}", f"0x{'f' * 20_000}")))
-    told = rf"^{file}:{line}: {key}: received a number of too many digits; needs at most 4300$"
-    with pytest.raises(ConfigError, match=told):
+    expected = rf"^{file}:{line}: {key}: received a number of too many digits; needs at most 4300$"
+    with pytest.raises(ConfigError, match=expected):
         config.load(file)
 
 

@@ -1,14 +1,11 @@
 """Reading of files: every error is one line with file, line, key, value and need."""
 
-import math
 import re
 from itertools import pairwise
-from typing import Annotated, Literal
 
 import pytest
 import yaml
 from invariance import SEED
-from pydantic import Field, ValidationError, create_model
 from study.test_sections import changed
 
 from vsb.errors import ConfigError
@@ -16,11 +13,8 @@ from vsb.study import reading
 from vsb.study import study as config
 from vsb.study.body import BodyStudy
 from vsb.study.campaign import Campaign
-from vsb.study.quantities import Finite, Name, Section
 from vsb.study.study import Study
-from vsb.study.waves import Wave
 from vsb.tools.shipped import HOME
-from vsb.tools.words import shortened
 
 
 def test_merged_mappings_are_not_duplicate_keys(written):
@@ -104,47 +98,11 @@ def test_at_most_twenty_errors_are_listed(count, last):
     assert str(error.value) == f"{error.value.mistakes[0]} (and {count - 1} more)"
 
 
-TOLD = {  # pydantic's name: kind of the value, the value, what is needed
-    "bool_parsing": (bool, "x", "true or false"), "bool_type": (bool, [], "true or false"),
-    "dict_type": (dict[str, int], 1, "a mapping of keys and values"),
-    "finite_number": (Finite, math.inf, "a finite number"), "float_parsing": (float, "x", "a number"),
-    "float_type": (float, [], "a number"),
-    "greater_than": (Annotated[float, Field(gt=2.5)], 2.5, "a number above 2.5"),
-    "greater_than_equal": (Annotated[float, Field(ge=2.5)], 2.0, "a number of at least 2.5"),
-    "int_from_float": (int, 2.5, "a whole number"), "int_parsing": (int, "x", "a whole number"),
-    "int_parsing_size": (int, 4301 * "1", "a whole number of fewer digits"), "int_type": (int, [], "a whole number"),
-    "less_than": (Annotated[float, Field(lt=2.5)], 2.5, "a number below 2.5"),
-    "less_than_equal": (Annotated[float, Field(le=2.5)], 3.0, "a number of at most 2.5"),
-    "list_type": (list[int], 1, "a list"),
-    "literal_error": (Literal["linear", "log"], "linaer", "'linear' or 'log'; did you mean linear?"),
-    "model_attributes_type": (Wave, 1, "a mapping of keys and values"),
-    "model_type": (Section, 1, "a mapping of keys and values"),
-    "string_pattern_mismatch": (Name, "2 b", "letters, digits and _, first a letter"),
-    "string_too_long": (Annotated[str, Field(max_length=3)], "four", "at most 3 characters"),
-    "string_type": (str, 1, "a word or a text"), "string_unicode": (str, b"\xff", "a word or a text"),
-    "too_long": (Annotated[list[int], Field(max_length=1)], [1, 2], "at most 1 item(s), not 2"),
-    "too_short": (Annotated[list[int], Field(min_length=2)], [1], "at least 2 item(s), not 1"),
-    "tuple_type": (tuple[int, ...], 1, "a list"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("kind", TOLD)
-def test_wording_of_every_kind_of_error(kind):
-    annotation, value, needed = TOLD[kind]
-    model = create_model("Given", key=(annotation, ...))
-    with pytest.raises(ValidationError) as found:
-        model.model_validate({"key": value})
-    assert [error["type"] for error in found.value.errors()] == [kind]
-    with pytest.raises(ConfigError) as told:
-        reading.validated(model, {"key": value}, "a.yaml")
-    assert str(told.value) == f"a.yaml: key: received {shortened(repr(value))}; needs {needed}"
-
-
 WAVE = {"kind": "regular", "amplitude": 0.1}
 
 
 @pytest.mark.parametrize(
-    ("model", "name", "section", "value", "told"),
+    ("model", "name", "section", "value", "expected"),
     [
         (Study, "seed", "waves", [{**WAVE, "period": -2}], "waves.0.period: received -2; needs"),
         (Study, "seed", "waves", [WAVE], "waves.0.period: missing"),
@@ -166,11 +124,11 @@ WAVE = {"kind": "regular", "amplitude": 0.1}
         (BodyStudy, "barge", "designs", {"A": {"dofs": "rgid"}}, r"designs.A.dofs: .* did you mean rigid\?"),
     ],
 )
-def test_keys_are_named_as_in_the_file(model, name, section, value, told):
+def test_keys_are_named_as_in_the_file(model, name, section, value, expected):
     raw = yaml.safe_load((HOME / "config" / f"{name}.yaml").read_text(encoding="utf-8")) | {section: value}
     with pytest.raises(ConfigError) as error:
         reading.validated(model, raw, "file.yaml")
-    assert re.match(f"file.yaml: {told}", error.value.mistakes[0])
+    assert re.match(f"file.yaml: {expected}", error.value.mistakes[0])
 
 
 def test_number_of_too_many_digits_is_refused(tmp_path):

@@ -10,19 +10,6 @@ from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id, load, result_id
 
 
-def test_order_of_designs_does_not_change_ids(seed):
-    plan, other = (StudyPlan(varied(seed, designs=dict(some))) for some in _orders(seed))
-    assert list(plan.study.designs) != list(other.study.designs)
-    assert other.study_id == plan.study_id
-    assert other.ids == plan.ids
-
-
-def _orders(study):
-    """Its designs in their order and in the other one."""
-    designs = [(name, design.model_dump()) for name, design in study.designs.items()]
-    return designs, designs[::-1]
-
-
 @pytest.mark.parametrize("solver", ["spectral", "panels"])
 def test_every_file_has_the_id_of_what_it_is_made_from(solver):
     """Shared files carry it in their name or folder; tables, figures and report have the study's."""

@@ -122,8 +122,8 @@ def test_profile_that_is_not_text(tmp_path, data):
     (tmp_path / "hull.csv").write_bytes(data)
     with pytest.raises(ConfigError) as refused:
         with_points({"device": {"shape": {"profile": "hull.csv"}}}, str(tmp_path / "study.yaml"))
-    told = "device.shape.profile: received hull.csv, which cannot be read (no text); needs a CSV file"
-    assert str(refused.value) == f"{tmp_path / 'study.yaml'}: {told}"
+    expected = "device.shape.profile: received hull.csv, which cannot be read (no text); needs a CSV file"
+    assert str(refused.value) == f"{tmp_path / 'study.yaml'}: {expected}"
 
 
 def test_invalid_shape_is_the_only_error():

@@ -1,13 +1,12 @@
 """Law, limits, port and damping of the take-off in a study file."""
 
-import jsonschema
 import pytest
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load, parse
-from vsb.study.take_off import DofPort, Pto, damper_unit
+from vsb.study.take_off import Pto, damper_unit
 
 
 @pytest.fixture(scope="module")
@@ -97,14 +96,6 @@ def test_errors_of_the_take_off(seed, keys, wrong):
             {"pto": {"port": "volume", "force_limit": 9.0}, "device": GAS},
             r"pto.port 'volume': behind the gas .* a flow without inertia, not the shell's: .* needs law: linear .* no device.gas",
         ),
-        (
-            {"pto": {"port": "volume"}, "device": GAS, "simulation": {"method": "convolution"}},
-            r"simulation.method 'convolution': knows no chamber's pressure beside the motion's past; needs auto",
-        ),
-        (
-            {"pto": {"damping": {"FSB": 0.0, "VSWEC": 1.0, "VSWEC0": 1.0, "VSWEC90": 1.0}}, "hydro": {"model": "auto"}},
-            r"hydro.model 'auto': judges by mean absorbed power; needs pto.damping above 0",
-        ),
     ],
 )
 def test_combinations_a_model_cannot_compute(seed, changes, wrong):
@@ -138,21 +129,6 @@ def test_damping_of_a_run(seed):
     one = StudyPlan(varied(study, pto={"tuning": "one"})).simulation("A", again)
     assert one.seas == (sea, swell)
     assert StudyPlan(varied(study, pto={"tuning": "each"})).simulation("A", again).seas == ()
-
-
-def test_single_degree_of_freedom_as_a_port():
-    assert DofPort.model_validate({"dof": "Pitch"}) == DofPort(dofs={"Pitch": 1.0})
-    editor = jsonschema.Draft202012Validator(DofPort.model_json_schema())
-    for port, valid in (
-        ({"dof": "Pitch"}, True),
-        ({"dofs": {"a": 1.0}}, True),
-        ({"dof": 3}, False),
-        ({"dofs": 3}, False),
-    ):
-        assert editor.is_valid(port) is valid
-    for more in ({"dofs": {"Heave": 2.0}}, {"share": 2.0}):
-        with pytest.raises(ValueError, match="Extra inputs are not permitted"):
-            DofPort.model_validate({"dof": "Pitch", **more})
 
 
 @pytest.mark.parametrize(

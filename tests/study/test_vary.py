@@ -2,14 +2,13 @@
 
 import json
 
-import jsonschema
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.study.keys import KEYS
 from vsb.study.study import canonical
-from vsb.study.vary import _VARIED_IN, VARIED, Vary, read_vary, unit
+from vsb.study.vary import _VARIED_IN, Vary, read_vary, unit
 
 TAKEN = ("damping", "hs")
 
@@ -121,33 +120,3 @@ def test_unit_of_a_key_follows_from_its_last_word():
     for section in _VARIED_IN:
         for name, key in KEYS[section].items():
             assert key.unit in ("", "-", unit(name)), (section, name)
-
-
-SPACES = {"device.mass": {"log": [1, 2]}, "device.radius": {"linear": [-1, 2.5]}}
-
-
-@pytest.mark.parametrize(
-    ("raw", "valid"),
-    [({}, True),
-        ({"device.mass": [1, 2.5], "modes.basis": ["full"], "pairs": True}, False),
-        ({"device.mass": [1, 2.5], "modes.basis": ["full", "paper"], "pairs": True}, True),
-        ({**SPACES, "latin_hypercube": {"samples": 1}}, True),
-        ({**SPACES, "latin_hypercube": {"samples": 3, "seed": 0}}, True),
-        ({**SPACES, "latin_hypercube": {"samples": 0}}, False),
-        ({**SPACES, "latin_hypercube": {"samples": 2, "of": 1}}, False),
-        ({"pairs": "yes"}, False),
-        ({"device.mass": 3}, False),
-        ({"device.mass": {"log": [1, 2, 3, 4]}}, False),
-        ({"device.mass": [[1]]}, False),
-        ([], False)],
-    ids=str,
-)  # fmt: skip
-def test_schema_of_varied_keys_agrees_with_reading(raw, valid):
-    """Except for as many values of every key."""
-    known = jsonschema.Draft202012Validator(VARIED).is_valid(raw)
-    assert known is (valid or raw == {"device.mass": [1, 2.5], "modes.basis": ["full"], "pairs": True})
-    if valid:
-        assert read_vary(raw).keys == tuple(key for key in raw if "." in key)
-    else:
-        with pytest.raises(ValueError, match="received"):
-            read_vary(raw)

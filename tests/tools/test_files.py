@@ -41,7 +41,7 @@ def rao(values):
     )
 
 
-@settings(max_examples=20)
+@settings(max_examples=8)
 @given(hnp.arrays(float, (1, 3, 2), elements=FINITE), hnp.arrays(float, (1, 3, 2), elements=FINITE))
 def test_complex_round_trip_on_disk_is_exact_and_has_units(tmp_path_factory, real, imag):
     path = tmp_path_factory.mktemp("nc") / "a.nc"
@@ -163,7 +163,7 @@ def test_lock_blocks_another_process(tmp_path):
         fcntl.flock(another, fcntl.LOCK_SH | fcntl.LOCK_NB)
 
 
-@settings(max_examples=15)
+@settings(max_examples=5)
 @given(
     hnp.arrays(float, (2, 2), elements=FINITE),
     hnp.arrays(complex, (2, 1, 2), elements=st.complex_numbers(max_magnitude=1e9)),
@@ -217,7 +217,7 @@ def stored(ds, path, groups=None):
     return read_groups(path)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(hnp.arrays(float, (1, 3, 2), elements=FINITE), st.integers(0, 11), st.integers(0, 63))
 def test_checksum_covers_every_bit(tmp_path_factory, values, place, bit):
     groups = stored(rao(values + 1j), tmp_path_factory.mktemp("nc") / "a.nc")

@@ -36,7 +36,7 @@ def steps(residual, jacobian, x, enough=0.0):
     """Where residuals and their slopes were asked for."""
     asked, sloped = [], []
 
-    def told(x):
+    def recorded(x):
         asked.append(x.copy())
         return residual(x)
 
@@ -44,7 +44,7 @@ def steps(residual, jacobian, x, enough=0.0):
         sloped.append(x.copy())
         return jacobian(x)
 
-    return levenberg_marquardt(told, slopes, np.array(x), enough), asked, sloped
+    return levenberg_marquardt(recorded, slopes, np.array(x), enough), asked, sloped
 
 
 def test_rank_deficient_jacobian():

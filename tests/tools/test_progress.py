@@ -19,7 +19,7 @@ TOLD = [
 
 
 def screen(lines, width=80):
-    """All that is written on a terminal, and what is told at the end."""
+    """All that is written on a terminal, and the last count reported."""
     out, last = io.StringIO(), []
     followed(lines, "seed", Console(file=out, force_terminal=True, width=width, color_system=None), last)
     return out.getvalue(), last
@@ -53,12 +53,12 @@ def test_interrupted_run_leaves_nothing():
 
 
 def test_failed_rules_are_named_with_their_logs():
-    told = [
+    lines = [
         "Command 'set -o pipefail;  vsb simulate a.yaml FSB --out b.nc > logs/FSB.log 2>&1' returned non-zero exit status 1.\n",
         "Command ' vsb simulate a.yaml VSWEC > logs/VSWEC.log 2>&1' returned non-zero exit status 137.\n",
         "    shell: vsb report a.yaml > logs/report.log 2>&1\n",
         "Command 'vsb table a.yaml > logs/table.log 2>&1' returned non-zero exit status 2.\n",
     ]
-    assert failed(told) == {
+    assert failed(lines) == {
         "logs/FSB.log": "simulate", "logs/VSWEC.log": "simulate", "logs/table.log": "table",
     }  # fmt: skip

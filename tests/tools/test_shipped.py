@@ -50,8 +50,8 @@ def test_installed_package_begins_and_plans_a_study(installed, tmp_path):
         return done.stdout + done.stderr
 
     vsb("init", "my_buoy.yaml", "--radius", "4")
-    told = vsb("run", "my_buoy.yaml", "-n")
-    assert f"Using profile {installed}/vsb/profiles/default" in told
-    assert all(name in told for name in ("spectral", "simulate", "report"))
+    output = vsb("run", "my_buoy.yaml", "-n")
+    assert f"Using profile {installed}/vsb/profiles/default" in output
+    assert all(name in output for name in ("spectral", "simulate", "report"))
     assert sorted(path.name for path in tmp_path.iterdir()) == [".snakemake", "my_buoy.yaml", "results"]
     assert [path.parent.name for path in tmp_path.glob("results/**/*.json")] == ["degrees"]  # of its shell modes

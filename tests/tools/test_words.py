@@ -72,6 +72,6 @@ def test_prefixes_keep_the_value(size, sign):
     """Pascal to six digits, watts to four; nothing else has a prefix."""
     value = sign * size
     for text, unit, digits in ((quantity(value, "Pa"), "Pa", 5e-6), (power(value), "W", 5.1e-4)):
-        number, told = text.split()
-        assert float(number) * PREFIXES[told.removesuffix(unit)] == pytest.approx(value, rel=digits)
+        number, prefixed = text.split()
+        assert float(number) * PREFIXES[prefixed.removesuffix(unit)] == pytest.approx(value, rel=digits)
     assert quantity(value, "N/m") == f"{value:g} N/m"
