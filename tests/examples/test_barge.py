@@ -1,3 +1,5 @@
+"""The flexible barge: beam modes, hydrostatics, convergence, and the body that is shipped."""
+
 from dataclasses import replace
 
 import numpy as np
@@ -25,15 +27,15 @@ def box():
     return barge.Barge(length=80.0, beam=10.0, draught=5.0, centre_of_mass=-0.5, bending_stiffness=2e10)
 
 
-def test_roots_are_the_tabulated_ones_and_solve_the_characteristic_equation():
+def test_roots_are_the_tabulated_ones():
     assert [2 * free_free_root(n) for n in range(1, 5)] == pytest.approx(TABULATED, rel=1e-14)
     for n in (1, 2, 5, 9):
         b = 2 * free_free_root(n)
         assert np.cos(b) == pytest.approx(1 / np.cosh(b), abs=1e-12)
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 10, 41, 200])
-def test_shapes_solve_the_beam_equation_with_free_ends_however_high(n):
+@pytest.mark.parametrize("n", [1, 10, 200])
+def test_shapes_solve_the_beam_equation_with_free_ends(n):
     """W = (t + h)/2 with t'' = -k^2 t and h'' = k^2 h: W'' = k^2 (W - t), W''' = k^2 (W' - t'), zero at both ends."""
     k = free_free_root(n)
     w, slope = free_free_shape(n, FINE)
@@ -50,7 +52,7 @@ def test_shapes_solve_the_beam_equation_with_free_ends_however_high(n):
         assert 2 * w - t == pytest.approx(h, abs=1e-12)
 
 
-@pytest.mark.parametrize("n", [1, 2, 7, 30])
+@pytest.mark.parametrize("n", [1, 30])
 def test_slope_is_the_derivative(n):
     h = 1e-6
     (ahead, _), (behind, _), (_, slope) = (free_free_shape(n, 0.9 * FINE + d) for d in (h, -h, 0.0))
@@ -58,14 +60,14 @@ def test_slope_is_the_derivative(n):
     assert (ahead - behind) / (2 * h) == pytest.approx(slope, abs=h**2 * scale + 1e-9)
 
 
-def test_shapes_are_orthogonal_to_each_other_and_to_rigid_motion_with_a_quarter_of_the_mass():
+def test_shapes_are_orthogonal_with_a_quarter_of_the_mass():
     node, weight = roots_legendre(200)
     rows = [np.ones_like(node), node, *(free_free_shape(n, node)[0] for n in range(1, 13))]
     gram = np.einsum("is,js,s->ij", rows, rows, weight) / 2
     assert gram == pytest.approx(np.diag([1.0, 1 / 3, *[0.25] * 12]), abs=1e-12)
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 4])
+@pytest.mark.parametrize("n", [1, 4])
 def test_modal_stiffness_is_the_strain_energy(box, n):
     k = free_free_root(n)
 
@@ -77,8 +79,8 @@ def test_modal_stiffness_is_the_strain_energy(box, n):
     assert box.stiffness[n + 1, n + 1] == pytest.approx(box.bending_stiffness * energy, rel=1e-10)
 
 
-def test_a_hinge_amidships_is_straight_halves_without_momentum(box):
-    """Energies by quadrature over the length: masses shared with bending modes, the angle between the halves."""
+def test_hinge_mode_is_straight_halves_without_momentum(box):
+    """Energies by quadrature over the length."""
     hinged = box.model_copy(update={"hinge_stiffness": 3e9})
     assert hinged.labels == (*box.labels, "Hinge")
     node, weight = roots_legendre(400)
@@ -94,7 +96,7 @@ def test_a_hinge_amidships_is_straight_halves_without_momentum(box):
     assert not hinged.body(2, 1025.0).rigid.keys() - {0, 1}
 
 
-def test_the_barge_floats_upright(box):
+def test_barge_floats_upright(box):
     body = box.body(2, 1025.0)
     volume = 80.0 * 10.0 * 5.0
     assert body.volumes == pytest.approx([volume] * 3, rel=1e-13)
@@ -123,8 +125,8 @@ def waters_energy(box, q, modes):
     return box.beam / 2 * (total + ends[0] - ends[1])
 
 
-def test_stiffness_of_linear_displacements_converges_to_that_of_the_bent_box(box):
-    """As of a file that states no second order: vertical sections stretch as they turn."""
+def test_hydrostatic_stiffness_converges_to_that_of_the_bent_box(box):
+    """Of linear displacements: vertical sections stretch as they turn."""
     h, modes = 1e-2, (1, 2)
     u = {(a, b): waters_energy(box, h * np.array([a, b]), modes) for a in (-1, 0, 1) for b in (-1, 0, 1)}
     mixed = (u[1, 1] - u[1, -1] - u[-1, 1] + u[-1, -1]) / 4
@@ -138,7 +140,7 @@ def test_stiffness_of_linear_displacements_converges_to_that_of_the_bent_box(box
     assert limit == pytest.approx(exact, abs=2e-3 * np.abs(exact).max())
 
 
-def test_bending_keeps_the_length_of_the_axis(box):
+def test_inextensible_bending_stiffness_in_closed_form(box):
     """U = B {int w^2/2 + T (T/2 + z_G) [int w'^2/2 - (w w') at the ends]}, coupling of modes included."""
     node, weight = roots_legendre(60)
     w, slope = np.array([free_free_shape(n, node) for n in range(1, 5)]).swapaxes(0, 1)
@@ -155,16 +157,7 @@ def test_bending_keeps_the_length_of_the_axis(box):
     assert found == pytest.approx(exact, abs=2e-4 * np.abs(exact).max())
 
 
-def test_panels_are_graded_and_counted():
-    vertices, faces = barge.box(80.0, 10.0, 5.0, 3)
-    assert len(faces) == 36 * 3**2
-    assert len(vertices) > len(faces)
-    points = barge.graded(10.0, 6)
-    assert points[[0, -1]] == pytest.approx([0.0, 10.0])
-    assert np.diff(points)[0] < np.diff(points)[2]
-
-
-def test_a_power_law_is_recovered():
+def test_power_law_is_recovered():
     n = np.array([2, 3, 4, 6, 8])
     values = np.array([1.0, -2.0]) + np.outer(n**-1.7, [0.5, 0.3])
     limit, order = barge.limit_and_order(n, values)
@@ -183,7 +176,7 @@ def study(folder, **changes):
     return folder / "barge.yaml"
 
 
-def test_a_study_solves_compares_and_draws(tmp_path, green_folder):
+def test_study_converges_at_second_order_and_draws(tmp_path, green_folder):
     checks = barge.study(study(tmp_path), tmp_path / "out", green_folder)
     assert {check.verdict for check in checks} <= {"ok", "doubt"}
     ds = load(tmp_path / "out/barge.nc")
@@ -198,7 +191,7 @@ def test_a_study_solves_compares_and_draws(tmp_path, green_folder):
     assert (tmp_path / "out/barge.svg").read_text().lstrip().startswith("<?xml")
 
 
-def test_frequencies_above_the_first_irregular_one_are_refused(tmp_path):
+def test_irregular_frequencies_are_refused(tmp_path):
     short = barge.Barge(length=20.0, beam=6.0, draught=2.0, bending_stiffness=1e8)
     k = np.pi * np.hypot(1 / 20, 1 / 6)
     assert barge.first_irregular_frequency(short, 9.81) ** 2 == pytest.approx(9.81 * k / np.tanh(2 * k))
@@ -211,23 +204,20 @@ def test_frequencies_above_the_first_irregular_one_are_refused(tmp_path):
     ("changes", "message"),
     [
         ({"water": {"depth": 1.5}}, "needs more than the draught"),
-        ({"convergence": {"panels": [1, 2, 3], "omega": 1.0}}, "convergence.panels"),
         ({"omega": []}, "needs at least one value"),
-        ({"omega": [1.0, 0.5]}, "ascending without repetition"),
-        ({"wave_direction": []}, "wave_direction .*needs at least one value"),
         ({"panels": True}, "a number is needed"),
         ({"beams": 3}, "unknown key"),
     ],
 )
-def test_a_wrong_study_is_refused_in_one_line(tmp_path, changes, message):
+def test_errors_of_a_barge_study(tmp_path, changes, message):
     with pytest.raises(ConfigError, match=message) as error:
         barge.study(study(tmp_path, **changes), tmp_path / "out")
     assert "\n" not in str(error.value)
     assert not (tmp_path / "out").exists()
 
 
-def test_the_shipped_body_is_what_this_writes():
-    """And the port of the shipped study is the bow: what it rises by per unit of every degree of freedom."""
+def test_shipped_body_is_what_the_script_writes():
+    """The port of the shipped study is the bow."""
     located = load_body(EXAMPLE.with_name("barge.yaml"))
     found = read_body(located.files["mesh"], located.files["modes"])
     size = {"length": 80.0, "beam": 10.0, "draught": 5.0, "centre_of_mass": 0.0}

@@ -1,4 +1,4 @@
-"""The map of when flexibility pays, on one shell and two periods."""
+"""The map of when flexibility pays, for one shell and two periods."""
 
 import csv
 import itertools
@@ -33,14 +33,14 @@ def rows(tmp_path_factory, seed):
     return found
 
 
-def test_with_force_free_no_shell_takes_more_and_none_much_less(rows):
-    """One radiation channel: the matched power is the same whatever the shell, less its structural loss."""
+def test_unlimited_force_makes_the_shell_irrelevant(rows):
+    """With one radiation channel the maximum power is the same whatever the shell, less its structural loss."""
     free = [row.gain_percent for row in rows if np.isinf(row.force_limit)]
     assert len(free) == 8
     assert all(-1.0 < gain < 0.0 for gain in free)
 
 
-def test_more_force_takes_more_and_with_little_the_shell_helps(rows):
+def test_power_grows_with_the_force_limit_and_the_shell_helps_at_small_force(rows):
     cases = {(row.young_modulus, row.wave, row.period) for row in rows}
     for case in cases:
         here = [row for row in rows if (row.young_modulus, row.wave, row.period) == case]
@@ -52,7 +52,7 @@ def test_more_force_takes_more_and_with_little_the_shell_helps(rows):
         assert max(row.gap for row in here) <= 0.005
 
 
-def test_a_stiffer_shell_gains_less_and_buckles_later(rows):
+def test_stiffer_shell_gains_less_and_buckles_later(rows):
     soft, stiff = ([row for row in rows if row.young_modulus == e] for e in (10e6, 40e6))
     assert all(a.gain_percent > b.gain_percent for a, b in zip(soft, stiff, strict=True) if a.force_limit == 0.1)
     assert stiff[0].buckling_factor == pytest.approx(4 * soft[0].buckling_factor, rel=1e-9)
@@ -61,8 +61,8 @@ def test_a_stiffer_shell_gains_less_and_buckles_later(rows):
     assert len(table) == len(rows) + 1
 
 
-def test_a_buoy_of_four_times_the_size_gains_the_same_at_twice_the_periods(rows, seed, tmp_path, monkeypatch):
-    """Froude's law, which the upper axis of the figure goes by; lengths, Young's modulus and structural times scaled."""
+def test_map_obeys_froude_scaling(rows, seed, tmp_path, monkeypatch):
+    """Four times the size at twice the periods; lengths, Young's modulus and structural times scaled."""
     raw = scaled(small(seed).model_dump(exclude_none=True), example.SCALE)
     (tmp_path / "large.yaml").write_text(canonical(raw))
     monkeypatch.setattr(example, "PERIODS", (6.12,))
@@ -75,8 +75,8 @@ def test_a_buoy_of_four_times_the_size_gains_the_same_at_twice_the_periods(rows,
     assert large[0].rigid_power == pytest.approx(here[0].rigid_power * example.SCALE**3.5, rel=1e-3)
 
 
-def test_the_damper_found_is_the_best(seed):
-    """The unit of force, against the closed form of a regular wave: |Z| |V| at c = |Z|."""
+def test_unit_of_force_in_closed_form(seed):
+    """|Z| |V| at c = |Z| in a regular wave."""
     omega = np.array([2.0])
     port = example.Port(omega, np.array([1e-5 + 2e-5j]), np.array([0.3 + 0.1j]), 0.0)
     velocity = port.velocity / (1 + port.admittance * port.best_damping)

@@ -1,7 +1,6 @@
-"""Frames of the moving buoys: those of the runs, in the waves they were run in; and a page that plays them."""
+"""Frames of the animated buoys, and a page that plays them."""
 
 import base64
-import json
 
 import numpy as np
 import pytest
@@ -60,7 +59,7 @@ def frames(water=None, waves=SWELL):
     return frames_data("a swell", runs, waves, (0.0, 60.0), PERIOD, 3.4, water or Water(), LABELS[1:])
 
 
-def test_frames_are_the_run_of_its_last_periods():
+def test_frames_show_the_last_periods_of_the_run():
     found = frames()
     time = found["start"] + found["step"] * np.arange(found["frames"])
     assert (time[0], time[-1]) == (pytest.approx(60.0 - PERIODS * PERIOD), pytest.approx(60.0))
@@ -73,8 +72,8 @@ def test_frames_are_the_run_of_its_last_periods():
 
 
 @pytest.mark.parametrize("depth", [np.inf, 3.0])
-def test_the_surface_travels_and_is_the_runs_own_at_the_axis(depth):
-    """At the buoy's axis it is the elevation of C1; a quarter wavelength on it comes a quarter period later."""
+def test_surface_obeys_the_dispersion_relation(depth):
+    """It is the incident elevation at the buoy's axis and travels towards x > 0."""
     water = Water(depth=depth)
     time, place = np.linspace(0, 8, 80, endpoint=False), np.array([0.0, 1.0])
     found = surface(SWELL, time, place, water)
@@ -86,14 +85,7 @@ def test_the_surface_travels_and_is_the_runs_own_at_the_axis(depth):
     assert not surface(NO_WAVES, time, place, water).any()
 
 
-def test_the_water_is_drawn_along_the_axis_where_no_direction_is_told():
-    place = 3.4 * np.linspace(-1, 1, ACROSS)
-    time = 60.0 - 32.0 + np.linspace(0.0, 32.0, frames()["frames"])
-    expected = surface(SWELL, time, place, Water())
-    assert unpacked(frames()["surface"]) == pytest.approx(expected.ravel(), abs=1e-5)
-
-
-def test_waves_from_the_side_are_level_across_the_plane_that_is_drawn():
+def test_waves_from_the_side_are_level_in_the_plane_drawn():
     ahead, aside, back = (
         unpacked(frames_data("", {}, SWELL, (0.0, 8.0), PERIOD, 3.4, Water(), [], towards)["surface"]).reshape(
             -1, ACROSS
@@ -105,8 +97,8 @@ def test_waves_from_the_side_are_level_across_the_plane_that_is_drawn():
 
 
 @pytest.mark.parametrize("drift", [0.0, 0.2])
-def test_a_buoy_that_surges_and_pitches_is_drawn_in_their_plane(drift):
-    """Motions out of the plane are left out, surge is about its mean, a drift followed; words say which plane it is."""
+def test_surge_and_pitch_are_drawn_in_their_plane(drift):
+    """Motions out of the plane are left out; surge is about its mean and its drift."""
     labels = ["Heave", "Membrane0", "Surge", "Pitch", "Membrane1c1", "Sway", "Membrane1s1"]
     place = xr.DataArray(50.0 + drift * TIME, {"time": TIME}, ("time",))
     drifting = run(labels) + place * xr.DataArray([0, 0, 1.0, 0, 0, 0, 0], {"dof": labels}, ("dof",))
@@ -122,25 +114,14 @@ def test_a_buoy_that_surges_and_pitches_is_drawn_in_their_plane(drift):
     assert in_motion(None) is None
 
 
-@pytest.mark.parametrize(
-    ("factor", "scale"),
-    [(20.0, "shell displacement is magnified 20 times, heave and waves are to scale."), (1.0, "all is to scale.")],
-)
-def test_what_is_magnified_is_said(factor, scale):
-    moving = {"factor": factor, "designs": [{"name": "FSB"}, {"name": "VSWEC"}], "seas": [frames()]}
-    assert in_motion(moving)["words"] == f"FSB, VSWEC side by side; {scale}"
-    assert in_motion(None) is None
-
-
 @pytest.mark.parametrize(("inward", "outward", "largest"), [(-0.3, 0.2, 0.3), (-0.1, 0.2, 0.2)])
-def test_the_largest_motion_of_a_shell_is_inward_or_outward_and_heave_none(inward, outward, largest):
-    """Of all shell modes; of a rigid design there is none."""
+def test_largest_shell_motion_leaves_out_heave(inward, outward, largest):
     moved = xr.DataArray([[5.0, outward, 0.0], [-9.0, 0.0, inward]], dims=("time", "dof"), coords={"dof": LABELS})
     assert largest_shell(moved, LABELS[1:]) == largest
     assert largest_shell(moved.sel(dof=["Heave"]), LABELS[1:]) == 0.0
 
 
-def test_shapes_are_those_of_the_modes_thinned(modes):
+def test_shapes_are_those_of_the_modes(modes):
     found = shapes_data(modes)
     angle = unpacked(found["colatitude"])
     assert (len(angle), angle[0], angle[-1]) == (COLATITUDES, 0.0, pytest.approx(np.pi))
@@ -157,8 +138,8 @@ def in_page(data, words):
     return f"<!doctype html><html><head></head><body>{body}{stored}{scripts}</body></html>"
 
 
-def test_the_side_away_from_the_waves_is_the_shapes_own(modes, tmp_path):
-    """Shapes of odd order go the other way there, pitch brings the top to the right, surge moves all of it."""
+def test_odd_orders_and_pitch_in_the_browser(modes, tmp_path):
+    """Shapes of odd order change sign on the far side; pitch brings the top to the right."""
     quarter = {name: packed([value]) for name, value in {"heave": 0.25, "surge": 0.5, "pitch": np.pi / 2}.items()}
     sea = {**frames(), "frames": 1, "designs": [{**quarter, "modes": 2, "shell": packed([0.3, 0.2])}]}
     shapes = shapes_data(modes.assign(order=("mode", [1, 0])))
@@ -174,7 +155,7 @@ def test_the_side_away_from_the_waves_is_the_shapes_own(modes, tmp_path):
     assert found["placed"] == pytest.approx([10 * (0.5 + 2.0), -10 * (0.5 + 0.25)], abs=1e-5)
 
 
-def test_a_reader_plays_pauses_and_steps(modes, tmp_path):
+def test_reader_plays_pauses_and_steps(modes, tmp_path):
     data = {
         "designs": designs_data(["FSB", "VSWEC"], "FSB"), "width": 3.4, "factor": 0.1, "shapes": shapes_data(modes),
         "seas": [frames()],
@@ -204,67 +185,3 @@ def test_a_reader_plays_pauses_and_steps(modes, tmp_path):
     amplitudes = np.array([0.1, 0.0]) + 0.1 * unpacked(stored_frames["designs"][1]["shell"])[:2]
     assert found["top"] == pytest.approx([0.0, 2.0 + amplitudes.sum()], abs=1e-5)
     assert found["inked"]
-
-
-def test_shapes_are_told_along_the_meridian_too_with_their_orders_and_the_shape_at_rest(modes):
-    """What a study has not is not there."""
-    phi = modes.colatitude.values
-    given = modes.assign(
-        meridional=(("mode", "colatitude"), [np.sin(phi), np.sin(2 * phi)]),
-        order=("mode", [1, 0]),
-        rest_radial=("colatitude", 0.3 * np.cos(phi)),
-        rest_meridional=("colatitude", -0.2 * np.sin(phi)),
-    )
-    found = shapes_data(given)
-    angle = unpacked(found["colatitude"])
-    np.testing.assert_allclose(
-        unpacked(found["meridional"]).reshape(2, -1), [np.sin(angle), np.sin(2 * angle)], atol=2e-6
-    )
-    np.testing.assert_allclose(unpacked(found["rest_radial"]), 0.3 * np.cos(angle), atol=1e-6)
-    np.testing.assert_allclose(unpacked(found["rest_meridional"]), -0.2 * np.sin(angle), atol=1e-6)
-    assert (found["radius"], found["centre"], list(unpacked(found["order"]))) == (2.0, 0.5, [1, 0])
-    assert not {"order", "rest_radial", "rest_meridional"} & shapes_data(modes).keys()
-
-
-def test_a_window_of_less_than_eight_periods_is_shown_from_its_start():
-    """And of less than one, in which a buoy drifts nowhere, surge is about its mean."""
-    time = np.linspace(6.0, 8.0, 14)
-    swing = 2 * np.cos(2 * np.pi / PERIOD * time)
-    moved = {"A": run(["Heave", "Surge"]) + xr.DataArray([0.0, 50.0], {"dof": ["Heave", "Surge"]}, ("dof",))}
-    for start in (2.0, 6.0):
-        found = frames_data("a swell", moved, SWELL, (start, 8.0), PERIOD, 3.4, Water(), [])
-        assert (found["start"], found["start"] + found["step"] * (found["frames"] - 1)) == pytest.approx((start, 8.0))
-    assert (found["words"], found["calm"], found["frames"]) == ("a swell", False, len(time))
-    np.testing.assert_allclose(unpacked(found["designs"][0]["surge"]), swing - swing.mean(), atol=1e-3)
-    still = frames_data("still water", moved, NO_WAVES, (2.0, 8.0), PERIOD, 3.4, Water(), [])
-    assert still["calm"]
-    assert not unpacked(still["surface"]).any()
-
-
-def test_waves_of_a_heavier_gravity_are_longer():
-    """In deep water by as much as gravity is larger: w^2 = g k."""
-    time, place = np.linspace(0.0, 4.0, 9), np.linspace(-2.0, 3.0, 7)
-    light, heavy = (surface(SWELL, time, by * place, Water(gravity=g)) for by, g in ((1.0, 6.0), (2.0, 12.0)))
-    np.testing.assert_allclose(heavy, light, atol=1e-12)
-    assert np.abs(surface(SWELL, time, place, Water(gravity=12.0)) - light).max() > 0.1
-
-
-def test_words_of_moving_buoys_are_of_all_their_seas_and_begin_with_what_is_told():
-    calm, planar = {**frames(), "calm": True}, {**frames(), "designs": [{"heave": ""}, {"heave": "", "surge": ""}]}
-    moving = {"designs": [{"name": "A"}], "factor": 1.0, "told": "In the last sea:", "seas": [calm, calm]}
-    for seas, words in (
-        ([calm, calm], "Dotted: undeformed."), ([calm, frames()], FROM_LEFT), ([frames(), calm], FROM_LEFT),
-        ([calm, planar], PLANE),
-    ):  # fmt: skip
-        assert in_motion({**moving, "seas": seas})["waves"] == words
-    found = in_motion(moving)
-    assert found["words"] == "In the last sea: A side by side; all is to scale."
-    assert json.loads(found["data"]) == moving
-
-
-@pytest.mark.parametrize("order", [[0, 1, 2], [2, 1, 0], [1, 2, 0]])
-def test_amplitudes_of_the_shell_stand_in_the_order_of_its_shapes(order):
-    """In whatever order the run has its degrees of freedom."""
-    shuffled = run(LABELS).isel(dof=order)
-    found = frames_data("", {"A": shuffled}, SWELL, (0.0, 60.0), PERIOD, 3.4, Water(), LABELS[1:])["designs"][0]
-    assert found == frames()["designs"][1]

@@ -1,27 +1,18 @@
-"""The band that counts: where some design absorbs a twentieth of the most, and waves are seas; extremes of gains in it."""
+"""The band of useful frequencies and the extremes of gains in it."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.report.band import LOWEST, USEFUL, gain_band, lowest, useful_band, with_extremes
+from vsb.report.band import LOWEST, USEFUL, gain_band, useful_band, with_extremes
 
 
-def test_any_design_makes_a_frequency_useful_and_too_long_waves_none():
+def test_any_design_makes_a_frequency_useful_above_the_lowest():
     omega = np.array([0.2, 0.5, 1.0, 1.5, 2.0])
     power = [[100.0, 1.0, 100.0, 1.0, 4.9], [100.0, 1.0, 1.0, 5.1, 1.0]]
     absorbed = xr.DataArray(power, dims=("design", "omega"), coords={"omega": omega})
     assert (LOWEST, USEFUL) == (0.3, 0.05)
     assert useful_band(absorbed).values.tolist() == [False, False, True, True, False]
-
-
-def test_the_bounds_of_the_band_are_part_of_it():
-    """Waves of just 0.3 rad/s are seas, a twentieth of the most is of use; half of a band must be of seas."""
-    absorbed = xr.DataArray(
-        [[5.0, 100.0, 4.99], [0.0, 0.0, 0.0]], dims=("design", "omega"), coords={"omega": [0.3, 1, 2]}
-    )
-    assert useful_band(absorbed).values.tolist() == [True, True, False]
-    assert (lowest(0.1, 0.6), lowest(0.1, 0.599), lowest(0.5, 0.599)) == (0.3, 0.1, 0.5)
 
 
 NARROW = 3e-3
@@ -36,7 +27,7 @@ def resonant(omega):
     return xr.DataArray(values, dims=("design", "omega"), coords={"design": ["FSB", "A"], "omega": omega})
 
 
-def test_gains_at_extremes_between_frequencies_are_found():
+def test_extremes_between_grid_frequencies_are_found():
     """In closed form +636 % and -80 %; the grid itself shows less than half of the first."""
     omega = np.arange(0.5, 2.5, 0.01)
     found = resonant(with_extremes(resonant, omega, "FSB"))
@@ -55,8 +46,7 @@ def falling(omega):
     return xr.DataArray(values, dims=("design", "omega"), coords={"design": ["FSB", "A"], "omega": omega})
 
 
-def test_a_gain_that_is_largest_where_its_band_ends_is_known_there():
-    """Where a tenth of what the other absorbs is more than the rigid one does, or a twentieth of its own most."""
+def test_gain_at_the_end_of_its_band_is_found():
     omega = np.arange(0.3, 1.5, 0.037)
     power = falling(with_extremes(falling, omega, "FSB"))
     inside = power.omega.values[gain_band(power, "FSB").values]
@@ -68,7 +58,7 @@ def test_a_gain_that_is_largest_where_its_band_ends_is_known_there():
     assert np.exp(2 * end) == pytest.approx(np.exp(2 * exact), rel=2e-3)
 
 
-def test_what_is_resolved_stays_as_it_is():
+def test_resolved_curve_keeps_its_grid():
     omega = np.linspace(0.5, 1.5, 400)
     smooth = xr.DataArray([np.ones(400), 1 + omega], dims=("design", "omega"))
     smooth = smooth.assign_coords(design=["FSB", "A"], omega=omega)

@@ -1,3 +1,5 @@
+"""Statements and tables of designs at their own optimal damping."""
+
 import pytest
 
 from vsb.report.page import sea_statements
@@ -6,7 +8,6 @@ from vsb.report.tuned import (
     closing_line,
     dampers_in_words,
     limited_statements,
-    parts_table,
     shares_text,
     tuned_statements,
     tuning_table,
@@ -26,7 +27,7 @@ SWELL = [line("FSB", 781.1, 0.0, 207.0, share=0.265, given_gain=0.0), line("A", 
 CHOP = [line("FSB", 100.0, 0.0, sea="v"), line("A", 112.8, 12.8, sea="v"), line("B", 100.0, 0.01, sea="v")]
 
 
-def test_the_answer_is_the_gain_at_own_best_dampers():
+def test_answer_is_the_gain_at_own_optimal_damping():
     assert tuned_statements([*SWELL, *CHOP], "FSB", SEAS) == [
         "In a swell, each design at its own best damper: A absorbs 9.6 % less than the rigid FSB (705.8 against 781.1 W).",
         "In a chop, each design at its own best damper: A absorbs 12.8 % more than the rigid FSB (112.8 against 100 W); "
@@ -34,22 +35,7 @@ def test_the_answer_is_the_gain_at_own_best_dampers():
     ]
 
 
-@pytest.mark.parametrize(
-    ("gain", "words"),
-    [(0.04, "as much as"), (-0.04, "as much as"), (0.06, "0.1 % more than"), (-0.06, "0.1 % less than")],
-)
-def test_a_gain_is_none_where_it_would_be_printed_as_nothing(gain, words):
-    (text,) = tuned_statements([SWELL[0], line("A", 781.1, gain)], "FSB", SEAS)
-    assert f"A absorbs {words} the rigid FSB" in text
-
-
-@pytest.mark.parametrize("lines", [SWELL[:1], [line("FSB", 781.1, None)]])
-def test_without_a_gain_powers_are_given(lines):
-    text = "In a swell, each design at its own best damper: FSB absorbs 781.1 W."
-    assert tuned_statements(lines, "FSB" if lines is SWELL[:1] else None, SEAS) == [text]
-
-
-def test_what_the_given_damper_takes_of_the_optimum_stands_beside_its_gain():
+def test_share_of_the_optimum_at_the_given_damping():
     assert shares_text(SWELL, "w") == "; at 8000 N s/m FSB reaches 26 % of its own best, A 32 %"
     assert shares_text(CHOP, "v") == ""
     own = [SWELL[0], SWELL[1] | {"damping": 6000.0}, SWELL[1] | {"design": "B", "damping": 8000.0}]
@@ -65,7 +51,7 @@ def test_what_the_given_damper_takes_of_the_optimum_stands_beside_its_gain():
     ]
 
 
-def test_the_run_closes_with_the_fair_answer():
+def test_closing_line_of_a_run():
     assert closing_line(SWELL, "FSB") == (
         "mean power against the rigid FSB -9.6 % at own best dampers, +9.5 % at the given damper; "
     )
@@ -76,19 +62,14 @@ def test_the_run_closes_with_the_fair_answer():
     assert even == "mean power against the rigid FSB +0.0 % at own best dampers, +0.0 % at the given damper; "
 
 
-def test_the_closing_line_is_of_valid_designs_or_says_that_there_is_no_answer():
+def test_closing_line_counts_valid_designs_only():
     buckled = {"name": "buckling", "value": 66.0, "limit": 1.0}
     a, b = ({"design": name, "sea": "v", **buckled} for name in ("A", "B"))
     assert closing_line(CHOP, "FSB", [a]) == "mean power against the rigid FSB +0.0 % at own best dampers; "
     assert closing_line(CHOP, "FSB", [a, b]).startswith("No valid answer yet: the shell buckles under its static load")
 
 
-def test_the_parts_of_an_interval_are_told_source_by_source():
-    parts = [{"name": "modes left out", "low": -3.0, "high": 0.0, "kind": "bound", "shared": False}]
-    assert parts_table([CHOP[1] | {"errors": parts}]) == [["A", "v", "modes left out", "-3", "0", "bound"]]
-
-
-def test_table_has_a_dash_for_what_does_not_exist():
+def test_table_of_optimal_damping():
     first, second = tuning_table([SWELL[1], CHOP[0]])
     assert first == ["A", "w", "64280", "705.8", "-9.6", "-", "8000", "227", "+9.5", "-", "32.2"]
     assert second == ["FSB", "v", "64280", "100", "+0.0", "-", "-", "-", "-", "-", "-"]
@@ -97,7 +78,7 @@ def test_table_has_a_dash_for_what_does_not_exist():
     assert len(first) == len(TUNING)
 
 
-def test_what_limits_leave_is_said_with_its_gain():
+def test_power_within_limits():
     lines = [
         {"design": "FSB", "sea": "w", "power": 100.0, "gain_percent": 0.0},
         {"design": "A", "sea": "w", "power": 112.3, "gain_percent": 12.3},
@@ -120,43 +101,5 @@ def test_what_limits_leave_is_said_with_its_gain():
         ({"damping": 1.0, "law": "declutching"}, "At the given damper, declutching"),
     ],
 )
-def test_dampers_of_runs_are_named(pto, words):
+def test_damping_of_runs_is_named(pto, words):
     assert dampers_in_words(pto) == words
-
-
-def test_a_gain_of_nothing_is_a_gain_and_one_that_is_not_known_is_none():
-    """At own best dampers as within limits; the same gain in several seas is told once."""
-    lines = [line("FSB", 100.0, 0.0), line("A", 100.0, 0.0), line("B", 90.0, None)]
-    assert tuned_statements(lines, "FSB", SEAS) == [
-        "In a swell, each design at its own best damper: A absorbs as much as the rigid FSB (100 against 100 W)."
-    ]
-    within = [{"design": d, "sea": "w", "power": 5.0, "gain_percent": gain} for d, gain in (("FSB", 0.0), ("A", 0.0))]
-    (text,) = limited_statements(within, "FSB", SEAS)
-    assert text.endswith(": FSB 5 W, A 5 W (+0.0 %).")
-    same = [line("FSB", 1.0, 0.0), line("A", 1.01, 1.0), line("FSB", 1.0, 0.0, sea="v"), line("A", 1.01, 1.04, sea="v")]
-    assert closing_line(same, "FSB") == "mean power against the rigid FSB +1.0 % at own best dampers; "
-
-
-def test_where_no_gain_is_known_all_designs_of_the_sea_have_their_power():
-    lines = [line("FSB", 0.0, None), line("A", 12.0, None), line("B", 7.0, None, sea="v")]
-    assert tuned_statements(lines, "FSB", SEAS) == [
-        "In a swell, each design at its own best damper: FSB absorbs 0 W; A absorbs 12 W.",
-        "In a chop, each design at its own best damper: B absorbs 7 W.",
-    ]
-
-
-@pytest.mark.parametrize("law", ["latching", "declutching"])
-def test_a_law_that_pauses_is_named_with_its_damper(law):
-    assert dampers_in_words({"damping": {"A": 1.0}, "law": law}) == f"At the given damper, {law}"
-    assert dampers_in_words({"tuning": "one", "law": law}) == f"In time, {law}, with the damper that suits it"
-    assert dampers_in_words({"damping": 1.0, "law": "linear"}) == "At the given damper"
-
-
-def test_a_rigid_design_is_known_by_its_name_and_not_by_its_place():
-    """In a sea without it, gains it would have are not told."""
-    lines = [SWELL[1], SWELL[0], line("B", 794.0, 1.65), line("A", 12.0, 3.0, sea="v"), line("B", 7.0, 2.0, sea="v")]
-    assert tuned_statements(lines, "FSB", SEAS) == [
-        "In a swell, each design at its own best damper: A absorbs 9.6 % less than the rigid FSB (705.8 against 781.1 W); "
-        "B absorbs 1.6 % more than the rigid FSB (794 against 781.1 W).",
-        "In a chop, each design at its own best damper: A absorbs 12 W; B absorbs 7 W.",
-    ]

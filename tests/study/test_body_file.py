@@ -1,4 +1,4 @@
-"""A body file is checked before anything is solved."""
+"""Body files: frequencies, directions and limits."""
 
 import math
 
@@ -11,11 +11,6 @@ from vsb.study.reading import validated
 RAFT = {"body": "raft", "mesh": "raft.nc", "modes": "raft.nc", "omega": [0.6, 0.9]}
 
 
-def test_what_is_not_said_has_a_default():
-    found = validated(BodyFile, RAFT, "raft.yaml")
-    assert (found.lid, found.symmetry, found.wave_direction, found.tolerance) == (8, "auto", (0.0,), None)
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -26,14 +21,14 @@ def test_what_is_not_said_has_a_default():
         ({"water": {"depth": 10.0}, "omega": [0.1]}, "omega 0.1 rad/s: in 10 m of water needs at least"),
     ],
 )
-def test_frequencies_nobody_can_solve_are_refused(changes, message):
+def test_unsolvable_frequencies_are_refused(changes, message):
     with pytest.raises(ConfigError, match=message):
         validated(BodyFile, {**RAFT, **changes}, "raft.yaml")
 
 
 @pytest.mark.parametrize(("gravity", "depth"), [(9.81, 10.0), (3.7, 2.0)])
-def test_the_lowest_frequency_is_that_of_the_longest_wave_panels_know(gravity, depth):
-    """A wavenumber times depth of 0.3."""
+def test_lowest_frequency_of_the_panels(gravity, depth):
+    """Wavenumber times depth of 0.3."""
     lowest = math.sqrt(gravity * 0.3 / depth * math.tanh(0.3))
     water = {"gravity": gravity, "depth": depth}
     validated(BodyFile, {**RAFT, "water": water, "omega": [1.0001 * lowest, 9.0]}, "raft.yaml")
@@ -51,7 +46,7 @@ def test_the_lowest_frequency_is_that_of_the_longest_wave_panels_know(gravity, d
         ("symmetry", ["auto", "none", "xOz", "yOz", "xOz+yOz"], ["yOz+xOz", "xOy"]),
     ],
 )
-def test_what_a_body_file_asks_for_lies_within_limits(key, kept, refused):
+def test_limits_of_a_body_file(key, kept, refused):
     water = {"depth": float("inf")}
     for value in kept:
         found = getattr(validated(BodyFile, {**RAFT, "water": water, key: value}, "raft.yaml"), key)

@@ -1,4 +1,4 @@
-"""Froude's scaling: the same buoy of another size, for every quantity a study can have."""
+"""Froude scaling of every quantity of a study."""
 
 import inspect
 import re
@@ -12,7 +12,6 @@ from pydantic import BaseModel
 from vsb.shell.modes import mode_basis
 from vsb.study import study as config
 from vsb.study.froude import FROUDE, scaled
-from vsb.study.keys import KEYS
 
 SEED = Path(__file__).parents[1] / "data" / "seed.yaml"
 KEPT = {
@@ -46,14 +45,14 @@ def numbers(model):
     return found
 
 
-def test_every_number_of_a_study_scales_or_is_known_to_stay():
-    """A key added later would scale in silence by nothing."""
+def test_every_number_scales_or_is_known_to_stay():
+    """A key added later would otherwise silently not scale."""
     found = numbers(config.Study)
     assert found > {"radius", "damping", "stroke_limit"}
     assert found - set(FROUDE) == KEPT | NOWHERE | {"mooring"}
 
 
-def test_a_mooring_scales_by_force_and_moment_per_length_and_angle():
+def test_mooring_scales_by_force_and_moment_per_length_and_angle():
     """Forces go with the cube of lengths, moments with the fourth power."""
     raw = {"mooring": [1.0] * 6}
     assert scaled(raw, 2.0) == {"mooring": [4.0] * 3 + [16.0] * 3}
@@ -74,23 +73,18 @@ TAKE_OFF = {"damping": 1.0, "stiffness": 1.0, "force_limit": 1.0, "stroke_limit"
         ("pitch", (512.0, 256.0, 256.0, 1.0)),  # N m s, N m, N m, rad
     ],
 )
-def test_a_take_off_scales_by_what_its_port_moves_by(port, expected):
+def test_take_off_scales_with_the_units_of_its_port(port, expected):
     found = scaled({"pto": {"port": port, **TAKE_OFF}}, 4.0)["pto"]
     assert tuple(found[key] for key in TAKE_OFF) == (*expected, 1.0)
 
 
-def test_a_take_off_of_a_length_scales_as_the_table_says():
-    found = scaled({"pto": TAKE_OFF}, 2.0)["pto"]
-    assert found == {key: 2.0 ** FROUDE.get(key, 0.0) for key in TAKE_OFF}
-
-
-def test_scaling_there_and_back_is_nothing():
+def test_scaling_there_and_back_is_the_identity():
     study = config.load(SEED).model_dump(exclude={"study"})
     twice = scaled(scaled(study, 4.0), 0.25)
     assert config.parse({"study": "seed", **twice}, source="twice").model_dump() == config.load(SEED).model_dump()
 
 
-def test_dampers_by_name_and_lists_go_with_their_key():
+def test_damping_per_design_and_lists_scale():
     raw = {"pto": {"damping": {"FSB": 2.0, "VSWEC": 3.0}}, "simulation": {"window": [4.0, 8.0]}, "hydro": {"rows": 40}}
     assert scaled(raw, 4.0) == {
         "pto": {"damping": {"FSB": 64.0, "VSWEC": 96.0}}, "simulation": {"window": [8.0, 16.0]}, "hydro": {"rows": 40}
@@ -98,8 +92,7 @@ def test_dampers_by_name_and_lists_go_with_their_key():
 
 
 @pytest.mark.parametrize("scale", [0.25, 4.0])
-def test_a_scaled_shell_swings_more_slowly_by_the_root(scale):
-    """Stiffness over inertia of every mode goes as gravity over length."""
+def test_natural_frequencies_scale_with_the_root_of_length(scale):
     study = config.load(SEED)
     larger = config.parse(scaled(study.model_dump(), scale), source="larger")
     own, other = (
@@ -131,35 +124,7 @@ def power_of_scale(unit):
     return powers
 
 
-def test_every_quantity_scales_as_its_units_say():
+def test_every_quantity_scales_as_its_units():
     powers = {name: power_of_scale(unit) for unit, names in DIMENSIONS.items() for name in names.split()}
     assert power_of_scale("kg/m^3") == power_of_scale("m/s^2") == 0.0
     assert powers == FROUDE
-
-
-def test_a_word_or_a_truth_is_no_quantity():
-    assert scaled({"mass": True, "radius": "wide", "damping": None, "period": 2}, 4.0) == {
-        "mass": True,
-        "radius": "wide",
-        "damping": None,
-        "period": 4.0,
-    }
-
-
-UNSCALED = {"hs": "m", "tp": "s", "band": "rad/s", "depth": "m", "draft": "m", "seconds": "s", "atmospheric_pressure": "Pa",
-            "mooring": "N/m, N, N m"}  # fmt: skip
-"""Units of what has a dimension but no power of its own: of the sea, of the water and the air, of a mass, of a budget."""
-
-
-def test_units_a_key_is_told_with_scale_as_the_key_does(monkeypatch):
-    for name, power in {"N": 3.0, "Pa": 1.0}.items():
-        monkeypatch.setitem(OF_SCALE, name, power)
-    for section, keys in KEYS.items():
-        for name, key in keys.items():
-            if name in UNSCALED:
-                assert key.unit == UNSCALED[name], (section, name)
-            elif (section, name) == ("Device", "damping"):
-                assert key.unit == ""  # a section; of a take-off it is a number
-            elif name in FROUDE or key.unit not in ("", "-"):
-                assert key.unit not in ("", "-"), (section, name)
-                assert power_of_scale(key.unit) == FROUDE.get(name, 0.0), (section, name)

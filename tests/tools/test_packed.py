@@ -1,4 +1,4 @@
-"""Packed datasets: the same after they were on disk, the same bytes, and refused when they are not what they should be."""
+"""Packed datasets: exact, reproducible, and refused when damaged or stale."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def dataset():
     return xr.Dataset(values, coords=at, attrs={"spec_id": "0123456789abcdef", "spec": "{}"})
 
 
-def test_a_dataset_comes_back_as_it_was(dataset, tmp_path):
+def test_dataset_round_trips(dataset, tmp_path):
     packed.save(dataset, tmp_path / "one.npz")
     found = packed.load(tmp_path / "one.npz", expected="0123456789abcdef")
     assert found.attrs == dataset.attrs
@@ -33,7 +33,7 @@ def test_a_dataset_comes_back_as_it_was(dataset, tmp_path):
         np.testing.assert_array_equal(found[name].values, variable.values)
 
 
-def test_bytes_depend_on_contents_alone(dataset, tmp_path):
+def test_bytes_depend_on_contents_only(dataset, tmp_path):
     for name in ("one", "two"):
         packed.save(dataset, tmp_path / name)
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
@@ -41,7 +41,7 @@ def test_bytes_depend_on_contents_alone(dataset, tmp_path):
 
 
 @pytest.mark.parametrize("at", [10, -300, -10])
-def test_one_byte_changed_is_seen(dataset, tmp_path, at):
+def test_changed_byte_is_detected(dataset, tmp_path, at):
     path = tmp_path / "one.npz"
     packed.save(dataset, path)
     data = bytearray(path.read_bytes())
@@ -51,15 +51,7 @@ def test_one_byte_changed_is_seen(dataset, tmp_path, at):
         packed.read(path)
 
 
-def test_a_cut_file_is_seen(dataset, tmp_path):
-    path = tmp_path / "one.npz"
-    packed.save(dataset, path)
-    path.write_bytes(path.read_bytes()[:-100])
-    with pytest.raises(DatabaseError, match="its contents are not those"):
-        packed.read(path)
-
-
-def test_what_is_not_there_stale_or_no_dataset_is_refused(dataset, tmp_path):
+def test_missing_stale_or_invalid_file_is_refused(dataset, tmp_path):
     path = tmp_path / "one.npz"
     with pytest.raises(DatabaseError, match="file not found"):
         packed.read(path)
@@ -76,21 +68,14 @@ def test_what_is_not_there_stale_or_no_dataset_is_refused(dataset, tmp_path):
         packed.read(path)
 
 
-def test_arrays_of_one_type_stand_in_one_row(dataset, tmp_path):
-    """Four types, and what tells them apart: an entry of its own for each variable took most of the time."""
-    packed.save(dataset, tmp_path / "one.npz")
-    with np.load(tmp_path / "one.npz") as stored:
-        assert sorted(stored.files) == sorted([".", "<f8", "<i8", "|b1", "<U15", "<U5", "<U3"])
-
-
-def test_nothing_is_written_of_what_is_not_finite(dataset, tmp_path):
+def test_nan_is_never_written(dataset, tmp_path):
     dataset["annual_energy"].values[0] = np.nan  # of a viable design
     with pytest.raises(DatabaseError, match="annual_energy holds NaN"):
         packed.save(dataset, tmp_path / "one.npz")
     assert not list(tmp_path.iterdir())
 
 
-def test_a_file_that_asks_for_code_to_be_run_is_no_dataset(tmp_path):
+def test_pickled_objects_are_never_read(tmp_path):
     """Objects of Python are never read, however well the file is sealed."""
     path = tmp_path / "one.npz"
     header = '{"dims": {"a": ["x"]}, "coords": [], "attrs": {}, "kinds": {"a": ["|O", [1]]}}'
@@ -102,8 +87,7 @@ def test_a_file_that_asks_for_code_to_be_run_is_no_dataset(tmp_path):
         packed.read(path)
 
 
-def test_shapes_of_any_number_of_dimensions_come_back_each_its_own(tmp_path):
-    """Of one type, so in one row: none, one, two and three dimensions, and an empty one."""
+def test_arrays_of_any_number_of_dimensions_round_trip(tmp_path):
     shapes = {"a": (), "b": (3,), "c": (2, 3), "d": (2, 3, 4), "e": (0, 3)}
     dims = ("hs", "te", "draw")
     values = {name: (dims[-len(shape) :] if shape else (), np.arange(np.prod(shape, dtype=int)).reshape(shape) + k)
@@ -114,13 +98,3 @@ def test_shapes_of_any_number_of_dimensions_come_back_each_its_own(tmp_path):
     for name, variable in plain.items():
         assert found[name].dims == variable.dims
         np.testing.assert_array_equal(found[name].values, variable.values)
-
-
-@pytest.mark.parametrize(("attrs", "words"), [
-    ({"spec_id": "f" * 16}, "holds 'ffffffffffffffff', needs '0123456789abcdef': stale or foreign; delete it"),
-    ({}, "holds None, needs '0123456789abcdef': stale or foreign; delete it"),
-])  # fmt: skip
-def test_a_dataset_of_something_else_is_told_by_both_ids(dataset, tmp_path, attrs, words):
-    packed.save(dataset.drop_attrs().assign_attrs(attrs), tmp_path / "one.npz")
-    with pytest.raises(DatabaseError, match=f"one.npz: {words}"):
-        packed.load(tmp_path / "one.npz", expected="0123456789abcdef")

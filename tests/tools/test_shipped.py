@@ -1,7 +1,6 @@
-"""The wheel is whole: a stranger's folder, far from any checkout, can begin a study and run it."""
+"""The wheel is complete: it can begin and plan a study far from any checkout."""
 
 import os
-import runpy
 import shutil
 import subprocess
 import sys
@@ -10,8 +9,6 @@ from pathlib import Path
 
 import pytest
 from conftest import EXAMPLE
-
-from vsb.tools.shipped import HOME
 
 CHECKOUT = EXAMPLE.parent.parent
 FOLDERS = ("vsb", "workflow", "profiles", "config")
@@ -33,7 +30,7 @@ def installed(tmp_path_factory):
     return place
 
 
-def test_a_wheel_holds_every_file(installed):
+def test_wheel_holds_every_file(installed):
     shipped = [path for name in FOLDERS for path in (CHECKOUT / name).rglob("*") if path.is_file()]
     names = [path.relative_to(CHECKOUT) for path in shipped if "__pycache__" not in path.parts]
     inside = [name if name.parts[0] == "vsb" else "vsb" / name for name in names]
@@ -43,25 +40,7 @@ def test_a_wheel_holds_every_file(installed):
     assert {path.name for path in installed.iterdir() if path.is_dir() and "dist-info" not in path.name} == {"vsb"}
 
 
-def test_a_checkout_finds_its_own():
-    assert HOME == CHECKOUT
-    assert EXAMPLE == HOME / "config" / "buoy.yaml"
-
-
-def test_what_a_package_holds_is_its_own_whatever_lies_beside_it(tmp_path):
-    """A folder of the same name there is somebody else's; a checkout holds none inside."""
-    code = tmp_path / "vsb" / "tools" / "shipped.py"
-    code.parent.mkdir(parents=True)
-    shutil.copy(CHECKOUT / "vsb" / "tools" / "shipped.py", code)
-    inside, beside = (place / "workflow" / "Snakefile" for place in (tmp_path / "vsb", tmp_path))
-    assert runpy.run_path(str(code))["HOME"] == tmp_path / "vsb"
-    for path, home in ((beside, tmp_path), (inside, tmp_path / "vsb")):
-        path.parent.mkdir()
-        path.touch()
-        assert runpy.run_path(str(code))["HOME"] == home
-
-
-def test_an_installed_package_begins_and_plans_a_study(installed, tmp_path):
+def test_installed_package_begins_and_plans_a_study(installed, tmp_path):
     paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = {**os.environ, "PYTHONPATH": str(installed), "PATH": paths, "PYTHONSAFEPATH": "1"}
 
@@ -71,8 +50,8 @@ def test_an_installed_package_begins_and_plans_a_study(installed, tmp_path):
         return done.stdout + done.stderr
 
     vsb("init", "my_buoy.yaml", "--radius", "4")
-    told = vsb("run", "my_buoy.yaml", "-n")
-    assert f"Using profile {installed}/vsb/profiles/default" in told
-    assert all(name in told for name in ("spectral", "simulate", "report"))
+    output = vsb("run", "my_buoy.yaml", "-n")
+    assert f"Using profile {installed}/vsb/profiles/default" in output
+    assert all(name in output for name in ("spectral", "simulate", "report"))
     assert sorted(path.name for path in tmp_path.iterdir()) == [".snakemake", "my_buoy.yaml", "results"]
     assert [path.parent.name for path in tmp_path.glob("results/**/*.json")] == ["degrees"]  # of its shell modes

@@ -1,3 +1,5 @@
+"""Manifests of results: stale, damaged and missing products are found."""
+
 import hashlib
 import json
 import os
@@ -9,7 +11,6 @@ import pytest
 from tools.test_files import rao, rewritten
 
 from vsb.errors import DatabaseError
-from vsb.study.blocks import panel_solver
 from vsb.tools.files import load, locked, save, sealed, write_text
 from vsb.tools.stamps import Stamp, faults, read_manifest, read_text, record, stamp_file
 
@@ -31,19 +32,19 @@ def found(place, expected=ID):
     return {os.path.basename(f.path): f.kind for f in faults(files, read_manifest(place / "manifest.json"))}
 
 
-def test_what_was_written_is_sound_also_in_another_place(place):
+def test_results_may_be_moved(place):
     assert found(place) == {}
     assert found(place.rename(place.with_name("elsewhere"))) == {}
 
 
-def test_a_manifest_holds_names_from_its_folder_on(place):
+def test_manifest_holds_relative_names(place):
     stored = json.loads((place / "manifest.json").read_text())
     assert list(stored) == ["figures/power.svg", "table.csv"]
     text = (place / "table.csv").read_bytes()
     assert stored["table.csv"] == {"spec_id": ID, "checksum": hashlib.sha256(text).hexdigest(), "size": len(text)}
 
 
-def test_what_another_specification_made_is_stale(place):
+def test_product_of_another_specification_is_stale(place):
     assert found(place, expected=OTHER) == dict.fromkeys(("table.csv", "power.svg", "run.nc"), "stale")
 
 
@@ -78,7 +79,6 @@ def unnamed(path):
 
 
 def undone(path):
-    """A file of before the stamps."""
     rewritten(path, lambda file: file.delncattr("checksum"))
 
 
@@ -96,20 +96,20 @@ def undone(path):
         ("run.nc", undone, "stale"),
     ],
 )
-def test_damage_is_found_also_with_the_old_time(place, name, damage, kind):
+def test_damage_is_found_even_with_the_old_modification_time(place, name, damage, kind):
     times = (place / name).stat()
     damage(place / name)
     os.utime(place / name, ns=(times.st_atime_ns, times.st_mtime_ns))
     assert found(place) == {os.path.basename(name): kind}
 
 
-def test_a_product_without_a_stamp_is_stale(place):
+def test_product_without_an_entry_is_reported(place):
     (place / "manifest.json").unlink()
     assert read_manifest(place / "manifest.json") == {}
     assert found(place) == {"table.csv": "nameless", "power.svg": "nameless"}
 
 
-def test_a_text_is_read_only_if_it_is_the_one_promised(place):
+def test_text_is_read_only_if_it_is_the_expected_one(place):
     table, manifest = place / "table.csv", place / "manifest.json"
     assert read_text(table, manifest, ID).startswith("design,power")
     with pytest.raises(DatabaseError, match=r"table.csv: is of 'a{16}', needs 'b{16}'; delete it, or let vsb verify"):
@@ -143,7 +143,7 @@ UNREADABLE = [
 
 
 @pytest.mark.parametrize("content", UNREADABLE, ids=range(len(UNREADABLE)))
-def test_a_damaged_manifest_is_one_line_and_begun_anew_by_the_next_product(place, content):
+def test_damaged_manifest_is_one_line_and_written_anew(place, content):
     manifest = place / "manifest.json"
     manifest.write_text(content)
     with pytest.raises(DatabaseError, match=r"manifest.json: cannot be read as a manifest .*; delete it") as error:
@@ -154,29 +154,13 @@ def test_a_damaged_manifest_is_one_line_and_begun_anew_by_the_next_product(place
     assert read_manifest(manifest) == {str(place / "table.csv"): Stamp.of(place / "table.csv", ID)}
 
 
-def test_what_is_no_file_is_no_manifest(place):
-    (place / "manifest.json").unlink()
-    (place / "manifest.json").mkdir()
-    with pytest.raises(DatabaseError, match=r"manifest.json: cannot be read as a manifest .*Is a directory"):
-        read_manifest(place / "manifest.json")
-
-
-def test_meshes_of_all_studies_stand_beside_the_folder(place):
-    """A manifest names what is in its study's folder, or beside that; `..` alone is no reason to doubt it."""
-    shared = place.parent / "hydro" / "mean.vtu"
-    write_text(shared, "<vtu/>")
-    record(place / "manifest.json", ID, [shared])
-    assert "../hydro/mean.vtu" in json.loads((place / "manifest.json").read_text())
-    assert str(shared) in read_manifest(place / "manifest.json")
-
-
-def test_products_that_are_gone_leave_the_manifest(place):
+def test_missing_products_leave_the_manifest(place):
     (place / "figures" / "power.svg").unlink()
     record(place / "manifest.json", OTHER, [place / "table.csv"])
     assert read_manifest(place / "manifest.json") == {str(place / "table.csv"): Stamp.of(place / "table.csv", OTHER)}
 
 
-def test_a_file_of_before_that_agrees_with_its_specification_is_stamped(tmp_path):
+def test_file_without_a_checksum_can_be_stamped(tmp_path):
     spec, path = '{"stage":"radiation"}', tmp_path / "a.nc"
     identity = hashlib.sha256(spec.encode()).hexdigest()[:16]
     save(rao(np.ones((1, 3, 2))).assign_attrs(spec=spec, spec_id=identity), path)
@@ -196,16 +180,7 @@ def test_a_file_of_before_that_agrees_with_its_specification_is_stamped(tmp_path
     assert fault.kind == "stale"
 
 
-def test_the_table_of_the_panel_solver_carries_its_name(tmp_path):
-    """It is of no specification: the solver and its version are what it should be."""
-    (tmp_path / "table.npz").write_bytes(b"table")
-    record(tmp_path / "manifest.json", panel_solver(), [tmp_path / "table.npz"])
-    (stamp,) = read_manifest(tmp_path / "manifest.json").values()
-    assert stamp.spec_id == panel_solver()
-
-
-def test_a_job_waits_until_another_has_written_its_stamps(place):
-    """Both stand in the manifest: what is in it is read when nobody else writes it."""
+def test_manifest_is_locked_while_it_is_written(place):
     write_text(place / "late.csv", "design\n")
     late = threading.Thread(target=record, args=(place / "manifest.json", ID, [place / "late.csv"]))
     with locked(place / ".manifest.json.lock"):
@@ -219,67 +194,7 @@ def test_a_job_waits_until_another_has_written_its_stamps(place):
     assert names == {"late.csv", "power.svg", "table.csv"}
 
 
-def test_a_manifest_is_begun_with_its_folder(tmp_path):
-    write_text(tmp_path / "a.csv", "x\n")
-    record(tmp_path / "new" / "study" / "manifest.json", ID, [])
-    assert read_manifest(tmp_path / "new" / "study" / "manifest.json") == {}
-    record(tmp_path / "other" / "manifest.json", ID, [tmp_path / "a.csv"])
-    assert list(read_manifest(tmp_path / "other" / "manifest.json")) == [str(tmp_path / "a.csv")]
-
-
-def test_a_manifest_names_no_file_from_the_root_on(place):
-    """Not even one of its own folder: it would be of the place the results once stood at."""
-    (place / "manifest.json").write_text(entry(str(place / "table.csv")))
-    with pytest.raises(DatabaseError, match=r"cannot be read as a manifest \('/.*delete it"):
-        read_manifest(place / "manifest.json")
-
-
-def test_what_stands_where_a_product_should_is_seen(place):
-    """As a dangling name is none, a table whose name holds that of a netCDF file is a text."""
-    table = place / "run.nc.csv"
-    write_text(table, "x\n")
-    record(place / "manifest.json", ID, [table])
-    stamps = read_manifest(place / "manifest.json")
-    assert faults({str(table): ID, str(place / "none.csv"): ID}, stamps) == []
-    (fault,) = faults({str(table): OTHER}, stamps)
-    assert fault == (str(table), "stale", f"is of {ID!r}, needs {OTHER!r}")
-
-
-def test_faults_are_told_of_all_files_each_by_its_own_id(place):
-    other = place / "other.nc"
-    foreign(other)
-    files = {str(place / "run.nc"): OTHER, str(other): OTHER, str(place / "table.csv"): OTHER}
-    told = faults(files, read_manifest(place / "manifest.json"))
-    assert [(os.path.basename(f.path), f.kind, f.reason) for f in told] == [
-        (name, "stale", f"is of {ID!r}, needs {OTHER!r}") for name in ("run.nc", "table.csv")
-    ]
-
-
-def test_a_stamped_file_keeps_both_its_times(place):
-    undone(place / "run.nc")
-    os.utime(place / "run.nc", ns=(10**18, 2 * 10**18))
-    stamp_file(place / "run.nc")
-    assert os.stat(place / "run.nc").st_mtime_ns == 2 * 10**18
-    assert load(place / "run.nc").attrs["checksum"]
-
-
-@pytest.mark.parametrize(
-    "spec_id", ["a" * 15, "a" * 17, "A" * 16, "capytaine 2.3 beta", "capytaine ", "capytaine 2.3\n", ""]
-)
-def test_an_id_that_no_product_has_makes_no_stamp(spec_id):
-    with pytest.raises(ValueError, match="no stamp of an id, a checksum and a size"):
-        Stamp(spec_id, "0" * 64, 1)
-    assert Stamp("capytaine 2.3.1_dev", "0" * 64, 0).size == 0
-
-
-@pytest.mark.parametrize("checksum", ["0" * 63, "0" * 65, "g" * 64, "A" * 64])
-def test_a_checksum_that_is_none_makes_no_stamp(checksum):
-    with pytest.raises(ValueError, match="no stamp of an id, a checksum and a size"):
-        Stamp(ID, checksum, 1)
-
-
-def test_a_stamp_that_is_written_again_is_the_new_one(place):
-    """Of another specification, and of other contents."""
+def test_new_entry_replaces_the_old_one(place):
     table, before = place / "table.csv", read_manifest(place / "manifest.json")
     edited(table)
     record(place / "manifest.json", OTHER, [table])

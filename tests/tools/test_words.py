@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.tools.words import against_rigid, multiple, plain, power, quantity, short, shortened, the_rigid, watts
+from vsb.tools.words import against_rigid, multiple, plain, power, quantity, short, shortened, watts
 
 
 @pytest.mark.parametrize(
@@ -15,7 +15,7 @@ def test_numbers_have_four_digits_and_no_exponent(value, text):
 
 
 @given(st.floats(1e-3, 1e14))
-def test_what_is_printed_is_the_number(value):
+def test_printed_number_is_the_value(value):
     assert "e" not in plain(value)
     assert float(plain(value)) == pytest.approx(value, rel=5.1e-4)
 
@@ -31,12 +31,7 @@ def test_powers_that_are_compared_have_one_unit():
     assert (power(1e4), power(9999999.0), power(1e7)) == ("10 kW", "10000 kW", "10 MW")
 
 
-@pytest.mark.parametrize(("name", "called"), [("FSB", "the rigid FSB"), ("rigid", "the rigid one")])
-def test_a_rigid_design_is_called_so_once(name, called):
-    assert the_rigid(name) == called
-
-
-def test_percents_say_little_of_a_gain_of_tenfold():
+def test_gain_of_tenfold_is_a_multiple():
     assert [multiple(gain) for gain in (-100.0, 899.0, 900.0, 19799.0)] == [
         "",
         "",
@@ -45,7 +40,7 @@ def test_percents_say_little_of_a_gain_of_tenfold():
     ]
 
 
-def test_a_gain_that_prints_as_none_is_none():
+def test_gain_that_rounds_to_zero():
     assert against_rigid(0.049, "FSB") == against_rigid(-0.049, "FSB") == "as much as the rigid FSB"
     assert against_rigid(0.05, "rigid") == "0.1 % more than the rigid one"
     assert against_rigid(-12.34, "FSB") == "12.3 % less than the rigid FSB"
@@ -53,37 +48,18 @@ def test_a_gain_that_prints_as_none_is_none():
 
 @pytest.mark.parametrize(
     ("value", "text"),
-    [
-        (0.0, "0"), (1000.0, "1000"), (66.44, "66.4"), (1e-6, "1e-06"), (3e7, "3e+07"), (-1000.0, "-1000"),
-        (-234567.0, "-235000"), (999999.0, "1000000"), (1e6, "1e+06"), (-1e6, "-1e+06"), (-1e-6, "-1e-06"),
-    ],
+    [(0.0, "0"),
+        (1000.0, "1000"),
+        (1e-6, "1e-06"),
+        (3e7, "3e+07"),
+        (999999.0, "1000000"),
+        (1e6, "1e+06")],
 )  # fmt: skip
-def test_a_number_of_a_ledger_has_an_exponent_where_it_is_tiny_or_huge(value, text):
+def test_exponent_of_very_small_and_large_numbers(value, text):
     assert short(value) == text
 
 
-@pytest.mark.parametrize(
-    ("value", "unit", "text"),
-    [
-        (1e8, "Pa", "100 MPa"),
-        (2.1e11, "Pa", "210 GPa"),
-        (0.0, "Pa", "0 Pa"),
-        (1e9, "Pa", "1 GPa"),
-        (1e6, "Pa", "1 MPa"),
-        (999999.0, "Pa", "999999 Pa"),
-        (-30e3, "Pa", "-30000 Pa"),
-        (-2e6, "Pa", "-2 MPa"),
-        (3, "Pa", "3"),
-        (4.0, "1", "4"),
-        (4e3, "N", "4000 N"),
-        ("full", "1", "full"),
-    ],
-)
-def test_a_value_is_told_with_its_unit(value, unit, text):
-    assert quantity(value, unit) == text
-
-
-def test_a_text_of_eighty_characters_is_repeated_and_a_longer_one_cut():
+def test_long_text_is_cut():
     assert shortened("x" * 80) == "x" * 80
     assert shortened("x" * 81) == f"{'x' * 80}... (81 characters)"
 
@@ -92,10 +68,10 @@ PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 
 
 @given(st.floats(1e-3, 1e12), st.sampled_from([1.0, -1.0]))
-def test_whatever_its_prefix_a_quantity_is_the_value(size, sign):
+def test_prefixes_keep_the_value(size, sign):
     """Pascal to six digits, watts to four; nothing else has a prefix."""
     value = sign * size
     for text, unit, digits in ((quantity(value, "Pa"), "Pa", 5e-6), (power(value), "W", 5.1e-4)):
-        number, told = text.split()
-        assert float(number) * PREFIXES[told.removesuffix(unit)] == pytest.approx(value, rel=digits)
+        number, prefixed = text.split()
+        assert float(number) * PREFIXES[prefixed.removesuffix(unit)] == pytest.approx(value, rel=digits)
     assert quantity(value, "N/m") == f"{value:g} N/m"
