@@ -99,11 +99,11 @@ def results(tmp_path_factory):
 
 
 @pytest.mark.parametrize("case", ["port", "turn"])
-def test_a_body_in_other_units_is_found_to_do_the_same(results, case):
+def test_results_of_a_body_do_not_depend_on_units(results, case):
     units = UNITS | TURNED if case == "turn" else UNITS
     assert_same_in_other_units(results(case, "own"), results(case, "units"), units, FREE)
 
 
 @pytest.mark.parametrize("case", ["port", "turn"])
-def test_designs_seas_and_motions_in_another_order_are_found_to_do_the_same(results, case):
+def test_results_of_a_body_do_not_depend_on_order(results, case):
     assert_same_in_another_order(results(case, "own"), results(case, "order"), FREE)

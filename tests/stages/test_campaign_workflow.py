@@ -45,7 +45,7 @@ def jobs(text):
     return {rule: int(count) for rule, count in rows}
 
 
-def test_a_campaign_from_its_plan_to_its_report(folder):
+def test_campaign_from_plan_to_report(folder):
     planned = jobs(vsb(folder, "-n"))
     assert planned == {"members": 1, "campaign": 1, "answer": 1, "all": 1, "total": 4}
     assert not (folder / "results").exists()

@@ -55,7 +55,7 @@ def half(errors):
     return sum(source["high"] for source in errors if source["name"] != MODES)
 
 
-def test_a_tenth_of_the_tolerance_lies_in_every_interval(tmp_path):
+def test_error_intervals_hold_results_of_a_tenth_of_the_tolerance(tmp_path):
     """Of every power of every rung, and of the gains; the half-width of which is far below a hundredth of a point."""
     widths = []
     for i in range(4):
@@ -71,7 +71,7 @@ def test_a_tenth_of_the_tolerance_lies_in_every_interval(tmp_path):
     assert np.median(widths) < 5e-3  # percentage points; twice a tolerance of 1e-3 of both powers was 0.2
 
 
-def test_what_designs_share_cancels_in_the_gain(tmp_path, seed):
+def test_common_errors_cancel_in_the_gain(tmp_path, seed):
     """A shell of diamond is a rigid one: its power is as uncertain, its gain is not."""
     stiff = varied(seed, device={"young_modulus": 1e12}, modes={"basis": "full", "degree": 3}, hydro={"omega_max": 5.0})
     rung = climbed(stiff, tmp_path)["VSWEC", stiff.waves[0].label, "best_damper"]
@@ -79,7 +79,7 @@ def test_what_designs_share_cancels_in_the_gain(tmp_path, seed):
     assert of_gain < 1e-3 * of_power
 
 
-def test_a_year_ten_times_as_close_lies_in_the_intervals_of_a_campaign(tmp_path):
+def test_campaign_intervals_hold_results_of_a_tenth_of_the_tolerance(tmp_path):
     folder = with_seas(tmp_path, (1.0, 6.0), (2.2, 9.0), (3.1, 12.0))
     rough, fine = (
         run_campaign(planned(folder, MODULI, name=name, hydro={"omega_max": 5.0, "tolerance": tolerance}))
@@ -127,7 +127,7 @@ def meshes(tmp_path_factory, green_folder):
     return found
 
 
-def test_meshes_of_one_body_have_overlapping_intervals(meshes):
+def test_intervals_of_different_meshes_overlap(meshes):
     """Of powers and of gains, and the finer the mesh the narrower."""
     for coarse, fine in itertools.combinations(meshes.values(), 2):
         for (design, wave), one in coarse.items():

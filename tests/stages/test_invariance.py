@@ -67,12 +67,12 @@ def results(tmp_path_factory):
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_a_study_in_other_units_finds_the_same(results, name):
+def test_results_do_not_depend_on_units(results, name):
     assert_same_in_other_units(results(STUDIES[name]), results(restated(STUDIES[name])))
 
 
 @pytest.mark.parametrize("name", [name for name in STUDIES if len(STUDIES[name]["waves"]) > 1])
-def test_designs_and_seas_in_another_order_find_the_same(results, name):
+def test_results_do_not_depend_on_the_order_of_designs_and_seas(results, name):
     raw = STUDIES[name]
     assert_same_in_another_order(results(raw), results(renamed(raw) | {"waves": raw["waves"][::-1]}))
 
@@ -109,7 +109,7 @@ def curves(plan):
     return found
 
 
-def test_figures_and_page_of_another_order_show_the_same(results):
+def test_figures_and_page_do_not_depend_on_the_order(results):
     """The same curves and bars, the same words as often."""
     raw = STUDIES["drag"]
     own, other = results(raw, True), results(renamed(raw) | {"waves": raw["waves"][::-1]}, True)

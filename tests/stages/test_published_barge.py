@@ -50,7 +50,7 @@ def theirs(label):
     return np.array([w for w, _ in found]), np.array([x for _, x in found])
 
 
-def test_the_response_is_wamits_own(response):
+def test_response_is_that_published_by_wamit(response):
     """Rigid motions and the first two bending modes to 1 % of their largest, from 0.1 to 1.5 rad/s.
 
     Those of pitch differ by what WAMIT's unsymmetric stiffness does; with it they are WAMIT's, too (next test).
@@ -62,7 +62,7 @@ def test_the_response_is_wamits_own(response):
         assert np.abs(rao - wanted).max() < apart * np.abs(wanted).max(), label
 
 
-def test_with_wamits_own_stiffness_all_motions_are_wamits(response):
+def test_response_with_wamits_stiffness_is_that_published_by_wamit(response):
     """Its response solves the equation of motion of this database, but for the symmetry of still water's stiffness."""
     ds = response().database
     own = import_wamit(BARGE, "barge", density=1000.0, gravity=9.81).hydrostatic_stiffness.values
@@ -76,7 +76,7 @@ def test_with_wamits_own_stiffness_all_motions_are_wamits(response):
         assert np.abs(rao[:, i] - wanted).max() < 1e-3 * np.abs(wanted).max(), label
 
 
-def test_bending_takes_a_take_off_at_the_bow_elsewhere_than_a_rigid_barge(response):
+def test_bending_changes_the_power_at_the_bow(response):
     """Its ladder stands: each rung above the one before; in waves of 8 s the bow of the bending barge takes another power."""
     bow = {"Heave": 1.0, "Pitch": -40.0, **{f"Mode{n}": 1.0 for n in range(7, 11)}}
     ladder = response(pto={"port": {"dofs": bow}}).ladder
@@ -87,7 +87,7 @@ def test_bending_takes_a_take_off_at_the_bow_elsewhere_than_a_rigid_barge(respon
     assert abs(powers["flexible", "best_damper"] / powers["rigid", "best_damper"] - 1) > 0.02
 
 
-def test_time_is_the_frequency_domain_as_far_as_the_memory_is(tmp_path, response):
+def test_time_domain_equals_frequency_domain(tmp_path, response):
     """At the tolerance of docs/own-body.md; the rigid barge alone, of its three motions: a seventh of the fit's time."""
     bow = {"Heave": 1.0, "Pitch": -40.0}
     found = response(
