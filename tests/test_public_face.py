@@ -106,6 +106,6 @@ def test_file_without_hydro_database_is_refused(results):
 
 
 def test_order_of_designs_does_not_matter(results):
-    """In a specification, and so in a job, it is that of the alphabet."""
+    """Specifications sort them."""
     turned = results.study.model_copy(update={"designs": dict(reversed(results.study.designs.items()))})
     assert vsb.Results(turned).plan.ids == results.plan.ids

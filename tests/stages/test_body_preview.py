@@ -14,6 +14,7 @@ from hydro.bodies.test_body import made, rigid
 from stages.test_coefficients import SWELL, as_body
 
 from examples import barge
+from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.files import write_body
 from vsb.stages.body_preview import body_before_run, check_wave
@@ -22,8 +23,18 @@ from vsb.study.body_plan import BodyPlan
 from vsb.study.reading import validated
 
 
+def test_check_summarises_a_body_study(finished, workplace, capsys):
+    Path("a.yaml").write_text(yaml.safe_dump(as_body(finished)))
+    assert main(["check", "a.yaml"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].startswith("body         4 degrees of freedom: Heave, Membrane0,")
+    assert lines[1].endswith("FSB moves in 1, VSWEC moves in 4")
+    assert re.search("hydro .* frequencies from .*, read from ", lines[2])
+    assert any("steepness" in line for line in lines)
+
+
 def checked(finished, capsys, **changes):
-    """The one line in which a study is refused."""
+    """The line of the error of a study."""
     Path("a.yaml").write_text(yaml.safe_dump(as_body(finished, **changes)))
     return told(["check", "a.yaml"], capsys)
 
@@ -105,7 +116,7 @@ def test_errors_of_a_mesh_are_reported_before_solving(tmp_path, file, hydro, asi
 
 
 def of_a_box(folder, vertices, faces, mass, file=None, hydro=None, own=None):
-    """The plan of a study of a box that heaves, with a mass in its file and perhaps one of the study's own."""
+    """The plan of a study of a box in heave, with a mass in its file and optionally one in the study."""
     box = made(vertices, faces, rigid(vertices)[2:3], ("Heave",), mass=mass * np.eye(1))
     write_body(box, folder / "box.nc")
     raw = {"body": "box", "mesh": "box.nc", "modes": "box.nc", **BOX, **(file or {})}

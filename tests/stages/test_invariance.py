@@ -1,7 +1,6 @@
-"""What a whole study finds is the same in other units of mass and length, and in any order of its designs and seas.
+"""Results of whole studies do not depend on units of mass and length, nor on the order of designs and seas.
 
-Every number of every file is compared, from a study's file to its tables and figures: a density, a length or a sea's own
-value that goes missing anywhere between them shows, and so does the first sea or design taken in place of each.
+Every number of every file is compared, from the study to its tables and figures.
 """
 
 import csv
@@ -51,7 +50,7 @@ STUDIES = {
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """Function study, look -> plan of its results: without meshes, and without figures and page but to look at them."""
+    """Function study, look -> plan of its results, with figures and page only where `look` is set."""
 
     @cache
     def run(text, look):
@@ -100,7 +99,7 @@ class Words(HTMLParser):
 
 
 def curves(plan):
-    """Points of every curve with a name, by its figure, axes and name, sorted."""
+    """Points of every named curve, by figure, axes and name."""
     found = {}
     for path in Path(plan.folder).glob("figures/*.csv"):
         for row in csv.DictReader(usual(path.read_text()).splitlines()):
@@ -110,7 +109,7 @@ def curves(plan):
 
 
 def test_figures_and_page_do_not_depend_on_the_order(results):
-    """The same curves and bars, the same words as often."""
+    """The same curves and bars, and the same words equally often."""
     raw = STUDIES["drag"]
     own, other = results(raw, True), results(renamed(raw) | {"waves": raw["waves"][::-1]}, True)
     found = curves(other)

@@ -1,4 +1,4 @@
-"""The page of a campaign computes with the numbers the campaign was computed with."""
+"""The interactive chart of a campaign's page computes the results of the campaign."""
 
 from contextlib import chdir
 

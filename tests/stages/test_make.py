@@ -79,7 +79,7 @@ def test_job_is_due_if_any_wanted_file_is_missing_or_stale(tmp_path, there, stal
 
 
 def test_jobs_depend_on_all_files_they_read(plan):
-    """Files it is handed one by one; of folders those in them that its specification names."""
+    """Files given one by one, and those in folders that are named by its specification."""
     made = {path for job in jobs(plan) for path in job.makes}
     for job in jobs(plan):
         read = {path for path in job.files.values() if path in made} - set(job.makes)

@@ -5,11 +5,9 @@ import re
 import time
 from multiprocessing import get_context
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import xarray as xr
 import yaml
 from conftest import SEED
 
@@ -302,11 +300,3 @@ def test_energy_of_seas_beyond_validity_is_reported(folder, swept):
     assert bool((found.energy_beyond_validity <= union.sum("limit") + 1e-12).all())
     assert bool((found.energy_beyond_validity >= union.max("limit") - 1e-12).all())
     assert "of the energy is from seas beyond what is described" in Path(f"{plan.folder}/report.html").read_text()
-
-
-def known(omega, order=0):
-    """A buoy whose coefficients are known in a band: they are the frequency itself."""
-    label = "Radial2"
-    return SimpleNamespace(
-        labels=(label,), coefficients=lambda at: (order, at), database=xr.Dataset(coords={"omega": omega})
-    )

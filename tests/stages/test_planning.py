@@ -17,7 +17,7 @@ TOLERANT = {"basis": "full", "degree": None, "tolerance": 0.005}
 
 @pytest.fixture(scope="module")
 def asked():
-    """The example in one wave, modes by a tolerance."""
+    """The example in one wave, with modes by tolerance."""
     return varied(load(EXAMPLE), modes=TOLERANT, designs={"FSB": {"flexible": False}, "VSWEC": {}})
 
 

@@ -34,7 +34,7 @@ VOID = {"meta", "br", "hr", "input", "link", "img"}
 
 
 class Page(HTMLParser):
-    """A page as tags: those that do not match, identifiers, addresses, drawings."""
+    """Tags of a page: those that do not match, identifiers, addresses, drawings."""
 
     def __init__(self, text):
         super().__init__()

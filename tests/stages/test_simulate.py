@@ -102,7 +102,7 @@ def test_steady_power_of_switching_laws(small, tmp_path, monkeypatch, law):
 
 
 def drifting(omega=(2.0, 3.5)):
-    """Two masses, of which the first is held by nothing, in some waves; a take-off and another damper on both."""
+    """Two masses in waves, the first unrestrained, with a take-off and another damper on both."""
     pto, other = np.array([[3.0, 1.0], [1.0, 2.0]]), np.diag([0.2, 5.0])
     waves = np.array([[30.0 + 5j, -2.0], [4.0, 8j]])[: len(omega)]
     forces = {

@@ -26,7 +26,7 @@ QUEUE = """7 vsb-seed-31_aa
 
 @pytest.fixture
 def queue(tmp_path, monkeypatch):
-    """A queue of six jobs, two of which have no name; what is cancelled stands in a file."""
+    """A queue of six jobs, two without a name; cancelled jobs are written to a file."""
     for name, text in {"squeue": f"cat <<'E'\n{QUEUE}\nE", "scancel": f'echo "$@" > {tmp_path}/cancelled'}.items():
         (tmp_path / name).write_text(f"#!/bin/sh\n{text}\n")
         (tmp_path / name).chmod(0o755)
@@ -46,6 +46,13 @@ def test_job_name_identifies_study_and_folder(queue, tmp_path, monkeypatch):
     assert slurm.whole_name(plan_of(str(SEED))) == name
     monkeypatch.chdir(tmp_path)
     assert slurm.whole_name(plan) != name
+
+
+@pytest.mark.parametrize("name", ["x" * 80, "my study: 1"])
+def test_job_names_are_valid_for_the_plugin(name):
+    found = slurm.job_name(name)
+    assert re.fullmatch(r"[A-Za-z0-9_-]{1,50}", found)
+    assert found.endswith(f"-{os.getpid()}")
 
 
 def test_interrupted_run_cancels_its_jobs(queue, capsys):
@@ -95,7 +102,7 @@ def test_long_study_is_one_job_per_rule(cluster, changes):
     [(2, 3600.0, True), (2, 3600.1, False), (3, 1.0, False)],
 )
 def test_eight_runs_of_eight_hours_in_total_are_short(seas, duration, short):
-    """Of the seed's four designs; one run or a second more is long."""
+    """Runs of four designs."""
     waves = [{"kind": "regular", "amplitude": 0.1, "period": 3.0 + i} for i in range(seas)]
     simulation = {"duration": duration, "window": [0.0, 1.0]}
     plan = StudyPlan(varied(load(SEED), waves=waves, simulation=simulation))

@@ -65,7 +65,7 @@ def test_results_of_another_study_in_the_folder_are_refused(results):
 
 @pytest.fixture
 def runs(seed, tmp_path):
-    """Two designs in three seas; the heave of each run is a number of its own."""
+    """Runs of two designs in three seas, each with its own heave."""
     seas = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.0, 3.0, 4.0)]
     study = varied(seed, designs={"FSB": {"flexible": False}, "VSWEC": {}}, waves=seas)
     plan, heave = StudyPlan(study), 0.0

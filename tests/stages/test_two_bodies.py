@@ -80,7 +80,7 @@ def power(heaves):
 
 
 def rung(found, design, name):
-    """Mean power of a rung of the ladder [W]."""
+    """Mean power of a control level [W]."""
     return next(r["power_mean"] for r in found.ladder if (r["design"], r["rung"]) == (design, name))
 
 
@@ -90,7 +90,7 @@ def test_power_is_that_of_the_equation_of_motion(rm3, theirs):
 
 
 def test_page_computes_the_power_of_two_bodies(rm3, tmp_path):
-    """What it computes is the ladder; a port that is locked takes nothing; why nothing moves on it is said."""
+    """Equal to the control levels; a locked port absorbs nothing; the page says why it has no animation."""
     page = rm3.report.read_text()
     data = json.loads(re.search(r'id="living-data">(.+?)</script>', page, re.DOTALL)[1])
     expression = f"""data.seas.map((sea) => {{
@@ -106,10 +106,7 @@ def test_page_computes_the_power_of_two_bodies(rm3, tmp_path):
 
 
 def test_motion_without_hydrodynamic_coupling_is_that_published_by_wec_sim(rm3, theirs):
-    """Without what couples them its amplitudes are met to 0.5 %; with it the float goes 4 % and the spar 31 % further.
-
-    Its body-to-body interaction is off unless asked for.
-    """
+    """To 1 %; with coupling, which WEC-Sim leaves out by default, the float moves 4 % and the spar 31 % more."""
     alone, both = solved(theirs, coupled=False), solved(theirs)
     assert np.abs([*alone, alone[0] - alone[1]]) == pytest.approx(PUBLISHED, rel=1e-2)
     assert np.abs(alone[0] - alone[1]) == pytest.approx(PUBLISHED[2], rel=5e-3)
@@ -117,7 +114,7 @@ def test_motion_without_hydrodynamic_coupling_is_that_published_by_wec_sim(rm3, 
 
 
 def test_power_between_two_bodies_reaches_the_limit_of_heave_radiation(rm3):
-    """Matched, relative heave takes lambda/2 pi of any axisymmetric pair: an identity of the published numbers."""
+    """Matched, relative heave of any axisymmetric pair absorbs the power of lambda/2 pi of wave crest."""
     response = rm3.response.isel(wave_direction=0)
     omega = response.omega.values
     flux = 0.5 * 1000.0 * 9.81 * 9.81 / (2 * omega)  # of a wave of 1 m
@@ -166,7 +163,7 @@ def test_published_coefficients_without_repair_are_refused(tmp_path):
 
 @pytest.fixture
 def capytaine(tmp_path, monkeypatch):
-    """Function further keys -> plan of the study of capytaine's file."""
+    """Function changes -> plan of the study of capytaine's file."""
     monkeypatch.chdir(tmp_path)
     heaves = ["rm3_float__Heave", "rm3_spar__Heave"]
 
@@ -178,7 +175,7 @@ def capytaine(tmp_path, monkeypatch):
 
 
 def test_repaired_capytaine_file_gives_the_power_of_wamits(capytaine, rm3):
-    """Of a thin plate its panels know less: 4 % of power apart."""
+    """To 5 %: its panels resolve the thin plate less well."""
     plan = capytaine()
     make(plan, [plan.database_path, plan.radiation_path, f"{plan.folder}/ladder.csv"])
     found = Results(plan.study)

@@ -1,4 +1,4 @@
-"""What a year finds is the same in other units of mass and length, and in any order of its designs and hours."""
+"""Results of a year do not depend on units, nor on the order of designs and hours."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ STUDIES = {
 
 
 def year(folder, raw, seas=SEAS, height=1.0):
-    """Results of a year of these seas, in metres of this height."""
+    """Results of a year of these seas, heights in units of `height`."""
     folder.mkdir()
     lines = ["YY MM DD hh " + " ".join(f"{f:.4f}" for f in HERTZ)]
     for hour, (hs, tp) in enumerate(seas):
@@ -43,7 +43,7 @@ def year(folder, raw, seas=SEAS, height=1.0):
 
 
 def of_the_year(ds):
-    """Numbers of the whole year that do not hang on its bins, which are of so many metres."""
+    """Numbers of the whole year that do not depend on its bins, which are in metres."""
     return {
         name: values
         for name, values in ds.data_vars.items()
