@@ -98,7 +98,13 @@ BOX = {"omega": [0.5, 0.8, 1.1, 1.4], "lid": 1}
     ("file", "hydro", "aside", "sunk", "message"),
     [
         ({"omega": [1.0, 2.0, 3.0, 6.0]}, {}, 0.0, 0.0, "omega: received 6 rad/s, whose waves are 1.71 m long"),
-        ({"water": {"depth": 2.0}}, {}, 0.0, 0.0, "water.depth: received 2 m, needs more than the body's draught of"),
+        (
+            {"water": {"depth": 2.0}, "omega": [0.7, 0.9]},
+            {},
+            0.0,
+            0.0,
+            "water.depth: received 2 m, needs more than the body",
+        ),
         ({"symmetry": "xOz"}, {}, 5.0, 0.0, "symmetry xOz: the panels are not mirrored in the xOz plane"),
         ({}, {}, 0.0, 5.0, "lid: the body does not cross the water's surface; needs lid: 0"),
         ({}, {"repair": ["kramers_kronig"]}, 0.0, 0.0, "hydro.repair: kramers_kronig needs 10 frequencies, received 4"),

@@ -35,8 +35,6 @@ STUDIES = {
     "drag": HEAVE | {"drag": {"heave": {"coefficient": 1.0, "area": 6.0}}},
     "limits": HEAVE | {"pto": HEAVE["pto"] | {"force_limit": 900.0, "stroke_limit": 0.3},
                        "water": SEED["water"] | {"depth": 7.0}},
-    "law": HEAVE | {"pto": {"law": "coulomb", "force_limit": 700.0}, "waves": [REGULAR]},
-    "best": HEAVE | {"pto": {"stiffness": 1e3}},
     "exact": HEAVE | {"hydro": {"model": "body_exact", "omega_max": 4.0, "tolerance": 1e-2, "witness": "none"}},
     "pressure": HEAVE | {"hydro": {"model": "assumed_pressure", "pressure": 900.0}, "waves": [REGULAR]},
     "gas": HEAVE | {"device": SEED["device"] | GAS, "reference_shape": "equilibrium",
@@ -70,7 +68,7 @@ def test_results_do_not_depend_on_units(results, name):
     assert_same_in_other_units(results(STUDIES[name]), results(restated(STUDIES[name])))
 
 
-@pytest.mark.parametrize("name", [name for name in STUDIES if len(STUDIES[name]["waves"]) > 1])
+@pytest.mark.parametrize("name", ["limits", "exact", "planar"])
 def test_results_do_not_depend_on_the_order_of_designs_and_seas(results, name):
     raw = STUDIES[name]
     assert_same_in_another_order(results(raw), results(renamed(raw) | {"waves": raw["waves"][::-1]}))

@@ -18,6 +18,7 @@ def test_study_with_assumed_pressure_from_file_to_page(small, tmp_path, monkeypa
     """Without database, response and control levels."""
     monkeypatch.chdir(tmp_path)
     study = varied(small.study, hydro={"model": "assumed_pressure", "pressure": 1800.0})
+    study = varied(study, simulation={"duration": 3.0, "window": [1.0, 3.0]})
     vsb.run(study)
     tables = json.loads(Path("results/small/tables.json").read_text())
     assert [row["design"] for row in tables["comparison"]] == ["FSB", "VSWEC"]

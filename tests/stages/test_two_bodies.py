@@ -161,22 +161,11 @@ def test_published_coefficients_without_repair_are_refused(tmp_path):
             make(plan, [plan.radiation_path])
 
 
-@pytest.fixture
-def capytaine(tmp_path, monkeypatch):
-    """Function changes -> plan of the study of capytaine's file."""
-    monkeypatch.chdir(tmp_path)
-    heaves = ["rm3_float__Heave", "rm3_spar__Heave"]
-
-    def planned(**changes):
-        found = load_body(study(tmp_path, {"database": str(RM3 / "rm3.nc")}, heaves, **changes))
-        return BodyPlan(found.study, files=found.files)
-
-    return planned
-
-
-def test_repaired_capytaine_file_gives_the_power_of_wamits(capytaine, rm3):
+def test_repaired_capytaine_file_gives_the_power_of_wamits(tmp_path, monkeypatch, rm3):
     """To 5 %: its panels resolve the thin plate less well."""
-    plan = capytaine()
+    monkeypatch.chdir(tmp_path)
+    located = load_body(study(tmp_path, {"database": str(RM3 / "rm3.nc")}, ["rm3_float__Heave", "rm3_spar__Heave"]))
+    plan = BodyPlan(located.study, files=located.files)
     make(plan, [plan.database_path, plan.radiation_path, f"{plan.folder}/ladder.csv"])
     found = Results(plan.study)
     assert rung(found, "rm3", "fixed") == pytest.approx(rung(rm3, "rm3", "fixed"), rel=0.05)

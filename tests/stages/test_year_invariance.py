@@ -61,9 +61,8 @@ def test_year_does_not_depend_on_units(tmp_path, name):
         assert_close(found[what].values, factor(units) * values.values, what, 1e-6)
 
 
-@pytest.mark.parametrize("name", STUDIES)
-def test_year_does_not_depend_on_order(tmp_path, name):
-    own, other = year(tmp_path / "own", STUDIES[name]), year(tmp_path / "other", renamed(STUDIES[name]), SEAS[::-1])
+def test_year_does_not_depend_on_order(tmp_path):
+    own, other = year(tmp_path / "own", BASE), year(tmp_path / "other", renamed(BASE), SEAS[::-1])
     other = other.assign_coords(design=[usual(str(design)) for design in other.design.values]).sel(design=own.design)
     for what, values in own.data_vars.items():
         if np.issubdtype(values.dtype, np.number):
