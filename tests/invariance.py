@@ -1,4 +1,4 @@
-"""Studies of everything that heaves, in other units of mass and length, and with designs of other names; what is the same."""
+"""Comparison of results in two systems of units, and with designs and seas in another order."""
 
 import json
 import re
@@ -36,7 +36,7 @@ NAMES = {"FSB": "Zeta", "VSWEC": "Mid", "VSWEC90": "Alpha"}
 
 
 def assert_close(found, expected, what, rtol=1e-7):
-    """Within so much of the largest."""
+    """Compare to a fraction of the largest magnitude."""
     found, expected = np.asarray(found), np.asarray(expected)
     assert found.shape == expected.shape, what
     np.testing.assert_allclose(
@@ -45,7 +45,7 @@ def assert_close(found, expected, what, rtol=1e-7):
 
 
 def restated(raw, power=(0, 0)):
-    """A study in the other units."""
+    """Convert a study to the other units."""
     if isinstance(raw, dict):
         return {key: restated(part, POWERS.get(key, power)) for key, part in raw.items()}
     if isinstance(raw, list | tuple):
@@ -54,7 +54,7 @@ def restated(raw, power=(0, 0)):
 
 
 def factor(units):
-    """What a number in so-called units is multiplied by: "kg/(m^2 s)"."""
+    """Factor between the systems of units for a unit such as "kg/(m^2 s)"."""
     known = {
         "m": LENGTH,
         "kg": MASS,
@@ -72,12 +72,12 @@ def factor(units):
 
 
 def renamed(raw):
-    """The same with designs of other names, in another order of the file."""
+    """The study with other names of designs, in another order."""
     return {NAMES.get(key, key): renamed(raw[key]) for key in reversed(raw)} if isinstance(raw, dict) else raw
 
 
 def usual(text):
-    """A text with the names designs usually have."""
+    """The text with the original names of designs."""
     names = {other: name for name, other in NAMES.items()}
     return re.sub("|".join(names), lambda found: names[found[0]], text)
 
@@ -94,7 +94,7 @@ MACHINE = ("seconds", "energy_residual", "constraint_drift")
 
 
 def datasets(plan):
-    """Its datasets by what they hold: a run by design and number of its sea."""
+    """Datasets of a plan by content; runs by design and number of the sea."""
     runs = {
         f"{design} {i}": plan.trajectory_path(design, wave.label)
         for design in plan.study.designs
@@ -106,7 +106,7 @@ def datasets(plan):
 
 
 def tables(plan):
-    """Rows of its tables and its checks, by their names."""
+    """Rows of tables and checks by name."""
     folder = Path(plan.folder)
     found = json.loads((folder / "tables.json").read_text())
     ladder = folder / "ladder.json"
@@ -115,7 +115,7 @@ def tables(plan):
 
 
 def flat(row):
-    """A row of a table, each source of its error budgets a pair of columns; of a power they are in its unit."""
+    """A row of a table with every source of an error budget as two columns."""
     found = {}
     for key, value in row.items():
         if key in ("errors", "power_error", "gain_error"):
@@ -127,7 +127,7 @@ def flat(row):
 
 
 def factors(name, values, coordinates):
-    """What each number of a variable is multiplied by; a rotation has a length less, the moment on it one more."""
+    """Factors of the numbers of a variable: rotations have a length less, moments one more."""
     units = values.attrs.get("units", "1")
     found = np.ones(values.shape) * factor(units)
     power = -1 if name in {"position", "velocity", "rao"} else float(units != "1")
@@ -139,7 +139,7 @@ def factors(name, values, coordinates):
 
 
 def assert_same_in_other_units(own, other, units=UNITS, free=()):
-    """Every number of every file and table, but for variables that may be any of many."""
+    """Compare every number of every file and table but those of variables that are not unique."""
     restated_too = datasets(other)
     for what, ds in datasets(own).items():
         for variable, values in ds.variables.items():
@@ -167,12 +167,12 @@ def assert_same_in_other_units(own, other, units=UNITS, free=()):
 
 
 def part(key):
-    """Part of a number to which it stays the same: errors, differences of two sensitivities, are less sure."""
+    """Relative tolerance; error estimates are differences of two sensitivities."""
     return 1e-4 if key.startswith(("errors", "power_error", "gain_error")) else 1e-6
 
 
 def by_label(plan):
-    """Its datasets by their words, designs and directions in order."""
+    """Datasets by label, with designs and directions sorted."""
     found = {}
     for name, ds in datasets(plan).items():
         design, _, sea = name.partition(" ")
@@ -187,7 +187,7 @@ def by_label(plan):
 
 
 def rows_by_words(rows):
-    """Words and numbers of the rows of a table, in the order of their words."""
+    """Words and numbers of the rows of a table, sorted by words."""
     told = [{k: v for k, v in row.items() if k not in MACHINE} for row in rows if row.get("name") not in MACHINE]
     words = [[usual(str(v)) for v in row.values() if not isinstance(v, float)] for row in told]
     numbers = [[(v, part(k)) for k, v in row.items() if isinstance(v, float)] for row in told]
@@ -195,7 +195,7 @@ def rows_by_words(rows):
 
 
 def assert_same_in_another_order(own, other, free=()):
-    """Every number of every file and table, whatever the order of designs, seas and degrees of freedom."""
+    """Compare every number of every file and table in any order of designs, seas and degrees of freedom."""
     found = by_label(other)
     for what, ds in by_label(own).items():
         for variable, values in ds.variables.items():

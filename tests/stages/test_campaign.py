@@ -1,8 +1,7 @@
-"""What gathers a campaign: every member where its point says, stamped, and nothing of another campaign."""
+"""Stage campaign: gathers the batches, every member at its point, and refuses those of another campaign."""
 
 import csv
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,9 +10,7 @@ from stages.test_members import gather, planned, with_seas
 
 from vsb.errors import DatabaseError
 from vsb.results.campaign import stacked
-from vsb.stages import campaign
 from vsb.study.campaign_plan import members
-from vsb.study.study import canonical
 from vsb.tools.files import load, save
 from vsb.tools.stamps import faults, read_manifest
 
@@ -22,7 +19,7 @@ BY, BINS = ("design", "tuning"), ("hs", "te")
 
 
 def made_up(one):
-    """Results that tell of which member they are: its power is the product of what it varies."""
+    """Results that identify their member: the power is the product of the varied values."""
     power = np.prod(list(one.point.values())) * np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
     return xr.Dataset(
         {
@@ -56,11 +53,9 @@ def test_every_member_stands_at_its_point(plan):
         for thickness in VARIED["device.thickness"]:
             power = found.annual_mean_power.sel(young_modulus=modulus, thickness=thickness)
             np.testing.assert_allclose(power.sel(design="VSWEC", tuning="fixed"), 4 * modulus * thickness, rtol=1e-15)
-    assert found.attrs["spec"] == canonical(plan.campaign)
-    assert found.attrs["campaign"] == "sweep"
 
 
-def test_the_table_is_stamped_and_says_the_same(plan):
+def test_table_is_stamped_and_equals_the_data(plan):
     gather(plan)
     assert faults({plan.table_path: plan.campaign_id}, read_manifest(plan.manifest)) == []
     rows = list(csv.DictReader(Path(plan.table_path).read_text().splitlines()))
@@ -71,8 +66,7 @@ def test_the_table_is_stamped_and_says_the_same(plan):
         assert float(row["annual_mean_power"]) == pytest.approx(factor * product, rel=1e-11)
 
 
-def test_a_batch_of_another_campaign_is_refused(plan):
-    """Under its name lies what was computed of other members."""
+def test_batch_of_another_campaign_is_refused(plan):
     (batch,) = plan.batches
     other = load(plan.batch_path(batch)).assign_attrs(spec_id="0" * 16)
     save(other, plan.batch_path(batch))
@@ -88,8 +82,7 @@ UNITS = {"damping": ("N s/m", "Pa s/m^3"), "force_rms": ("N", "Pa"), "tried_damp
 
 
 @pytest.mark.parametrize("port", ["heave", "volume"])
-def test_a_take_off_of_the_volume_has_units_of_pressure_and_flow(tmp_path, port):
-    """What it does, and what is varied of it; the attribute that says so is there for the volume alone."""
+def test_units_of_a_volume_take_off(tmp_path, port):
     varied = {"pto.stiffness": [0.0, 100.0], "pto.damping": [4e2], "device.thickness": [0.1]}
     pto = {"port": port, "damping": 400.0}
     one = planned(with_seas(tmp_path, (1.0, 6.0)), varied, tuning=["fixed", "one", "each"], pto=pto)
@@ -108,23 +101,3 @@ def test_a_take_off_of_the_volume_has_units_of_pressure_and_flow(tmp_path, port)
     found = load(one.data_path, expected=one.campaign_id)
     assert {name: found[name].attrs["units"] for name in UNITS} == {n: u[port == "volume"] for n, u in UNITS.items()}
     assert found.attrs.get("port") == ("volume" if port == "volume" else None)
-
-
-def test_a_campaign_is_gathered_of_all_its_batches_and_runs_each_by_its_own_id(monkeypatch, tmp_path):
-    """Then what runs in time say of it; it is stamped by what it was asked for, and its table with it."""
-    spec, asked, saved, noted = SimpleNamespace(batches=("b", "a"), verifications=("y", "x")), [], [], []
-    monkeypatch.setattr(campaign, "load", lambda path, expected: asked.append((str(path), expected)) or expected)
-    monkeypatch.setattr(campaign, "gathered", lambda spec, batches: tuple(batches))
-    monkeypatch.setattr(campaign, "with_verification", lambda *given: xr.Dataset(attrs={"of": given[1:]}))
-    monkeypatch.setattr(campaign, "content_id", lambda spec: "identity")
-    monkeypatch.setattr(campaign, "canonical", lambda spec: "canonical")
-    monkeypatch.setattr(campaign, "as_csv", lambda spec, ds: f"{ds.attrs['of']}")
-    monkeypatch.setattr(campaign, "save", lambda ds, out: saved.append((ds.attrs, out)))
-    monkeypatch.setattr(campaign, "record", lambda *given: noted.append(given))
-    table = str(tmp_path / "campaign.csv")
-    campaign.run(spec, "batches", "runs", "out.nc", table, "manifest.json")
-    assert asked == [("batches/b.nc", "b"), ("batches/a.nc", "a"), ("runs/y.nc", "y"), ("runs/x.nc", "x")]
-    of = (("b", "a"), ["y", "x"])
-    assert saved == [({"of": of, "spec": "canonical", "spec_id": "identity"}, "out.nc")]
-    assert (tmp_path / "campaign.csv").read_text() == f"{of}"
-    assert noted == [("manifest.json", "identity", [table])]

@@ -1,4 +1,4 @@
-"""A campaign as a user runs it: the dry run tells the truth, a second run does nothing, Snakemake's report has it all."""
+"""A campaign as a user runs it: dry run, run, second run, and Snakemake's own report."""
 
 import os
 import re
@@ -28,7 +28,7 @@ def write(place, moduli):
 
 
 def told(place, *command):
-    """What a command says, which must succeed."""
+    """Output of a command, which must succeed."""
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     done = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr + done.stdout
@@ -40,12 +40,12 @@ def vsb(place, *options):
 
 
 def jobs(text):
-    """How many jobs of each rule a dry run counts."""
+    """Number of jobs of each rule in a dry run."""
     rows = re.findall(r"^(members|campaign|answer|all|total) +(\d+)$", text, re.MULTILINE)
     return {rule: int(count) for rule, count in rows}
 
 
-def test_a_campaign_from_its_plan_to_its_report(folder):
+def test_campaign_from_plan_to_report(folder):
     planned = jobs(vsb(folder, "-n"))
     assert planned == {"members": 1, "campaign": 1, "answer": 1, "all": 1, "total": 4}
     assert not (folder / "results").exists()
@@ -60,7 +60,7 @@ def test_a_campaign_from_its_plan_to_its_report(folder):
 
 
 def _report(folder):
-    """Snakemake's own report of a finished campaign holds its outputs with captions and categories."""
+    """Snakemake's report of a finished campaign holds its outputs with captions and categories."""
     options = ("--snakefile", str(HOME / "workflow" / "Snakefile"), "--configfile", "soft.yaml", "--cores", "1")
     told(folder, sys.executable, "-m", "snakemake", *options, "--workflow-profile", "none", "--report", "all.html")
     text = (folder / "all.html").read_text()

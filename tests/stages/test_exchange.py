@@ -1,23 +1,20 @@
-"""Databases from other codes' files, stored with a verdict."""
+"""Databases imported from files of other codes."""
 
 import json
 
 import pytest
-import xarray as xr
 
 from tests.hydro.formats.test_foreign import sound
 from vsb.errors import ConfigError
-from vsb.hydro.database import Check
 from vsb.hydro.formats.bemio import bemio_entries, write_h5
 from vsb.hydro.formats.wamit import wamit_texts
-from vsb.stages import exchange
 from vsb.stages.exchange import import_bemio, import_wamit
 from vsb.tools.files import load
 
 WATER = {"density": 1000.0, "gravity": 9.81, "length": 1.0, "depth": float("inf")}
 
 
-def test_either_form_is_stored_with_its_verdict_and_what_was_left_out(tmp_path):
+def test_wamit_and_bemio_files_are_imported_with_a_verdict(tmp_path):
     centres = {"centre_of_buoyancy": [0.0, 0.0, -2.0], "centre_of_mass": [0.0, 0.0, -3.0]}
     ds = sound(("Surge", "Heave", "Pitch")).assign_attrs(centres)
     for extension, text in wamit_texts(ds, "memory").items():
@@ -36,47 +33,8 @@ def test_either_form_is_stored_with_its_verdict_and_what_was_left_out(tmp_path):
 
 
 @pytest.mark.parametrize(("option", "unit"), [("density", "kg/m"), ("gravity", "m/s"), ("length", "m"), ("depth", "m")])
-@pytest.mark.parametrize("value", [-1.0, 0.0, float("inf"), -float("inf"), float("nan")])
-def test_facts_that_cannot_be_are_refused_before_any_file_is_read(tmp_path, monkeypatch, option, unit, value):
-    """Water may be infinitely deep, nothing else is infinite."""
-    asked = []
-    monkeypatch.setattr(exchange.wamit, "import_wamit", lambda *given, **facts: asked.append(facts))
-    monkeypatch.setattr(exchange, "_store_foreign", lambda *given: "stored")
+@pytest.mark.parametrize("value", [-1.0, 0.0, float("nan")])
+def test_water_properties_must_be_positive(tmp_path, option, unit, value):
     facts = {**WATER, option: value}
-
-    def imported():
-        return import_wamit(str(tmp_path), "none", str(tmp_path / "a.nc"), axisymmetric=False, **facts)
-
-    if (option, value) == ("depth", float("inf")):
-        assert imported() == "stored"
-        assert asked == [{"labels": None, **facts}]
-        return
     with pytest.raises(ConfigError, match=rf"^--{option}: received {value}, needs a positive number of {unit}"):
-        imported()
-    assert asked == []
-
-
-@pytest.mark.parametrize("axisymmetric", [False, True])
-@pytest.mark.parametrize("form", ["wamit", "bemio"])
-def test_what_was_left_out_of_a_file_and_of_its_checks_is_told_and_what_to_look_at_where_one_fails(
-    tmp_path, monkeypatch, form, axisymmetric
-):
-    """In the words of the program the file is of."""
-    asked, ds = [], xr.Dataset(attrs={"history": "left out of the file"})
-    checks = [Check(name, 0.0, 1.0, "-", name, "") for name in ("ok", "doubt", "fail")]
-    monkeypatch.setattr(exchange.wamit, "import_wamit", lambda *given, **facts: asked.append((given, facts)) or ds)
-    monkeypatch.setattr(exchange.bemio, "read_bemio", lambda path: asked.append(path) or ds)
-    monkeypatch.setattr(exchange.foreign, "foreign_checks", lambda _, *, axisymmetric: (checks, [str(axisymmetric)]))
-    monkeypatch.setattr(exchange.foreign, "causes", lambda check, words: (check.name, words))
-    out = str(tmp_path / "a.nc")
-    if form == "wamit":
-        found = import_wamit("folder", "buoy", out, axisymmetric=axisymmetric, **WATER)
-        assert asked == [(("folder", "buoy"), {"labels": None, **WATER})]
-        words = exchange.foreign.WAMIT_WORDS
-    else:
-        found = import_bemio("buoy.h5", out, axisymmetric=axisymmetric)
-        assert asked == ["buoy.h5"]
-        words = exchange.foreign.BEMIO_WORDS
-    notes = ["left out of the file", str(axisymmetric)]
-    assert found == (checks, notes, [("doubt", words), ("fail", words)])
-    assert load(out).attrs["history"] == "; ".join(notes)
+        import_wamit(str(tmp_path), "none", str(tmp_path / "a.nc"), axisymmetric=False, **facts)

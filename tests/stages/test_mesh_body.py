@@ -1,4 +1,4 @@
-"""A study of a mesh, from panels to a page: everything there and finite, and stiff modes as if they were not there."""
+"""A study of a mesh, from panels to the page, and its limits of a stiff and of a held body."""
 
 import shutil
 from contextlib import chdir
@@ -66,14 +66,14 @@ def found(folder):
 
 
 def ladder(folder, name, **changes):
-    """Rows of the ladder of a changed study on the same solves."""
+    """Control levels of a changed study with the same hydrodynamics."""
     located = study(folder, study=name, **changes)
     plan = BodyPlan(located.study, root=str(folder / "results"), files=located.files)
     make(plan, [plan.database_path, f"{plan.folder}/ladder.csv"])
     return Results(located.study, str(folder / "results")).ladder
 
 
-def test_everything_is_there_and_finite(found):
+def test_study_of_a_mesh_from_panels_to_page(found):
     assert {row["design"] for row in found.comparison} == {"rigid", "flexible", "hinged"}
     for row in found.comparison:
         numbers = [row[name] for name in ("displacement_pp", "velocity_pp", "power_mean", "energy", "capture_width")]
@@ -96,7 +96,7 @@ def test_everything_is_there_and_finite(found):
 
 
 @pytest.mark.parametrize("design", ["rigid", "flexible", "hinged"])
-def test_time_agrees_with_frequency_and_the_energy_closes(found, design):
+def test_time_and_frequency_domain_agree_and_energy_is_conserved(found, design):
     row = next(row for row in found.comparison if row["design"] == design)
     best = next(r for r in found.ladder if (r["design"], r["rung"]) == (design, "best_damper"))
     assert row["power_mean"] == pytest.approx(best["power_mean"], rel=5e-3)
@@ -105,8 +105,8 @@ def test_time_agrees_with_frequency_and_the_energy_closes(found, design):
     assert np.isfinite(run.position.values).all()
 
 
-def test_a_body_that_hardly_gives_way_is_the_rigid_one(folder, found):
-    """Stiffness a million times: powers of all rungs within 1e-6, and the softer the body the more they differ."""
+def test_stiff_body_absorbs_the_power_of_the_rigid_one(folder, found):
+    """The difference decreases with stiffness, to 1e-6 at a million times the stiffness."""
     rigid = {row["rung"]: row["power_mean"] for row in found.ladder if row["design"] == "rigid"}
     before = np.inf
     for factor, apart in ((1e3, 1e-3), (1e6, 1e-6)):
@@ -120,7 +120,7 @@ def test_a_body_that_hardly_gives_way_is_the_rigid_one(folder, found):
         before = worst
 
 
-def test_a_mode_held_is_a_mode_left_out(folder, found):
+def test_held_modes_equal_a_rigid_body(folder, found):
     designs = {"rigid": {"dofs": "rigid"}, "held": {"held": [{"Bending1": 1.0}, {"Hinge": 1.0}]}}
     rows = ladder(folder, "held", designs=designs)
     powers = {(row["design"], row["rung"]): row["power_mean"] for row in rows}
@@ -128,8 +128,8 @@ def test_a_mode_held_is_a_mode_left_out(folder, found):
         assert powers["held", rung] == pytest.approx(powers["rigid", rung], rel=1e-12)
 
 
-def test_a_take_off_on_the_hinge_takes_what_the_hinge_alone_sees(folder):
-    """Its matched power is that of the port by the equation of motion, solved apart; the rigid body takes nothing."""
+def test_power_of_a_hinge_is_that_of_the_equation_of_motion(folder):
+    """The matched power; the rigid body absorbs nothing."""
     designs = {"rigid": {"dofs": "rigid"}, "hinged": {}}
     with chdir(folder):
         rows = ladder(folder, "hinge", pto={"port": {"dof": "Hinge"}}, designs=designs)

@@ -1,12 +1,9 @@
-"""Results that are not what they should be: one small finished study, damaged in every way anybody thought of."""
+"""Damaged, stale and foreign results: detected by verify and run, recomputed or refused."""
 
-import json
 import os
 import re
 import shutil
-from contextlib import nullcontext
 from pathlib import Path
-from types import SimpleNamespace
 
 import netCDF4
 import numpy as np
@@ -14,31 +11,22 @@ import pytest
 import yaml
 from conftest import SMALL as RAW
 from conftest import SMALL_PLAN as PLAN
-from stages.test_coefficients import as_body
-from stages.test_members import planned, with_seas
 from tools.test_files import rewritten
 
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
-from vsb.hydro.database import save_database
-from vsb.stages import figures, report, simulate
-from vsb.stages import verify as module
-from vsb.stages.verify import _more, _other_faults, differences, stale_products, study_faults, verify
+from vsb.stages import report, simulate
+from vsb.stages.verify import differences, stale_products, study_faults, verify
 from vsb.study import study as config
-from vsb.study.body import located
-from vsb.study.body_plan import BodyPlan
 from vsb.study.plan import StudyPlan
-from vsb.study.study import content_id
-from vsb.tools import packed
-from vsb.tools.files import CHANGED, load, read_groups
-from vsb.tools.stamps import Fault, record
+from vsb.tools.files import load, read_groups
 
 TOGETHER = ("report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json")
 
 
 @pytest.fixture
 def place(finished, tmp_path, monkeypatch):
-    """A copy of it, of which Snakemake remembers nothing, as the current folder."""
+    """A copy of the small study without Snakemake's records, as the current folder."""
     shutil.copytree(finished, tmp_path / "copy")
     monkeypatch.chdir(tmp_path / "copy")
     return tmp_path / "copy"
@@ -60,13 +48,6 @@ def scaled(name, factor):
     return lambda path: rewritten(path, change)
 
 
-def to_nan(path):
-    def change(file):
-        file["position"][3, 0] = np.nan
-
-    rewritten(path, change)
-
-
 def replaced(old, new):
     def change(path):
         text = Path(path).read_text()
@@ -81,48 +62,22 @@ def cut(path):
     Path(path).write_bytes(content[: len(content) // 2])
 
 
-def first_power(text):
-    return next(csv_row.split(",")[5] for csv_row in text.splitlines()[1:])
-
-
-def nan_power(path):
-    text = Path(path).read_text()
-    Path(path).write_text(text.replace(first_power(text), "nan", 1))
-
-
-def without_a_design(path):
-    Path(path).write_text("\n".join(line for line in Path(path).read_text().splitlines() if "VSWEC" not in line))
-
-
 DAMAGE = [
-    (FSB, scaled("energy", 2.0)),
     (FSB, scaled("velocity", 2.0)),
-    (FSB, to_nan),
     (FSB, lambda path: shutil.copy(VSWEC, path)),
     (FSB, lambda path: Path(path).write_bytes(b"")),
-    (FSB, cut),
-    (RESPONSE, scaled("absorbed_power", 1.5)),
     (RESPONSE, cut),
-    (f"{PLAN.folder}/modes.nc", scaled("radial", -1.0)),
-    (TABLE, nan_power),
-    (TABLE, without_a_design),
-    (TABLE, cut),
-    (f"{PLAN.folder}/validity.json", replaced('"verdict": "fail"', '"verdict": "ok"')),
     (f"{PLAN.folder}/tables.json", replaced('"verdict": "fail"', '"verdict": "ok"')),
     (f"{PLAN.folder}/study.json", replaced("8000", "5000")),
-    (f"{PLAN.folder}/report.html", replaced("absorbs", "wastes")),
     (f"{PLAN.folder}/figures/absorbed_power.svg", cut),
     (PLAN.display_paths[0], cut),
 ]
 SHARED = [
     (PLAN.database_path, scaled("hydrostatic_stiffness", 1.3)),
-    (PLAN.database_path, lambda path: shutil.copy(PLAN.radiation_path, path)),
-    (PLAN.radiation_path, scaled("input_matrix", 1.1)),
     (PLAN.radiation_path, lambda path: shutil.copy(FSB, path)),
-    (PLAN.radiation_path, cut),
-    (PLAN.block_path(PLAN.sweep_blocks[0]), scaled("added_mass", 1.01)),
+    (PLAN.block_path(PLAN.sweep_blocks[0]), cut),
 ]
-"""Files studies share: a run does not remove them by itself."""
+"""Files that studies share are not removed by a run."""
 
 
 def with_old_time(path, damage):
@@ -131,7 +86,7 @@ def with_old_time(path, damage):
     os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
 
 
-def test_a_copy_means_the_same_without_snakemakes_memory(place):
+def test_copied_results_are_valid_without_snakemakes_records(place):
     assert not (place / ".snakemake").exists()
     assert study_faults(PLAN) == []
     assert verify("small.yaml", heal=False) == [f"small.yaml: {len(PLAN.ids)} files are what they should be"]
@@ -139,19 +94,8 @@ def test_a_copy_means_the_same_without_snakemakes_memory(place):
         assert verify(folder, heal=False) == [f"{folder}: {len(PLAN.ids)} files are what they should be"]
 
 
-def test_every_file_promised_carries_a_stamp(place):
-    promised = json.loads(Path(PLAN.manifest).read_text())
-    for path in PLAN.products:
-        if path.endswith(".nc"):
-            attrs = load(path).attrs
-            assert attrs["spec_id"] == PLAN.ids[path]
-            assert len(attrs["checksum"]) == 64
-        else:
-            assert promised[os.path.relpath(path, PLAN.folder)]["spec_id"] == PLAN.ids[path]
-
-
 @pytest.mark.parametrize(("path", "damage"), DAMAGE)
-def test_damage_of_a_studys_own_files_is_computed_anew(place, path, damage, capsys):
+def test_damaged_results_are_recomputed(place, path, damage, capsys):
     with_old_time(path, damage)
     assert stale_products(PLAN, dry=True) == [path]
     assert f"vsb: {path}: " in capsys.readouterr().out
@@ -162,7 +106,7 @@ def test_damage_of_a_studys_own_files_is_computed_anew(place, path, damage, caps
 
 
 @pytest.mark.parametrize(("path", "damage"), SHARED)
-def test_damage_of_what_studies_share_is_refused(place, path, damage, capsys):
+def test_damaged_shared_file_stops_the_run(place, path, damage, capsys):
     with_old_time(path, damage)
     assert main(["run", "small.yaml"]) == 2
     out, err = capsys.readouterr()
@@ -172,40 +116,6 @@ def test_damage_of_what_studies_share_is_refused(place, path, damage, capsys):
     assert "vsb verify --heal" in err or "delete" in err
     verify("small.yaml", heal=True)
     assert not Path(path).exists()
-
-
-OTHER = str(Path(PLAN.database_path).with_name("f" * 16 + ".nc"))
-
-
-@pytest.mark.parametrize(
-    ("path", "kind", "refused"),
-    [
-        (PLAN.database_path, "nameless", True),
-        (PLAN.database_path, "damaged", True),
-        (OTHER, "damaged", True),
-        (OTHER, "nameless", False),
-    ],
-)
-def test_of_what_studies_share_a_run_removes_what_nobody_promised_and_names_nothing(
-    monkeypatch, tmp_path, path, kind, refused
-):
-    monkeypatch.chdir(tmp_path)
-    Path(path).parent.mkdir(parents=True)
-    Path(path).write_text("-")
-    monkeypatch.setattr("vsb.stages.verify.differences", lambda plan: "")
-    monkeypatch.setattr("vsb.stages.verify.study_faults", lambda plan: [Fault(path, kind, "why")])
-    with pytest.raises(DatabaseError, match=f"{path}: why; ") if refused else nullcontext():
-        assert stale_products(PLAN, dry=False) == []
-    assert Path(path).exists() == refused
-
-
-def test_a_dry_run_removes_nothing(monkeypatch, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    Path(OTHER).parent.mkdir(parents=True)
-    Path(OTHER).write_text("-")
-    monkeypatch.setattr("vsb.stages.verify.study_faults", lambda plan: [Fault(OTHER, "nameless", "why")])
-    assert stale_products(PLAN, dry=True) == []
-    assert Path(OTHER).exists()
 
 
 @pytest.mark.parametrize(
@@ -219,24 +129,25 @@ def test_a_dry_run_removes_nothing(monkeypatch, tmp_path):
         ),
     ],
 )
-def test_a_changed_study_finds_its_old_results_stale(place, changes, stale):
+def test_changed_study_makes_dependent_results_stale(place, changes, stale):
     found = set(stale_products(plan_of(**changes), dry=True))
     assert {path for path in found if path.endswith(".nc")} == stale
     assert {f"{PLAN.folder}/{name}" for name in TOGETHER} < found
     assert set(PLAN.display_paths).isdisjoint(found)
 
 
-def test_a_changed_damping_is_computed_also_without_snakemakes_memory(place):
+def test_changed_damping_is_recomputed_without_snakemakes_records(place):
     Path("small.yaml").write_text(yaml.safe_dump({**RAW, "pto": {"damping": 5000.0}}))
     before = load(FSB)
-    assert main(["run", "small.yaml", "--quiet", "all"]) == 0
+    assert main(["run", "small.yaml", "compare", "--quiet", "all"]) == 0
     assert np.abs(load(FSB).position - before.position).max() > 1e-3
-    assert study_faults(plan_of(pto={"damping": 5000.0})) == []
+    changed = set(stale_products(plan_of(pto={"damping": 5000.0}), dry=True))
+    assert changed.isdisjoint({FSB, VSWEC, RESPONSE, TABLE})
     assert {FSB, VSWEC, RESPONSE, TABLE} < set(stale_products(PLAN, dry=True))
 
 
-def report_files(**others):
-    files = {
+def report_files():
+    return {
         "tables": f"{PLAN.folder}/tables.json",
         "modes": f"{PLAN.folder}/modes.nc",
         "trajectories": f"{PLAN.folder}/trajectories",
@@ -245,30 +156,17 @@ def report_files(**others):
         **PLAN.hydro_files,
         "response": RESPONSE,
     }
-    return {**files, **others}  # fmt: skip
 
 
-@pytest.mark.parametrize("path", [TABLE, f"{PLAN.folder}/validity.json", f"{PLAN.folder}/statistics.csv"])
-def test_tables_for_people_are_never_read_back(place, path):
-    Path(path).write_text("nonsense")
-    text = Path(f"{PLAN.folder}/report.html").read_text()
-    report.run(PLAN.study, out="again.html", **report_files())
-    assert Path("again.html").read_text() == text
-
-
-@pytest.mark.parametrize(
-    ("path", "damage"),
-    [case for case in DAMAGE if case[0] in (FSB, RESPONSE) or "tables.json" in case[0] or ".svg" in case[0]]
-    + SHARED[:5],
-)
-def test_a_stage_reads_nothing_that_is_not_what_it_should_be(place, path, damage):
+@pytest.mark.parametrize(("path", "damage"), [DAMAGE[1], DAMAGE[3], DAMAGE[4], DAMAGE[6], SHARED[0]])
+def test_stage_refuses_damaged_input(place, path, damage):
     damage(path)
     with pytest.raises(DatabaseError, match=rf"{path}: .*delete"):
         report.run(PLAN.study, out="again.html", **report_files())
     assert not Path("again.html").exists()
 
 
-def test_a_run_does_not_take_the_radiation_model_of_another_study(place):
+def test_radiation_model_of_another_study_is_refused(place):
     other = f"results/hydro/radiation/{'0' * 16}.nc"
     shutil.copy(PLAN.radiation_path, other)
     files = {"database": PLAN.database_path, "radiation": other}
@@ -276,54 +174,7 @@ def test_a_run_does_not_take_the_radiation_model_of_another_study(place):
         simulate.run(PLAN.simulation("FSB", WAVE), "out.nc", **files)
 
 
-def test_figures_do_not_take_the_modes_of_another_study(place):
-    other = plan_of(modes={"basis": "full", "degree": 2})
-    bem = {**PLAN.hydro_files, "response": RESPONSE}
-    with pytest.raises(
-        DatabaseError, match=f"modes.nc: holds '{content_id(PLAN.modes)}', needs '{content_id(other.modes)}'"
-    ):
-        figures.run(
-            config.parse({**RAW, "modes": {"basis": "full", "degree": 2}, "designs": RAW["designs"]}),
-            f"{PLAN.folder}/trajectories", "figures", "manifest.json", modes=f"{PLAN.folder}/modes.nc",
-            database=PLAN.database_path, radiation=PLAN.radiation_path,
-            response=relabelled(bem["response"], other.response_id),
-        )  # fmt: skip
-
-
-def relabelled(path, identity):
-    """A response that claims to be of another study, checksum and all."""
-    from vsb.tools.files import save
-
-    save(load(path).assign_attrs(spec_id=identity), "claims.nc")
-    return "claims.nc"
-
-
-def test_files_of_before_are_stamped_if_they_are_as_specified(place):
-    def bare(path):
-        rewritten(path, lambda file: file.delncattr("checksum"))
-
-    for path in (PLAN.database_path, PLAN.radiation_path):
-        bare(path)
-    assert [fault.kind for fault in study_faults(PLAN)] == ["unstamped"] * 2
-    assert stale_products(PLAN, dry=True) == []
-    assert len(study_faults(PLAN)) == 2  # a dry run changes nothing
-    assert stale_products(PLAN, dry=False) == []
-    assert "checksum" in load(PLAN.database_path).attrs
-    assert study_faults(PLAN) == []
-    bare(FSB)  # never was without
-    assert stale_products(PLAN, dry=False) == [FSB]
-
-
-def test_results_of_before_the_stamps_are_computed_anew(place):
-    for path in (FSB, RESPONSE):
-        rewritten(path, lambda file: [file.delncattr(name) for name in ("checksum", "spec_id", "spec")])
-    Path(PLAN.manifest).unlink()
-    found = stale_products(PLAN, dry=True)
-    assert {FSB, RESPONSE, TABLE} < set(found)
-    assert VSWEC not in found
-
-
-def test_a_folder_is_verified_whole(place):
+def test_verify_checks_every_file_of_a_folder(place):
     old = Path(PLAN.folder, "trajectories", "of_before.nc")
     shutil.copy(FSB, old)
     verify("results", heal=False)
@@ -341,7 +192,7 @@ def test_a_folder_is_verified_whole(place):
         verify("small.yaml", heal=False)
 
 
-def test_healing_stamps_what_is_of_before_removes_what_is_damaged_and_says_so(place):
+def test_heal_stamps_old_files_and_removes_damaged_ones(place):
     assert verify("small.yaml", heal=True) == ["small.yaml: all is sound"]
     rewritten(PLAN.database_path, lambda file: file.delncattr("checksum"))
     scaled("velocity", 2.0)(FSB)
@@ -353,65 +204,13 @@ def test_healing_stamps_what_is_of_before_removes_what_is_damaged_and_says_so(pl
     assert verify("small.yaml", heal=True) == ["vsb run small.yaml makes 1 files"]
 
 
-def test_the_index_is_of_the_databases_healing_leaves(place):
-    """One of another specification is removed from both, though the index told of it rightly."""
-    save_database(load(PLAN.database_path).assign_attrs(spec_id="0" * 16), None, PLAN.database_path)
-    healed, _ = verify("results", heal=True)
-    assert healed.startswith(f"removed {PLAN.database_path}: is of '0000000000000000'")
-    assert len(verify("results", heal=True)) == 1
-
-
-def test_where_there_are_no_databases_healing_writes_no_index_of_them(place):
-    shutil.rmtree("results/hydro")
-    scaled("velocity", 2.0)(FSB)
-    assert verify("results/small", heal=True)[0].startswith(f"removed {FSB}: ")
-    assert not Path("results/hydro").exists()
-
-
-def test_what_is_half_written_is_nobodys_and_what_is_named_by_another_id_is_foreign(place):
-    """A file named by an id holds it; what begins with a dot is being written, and replaced as a whole."""
+def test_half_written_files_are_ignored_and_misnamed_files_refused(place):
+    """Names of files being written begin with a dot; a file named by an id must hold it."""
     Path(PLAN.folder, ".half.nc").write_bytes(b"half")
     verify("results", heal=False)
     shutil.copy(PLAN.database_path, Path(PLAN.folder, "0123456789abcdef.nc"))
     with pytest.raises(VsbError, match=rf"0123456789abcdef.nc: holds '{Path(PLAN.database_path).stem}'"):
         verify("results", heal=False)
-
-
-def test_of_many_lines_one_is_told_and_the_others_are_counted():
-    assert [_more(["line"] * count) for count in (1, 2, 3)] == ["", " (and 1 more)", " (and 2 more)"]
-
-
-def test_an_index_is_what_its_databases_make_it_or_not_there(place):
-    index = Path("results/hydro/INDEX.tsv")
-    index.write_text(index.read_text() + "more\n")
-    with pytest.raises(VsbError, match=r"INDEX.tsv: its contents are not"):
-        verify("results", heal=False)
-    index.unlink()
-    verify("results", heal=False)
-
-
-def test_an_edited_study_does_not_condemn_its_results(place):
-    """What it is of is read from the folder itself: healing must not take the word of a file somebody edited."""
-    replaced("8000", "5000")(f"{PLAN.folder}/study.json")
-    assert len(verify("results", heal=True)) == 2
-    assert Path(FSB).exists()
-    assert not Path(PLAN.folder, "study.json").exists()
-
-
-def test_a_new_product_needs_no_entry_of_its_own(place):
-    class Wider(StudyPlan):
-        @property
-        def products(self):
-            return [*super().products, f"{self.folder}/rungs.csv", f"{self.root}/hydro/witness/{'a' * 16}.nc"]
-
-    wider = Wider(PLAN.study)
-    assert wider.ids[f"{PLAN.folder}/rungs.csv"] == PLAN.study_id
-    assert wider.ids[f"results/hydro/witness/{'a' * 16}.nc"] == "a" * 16
-    ladder = Path(PLAN.folder, "rungs.csv")
-    ladder.write_text("rung\n")
-    assert [fault.path for fault in study_faults(wider)] == [str(ladder)]
-    record(PLAN.manifest, PLAN.study_id, [ladder])
-    assert study_faults(wider) == []
 
 
 def contents(path):
@@ -424,10 +223,10 @@ def same(one, other):
     return one.keys() == other.keys() and all(one[name].identical(other[name]) for name in one)
 
 
-def test_no_flipped_bit_of_any_file_is_silent(place):
+def test_every_flipped_bit_is_detected(place):
     rng, files = np.random.default_rng(11), [*PLAN.ids, "results/hydro/INDEX.tsv"]
     sizes = [os.path.getsize(path) for path in files]
-    for path in rng.choice(files, size=60, p=np.array(sizes) ** 0.5 / np.sum(np.array(sizes) ** 0.5)):
+    for path in rng.choice(files, size=30, p=np.array(sizes) ** 0.5 / np.sum(np.array(sizes) ** 0.5)):
         good = Path(path).read_bytes()
         bit, bad = int(rng.integers(8 * len(good))), bytearray(good)
         bad[bit // 8] ^= 1 << (bit % 8)
@@ -445,7 +244,7 @@ def test_no_flipped_bit_of_any_file_is_silent(place):
         assert file.spec_id == PLAN.ids[FSB]
 
 
-def test_what_a_changed_study_replaces_is_said(tmp_path):
+def test_differences_to_the_previous_study_are_listed(tmp_path):
     def planned(**changes):
         return StudyPlan(config.parse({**RAW, **changes}), root=str(tmp_path))
 
@@ -464,226 +263,10 @@ def test_what_a_changed_study_replaces_is_said(tmp_path):
     assert differences(planned(pto={"damping": 9000.0})) == ""
 
 
-@pytest.mark.parametrize("damping", ["5000.0", "15000.0"])
-def test_a_study_that_was_edited_since_it_was_stamped_is_of_no_plan(tmp_path, damping):
-    """It can be read as ever, but is not what was computed; in as many letters or in more."""
-    before = StudyPlan(config.parse(RAW), root=str(tmp_path))
-    changed = StudyPlan(config.parse({**RAW, "pto": {"damping": 9000.0}}), root=str(tmp_path))
-    path = Path(before.folder, "study.json")
-    path.parent.mkdir()
-    path.write_text(config.canonical(before.study))
-    record(before.manifest, before.study_id, [path])
-    assert differences(changed) == "pto.damping 8000.0 -> 9000.0"
-    replaced("8000.0", damping)(path)
-    assert module._plan(path.parent) is None
-    assert differences(changed) == ""
-
-
-def test_a_body_changes_as_a_study_does_and_a_campaign_of_its_name_is_none(finished, tmp_path):
-    def body(**changes):
-        found = located(as_body(finished, **changes), "a.yaml")
-        return BodyPlan(found.study, root=str(tmp_path / "results"), files=found.files)
-
-    campaign = planned(with_seas(tmp_path, (1.0, 6.0)), name="general")
-    assert campaign.folder == body().folder
-    Path(body().folder).mkdir(parents=True)
-    Path(body().folder, "study.json").write_text(config.canonical(body().study))
-    assert differences(body()) == ""
-    assert differences(body(pto={"damping": 9000.0})) == "pto.damping 8000.0 -> 9000.0"
-    assert differences(campaign) == ""
-
-
-def test_of_missing_files_the_first_by_name_is_told_and_the_others_are_counted(tmp_path, monkeypatch):
-    """Of a study that was never run these are all."""
+def test_missing_files_are_counted(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("small.yaml").write_text(yaml.safe_dump(RAW))
     first, *others = sorted(set(PLAN.products))
     line = f"{first}: is not there (and {len(others)} more); vsb run small.yaml makes it anew"
     with pytest.raises(VsbError, match=f"^{re.escape(line)}$"):
         verify("small.yaml", heal=False)
-
-
-def test_of_shared_files_those_are_made_anew_that_take_no_time(monkeypatch, tmp_path, capsys):
-    """Meshes to look at, whatever is wrong with them; netCDF beside them is for the user to remove."""
-    monkeypatch.chdir(tmp_path)
-    mesh = next(path for path in PLAN.ids if PLAN.is_shared(path) and not path.endswith(".nc"))
-    for kind in ("nameless", "stale", "damaged"):
-        monkeypatch.setattr("vsb.stages.verify.study_faults", lambda plan, kind=kind: [Fault(mesh, kind, "why")])
-        assert stale_products(PLAN, dry=False) == [mesh]
-        assert capsys.readouterr().out == f"vsb: {mesh}: why; computed anew\n"
-
-
-@pytest.mark.parametrize(
-    ("name", "attrs", "reasons"),
-    [
-        ("0123456789abcdef", {"spec_id": "0123456789abcdef"}, []),
-        ("0123456789abcdef", {"spec_id": "f" * 16}, [f"holds '{'f' * 16}'"]),
-        ("0123456789abcdef", {}, ["holds None"]),
-        ("of_before", {}, []),
-    ],
-)
-def test_a_file_named_by_an_id_holds_it_or_is_damaged(tmp_path, name, attrs, reasons):
-    with netCDF4.Dataset(tmp_path / f"{name}.nc", "w") as file:
-        file.setncatts(attrs)
-    found = _other_faults(tmp_path, set())
-    assert [(fault.kind, fault.reason) for fault in found] == [("damaged", reason) for reason in reasons]
-    assert _other_faults(tmp_path, {str(tmp_path / f"{name}.nc")}) == []
-
-
-def test_a_folder_is_of_all_studies_in_it_that_it_knows(tmp_path, monkeypatch):
-    """Its own first, then those below it by name; one whose study is not readable any more has no plan."""
-    for name in ("b", "a", "c", "none"):
-        (tmp_path / name).mkdir()
-        if name != "none":
-            (tmp_path / name / "study.json").touch()
-    monkeypatch.setattr(module, "_plan", lambda folder: None if folder.name == "b" else folder.name)
-    monkeypatch.setattr(module, "plan_of", lambda target: f"of {target}")
-    assert module._plans(str(tmp_path)) == ["a", "c"]
-    (tmp_path / "study.json").touch()
-    assert module._plans(str(tmp_path)) == [tmp_path.name, "a", "c"]
-    assert module._plans(str(tmp_path / "study.yaml")) == [f"of {tmp_path / 'study.yaml'}"]
-
-
-def test_an_index_that_is_there_says_what_the_databases_of_its_results_do(tmp_path, monkeypatch):
-    monkeypatch.setattr("vsb.hydro.database.index_text", lambda folder: f"of {folder}\n")
-    assert module._index_faults(tmp_path) == []
-    index = tmp_path / "hydro" / "INDEX.tsv"
-    index.parent.mkdir()
-    for text, told in (
-        (f"of {tmp_path / 'hydro' / 'db'}\n", []),
-        ("", [index]),
-        (f"of {tmp_path / 'hydro'}\n", [index]),
-    ):
-        index.write_text(text)
-        assert module._index_faults(tmp_path) == [Fault(str(path), "damaged", CHANGED) for path in told]
-    for end in (b"\r\n", b"\n\xe9"):  # by another system, in another alphabet
-        index.write_bytes(f"of {tmp_path / 'hydro' / 'db'}".encode() + end)
-        assert module._index_faults(tmp_path) == [Fault(str(index), "damaged", CHANGED)]
-
-
-def test_of_manifests_one_that_cannot_be_read_hides_no_other(tmp_path):
-    for name in "abc":
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "x.csv").write_text(name)
-        record(tmp_path / name / "manifest.json", name * 16, [tmp_path / name / "x.csv"])
-    assert {stamp.spec_id[0] for stamp in module.manifests(tmp_path).values()} == {"a", "b", "c"}
-    for name, others in (("a", "bc"), ("b", "c")):
-        (tmp_path / name / "manifest.json").write_text("{")
-        assert set(module.manifests(tmp_path)) == {str(tmp_path / other / "x.csv") for other in others}
-
-
-def test_values_of_nested_data_are_known_by_their_names_with_dots():
-    """Of a list without any there is none."""
-    data = {"a": {"b": [1, (2, {})], "": 3}, "c": None, "d": [], "e": "xy", "f": False}
-    named = {"a.b.0": 1, "a.b.1.0": 2, "a.b.1.1": {}, "a.": 3, "c": None, "e": "xy", "f": False}
-    assert module.leaves(data) == named
-
-
-@pytest.mark.parametrize(("changed", "more"), [(6, ""), (7, " (and 1 more)"), (9, " (and 3 more)")])
-def test_six_changes_of_a_study_are_told_and_what_it_no_longer_says_is_one(tmp_path, monkeypatch, changed, more):
-    """In the order of what it said before; then what is new."""
-    old = {"lost": 1, **{f"k{i}": i for i in range(9)}, "kept": 5}
-    new = {"kept": 5, **{f"k{i}": 10 * i for i in range(1, 9)}, "k0": 0, "new": None, "found": 3}
-    keys = ["lost", *(f"k{i}" for i in range(1, 9)), "found"][: changed - 1]
-    old = {key: value for key, value in old.items() if key in keys or key == "kept"}
-    new = {key: value for key, value in new.items() if key in [*keys[1:], "kept"]} | {"last": 7}
-    study = lambda data: SimpleNamespace(model_dump=lambda: data)  # noqa: E731
-    monkeypatch.setattr(module, "_plan", lambda folder: SimpleNamespace(study=study(old)))
-    (tmp_path / "study.json").touch()
-    told = differences(SimpleNamespace(folder=str(tmp_path), study=study(new)))
-    lines = ["lost 1 -> nothing", *(f"k{i} {i} -> {10 * i}" for i in range(1, changed - 1)), "last nothing -> 7"]
-    assert told == ", ".join(lines[:6]) + more
-
-
-@pytest.mark.parametrize(("dry", "word"), [(True, "holds"), (False, "held")])
-def test_what_a_run_replaces_is_told_as_what_there_is_or_was(monkeypatch, capsys, dry, word):
-    """And the first of the files it makes anew, with the number of the others."""
-    found = [Fault(f"results/small/{name}", "stale", f"of {name}") for name in ("a.csv", "b.csv", "c.csv")]
-    monkeypatch.setattr(module, "differences", lambda plan: "all of it")
-    monkeypatch.setattr(module, "study_faults", lambda plan: found)
-    assert stale_products(PLAN, dry=dry) == [fault.path for fault in found]
-    assert capsys.readouterr().out == (
-        f"vsb: {PLAN.folder} {word} another study of this name: all of it\n"
-        "vsb: results/small/a.csv: of a.csv (and 2 more); computed anew\n"
-    )
-
-
-@pytest.mark.parametrize("folder", [True, False])
-@pytest.mark.parametrize(("faulty", "missing"), [(0, 0), (2, 0), (0, 1), (1, 2)])
-def test_what_is_wrong_of_all_studies_is_counted_with_what_is_missing(tmp_path, monkeypatch, folder, faulty, missing):
-    """What is damaged first; nothing is healed of what is only missing. Files no plan names count in a folder."""
-    target = tmp_path if folder else tmp_path / "study.yaml"
-    if not folder:
-        target.touch()
-    (tmp_path / "there").touch()
-    lost = [str(tmp_path / f"lost{i}") for i in range(missing)]
-    plans = [
-        SimpleNamespace(root=str(tmp_path), ids={"x": "1", "y": "2"}, products=[str(tmp_path / "there")]),
-        SimpleNamespace(root=str(tmp_path), ids={"z": "3"}, products=lost[::-1]),
-    ]
-    wrong, asked = [Fault(f"bad{i}", "damaged", f"why {i}") for i in range(faulty)], []
-    monkeypatch.setattr(module, "_plans", lambda given: plans if given == str(target) else [])
-    monkeypatch.setattr(module, "manifests", lambda root: ("stamps", root))
-    monkeypatch.setattr(module, "faults", lambda *given: asked.append(given) or wrong[:1])
-    monkeypatch.setattr(module, "_index_faults", lambda root: [] if folder else wrong[1:])
-    monkeypatch.setattr(module, "_other_faults", lambda *given: asked.append(given) or wrong[1:])
-    monkeypatch.setattr(module, "_healed", lambda *given: asked.append(given) or ["healed"])
-    ids = {"x": "1", "y": "2", "z": "3"}
-    command = "vsb run CONFIG" if folder else f"vsb run {target}"
-    lines = [*(f"bad{i}: why {i}" for i in range(faulty)), *(f"{path}: is not there" for path in lost)]
-    if lines:
-        more = f" (and {len(lines) - 1} more)" if len(lines) > 1 else ""
-        heals = f"vsb verify {target} --heal removes what is wrong, " if faulty else ""
-        with pytest.raises(VsbError, match=f"^{re.escape(f'{lines[0]}{more}; {heals}{command} makes it anew')}$"):
-            verify(str(target), heal=False)
-    else:
-        assert verify(str(target), heal=False) == [f"{target}: 3 files are what they should be"]
-    others = [(Path(target), {"x", "y", "z"})] if folder else []
-    assert asked == [(ids, ("stamps", tmp_path)), *others]
-    makes = f"{command} makes {len(lines)} files" if lines else f"{target}: all is sound"
-    assert verify(str(target), heal=True) == ["healed", makes]
-    assert asked[-1] == (tmp_path, wrong)
-
-
-MEMBER = f"{'c' * 16}{packed.SUFFIX}"
-
-
-def test_files_that_no_plan_names_are_judged_by_what_they_say_of_themselves(tmp_path):
-    """Netcdf, packed members and what manifests promise; those a plan names are its own to judge."""
-    (tmp_path / "below").mkdir()
-    names = {
-        name: tmp_path / "below" / name for name in ("a.nc", ".b.nc", MEMBER, f"own{packed.SUFFIX}", "d.csv", "e.csv")
-    }
-    for path in names.values():
-        path.write_bytes(b"none")
-    manifest = tmp_path / "below" / "manifest.json"
-    record(manifest, "0" * 16, [names["d.csv"], names["e.csv"]])
-    names["d.csv"].write_bytes(b"other")
-    found = _other_faults(tmp_path, set())
-    assert [fault.path for fault in found] == [str(names[name]) for name in ("a.nc", MEMBER, "d.csv")]
-    assert {fault.kind for fault in found} == {"damaged"}
-    assert not any(fault.reason.startswith(fault.path) for fault in found)
-    known = _other_faults(tmp_path, {str(names["a.nc"]), str(names["d.csv"])})
-    assert [fault.path for fault in known] == [str(names[MEMBER])]
-    manifest.write_text("{")
-    *_, last = _other_faults(tmp_path, set())
-    assert (last.path, last.reason.startswith("cannot be read as a manifest")) == (str(manifest), True)
-
-
-@pytest.mark.parametrize("databases", [True, False])
-@pytest.mark.parametrize("faulty", [True, False])
-def test_healing_writes_the_index_wherever_there_are_databases(tmp_path, monkeypatch, databases, faulty):
-    """An index that is missing is no fault, and is there again; what is of before the stamps is stamped, not removed."""
-    written, stamped, root = [], [], tmp_path
-    if databases:
-        (root / "hydro" / "db").mkdir(parents=True)
-    (root / "bad.nc").touch()
-    monkeypatch.setattr("vsb.hydro.database.write_index", written.append)
-    monkeypatch.setattr(module, "stamp_file", stamped.append)
-    faults = (
-        [Fault("old.nc", "unstamped", "of before"), Fault(str(root / "bad.nc"), "damaged", "why")] if faulty else []
-    )
-    told = ["stamped old.nc: of before", f"removed {root / 'bad.nc'}: why"] if faulty else []
-    assert module._healed(root, faults) == told
-    assert (stamped, (root / "bad.nc").exists()) == (["old.nc"] if faulty else [], not faulty)
-    assert written == ([root / "hydro" / "db"] if databases else [])

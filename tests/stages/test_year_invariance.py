@@ -1,4 +1,4 @@
-"""What a year finds is the same in other units of mass and length, and in any order of its designs and hours."""
+"""Results of a year do not depend on units, nor on the order of designs and hours."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ STUDIES = {
 
 
 def year(folder, raw, seas=SEAS, height=1.0):
-    """Results of a year of these seas, in metres of this height."""
+    """Results of a year of these seas, heights in units of `height`."""
     folder.mkdir()
     lines = ["YY MM DD hh " + " ".join(f"{f:.4f}" for f in HERTZ)]
     for hour, (hs, tp) in enumerate(seas):
@@ -43,7 +43,7 @@ def year(folder, raw, seas=SEAS, height=1.0):
 
 
 def of_the_year(ds):
-    """Numbers of the whole year that do not hang on its bins, which are of so many metres."""
+    """Numbers of the whole year that do not depend on its bins, which are in metres."""
     return {
         name: values
         for name, values in ds.data_vars.items()
@@ -52,7 +52,7 @@ def of_the_year(ds):
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_a_year_in_other_units_finds_the_same(tmp_path, name):
+def test_year_does_not_depend_on_units(tmp_path, name):
     own, other = year(tmp_path / "own", STUDIES[name]), year(tmp_path / "other", restated(STUDIES[name]), height=LENGTH)
     found = of_the_year(other)
     assert {"annual_mean_power", "force_rms", "gain_percent"} <= set(found)
@@ -61,9 +61,8 @@ def test_a_year_in_other_units_finds_the_same(tmp_path, name):
         assert_close(found[what].values, factor(units) * values.values, what, 1e-6)
 
 
-@pytest.mark.parametrize("name", STUDIES)
-def test_designs_and_hours_in_another_order_find_the_same(tmp_path, name):
-    own, other = year(tmp_path / "own", STUDIES[name]), year(tmp_path / "other", renamed(STUDIES[name]), SEAS[::-1])
+def test_year_does_not_depend_on_order(tmp_path):
+    own, other = year(tmp_path / "own", BASE), year(tmp_path / "other", renamed(BASE), SEAS[::-1])
     other = other.assign_coords(design=[usual(str(design)) for design in other.design.values]).sel(design=own.design)
     for what, values in own.data_vars.items():
         if np.issubdtype(values.dtype, np.number):

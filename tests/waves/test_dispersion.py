@@ -27,15 +27,8 @@ def test_deep_and_shallow_limits():
     assert group_velocity(0.01, 1.0, G) == pytest.approx(np.sqrt(G), rel=1e-4)
 
 
-def test_limit_in_deep_water():
+def test_power_limit_in_deep_water():
     assert power_limit(2.0, np.inf, 1025.0, G) == pytest.approx(1025.0 * G**3 / (4 * 2.0**3))
-
-
-@given(st.floats(0.01, 20.0), st.floats(0.1, 1000.0))
-def test_wavenumber_lies_between_the_deep_and_shallow_limits(omega, depth):
-    k = wavenumber(omega, depth, G)
-    assert k >= omega**2 / G * (1 - 1e-12)
-    assert k >= omega / np.sqrt(G * depth) * (1 - 1e-12)
 
 
 @pytest.mark.parametrize("depth", [5.0, 30.0])
@@ -45,22 +38,10 @@ def test_wavenumber_is_continuous_where_deep_water_begins(depth):
     assert deeper / shallower == pytest.approx(1 + 4e-9, abs=1e-12)
 
 
-@given(st.floats(0.2, 20.0))
-def test_deep_water_has_half_the_phase_velocity(omega):
-    assert group_velocity(omega, np.inf, G) == pytest.approx(G / (2 * omega), rel=1e-14)
-    assert group_velocity(omega, 1e4, G) == pytest.approx(G / (2 * omega), rel=1e-12)
-
-
-def test_shallow_water_is_not_dispersive_to_second_order():
+def test_shallow_water_is_dispersive_at_second_order():
     """v_g = sqrt(g d) (1 - (kd)^2/2 + ...): the deviation falls fourfold per halved frequency."""
     deviations = np.array([1 - group_velocity(w, 2.0, G) / np.sqrt(2.0 * G) for w in (0.2, 0.1, 0.05, 0.025)])
     assert np.log2(deviations[:-1] / deviations[1:]) == pytest.approx([2.0, 2.0, 2.0], abs=0.02)
-
-
-@given(st.floats(0.2, 12.0))
-def test_deep_power_limit_of_any_wave(omega):
-    exact = 1025.0 * G**3 / (4 * omega**3)
-    assert power_limit(omega, np.inf, 1025.0, G) == pytest.approx(exact, rel=1e-13)
 
 
 @given(st.floats(0.2, 5.0), st.floats(1.0, 100.0))
@@ -71,33 +52,8 @@ def test_power_limit_is_the_flux_of_one_capture_width(omega, depth):
     assert power_limit(omega, depth, 1025.0, G) == pytest.approx(flux / k, rel=1e-12)
 
 
-@pytest.mark.parametrize("depth", [np.inf, 3.0])
-def test_the_vertical_velocity_is_that_of_the_surface_and_of_the_bottom(depth):
-    """-i omega at the surface, zero at the bottom, and w'' = k^2 w in between (Laplace)."""
-    omega, step = np.array([0.8, 2.0]), 1e-3
-    k = np.array([wavenumber(w, depth, 9.81) for w in omega])
-    at = [vertical_velocity(omega, z, depth, 9.81) for z in (0.0, -1.0 - step, -1.0, -1.0 + step)]
-    assert at[0] == pytest.approx(-1j * omega)
-    assert (at[1] - 2 * at[2] + at[3]) / step**2 == pytest.approx(k**2 * at[2], rel=1e-4)
-    if np.isfinite(depth):
-        assert np.abs(vertical_velocity(omega, -depth, depth, 9.81)).max() < 1e-15
-
-
-@pytest.mark.parametrize("depth", [np.inf, 3.0])
-def test_water_that_flows_together_rises(depth):
-    """Continuity, i k u + dw/dz = 0, and no vorticity, i k w - du/dz = 0: u along the waves beside w."""
-    omega, step = np.array([0.8, 2.0]), 1e-4
-    k = np.array([wavenumber(w, depth, 9.81) for w in omega])
-    u, w = (
-        [velocity(omega, z, depth, 9.81) for z in (-1.0 - step, -1.0, -1.0 + step)]
-        for velocity in (horizontal_velocity, vertical_velocity)
-    )
-    assert 1j * k * u[1] == pytest.approx(-(w[2] - w[0]) / (2 * step), rel=1e-6)
-    assert 1j * k * w[1] == pytest.approx((u[2] - u[0]) / (2 * step), rel=1e-6)
-
-
 @pytest.mark.parametrize("depth", [np.inf, 3.0, 40.0])
-def test_waves_of_another_gravity_are_as_much_faster(depth):
+def test_froude_scaling_with_gravity(depth):
     """Three times the gravity, 1.7 times the frequency: the same wavenumber; all velocities go with the frequency."""
     omega, faster = np.array([0.5, 1.3, 2.9]), np.sqrt(3.0)
     for w in omega:
@@ -112,7 +68,7 @@ def test_waves_of_another_gravity_are_as_much_faster(depth):
         np.testing.assert_allclose(found, expected, rtol=1e-10)
 
 
-def test_water_under_waves_goes_around_in_closed_orbits():
+def test_orbital_velocities_in_closed_form():
     """cosh and sinh of their own at a depth, from the bottom up."""
     omega, depth, gravity, z = np.array([0.4, 1.1]), 7.0, 9.6, -2.5
     k = np.array([wavenumber(w, depth, gravity) for w in omega])
@@ -124,3 +80,6 @@ def test_water_under_waves_goes_around_in_closed_orbits():
         -1j * omega * np.sinh(k * (z + depth)) / np.sinh(k * depth),
         rtol=1e-12,
     )
+    deep = omega * np.exp(omega**2 / gravity * z)
+    np.testing.assert_allclose(horizontal_velocity(omega, z, np.inf, gravity), deep, rtol=1e-12)
+    np.testing.assert_allclose(vertical_velocity(omega, z, np.inf, gravity), -1j * deep, rtol=1e-12)

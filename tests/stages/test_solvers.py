@@ -1,0 +1,145 @@
+"""Stages spectral, panels, witness and database: blocks of two solvers, their comparison, and the database made of them."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import SEED, shipped, varied
+from study.test_shape import OBLATE, raw
+
+from vsb.errors import DatabaseError
+from vsb.hydro.dofs import displacements
+from vsb.shell.deformed import rigid_sphere
+from vsb.stages import database, deformed, mesh, panels, spectral, witness
+from vsb.stages.make import make
+from vsb.study.plan import StudyPlan
+from vsb.study.specs import DatabaseSpec
+from vsb.study.study import content_id, load, parse
+from vsb.tools import files
+
+
+@pytest.mark.parametrize("name", ["seed", "pressurised"])
+def test_spectral_problem_is_that_of_the_wetted_shape(name):
+    study = load(shipped(name))
+    plan = StudyPlan(study)
+    problem = spectral.spectral_problem(plan.sweep_blocks[0])
+    assert tuple(d.label for d in problem.displacements) == plan.displacements()
+    keel = problem.shell.meridian(np.array([np.pi])).z[0]
+    sphere = rigid_sphere(study.device.radius, study.centre_height).meridian(np.array([np.pi])).z[0]
+    assert (keel == pytest.approx(sphere)) == (not study.at_equilibrium)
+
+
+@pytest.mark.parametrize(("order", "labels"), [(0, ("Radial0", "Radial1")), (1, ("Surge", "Radial2"))])
+@pytest.mark.parametrize("shape", [None, OBLATE])
+def test_spectral_problem_has_the_water_order_and_shape_of_its_block(order, labels, shape):
+    study = load(SEED) if shape is None else parse(raw(shape, device={"mass": 9e3}))
+    water = study.water.model_copy(update={"depth": 9.0, "density": 1010.0, "gravity": 9.7})
+    block = StudyPlan(study).sweep_blocks[0]
+    problem = spectral.spectral_problem(
+        block.model_copy(update={"water": water, "order": order, "displacements": labels})
+    )
+    assert (problem.density, problem.gravity, problem.depth) == (1010.0, 9.7, 9.0)
+    assert (problem.displacements, problem.order) == (displacements(labels, order), order)
+    keel = problem.shell.meridian(np.array([np.pi])).z[0]
+    assert keel == pytest.approx(block.shape.centre_height - (study.device.radius if shape is None else 1.5))
+    assert problem.shell.meridian(np.array([np.pi / 2])).x[0] == pytest.approx(study.device.radius)
+
+
+@pytest.mark.parametrize("tabulated", [False, True])
+def test_spectral_block_is_swept_or_solved_at_every_frequency(small, tmp_path, tabulated):
+    plan = StudyPlan(varied(small.study, hydro={"omega": [1.0, 2.0]})) if tabulated else small
+    spec = (plan.tabulated_blocks if tabulated else plan.sweep_blocks)[0]
+    spectral.run(spec, str(tmp_path / "block.nc"))
+    ds = files.load(tmp_path / "block.nc", expected=content_id(spec))
+    assert tuple(ds.omega.values) == spec.omega
+    assert (ds.attrs["solves"] < ds.attrs["frequencies"]) == (not tabulated)
+    assert ("interpolation_error" in ds.attrs) == (not tabulated)
+    assert ds.attrs["error_estimate"] <= spec.tolerance
+
+
+def test_panel_block_agrees_with_the_spectral_solver_within_its_error_estimate(seed, green_folder, tmp_path):
+    found = {}
+    for solver in ("panels", "spectral"):
+        hydro = {"omega": [1.0, 2.0], "omega_max": 3.0} | ({"rows": 12} if solver == "panels" else {})
+        (spec,) = StudyPlan(varied(seed, hydro=hydro, modes={"degree": 1})).tabulated_blocks
+        out = tmp_path / f"{solver}.nc"
+        if solver == "panels":
+            mesh.run(spec.mesh, str(tmp_path / "mean.nc"))
+            panels.run(spec, str(tmp_path / "mean.nc"), str(green_folder), str(out))
+        else:
+            spectral.run(spec, str(out))
+        found[solver] = files.load(out, expected=content_id(spec))
+    for name in ("added_mass", "radiation_damping"):
+        one, other = (found[solver][name].values for solver in found)
+        assert one.shape == other.shape == (2, 2, 2)
+        assert np.abs(one - other).max() < found["panels"].attrs["error_estimate"] * np.abs(other).max()
+
+
+def test_both_solvers_agree_within_their_error_estimates(seed, green_folder, tmp_path):
+    """Of a rigid sphere on few rows."""
+    spec = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}})).witness
+    spec = spec.model_copy(update={"meshes": spec.meshes.model_copy(update={"rows": 16, "azimuth": 32})})
+    deformed.run(spec.meshes, str(tmp_path / "meshes"))
+    witness.run(spec, str(tmp_path / "meshes"), str(green_folder), str(tmp_path / "witness.nc"))
+    ds = files.load(tmp_path / "witness.nc", expected=content_id(spec))
+    assert tuple(ds.omega.values) == spec.omega
+    assert (ds.witness_difference <= ds.witness_estimate.sum("solver")).all()
+    assert float(ds.witness_difference.max()) < 0.02
+
+
+def test_missing_or_foreign_block_is_refused(small, tmp_path):
+    (name,) = small.database.sweep
+    with pytest.raises(DatabaseError, match=rf"{name}.nc: file not found"):
+        database.run(small.database, str(tmp_path), str(tmp_path / "out.nc"))
+    files.save(files.load(f"{small.block_folder}/{name}.nc").assign_attrs(spec_id="0" * 16), tmp_path / f"{name}.nc")
+    with pytest.raises(DatabaseError, match=rf"{name}.nc: holds block 0+, needs {name}; delete it and run again"):
+        database.run(small.database, str(tmp_path), str(tmp_path / "out.nc"))
+    assert not (tmp_path / "out.nc").exists()
+
+
+def test_failed_check_stops_unless_accepted(small, tmp_path):
+    """Damping of the wrong size violates Haskind's relation."""
+    (name,) = small.database.sweep
+    shutil.copy(f"{small.block_folder}/{name}.nc", tmp_path)
+    block = files.load(tmp_path / f"{name}.nc")
+    files.save(block.assign(radiation_damping=1.3 * block.radiation_damping), tmp_path / f"{name}.nc")
+    out = str(tmp_path / "db" / "out.nc")
+    with pytest.raises(DatabaseError, match=r"hydro database: check '\w+' failed: .*list the name under hydro.accept"):
+        database.run(small.database, str(tmp_path), out)
+    assert not Path(out).exists()
+    spec = DatabaseSpec(**{**small.database.model_dump(), "accept": ("haskind", "kramers_kronig")})
+    database.run(spec, str(tmp_path), out)
+    assert "accepted" in files.load(out).attrs["quality"]
+
+
+def test_sway_and_roll_are_surge_and_pitch_turned(seed, tmp_path):
+    """By 90 degrees about the vertical axis, so that pitch becomes negative roll. Yaw moves no water; damping of surge is Haskind's, k |X|^2/(8 rho g v_g); the mooring is as given."""
+    mooring = [2e4, 3e4, 1e3, 4e3, 5e3, 6e3]
+    device = {"centre_of_mass": -0.3, "ballast_inertia": 5e3, "ballast_yaw_inertia": 7e3}
+    hydro = {"omega_max": 4.0, "tolerance": 1e-2, "witness": "none"}
+    study = varied(seed, motion="free", mooring=mooring, device=device, modes={"degree": 2, "order": 1}, hydro=hydro)
+    plan = StudyPlan(study, root=str(tmp_path))
+    make(plan, [plan.database_path])
+    ds = files.load(plan.database_path)
+    labels, order = list(ds.influenced_dof.values), ds.azimuthal_order.values
+    even, odd = ([label for label, m in zip(labels, order, strict=True) if m == sign] for sign in (1, -1))
+    assert {"Surge", "Pitch"} <= set(even)
+    assert {"Sway", "Roll"} <= set(odd)
+    signs = [-1 if label == "Pitch" else 1 for label in even]
+    for name in ("added_mass", "radiation_damping", "hydrostatic_stiffness", "inertia_matrix"):
+        along, across = (ds[name].sel(influenced_dof=own, radiating_dof=own).values for own in (even, odd))
+        turned = along * np.outer(signs, signs)
+        np.testing.assert_allclose(across, turned, rtol=1e-9, atol=1e-9 * np.abs(along).max(), err_msg=name)
+    force = ds.excitation_force
+    ahead = force.sel(influenced_dof=even).sel(wave_direction=0.0).values
+    abeam = force.sel(influenced_dof=odd).sel(wave_direction=np.pi / 2, method="nearest").values
+    np.testing.assert_allclose(abeam, signs * ahead, rtol=1e-9, atol=1e-9 * np.abs(ahead).max())
+    assert not ds.added_mass.sel(influenced_dof="Yaw").values.any()
+    k, omega = ds.omega.values**2 / 9.81, ds.omega.values
+    haskind = k * np.abs(ahead[:, even.index("Surge")]) ** 2 / (8 * 1025.0 * 9.81 * 9.81 / (2 * omega))
+    surge = {"influenced_dof": "Surge", "radiating_dof": "Surge"}
+    np.testing.assert_allclose(ds.radiation_damping.sel(surge).values, haskind, rtol=1e-9)
+    names = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
+    stored = [float(ds.mooring_stiffness.sel(influenced_dof=name, radiating_dof=name)) for name in names]
+    assert stored == mooring
