@@ -166,7 +166,6 @@ def test_interval_of_a_year_contains_the_gain_of_many_modes(seed, tmp_path):
     assert np.all((gain - many)[1:, 1] > 0)  # more modes absorb less
 
 
-
 def test_about_an_equilibrium_the_rigid_design_depends_on_the_modes_through_its_shape(seed):
     study = varied(
         seed,

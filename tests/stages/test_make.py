@@ -1,17 +1,16 @@
 """Jobs of a study outside Snakemake: they make every product once and in order, and only what is missing or stale."""
 
-import re
+from types import SimpleNamespace
 
 import pytest
-from conftest import HERE, SEED, varied
+from conftest import SEED, shipped, varied
 
-from vsb.stages.make import Job, due, jobs
+from vsb.stages.make import due
 from vsb.stages.stage import STAGES
 from vsb.study import study as config
-from vsb.study.body import BodyStudy
-from vsb.study.body_plan import plan_for
+from vsb.study.campaign_plan import plan_of
+from vsb.study.jobs import Job, jobs, rules
 from vsb.study.plan import StudyPlan
-from vsb.study.reading import validated
 
 STUDIES = {
     "spectral": {},
@@ -45,15 +44,27 @@ def test_jobs_pass_the_files_their_stage_needs(plan):
         assert (job.spec is None) == (stage.spec is None), job.stage
 
 
-def test_every_rule_of_the_workflow_is_a_job(tmp_path):
-    files = (HERE.parent / "workflow" / "rules").glob("*.smk")
-    rules = "".join(path.read_text() for path in files if path.stem != "campaign")
-    plans = [StudyPlan(varied(config.load(SEED), **changes)) for changes in STUDIES.values()]
-    body = {"file": {"body": "raft", "mesh": "-", "modes": "-", "omega": [0.5, 1.0]}}
-    raft = {"study": "raft", "body": body, "designs": {"a": {}}, "waves": [{"kind": "still"}]}
-    raft["pto"] = {"damping": 1.0}
-    plans.append(plan_for(validated(BodyStudy, raft, "raft.yaml")))
-    assert {job.stage for plan in plans for job in jobs(plan)} == set(re.findall(r"^rule (\w+):", rules, re.MULTILINE))
+def test_rules_of_several_jobs_tell_them_apart_by_their_files(plan):
+    found = {rule.stage: rule for rule in rules(plan)}
+    for job in jobs(plan):
+        rule = found[job.stage]
+        wildcards = SimpleNamespace(job=job.name) if job.name else SimpleNamespace()
+        assert [path.format(job=job.name) for path in rule.makes] == list(job.makes)
+        assert rule.needs(wildcards) == list(job.needs)
+        assert rule.text(wildcards) == job.text
+    assert "{job}" in found["simulate"].record("logs")
+    assert "{job}" not in found["compare"].record("logs")
+
+
+def test_jobs_of_a_campaign_make_all_its_products_in_order():
+    plan = plan_of(str(shipped("when_it_pays")))
+    stages = {stage.name: stage for stage in STAGES}
+    made = [plan.loaded.climate_path]
+    for job in jobs(plan):
+        assert set(job.needs) <= set(made), job.stage
+        assert set(job.files) == set(stages[job.stage].files), job.stage
+        made += job.makes
+    assert set(plan.products) <= set(made)
 
 
 @pytest.mark.parametrize(

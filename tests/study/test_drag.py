@@ -43,6 +43,6 @@ def test_errors_of_drag(seed, sections, message):
 
 def test_drag_acts_in_the_directions_it_is_given_for():
     plate = {"coefficient": 1.0, "area": 2.0}
-    for name in Drag.LATER:
+    for name in Drag.model_fields:
         own = plate | ({"lever": 3.0} if name in ("roll", "pitch", "yaw") else {})
         assert {key: one.model_dump() for key, one in Drag(**{name: own}).directions.items()} == {name: own}

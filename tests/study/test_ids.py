@@ -80,7 +80,7 @@ def test_key_changes_the_ids_of_the_results_that_depend_on_it(study, changes, re
 @pytest.mark.parametrize(
     ("tag", "renamed"),
     [
-        ("bem", {"blocks", *WATER}), ("database", WATER), ("radiation", {"radiation", "runs", "report"}),
+        ("block", {"blocks", *WATER}), ("database", WATER), ("radiation", {"radiation", "runs", "report"}),
         ("response", {"response", "report"}), ("ladder", {"ladder", "report"}), ("simulate", {"runs", "report"}),
         ("witness", {"witness", "report"}), ("compare", {"report"}), ("member", set()),
     ],
