@@ -138,7 +138,7 @@ def test_run_reuses_finished_time_domain_runs(folder, checked, capsys):
     before, stamp = {path: path.read_bytes() for path in (kept, lost, data)}, kept.stat().st_mtime_ns
     lost.unlink(), data.unlink()
     with chdir(folder):
-        assert main(["run", "checked.yaml"]) == 0, capsys.readouterr()
+        assert main(["run", "checked.yaml", plan.data_path]) == 0, capsys.readouterr()
     assert {path: path.read_bytes() for path in before} == before
     assert kept.stat().st_mtime_ns == stamp
 
