@@ -406,8 +406,6 @@ def check_of(name, verdict):
 @pytest.mark.parametrize(
     ("place", "arguments", "given"),
     [
-        ("verify.verify", ["verify", "a.yaml"], (("a.yaml",), {"heal": False})),
-        ("verify.verify", ["verify", "a.yaml", "--heal"], (("a.yaml",), {"heal": True})),
         ("crate.crate", ["crate", "a.yaml", "b.zip"], (("a.yaml", "b.zip", None, None), {})),
         ("crate.crate", ["crate", "a.yaml", "b.zip", "--author", "N", "--licence", "U"],
          (("a.yaml", "b.zip", "U", "N"), {})),

@@ -75,8 +75,16 @@ def verify(args: argparse.Namespace) -> int:
     """Check that results are what they should be: ids and contents of all files of a study, or of a folder."""
     from vsb.stages import verify as stamps
 
-    print(*stamps.verify(args.config, heal=args.heal), sep="\n")
+    print(*stamps.verify(args.config, heal=args.heal, agreed=lambda lines: args.yes or _agreed(lines)), sep="\n")
     return 0
+
+
+def _agreed(lines: Sequence[str]) -> bool:
+    """Ask at the terminal whether files may be moved to the trash."""
+    print(*lines, sep="\n")
+    if not sys.stdin.isatty():
+        raise VsbError(f"--heal: would move {len(lines)} files to the trash; needs --yes where nobody can be asked")
+    return input(f"move {len(lines)} files to the trash? [y/N] ").strip().lower() in ("y", "yes")
 
 
 def crate(args: argparse.Namespace) -> int:
@@ -244,7 +252,10 @@ def _add_commands(commands: Any) -> None:
     one = _command(commands, "completion", "completion for a shell", complete)
     one.add_argument("shell", choices=tuple(completion.SHELLS), help="which")
     one = _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")
-    one.add_argument("--heal", action="store_true", help="remove what is not, so that the next run makes it anew")
+    one.add_argument(
+        "--heal", action="store_true", help="move what is not to the trash, so that the next run makes it anew"
+    )
+    one.add_argument("--yes", action="store_true", help="with --heal: do not ask")
     one = _command(commands, "crate", "finished results as an RO-Crate", crate, config="CONFIG", out="CRATE.zip")
     one.add_argument("--licence", metavar="URL", help="that the results are given under")
     one.add_argument("--author", metavar="NAME", help="who made them")

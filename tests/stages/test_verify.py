@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import netCDF4
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from conftest import SMALL as RAW
 from conftest import SMALL_PLAN as PLAN
@@ -23,14 +24,14 @@ from vsb.errors import DatabaseError, VsbError
 from vsb.hydro.database import save_database
 from vsb.stages import figures, report, simulate
 from vsb.stages import verify as module
-from vsb.stages.verify import _more, _other_faults, differences, stale_products, study_faults, verify
+from vsb.stages.verify import _more, differences, stale_products, study_faults, verify
 from vsb.study import study as config
 from vsb.study.body import located
 from vsb.study.body_plan import BodyPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id
 from vsb.tools import packed
-from vsb.tools.files import CHANGED, load, read_groups
+from vsb.tools.files import load, read_groups
 from vsb.tools.stamps import Fault, record
 
 TOGETHER = ("report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json")
@@ -125,6 +126,12 @@ SHARED = [
 """Files studies share: a run does not remove them by itself."""
 
 
+def trashed(path):
+    """Where healing moved a file to."""
+    (found,) = Path("results/trash").rglob(Path(path).name)
+    return found
+
+
 def with_old_time(path, damage):
     times = os.stat(path)
     damage(path)
@@ -155,7 +162,7 @@ def test_damage_of_a_studys_own_files_is_computed_anew(place, path, damage, caps
     with_old_time(path, damage)
     assert stale_products(PLAN, dry=True) == [path]
     assert f"vsb: {path}: " in capsys.readouterr().out
-    with pytest.raises(VsbError, match=rf"{path}: .*vsb verify small.yaml --heal removes what is wrong, vsb run small"):
+    with pytest.raises(VsbError, match=rf"{path}: .*vsb verify small.yaml --heal moves what is wrong to"):
         verify("small.yaml", heal=False)
     assert verify("small.yaml", heal=True)[-1] == "vsb run small.yaml makes 1 files"
     assert not Path(path).exists()
@@ -346,7 +353,10 @@ def test_healing_stamps_what_is_of_before_removes_what_is_damaged_and_says_so(pl
     rewritten(PLAN.database_path, lambda file: file.delncattr("checksum"))
     scaled("velocity", 2.0)(FSB)
     *healed, makes = verify("small.yaml", heal=True)
-    assert sorted(line.partition(": ")[0] for line in healed) == [f"removed {FSB}", f"stamped {PLAN.database_path}"]
+    assert sorted(line.partition(": ")[0] for line in healed) == [
+        f"moved {FSB} to {trashed(FSB)}",
+        f"stamped {PLAN.database_path}",
+    ]
     assert makes == "vsb run small.yaml makes 2 files"
     assert "checksum" in load(PLAN.database_path).attrs
     assert not Path(FSB).exists()
@@ -357,14 +367,14 @@ def test_the_index_is_of_the_databases_healing_leaves(place):
     """One of another specification is removed from both, though the index told of it rightly."""
     save_database(load(PLAN.database_path).assign_attrs(spec_id="0" * 16), None, PLAN.database_path)
     healed, _ = verify("results", heal=True)
-    assert healed.startswith(f"removed {PLAN.database_path}: is of '0000000000000000'")
+    assert healed.startswith(f"moved {PLAN.database_path} to {trashed(PLAN.database_path)}: is of '0000000000000000'")
     assert len(verify("results", heal=True)) == 1
 
 
 def test_where_there_are_no_databases_healing_writes_no_index_of_them(place):
     shutil.rmtree("results/hydro")
     scaled("velocity", 2.0)(FSB)
-    assert verify("results/small", heal=True)[0].startswith(f"removed {FSB}: ")
+    assert verify("results/small", heal=True)[0].startswith(f"moved {FSB} to ")
     assert not Path("results/hydro").exists()
 
 
@@ -381,12 +391,15 @@ def test_of_many_lines_one_is_told_and_the_others_are_counted():
     assert [_more(["line"] * count) for count in (1, 2, 3)] == ["", " (and 1 more)", " (and 2 more)"]
 
 
-def test_an_index_is_what_its_databases_make_it_or_not_there(place):
+def test_an_index_is_what_its_databases_make_it(place):
     index = Path("results/hydro/INDEX.tsv")
     index.write_text(index.read_text() + "more\n")
     with pytest.raises(VsbError, match=r"INDEX.tsv: its contents are not"):
         verify("results", heal=False)
     index.unlink()
+    with pytest.raises(VsbError, match=r"INDEX.tsv: is not there"):
+        verify("results", heal=False)
+    assert verify("results", heal=True)[0] == "wrote results/hydro/INDEX.tsv again: is not there"
     verify("results", heal=False)
 
 
@@ -513,23 +526,6 @@ def test_of_shared_files_those_are_made_anew_that_take_no_time(monkeypatch, tmp_
         assert capsys.readouterr().out == f"vsb: {mesh}: why; computed anew\n"
 
 
-@pytest.mark.parametrize(
-    ("name", "attrs", "reasons"),
-    [
-        ("0123456789abcdef", {"spec_id": "0123456789abcdef"}, []),
-        ("0123456789abcdef", {"spec_id": "f" * 16}, [f"holds '{'f' * 16}'"]),
-        ("0123456789abcdef", {}, ["holds None"]),
-        ("of_before", {}, []),
-    ],
-)
-def test_a_file_named_by_an_id_holds_it_or_is_damaged(tmp_path, name, attrs, reasons):
-    with netCDF4.Dataset(tmp_path / f"{name}.nc", "w") as file:
-        file.setncatts(attrs)
-    found = _other_faults(tmp_path, set())
-    assert [(fault.kind, fault.reason) for fault in found] == [("damaged", reason) for reason in reasons]
-    assert _other_faults(tmp_path, {str(tmp_path / f"{name}.nc")}) == []
-
-
 def test_a_folder_is_of_all_studies_in_it_that_it_knows(tmp_path, monkeypatch):
     """Its own first, then those below it by name; one whose study is not readable any more has no plan."""
     for name in ("b", "a", "c", "none"):
@@ -542,23 +538,6 @@ def test_a_folder_is_of_all_studies_in_it_that_it_knows(tmp_path, monkeypatch):
     (tmp_path / "study.json").touch()
     assert module._plans(str(tmp_path)) == [tmp_path.name, "a", "c"]
     assert module._plans(str(tmp_path / "study.yaml")) == [f"of {tmp_path / 'study.yaml'}"]
-
-
-def test_an_index_that_is_there_says_what_the_databases_of_its_results_do(tmp_path, monkeypatch):
-    monkeypatch.setattr("vsb.hydro.database.index_text", lambda folder: f"of {folder}\n")
-    assert module._index_faults(tmp_path) == []
-    index = tmp_path / "hydro" / "INDEX.tsv"
-    index.parent.mkdir()
-    for text, told in (
-        (f"of {tmp_path / 'hydro' / 'db'}\n", []),
-        ("", [index]),
-        (f"of {tmp_path / 'hydro'}\n", [index]),
-    ):
-        index.write_text(text)
-        assert module._index_faults(tmp_path) == [Fault(str(path), "damaged", CHANGED) for path in told]
-    for end in (b"\r\n", b"\n\xe9"):  # by another system, in another alphabet
-        index.write_bytes(f"of {tmp_path / 'hydro' / 'db'}".encode() + end)
-        assert module._index_faults(tmp_path) == [Fault(str(index), "damaged", CHANGED)]
 
 
 def test_of_manifests_one_that_cannot_be_read_hides_no_other(tmp_path):
@@ -608,82 +587,29 @@ def test_what_a_run_replaces_is_told_as_what_there_is_or_was(monkeypatch, capsys
     )
 
 
-@pytest.mark.parametrize("folder", [True, False])
-@pytest.mark.parametrize(("faulty", "missing"), [(0, 0), (2, 0), (0, 1), (1, 2)])
-def test_what_is_wrong_of_all_studies_is_counted_with_what_is_missing(tmp_path, monkeypatch, folder, faulty, missing):
-    """What is damaged first; nothing is healed of what is only missing. Files no plan names count in a folder."""
-    target = tmp_path if folder else tmp_path / "study.yaml"
-    if not folder:
-        target.touch()
-    (tmp_path / "there").touch()
-    lost = [str(tmp_path / f"lost{i}") for i in range(missing)]
-    plans = [
-        SimpleNamespace(root=str(tmp_path), ids={"x": "1", "y": "2"}, products=[str(tmp_path / "there")]),
-        SimpleNamespace(root=str(tmp_path), ids={"z": "3"}, products=lost[::-1]),
-    ]
-    wrong, asked = [Fault(f"bad{i}", "damaged", f"why {i}") for i in range(faulty)], []
-    monkeypatch.setattr(module, "_plans", lambda given: plans if given == str(target) else [])
-    monkeypatch.setattr(module, "manifests", lambda root: ("stamps", root))
-    monkeypatch.setattr(module, "faults", lambda *given: asked.append(given) or wrong[:1])
-    monkeypatch.setattr(module, "_index_faults", lambda root: [] if folder else wrong[1:])
-    monkeypatch.setattr(module, "_other_faults", lambda *given: asked.append(given) or wrong[1:])
-    monkeypatch.setattr(module, "_healed", lambda *given: asked.append(given) or ["healed"])
-    ids = {"x": "1", "y": "2", "z": "3"}
-    command = "vsb run CONFIG" if folder else f"vsb run {target}"
-    lines = [*(f"bad{i}: why {i}" for i in range(faulty)), *(f"{path}: is not there" for path in lost)]
-    if lines:
-        more = f" (and {len(lines) - 1} more)" if len(lines) > 1 else ""
-        heals = f"vsb verify {target} --heal removes what is wrong, " if faulty else ""
-        with pytest.raises(VsbError, match=f"^{re.escape(f'{lines[0]}{more}; {heals}{command} makes it anew')}$"):
-            verify(str(target), heal=False)
-    else:
-        assert verify(str(target), heal=False) == [f"{target}: 3 files are what they should be"]
-    others = [(Path(target), {"x", "y", "z"})] if folder else []
-    assert asked == [(ids, ("stamps", tmp_path)), *others]
-    makes = f"{command} makes {len(lines)} files" if lines else f"{target}: all is sound"
-    assert verify(str(target), heal=True) == ["healed", makes]
-    assert asked[-1] == (tmp_path, wrong)
-
-
-MEMBER = f"{'c' * 16}{packed.SUFFIX}"
-
-
-def test_files_that_no_plan_names_are_judged_by_what_they_say_of_themselves(tmp_path):
-    """Netcdf, packed members and what manifests promise; those a plan names are its own to judge."""
-    (tmp_path / "below").mkdir()
-    names = {
-        name: tmp_path / "below" / name for name in ("a.nc", ".b.nc", MEMBER, f"own{packed.SUFFIX}", "d.csv", "e.csv")
-    }
-    for path in names.values():
-        path.write_bytes(b"none")
-    manifest = tmp_path / "below" / "manifest.json"
-    record(manifest, "0" * 16, [names["d.csv"], names["e.csv"]])
-    names["d.csv"].write_bytes(b"other")
-    found = _other_faults(tmp_path, set())
-    assert [fault.path for fault in found] == [str(names[name]) for name in ("a.nc", MEMBER, "d.csv")]
-    assert {fault.kind for fault in found} == {"damaged"}
-    assert not any(fault.reason.startswith(fault.path) for fault in found)
-    known = _other_faults(tmp_path, {str(names["a.nc"]), str(names["d.csv"])})
-    assert [fault.path for fault in known] == [str(names[MEMBER])]
-    manifest.write_text("{")
-    *_, last = _other_faults(tmp_path, set())
-    assert (last.path, last.reason.startswith("cannot be read as a manifest")) == (str(manifest), True)
-
-
-@pytest.mark.parametrize("databases", [True, False])
-@pytest.mark.parametrize("faulty", [True, False])
-def test_healing_writes_the_index_wherever_there_are_databases(tmp_path, monkeypatch, databases, faulty):
-    """An index that is missing is no fault, and is there again; what is of before the stamps is stamped, not removed."""
-    written, stamped, root = [], [], tmp_path
-    if databases:
-        (root / "hydro" / "db").mkdir(parents=True)
-    (root / "bad.nc").touch()
-    monkeypatch.setattr("vsb.hydro.database.write_index", written.append)
-    monkeypatch.setattr(module, "stamp_file", stamped.append)
-    faults = (
-        [Fault("old.nc", "unstamped", "of before"), Fault(str(root / "bad.nc"), "damaged", "why")] if faulty else []
+def test_healing_leaves_a_users_own_files_and_moves_ours_to_the_trash(place, capsys):
+    """Whatever their names; what carries our stamp and is damaged can be taken back from the trash."""
+    own = [Path(PLAN.folder, name) for name in (f"{'a' * 16}.nc", f"{'b' * 16}.npz", "data.nc", "notes/manifest.json")]
+    own.append(Path("results/own/half.nc"))
+    for path in own:
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(b"neither netCDF nor packed")
+    with netCDF4.Dataset(Path(PLAN.folder, f"{'c' * 16}.nc"), "w"):
+        pass
+    assert main(["verify", "results"]) == 2
+    assert "may be your own (and 4 more)" in capsys.readouterr().err
+    old = Path(PLAN.folder, "trajectories", "of_before.nc")
+    shutil.copy(FSB, old)
+    scaled("velocity", 2.0)(old)
+    packed.save(
+        xr.Dataset({"power": ("hs", [1.0])}, attrs={"spec_id": "d" * 16}), f"{PLAN.folder}/{'e' * 16}{packed.SUFFIX}"
     )
-    told = ["stamped old.nc: of before", f"removed {root / 'bad.nc'}: why"] if faulty else []
-    assert module._healed(root, faults) == told
-    assert (stamped, (root / "bad.nc").exists()) == (["old.nc"] if faulty else [], not faulty)
-    assert written == ([root / "hydro" / "db"] if databases else [])
+    damaged = {path: path.read_bytes() for path in (old, Path(f"{PLAN.folder}/{'e' * 16}{packed.SUFFIX}"))}
+    assert main(["verify", "results", "--heal"]) == 2  # nobody can be asked
+    assert "would move 2 files to the trash; needs --yes" in capsys.readouterr().err
+    assert all(path.exists() for path in damaged)
+    assert main(["verify", "results", "--heal", "--yes"]) == 0
+    assert {trashed(path).read_bytes() for path in damaged} == set(damaged.values())
+    assert not any(path.exists() for path in damaged)
+    assert {path.read_bytes() for path in own} == {b"neither netCDF nor packed"}
+    assert main(["verify", "small.yaml"]) == 0

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ROOT = "/"
 """Name of a file's own group."""
-DELETE = "delete it, or let vsb verify --heal do so, and run again"
+DELETE = "delete it, or let vsb verify --heal move it away, and run again"
 """What heals a file that is not what it should be."""
 CHANGED = "its contents are not those it was written with (checksum)"
 SEAL = b"sha256:"
@@ -261,6 +261,21 @@ def attributes(path: str | Path) -> dict[str, Any]:
 
     with netCDF4.Dataset(path) as file:
         return {name: file.getncattr(name) for name in file.ncattrs()}
+
+
+def carries_stamp(path: str | Path) -> bool:
+    """Whether a file says of itself, damaged or not, that this package wrote it: by a seal or a content id."""
+    with Path(path).open("rb") as file:
+        file.seek(-min(len(SEAL) + 64, os.path.getsize(path)), os.SEEK_END)
+        if file.read().startswith(SEAL):
+            return True
+    import netCDF4
+
+    try:
+        with netCDF4.Dataset(path) as file:
+            return "spec_id" in file.ncattrs()
+    except OSError:
+        return False
 
 
 def load(path: str | Path, group: str = ROOT, *, expected: str | None = None) -> "xr.Dataset":

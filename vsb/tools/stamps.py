@@ -47,11 +47,12 @@ class Fault(NamedTuple):
     """Why a file is not what it should be.
 
     `unstamped` files are of before the stamps and agree with their specification, `nameless` ones are of none, `stale`
-    ones of another, `damaged` ones do not hold what they were written with.
+    ones of another, `damaged` ones do not hold what they were written with, `foreign` ones cannot be read and may be a
+    user's own, `derived` ones are written again from others that are sound.
     """
 
     path: str
-    kind: Literal["unstamped", "nameless", "stale", "damaged"]
+    kind: Literal["unstamped", "nameless", "stale", "damaged", "foreign", "derived"]
     reason: str
 
 
@@ -65,7 +66,7 @@ def read_manifest(path: str | Path) -> Manifest:
     Raises
     ------
     DatabaseError
-        If it is no manifest, or names files outside the results: healing removes what a manifest says is damaged.
+        If it is no manifest, or names files outside the results: healing moves away what a manifest says is damaged.
     """
     folder = Path(path).parent
     try:
