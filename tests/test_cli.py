@@ -3,6 +3,7 @@ import io
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -205,8 +206,8 @@ def test_files_for_other_codes_are_named_after_the_database_or_the_study(tmp_pat
         assert main(["export", config, "out"]) == 0
         assert capsys.readouterr().out == "a.1\nb.h5\n"
     assert given == [
-        (Path("there/of.a.buoy.nc"), "out", "of.a.buoy", {}),
-        (stored, "out", "named", {"expected_id": stored.stem}),
+        (Path("there/of.a.buoy.nc"), "out", "of.a.buoy", {"inputs": [Path("there/of.a.buoy.nc")]}),
+        (stored, "out", "named", {"expected_id": stored.stem, "inputs": [Path("file.yaml"), stored]}),
     ]
 
 
@@ -460,6 +461,44 @@ def test_what_every_command_writes_is_asked_for_before_it_works(workplace, monke
         calls = noted(monkeypatch, place, ([], [], []))
         assert told(arguments, capsys).startswith(f"{arguments[-1]}: cannot be written")
         assert not calls
+
+
+@pytest.mark.parametrize(
+    ("arguments", "lost", "kind"),
+    [
+        (["crate", "small.yaml", "small.yaml"], "small.yaml", "an input"),
+        (["crate", "small.yaml", "other.yaml"], "other.yaml", "a study file"),
+        (["crate", "small.yaml", "results/small/report.html"], "results/small/report.html", "a product"),
+        (["import-bemio", "other.h5", "link.h5"], "link.h5", "an input"),
+        (["import-bemio", "other.h5", "results/small/response.nc"], "results/small/response.nc", "a product"),
+        (["import-wamit", ".", "two", "two.1"], "two.1", "an input"),
+        (["compare", "small.yaml", "--out", "results/small/comparison.csv"], "results/small/comparison.csv", "a prod"),
+        (["compare", "year.yaml", "--out", "site.csv"], "site.csv", "an input"),
+        (["shape-dependence", "small.yaml", "results/small/response"], "results/small/response.nc", "a product"),
+        (["body", "raft.yaml", "."], "raft.nc", "an input"),
+        (["export", "results/hydro/db/{database}.nc", "results/hydro/db"], None, None),
+        (["crate", "small.yaml", "results/small.zip"], None, None),
+    ],
+)
+def test_no_output_takes_the_place_of_an_input_a_study_or_a_product(
+    finished, tmp_path, monkeypatch, capsys, arguments, lost, kind
+):
+    shutil.copytree(finished, tmp_path / "copy")
+    monkeypatch.chdir(tmp_path / "copy")
+    for name in ("other.yaml", "other.h5", "two.1", "site.csv", "raft.nc", "results/small.zip"):
+        Path(name).write_text(name)
+    Path("link.h5").symlink_to("other.h5")
+    Path("year.yaml").write_text("{campaign: year, study: small.yaml, climate: {scatter: site.csv}}")
+    Path("raft.yaml").write_text(
+        "{body: raft, mesh: other.h5, modes: raft.nc, omega: [1.0], water: {density: 1025.0, gravity: 9.81}}"
+    )
+    before = {path: path.read_bytes() for path in Path().rglob("*") if path.is_file()}
+    arguments = [one.format(database=Path(SMALL_PLAN.database_path).stem) for one in arguments]
+    if lost is None:
+        assert main(arguments) == 0
+    else:
+        assert told(arguments, capsys).startswith(f"{lost}: is {kind}")
+        assert {path: path.read_bytes() for path in Path().rglob("*") if path.is_file()} == before
 
 
 def test_shape_dependence_writes_under_the_name_it_is_given_and_prints_its_answer(workplace, monkeypatch, capsys):

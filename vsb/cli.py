@@ -109,11 +109,12 @@ def export(args: argparse.Namespace) -> int:
     from vsb.hydro.formats import exchange as interchange
 
     if (path := Path(args.config)).suffix == ".nc":
-        files = interchange.export(path, args.folder, path.stem)
+        files = interchange.export(path, args.folder, path.stem, inputs=[path])
     else:
         plan = with_degree(StudyPlan(load(args.config)))
         stored = Path(plan.database_path)
-        files = interchange.export(stored, args.folder, plan.name, expected_id=stored.stem)
+        inputs = [*_inputs(args), stored]
+        files = interchange.export(stored, args.folder, plan.name, expected_id=stored.stem, inputs=inputs)
     print(*files, sep="\n")
     return 0
 
@@ -177,6 +178,7 @@ def compare(args: argparse.Namespace) -> int:
 
         if odd := [name for name in (*one.files, *one.optional) if name != "out" and vars(args)[name]]:
             args.command.error(f"--{odd[0]} is of the rule compare, which takes no studies")
+        _check_outputs(args, [args.out] if args.out else [])
         print(side_by_side.compare(args.studies, args.out))
         return 0
     if missing := [name for name in one.files if vars(args)[name] is None]:
@@ -301,12 +303,48 @@ def _add_imports(commands: Any) -> None:
     one.set_defaults(writes=("{out}",))
 
 
-def _check_writable(names: Sequence[str]) -> None:
-    """Check that files, and folders, whose names end in /, can be written: minutes of work must not end in an error."""
+def _check_outputs(args: argparse.Namespace, names: Sequence[str]) -> None:
+    """Check that files, and folders, whose names end in /, can be written without losing what a command reads."""
     for name in names:
-        from vsb.tools.files import check_file, check_folder
+        from vsb.tools.files import check_folder
+        from vsb.tools.stamps import check_output
 
-        (check_folder if name.endswith("/") else check_file)(name.removesuffix("/"))
+        if name.endswith("/"):
+            check_folder(name.removesuffix("/"))
+        else:
+            check_output(name, _inputs(args))
+
+
+def _inputs(args: argparse.Namespace) -> set[Path]:
+    """Files a command reads: those on the command line, and those they name."""
+    given = {"config": "", "file": "", **vars(args)}
+    found: set[Path] = set()
+    waiting = [Path(name) for name in (given["config"], given["file"], *given.get("studies", ())) if name]
+    if "name" in given and "folder" in given:  # of WAMIT
+        waiting += Path(given["folder"]).glob(f"{given['name']}.*")
+    while waiting:
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            waiting += _named_in(path)
+    return found
+
+
+def _named_in(path: Path) -> list[Path]:
+    """Files that exist and are named in a study, body or campaign file."""
+    if path.suffix not in (".yaml", ".yml"):
+        return []
+    from vsb.stages.verify import leaves
+    from vsb.study.body import WAMIT
+    from vsb.study.reading import read_yaml
+
+    try:
+        values = leaves(read_yaml(path, "a study file")).items()
+    except ConfigError:  # which the command itself reports
+        return []
+    texts = [(key, value) for key, value in values if isinstance(value, str)]
+    names = [value + ending for key, value in texts for ending in ("", *(WAMIT if key.endswith("wamit") else ()))]
+    return [path.parent / name for name in names if os.path.isfile(path.parent / name)]
 
 
 def _mistake(text: str, config: str | None = None) -> int:
@@ -333,7 +371,7 @@ def answer(line: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
         line.error(f"unrecognized arguments: {' '.join(rest)}" + (f"; did you mean {near}?" if near else ""))
     args.snakemake = rest
     try:
-        _check_writable([name.format(**vars(args)) for name in args.writes])
+        _check_outputs(args, [name.format(**vars(args)) for name in args.writes])
         code = handler(args)
         sys.stdout.flush()
         return code
