@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
@@ -21,6 +22,7 @@ from vsb.report.canvas import (
     style,
     zero_axis,
 )
+from vsb.report.svg import drawn
 
 
 def test_the_papers_designs_keep_their_colours_whatever_the_study():
@@ -190,3 +192,16 @@ def test_designs_of_a_study_have_looks_by_their_order_among_those_the_paper_has_
     assert [looks[name] for name in "ABCD"] == list(zip(colours, lines, strict=True))
     assert [looks[name] for name in "EF"] == list(zip(colours[:2], (*lines[1:], lines[0])[:2], strict=True))
     assert all(style(name, names)["label"] == name for name in names)
+
+
+def test_no_settings_of_a_user_change_a_figure():
+    def svg():
+        figure, axes = grid_of_axes(2.0)
+        axes[0, 0].plot([0.0, 1.0], [0.0, 1.0])
+        return drawn(figure, "line").svg
+
+    own = {"axes.facecolor": "red", "lines.linestyle": "--", "mathtext.fontset": "stix", "axes.labelsize": 30}
+    with mpl.rc_context():
+        plain = svg()
+    with mpl.rc_context(own):
+        assert svg() == plain

@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from types import SimpleNamespace
 import psutil
 import pytest
 import yaml
-from conftest import SEED, told, varied
+from conftest import SEED, SMALL_PLAN, told, varied
 from snakemake.cli import get_argument_parser
 from stages.test_coefficients import SWELL, as_body
 from stages.test_members import MODULI, planned, with_seas
@@ -464,19 +465,16 @@ def test_what_would_fail_later_is_told_before_a_run_begins(finished, workplace, 
     assert message in told(["run", name], capsys)
 
 
-def test_what_others_make_as_well_is_what_is_shared_and_not_there(workplace, seed):
-    """Of a study by BEM the table of the Green function, too; of assumed pressure not, and of a campaign nothing."""
-    plan = StudyPlan(seed)
-    shared = {path for path in plan.ids if path.startswith("results/hydro/")} | {f"{plan.green_folder}.done"}
-    assert plan.database_path in shared
-    assert set(launcher.unmade(plan)) == shared
-    dry = StudyPlan(varied(seed, hydro={"model": "assumed_pressure", "pressure": 1800.0}))
-    assert set(launcher.unmade(dry)) == {path for path in dry.ids if path.startswith("results/hydro/")}
-    assert not any("green" in path for path in launcher.unmade(dry))
-    for path in (plan.database_path, f"{plan.green_folder}.done"):
-        Path(path).parent.mkdir(parents=True)
-        Path(path).touch()
-    assert set(launcher.unmade(plan)) == shared - {plan.database_path, f"{plan.green_folder}.done"}
+def test_a_run_locks_only_what_it_will_make_for_others_too(finished, workplace, monkeypatch):
+    """Who only reads needs no permission to write among the shared files: blocks are not made where a database is."""
+    shutil.copytree(finished / "results", "results")
+    shutil.rmtree("results/hydro/blocks")
+    assert launcher.unmade(SMALL_PLAN) == []
+    Path(SMALL_PLAN.radiation_path).unlink()
+    assert launcher.unmade(SMALL_PLAN) == [SMALL_PLAN.radiation_path]
+    Path(SMALL_PLAN.database_path).unlink()
+    blocks = {SMALL_PLAN.block_path(block) for block in SMALL_PLAN.sweep_blocks}
+    assert set(launcher.unmade(SMALL_PLAN)) >= {SMALL_PLAN.radiation_path, SMALL_PLAN.database_path, *blocks}
     assert launcher.unmade(planned(with_seas(workplace, (1.0, 6.0)), MODULI)) == []
 
 
@@ -496,6 +494,7 @@ def test_what_runs_a_study_holds_its_folder_and_all_it_makes_for_others_too(work
         return 0
 
     monkeypatch.setattr(launcher, "finished", finished)
+    monkeypatch.delenv("PATH")
     for options in ([], ["-n"]):
         assert main(["run", written("study.yaml"), *options]) == 0
     plan = StudyPlan(load("study.yaml"))

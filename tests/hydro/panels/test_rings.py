@@ -1,5 +1,8 @@
 import io
+import os
 import shutil
+import subprocess
+import sys
 from math import factorial
 from pathlib import Path
 
@@ -597,3 +600,15 @@ def test_a_table_is_made_in_folders_that_are_not_there_yet(tmp_path, monkeypatch
     assert (made[0].parent, made[1:]) == (place.parent, [place])
     assert bem.stored_green_function(place) == place  # once it is there
     assert made[2:] == [place]
+
+
+def test_no_home_folder_is_needed():
+    """Capytaine makes a folder for its tables there when it is imported; ours lie with the results."""
+    environment = {
+        **os.environ,
+        "HOME": "/dev/null/none",
+        "XDG_CACHE_HOME": "",
+        "CAPYTAINE_CACHE_DIR": "/dev/null/none",
+    }
+    command = [sys.executable, "-c", "import vsb.hydro.panels.rings"]
+    assert subprocess.run(command, env=environment, check=False, capture_output=True).returncode == 0
