@@ -5,6 +5,7 @@ from datetime import datetime, timedelta
 from itertools import permutations
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -416,3 +417,17 @@ def test_lines_are_those_of_the_file_empty_ones_and_remarks_too(written, row, me
         read_ndbc(written(f"{text}96 01 01 02 {row}\n"))
     with pytest.raises(ConfigError, match=r"^.*given\.txt, line 7: received the date '96 13 01 02', needs YY MM DD"):
         read_ndbc(written(text + "96 13 01 02 1.0 1 2\n"))
+
+
+@pytest.mark.parametrize("damage", ["records", "scale"])
+def test_what_a_netcdf_file_announces_is_not_believed(tmp_path, damage):
+    with netCDF4.Dataset(tmp_path / "a.nc", "w") as file:
+        file.createDimension("time", 2_000_000_000 if damage == "records" else 2)
+        file.createDimension("freq", 2)
+        file.createVariable("freq", "f8", ("freq",))[:] = [0.1, 0.2]
+        efth = file.createVariable("efth", "f8", ("time", "freq"), chunksizes=(1, 2))
+        if damage == "scale":
+            efth[:] = 1.0
+            efth.scale_factor = "x"
+    with pytest.raises(ConfigError, match=r"a.nc: cannot be read as netCDF"):
+        read_spectra(tmp_path / "a.nc")

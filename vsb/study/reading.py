@@ -11,6 +11,7 @@ from pydantic_core import ErrorDetails
 
 from vsb.errors import ConfigError
 from vsb.study.schema import hint, keys_at, nearest, schema_of
+from vsb.tools.bounded import LARGEST_STUDY, read_bounded
 from vsb.tools.words import LONGEST, shortened
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -96,7 +97,7 @@ def read_yaml(path: str | Path, wanted: str) -> object:
         If it cannot be read, is not YAML, gives a key twice, or a number of more digits than can be printed.
     """
     try:
-        data = _loaded(Path(path).read_text(encoding="utf-8"))
+        data = _loaded(read_bounded(path, LARGEST_STUDY).decode())
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); give the path of {wanted}") from None
     except RecursionError:

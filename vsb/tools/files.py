@@ -17,6 +17,7 @@ import numpy as np
 import psutil
 
 from vsb.errors import ConfigError, DatabaseError
+from vsb.tools.bounded import read_unpacked
 from vsb.tools.units import AnyArray, check_finite, described, merged, separated
 
 if TYPE_CHECKING:
@@ -133,8 +134,7 @@ def read_text(path: str | Path) -> str:
         If it cannot be read or is no text.
     """
     try:
-        data = Path(path).read_bytes()
-        data = gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
+        data = read_unpacked(path)
         return data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
     except (EOFError, zlib.error, gzip.BadGzipFile):
         raise ConfigError(f"{path}: received a packed file that is cut or damaged, needs a whole one") from None
