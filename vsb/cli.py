@@ -334,8 +334,8 @@ def _named_in(path: Path) -> list[Path]:
     """Files that exist and are named in a study, body or campaign file."""
     if path.suffix not in (".yaml", ".yml"):
         return []
-    from vsb.stages.verify import leaves
     from vsb.study.body import WAMIT
+    from vsb.study.canonical import leaves
     from vsb.study.reading import read_yaml
 
     try:

@@ -618,3 +618,12 @@ def test_the_pressure_advised_is_of_the_shell_as_it_floats_in_its_water(seed, mo
     ledger.viable_text(study)
     assert asked == [(study.device, study.centre_height, study.water)]
     assert study.centre_height > 0.1
+
+
+@pytest.mark.parametrize(
+    ("clamp", "doubted"), [(1.5708, True), (3.14, True), (90.0, False), (0.0, False), (1.6, False)]
+)
+def test_angles_that_look_like_radians_are_doubted(seed, clamp, doubted):
+    checks = ledger.angle_checks(varied(seed, designs={"A": {"clamp": clamp}}))
+    assert [check.verdict for check in checks] == ["doubt"] * doubted
+    assert all(f"designs.A.clamp.0 {clamp:g} (" in check.explanation for check in checks)

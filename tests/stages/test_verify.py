@@ -28,6 +28,7 @@ from vsb.stages.verify import _more, differences, stale_products, study_faults, 
 from vsb.study import study as config
 from vsb.study.body import located
 from vsb.study.body_plan import BodyPlan
+from vsb.study.canonical import leaves
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id
 from vsb.tools import packed
@@ -555,7 +556,7 @@ def test_values_of_nested_data_are_known_by_their_names_with_dots():
     """Of a list without any there is none."""
     data = {"a": {"b": [1, (2, {})], "": 3}, "c": None, "d": [], "e": "xy", "f": False}
     named = {"a.b.0": 1, "a.b.1.0": 2, "a.b.1.1": {}, "a.": 3, "c": None, "e": "xy", "f": False}
-    assert module.leaves(data) == named
+    assert leaves(data) == named
 
 
 @pytest.mark.parametrize(("changed", "more"), [(6, ""), (7, " (and 1 more)"), (9, " (and 3 more)")])

@@ -226,6 +226,18 @@ WAVE = {"kind": "regular", "amplitude": 0.1}
         (Study, "seed", "waves", [WAVE], "waves.0.period: missing"),
         (Study, "seed", "waves", [{**WAVE, "period": 2, "tp": 2}], "waves.0.tp: .* unknown key; remove it"),
         (Study, "seed", "waves", [3], "waves.0: received 3; needs a mapping of keys and values"),
+        (Study, "seed", "waves", [{"kind": "irregular"}], r"waves.0: kind 'irregular': .* did you mean jonswap\?"),
+        (Study, "seed", "waves", [{"kind": "regular", "height": 1}], r"waves.0.height: .* mean amplitude, half the "),
+        (Study, "seed", "waves", [{"kind": "jonswap", "height": 1}], r"waves.0.height: .* did you mean hs\?"),
+        (
+            Study,
+            "seed",
+            "waves",
+            [{"kind": "jonswap", "hs": "1,5", "tp": 5}],
+            "waves.0.hs: .* decimal point, not a comma",
+        ),
+        (Study, "seed", "hydro", {"model": "nonlinear"}, r"hydro.model: .* did you mean body_exact\?"),
+        (Study, "seed", "device", {"r" * 500: 1}, r"device.r{73}\.\.\. \(507 characters\): received 1; unknown key"),
         (Study, "seed", "pto", {"port": "heav"}, "pto.port: received 'heav'; needs 'heave'"),
         (Study, "seed", "pto", {"port": {"between": [0, -1]}}, "pto.port.between.1: received -1"),
         (

@@ -13,6 +13,7 @@ from vsb.stages.planning import plan_of
 from vsb.study.body import is_body, located
 from vsb.study.body_plan import AnyPlan, plan_for
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.canonical import leaves
 from vsb.study.study import parse
 from vsb.tools import packed
 from vsb.tools.files import CHANGED, DELETE, attributes, carries_stamp
@@ -209,14 +210,6 @@ def differences(plan: Plan) -> str:
     ]
     more = f" (and {len(changes) - MOST_CHANGES} more)" if len(changes) > MOST_CHANGES else ""
     return ", ".join(changes[:MOST_CHANGES]) + more
-
-
-def leaves(data: object, name: str = "") -> dict[str, object]:
-    """Return the values of nested mappings and lists by their names with dots."""
-    below = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list | tuple) else None
-    if not below:
-        return {name: data}
-    return {key: leaf for part, inner in below for key, leaf in leaves(inner, f"{name}.{part}".lstrip(".")).items()}
 
 
 def stale_products(plan: Plan, *, dry: bool) -> list[str]:

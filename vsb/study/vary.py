@@ -12,6 +12,7 @@ from typing import Any, Self
 
 from vsb.study.keys import KEYS
 from vsb.study.quantities import Section
+from vsb.tools.words import shortened
 
 Value = float | str
 Point = dict[str, Value]
@@ -155,7 +156,9 @@ def _check_key(key: str) -> None:
     within = [name for name in SECTIONS if name != "reference_shape"]
     if key in (SCALE, "reference_shape") or (dot and section in within):
         return
-    raise ValueError(f"{key}: needs {SCALE}, reference_shape, or a key of {', '.join(within)} such as device.mass")
+    raise ValueError(
+        f"{shortened(key)}: needs {SCALE}, reference_shape, or a key of {', '.join(within)} such as device.mass"
+    )
 
 
 def _values(key: str, raw: object) -> tuple[Value, ...]:
