@@ -161,7 +161,9 @@ def assert_same_in_other_units(own, other, units=UNITS, free=()):
                     elif key in {"value", "limit"}:
                         unit = row.get("unit", "-")
                     rtol = 0.01 if table == "checks" else part(key)
-                    assert restated_row[key] == pytest.approx(factor(unit) * value, rel=rtol, abs=1e-9), here
+                    gain = key.endswith("gain_percent") or (key in {"low", "high"} and table != "ladder")
+                    least = 100 * rtol if gain else 1e-9  # a gain is of two powers, each to rtol, in percent
+                    assert restated_row[key] == pytest.approx(factor(unit) * value, rel=rtol, abs=least), here
                 else:
                     assert restated_row[key] == value, here
 

@@ -3,6 +3,7 @@
 import io
 import json
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -228,3 +229,41 @@ def test_study_and_campaign_may_not_share_a_results_folder(workplace, capsys):
 def test_schema_of_every_kind_of_file(capsys, kind, title):
     assert main(["schema", kind]) == 0
     assert json.loads(capsys.readouterr().out)["title"] == title
+
+
+@pytest.mark.parametrize(
+    ("arguments", "lost", "kind"),
+    [
+        (["crate", "small.yaml", "small.yaml"], "small.yaml", "an input"),
+        (["crate", "small.yaml", "other.yaml"], "other.yaml", "a study file"),
+        (["crate", "small.yaml", "results/small/report.html"], "results/small/report.html", "a product"),
+        (["import-bemio", "other.h5", "link.h5"], "link.h5", "an input"),
+        (["import-bemio", "other.h5", "results/small/response.nc"], "results/small/response.nc", "a product"),
+        (["import-wamit", ".", "two", "two.1"], "two.1", "an input"),
+        (["compare", "small.yaml", "--out", "results/small/comparison.csv"], "results/small/comparison.csv", "a prod"),
+        (["compare", "year.yaml", "--out", "site.csv"], "site.csv", "an input"),
+        (["shape-dependence", "small.yaml", "results/small/response"], "results/small/response.nc", "a product"),
+        (["body", "raft.yaml", "."], "raft.nc", "an input"),
+        (["export", "results/hydro/db/{database}.nc", "results/hydro/db"], None, None),
+        (["crate", "small.yaml", "results/small.zip"], None, None),
+    ],
+)
+def test_no_output_takes_the_place_of_an_input_a_study_or_a_product(
+    finished, tmp_path, monkeypatch, capsys, arguments, lost, kind
+):
+    shutil.copytree(finished, tmp_path / "copy")
+    monkeypatch.chdir(tmp_path / "copy")
+    for name in ("other.yaml", "other.h5", "two.1", "site.csv", "raft.nc", "results/small.zip"):
+        Path(name).write_text(name)
+    Path("link.h5").symlink_to("other.h5")
+    Path("year.yaml").write_text("{campaign: year, study: small.yaml, climate: {scatter: site.csv}}")
+    Path("raft.yaml").write_text(
+        "{body: raft, mesh: other.h5, modes: raft.nc, omega: [1.0], water: {density: 1025.0, gravity: 9.81}}"
+    )
+    before = {path: path.read_bytes() for path in Path().rglob("*") if path.is_file()}
+    arguments = [one.format(database=Path(SMALL_PLAN.database_path).stem) for one in arguments]
+    if lost is None:
+        assert main(arguments) == 0
+    else:
+        assert told(arguments, capsys).startswith(f"{lost}: is {kind}")
+        assert {path: path.read_bytes() for path in Path().rglob("*") if path.is_file()} == before

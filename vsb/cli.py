@@ -75,8 +75,16 @@ def verify(args: argparse.Namespace) -> int:
     """Check that results are what they should be: ids and contents of all files of a study, or of a folder."""
     from vsb.stages import verify as stamps
 
-    print(*stamps.verify(args.config, heal=args.heal), sep="\n")
+    print(*stamps.verify(args.config, heal=args.heal, agreed=lambda lines: args.yes or _agreed(lines)), sep="\n")
     return 0
+
+
+def _agreed(lines: Sequence[str]) -> bool:
+    """Ask at the terminal whether files may be moved to the trash."""
+    print(*lines, sep="\n")
+    if not sys.stdin.isatty():
+        raise VsbError(f"--heal: would move {len(lines)} files to the trash; needs --yes where nobody can be asked")
+    return input(f"move {len(lines)} files to the trash? [y/N] ").strip().lower() in ("y", "yes")
 
 
 def crate(args: argparse.Namespace) -> int:
@@ -101,11 +109,12 @@ def export(args: argparse.Namespace) -> int:
     from vsb.hydro.formats import exchange as interchange
 
     if (path := Path(args.config)).suffix == ".nc":
-        files = interchange.export(path, args.folder, path.stem)
+        files = interchange.export(path, args.folder, path.stem, inputs=[path])
     else:
         plan = with_degree(StudyPlan(load(args.config)))
         stored = Path(plan.database_path)
-        files = interchange.export(stored, args.folder, plan.name, expected_id=stored.stem)
+        inputs = [*_inputs(args), stored]
+        files = interchange.export(stored, args.folder, plan.name, expected_id=stored.stem, inputs=inputs)
     print(*files, sep="\n")
     return 0
 
@@ -169,6 +178,7 @@ def compare(args: argparse.Namespace) -> int:
 
         if odd := [name for name in (*one.files, *one.optional) if name != "out" and vars(args)[name]]:
             args.command.error(f"--{odd[0]} is of the rule compare, which takes no studies")
+        _check_outputs(args, [args.out] if args.out else [])
         print(side_by_side.compare(args.studies, args.out))
         return 0
     if missing := [name for name in one.files if vars(args)[name] is None]:
@@ -244,7 +254,10 @@ def _add_commands(commands: Any) -> None:
     one = _command(commands, "completion", "completion for a shell", complete)
     one.add_argument("shell", choices=tuple(completion.SHELLS), help="which")
     one = _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")
-    one.add_argument("--heal", action="store_true", help="remove what is not, so that the next run makes it anew")
+    one.add_argument(
+        "--heal", action="store_true", help="move what is not to the trash, so that the next run makes it anew"
+    )
+    one.add_argument("--yes", action="store_true", help="with --heal: do not ask")
     one = _command(commands, "crate", "finished results as an RO-Crate", crate, config="CONFIG", out="CRATE.zip")
     one.add_argument("--licence", metavar="URL", help="that the results are given under")
     one.add_argument("--author", metavar="NAME", help="who made them")
@@ -290,12 +303,48 @@ def _add_imports(commands: Any) -> None:
     one.set_defaults(writes=("{out}",))
 
 
-def _check_writable(names: Sequence[str]) -> None:
-    """Check that files, and folders, whose names end in /, can be written: minutes of work must not end in an error."""
+def _check_outputs(args: argparse.Namespace, names: Sequence[str]) -> None:
+    """Check that files, and folders, whose names end in /, can be written without losing what a command reads."""
     for name in names:
-        from vsb.tools.files import check_file, check_folder
+        from vsb.tools.files import check_folder
+        from vsb.tools.stamps import check_output
 
-        (check_folder if name.endswith("/") else check_file)(name.removesuffix("/"))
+        if name.endswith("/"):
+            check_folder(name.removesuffix("/"))
+        else:
+            check_output(name, _inputs(args))
+
+
+def _inputs(args: argparse.Namespace) -> set[Path]:
+    """Files a command reads: those on the command line, and those they name."""
+    given = {"config": "", "file": "", **vars(args)}
+    found: set[Path] = set()
+    waiting = [Path(name) for name in (given["config"], given["file"], *given.get("studies", ())) if name]
+    if "name" in given and "folder" in given:  # of WAMIT
+        waiting += Path(given["folder"]).glob(f"{given['name']}.*")
+    while waiting:
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            waiting += _named_in(path)
+    return found
+
+
+def _named_in(path: Path) -> list[Path]:
+    """Files that exist and are named in a study, body or campaign file."""
+    if path.suffix not in (".yaml", ".yml"):
+        return []
+    from vsb.study.body import WAMIT
+    from vsb.study.canonical import leaves
+    from vsb.study.reading import read_yaml
+
+    try:
+        values = leaves(read_yaml(path, "a study file")).items()
+    except ConfigError:  # which the command itself reports
+        return []
+    texts = [(key, value) for key, value in values if isinstance(value, str)]
+    names = [value + ending for key, value in texts for ending in ("", *(WAMIT if key.endswith("wamit") else ()))]
+    return [path.parent / name for name in names if os.path.isfile(path.parent / name)]
 
 
 def _mistake(text: str, config: str | None = None) -> int:
@@ -322,7 +371,7 @@ def answer(line: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
         line.error(f"unrecognized arguments: {' '.join(rest)}" + (f"; did you mean {near}?" if near else ""))
     args.snakemake = rest
     try:
-        _check_writable([name.format(**vars(args)) for name in args.writes])
+        _check_outputs(args, [name.format(**vars(args)) for name in args.writes])
         code = handler(args)
         sys.stdout.flush()
         return code

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
@@ -16,6 +17,7 @@ from vsb.report.canvas import (
     shown_window,
     style,
 )
+from vsb.report.svg import drawn
 
 
 def test_designs_of_the_paper_keep_their_colours():
@@ -60,3 +62,16 @@ def test_forces_are_kilonewtons():
     assert heave_force(run, "drag").values.tolist() == [0.0]
     assert force_of(run, "pto").values.tolist() == [[7.0, 9e6]]
     assert force_of(run, "drag").values.tolist() == [[0.0, 0.0]]
+
+
+def test_no_settings_of_a_user_change_a_figure():
+    def svg():
+        figure, axes = grid_of_axes(2.0)
+        axes[0, 0].plot([0.0, 1.0], [0.0, 1.0])
+        return drawn(figure, "line").svg
+
+    own = {"axes.facecolor": "red", "lines.linestyle": "--", "mathtext.fontset": "stix", "axes.labelsize": 30}
+    with mpl.rc_context():
+        plain = svg()
+    with mpl.rc_context(own):
+        assert svg() == plain

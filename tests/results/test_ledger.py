@@ -141,3 +141,12 @@ def test_steepness_is_height_over_wavelength():
         assert checks[0].value == pytest.approx(height * wavenumber(wave.omega, 6.0, 9.0) / (2 * np.pi), rel=1e-12)
         assert {check.wave for check in checks} == {wave.label}
         assert len(checks) == (1 if wave is swell else 2)
+
+
+@pytest.mark.parametrize(
+    ("clamp", "doubted"), [(1.5708, True), (3.14, True), (90.0, False), (0.0, False), (1.6, False)]
+)
+def test_angles_that_look_like_radians_are_doubted(seed, clamp, doubted):
+    checks = ledger.angle_checks(varied(seed, designs={"A": {"clamp": clamp}}))
+    assert [check.verdict for check in checks] == ["doubt"] * doubted
+    assert all(f"designs.A.clamp.0 {clamp:g} (" in check.explanation for check in checks)

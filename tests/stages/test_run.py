@@ -1,5 +1,6 @@
 """Command run: errors before the run, child processes, and how a failed run is reported."""
 
+import shutil
 import signal
 import subprocess
 import sys
@@ -8,10 +9,10 @@ from pathlib import Path
 import psutil
 import pytest
 import yaml
-from conftest import SEED, told
+from conftest import SEED, SMALL_PLAN, told
 from snakemake.cli import get_argument_parser
 from stages.test_coefficients import SWELL, as_body
-from stages.test_members import planned, with_seas
+from stages.test_members import MODULI, planned, with_seas
 from test_cli import written
 
 from vsb.cli import main
@@ -161,3 +162,16 @@ def test_stale_files_are_added_to_any_forcerun_option(options):
     assert given.forcerun == {*asked.forcerun, "old.csv", "x.nc"}
     told = [[vars(one)[name] for name in ("targets", "dryrun", "force", "forceall", "cores")] for one in (asked, given)]
     assert told[0] == told[1]
+
+
+def test_a_run_locks_only_what_it_will_make_for_others_too(finished, workplace, monkeypatch):
+    """Who only reads needs no permission to write among the shared files: blocks are not made where a database is."""
+    shutil.copytree(finished / "results", "results")
+    shutil.rmtree("results/hydro/blocks")
+    assert launcher.unmade(SMALL_PLAN) == []
+    Path(SMALL_PLAN.radiation_path).unlink()
+    assert launcher.unmade(SMALL_PLAN) == [SMALL_PLAN.radiation_path]
+    Path(SMALL_PLAN.database_path).unlink()
+    blocks = {SMALL_PLAN.block_path(block) for block in SMALL_PLAN.sweep_blocks}
+    assert set(launcher.unmade(SMALL_PLAN)) >= {SMALL_PLAN.radiation_path, SMALL_PLAN.database_path, *blocks}
+    assert launcher.unmade(planned(with_seas(workplace, (1.0, 6.0)), MODULI)) == []

@@ -8,6 +8,7 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from conftest import SMALL as RAW
 from conftest import SMALL_PLAN as PLAN
@@ -19,6 +20,7 @@ from vsb.stages import report, simulate
 from vsb.stages.verify import differences, stale_products, study_faults, verify
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
+from vsb.tools import packed
 from vsb.tools.files import load, read_groups
 
 TOGETHER = ("report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json")
@@ -270,3 +272,49 @@ def test_missing_files_are_counted(tmp_path, monkeypatch):
     line = f"{first}: is not there (and {len(others)} more); vsb run small.yaml makes it anew"
     with pytest.raises(VsbError, match=f"^{re.escape(line)}$"):
         verify("small.yaml", heal=False)
+
+
+def trashed(path):
+    """Where healing moved a file to."""
+    (found,) = Path("results/trash").rglob(Path(path).name)
+    return found
+
+
+def test_an_index_is_what_its_databases_make_it(place):
+    index = Path("results/hydro/INDEX.tsv")
+    index.write_text(index.read_text() + "more\n")
+    with pytest.raises(VsbError, match=r"INDEX.tsv: its contents are not"):
+        verify("results", heal=False)
+    index.unlink()
+    with pytest.raises(VsbError, match=r"INDEX.tsv: is not there"):
+        verify("results", heal=False)
+    assert verify("results", heal=True)[0] == "wrote results/hydro/INDEX.tsv again: is not there"
+    verify("results", heal=False)
+
+
+def test_healing_leaves_a_users_own_files_and_moves_ours_to_the_trash(place, capsys):
+    """Whatever their names; what carries our stamp and is damaged can be taken back from the trash."""
+    own = [Path(PLAN.folder, name) for name in (f"{'a' * 16}.nc", f"{'b' * 16}.npz", "data.nc", "notes/manifest.json")]
+    own.append(Path("results/own/half.nc"))
+    for path in own:
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(b"neither netCDF nor packed")
+    with netCDF4.Dataset(Path(PLAN.folder, f"{'c' * 16}.nc"), "w"):
+        pass
+    assert main(["verify", "results"]) == 2
+    assert "may be your own (and 4 more)" in capsys.readouterr().err
+    old = Path(PLAN.folder, "trajectories", "of_before.nc")
+    shutil.copy(FSB, old)
+    scaled("velocity", 2.0)(old)
+    packed.save(
+        xr.Dataset({"power": ("hs", [1.0])}, attrs={"spec_id": "d" * 16}), f"{PLAN.folder}/{'e' * 16}{packed.SUFFIX}"
+    )
+    damaged = {path: path.read_bytes() for path in (old, Path(f"{PLAN.folder}/{'e' * 16}{packed.SUFFIX}"))}
+    assert main(["verify", "results", "--heal"]) == 2  # nobody can be asked
+    assert "would move 2 files to the trash; needs --yes" in capsys.readouterr().err
+    assert all(path.exists() for path in damaged)
+    assert main(["verify", "results", "--heal", "--yes"]) == 0
+    assert {trashed(path).read_bytes() for path in damaged} == set(damaged.values())
+    assert not any(path.exists() for path in damaged)
+    assert {path.read_bytes() for path in own} == {b"neither netCDF nor packed"}
+    assert main(["verify", "small.yaml"]) == 0

@@ -3,6 +3,7 @@
 import gzip
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -177,3 +178,17 @@ def test_netcdf_errors_are_one_line(tmp_path, changed, message):
     with pytest.raises(ConfigError, match=message) as caught:
         read_spectra(tmp_path / "s.nc")
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("damage", ["records", "scale"])
+def test_what_a_netcdf_file_announces_is_not_believed(tmp_path, damage):
+    with netCDF4.Dataset(tmp_path / "a.nc", "w") as file:
+        file.createDimension("time", 2_000_000_000 if damage == "records" else 2)
+        file.createDimension("freq", 2)
+        file.createVariable("freq", "f8", ("freq",))[:] = [0.1, 0.2]
+        efth = file.createVariable("efth", "f8", ("time", "freq"), chunksizes=(1, 2))
+        if damage == "scale":
+            efth[:] = 1.0
+            efth.scale_factor = "x"
+    with pytest.raises(ConfigError, match=r"a.nc: cannot be read as netCDF"):
+        read_spectra(tmp_path / "a.nc")

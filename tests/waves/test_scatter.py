@@ -156,3 +156,17 @@ def test_every_cell_is_a_sea_with_its_own_height_and_period(written, kind, gamma
     np.testing.assert_allclose(climate.hours, [0.5, 0.2, 0.3], rtol=1e-12)
     np.testing.assert_allclose(4 * np.sqrt(climate.variance), climate.hs, rtol=1e-3)
     np.testing.assert_allclose(climate.omega[climate.density.argmax(axis=1)], 2 * np.pi * ratio / te, rtol=0.025)
+
+
+@pytest.mark.parametrize("cell", ["(" * 120_000 + "/Te", "Hs/" + "[" * 120_000, "1" + "." * 120_000])
+def test_a_cell_of_any_length_is_read_in_no_time(written, cell):
+    for text in (f"{cell},6.5\n0.25,100\n", f"Hs/Te,{cell}\n0.25,100\n"):
+        with pytest.raises(ConfigError) as error:
+            read_table(written(text))
+        assert len(str(error.value)) < 500
+
+
+def test_records_in_the_place_of_bins_are_refused(written):
+    rows = "".join(f"{0.5 + 1e-5 * i:.5f},8.0,1\n" for i in range(100_000))
+    with pytest.raises(ConfigError, match="received 100000 bins, needs at most 10000"):
+        read_table(written("Hs,Te,count\n" + rows))

@@ -18,6 +18,8 @@ NEIGHBOURS = 5
 """Entries on either side of the best one that the polynomial goes through: its error is about 1e-13."""
 NEWTON = 6
 """Newton's steps to the maximum of the polynomial: three would do."""
+FLAT = 1e-9
+"""Curvature of a polynomial, in its value, that is numerical error: a straight line has no maximum."""
 
 
 class Take(NamedTuple):
@@ -63,9 +65,10 @@ def _highest(polynomial: FloatArray) -> FloatArray:
     degree = np.arange(len(polynomial) - 1, -1, -1)[:, None]
     slope = (polynomial * degree)[:-1]
     curvature = (slope * (degree[:-1] - 1))[:-1]
+    flat = -FLAT * np.abs(polynomial[-1])
     x = np.zeros(polynomial.shape[1])
     for _ in range(NEWTON):
         bend = np.polyval(curvature, x)
-        move = np.divide(-np.polyval(slope, x), bend, out=np.zeros_like(x), where=bend < 0)
+        move = np.divide(-np.polyval(slope, x), bend, out=np.zeros_like(x), where=bend < flat)
         x = np.clip(x + move, -1.0 / NEIGHBOURS, 1.0 / NEIGHBOURS)
     return x

@@ -68,7 +68,8 @@ def style(design: str, designs: Sequence[str]) -> dict[str, Any]:
 
 
 def grid_of_axes(height: float, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, np.ndarray]:
-    """A figure of page width with a grid of axes, always a 2-D array of them."""
+    """A figure of page width with a grid of axes, always a 2-D array of them; no matplotlibrc of a user changes it."""
+    mpl.rcdefaults()
     mpl.rcParams.update({
         "font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 1.3, "svg.hashsalt": "vsb",
         "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False, "font.family": "DejaVu Sans",

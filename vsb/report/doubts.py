@@ -10,6 +10,7 @@ ADVICE = {
     "computed_buckling": "raise device.internal_pressure to carry the load, or device.thickness",
     "static_deformation": "reference_shape: equilibrium if it is undeformed, or a stiffer shell",
     "static_strain": "a stiffer shell",
+    "angles": "angles in degrees",
     "modes_left_out": "modes: {basis: full} and a higher degree, or modes: {tolerance: 0.005}",
     "reference_power": "longer waves, in which the rigid design absorbs",
     "fair_damping": "pto.tuning: each, or read the gains at own best dampers",

@@ -29,6 +29,9 @@ from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.shell.sphere import Shell
 from vsb.shell.surface import largest_deformation, largest_displacement, largest_strain
+from vsb.study.body import BodyStudy
+from vsb.study.canonical import leaves
+from vsb.study.keys import KEYS
 from vsb.study.quantities import RIGID
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.study import IrregularSea, RegularWave, StillWater, Study, Water, Wave
@@ -39,6 +42,10 @@ from vsb.waves.dispersion import power_limit, wavenumber
 from vsb.waves.seas import share_above, share_below
 
 HEAVING = "an axisymmetric heaving body"
+DEGREES = {name for keys in KEYS.values() for name, key in keys.items() if key.unit == "degrees"}
+"""Last words of the keys that are angles."""
+LIKE_RADIANS = 4e-3
+"""How near to a multiple of pi/12 an angle looks like radians: 1.57 and 6.28 do."""
 _OWN_ERRORS = ("error_estimate", "interpolation_error")
 """Checks of a hydro database that say how far its coefficients may be off."""
 
@@ -51,6 +58,19 @@ def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
     if study.device.shape is not None:
         return [*checks, *static]
     return [classical_check(study, reference, all(check.verdict != "fail" for check in checks)), *checks, *static]
+
+
+def angle_checks(study: Study | BodyStudy) -> list[Check]:
+    """Return a doubt if angles, which are given in degrees, look like radians: multiples of pi/12 with few digits."""
+    found = []
+    for key, value in leaves(study.model_dump()).items():
+        words = [word for word in key.split(".") if not word.isdigit()]
+        if words[-1] in DEGREES and isinstance(value, float) and 0.0 < abs(value) < 6.3 and not value.is_integer():
+            degrees = 15 * round(np.degrees(value) / 15)
+            if degrees and abs(value - np.radians(degrees)) < LIKE_RADIANS:
+                found.append(f"{key} {value:g} ({degrees} degrees are {np.radians(degrees):.5g} rad)")
+    text = f"angles are taken as degrees: {', '.join(found)}"
+    return [Check("angles", len(found), 0.0, "-", "doubt", text)] if found else []
 
 
 def classical_check(study: Study, reference: ReferenceShell, carried: bool) -> Check:

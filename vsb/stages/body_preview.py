@@ -12,6 +12,7 @@ from vsb.hydro.formats.sources import read_source
 from vsb.hydro.repairs import check_repairable
 from vsb.motion.bodies import LinearBody, direction_index
 from vsb.motion.frequency import allowed_part, compliance
+from vsb.results import ledger
 from vsb.results.body_ledger import seas_checks
 from vsb.scenes.afloat import body_afloat
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
@@ -108,4 +109,5 @@ def body_summary(plan: BodyPlan) -> list[str]:
         f"{'solved of the mesh' if plan.solves else 'read from ' + plan.files[study.body.kind]}",
         f"database     {plan.database_path}{there}",
     ]
-    return [*lines, *(check.line for check in seas_checks(study, body.database))]
+    checks = [*ledger.angle_checks(study), *seas_checks(study, body.database)]
+    return [*lines, *(check.line for check in checks)]

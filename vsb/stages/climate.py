@@ -1,10 +1,8 @@
 """The seas of a campaign's year, from the file it was planned with."""
 
-import hashlib
-from pathlib import Path
-
 from vsb.errors import ConfigError
 from vsb.study.specs import ClimateSpec
+from vsb.tools.bounded import open_regular, sha256_of
 from vsb.waves.climate import Climate
 from vsb.waves.ndbc import read_ndbc, read_spectra
 from vsb.waves.scatter import read_scatter
@@ -22,11 +20,13 @@ def read_climate(spec: ClimateSpec, path: str) -> Climate:
         If it holds others, or cannot be read.
     """
     try:
-        data = Path(path).read_bytes()
+        found = sha256_of(path)[:16]
+        with open_regular(path) as file:
+            begin = file.read(4)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); needs the climate of the campaign") from None
-    if hashlib.sha256(data).hexdigest()[:16] != spec.contents:
+    if found != spec.contents:
         raise ConfigError(f"{path}: changed since the run was planned; run vsb run CONFIG again")
     if spec.form != "spectra":
         return read_scatter(path, spec.form, spec.gamma or 1.0)
-    return read_spectra(path) if data.startswith(NETCDF) else read_ndbc(path)
+    return read_spectra(path) if begin.startswith(NETCDF) else read_ndbc(path)

@@ -48,7 +48,7 @@ def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) ->
     checks = [check for one in met for check in one.checks]
     if reference and isinstance(compared, Study):
         checks = [*ledger.shell_checks(compared, reference), *checks]
-    checks += [*ledger.transient_checks(runs, rows), *pause_checks(runs)]
+    checks += [*ledger.angle_checks(compared), *ledger.transient_checks(runs, rows), *pause_checks(runs)]
     lines: list[irregular.Line] = []
     tuned: list[Tuned] = []
     limited: list[Limited] = []

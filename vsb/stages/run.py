@@ -21,7 +21,7 @@ from typing import Any, NoReturn
 import psutil
 
 from vsb.errors import ConfigError, VsbError
-from vsb.stages import slurm
+from vsb.stages import make, slurm
 from vsb.stages.alone import alone, sharing
 from vsb.stages.planning import plan_of
 from vsb.stages.stage import STAGES
@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
     dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
     place, given = _profile(args.profile)
     on_slurm = given.get("executor") == "slurm"
-    paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', os.defpath)}"
     environment = {**os.environ, "PATH": paths, "PYTHONSAFEPATH": "1"}  # nor modules of the current folder
     forget_damaged(Path(".snakemake", "metadata"))
     begun, told = time.time(), deque[str](maxlen=KEPT)
@@ -139,11 +139,11 @@ def check_name(plan: Plan) -> None:
 
 
 def unmade(plan: Plan) -> list[str]:
-    """Return the files a study shares with others and a run of it may make; members of a campaign make theirs."""
+    """Return the files a study shares with others and a run of it will make; members of a campaign make theirs."""
     if isinstance(plan, CampaignPlan):
         return []
-    green = [f"{plan.green_folder}.done"] if plan.study.needs_bem else []
-    return [path for path in (*plan.ids, *green) if plan.is_shared(path) and not Path(path).exists()]
+    made = [path for job in make.due(make.jobs(plan), plan.products) for path in job.makes]
+    return [path for path in made if plan.is_shared(path) and not Path(path).exists()]
 
 
 def _prepare_answer(plan: Plan) -> None:

@@ -3,7 +3,8 @@
 import json
 import os
 import re
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from vsb.errors import DatabaseError, VsbError
@@ -12,9 +13,10 @@ from vsb.stages.planning import plan_of
 from vsb.study.body import is_body, located
 from vsb.study.body_plan import AnyPlan, plan_for
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.canonical import leaves
 from vsb.study.study import parse
 from vsb.tools import packed
-from vsb.tools.files import CHANGED, DELETE, attributes
+from vsb.tools.files import CHANGED, DELETE, attributes, carries_stamp
 from vsb.tools.stamps import MANIFEST, Fault, Manifest, Stamp, faults, read_manifest, stamp_file
 
 Plan = AnyPlan | CampaignPlan
@@ -22,7 +24,11 @@ STUDY = "study.json"
 """The study a folder of results is of."""
 
 
-def verify(target: str, *, heal: bool) -> list[str]:
+TRASH = "trash"
+"""Folder of the results that healing moves files to."""
+
+
+def verify(target: str, *, heal: bool, agreed: Callable[[Sequence[str]], bool] | None = None) -> list[str]:
     """Check the results of a study file or of a folder, contents included; return what to tell.
 
     Parameters
@@ -30,7 +36,10 @@ def verify(target: str, *, heal: bool) -> list[str]:
     target : str
         A study file, a study's folder of results, or the folder of all results.
     heal : bool
-        Whether to remove what is not what it should be, and to stamp files of before the stamps.
+        Whether to move what is not what it should be to the folder `trash` of the results, and to stamp files of before
+        the stamps. Only files that a plan or a manifest names, or that carry a stamp themselves, are moved.
+    agreed : callable, optional
+        Whether files may be moved, given a line for each; called once, and not if there are none. Without, they may.
 
     Raises
     ------
@@ -43,17 +52,24 @@ def verify(target: str, *, heal: bool) -> list[str]:
     missing = sorted({path for plan in plans for path in plan.products if not Path(path).exists()})
     found = [*faults(ids, manifests(root)), *_index_faults(root)]
     if Path(target).is_dir():
-        found += _other_faults(Path(target), set(ids))
+        found += _other_faults(Path(target), {*ids, *(plan.manifest for plan in plans)}, root / TRASH)
+    found = list({fault.path: fault for fault in found}.values())  # studies share what their manifests name
     command = f"vsb run {target}" if Path(target).is_file() else "vsb run CONFIG"
+    ours = [fault for fault in found if fault.kind != "foreign"]
     if heal:
+        moved = [f"{fault.path}: {fault.reason}" for fault in ours if fault.kind not in ("unstamped", "derived")]
+        if moved and agreed and not agreed(moved):
+            return ["nothing was changed"]
         with nobody_else(root):
-            healed = _healed(root, found)
-        makes = f"{command} makes {len(missing) + len(found)} files" if missing or found else f"{target}: all is sound"
+            healed = _healed(root, ours)
+        healed += [f"left {fault.path}: {fault.reason}" for fault in found if fault.kind == "foreign"]
+        makes = f"{command} makes {len(missing) + len(ours)} files" if missing or ours else f"{target}: all is sound"
         return [*healed, makes]
     lines = [f"{fault.path}: {fault.reason}" for fault in found] + [f"{path}: is not there" for path in missing]
     if lines:
-        heals = f"vsb verify {target} --heal removes what is wrong, " if found else ""
-        raise VsbError(f"{lines[0]}{_more(lines)}; {heals}{command} makes it anew")
+        heals = f"vsb verify {target} --heal moves what is wrong to {root / TRASH}, " if ours else ""
+        makes = f"; {heals}{command} makes it anew" if ours or missing else ""
+        raise VsbError(f"{lines[0]}{_more(lines)}{makes}")
     return [f"{target}: {len(ids)} files are what they should be"]
 
 
@@ -85,33 +101,44 @@ def _plan(folder: Path) -> AnyPlan | None:
         return None
 
 
-def _other_faults(folder: Path, known: set[str]) -> list[Fault]:
-    """Damage among the files of a folder that no plan names: of other studies, of seas and designs of before."""
+def _other_faults(folder: Path, known: set[str], trash: Path) -> list[Fault]:
+    """Damage among the files of a folder that no plan names: of other studies, of seas and designs of before.
+
+    A file that cannot be read and says nothing of where it comes from may be a user's own: it is `foreign`.
+    """
     found = []
-    for path in sorted(folder.rglob("*.nc")):
+    for path in sorted(path for path in folder.rglob("*.nc") if trash not in path.parents):
         if str(path) in known or path.name.startswith("."):
             continue
         name = path.stem if re.fullmatch("[0-9a-f]{16}", path.stem) else None
         try:
             identity = attributes(path).get("spec_id")
         except DatabaseError as error:
-            found.append(Fault(str(path), "damaged", str(error).removeprefix(f"{path}: ")))
+            found.append(_unreadable(path, error, ours=carries_stamp(path)))
             continue
-        if name and identity != name:
+        if name and identity not in (None, name):
             found.append(Fault(str(path), "damaged", f"holds {identity!r}"))
     members = (path for path in folder.rglob(f"*{packed.SUFFIX}") if re.fullmatch("[0-9a-f]{16}", path.stem))
-    for path in sorted(members):  # other archives are the Green function's table, in a manifest, or a user's own
+    for path in sorted(path for path in members if trash not in path.parents and str(path) not in known):
         try:
             packed.load(path, expected=path.stem)
         except DatabaseError as error:
-            found.append(Fault(str(path), "damaged", str(error).removeprefix(f"{path}: ")))
-    for path in sorted(folder.rglob(MANIFEST)):
+            found.append(_unreadable(path, error, ours=carries_stamp(path)))
+    for path in sorted(path for path in folder.rglob(MANIFEST) if trash not in path.parents):
         try:
             stamps = {name: stamp for name, stamp in read_manifest(path).items() if name not in known}
             found += faults({name: stamp.spec_id for name, stamp in stamps.items()}, stamps)
         except DatabaseError as error:
-            found.append(Fault(str(path), "damaged", str(error).removeprefix(f"{path}: ")))
+            found.append(_unreadable(path, error, ours=str(path) in known))
     return found
+
+
+def _unreadable(path: Path, error: DatabaseError, *, ours: bool) -> Fault:
+    """The fault of a file that cannot be read."""
+    reason = str(error).removeprefix(f"{path}: ")
+    if ours:
+        return Fault(str(path), "damaged", reason)
+    return Fault(str(path), "foreign", f"{reason.partition('; ')[0]}; it carries no stamp, so it may be your own")
 
 
 def _index_faults(root: Path) -> list[Fault]:
@@ -119,20 +146,27 @@ def _index_faults(root: Path) -> list[Fault]:
     from vsb.hydro.database import index_text
 
     index, folder = root / "hydro" / "INDEX.tsv", root / "hydro" / "db"
-    if not index.is_file() or index.read_bytes() == index_text(folder).encode():
-        return []
-    return [Fault(str(index), "damaged", CHANGED)]
+    if not index.is_file():
+        return [Fault(str(index), "derived", "is not there")] if any(folder.glob("*.nc")) else []
+    return [] if index.read_bytes() == index_text(folder).encode() else [Fault(str(index), "derived", CHANGED)]
 
 
 def _healed(root: Path, found: Sequence[Fault]) -> list[str]:
-    """Stamp files of before the stamps, remove the others; say so."""
+    """Stamp files of before the stamps, write the index again, move other files to the trash; say so."""
     lines = []
+    trash = root / TRASH / time.strftime("%Y%m%d-%H%M%S")
     for fault in found:
         if fault.kind == "unstamped":
             stamp_file(fault.path)
+            lines.append(f"stamped {fault.path}: {fault.reason}")
+        elif fault.kind == "derived":
+            lines.append(f"wrote {fault.path} again: {fault.reason}")
         else:
-            Path(fault.path).unlink()
-        lines.append(f"{'stamped' if fault.kind == 'unstamped' else 'removed'} {fault.path}: {fault.reason}")
+            parts = os.path.relpath(fault.path, root).split(os.sep)
+            place = trash.joinpath(*(part for part in parts if part != os.pardir))
+            place.parent.mkdir(parents=True, exist_ok=True)
+            os.replace(fault.path, place)
+            lines.append(f"moved {fault.path} to {place}: {fault.reason}")
     if (root / "hydro" / "db").is_dir():
         from vsb.hydro.database import write_index
 
@@ -176,14 +210,6 @@ def differences(plan: Plan) -> str:
     ]
     more = f" (and {len(changes) - MOST_CHANGES} more)" if len(changes) > MOST_CHANGES else ""
     return ", ".join(changes[:MOST_CHANGES]) + more
-
-
-def leaves(data: object, name: str = "") -> dict[str, object]:
-    """Return the values of nested mappings and lists by their names with dots."""
-    below = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list | tuple) else None
-    if not below:
-        return {name: data}
-    return {key: leaf for part, inner in below for key, leaf in leaves(inner, f"{name}.{part}".lstrip(".")).items()}
 
 
 def stale_products(plan: Plan, *, dry: bool) -> list[str]:

@@ -6,6 +6,7 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 
 import hashlib
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self, TypeGuard
@@ -28,6 +29,7 @@ from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import Published, Simulation, Water
 from vsb.study.take_off import DofPort, Pto
 from vsb.study.waves import StillWater, Wave
+from vsb.tools.bounded import open_regular
 
 CONTENTS = "sha256:"
 """What begins the name of a file known by its contents."""
@@ -320,8 +322,10 @@ def _contents(paths: list[str], where: str) -> str:
     digest = hashlib.sha256()
     for path in paths:
         try:
-            held = Path(path).read_bytes()
+            with open_regular(path) as file:
+                digest.update(f"{Path(path).suffix} {os.fstat(file.fileno()).st_size} ".encode())
+                while part := file.read(2**20):
+                    digest.update(part)
         except OSError as error:
             raise ConfigError(f"{where}: {path} cannot be read ({error.strerror}); needs the path of a file") from None
-        digest.update(f"{Path(path).suffix} {len(held)} ".encode() + held)
     return f"{CONTENTS}{digest.hexdigest()}"

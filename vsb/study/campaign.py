@@ -3,7 +3,6 @@
 Imports nothing heavy: the Snakefile reads a campaign at every parse.
 """
 
-import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -20,6 +19,7 @@ from vsb.study.study import load as load_study
 from vsb.study.take_off import damper_unit
 from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary
 from vsb.study.year_options import Constrained, Tunings, Verify, leading_tuning
+from vsb.tools.bounded import sha256_of
 
 SMALLEST, LARGEST = 1e-3, 1e3
 """Scales of a study by Froude."""
@@ -156,7 +156,7 @@ def read(raw: object, source: str) -> "LoadedCampaign":
     floats_by = _floats_by(folder / campaign.study, study)
     _check_draft(campaign, floats_by, source)
     try:
-        digest = hashlib.sha256(climate.read_bytes()).hexdigest()[:16]
+        digest = sha256_of(climate)[:16]
     except OSError as error:
         raise ConfigError(
             f"{source}: climate: received {campaign.climate.file}, which cannot be read ({error.strerror}); needs the "

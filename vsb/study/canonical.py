@@ -25,6 +25,14 @@ def _plain(data: object) -> object:
     return data + 0.0 if isinstance(data, float) else data  # no negative zero
 
 
+def leaves(data: object, name: str = "") -> dict[str, object]:
+    """Return the values of nested mappings and lists by their names with dots."""
+    below = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list | tuple) else None
+    if not below:
+        return {name: data}
+    return {key: leaf for part, inner in below for key, leaf in leaves(inner, f"{name}.{part}".lstrip(".")).items()}
+
+
 def content_id(data: object) -> str:
     """Return the content id (16 hex digits of sha256 over the canonical JSON) of a spec."""
     return hashlib.sha256(canonical(data).encode()).hexdigest()[:16]

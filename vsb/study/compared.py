@@ -15,7 +15,7 @@ from vsb.study.sections import Published, Simulation, Water
 from vsb.study.take_off import Pto, Tuning
 from vsb.study.waves import IrregularSea, StillWater, Wave
 
-RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks")
+RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks", "trash")
 
 
 class Compared(Section):

@@ -79,8 +79,11 @@ class Rule:
         """Return the files a job needs."""
         return list(self.job(wildcards).needs)
 
-    def options(self, wildcards: Any) -> str:
-        """Return the options of a job's command."""
+    def options(self, wildcards: Any, output: Any) -> str:
+        """Return the options of a job's command; for its argument `output` Snakemake does not compare them between runs.
+
+        Studies that share meshes record them in manifests of their own.
+        """
         return self.job(wildcards).options
 
     def text(self, wildcards: Any) -> str:

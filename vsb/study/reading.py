@@ -10,7 +10,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from vsb.errors import ConfigError
-from vsb.study.schema import hint, keys_at, nearest, schema_of
+from vsb.study.schema import hint, keys_at, nearest, same, schema_of
+from vsb.tools.bounded import LARGEST_STUDY, read_bounded
 from vsb.tools.words import LONGEST, shortened
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -27,7 +28,9 @@ class _UniqueKeyLoader(yaml.SafeLoader):
                 continue
             key = self.construct_object(key_node, deep=deep)
             if key in seen:
-                raise yaml.MarkedYAMLError(problem=f"key {key!r} is given twice", problem_mark=key_node.start_mark)
+                raise yaml.MarkedYAMLError(
+                    problem=f"key {shortened(repr(key))} is given twice", problem_mark=key_node.start_mark
+                )
             seen.add(key)
         return super().construct_mapping(node, deep)
 
@@ -96,7 +99,7 @@ def read_yaml(path: str | Path, wanted: str) -> object:
         If it cannot be read, is not YAML, gives a key twice, or a number of more digits than can be printed.
     """
     try:
-        data = _loaded(Path(path).read_text(encoding="utf-8"))
+        data = _loaded(read_bounded(path, LARGEST_STUDY).decode())
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); give the path of {wanted}") from None
     except RecursionError:
@@ -242,7 +245,7 @@ def _inside(raw: object, part: str | int) -> tuple[object] | None:
 def _told(error: ErrorDetails, title: str, raw: object, model: type[BaseModel] | None = None) -> str:
     """A mistake in one line: key, value received, what is needed."""
     place = _written(error, raw)
-    key = ".".join(map(str, place)) or _in_words(title)
+    key = shortened(".".join(map(str, place))) or _in_words(title)
     received = "" if isinstance(error["input"], dict | BaseModel) else f" received {shortened(repr(error['input']))};"
     return " ".join(f"{key}:{received} {_needed(error, place, schema_of(model) if model else {})}".split())
 
@@ -286,7 +289,8 @@ def _needed(error: ErrorDetails, place: Place, schema: dict[str, Any]) -> str:
     """What is needed in place of what was received, and what was probably meant."""
     kind, ctx = error["type"], error.get("ctx", {})
     if kind == "extra_forbidden":
-        meant = hint(schema, place[:-1], str(place[-1])) if schema else ""
+        key, within = str(place[-1]), error["loc"][:-1]
+        meant = (same(key, keys_at(schema, within)) or hint(schema, place[:-1], key)) if schema else ""
         return "unknown key; " + (f"did you mean {meant}?" if meant else "remove it or correct its spelling")
     if kind == "missing":
         what = keys_at(schema, place[:-1]).get(str(place[-1]), {}).get("description", "") if schema else ""
@@ -296,6 +300,8 @@ def _needed(error: ErrorDetails, place: Place, schema: dict[str, Any]) -> str:
         return f"kind {shortened(repr(tag))}: needs one of {choices}{_meant(tag, choices)}"
     if kind == "union_tag_not_found":
         return "kind: missing, but required"
+    if kind == "float_parsing" and re.fullmatch(r"\s*[+-]?\d+,\d+\s*", str(error["input"])):
+        return "needs a number with a decimal point, not a comma"
     what = error["msg"] if kind == "value_error" else _WORDS.get(kind, "needs another value").format(**ctx)
     return what + (_meant(error["input"], str(ctx["expected"])) if kind == "literal_error" else "")
 

@@ -105,6 +105,22 @@ def dotted(schema: Schema, node: Schema | None = None, prefix: str = "") -> Iter
             yield from dotted(schema, inner, prefix)
 
 
+SAME = {
+    "nonlinear": {"body_exact": "body_exact"},
+    "irregular": {"jonswap": "jonswap"},
+    "height": {"amplitude": "amplitude, half the height", "hs": "hs"},
+    "significant_wave_height": {"hs": "hs"},
+    "peak_period": {"tp": "tp"},
+}
+"""Words people know from other programs, the words here that mean the same, and how these are told."""
+
+
+def same(word: str, words: Iterable[str]) -> str:
+    """Return what means the same as a word of other programs, as it is told; empty if nothing does."""
+    known = set(words)
+    return next((text for one, text in SAME.get(word.lower(), {}).items() if one in known), "")
+
+
 def hint(schema: Schema, place: Sequence[str | int], key: str) -> str:
     """Return the key that was probably meant: of the same section, or as it is named in another; empty if none is."""
     others = sorted(keys_at(schema, place).keys() - {key})  # a key of another kind may be called as this one
@@ -115,6 +131,8 @@ def hint(schema: Schema, place: Sequence[str | int], key: str) -> str:
 
 
 def nearest(word: str, words: Iterable[str]) -> str:
-    """Return the word that looks most like another, capitals or not; empty if none does."""
+    """Return the word that means the same as another, or looks most like it, capitals or not; empty if none does."""
     small = {one.lower(): one for one in words}
+    if meant := same(word, small.values()):
+        return meant
     return next((small[one] for one in difflib.get_close_matches(word.lower(), list(small), n=1)), "")

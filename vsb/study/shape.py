@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from vsb.errors import ConfigError
 from vsb.study.meridian import RestMeridian, capsule, spheroid, through
 from vsb.study.quantities import Finite, NonNegative, Positive, Section, within
+from vsb.tools.bounded import LARGEST_STUDY, read_bounded
 
 SLENDEREST = 10.0
 """Of the diameter: height, or either of them, beyond which shapes and waves are no longer resolved."""
@@ -98,7 +99,7 @@ def with_points(raw: Any, source: str) -> Any:
 def _points(path: Path, where: str) -> list[list[float]]:
     """Rows x, z of a file, a line of words before them left out."""
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        lines = read_bounded(path, LARGEST_STUDY).decode("utf-8-sig").splitlines()
         rows = [row for row in csv.reader(lines) if any(map(str.strip, row))]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = error.strerror if isinstance(error, OSError) else "no text"

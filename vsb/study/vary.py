@@ -12,6 +12,7 @@ from typing import Any, Self
 
 from vsb.study.keys import KEYS
 from vsb.study.quantities import Section
+from vsb.tools.words import shortened
 
 Value = float | str
 Point = dict[str, Value]
@@ -20,7 +21,8 @@ SCALE = "scale"
 """The key that scales the whole study by Froude, no key of its own."""
 MEMBER = "member"
 """Dimension of points that are no product."""
-MOST_POINTS = 100_000
+MOST_POINTS = 10_000
+"""Points of a campaign: each is validated and named by its content whenever the plan is read, 1 ms."""
 SECTIONS = ("device", "reference_shape", "modes", "designs", "water", "hydro", "pto")
 """Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""
 _VARIED_IN = (
@@ -144,8 +146,9 @@ def read_vary(raw: object) -> Vary:
     lengths = {key: len(each) for key, each in values.items()}
     if pairs and len(set(lengths.values())) != 1:
         raise ValueError(f"pairs: received {lengths} values, needs as many of every key")
-    if not pairs and math.prod(lengths.values()) > MOST_POINTS:
-        raise ValueError(f"received {math.prod(lengths.values())} points, needs at most {MOST_POINTS}")
+    points = max(lengths.values(), default=1) if pairs else math.prod(lengths.values())
+    if points > MOST_POINTS:
+        raise ValueError(f"received {points} points, needs at most {MOST_POINTS}; make several campaigns of more")
     return Vary.of(values, together=pairs)
 
 
@@ -155,7 +158,9 @@ def _check_key(key: str) -> None:
     within = [name for name in SECTIONS if name != "reference_shape"]
     if key in (SCALE, "reference_shape") or (dot and section in within):
         return
-    raise ValueError(f"{key}: needs {SCALE}, reference_shape, or a key of {', '.join(within)} such as device.mass")
+    raise ValueError(
+        f"{shortened(key)}: needs {SCALE}, reference_shape, or a key of {', '.join(within)} such as device.mass"
+    )
 
 
 def _values(key: str, raw: object) -> tuple[Value, ...]:

@@ -1,11 +1,92 @@
-"""Bounds on memory and time: what a damaged file announces is not believed, and no end of it is waited for."""
+"""Files that users name are read within bounds of size, memory and time: what a file announces is not believed."""
 
+import errno
+import gzip
+import hashlib
+import io
+import os
 import signal
+import stat
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
+
+LARGEST = 2**28
+"""Bytes a text file may hold, unpacked: 40 years of hourly spectra are a third of it."""
+LARGEST_STUDY = 2**22
+"""Bytes a study file, or the profile of a shell, may hold."""
+MEMORY = (2**30, 200)
+"""Bytes a library may take to read a file, itself among them, and a byte of the file: lists of numbers."""
+SECONDS = (20.0, 2e-5)
+"""Seconds a library may take to read a file, and a byte of it: some wait for an end that was cut off."""
+
+
+def open_regular(path: str | Path) -> io.BufferedReader:
+    """Open a file to read its bytes.
+
+    Raises
+    ------
+    OSError
+        If it cannot be opened, or is a pipe or a device, which may have no end.
+    """
+    if not stat.S_ISREG(os.stat(path).st_mode):
+        raise OSError(errno.EINVAL, "it is no regular file", str(path))
+    return Path(path).open("rb")
+
+
+def read_bounded(path: str | Path, largest: int = LARGEST) -> bytes:
+    """Return what a file holds; `OSError` as of `open_regular`, and if it holds more than `largest` bytes."""
+    with open_regular(path) as file:
+        return _all_of(file, path, largest)
+
+
+def read_unpacked(path: str | Path) -> bytes:
+    """Return what a file holds, unpacked if it is packed with gzip.
+
+    Raises
+    ------
+    OSError
+        As of `read_bounded`, of what is unpacked as well.
+    gzip.BadGzipFile, EOFError, zlib.error
+        If it is packed, and cut or damaged.
+    """
+    data = read_bounded(path)
+    if not data.startswith(b"\x1f\x8b"):
+        return data
+    with gzip.open(io.BytesIO(data)) as unpacked:
+        return _all_of(unpacked, path, LARGEST)
+
+
+def _all_of(file: io.BufferedIOBase, path: str | Path, largest: int) -> bytes:
+    """All bytes of an open file, if they are no more than so many."""
+    data = file.read(largest + 1)
+    if len(data) > largest:
+        raise OSError(errno.EFBIG, f"it holds more than {largest / 2**20:.0f} MiB", str(path))
+    return data
+
+
+def sha256_of(path: str | Path) -> str:
+    """Return the checksum of what a file of any size holds; `OSError` as of `open_regular`."""
+    with open_regular(path) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@contextmanager
+def bounded_reading(path: str | Path) -> Iterator[None]:
+    """Let a library read a file inside, in memory and time that suit its size.
+
+    Raises
+    ------
+    OSError, MemoryError, TimeoutError
+        See `open_regular`; if it takes more.
+    """
+    with open_regular(path) as file:
+        size = os.fstat(file.fileno()).st_size
+    memory, seconds = (least + per_byte * size for least, per_byte in (MEMORY, SECONDS))
+    with bounded_memory(int(memory)), bounded_time(seconds):
+        yield
 
 
 @contextmanager

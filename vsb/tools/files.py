@@ -17,6 +17,7 @@ import numpy as np
 import psutil
 
 from vsb.errors import ConfigError, DatabaseError
+from vsb.tools.bounded import read_unpacked
 from vsb.tools.units import AnyArray, check_finite, described, merged, separated
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 ROOT = "/"
 """Name of a file's own group."""
-DELETE = "delete it, or let vsb verify --heal do so, and run again"
+DELETE = "delete it, or let vsb verify --heal move it away, and run again"
 """What heals a file that is not what it should be."""
 CHANGED = "its contents are not those it was written with (checksum)"
 SEAL = b"sha256:"
@@ -133,8 +134,7 @@ def read_text(path: str | Path) -> str:
         If it cannot be read or is no text.
     """
     try:
-        data = Path(path).read_bytes()
-        data = gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data
+        data = read_unpacked(path)
         return data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
     except (EOFError, zlib.error, gzip.BadGzipFile):
         raise ConfigError(f"{path}: received a packed file that is cut or damaged, needs a whole one") from None
@@ -261,6 +261,21 @@ def attributes(path: str | Path) -> dict[str, Any]:
 
     with netCDF4.Dataset(path) as file:
         return {name: file.getncattr(name) for name in file.ncattrs()}
+
+
+def carries_stamp(path: str | Path) -> bool:
+    """Whether a file says of itself, damaged or not, that this package wrote it: by a seal or a content id."""
+    with Path(path).open("rb") as file:
+        file.seek(-min(len(SEAL) + 64, os.path.getsize(path)), os.SEEK_END)
+        if file.read().startswith(SEAL):
+            return True
+    import netCDF4
+
+    try:
+        with netCDF4.Dataset(path) as file:
+            return "spec_id" in file.ncattrs()
+    except OSError:
+        return False
 
 
 def load(path: str | Path, group: str = ROOT, *, expected: str | None = None) -> "xr.Dataset":

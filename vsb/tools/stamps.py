@@ -15,7 +15,19 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 from vsb.errors import DatabaseError
-from vsb.tools.files import CHANGED, DELETE, attributes, checksum, locked, read_groups, seal, whole, write_text
+from vsb.tools.files import (
+    CHANGED,
+    DELETE,
+    attributes,
+    carries_stamp,
+    check_file,
+    checksum,
+    locked,
+    read_groups,
+    seal,
+    whole,
+    write_text,
+)
 from vsb.tools.words import shortened
 
 MANIFEST = "manifest.json"
@@ -47,11 +59,12 @@ class Fault(NamedTuple):
     """Why a file is not what it should be.
 
     `unstamped` files are of before the stamps and agree with their specification, `nameless` ones are of none, `stale`
-    ones of another, `damaged` ones do not hold what they were written with.
+    ones of another, `damaged` ones do not hold what they were written with, `foreign` ones cannot be read and may be a
+    user's own, `derived` ones are written again from others that are sound.
     """
 
     path: str
-    kind: Literal["unstamped", "nameless", "stale", "damaged"]
+    kind: Literal["unstamped", "nameless", "stale", "damaged", "foreign", "derived"]
     reason: str
 
 
@@ -65,7 +78,7 @@ def read_manifest(path: str | Path) -> Manifest:
     Raises
     ------
     DatabaseError
-        If it is no manifest, or names files outside the results: healing removes what a manifest says is damaged.
+        If it is no manifest, or names files outside the results: healing moves away what a manifest says is damaged.
     """
     folder = Path(path).parent
     try:
@@ -84,6 +97,44 @@ def _inside(folder: Path, name: str) -> str:
     if os.path.isabs(name) or os.path.commonpath([results, os.path.abspath(folder / name)]) != results:
         raise ValueError(f"{name!r} is outside the results")
     return os.path.normpath(folder / name)
+
+
+def check_output(path: str | Path, inputs: Iterable[str | Path]) -> None:
+    """Check that a file a user names can be written, and that nothing is lost by it: it may replace earlier output.
+
+    Parameters
+    ----------
+    path : str or Path
+        File to write.
+    inputs : iterable of paths
+        Files that are read on the way.
+
+    Raises
+    ------
+    DatabaseError
+        If it cannot be written, or is an input, a study file or a product of a run.
+    """
+    check_file(path)
+    if not os.path.exists(path):
+        return
+    kinds = {
+        "an input of this command": any(os.path.exists(one) and os.path.samefile(path, one) for one in inputs),
+        "a study file": Path(path).suffix in (".yaml", ".yml"),
+        "a product of a run": _is_product(Path(os.path.abspath(path))),
+    }
+    for kind in (kind for kind, found in kinds.items() if found):
+        raise DatabaseError(f"{path}: is {kind}, which would be lost; needs another name for the output")
+
+
+def _is_product(path: Path) -> bool:
+    """Whether a file is of the results: named by its content id, or in a folder with a manifest as one of its files."""
+    manifests = [one for folder in path.parents[:4] if (one := folder / MANIFEST).is_file()]
+    if path.suffix == ".nc":
+        return bool(manifests or re.fullmatch("[0-9a-f]{16}", path.stem)) and carries_stamp(path)
+    try:
+        return any(str(path) in read_manifest(manifest) for manifest in manifests)
+    except DatabaseError:
+        return True  # whose product it is cannot be told
 
 
 def record(manifest: str | Path, spec_id: str, paths: Iterable[str | Path]) -> None:

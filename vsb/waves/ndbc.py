@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vsb.errors import ConfigError
+from vsb.tools.bounded import bounded_reading
 from vsb.tools.files import read_text
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import PARTIAL, Climate, of_records
@@ -146,10 +147,13 @@ def read_spectra(path: str | Path) -> Climate:
     import xarray as xr  # here alone: text needs none
 
     try:
-        with xr.open_dataset(path, engine="netcdf4") as ds:
+        with bounded_reading(path), xr.open_dataset(path, engine="netcdf4") as ds:
             stored = ds.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        raise ConfigError(f"{path}: cannot be read as netCDF ({' '.join(str(error).split())})") from None
+    except MemoryError:
+        raise ConfigError(f"{path}: cannot be read as netCDF (it announces more than it holds)") from None
+    except Exception as error:  # what a library makes of a damaged file, nobody can list
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise ConfigError(f"{path}: cannot be read as netCDF ({reason})") from None
     for name in ("efth", "freq"):
         if name not in stored.variables:
             raise ConfigError(f"{path}: received variables {sorted(map(str, stored.variables))}, needs {name}")

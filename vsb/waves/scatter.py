@@ -15,7 +15,7 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.tools.files import read_text
 from vsb.tools.units import FloatArray
-from vsb.tools.words import shortened
+from vsb.tools.words import LONGEST, shortened
 from vsb.waves.climate import FAULTY, YEAR_HOURS, Climate, band_edges, impossible
 from vsb.waves.seas import jonswap_spectrum
 
@@ -141,6 +141,10 @@ def _shares(path: str | Path, table: Table) -> tuple[FloatArray, str]:
     raise ConfigError(f"{path}: received occurrences that sum to {total:.6g}, needs {needed}")
 
 
+MOST_BINS = 10_000
+"""Bins of a table: 100 heights by 100 periods."""
+
+
 def read_table(path: str | Path) -> Table:
     """Return the occupied cells of a scatter table; see `read_scatter`."""
     lines = read_text(path).splitlines()
@@ -169,7 +173,9 @@ def _rows(path: str | Path, lines: list[str], delimiter: str) -> list[tuple[int,
 
 
 def _plain(name: str) -> str:
-    """A name without unit, case, blanks and underscores."""
+    """A name without unit, case, blanks and underscores; no longer text is one."""
+    if len(name) > LONGEST:
+        return name
     return re.sub(r"[\s_{}$]|[\[(].*?[\])]", "", name).lower()
 
 
@@ -189,7 +195,7 @@ def _kind(name: str) -> str | None:
 def _corner(path: str | Path, row: tuple[int, list[str]]) -> tuple[str, str] | None:
     """What rows and columns of a full table are, from its corner."""
     parts = re.split(r"[/\\|]", row[1][0])
-    if len(parts) != 2 or len(row[1]) < 2:
+    if len(parts) != 2 or len(row[1]) < 2 or len(row[1][0]) > LONGEST:
         return None
     kinds = tuple(_kind(_plain(part)) for part in parts)
     for part in parts:
@@ -270,15 +276,21 @@ def _table(
     """The table of some cells."""
     if not occurrence.size:
         raise ConfigError(f"{path}: received no occurrence above 0, needs one")
+    if occurrence.size > MOST_BINS:
+        raise ConfigError(
+            f"{path}: received {occurrence.size} bins, needs at most {MOST_BINS}: records are to be counted in bins"
+        )
     kind = "te" if "te" in by else "tp"
     return Table(by["hs"], by[kind], kind, occurrence, unit, blank)
 
 
 def _check_repeats(path: str | Path, where: str, labels: Sequence[object]) -> None:
     """Check that every bin is there once."""
-    for i, label in enumerate(labels):
-        if label in labels[:i]:
+    seen: set[object] = set()
+    for label in labels:
+        if label in seen:
             raise ConfigError(f"{path}: received {where} labelled {label} twice, needs every bin once")
+        seen.add(label)
 
 
 def _number(path: str | Path, line: int, cell: str, needed: str) -> float:
@@ -289,13 +301,13 @@ def _number(path: str | Path, line: int, cell: str, needed: str) -> float:
     except ValueError:
         value = np.nan
     if not np.isfinite(value):
-        raise ConfigError(f"{path}, line {line}: received {cell!r}, needs {needed}")
+        raise ConfigError(f"{path}, line {line}: received {shortened(repr(cell))}, needs {needed}")
     return value
 
 
 def _label(path: str | Path, line: int, cell: str) -> float:
     """The centre of a bin, given itself or as a range."""
-    ends = re.fullmatch(r"([\d.,]+)\s*(?:-|\u2013|to|\.\.\.?)\s*([\d.,]+)", cell)
+    ends = len(cell) <= LONGEST and re.fullmatch(r"([\d.,]+)\s*(?:-|\u2013|to|\.\.\.?)\s*([\d.,]+)", cell)
     needed = "the centre of a bin above 0, or its range as 0.5-1.0; no sums"
     values = [_number(path, line, part, needed) for part in (ends.groups() if ends else (cell,))]
     centre = float(np.mean(values))

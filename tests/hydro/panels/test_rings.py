@@ -1,5 +1,8 @@
 import io
+import os
 import shutil
+import subprocess
+import sys
 from math import factorial
 from pathlib import Path
 
@@ -378,3 +381,15 @@ def test_of_an_undisturbed_wave_rings_see_what_panels_around_see_of_their_order(
     for found, wave in zip(problem.incident(rings, omega), expected, strict=True):
         whole = -1j * 2.0 / omega * wave.reshape(len(x), len(theta)) @ weight
         np.testing.assert_allclose(found, whole, rtol=1e-9, atol=1e-12 * np.abs(whole).max())
+
+
+def test_no_home_folder_is_needed():
+    """Capytaine makes a folder for its tables there when it is imported; ours lie with the results."""
+    environment = {
+        **os.environ,
+        "HOME": "/dev/null/none",
+        "XDG_CACHE_HOME": "",
+        "CAPYTAINE_CACHE_DIR": "/dev/null/none",
+    }
+    command = [sys.executable, "-c", "import vsb.hydro.panels.rings"]
+    assert subprocess.run(command, env=environment, check=False, capture_output=True).returncode == 0

@@ -18,7 +18,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.apart import check_apart
 from vsb.hydro.bodies.body import FlexibleBody, at_centres, at_vertices, check_vertices
 from vsb.hydro.panels import rings as bem
-from vsb.tools.bounded import bounded_memory, bounded_time
+from vsb.tools.bounded import bounded_reading
 from vsb.tools.files import whole
 from vsb.tools.units import PAIR, FloatArray, IntArray
 
@@ -27,10 +27,6 @@ PANEL_FILES = {
 }  # fmt: skip
 """What capytaine reads and meshio does not, in its words; meshio keeps the numbers of the vertices, which displacements
 refer to."""
-MEMORY = (2**30, 200)
-"""Bytes any file may take, libraries that are loaded only then among them, and a byte of it: lists of numbers."""
-SECONDS = (20.0, 2e-5)
-"""Seconds any file may take to be read, and a byte of it: some readers wait for an end that was cut off."""
 _FLAT = 1e-7
 """Height of a panel, in lengths of the body, that single precision makes of none."""
 _LARGEST = {
@@ -48,11 +44,10 @@ _MATRICES = {
 def _one_line(path: str | Path, what: str, needed: str) -> Iterator[None]:
     """Turn whatever a library makes of a file into one line: no two fail alike."""
     try:
-        size, unheard = Path(path).stat().st_size, io.StringIO()  # meshio prints what it raises
-        memory, seconds = (least + per_byte * size for least, per_byte in (MEMORY, SECONDS))
+        unheard = io.StringIO()  # meshio prints what it raises
         with warnings.catch_warnings(), contextlib.redirect_stderr(unheard), contextlib.redirect_stdout(unheard):
             warnings.simplefilter("ignore")
-            with bounded_memory(int(memory)), bounded_time(seconds):
+            with bounded_reading(path):
                 yield
     except ConfigError:
         raise

@@ -52,6 +52,7 @@ from vsb.study.canonical import canonical, content_id
 from vsb.study.quantities import Section
 from vsb.study.reading import read_yaml, validated
 from vsb.tools.files import load, save
+from vsb.tools.stamps import check_output
 from vsb.tools.units import PAIR, ComplexArray, FloatArray, IntArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
@@ -77,6 +78,7 @@ def run(config: str | Path, out: str | Path, tables: str | Path | None = None) -
     """Solve what a body file asks for into `out` and return the verdict; `tables` keeps the Green function's table."""
     study = read_config(config, BodyFile)
     folder = Path(config).parent
+    check_output(Path(out, f"{study.body}.nc"), [folder / study.mesh, folder / study.modes])
     return solve(study, read_body(folder / study.mesh, folder / study.modes), out, tables)
 
 

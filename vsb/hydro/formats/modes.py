@@ -18,6 +18,7 @@ import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.study.quantities import RIGID, is_rigid, of_bodies
+from vsb.tools.bounded import bounded_reading
 from vsb.tools.units import ATTRS, PAIR, FloatArray, check_finite, described
 
 GENERALIZED = 7
@@ -36,9 +37,10 @@ _DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeE
 
 @contextmanager
 def readable(path: str | Path, needed: str) -> Iterator[None]:
-    """Tell in one line, a `DatabaseError`, what libraries make of a damaged file."""
+    """Read a file within bounds; tell in one line, a `DatabaseError`, what libraries make of a damaged one."""
     try:
-        yield
+        with bounded_reading(path):
+            yield
     except DatabaseError:
         raise
     except _DAMAGE as error:

@@ -12,6 +12,7 @@ from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.hydro.formats.foreign import foreign_checks
 from vsb.hydro.formats.wamit import import_wamit
 from vsb.study.sections import Water
+from vsb.tools.bounded import open_regular
 
 
 def read_source(kind: str, path: str, water: Water, length: float = 1.0) -> xr.Dataset:
@@ -44,7 +45,7 @@ def read_source(kind: str, path: str, water: Water, length: float = 1.0) -> xr.D
 def is_own(path: str) -> bool:
     """Return whether a netCDF file is a database of this project's; other files it need not be able to read."""
     try:
-        with netCDF4.Dataset(path) as file:
+        with open_regular(path), netCDF4.Dataset(path) as file:
             return "separate_sweep" in file.ncattrs()
     except (OSError, RuntimeError) as error:
         raise DatabaseError(f"{path}: cannot be read: {error}; needs a hydro database as netCDF.") from None

@@ -34,6 +34,7 @@ from vsb.hydro.formats.modes import (
     structure,
     volume_of,
 )
+from vsb.tools.bounded import read_bounded
 from vsb.tools.units import ComplexArray, FloatArray
 
 _FORCES = {"excitation_force": ".3", "Froude_Krylov_force": ".3fk", "diffraction_force": ".3sc"}
@@ -248,7 +249,7 @@ def _radiation(path: str, table: _Table, modes: list[int]) -> tuple[list[float],
 def _lines(path: str, columns: str) -> list[str]:
     """Lines of a file."""
     try:
-        return Path(path).read_text(encoding="utf-8", errors="replace").splitlines()
+        return read_bounded(path).decode(errors="replace").splitlines()
     except OSError as error:
         raise DatabaseError(f"{path}: cannot be read ({error.strerror}); needs lines {columns}.") from None
 

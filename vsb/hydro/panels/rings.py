@@ -6,6 +6,7 @@ matrices are capytaine's own; summed with its own diagonal they reproduce capyta
 same holds for every azimuthal order m, where strengths go with cos(m theta): surge and pitch have m = 1.
 """
 
+import os
 import tempfile
 import zipfile
 import zlib
@@ -14,7 +15,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import capytaine as cpt
 import numpy as np
 import xarray as xr
 from scipy.special import j0, j1
@@ -28,6 +28,12 @@ from vsb.tools.files import CHANGED
 from vsb.tools.stamps import MANIFEST, read_manifest, record, text_fault
 from vsb.tools.units import ComplexArray, FloatArray, IntArray
 from vsb.waves.dispersion import wavenumber
+
+try:
+    import capytaine as cpt
+except OSError:  # it makes a folder for its own tables in the home folder, which may not be writable, and is not used
+    os.environ["CAPYTAINE_CACHE_DIR"] = str(Path(tempfile.gettempdir(), f"capytaine-{os.getuid()}"))
+    import capytaine as cpt
 
 cpt.set_logging("ERROR")
 _LARGEST_DEPTH_IN_WAVENUMBERS = 9e4  # the finite-depth Green function has no infinite frequency
