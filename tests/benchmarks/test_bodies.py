@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from benchmarks import bodies
-from vsb.hydro.bodies.body import interior_lid
+from vsb.hydro.bodies.lid import interior_lid
 from vsb.hydro.passive import PassiveFit
 
 

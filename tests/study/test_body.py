@@ -259,7 +259,7 @@ def test_every_check_on_the_database_of_a_body_may_be_accepted_and_two_be_repair
     """Those of meshes solved and of files read."""
     names = [
         "error_estimate", "interpolation_error", "one_resolution", "symmetry", "far_field", "haskind", "positive_damping",
-        "panels", "modes", "corners", "rigid_names", "afloat", "irregular_frequencies", "kramers_kronig", "long_waves",
+        "panels", "modes", "corners", "rigid_names", "closure", "lid", "afloat", "irregular_frequencies", "kramers_kronig", "long_waves",
         "haskind_scale", "haskind_long_waves",
     ]  # fmt: skip
     for name in names:

@@ -24,7 +24,8 @@ PLANES = {"xOz": 1, "yOz": 0}
 """Planes of symmetry and the coordinate each of them changes the sign of."""
 SYMMETRIES = {"none": (), "xOz": ("xOz",), "yOz": ("yOz",), "xOz+yOz": ("xOz", "yOz")}
 """What a body file may declare."""
-_SAME = 1e-8  # of lengths, in lengths of the body
+SAME = 1e-8
+"""Of lengths, in lengths of the body."""
 _CLOSED = 1e-6  # of the three volumes of a closed surface, relatively
 _LEAST_BODY = 0.01  # [m], lengths below which capytaine's own tolerances drop panels
 _LARGEST_BODY = 1e5  # [m], beyond which no body lies
@@ -188,7 +189,7 @@ def at_vertices(vertices: FloatArray, faces: IntArray, values: FloatArray) -> Fl
 def owners(vertices: FloatArray) -> IntArray:
     """Return the first of the vertices that coincide with each, shape (vertex,)."""
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    same = cKDTree(vertices).query_pairs(_SAME * size, output_type="ndarray")
+    same = cKDTree(vertices).query_pairs(SAME * size, output_type="ndarray")
     owner = np.arange(len(vertices))
     np.minimum.at(owner, same[:, 1], same[:, 0])
     return owner
@@ -211,9 +212,9 @@ def _check_panels(body: FlexibleBody) -> None:
     if body.size < _LEAST_BODY:
         raise ConfigError(f"mesh: body of {body.size:.3g} m; needs at least {_LEAST_BODY:g} m: is it in metres?")
     used = x[np.unique(faces)]
-    if used[:, 2].max() > _SAME * body.size:
+    if used[:, 2].max() > SAME * body.size:
         raise ConfigError(f"mesh: reaches z = {used[:, 2].max():.4g} m; needs z <= 0: clip it at the water's surface")
-    if (x[faces][:, :, 2] > -_SAME * body.size).all(axis=1).any():
+    if (x[faces][:, :, 2] > -SAME * body.size).all(axis=1).any():
         raise ConfigError("mesh: has panels in the water's surface; needs the wetted surface alone, no lid")
     volumes = body.volumes
     if volumes.max() <= 0:
@@ -289,7 +290,7 @@ def check_symmetry(body: FlexibleBody, declared: str) -> None:
 
 def _is_mirrored(body: FlexibleBody, plane: str) -> bool:
     """Whether every panel has a mirror image other than itself among the panels, corner for corner."""
-    axis, tolerance = PLANES[plane], _SAME * body.size
+    axis, tolerance = PLANES[plane], SAME * body.size
     sign = np.where(np.arange(3) == axis, -1.0, 1.0)
     across = np.ptp(np.sign(np.where(np.abs(body.vertices) < tolerance, 0, body.vertices))[body.faces, axis], axis=1)
     distance, image = cKDTree(body.centres).query(body.centres * sign)
@@ -300,45 +301,14 @@ def _is_mirrored(body: FlexibleBody, plane: str) -> bool:
     return bool(gaps.max() < tolerance and np.abs(body.centres[:, axis]).min() > tolerance)
 
 
-def interior_lid(body: FlexibleBody, rings: int) -> tuple[FloatArray, IntArray]:
-    """Return vertices and panels, normals down, of a lid of `rings` belts between each waterline and its centre.
-
-    Raises
-    ------
-    ConfigError
-        If there is no waterline, or its edges are not all seen from its centre.
-    """
-    edges = np.concatenate([body.faces[:, [i, (i + 1) % 4]] for i in range(4)])
-    ends = body.vertices[edges]
-    at_surface = (np.abs(ends[:, :, 2]) < _SAME * body.size).all(axis=1)
-    ends = ends[at_surface & (np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) > _SAME * body.size)]
-    if len(ends) == 0:
-        raise ConfigError("lid: the body does not cross the water's surface; needs lid: 0")
-    ends[:, :, 2] = 0.0
-    centre = np.empty((len(ends), 3))
-    for line in _waterlines(ends):
-        centre[line] = (ends[line].max(axis=(0, 1)) + ends[line].min(axis=(0, 1))) / 2
-    inside = np.cross(ends[:, 0] - centre, ends[:, 1] - centre)[:, 2] / 2
-    waterplane = -float(body.triangles.area[:, 2].sum())
-    if (inside > 0).any() or abs(-inside.sum() - waterplane) > 1e-6 * abs(waterplane):
-        raise ConfigError("lid: the waterline is not seen whole from its centre; needs lid: 0")
-    scales = np.linspace(0.0, 1.0, rings + 1)
-    a, b = (centre + scales[:, None, None] * (ends[:, i] - centre) for i in range(2))
-    panels = [np.stack([a[k + 1], b[k + 1], b[k], a[k]], axis=1) for k in range(rings)]
-    vertices = np.concatenate(panels).reshape(-1, 3)
-    return vertices, np.arange(len(vertices)).reshape(-1, 4)
-
-
-def _waterlines(ends: FloatArray) -> list[IntArray]:
-    """Edges (edge, 2, xyz) that hang together, one body's each: their numbers."""
-    start, end = owners(ends.reshape(-1, 3)).reshape(-1, 2).T
-    found = connected_components(coo_matrix((np.ones(len(start)), (start, end)), shape=(2 * len(ends),) * 2))[1]
-    return [np.flatnonzero(found[start] == line) for line in np.unique(found[start])]
+def panel_areas(body: FlexibleBody) -> FloatArray:
+    """Return the areas of the panels, shape (panel,) [m^2]."""
+    return np.asarray(np.linalg.norm(body.triangles.area, axis=1).reshape(2, -1).sum(axis=0))
 
 
 def panel_size(body: FlexibleBody) -> float:
     """Return the mean over the surface of the roots of its panels' areas [m]."""
-    areas = np.linalg.norm(body.triangles.area, axis=1).reshape(2, -1).sum(axis=0)
+    areas = panel_areas(body)
     return float((areas**1.5).sum() / areas.sum())
 
 
