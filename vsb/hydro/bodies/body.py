@@ -16,6 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from vsb.errors import ConfigError
+from vsb.hydro.bodies.closure import Gaps, check_closed, gaps, panel_edges
 from vsb.hydro.bodies.rigid import Rigid, rigid_motion
 from vsb.study.quantities import RIGID
 from vsb.tools.units import FloatArray, IntArray
@@ -26,7 +27,9 @@ SYMMETRIES = {"none": (), "xOz": ("xOz",), "yOz": ("yOz",), "xOz+yOz": ("xOz", "
 """What a body file may declare."""
 SAME = 1e-8
 """Of lengths, in lengths of the body."""
-_CLOSED = 1e-6  # of the three volumes of a closed surface, relatively
+_AT_SURFACE = 1e-6  # of a waterline, in lengths of the body: what single precision makes of z = 0
+CLOSED = 1e-2
+"""Largest relative difference of the three volumes of a surface taken for closed: what its gaps may matter."""
 _LEAST_BODY = 0.01  # [m], lengths below which capytaine's own tolerances drop panels
 _LARGEST_BODY = 1e5  # [m], beyond which no body lies
 LEAST_PANELS = 4
@@ -98,6 +101,11 @@ class FlexibleBody:
         corner, area, _ = self.triangles
         return np.asarray((corner.mean(axis=1) * area).sum(axis=0))
 
+    @cached_property
+    def gaps(self) -> Gaps:
+        """Gaps between panels whose edges run beside each other without meeting."""
+        return gaps(self.vertices, owners(self.vertices)[self.faces], -_AT_SURFACE * self.size)
+
     @property
     def volume(self) -> float:
         """Volume of displaced water [m^3]."""
@@ -112,7 +120,7 @@ class FlexibleBody:
     @cached_property
     def part(self) -> IntArray:
         """Number of the separate part each panel belongs to, in the order of their first panels, shape (panel,)."""
-        return parts(owners(self.vertices)[self.faces], len(self.vertices))
+        return parts(owners(self.vertices)[self.faces], self.gaps.beside)
 
     @cached_property
     def vertex_part(self) -> IntArray:
@@ -137,11 +145,17 @@ class FlexibleBody:
         return found
 
 
-def parts(faces: IntArray, vertices: int) -> IntArray:
-    """Return the number of the connected part each panel belongs to, in the order of first panels, shape (panel,)."""
-    start, end = faces[:, :-1].ravel(), faces[:, 1:].ravel()
-    graph = coo_matrix((np.ones(len(start)), (start, end)), shape=(vertices, vertices))
-    found = connected_components(graph, directed=False)[1][faces[:, 0]]
+def parts(faces: IntArray, beside: IntArray) -> IntArray:
+    """Return the number of the connected part each panel belongs to, in the order of first panels, shape (panel,).
+
+    Panels with a common edge are connected, and pairs of panels `beside` each other, shape (pair, 2); those that only
+    touch at a corner are not.
+    """
+    edges, panel = panel_edges(faces)
+    place = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)[1].ravel() + len(faces)
+    start, end = (np.concatenate(pair) for pair in ((panel, beside[:, 0]), (place, beside[:, 1])))
+    graph = coo_matrix((np.ones(len(start)), (start, end)), shape=(len(faces) + len(edges),) * 2)
+    found = connected_components(graph, directed=False)[1][: len(faces)]
     _, first, number = np.unique(found, return_index=True, return_inverse=True)
     return np.asarray(np.argsort(np.argsort(first))[number])
 
@@ -219,7 +233,8 @@ def _check_panels(body: FlexibleBody) -> None:
     volumes = body.volumes
     if volumes.max() <= 0:
         raise ConfigError(f"mesh: encloses {volumes.max():.4g} m^3; needs normals that point into the water: flip them")
-    if np.ptp(volumes) > _CLOSED * volumes.max():
+    check_closed(body.gaps)
+    if np.ptp(volumes) > CLOSED * volumes.max():
         raise ConfigError(
             "mesh: encloses {:.6g}, {:.6g} and {:.6g} m^3 by the normals' x, y and z; needs a surface that is closed "
             "below z = 0 with all normals into the water".format(*volumes)

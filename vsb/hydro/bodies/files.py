@@ -7,6 +7,7 @@ import contextlib
 import io
 import warnings
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -153,9 +154,21 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
             history=f"panels without area dropped: {dropped} of {dropped + len(kept)}" if dropped else "",
         )
         check_apart(body)
-        return body
+        return _with_note(body)
     except (ConfigError, IndexError) as error:
         raise ConfigError(f"{mesh}, {modes}: {error}") from None
+
+
+def _with_note(body: FlexibleBody) -> FlexibleBody:
+    """The body, its gaps noted in its history if corners do not meet within single precision."""
+    if (gap := body.gaps).width <= _FLAT * body.size:
+        return body
+    place = ", ".join(f"{x:.4g}" for x in gap.place)
+    volume = np.ptp(body.volumes) / body.volumes.max()
+    note = (
+        f"gaps between panels taken for closed: up to {gap.width:.2g} m wide at ({place}), {volume:.1e} of the volume"
+    )
+    return replace(body, history="; ".join(filter(None, (body.history, note))))
 
 
 def without_area(vertices: FloatArray, faces: IntArray) -> np.ndarray[Any, np.dtype[np.bool_]]:

@@ -64,6 +64,9 @@ FEWEST_PER_LOBE = 3.5
 """Panels in half a wavelength of a displacement below which there is doubt: fewer, and the estimate says too little."""
 CHOICE = 0.02
 """Share of a stiffness in still water above which a choice that was made for it is doubted."""
+LARGEST_GAP = 1e-3
+"""Difference of the three volumes of a surface, relatively, above which its gaps are doubted."""
+_SHUT = 1e-6  # below which there are none
 _UNFELT = 0.9  # of the first irregular frequency
 _UNRESOLVED = 2.0  # panels there, below which it fails
 _COARSEST = 4.0  # wavelengths in a panel from which on nothing is solved
@@ -251,6 +254,7 @@ _ALONE = "share of the surface without fewer panels to compare with, whose part 
 _LOBE = "panel in terms of half a wavelength of the shortest mode; beyond the limit the error may exceed its estimate"
 _LID = "change of coefficients by the lid, relative to the largest entry, where no irregular frequency is near:"
 _IRREGULAR = "; irregular frequencies begin at about {:.3g} rad/s, a lid (lid: 8) removes them"
+_OPEN = "difference of the volumes by the normals' x, y and z, of gaps between panels"
 _GAP = "share by which sealing the gap of a hinge, here full of water, would change its stiffness; waves see it sealed"
 _LINEAR = "share of a displacement's stiffness that its unknown second-order part may have; second_order states it"
 _MEANING = {
@@ -308,6 +312,9 @@ def mesh_checks(study: BodyFile, body: FlexibleBody) -> list[Check]:
     for name, share, text in (("hinge_gap", hinge_gap(body), _GAP), ("second_order", linear_share(body), _LINEAR)):
         if share is not None:  # what is modelled is a choice: a doubt, never a failure
             checks.append(Check(name, share, CHOICE, "-", "doubt" if share > CHOICE else "ok", text))
+    if (open_share := float(np.ptp(body.volumes) / body.volumes.max())) > _SHUT:
+        text = f"{_OPEN} {body.gaps.width:.3g} m wide, widest at ({', '.join(f'{x:.4g}' for x in body.gaps.place)})"
+        checks.append(check_at_most("closure", open_share, LARGEST_GAP, "-", text, doubt=True))
     heave = [i for i, (t, a) in body.rigid.items() if np.allclose([*t, *a], [0, 0, 1, 0, 0, 0], atol=1e-9)]
     if body.mass is not None and heave:
         afloat = abs(body.mass[heave[0], heave[0]] / (study.water.density * body.volume) - 1)
