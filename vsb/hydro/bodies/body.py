@@ -27,7 +27,8 @@ SYMMETRIES = {"none": (), "xOz": ("xOz",), "yOz": ("yOz",), "xOz+yOz": ("xOz", "
 """What a body file may declare."""
 SAME = 1e-8
 """Of lengths, in lengths of the body."""
-_AT_SURFACE = 1e-6  # of a waterline, in lengths of the body: what single precision makes of z = 0
+AT_SURFACE = 1e-6
+"""Of a waterline, in lengths of the body: what single precision makes of z = 0."""
 CLOSED = 1e-2
 """Largest relative difference of the three volumes of a surface taken for closed: what its gaps may matter."""
 _LEAST_BODY = 0.01  # [m], lengths below which capytaine's own tolerances drop panels
@@ -104,7 +105,7 @@ class FlexibleBody:
     @cached_property
     def gaps(self) -> Gaps:
         """Gaps between panels whose edges run beside each other without meeting."""
-        return gaps(self.vertices, owners(self.vertices)[self.faces], -_AT_SURFACE * self.size)
+        return gaps(self.vertices, owners(self.vertices)[self.faces], -AT_SURFACE * self.size)
 
     @property
     def volume(self) -> float:

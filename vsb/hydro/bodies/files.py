@@ -18,6 +18,7 @@ import xarray as xr
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.apart import check_apart
 from vsb.hydro.bodies.body import FlexibleBody, at_centres, at_vertices, check_vertices
+from vsb.hydro.bodies.clipping import FLAT, wetted, without_area
 from vsb.hydro.panels import rings as bem
 from vsb.tools.bounded import bounded_memory, bounded_time
 from vsb.tools.files import whole
@@ -32,8 +33,6 @@ MEMORY = (2**30, 200)
 """Bytes any file may take, libraries that are loaded only then among them, and a byte of it: lists of numbers."""
 SECONDS = (20.0, 2e-5)
 """Seconds any file may take to be read, and a byte of it: some readers wait for an end that was cut off."""
-_FLAT = 1e-7
-"""Height of a panel, in lengths of the body, that single precision makes of none."""
 _LARGEST = {
     "mode_shape": 1e6, "second_order": 1e6, "centre_of_mass": 1e6, "inertia_matrix": 1e30, "structural_stiffness": 1e30,
 }  # fmt: skip
@@ -131,7 +130,8 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
     The latter holds `mode_shape` (dof, vertex or panel, xyz) with names on `dof`, and optionally `inertia_matrix` and
     `structural_stiffness` (influenced_dof, radiating_dof), `centre_of_mass` (xyz), or (part, xyz) where separate parts
     do not all turn alike, and `second_order` (influenced_dof, radiating_dof, vertex, xyz), the second derivatives
-    d2x/dq_i dq_j of the corners' positions [1/m]. Panels without area are dropped, which the body's `history` records.
+    d2x/dq_i dq_j of the corners' positions [1/m]. What lies above the water is cut
+    off and panels without area are dropped, which the body's `history` records.
 
     Raises
     ------
@@ -140,10 +140,17 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
     """
     vertices, faces = read_mesh(mesh)
     labels, values, by_vertex, known = _displacements(modes, (len(vertices), len(faces)), mesh)
-    kept = np.flatnonzero(~without_area(vertices, faces))
-    dropped = len(faces) - len(kept)
+    kept, notes = np.flatnonzero(~without_area(vertices, faces)), []
+    if dropped := len(faces) - len(kept):
+        notes.append(f"panels without area dropped: {dropped} of {len(faces)}")
     faces, values = faces[kept], values if by_vertex else values[:, kept]
     try:
+        if wet := wetted(vertices, faces):
+            second = known.get("second_order")
+            known |= {} if second is None else {"second_order": wet.at_vertices(second)}
+            values = wet.at_vertices(values) if by_vertex else wet.at_panels((vertices, faces), values)
+            vertices, faces = wet.vertices, wet.faces
+            notes.append(wet.history)
         body = FlexibleBody(
             vertices,
             faces,
@@ -151,7 +158,7 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
             at_centres(vertices, faces, values) if by_vertex else values,
             values if by_vertex else at_vertices(vertices, faces, values),
             **{field: known.get(name) for field, name in _MATRICES.items()},
-            history=f"panels without area dropped: {dropped} of {dropped + len(kept)}" if dropped else "",
+            history="; ".join(filter(None, notes)),
         )
         check_apart(body)
         return _with_note(body)
@@ -161,7 +168,7 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
 
 def _with_note(body: FlexibleBody) -> FlexibleBody:
     """The body, its gaps noted in its history if corners do not meet within single precision."""
-    if (gap := body.gaps).width <= _FLAT * body.size:
+    if (gap := body.gaps).width <= FLAT * body.size:
         return body
     place = ", ".join(f"{x:.4g}" for x in gap.place)
     volume = np.ptp(body.volumes) / body.volumes.max()
@@ -169,15 +176,6 @@ def _with_note(body: FlexibleBody) -> FlexibleBody:
         f"gaps between panels taken for closed: up to {gap.width:.2g} m wide at ({place}), {volume:.1e} of the volume"
     )
     return replace(body, history="; ".join(filter(None, (body.history, note))))
-
-
-def without_area(vertices: FloatArray, faces: IntArray) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Return which panels have no area but round-off's, shape (panel,): files have them where a quadrilateral ends."""
-    corner = vertices[faces]
-    a, b, c = (corner[:, k] - corner[:, 0] for k in (1, 2, 3))
-    area = (np.linalg.norm(np.cross(a, b), axis=1) + np.linalg.norm(np.cross(b, c), axis=1)) / 2
-    longest = np.max([np.linalg.norm(corner[:, k] - corner[:, k - 1], axis=1) for k in range(4)], axis=0)
-    return np.asarray(area <= _FLAT * longest * np.linalg.norm(np.ptp(vertices, axis=0)))
 
 
 def _displacements(

@@ -367,6 +367,14 @@ def read_panels(path: str | Path, form: str) -> tuple[FloatArray, IntArray]:
     return np.asarray(mesh.vertices), np.asarray(mesh.faces)
 
 
+def immersed_panels(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return vertices and panels of the part of a mesh below z = 0, and the panel each of them is a piece of."""
+    corners = [face[: 3 if face[2] == face[3] else 4] for face in faces.tolist()]
+    number = {"parent": np.arange(len(corners))}
+    mesh = cpt.Mesh(vertices, corners, faces_metadata=number, auto_clean=False, auto_check=False).immersed_part()
+    return np.array(mesh.vertices), np.asarray(mesh.faces), np.asarray(mesh.faces_metadata["parent"])
+
+
 def panel_mesh(vertices: FloatArray, faces: IntArray, planes: tuple[str, ...] = ()) -> Any:
     """Return panels as a mesh of capytaine, mirrored in planes of symmetry; nothing is cleaned or reordered."""
     mesh: Any = cpt.Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
