@@ -19,6 +19,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.apart import check_apart
 from vsb.hydro.bodies.body import FlexibleBody, at_centres, at_vertices, check_vertices
 from vsb.hydro.bodies.clipping import FLAT, wetted, without_area
+from vsb.hydro.bodies.gdf import check_gravity, read_gdf
 from vsb.hydro.panels import rings as bem
 from vsb.tools.bounded import bounded_memory, bounded_time
 from vsb.tools.files import whole
@@ -56,6 +57,10 @@ def _one_line(path: str | Path, what: str, needed: str) -> Iterator[None]:
                 yield
     except ConfigError:
         raise
+    except ModuleNotFoundError as error:
+        raise ConfigError(
+            f"{path}: the Python package {error.name}, which reads such files, is missing; needs it, or another format"
+        ) from None
     except MemoryError:
         raise ConfigError(
             f"{path}: cannot be read as {what} (it announces more than it holds); needs {needed}"
@@ -106,6 +111,8 @@ def _panels(path: Path) -> tuple[FloatArray, IntArray]:
             if not np.array_equal(faces, whole_numbers := faces.astype(int)):
                 raise ValueError("corners of panels that are no whole numbers")
             return np.array(ds.vertices.values, dtype=float), whole_numbers
+    if suffix == ".gdf":
+        return bem.read_panels(io.StringIO(read_gdf(path).panels), "gdf")
     if suffix in PANEL_FILES or (suffix == ".dat" and _is_nemoh(path)):
         return bem.read_panels(path, PANEL_FILES.get(suffix, "mar"))
     with np.errstate(all="ignore"):  # the first bytes of an STL in plain text are taken for a huge count
@@ -119,13 +126,19 @@ def _panels(path: Path) -> tuple[FloatArray, IntArray]:
 
 
 def _is_nemoh(path: Path) -> bool:
-    """Whether a .dat is NEMOH's, which begins with two numbers, not Tecplot's, which begins with words."""
+    """Whether a .dat is NEMOH's, which begins with 2 and 0 or 1, not Tecplot's, which begins with words."""
     with path.open(encoding="utf-8", errors="replace") as file:
-        return all(word.isdigit() for word in file.readline(200).split())
+        words = file.readline(200).split()
+    if words and all(word.isdigit() for word in words) and (words[0] != "2" or words[1:2] not in ([], ["0"], ["1"])):
+        raise ConfigError(
+            f"{path}:1: received {' '.join(words)!r}, as SALOME's .dat begins; needs NEMOH's '2 0' or '2 1', "
+            "Tecplot's, or another format: write a .stl"
+        )
+    return all(word.isdigit() for word in words)
 
 
-def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
-    """Return a body from a mesh file and a netCDF file of its displacements.
+def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None) -> FlexibleBody:
+    """Return a body from a mesh file and a netCDF file of its displacements, in water of a gravity [m/s^2] if given.
 
     The latter holds `mode_shape` (dof, vertex or panel, xyz) with names on `dof`, and optionally `inertia_matrix` and
     `structural_stiffness` (influenced_dof, radiating_dof), `centre_of_mass` (xyz), or (part, xyz) where separate parts
@@ -141,6 +154,10 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
     vertices, faces = read_mesh(mesh)
     labels, values, by_vertex, known = _displacements(modes, (len(vertices), len(faces)), mesh)
     kept, notes = np.flatnonzero(~without_area(vertices, faces)), []
+    if (path := Path(mesh)).suffix.lower() == ".gdf":
+        notes.append(read_gdf(path).note)
+        if gravity:
+            check_gravity(path, gravity)
     if dropped := len(faces) - len(kept):
         notes.append(f"panels without area dropped: {dropped} of {len(faces)}")
     faces, values = faces[kept], values if by_vertex else values[:, kept]

@@ -80,9 +80,13 @@ def read_config(path: str | Path, model: type[Model]) -> Model:
 
 def run(config: str | Path, out: str | Path, tables: str | Path | None = None) -> list[Check]:
     """Solve what a body file asks for into `out` and return the verdict; `tables` keeps the Green function's table."""
-    study = read_config(config, BodyFile)
-    folder = Path(config).parent
-    return solve(study, read_body(folder / study.mesh, folder / study.modes), out, tables)
+    return solve(*read_study(config), out, tables)
+
+
+def read_study(config: str | Path) -> tuple[BodyFile, FlexibleBody]:
+    """Return a body file and the body it names, whose `history` says what was mended."""
+    study, folder = read_config(config, BodyFile), Path(config).parent
+    return study, read_body(folder / study.mesh, folder / study.modes, study.water.gravity)
 
 
 def solve(study: BodyFile, body: FlexibleBody, out: str | Path, tables: str | Path | None = None) -> list[Check]:

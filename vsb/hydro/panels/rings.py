@@ -12,7 +12,7 @@ import zlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import capytaine as cpt
 import numpy as np
@@ -358,7 +358,7 @@ def capytaine_solution(problem: AxisymmetricProblem, omegas: list[float], symmet
     return solved.sel(influenced_dof=list(dofs), radiating_dof=list(dofs)).assign_attrs(seconds=seconds)
 
 
-def read_panels(path: str | Path, form: str) -> tuple[FloatArray, IntArray]:
+def read_panels(path: str | Path | IO[str], form: str) -> tuple[FloatArray, IntArray]:
     """Return vertices and panels of a file of WAMIT, NEMOH, Hydrostar or HAMS, mirrored where the file says so.
 
     `form` is gdf, mar, hst or pnl, whatever the name of the file.
