@@ -336,6 +336,15 @@ def test_a_source_of_energy_is_refused():
         Port(np.array([1.0, 2.0]), np.array([0.1 + 0j, -0.1]), np.ones(2, dtype=complex), 1.0)
 
 
+def test_round_off_is_no_source_of_energy_where_waves_hardly_move_the_port():
+    """Its matched power is then no more than elsewhere; where waves move the port, none can be told."""
+    omega, admittance = np.array([1.0, 2.0]), np.array([1e-6 + 2e-6j, -3e-14 + 2e-6j])
+    port = Port(omega, admittance, np.array([0.5, 1e-4 + 0j]), 1.0)
+    assert 0 < port.matched_power[1] < port.matched_power[0]
+    with pytest.raises(DatabaseError, match=r"port: gives out energy at 2 rad/s, received Re Y = -3e-14"):
+        Port(omega, admittance, np.array([0.5, 0.5 + 0j]), 1.0)
+
+
 def test_a_take_off_without_a_spring_has_none():
     """At a port so soft that a newton per metre counts."""
     omega = np.array([0.5, 1.0, 2.0])

@@ -5,6 +5,7 @@ from itertools import permutations
 
 import numpy as np
 import pytest
+from hydro.bodies.test_lid import disc_and_walls
 
 from examples.barge import box
 from vsb.errors import ConfigError
@@ -50,6 +51,17 @@ def test_bodies_in_each_other_are_refused(shift, second, tmp_path):
 def test_walls_that_coincide_with_other_panels_are_refused_and_both_bodies_named():
     with pytest.raises(ConfigError, match=r"^mesh: \d+ panels of float lie inside spar or on its wall"):
         check_apart(two((3.0, 0.0, 0.0), (2.0, 1.7, 0.9)))
+
+
+def test_round_walls_of_one_radius_are_refused_whatever_edges_they_share():
+    """48 panels around a moonpool and 36 around what fills it have twelve edges in common."""
+    parts = [disc_and_walls((3.0, 5.0), around=48), disc_and_walls((0.0, 3.0), around=36)]
+    vertices, faces = joined(parts)
+    up = np.zeros((2, len(vertices), 3))
+    up[0, : len(parts[0][0]), 2] = up[1, len(parts[0][0]) :, 2] = 1.0
+    body = FlexibleBody(vertices, faces, ("ring__Heave", "spar__Heave"), at_centres(vertices, faces, up), up)
+    with pytest.raises(ConfigError, match=r"^mesh: \d+ panels of ring lie inside spar or on its wall"):
+        check_apart(body)
 
 
 def test_bodies_that_touch_at_a_corner_alone_lie_apart():

@@ -7,7 +7,7 @@ from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
 
 from examples.barge import box
 from vsb.hydro.bodies.body import joined
-from vsb.hydro.bodies.lid import first_irregular_frequency, interior_lid
+from vsb.hydro.bodies.lid import first_irregular_frequency, gap_resonance, interior_lid
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.panels import rings as bem
 from vsb.study.sections import Water
@@ -84,3 +84,13 @@ def test_irregular_frequencies_are_bounded_from_below():
     under = made(vertices, below, rigid(vertices)[2:3])
     assert first_irregular_frequency(under, 9.81) == np.inf
     assert interior_lid(under, 8) is None
+
+
+def test_a_gap_between_two_bodies_resonates():
+    """Ring of 3.3 to 5 m around a spar of 3 m: damping of heave peaks and added mass turns negative at 1.70 rad/s."""
+    vertices, faces = joined([disc_and_walls((3.3, 5.0), draught=3.0), disc_and_walls((0.0, 3.0), draught=3.0)])
+    found = gap_resonance(made(vertices, faces, rigid(vertices)[2:3]), 9.81)
+    assert found.omega == pytest.approx(1.70, rel=0.05)
+    assert found.width == pytest.approx(0.3, rel=1e-6)
+    vertices, faces = joined([disc_and_walls((6.0, 8.0), draught=3.0), disc_and_walls((0.0, 3.0), draught=3.0)])
+    assert gap_resonance(made(vertices, faces, rigid(vertices)[2:3]), 9.81) is None

@@ -33,6 +33,7 @@ CLOSED = 1e-2
 """Largest relative difference of the three volumes of a surface taken for closed: what its gaps may matter."""
 _LEAST_BODY = 0.01  # [m], lengths below which capytaine's own tolerances drop panels
 _LARGEST_BODY = 1e5  # [m], beyond which no body lies
+_BOTH_SIDES = 2  # panels of an edge
 LEAST_PANELS = 4
 """Of a separate part: panels whose corners only nearly coincide make no body."""
 
@@ -149,12 +150,14 @@ class FlexibleBody:
 def parts(faces: IntArray, beside: IntArray) -> IntArray:
     """Return the number of the connected part each panel belongs to, in the order of first panels, shape (panel,).
 
-    Panels with a common edge are connected, and pairs of panels `beside` each other, shape (pair, 2); those that only
-    touch at a corner are not.
+    Panels are connected if an edge belongs to both and to no third, or if they lie `beside` each other, shape
+    (pair, 2): where bodies touch, an edge belongs to four.
     """
     edges, panel = panel_edges(faces)
-    place = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)[1].ravel() + len(faces)
-    start, end = (np.concatenate(pair) for pair in ((panel, beside[:, 0]), (place, beside[:, 1])))
+    _, place, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    shared = count[place.ravel()] == _BOTH_SIDES
+    start, end = panel[shared], place.ravel()[shared] + len(faces)
+    start, end = (np.concatenate(pair) for pair in ((start, beside[:, 0]), (end, beside[:, 1])))
     graph = coo_matrix((np.ones(len(start)), (start, end)), shape=(len(faces) + len(edges),) * 2)
     found = connected_components(graph, directed=False)[1][: len(faces)]
     _, first, number = np.unique(found, return_index=True, return_inverse=True)

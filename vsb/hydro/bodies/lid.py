@@ -1,4 +1,6 @@
-"""Lids: panels on the water inside a body, which remove irregular frequencies.
+"""Water that resonates inside a body, in the numbers alone, or between bodies; lids on the former.
+
+A lid, panels on the water inside, removes irregular frequencies.
 
 A lid that reaches the waterline spoils what it does not mend. In the corner between wall and lid the source strength
 is singular, since the water outside keeps its free surface and the water inside none; flat panels resolve that badly
@@ -7,12 +9,18 @@ short of the waterline leaves the corner alone (2 %). The strip left open has mo
 the panels do not resolve either.
 """
 
+from itertools import combinations
+from typing import NamedTuple
+
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from vsb.hydro.bodies.body import SAME, FlexibleBody, joined, owners, panel_areas, panel_size
 from vsb.tools.units import FloatArray, IntArray
+
+_NARROW = 0.25  # width of a gap, in terms of draught and beam
 
 
 def waterlines(body: FlexibleBody) -> list[FloatArray]:
@@ -49,6 +57,36 @@ def first_irregular_frequency(body: FlexibleBody, gravity: float) -> float:
         p = np.pi * np.hypot(1 / length, 1 / beam)
         found.append(float(np.sqrt(gravity * p / np.tanh(-p * corner[:, 2].min()))))
     return min(found)
+
+
+class Resonance(NamedTuple):
+    """Water that heaves between two bodies, near enough to each other for it to move as a piston."""
+
+    omega: float  # [rad/s], about
+    width: float  # of the gap [m]
+
+
+def gap_resonance(body: FlexibleBody, gravity: float) -> Resonance | None:
+    """Return the first resonance of the narrowest gap between parts at the water's surface, None without one.
+
+    Notes
+    -----
+    As of a gap of width b between barges of width B and draught d (Molin 2001):
+    omega^2 = g/(d + (b/pi) (3/2 + ln(B/2b))). It is no irregular frequency: such water moves, in linear theory more
+    than in any sea, for nothing but radiation damps it.
+    """
+    found = []
+    corners = [body.vertices[np.unique(body.faces[body.part == p])] for p in range(int(body.part.max()) + 1)]
+    afloat = [each for each in corners if each[:, 2].max() > -SAME * body.size]
+    for one, other in combinations(afloat, 2):
+        at_surface = [each[np.abs(each[:, 2]) < SAME * body.size, :2] for each in (one, other)]
+        width = float(np.min(cKDTree(at_surface[0]).query(at_surface[1])[0]))
+        extent = np.min([np.ptp(one, axis=0), np.ptp(other, axis=0)], axis=0)
+        draught, beam = float(extent[2]), float(min(extent[:2]))
+        if 0 < width < _NARROW * min(draught, beam):
+            depth = draught + width / np.pi * (1.5 + np.log(beam / (2 * width)))
+            found.append(Resonance(float(np.sqrt(gravity / depth)), width))
+    return min(found, key=lambda each: each.width, default=None)
 
 
 def interior_lid(body: FlexibleBody, belts: int) -> tuple[FloatArray, IntArray] | None:
