@@ -60,3 +60,9 @@ def test_slivers_between_patches_are_accepted_with_their_effect_and_place(tmp_pa
     assert "up to 0.0038 m wide at (" in body.history
     met = heaving(*cylinder(36, 36))
     assert "closure" not in {check.name for check in mesh_checks(file, met)}
+
+
+def test_gaps_of_more_than_a_hundredth_of_the_volume_are_refused():
+    """12 panels around the bottom of 24: 3.4 %."""
+    with pytest.raises(ConfigError, match=r"^mesh: encloses 3.10583, 3.10583 and 3 m\^3 by the normals' x, y and z"):
+        heaving(*cylinder(24, 12))
