@@ -147,7 +147,11 @@ def body(args: argparse.Namespace) -> int:
     """Solve any mesh with any displacements into a hydro database and print its verdict; 1 if a check fails."""
     from vsb.hydro.bodies import study as bodystudy
 
-    return print_verdict(bodystudy.run(args.config, args.out), f"{args.out}: blocks and database")
+    study, read = bodystudy.read_study(args.config)
+    notes = [f"note: {note}" for note in read.history.split("; ") if note]
+    return print_verdict(
+        bodystudy.solve(study, read, args.out), "\n".join([*notes, f"{args.out}: blocks and database"])
+    )
 
 
 def print_verdict(checks: "list[Check]", files: str) -> int:

@@ -276,3 +276,12 @@ def test_port_of_a_ring_against_sea_bed_and_frame(seed, way, against):
     expected[0] *= against == "sea_bed"
     found = port_direction(ShellPort(colatitude=50, direction=way, against=against), DeformedShell(basis, 0.3, rest))
     np.testing.assert_allclose(found, expected, atol=1e-9)
+
+
+def test_round_off_is_no_source_of_energy_where_waves_hardly_move_the_port():
+    """Its matched power is then no more than elsewhere; where waves move the port, none can be told."""
+    omega, admittance = np.array([1.0, 2.0]), np.array([1e-6 + 2e-6j, -3e-14 + 2e-6j])
+    port = Port(omega, admittance, np.array([0.5, 1e-4 + 0j]), 1.0)
+    assert 0 < port.matched_power[1] < port.matched_power[0]
+    with pytest.raises(DatabaseError, match=r"port: gives out energy at 2 rad/s, received Re Y = -3e-14"):
+        Port(omega, admittance, np.array([0.5, 0.5 + 0j]), 1.0)

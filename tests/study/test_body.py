@@ -127,7 +127,7 @@ def test_body_study_is_not_a_buoy_study():
 def test_checks_that_may_be_accepted_or_repaired():
     names = [
         "error_estimate", "interpolation_error", "one_resolution", "symmetry", "far_field", "haskind", "positive_damping",
-        "panels", "modes", "corners", "rigid_names", "afloat", "irregular_frequencies", "kramers_kronig", "long_waves",
+        "panels", "modes", "corners", "rigid_names", "closure", "lid", "afloat", "irregular_frequencies", "kramers_kronig", "long_waves",
         "haskind_scale", "haskind_long_waves",
     ]  # fmt: skip
     for name in names:

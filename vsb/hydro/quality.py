@@ -29,6 +29,8 @@ _ADVICE = {
     "interpolation_error": "raise hydro.tolerance, change hydro.omega_max",
     "afloat": "correct the mass, or how deep the mesh lies",
     "rigid_names": "correct the names of the displacements",
+    "lid": "use smaller panels, or lid: 0 and frequencies below the first irregular one",
+    "closure": "close the mesh there",
     "corners": "correct the displacements: of panels and of corners they are two",
 }
 

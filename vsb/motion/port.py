@@ -22,6 +22,9 @@ from vsb.shell.orders import OrderBasis
 from vsb.study.take_off import BetweenPort, DofPort, LinePort, PortChoice, ShellPort
 from vsb.tools.units import ComplexArray, FloatArray, IntArray
 
+_ROUND_OFF = 1e-6
+"""Of |Y|: what errors of coefficients leave of Re Y where a port hardly radiates."""
+
 
 @dataclass(frozen=True)
 class Port:
@@ -52,8 +55,14 @@ class Port:
     compliance: float  # displacement under a steady force [m/N]; 0: the port cannot move, infinite: it drifts
 
     def __post_init__(self) -> None:
-        """Check that the port is passive, Re Y >= 0."""
+        """Check that the port is passive, Re Y >= 0, to round-off where waves hardly move it."""
         wrong = (self.admittance.real <= 0.0) & (self.velocity != 0.0)
+        least, sound = _ROUND_OFF * np.abs(self.admittance), self.admittance.real > 0.0
+        if wrong.any() and sound.any():
+            power = (np.abs(self.velocity[sound]) ** 2 / np.maximum(self.admittance.real, least)[sound]).max()
+            lost = wrong & (self.admittance.real > -least) & (np.abs(self.velocity) ** 2 <= power * least)
+            object.__setattr__(self, "admittance", np.where(lost, least + 1j * self.admittance.imag, self.admittance))
+            wrong &= ~lost
         if wrong.any():
             at, received = self.omega[wrong][0], self.admittance.real[wrong][0]
             raise DatabaseError(

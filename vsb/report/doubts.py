@@ -41,6 +41,8 @@ ADVICE = {
     "translation": "lower waves",
     "surge": "a mooring",
     "irregular_frequencies": "a lid, or finer panels",
+    "lid": "finer panels, or lid: 0 and frequencies below the first irregular one",
+    "closure": "a mesh without the gap",
     "afloat": "the mass, or how deep the mesh lies",
     "rigid_names": "the names of the displacements",
     "hinge_gap": "a mesh whose parts are closed at the hinge",

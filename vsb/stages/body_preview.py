@@ -34,7 +34,7 @@ def body_before_run(plan: BodyPlan) -> LinearBody:
     """
     study, files, source = plan.study, plan.files, plan.study.body
     if isinstance(source.file, BodyFile):
-        mesh = read_body(files["mesh"], files["modes"])
+        mesh = read_body(files["mesh"], files["modes"], source.file.water.gravity)
         check_solvable(source.file, mesh)
         ds = within_band(dry_database(mesh, source.file), study.hydro.omega_max)
         body = complete_body(source, study.dofs, ds)

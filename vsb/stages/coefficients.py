@@ -38,7 +38,8 @@ def run(spec: BodySpec, out: str, **files: str) -> None:
         If a file is not what it should be, or a check fails that the study does not accept.
     """
     if isinstance(spec.body.file, BodyFile):
-        found, _ = solved(spec.body.file, read_body(files["mesh"], files["modes"]), files["folder"], files["green"])
+        mesh = read_body(files["mesh"], files["modes"], spec.body.file.water.gravity)
+        found, _ = solved(spec.body.file, mesh, files["folder"], files["green"])
     else:
         found = read_source(spec.body.kind, files[spec.body.kind], spec.water, spec.body.length)
     check_water(spec.water, found)

@@ -27,6 +27,7 @@ from vsb.stages.planning import plan_of
 from vsb.stages.stage import STAGES
 from vsb.study.body_plan import AnyPlan, BodyPlan
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.jobs import jobs
 from vsb.study.reading import read_yaml
 from vsb.study.schema import nearest
 from vsb.tools import completion
@@ -142,7 +143,7 @@ def unmade(plan: Plan) -> list[str]:
     """Return the files a study shares with others and a run of it will make; members of a campaign make theirs."""
     if isinstance(plan, CampaignPlan):
         return []
-    made = [path for job in make.due(make.jobs(plan), plan.products) for path in job.makes]
+    made = [path for job in make.due(jobs(plan), plan.products) for path in job.makes]
     return [path for path in made if plan.is_shared(path) and not Path(path).exists()]
 
 

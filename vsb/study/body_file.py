@@ -9,7 +9,7 @@ from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS
 from vsb.study.quantities import Count, Name, Number, Section
 from vsb.study.sections import Water
 
-PHYSICS = 3
+PHYSICS = 4
 """Hand-bumped version of the physics behind a block."""
 Frequency = Annotated[Number, Field(ge=1e-3, le=1e3)]
 """Frequencies of gravity waves on Earth, tsunamis and ripples among them [rad/s]."""
@@ -19,8 +19,9 @@ Direction = Annotated[Number, Field(ge=-360, le=360)]
 class BodyFile(Section):
     """A body file: mesh, modes, water, frequencies [rad/s], wave directions [degrees], symmetry and lid.
 
-    Paths count from the folder of the file. Symmetry `auto` is what the panels have. `lid` is the number of belts of
-    panels on the water inside; without it (0) coefficients at irregular frequencies break the verdict's identities.
+    Paths count from the folder of the file. Symmetry `auto` is what the panels have. `lid` is the largest number
+    of panels on the water inside between the middle and the waterline; without it (0) coefficients at irregular
+    frequencies are wrong. Below them there is none.
     With a `tolerance` [-] of interpolation only as many of the frequencies are solved as it asks for, without all.
     """
 

@@ -80,7 +80,7 @@ class Rule:
         return list(self.job(wildcards).needs)
 
     def options(self, wildcards: Any, output: Any) -> str:
-        """Return the options of a job's command; for its argument `output` Snakemake does not compare them between runs.
+        """Return the options of a job's command, which Snakemake does not compare between runs, for `output` is asked.
 
         Studies that share meshes record them in manifests of their own.
         """

@@ -314,7 +314,11 @@ KEYS: dict[str, dict[str, Key]] = {
         "omega": Key("rad/s", "[0.5, 1.0, 1.5]", "frequencies of the database"),
         "wave_direction": Key("degrees", "[0.0, 45.0]", "directions the waves go to, from the x axis"),
         "symmetry": Key("", "xOz+yOz", "planes of symmetry used; auto finds them"),
-        "lid": Key("-", "8", "belts of panels on the water inside, against irregular frequencies; 0 is none"),
+        "lid": Key(
+            "-",
+            "8",
+            "panels of a lid from the middle to the waterline, at most; it removes irregular frequencies; 0 is none",
+        ),
         "tolerance": Key(
             "-", "0.01", "error of interpolation between as few frequencies solved as it needs; without it all are"
         ),

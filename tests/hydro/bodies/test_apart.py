@@ -2,16 +2,16 @@
 
 import re
 from itertools import permutations
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hydro.bodies.test_lid import disc_and_walls
 
 from examples.barge import box
 from vsb.errors import ConfigError
 from vsb.hydro.bodies import apart
 from vsb.hydro.bodies import body as bodies
-from vsb.hydro.bodies.apart import _closed, check_apart
+from vsb.hydro.bodies.apart import check_apart
 from vsb.hydro.bodies.body import FlexibleBody, at_centres, joined
 from vsb.hydro.bodies.files import read_body, write_body
 
@@ -42,10 +42,30 @@ def test_bodies_in_each_other_are_refused(shift, second, tmp_path):
     """Beside, one whole inside the other, and by a tenth of a metre at one end."""
     write_body(two(shift, second), tmp_path / "two.nc")
     with pytest.raises(
-        ConfigError, match=r"two.nc, .*two.nc: mesh: \d+ panels? of one part lie inside another"
+        ConfigError, match=r"two.nc, .*two.nc: mesh: \d+ panels? of spar lie inside float|of float lie inside spar"
     ) as error:
         read_body(tmp_path / "two.nc", tmp_path / "two.nc")
     assert "\n" not in str(error.value)
+
+
+def test_walls_that_coincide_with_other_panels_are_refused_and_both_bodies_named():
+    with pytest.raises(ConfigError, match=r"^mesh: \d+ panels of float lie inside spar or on its wall"):
+        check_apart(two((3.0, 0.0, 0.0), (2.0, 1.7, 0.9)))
+
+
+def test_round_walls_of_one_radius_are_refused_whatever_edges_they_share():
+    """48 panels around a moonpool and 36 around what fills it have twelve edges in common."""
+    parts = [disc_and_walls((3.0, 5.0), around=48), disc_and_walls((0.0, 3.0), around=36)]
+    vertices, faces = joined(parts)
+    up = np.zeros((2, len(vertices), 3))
+    up[0, : len(parts[0][0]), 2] = up[1, len(parts[0][0]) :, 2] = 1.0
+    body = FlexibleBody(vertices, faces, ("ring__Heave", "spar__Heave"), at_centres(vertices, faces, up), up)
+    with pytest.raises(ConfigError, match=r"^mesh: \d+ panels of ring lie inside spar or on its wall"):
+        check_apart(body)
+
+
+def test_bodies_that_touch_at_a_corner_alone_lie_apart():
+    check_apart(two((4.0, 3.0, 0.0)))
 
 
 def test_bodies_that_share_a_side_are_refused():
@@ -58,23 +78,6 @@ def test_one_body_is_no_pair():
     up = np.zeros((1, len(vertices), 3))
     up[0, :, 2] = 1.0
     check_apart(FlexibleBody(vertices, panels, ("Heave",), at_centres(vertices, panels, up), up))
-
-
-def test_panels_whose_corners_do_not_meet_are_no_parts():
-    """Every panel with corners of its own, a tenth of a millimetre off: one body, not as many as panels."""
-    vertices, panels = box(4.0, 3.0, 1.0, 2)
-    middle = vertices[panels].mean(axis=1, keepdims=True)
-    loose = (middle + (vertices[panels] - middle) * (1 - 1e-6)).reshape(-1, 3)
-    faces = np.arange(len(loose)).reshape(-1, 4)
-    up = np.zeros((1, len(loose), 3))
-    up[0, :, 2] = 1.0
-    loose[:, 2] = np.minimum(loose[:, 2], 0.0)
-    body = SimpleNamespace(vertices=loose, faces=faces, centres=middle[:, 0], triangles=None)
-    whole = FlexibleBody(
-        vertices, panels, ("Heave",), at_centres(vertices, panels, up[:, : len(vertices)]), up[:, : len(vertices)]
-    )
-    body.triangles = whole.triangles._replace(corner=loose[np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])])
-    check_apart(body)
 
 
 def test_the_first_panel_that_lies_inside_is_where_it_is_said_to_be():
@@ -98,32 +101,6 @@ def test_points_inside_are_told_in_their_order_however_many_are_seen_at_a_time(m
     assert found == pytest.approx([1.0, 0.0, 1.0, 0.0], abs=1e-12)
 
 
-@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
-def test_what_encloses_a_volume_knows_no_units(scale):
-    """Closed below water; a box without its bottom, whichever way it is turned, encloses none."""
-    vertices, panels = box(4.0, 3.0, 1.0, 1)
-    low = np.isclose(vertices[panels][..., 2], vertices[:, 2].min()).all(axis=1)
-    assert 0 < low.sum() < len(panels)
-    for kept, closed in ((panels, [0]), (panels[~low], []), (panels[:, ::-1], [])):
-        corner = scale * vertices[np.concatenate([kept[:, [0, 1, 2]], kept[:, [0, 2, 3]]])]
-        area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
-        body = SimpleNamespace(triangles=(corner, area, None))
-        assert _closed(body, np.zeros(len(kept), dtype=int)) == closed
-
-
-def test_a_small_open_part_is_none_beside_a_large_closed_one():
-    """What is round-off is told by the part's own volume."""
-    vertices, panels = box(4.0, 3.0, 1.0, 1)
-    low = np.isclose(vertices[panels][..., 2], vertices[:, 2].min()).all(axis=1)
-    parts = [(1e-3, panels[~low]), (1.0, panels), (1e-3, panels), (1.0, panels[~low])]
-    corner = np.concatenate(
-        [scale * vertices[kept[:, half]] for half in ([0, 1, 2], [0, 2, 3]) for scale, kept in parts]
-    )
-    area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
-    number = np.repeat(np.arange(4), [len(kept) for _, kept in parts])
-    assert _closed(SimpleNamespace(triangles=(corner, area, None)), number) == [1, 2]
-
-
 def test_the_panel_that_is_there_twice_is_the_first_of_the_side_they_share():
     body = two((4.0, 0.0, 0.0))
     shared = np.flatnonzero(np.isclose(body.centres[:, 0], 2.0))
@@ -144,9 +121,13 @@ def test_the_panel_that_is_there_twice_is_the_first_of_the_side_they_share():
 def test_panels_inside_are_counted():
     """One whole inside the other, and one of which an end is."""
     inner = box(1.0, 0.8, 0.5, 1)[1]
-    with pytest.raises(ConfigError, match=rf"^mesh: {len(inner)} panels of one part lie inside another, the first at"):
+    with pytest.raises(
+        ConfigError, match=rf"^mesh: {len(inner)} panels of \w+ lie inside \w+ or on its wall, the first at"
+    ):
         check_apart(two((0.2, 0.1, 0.0), (1.0, 0.8, 0.5)))
-    with pytest.raises(ConfigError, match=rf"^mesh: {len(inner)} panels of one part lie inside another, the first at"):
+    with pytest.raises(
+        ConfigError, match=rf"^mesh: {len(inner)} panels of \w+ lie inside \w+ or on its wall, the first at"
+    ):
         check_apart(_swapped(two((0.2, 0.1, 0.0), (1.0, 0.8, 0.5))))
 
 
@@ -169,5 +150,7 @@ def test_any_two_of_three_bodies_may_lie_in_each_other(order):
     up = np.zeros((1, len(vertices), 3))
     up[0, :, 2] = 1.0
     body = FlexibleBody(vertices, panels, ("Heave",), at_centres(vertices, panels, up), up)
-    with pytest.raises(ConfigError, match=r"^mesh: \d+ panels of one part lie inside another, the first at"):
+    with pytest.raises(
+        ConfigError, match=r"^mesh: \d+ panels of part \d lie inside part \d or on its wall, the first at"
+    ):
         check_apart(body)

@@ -1,5 +1,6 @@
 """Mesh and modes files from anywhere: read, or refused in one line."""
 
+import importlib.util
 import random
 import re
 import struct
@@ -363,7 +364,7 @@ def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, kind, monkeypat
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
-        ("a.gdf", "gdf"), ("a.PNL", "pnl"), ("a.hst", "hst"), ("a.mar", "mar"), ("a.Nemoh", "mar"), ("a.hams", "pnl"),
+        ("a.PNL", "pnl"), ("a.hst", "hst"), ("a.mar", "mar"), ("a.Nemoh", "mar"), ("a.hams", "pnl"),
         ("a.dat", "mar"), ("a.DAT", "mar"),
     ],
 )  # fmt: skip
@@ -457,3 +458,40 @@ def test_the_longest_side_counts_wherever_it_stands_among_the_corners(share):
     corners = [(0, 0, 0), (1 / 3, height, 0), (2 / 3, height, 0), (1, 0, 0), (0, 0, 1)]
     ways = [np.roll(order, k) for order in ((0, 1, 2, 3), (3, 2, 1, 0)) for k in range(4)]
     assert files.without_area(np.array(corners), np.array(ways)).tolist() == [share < 1] * 8
+
+
+def gdf(gravity=9.81, behind=""):
+    """A box of five panels, as WAMIT writes it."""
+    vertices, faces = barge.box(4.0, 2.0, 1.0, 1)
+    rows = [" ".join(map(repr, point)) for point in vertices[faces].reshape(-1, 3).tolist()]
+    return "\n".join(["box", f"1.0 {gravity}", "0 0", str(len(faces)), *rows]) + behind
+
+
+def test_what_stands_behind_the_panels_of_a_gdf_is_ignored_with_a_note(tmp_path):
+    (tmp_path / "plain.gdf").write_text(gdf())
+    (tmp_path / "trail.gdf").write_text(gdf(behind="\n0\nend of file\n"))
+    plain, trail = (files.read_mesh(tmp_path / f"{name}.gdf") for name in ("plain", "trail"))
+    assert all(one.tolist() == other.tolist() for one, other in zip(plain, trail, strict=True))
+    modes = xr.Dataset(
+        {"mode_shape": (("dof", "vertex", "xyz"), np.ones((1, len(plain[0]), 3)))}, coords={"dof": ["Drift"]}
+    )
+    modes.to_netcdf(tmp_path / "modes.nc")
+    assert files.read_body(tmp_path / "trail.gdf", tmp_path / "modes.nc", 9.81).history == (
+        "2 lines behind the panels of the GDF ignored"
+    )
+    (tmp_path / "feet.gdf").write_text(gdf(32.174))
+    with pytest.raises(ConfigError, match=r"feet.gdf:2: GRAV: received 32.174, which is in feet; needs water.gravity"):
+        files.read_body(tmp_path / "feet.gdf", tmp_path / "modes.nc", 9.81)
+    (tmp_path / "short.gdf").write_text(gdf().rpartition("\n")[0])
+    with pytest.raises(ConfigError, match=r"short.gdf: cannot be read as a mesh \(NPAN is \d+, but \d+ panels follow"):
+        files.read_mesh(tmp_path / "short.gdf")
+
+
+def test_files_of_salome_are_refused_in_words(tmp_path):
+    (tmp_path / "a.dat").write_text("8 17\n1 0.0 0.0 0.0\n")
+    with pytest.raises(ConfigError, match=r"a.dat:1: received '8 17', as SALOME's .dat begins; needs NEMOH's"):
+        files.read_mesh(tmp_path / "a.dat")
+    (tmp_path / "a.med").write_bytes(b"\x89HDF")
+    if importlib.util.find_spec("h5py") is None:
+        with pytest.raises(ConfigError, match=r"a.med: the Python package h5py, which reads such files, is missing"):
+            files.read_mesh(tmp_path / "a.med")

@@ -10,6 +10,7 @@ from vsb.hydro import dofs
 from vsb.hydro.bodies import body as bodies
 from vsb.hydro.bodies import solver as bodysolver
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.hydro.bodies.lid import interior_lid
 from vsb.hydro.bodies.solver import BodyProblem, SymmetricPanels, unit_wave, unit_wave_slope
 from vsb.hydro.bodies.study import identities
 from vsb.hydro.panels import rings as bem
@@ -80,7 +81,7 @@ def test_symmetry_changes_nothing_but_the_work(green, box, belts, monkeypatch):
     # capytaine takes the distance to a panel's first corner for its size, and a mirrored skew panel begins elsewhere
     size = property(lambda self: np.linalg.norm(self.vertices[self.faces] - self.faces_centers[:, None], axis=2).max(1))
     monkeypatch.setattr(cpt.Mesh, "faces_radiuses", size)
-    lid = bodies.interior_lid(box, belts) if belts else None
+    lid = interior_lid(box, belts) if belts else None
     directions = np.array([0.0, 0.7])
     whole = BodyProblem(green, box, SEA, "none", lid)
     solved, limit = whole.solve(1.2, directions), whole.at_infinity()
@@ -126,7 +127,7 @@ def test_deformed_spheres_converge_to_the_spectral_solution_at_second_order(gree
     errors = []
     for n in rows:
         body = revolved_body(shell, n, degrees, 4 * int(np.ceil(n / 2)))
-        problem = BodyProblem(green, body, UNIT, "xOz+yOz", bodies.interior_lid(body, 4))
+        problem = BodyProblem(green, body, UNIT, "xOz+yOz", interior_lid(body, 4))
         ours = problem.solve(omega, np.zeros(1))
         names = ("added_mass", "radiation_damping", "excitation_force")
         pairs = [(with_sum(ours)[name].values, with_sum(exact)[name].values) for name in names]
@@ -171,7 +172,7 @@ def test_the_lid_removes_the_irregular_frequency_that_breaks_the_identities(gree
     omega = np.sqrt(2.57)  # the lowest of the hemisphere: Ka = 2.557
     found = {}
     for belts in (0, 5):
-        lid = bodies.interior_lid(body, belts) if belts else None
+        lid = interior_lid(body, belts) if belts else None
         problem = BodyProblem(green, body, UNIT, "xOz+yOz", lid)
         found[belts] = max(identities(problem.solve(omega, np.zeros(1)), problem).values())
     assert found[0] > 0.1
@@ -261,7 +262,7 @@ def test_shapes_of_a_submerged_sphere_move_the_water_of_an_unbounded_sea(green):
 
 
 def test_fewer_panels_are_mirrored_in_all_planes_whichever_are_made_use_of(box):
-    lid = bodies.interior_lid(box, 2)
+    lid = interior_lid(box, 2)
     (one, share), (other, same) = (BodyProblem(None, box, SEA, name, lid).coarser() for name in ("none", "xOz+yOz"))
     assert share == same
     assert one.body.faces.tolist() == other.body.faces.tolist()
@@ -273,7 +274,7 @@ def test_fewer_panels_are_mirrored_in_all_planes_whichever_are_made_use_of(box):
 
 def test_a_lid_changes_nothing_at_infinite_frequency(green, box):
     """There the potential vanishes at the surface."""
-    lid = bodies.interior_lid(box, 2)
+    lid = interior_lid(box, 2)
     one, other = (BodyProblem(green, box, SEA, "xOz+yOz", given).at_infinity() for given in (None, lid))
     assert one.identical(other)
 
@@ -283,7 +284,7 @@ def test_forces_are_of_what_each_motion_and_each_wave_that_is_turned_away_set_up
     """Of potentials linear in velocities, the same whatever they are of: the lid is at rest, and feels no force."""
     rng, asked, directions, omega = np.random.default_rng(3), [], np.array([0.3, -1.1]), 1.4
     water = SEA.model_copy(update={"depth": 5.0})
-    problem = BodyProblem(None, box, water, "none", bodies.interior_lid(box, belts) if belts else None)
+    problem = BodyProblem(None, box, water, "none", interior_lid(box, belts) if belts else None)
     mesh, n, k = problem._panels.whole, len(box.faces), wavenumber(omega, 5.0, SEA.gravity)
     count = len(mesh.faces_areas)
     assert (count > n) == bool(belts)

@@ -107,7 +107,8 @@ def test_what_one_frequency_is_solved_from(body, monkeypatch):
     given = {"body": "box", "mesh": "-", "modes": "-", "omega": (1.0,), "wave_direction": (0.0,), "lid": 1}
 
     def ids(body=body, **changes):
-        return [content_id(bodystudy._spec(BodyFile(**given | changes), body, omega)) for omega in (np.inf, 1.0)]
+        file = BodyFile(**given | changes)
+        return [content_id(bodystudy._spec(file, body, omega, file.lid)) for omega in (np.inf, 1.0)]
 
     before = ids()
     assert ids(symmetry="none", tolerance=0.01, omega=(1.0, 2.0), body=body) == before
@@ -581,7 +582,7 @@ def test_blocks_are_solved_with_the_lid_and_symmetry_asked_for(tmp_path, body, m
         raise InterruptedError
 
     monkeypatch.setattr(bodystudy, "Blocks", blocks_of)
-    given = {"body": "b", "mesh": "b.nc", "modes": "b.nc", "omega": [1.0], "wave_direction": [0.0]}
+    given = {"body": "b", "mesh": "b.nc", "modes": "b.nc", "omega": [3.0], "wave_direction": [0.0]}
     file = BodyFile(**given, lid=lid, symmetry=symmetry)
     with pytest.raises(InterruptedError):
         bodystudy.solved(file, body, tmp_path, "tables")
@@ -715,11 +716,11 @@ def test_blocks_are_of_the_body_its_water_its_symmetry_and_its_lid(tmp_path, bod
         found = blocks(omega)
         assert [float(ds.added_mass.values.flat[0]) for ds in found] == [1.0, 2.0, 3.0]
     assert blocks(1.0) is found
-    again = bodystudy.Blocks(file, body, "none", None, tmp_path / "blocks", "green")
+    again = bodystudy.Blocks(file, body, "none", lid, tmp_path / "blocks", "green")
     assert [float(ds.added_mass.values.flat[0]) for ds in again(1.5)] == [1.0, 2.0, 3.0]
     assert [each[-1] for each in solved] == [1.0, 1.5]
     names = {path.stem for path in (tmp_path / "blocks").glob("*.nc")}
-    assert names == {content_id(bodystudy._spec(file, body, omega)) for omega in (1.0, 1.5)}
+    assert names == {content_id(bodystudy._spec(file, body, omega, 2)) for omega in (1.0, 1.5)}
     problem, fewer, share, _ = solved[0]
     assert (problem.green, problem.water, problem.symmetry) == ("table in green", file.water, "xOz")
     assert problem.body is body

@@ -8,8 +8,8 @@ from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
 from examples import barge
 from vsb.errors import DatabaseError
 from vsb.hydro import dofs
-from vsb.hydro.bodies import body as bodies
 from vsb.hydro.bodies import sweep as bodysweep
+from vsb.hydro.bodies.lid import interior_lid
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.bodies.study import _block
 from vsb.hydro.bodies.sweep import Block, Measure, _in_units, error_estimate, least_sizes, sizes, swept
@@ -66,7 +66,7 @@ def test_the_estimate_bounds_the_error_of_spheres_and_spheroids_and_goes_with_it
     found = []
     for n in rows:
         body = revolved_body(shell, n, degrees, 4 * int(np.ceil(n / 2)))
-        problem = BodyProblem(green, body, UNIT, "xOz+yOz", bodies.interior_lid(body, 6))
+        problem = BodyProblem(green, body, UNIT, "xOz+yOz", interior_lid(body, 6))
         found.append(estimated_and_true(problem, reference, np.sqrt(KA)))
     estimate, true = np.array(found).T
     assert np.all((estimate > true) & (estimate < 8 * true)), found
@@ -82,7 +82,7 @@ def test_the_estimate_bounds_the_error_of_surge_on_triangles(green):
         x = sphere.vertices[cut]
         faces = cut[np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1) > 1e-9]
         body = made(sphere.vertices, faces, rigid(sphere.vertices)[:1], ("Surge",))
-        problem = BodyProblem(green, body, UNIT, "none", bodies.interior_lid(body, 4))
+        problem = BodyProblem(green, body, UNIT, "none", interior_lid(body, 4))
         estimate, true = estimated_and_true(problem, reference, np.sqrt(KA))
         assert true < estimate < 8 * true, (rows, estimate, true)
 
@@ -168,7 +168,7 @@ def test_yaw_of_a_round_body_moves_no_water_and_spoils_nothing(green, labels):
     faces = cut[np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1) > 1e-9]
     motions = dict(zip(("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"), rigid(sphere.vertices), strict=True))
     body = made(sphere.vertices, faces, np.array([motions[label] for label in labels]), labels)
-    problem = BodyProblem(green, body, UNIT, "none", bodies.interior_lid(body, 4))
+    problem = BodyProblem(green, body, UNIT, "none", interior_lid(body, 4))
     solved, infinite, size = [block(problem, w) for w in (0.5, 1.5)], block(problem, np.inf), size_of(problem)
     assert error_estimate(solved, infinite, size) < 0.5
     assert max(negative_damping(each.own, np.outer(size, size)) for each in solved) < 0.01

@@ -5,21 +5,22 @@ from itertools import permutations
 import numpy as np
 
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, owners, parts
-from vsb.tools.units import BoolArray, FloatArray, IntArray
+from vsb.hydro.bodies.body import FlexibleBody, owners
+from vsb.study.quantities import body_of
+from vsb.tools.units import BoolArray, FloatArray
 
 _INSIDE = 0.5  # of a full solid angle
-_CLOSED = 1e-6  # of the three volumes of a closed part, relatively
+_BEFORE = 1e-3  # of the size of a panel: how far before it there must be water
 _MANY = 2**22  # solid angles at a time
 
 
 def check_apart(body: FlexibleBody) -> None:
-    """Check that the closed parts of a mesh lie outside each other and share no panel.
+    """Check that the separate parts of a mesh lie outside each other and share no panel.
 
     Raises
     ------
     ConfigError
-        If two of them overlap, or a panel is there twice.
+        If two of them overlap or touch, or a panel is there twice.
     """
     owner = owners(body.vertices)
     corners = np.sort(owner[body.faces], axis=1)
@@ -27,24 +28,23 @@ def check_apart(body: FlexibleBody) -> None:
     if (twice := first[count > 1]).size:
         at = ", ".join(f"{x:.4g}" for x in body.centres[twice[0]])
         raise ConfigError(f"mesh: panel {twice[0]} at ({at}) is there twice; needs bodies apart, water between them")
-    part = parts(owner[body.faces], len(owner))
-    for one, other in permutations(_closed(body, part), 2):
-        inside = _winding(body, part == other, body.centres[part == one]) > _INSIDE
+    part, normal = body.part, body.triangles.area.reshape(2, -1, 3).sum(axis=0)
+    before = body.centres + _BEFORE * normal / np.sqrt(np.linalg.norm(normal, axis=1, keepdims=True))
+    for one, other in permutations(range(int(part.max()) + 1), 2):
+        inside = _winding(body, part == other, before[part == one]) > _INSIDE
         if inside.any():
             at = ", ".join(f"{x:.4g}" for x in body.centres[part == one][inside][0])
             raise ConfigError(
-                f"mesh: {np.count_nonzero(inside)} panels of one part lie inside another, the first at ({at}); needs "
-                "bodies apart, water between them"
+                f"mesh: {np.count_nonzero(inside)} panels of {_name(body, one)} lie inside {_name(body, other)} or on "
+                f"its wall, the first at ({at}); needs bodies apart, water between them"
             )
 
 
-def _closed(body: FlexibleBody, part: IntArray) -> list[int]:
-    """Parts that enclose a volume by themselves: corners that do not meet, of single precision, leave none."""
-    corner, area, _ = body.triangles
-    volumes = np.zeros((int(part.max()) + 1, 3))
-    np.add.at(volumes, np.concatenate([part, part]), corner.mean(axis=1) * area)
-    largest = volumes.max(axis=1)
-    return np.flatnonzero((largest > 0) & (np.ptp(volumes, axis=1) <= _CLOSED * largest)).tolist()
+def _name(body: FlexibleBody, part: int) -> str:
+    """The body a part is, if labels such as `float__Heave` say so of what moves it alone."""
+    here, there = (np.abs(body.modes[:, mine]).max(axis=(1, 2)) for mine in (body.part == part, body.part != part))
+    names = [body_of(label) for label, own, rest in zip(body.labels, here, there, strict=True) if own > 0 == rest]
+    return next(filter(None, names), f"part {part + 1}")
 
 
 def _winding(body: FlexibleBody, chosen: BoolArray, points: FloatArray) -> FloatArray:

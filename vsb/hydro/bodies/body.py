@@ -16,6 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from vsb.errors import ConfigError
+from vsb.hydro.bodies.closure import Gaps, check_closed, gaps, panel_edges
 from vsb.hydro.bodies.rigid import Rigid, rigid_motion
 from vsb.study.quantities import RIGID
 from vsb.tools.units import FloatArray, IntArray
@@ -24,10 +25,15 @@ PLANES = {"xOz": 1, "yOz": 0}
 """Planes of symmetry and the coordinate each of them changes the sign of."""
 SYMMETRIES = {"none": (), "xOz": ("xOz",), "yOz": ("yOz",), "xOz+yOz": ("xOz", "yOz")}
 """What a body file may declare."""
-_SAME = 1e-8  # of lengths, in lengths of the body
-_CLOSED = 1e-6  # of the three volumes of a closed surface, relatively
+SAME = 1e-8
+"""Of lengths, in lengths of the body."""
+AT_SURFACE = 1e-6
+"""Of a waterline, in lengths of the body: what single precision makes of z = 0."""
+CLOSED = 1e-2
+"""Largest relative difference of the three volumes of a surface taken for closed: what its gaps may matter."""
 _LEAST_BODY = 0.01  # [m], lengths below which capytaine's own tolerances drop panels
 _LARGEST_BODY = 1e5  # [m], beyond which no body lies
+_BOTH_SIDES = 2  # panels of an edge
 LEAST_PANELS = 4
 """Of a separate part: panels whose corners only nearly coincide make no body."""
 
@@ -97,6 +103,11 @@ class FlexibleBody:
         corner, area, _ = self.triangles
         return np.asarray((corner.mean(axis=1) * area).sum(axis=0))
 
+    @cached_property
+    def gaps(self) -> Gaps:
+        """Gaps between panels whose edges run beside each other without meeting."""
+        return gaps(self.vertices, owners(self.vertices)[self.faces], -AT_SURFACE * self.size)
+
     @property
     def volume(self) -> float:
         """Volume of displaced water [m^3]."""
@@ -111,7 +122,7 @@ class FlexibleBody:
     @cached_property
     def part(self) -> IntArray:
         """Number of the separate part each panel belongs to, in the order of their first panels, shape (panel,)."""
-        return parts(owners(self.vertices)[self.faces], len(self.vertices))
+        return parts(owners(self.vertices)[self.faces], self.gaps.beside)
 
     @cached_property
     def vertex_part(self) -> IntArray:
@@ -136,11 +147,19 @@ class FlexibleBody:
         return found
 
 
-def parts(faces: IntArray, vertices: int) -> IntArray:
-    """Return the number of the connected part each panel belongs to, in the order of first panels, shape (panel,)."""
-    start, end = faces[:, :-1].ravel(), faces[:, 1:].ravel()
-    graph = coo_matrix((np.ones(len(start)), (start, end)), shape=(vertices, vertices))
-    found = connected_components(graph, directed=False)[1][faces[:, 0]]
+def parts(faces: IntArray, beside: IntArray) -> IntArray:
+    """Return the number of the connected part each panel belongs to, in the order of first panels, shape (panel,).
+
+    Panels are connected if an edge belongs to both and to no third, or if they lie `beside` each other, shape
+    (pair, 2): where bodies touch, an edge belongs to four.
+    """
+    edges, panel = panel_edges(faces)
+    _, place, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    shared = count[place.ravel()] == _BOTH_SIDES
+    start, end = panel[shared], place.ravel()[shared] + len(faces)
+    start, end = (np.concatenate(pair) for pair in ((start, beside[:, 0]), (end, beside[:, 1])))
+    graph = coo_matrix((np.ones(len(start)), (start, end)), shape=(len(faces) + len(edges),) * 2)
+    found = connected_components(graph, directed=False)[1][: len(faces)]
     _, first, number = np.unique(found, return_index=True, return_inverse=True)
     return np.asarray(np.argsort(np.argsort(first))[number])
 
@@ -188,7 +207,7 @@ def at_vertices(vertices: FloatArray, faces: IntArray, values: FloatArray) -> Fl
 def owners(vertices: FloatArray) -> IntArray:
     """Return the first of the vertices that coincide with each, shape (vertex,)."""
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    same = cKDTree(vertices).query_pairs(_SAME * size, output_type="ndarray")
+    same = cKDTree(vertices).query_pairs(SAME * size, output_type="ndarray")
     owner = np.arange(len(vertices))
     np.minimum.at(owner, same[:, 1], same[:, 0])
     return owner
@@ -211,14 +230,15 @@ def _check_panels(body: FlexibleBody) -> None:
     if body.size < _LEAST_BODY:
         raise ConfigError(f"mesh: body of {body.size:.3g} m; needs at least {_LEAST_BODY:g} m: is it in metres?")
     used = x[np.unique(faces)]
-    if used[:, 2].max() > _SAME * body.size:
+    if used[:, 2].max() > SAME * body.size:
         raise ConfigError(f"mesh: reaches z = {used[:, 2].max():.4g} m; needs z <= 0: clip it at the water's surface")
-    if (x[faces][:, :, 2] > -_SAME * body.size).all(axis=1).any():
+    if (x[faces][:, :, 2] > -SAME * body.size).all(axis=1).any():
         raise ConfigError("mesh: has panels in the water's surface; needs the wetted surface alone, no lid")
     volumes = body.volumes
     if volumes.max() <= 0:
         raise ConfigError(f"mesh: encloses {volumes.max():.4g} m^3; needs normals that point into the water: flip them")
-    if np.ptp(volumes) > _CLOSED * volumes.max():
+    check_closed(body.gaps)
+    if np.ptp(volumes) > CLOSED * volumes.max():
         raise ConfigError(
             "mesh: encloses {:.6g}, {:.6g} and {:.6g} m^3 by the normals' x, y and z; needs a surface that is closed "
             "below z = 0 with all normals into the water".format(*volumes)
@@ -289,7 +309,7 @@ def check_symmetry(body: FlexibleBody, declared: str) -> None:
 
 def _is_mirrored(body: FlexibleBody, plane: str) -> bool:
     """Whether every panel has a mirror image other than itself among the panels, corner for corner."""
-    axis, tolerance = PLANES[plane], _SAME * body.size
+    axis, tolerance = PLANES[plane], SAME * body.size
     sign = np.where(np.arange(3) == axis, -1.0, 1.0)
     across = np.ptp(np.sign(np.where(np.abs(body.vertices) < tolerance, 0, body.vertices))[body.faces, axis], axis=1)
     distance, image = cKDTree(body.centres).query(body.centres * sign)
@@ -300,45 +320,14 @@ def _is_mirrored(body: FlexibleBody, plane: str) -> bool:
     return bool(gaps.max() < tolerance and np.abs(body.centres[:, axis]).min() > tolerance)
 
 
-def interior_lid(body: FlexibleBody, rings: int) -> tuple[FloatArray, IntArray]:
-    """Return vertices and panels, normals down, of a lid of `rings` belts between each waterline and its centre.
-
-    Raises
-    ------
-    ConfigError
-        If there is no waterline, or its edges are not all seen from its centre.
-    """
-    edges = np.concatenate([body.faces[:, [i, (i + 1) % 4]] for i in range(4)])
-    ends = body.vertices[edges]
-    at_surface = (np.abs(ends[:, :, 2]) < _SAME * body.size).all(axis=1)
-    ends = ends[at_surface & (np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) > _SAME * body.size)]
-    if len(ends) == 0:
-        raise ConfigError("lid: the body does not cross the water's surface; needs lid: 0")
-    ends[:, :, 2] = 0.0
-    centre = np.empty((len(ends), 3))
-    for line in _waterlines(ends):
-        centre[line] = (ends[line].max(axis=(0, 1)) + ends[line].min(axis=(0, 1))) / 2
-    inside = np.cross(ends[:, 0] - centre, ends[:, 1] - centre)[:, 2] / 2
-    waterplane = -float(body.triangles.area[:, 2].sum())
-    if (inside > 0).any() or abs(-inside.sum() - waterplane) > 1e-6 * abs(waterplane):
-        raise ConfigError("lid: the waterline is not seen whole from its centre; needs lid: 0")
-    scales = np.linspace(0.0, 1.0, rings + 1)
-    a, b = (centre + scales[:, None, None] * (ends[:, i] - centre) for i in range(2))
-    panels = [np.stack([a[k + 1], b[k + 1], b[k], a[k]], axis=1) for k in range(rings)]
-    vertices = np.concatenate(panels).reshape(-1, 3)
-    return vertices, np.arange(len(vertices)).reshape(-1, 4)
-
-
-def _waterlines(ends: FloatArray) -> list[IntArray]:
-    """Edges (edge, 2, xyz) that hang together, one body's each: their numbers."""
-    start, end = owners(ends.reshape(-1, 3)).reshape(-1, 2).T
-    found = connected_components(coo_matrix((np.ones(len(start)), (start, end)), shape=(2 * len(ends),) * 2))[1]
-    return [np.flatnonzero(found[start] == line) for line in np.unique(found[start])]
+def panel_areas(body: FlexibleBody) -> FloatArray:
+    """Return the areas of the panels, shape (panel,) [m^2]."""
+    return np.asarray(np.linalg.norm(body.triangles.area, axis=1).reshape(2, -1).sum(axis=0))
 
 
 def panel_size(body: FlexibleBody) -> float:
     """Return the mean over the surface of the roots of its panels' areas [m]."""
-    areas = np.linalg.norm(body.triangles.area, axis=1).reshape(2, -1).sum(axis=0)
+    areas = panel_areas(body)
     return float((areas**1.5).sum() / areas.sum())
 
 

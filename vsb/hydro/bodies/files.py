@@ -7,6 +7,7 @@ import contextlib
 import io
 import warnings
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ import xarray as xr
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.apart import check_apart
 from vsb.hydro.bodies.body import FlexibleBody, at_centres, at_vertices, check_vertices
+from vsb.hydro.bodies.clipping import FLAT, wetted, without_area
+from vsb.hydro.bodies.gdf import check_gravity, read_gdf
 from vsb.hydro.panels import rings as bem
 from vsb.tools.bounded import bounded_reading
 from vsb.tools.files import whole
@@ -27,8 +30,6 @@ PANEL_FILES = {
 }  # fmt: skip
 """What capytaine reads and meshio does not, in its words; meshio keeps the numbers of the vertices, which displacements
 refer to."""
-_FLAT = 1e-7
-"""Height of a panel, in lengths of the body, that single precision makes of none."""
 _LARGEST = {
     "mode_shape": 1e6, "second_order": 1e6, "centre_of_mass": 1e6, "inertia_matrix": 1e30, "structural_stiffness": 1e30,
 }  # fmt: skip
@@ -51,6 +52,10 @@ def _one_line(path: str | Path, what: str, needed: str) -> Iterator[None]:
                 yield
     except ConfigError:
         raise
+    except ModuleNotFoundError as error:
+        raise ConfigError(
+            f"{path}: the Python package {error.name}, which reads such files, is missing; needs it, or another format"
+        ) from None
     except MemoryError:
         raise ConfigError(
             f"{path}: cannot be read as {what} (it announces more than it holds); needs {needed}"
@@ -101,6 +106,8 @@ def _panels(path: Path) -> tuple[FloatArray, IntArray]:
             if not np.array_equal(faces, whole_numbers := faces.astype(int)):
                 raise ValueError("corners of panels that are no whole numbers")
             return np.array(ds.vertices.values, dtype=float), whole_numbers
+    if suffix == ".gdf":
+        return bem.read_panels(io.StringIO(read_gdf(path).panels), "gdf")
     if suffix in PANEL_FILES or (suffix == ".dat" and _is_nemoh(path)):
         return bem.read_panels(path, PANEL_FILES.get(suffix, "mar"))
     with np.errstate(all="ignore"):  # the first bytes of an STL in plain text are taken for a huge count
@@ -114,18 +121,25 @@ def _panels(path: Path) -> tuple[FloatArray, IntArray]:
 
 
 def _is_nemoh(path: Path) -> bool:
-    """Whether a .dat is NEMOH's, which begins with two numbers, not Tecplot's, which begins with words."""
+    """Whether a .dat is NEMOH's, which begins with 2 and 0 or 1, not Tecplot's, which begins with words."""
     with path.open(encoding="utf-8", errors="replace") as file:
-        return all(word.isdigit() for word in file.readline(200).split())
+        words = file.readline(200).split()
+    if words and all(word.isdigit() for word in words) and (words[0] != "2" or words[1:2] not in ([], ["0"], ["1"])):
+        raise ConfigError(
+            f"{path}:1: received {' '.join(words)!r}, as SALOME's .dat begins; needs NEMOH's '2 0' or '2 1', "
+            "Tecplot's, or another format: write a .stl"
+        )
+    return all(word.isdigit() for word in words)
 
 
-def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
-    """Return a body from a mesh file and a netCDF file of its displacements.
+def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None) -> FlexibleBody:
+    """Return a body from a mesh file and a netCDF file of its displacements, in water of a gravity [m/s^2] if given.
 
     The latter holds `mode_shape` (dof, vertex or panel, xyz) with names on `dof`, and optionally `inertia_matrix` and
     `structural_stiffness` (influenced_dof, radiating_dof), `centre_of_mass` (xyz), or (part, xyz) where separate parts
     do not all turn alike, and `second_order` (influenced_dof, radiating_dof, vertex, xyz), the second derivatives
-    d2x/dq_i dq_j of the corners' positions [1/m]. Panels without area are dropped, which the body's `history` records.
+    d2x/dq_i dq_j of the corners' positions [1/m]. What lies above the water is cut
+    off and panels without area are dropped, which the body's `history` records.
 
     Raises
     ------
@@ -134,10 +148,21 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
     """
     vertices, faces = read_mesh(mesh)
     labels, values, by_vertex, known = _displacements(modes, (len(vertices), len(faces)), mesh)
-    kept = np.flatnonzero(~without_area(vertices, faces))
-    dropped = len(faces) - len(kept)
+    kept, notes = np.flatnonzero(~without_area(vertices, faces)), []
+    if (path := Path(mesh)).suffix.lower() == ".gdf":
+        notes.append(read_gdf(path).note)
+        if gravity:
+            check_gravity(path, gravity)
+    if dropped := len(faces) - len(kept):
+        notes.append(f"panels without area dropped: {dropped} of {len(faces)}")
     faces, values = faces[kept], values if by_vertex else values[:, kept]
     try:
+        if wet := wetted(vertices, faces):
+            second = known.get("second_order")
+            known |= {} if second is None else {"second_order": wet.at_vertices(second)}
+            values = wet.at_vertices(values) if by_vertex else wet.at_panels((vertices, faces), values)
+            vertices, faces = wet.vertices, wet.faces
+            notes.append(wet.history)
         body = FlexibleBody(
             vertices,
             faces,
@@ -145,21 +170,24 @@ def read_body(mesh: str | Path, modes: str | Path) -> FlexibleBody:
             at_centres(vertices, faces, values) if by_vertex else values,
             values if by_vertex else at_vertices(vertices, faces, values),
             **{field: known.get(name) for field, name in _MATRICES.items()},
-            history=f"panels without area dropped: {dropped} of {dropped + len(kept)}" if dropped else "",
+            history="; ".join(filter(None, notes)),
         )
         check_apart(body)
-        return body
+        return _with_note(body)
     except (ConfigError, IndexError) as error:
         raise ConfigError(f"{mesh}, {modes}: {error}") from None
 
 
-def without_area(vertices: FloatArray, faces: IntArray) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Return which panels have no area but round-off's, shape (panel,): files have them where a quadrilateral ends."""
-    corner = vertices[faces]
-    a, b, c = (corner[:, k] - corner[:, 0] for k in (1, 2, 3))
-    area = (np.linalg.norm(np.cross(a, b), axis=1) + np.linalg.norm(np.cross(b, c), axis=1)) / 2
-    longest = np.max([np.linalg.norm(corner[:, k] - corner[:, k - 1], axis=1) for k in range(4)], axis=0)
-    return np.asarray(area <= _FLAT * longest * np.linalg.norm(np.ptp(vertices, axis=0)))
+def _with_note(body: FlexibleBody) -> FlexibleBody:
+    """The body, its gaps noted in its history if corners do not meet within single precision."""
+    if (gap := body.gaps).width <= FLAT * body.size:
+        return body
+    place = ", ".join(f"{x:.4g}" for x in gap.place)
+    volume = np.ptp(body.volumes) / body.volumes.max()
+    note = (
+        f"gaps between panels taken for closed: up to {gap.width:.2g} m wide at ({place}), {volume:.1e} of the volume"
+    )
+    return replace(body, history="; ".join(filter(None, (body.history, note))))
 
 
 def _displacements(

@@ -23,7 +23,6 @@ from vsb.hydro.bodies.body import (
     at_centres,
     check_symmetry,
     detected_symmetry,
-    interior_lid,
     panel_diameters,
     panel_size,
     panels_per_lobe,
@@ -32,11 +31,13 @@ from vsb.hydro.bodies.body import (
 from vsb.hydro.bodies.coarsening import coarser_body
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import hinge_gap, hydrostatic_stiffness, linear_share
+from vsb.hydro.bodies.lid import first_irregular_frequency, gap_resonance, interior_lid
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.bodies.sweep import (
     Block,
     Measure,
     Swept,
+    change_by_lid,
     error_estimate,
     least_sizes,
     resolution_ratio,
@@ -64,6 +65,10 @@ FEWEST_PER_LOBE = 3.5
 """Panels in half a wavelength of a displacement below which there is doubt: fewer, and the estimate says too little."""
 CHOICE = 0.02
 """Share of a stiffness in still water above which a choice that was made for it is doubted."""
+LARGEST_GAP = 1e-3
+"""Difference of the three volumes of a surface, relatively, above which its gaps are doubted."""
+_SHUT = 1e-6  # below which there are none
+_UNFELT = 0.9  # of the first irregular frequency
 _UNRESOLVED = 2.0  # panels there, below which it fails
 _COARSEST = 4.0  # wavelengths in a panel from which on nothing is solved
 _GROUPS = ("fewer_panels", "radiated_waves")  # of a block's file
@@ -76,10 +81,16 @@ def read_config(path: str | Path, model: type[Model]) -> Model:
 
 def run(config: str | Path, out: str | Path, tables: str | Path | None = None) -> list[Check]:
     """Solve what a body file asks for into `out` and return the verdict; `tables` keeps the Green function's table."""
-    study = read_config(config, BodyFile)
+    study, body = read_study(config)
     folder = Path(config).parent
     check_output(Path(out, f"{study.body}.nc"), [folder / study.mesh, folder / study.modes])
-    return solve(study, read_body(folder / study.mesh, folder / study.modes), out, tables)
+    return solve(study, body, out, tables)
+
+
+def read_study(config: str | Path) -> tuple[BodyFile, FlexibleBody]:
+    """Return a body file and the body it names, whose `history` says what was mended."""
+    study, folder = read_config(config, BodyFile), Path(config).parent
+    return study, read_body(folder / study.mesh, folder / study.modes, study.water.gravity)
 
 
 def solve(study: BodyFile, body: FlexibleBody, out: str | Path, tables: str | Path | None = None) -> list[Check]:
@@ -95,7 +106,7 @@ def solved(
     """Return the database of a body and its verdict; blocks in `out` are kept, and those solved join them."""
     check_solvable(study, body)
     symmetry = detected_symmetry(body) if study.symmetry == "auto" else study.symmetry
-    lid = interior_lid(body, study.lid) if study.lid else None
+    lid = needed_lid(study, body)
     table = Path(tables or Path(out, "green", panel_solver().replace(" ", "-")))
     blocks = Blocks(study, body, symmetry, lid, Path(out, "blocks"), table)
     infinite, directions = blocks(np.inf), np.deg2rad(study.wave_direction)
@@ -108,7 +119,19 @@ def solved(
 
     found = swept(blocks, froude_krylov, study.omega, study.tolerance, measure)
     checks = verdict(study, body, infinite, found, size)
+    if lid:
+        checks += lid_checks(blocks, found, size)
     return _database(study, body, symmetry, infinite, found, checks), checks
+
+
+def needed_lid(study: BodyFile, body: FlexibleBody) -> tuple[FloatArray, IntArray] | None:
+    """Return the lid a body file asks for, None if all its frequencies lie below the irregular ones."""
+    return interior_lid(body, study.lid) if study.lid and study.omega[-1] > _regular(study, body) else None
+
+
+def _regular(study: BodyFile, body: FlexibleBody) -> float:
+    """Frequency up to which no irregular frequency is felt [rad/s]."""
+    return _UNFELT * first_irregular_frequency(body, study.water.gravity)
 
 
 def check_solvable(study: BodyFile, body: FlexibleBody) -> None:
@@ -117,13 +140,11 @@ def check_solvable(study: BodyFile, body: FlexibleBody) -> None:
     Raises
     ------
     ConfigError
-        If the symmetry declared is not the body's, it has no waterline that a lid could close, the water is no deeper
-        than its draught, or waves are shorter than its panels.
+        If the symmetry declared is not the body's, the water is no deeper than its draught, or waves are shorter than
+        its panels.
     """
     if study.symmetry != "auto":
         check_symmetry(body, study.symmetry)
-    if study.lid:
-        interior_lid(body, study.lid)
     if study.water.depth <= (draught := -float(body.vertices[:, 2].min())):
         raise ConfigError(
             f"water.depth: received {study.water.depth:g} m, needs more than the body's draught of {draught:.6g} m"
@@ -172,7 +193,7 @@ class Blocks:
     def __call__(self, omega: float) -> Block:
         """Return the block of a frequency, finite or not [rad/s]."""
         if omega not in self._known:
-            spec = _spec(self.study, self.body, omega)
+            spec = _spec(self.study, self.body, omega, self.study.lid if self.lid else 0)
             path = self.folder / f"{content_id(spec)}.nc"
             if not _is_solved(path, content_id(spec)):
                 own, *others = _block(self.problem, *self._coarser, spec)
@@ -181,14 +202,14 @@ class Blocks:
         return self._known[omega]
 
 
-def _spec(study: BodyFile, body: FlexibleBody, omega: float) -> Spec:
+def _spec(study: BodyFile, body: FlexibleBody, omega: float, belts: int) -> Spec:
     """What one frequency is solved from; symmetry only saves time, infinite frequency has neither waves nor lid."""
     digest = hashlib.sha256()
     for array in (body.vertices, body.faces.astype(np.int64), body.modes):
         digest.update(np.ascontiguousarray(array).tobytes())
     spec = {"stage": "body", "physics": PHYSICS, "solver": panel_solver(), "omega": float(omega)}
     spec |= {"panels_and_modes": digest.hexdigest(), "labels": list(body.labels), "water": study.water.model_dump()}
-    return spec if np.isinf(omega) else spec | {"lid": study.lid, "wave_direction": list(study.wave_direction)}
+    return spec if np.isinf(omega) else spec | {"lid": belts, "wave_direction": list(study.wave_direction)}
 
 
 def _is_solved(path: Path, spec_id: str) -> bool:
@@ -239,6 +260,13 @@ def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
 _ERROR = "estimated error of added mass, damping and excitation, relative to the largest entry; smaller panels lower it"
 _ALONE = "share of the surface without fewer panels to compare with, whose part of the error no estimate has"
 _LOBE = "panel in terms of half a wavelength of the shortest mode; beyond the limit the error may exceed its estimate"
+_LID = "change of coefficients by the lid, relative to the largest entry, where no irregular frequency is near:"
+_IRREGULAR = "; irregular frequencies begin at about {:.3g} rad/s, a lid (lid: 8) removes them"
+_PISTON = (
+    "; near {:.3g} rad/s the water resonates in a gap of {:.3g} m between two bodies, which is no irregular frequency: "
+    "panels there as small as the gap is wide, and viscous damping (body.damping), for linear waves hardly damp it"
+)
+_OPEN = "difference of the volumes by the normals' x, y and z, of gaps between panels"
 _GAP = "share by which sealing the gap of a hinge, here full of water, would change its stiffness; waves see it sealed"
 _LINEAR = "share of a displacement's stiffness that its unknown second-order part may have; second_order states it"
 _MEANING = {
@@ -252,11 +280,15 @@ def verdict(study: BodyFile, body: FlexibleBody, infinite: Block, found: Swept, 
     """Return the checks of a database before it is symmetrized."""
     solved, error = found.solved, error_estimate(found.solved, infinite, size)
     negative = quality.negative_damping(found.coefficients, np.outer(size, size))
+    first = first_irregular_frequency(body, study.water.gravity)
+    cure = "" if study.lid or study.omega[-1] < _UNFELT * first else _IRREGULAR.format(first)
+    gap = gap_resonance(body, study.water.gravity)
+    cure += _PISTON.format(*gap) if gap and study.omega[0] < gap.omega < study.omega[-1] else ""
     checks = [
-        check_at_most("error_estimate", error, LARGEST_ERROR, "-", _ERROR, doubt=True),
+        check_at_most("error_estimate", error, LARGEST_ERROR, "-", _ERROR + cure, doubt=True),
         check_at_most("one_resolution", 1 - infinite.own.attrs["coarser_share"], 0.5, "-", _ALONE, doubt=True),
         *(
-            check_at_most(name, max(block.own.attrs[name] for block in solved), 0.02, "-", text, doubt=True)
+            check_at_most(name, max(block.own.attrs[name] for block in solved), 0.02, "-", text + cure, doubt=True)
             for name, text in _MEANING.items()
         ),
         check_at_most("positive_damping", negative, 0.01, "-", "no motion can draw energy from calm water"),
@@ -265,6 +297,16 @@ def verdict(study: BodyFile, body: FlexibleBody, infinite: Block, found: Swept, 
         text = f"{len(solved)} solves for {len(study.omega)} frequencies; relative to the band's largest entry"
         checks.insert(1, check_at_most("interpolation_error", found.error, study.tolerance, "-", text))
     return [*checks, *mesh_checks(study, body)]
+
+
+def lid_checks(blocks: Blocks, found: Swept, size: FloatArray) -> list[Check]:
+    """Return the check of a lid where it has nothing to mend, at the last frequency solved below irregular ones."""
+    solved = [float(block.own.omega[0]) for block in found.solved]
+    below = max((omega for omega in solved if omega <= _regular(blocks.study, blocks.body)), default=None)
+    if below is None:
+        return []
+    change = change_by_lid(found.solved, replace(blocks, lid=None)(below), size)
+    return [check_at_most("lid", change, LARGEST_ERROR, "-", f"{_LID} at {below:g} rad/s", doubt=True)]
 
 
 def mesh_checks(study: BodyFile, body: FlexibleBody) -> list[Check]:
@@ -284,6 +326,9 @@ def mesh_checks(study: BodyFile, body: FlexibleBody) -> list[Check]:
     for name, share, text in (("hinge_gap", hinge_gap(body), _GAP), ("second_order", linear_share(body), _LINEAR)):
         if share is not None:  # what is modelled is a choice: a doubt, never a failure
             checks.append(Check(name, share, CHOICE, "-", "doubt" if share > CHOICE else "ok", text))
+    if (open_share := float(np.ptp(body.volumes) / body.volumes.max())) > _SHUT:
+        text = f"{_OPEN} {body.gaps.width:.3g} m wide, widest at ({', '.join(f'{x:.4g}' for x in body.gaps.place)})"
+        checks.append(check_at_most("closure", open_share, LARGEST_GAP, "-", text, doubt=True))
     heave = [i for i, (t, a) in body.rigid.items() if np.allclose([*t, *a], [0, 0, 1, 0, 0, 0], atol=1e-9)]
     if body.mass is not None and heave:
         afloat = abs(body.mass[heave[0], heave[0]] / (study.water.density * body.volume) - 1)

@@ -158,6 +158,13 @@ def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -
     return max(error + (both if name in known else 0.0) for name, error in change.items())
 
 
+def change_by_lid(solved: Sequence[Block], bare: Block, size: FloatArray) -> float:
+    """Return the change of coefficients by a lid at the frequency of `bare`, relative to the largest entry of each."""
+    every, without = (_in_units(with_excitation(ds), size) for ds in (joined(*(b.own for b in solved)), bare.own))
+    place = [float(b.own.omega[0]) for b in solved].index(float(bare.own.omega[0]))
+    return max(apart(every[name][[place]], without[name]) / (float(np.abs(every[name]).max()) or 1.0) for name in every)
+
+
 def resolution_ratio(found: Swept) -> float:
     """Return how many times as large the fewer panels are, in the mean over the surface."""
     return float(found.solved[0].own.attrs["resolution_ratio"])

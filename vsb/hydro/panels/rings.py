@@ -13,7 +13,7 @@ import zlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 import xarray as xr
@@ -364,13 +364,21 @@ def capytaine_solution(problem: AxisymmetricProblem, omegas: list[float], symmet
     return solved.sel(influenced_dof=list(dofs), radiating_dof=list(dofs)).assign_attrs(seconds=seconds)
 
 
-def read_panels(path: str | Path, form: str) -> tuple[FloatArray, IntArray]:
+def read_panels(path: str | Path | IO[str], form: str) -> tuple[FloatArray, IntArray]:
     """Return vertices and panels of a file of WAMIT, NEMOH, Hydrostar or HAMS, mirrored where the file says so.
 
     `form` is gdf, mar, hst or pnl, whatever the name of the file.
     """
     mesh = cpt.load_mesh(path, form).merged()
     return np.asarray(mesh.vertices), np.asarray(mesh.faces)
+
+
+def immersed_panels(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return vertices and panels of the part of a mesh below z = 0, and the panel each of them is a piece of."""
+    corners = [face[: 3 if face[2] == face[3] else 4] for face in faces.tolist()]
+    number = {"parent": np.arange(len(corners))}
+    mesh = cpt.Mesh(vertices, corners, faces_metadata=number, auto_clean=False, auto_check=False).immersed_part()
+    return np.array(mesh.vertices), np.asarray(mesh.faces), np.asarray(mesh.faces_metadata["parent"])
 
 
 def panel_mesh(vertices: FloatArray, faces: IntArray, planes: tuple[str, ...] = ()) -> Any:
