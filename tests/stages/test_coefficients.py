@@ -13,17 +13,17 @@ import yaml
 from conftest import SMALL, SMALL_PLAN, told, varied
 
 import vsb
+from vsb.cli import main
 from vsb.errors import DatabaseError
-from vsb.hydro.database import Check
 from vsb.hydro.formats.sources import read_source
 from vsb.results.ladder import study_ladder
 from vsb.scenes.build import TUNED, design_in_sea
 from vsb.stages import coefficients
 from vsb.stages.stored import Results
-from vsb.study.body import Body, load_body, located
+from vsb.study.body import load_body, located
 from vsb.study.body_plan import plan_for
-from vsb.tools.units import PAIR
 
+FORCES = ("Froude_Krylov_force", "diffraction_force")
 DOFS = ["Heave", "Membrane0", "Membrane1", "Membrane2"]
 SWELL = {"kind": "regular", "amplitude": 0.1, "period": 2.5}
 
@@ -287,68 +287,20 @@ def test_a_database_keeps_what_is_known_of_its_bodies_and_tells_what_was_not_che
     assert "displaced_volume_boat" not in stored.attrs
 
 
-def test_only_a_mass_of_the_studys_own_is_judged_anew(monkeypatch):
-    checks = [SimpleNamespace(name=name) for name in ("symmetry", "afloat", "haskind")]
-    monkeypatch.setattr(coefficients, "afloat_checks", lambda ds: [f"anew of {ds}"])
-    body = SimpleNamespace(database="its database")
-    for given in ({}, {"damping": {"Heave": 1.0}}, {"stiffness": {"Heave": 1.0}}):
-        assert coefficients.of_own_mass(checks, Body(database="-", **given), body) == checks
-    for mass in ({"Heave": 1.0}, ((0.0,),)):
-        found = coefficients.of_own_mass(checks, Body(database="-", mass=mass), body)
-        assert found == [checks[0], checks[2], "anew of its database"]
-
-
-def test_a_body_is_judged_in_what_its_designs_move_with_what_is_repaired_and_accepted(monkeypatch):
-    """Checks of what came, in the order of the body; that of its own mass anew; then what was made even or repaired."""
-    raw = {**RAFT, "body": {"database": "sha256:x", "mass": {"Heave": 1.0}}}
-    hydro = {"accept": ["haskind", "afloat"], "repair": ["positive_damping"], "omega_max": 3.0}
-    spec = plan_for(
-        located({**raw, "hydro": hydro, "designs": {"a": {"dofs": ["Yaw", "Heave"]}}}, "a.yaml").study
-    ).database
-    labels, asked = ["Heave", "Roll", "Yaw"], []
-    found = xr.Dataset({"a": (PAIR, np.arange(9.0).reshape(3, 3))}, dict.fromkeys(PAIR, labels))
-    damping, its = np.array([[1.0, 2.0], [3.0, 4.0]]), xr.Dataset({"its": ("w", [1.0])})
-    body = SimpleNamespace(labels=("Heave", "Yaw"), database=its, structural_damping=damping)
-
-    def check(name, verdict="fail"):
-        return Check(name, 1.0, 0.5, "-", verdict, name)
-
-    def source(ds):
-        asked.append(ds)
-        return [check("haskind"), check("positive_damping"), check("afloat"), check("symmetry", "ok")], ["unseen"]
-
-    monkeypatch.setattr(coefficients, "complete_body", lambda *given: asked.append(given) or body)
-    monkeypatch.setattr(coefficients, "source_checks", source)
-    monkeypatch.setattr(coefficients, "afloat_checks", lambda ds: [check("afloat", "doubt")])
-    monkeypatch.setattr(
-        coefficients, "with_symmetric_stiffness", lambda ds: asked.append(ds) or (None, [check("even", "doubt")])
-    )
-    monkeypatch.setattr(
-        coefficients,
-        "repaired",
-        lambda *given: asked.append(given) or (its.assign_attrs(history="mended"), [check("mended", "doubt")]),
-    )
-    judged = coefficients.judged(spec, found)
-    assert judged.body is body
-    assert judged.unseen == ["unseen"]
-    assert [(one.name, one.verdict) for one in judged.checks] == [
-        ("haskind", "accepted"), ("positive_damping", "doubt"), ("symmetry", "ok"), ("afloat", "doubt"),
-        ("even", "doubt"), ("mended", "doubt"),
-    ]  # fmt: skip
-    assert judged.checks[1].explanation == "positive_damping; repaired"
-    assert judged.database.attrs["history"] == "mended"
-    assert judged.database.structural_damping_matrix.values.tolist() == damping.tolist()
-    assert judged.database.its.values.tolist() == [1.0]
-    (given, kept, same), first, second, mending = asked
-    assert (given, kept) == (spec.body, ("Heave", "Yaw"))
-    assert same is found
-    for one in (first, second):
-        assert one.a.values.tolist() == [[0.0, 2.0], [6.0, 8.0]]
-        assert one.radiating_dof.values.tolist() == ["Heave", "Yaw"]
-    assert mending[0] is its
-    assert mending[1] == ("positive_damping",)
-    monkeypatch.setattr(coefficients, "source_checks", lambda _: ([check("symmetry")], []))
-    with pytest.raises(
-        DatabaseError, match=rf"check 'symmetry' failed: .*; {re.escape(coefficients.REMEDY)}, or list the"
-    ):
-        coefficients.judged(spec, found)
+def test_conjugated_excitation_stops_a_study_that_keeps_no_surge(ball, tmp_path, monkeypatch, capsys):
+    """Surge, which the study does not use, tells that the file's phases have the other sign."""
+    monkeypatch.chdir(tmp_path)
+    with xr.open_dataset(ball) as ds:
+        turned = {name: ds[name] * xr.DataArray([1.0, -1.0], dims="complex") for name in FORCES}
+        ds.load().to_netcdf("sound.nc")
+        ds.assign(turned).to_netcdf("turned.nc")
+    for name, code in (("sound", 0), ("turned", 2)):
+        study = {
+            "study": name, "body": {"database": f"{name}.nc"}, "designs": {"a": {"dofs": ["Heave", "Pitch"]}},
+            "water": {"density": 1025.0, "gravity": 9.81}, "pto": {"port": {"dof": "Heave"}},
+            "waves": [{"kind": "regular", "amplitude": 0.05, "period": 3.0}],
+            "simulation": {"duration": 60.0, "window": [30.0, 60.0]},
+        }  # fmt: skip
+        (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump(study))
+        assert main(["check", f"{name}.yaml"]) == code
+    assert "check 'phases' failed" in capsys.readouterr().err

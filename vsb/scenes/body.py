@@ -44,6 +44,26 @@ def within_band(ds: xr.Dataset, omega_max: float | None) -> xr.Dataset:
     return ds.isel(omega=np.flatnonzero(kept)).assign_attrs(history=told)
 
 
+def with_hydrostatics(body: Body, ds: xr.Dataset) -> xr.Dataset:
+    """Return a database with hydrostatic stiffness: none where files hold none and the study's is all there is.
+
+    Raises
+    ------
+    ConfigError
+        If neither files nor study have a stiffness.
+    """
+    if "hydrostatic_stiffness" in ds:
+        return ds
+    if body.stiffness is None:
+        raise ConfigError(
+            "body.stiffness: received none, and the body's files hold no hydrostatic stiffness; needs that of still "
+            "water and mooring in N/m, of rotations in N m (or capytaine's fill_dataset with hydrostatics=True)"
+        )
+    none = np.zeros((ds.sizes["influenced_dof"],) * 2)
+    told = f"{ds.attrs.get('history', '')}; no hydrostatic stiffness: the study's is all there is".lstrip("; ")
+    return ds.assign(hydrostatic_stiffness=(PAIR, none)).assign_attrs(history=told)
+
+
 def complete_body(body: Body, dofs: Sequence[str] | None, ds: xr.Dataset) -> LinearBody:
     """Return the body of a study from the database of its files.
 
