@@ -98,15 +98,16 @@ def shell(args: argparse.Namespace) -> int:
 
 def export(args: argparse.Namespace) -> int:
     """Write the hydro database of a study, or a database file, for other codes: WAMIT's files and WEC-Sim's .h5."""
-    from vsb.hydro.formats import exchange as interchange
+    from vsb.hydro.formats.exchange import exported
 
     if (path := Path(args.config)).suffix == ".nc":
-        files = interchange.export(path, args.folder, path.stem)
-    else:
-        plan = with_degree(StudyPlan(load(args.config)))
-        stored = Path(plan.database_path)
-        files = interchange.export(stored, args.folder, plan.name, expected_id=stored.stem)
-    print(*files, sep="\n")
+        print(*exported(path, args.folder, path.stem), sep="\n")
+        return 0
+    plan = plan_of(args.config)
+    if isinstance(plan, CampaignPlan):
+        raise ConfigError(f"{args.config}: received a campaign, needs a study, or one database file")
+    stored = Path(plan.database_path)
+    print(*exported(stored, args.folder, plan.name, stored.stem), sep="\n")
     return 0
 
 

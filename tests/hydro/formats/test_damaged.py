@@ -14,7 +14,10 @@ from vsb.hydro.formats.modes import LARGEST, checked
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.tools import files
 
-FACTS = {"centre_of_buoyancy": [0.0, 0.0, -2.0], "centre_of_mass": [0.0, 0.0, 0.5]}
+FACTS = {
+    name: [0.0, 0.0, z]
+    for name, z in {"centre_of_buoyancy": -2.0, "centre_of_mass": 0.5, "rotation_centre": 0.5}.items()
+}
 
 
 @pytest.fixture(scope="module")
@@ -223,7 +226,7 @@ def test_cut_text_is_one_line(wamit, extension, part, capsys):
 def test_a_sound_export_is_read_with_all_its_checks(wamit, capsys):
     assert main(["import-wamit", str(wamit), "body", str(wamit / "out.nc"), "--density", "1000"]) == 0
     out = capsys.readouterr().out
-    assert out.count("ok  ") == 8
+    assert out.count("ok  ") == 9
     assert "look at" not in out
     assert "not checked: density" in files.load(wamit / "out.nc").attrs["history"]
 

@@ -2,8 +2,9 @@
 
 Paths, dimensions and normalization (`scaled` = 0: A/rho, B/(rho omega), X/(rho g), C/(rho g), K/rho, f/(rho g)) are
 those of WEC-Sim's writeBEMIOH5, numbers those of WAMIT with ULEN = 1 m (`wamit`): phasors are Re(X e^{+i omega t}),
-so X is conjugated on the way out and in. Arrays are full over the modes 1 to 6 + N: rigid modes the database does not
-hold are zeros, meant for a body held in them, and `mode_labels` (not BEMIO's) names those it does.
+so X is conjugated on the way out and in. Rotations are about the centre of mass. Arrays are full over the modes 1 to
+6 + N: rigid modes the database does not hold are zeros, meant for a body held in them, and `mode_labels` (not BEMIO's)
+names those it does.
 
 WEC-Sim reads of `mass`, `damping` and `stiffness` the block of generalized modes only; it takes the inertia of the
 rigid modes from its own input.
@@ -32,6 +33,7 @@ from vsb.hydro.formats.modes import (
     mode_numbers,
     readable,
     structure,
+    turned_about,
     volume_of,
 )
 from vsb.hydro.retardation import DampingSpectrum
@@ -71,14 +73,14 @@ def bemio_entries(ds: xr.Dataset, source: str) -> dict[str, Any]:
     mode to a generalized one, which WEC-Sim drops, is refused. Times of the impulse responses: `impulse_times`.
     """
     needed = ["excitation_force", *(name for place, (name, _) in _MATRICES.items() if place.startswith(_HYDRO))]
-    ds = checked(ds, source, needed)
+    ds = checked(ds.sel(omega=ds.omega > 0), source, needed)
     labels, omega, headings = (ds[name].values for name in ("influenced_dof", "omega", "wave_direction"))
     rho, g, depth = (float(ds.attrs[name]) for name in WATER)
-    if omega[0] == 0:
-        raise DatabaseError(f"{source}: holds zero frequency; the .h5 file needs periods.")
     modes = mode_numbers(list(map(str, labels)))
     ds = _with_structure(ds, source, modes)
-    dof, body = max(6, *modes), floating(ds, source)
+    body = floating(ds, source)
+    ds = turned_about(ds, body.centre_of_mass, source)
+    dof = max(6, *modes)
     time = impulse_times((1.5 * body.volume / np.pi) ** (1 / 3), g)
     waves = {"scaled": 0, "g": g, "rho": rho, "T": 2 * np.pi / omega, "w": omega, "wave_dir": np.degrees(headings)}
     facts: dict[str, Any] = {"body_number": 1, "dof": dof, "dof_start": 1, "dof_end": dof}
@@ -349,7 +351,8 @@ def _facts(found: _Entries, parts: list[_Part]) -> dict[str, Any]:
     }
     if len(parts) > 1:
         return volumes
-    return volumes | {key: found.numbers(f"{_BODY}{name}", 3) for key, name in list(_FACTS.items())[1:]}
+    centres = {key: found.numbers(f"{_BODY}{name}", 3) for key, name in list(_FACTS.items())[1:]}
+    return volumes | centres | {"rotation_centre": centres["centre_of_mass"]}
 
 
 def _labels(found: _Entries, group: str, dof: float) -> list[str]:

@@ -3,13 +3,22 @@
 from collections.abc import Collection
 from pathlib import Path
 
+import xarray as xr
+
 from vsb.errors import DatabaseError
 from vsb.hydro.database import load_database
 from vsb.hydro.formats.bemio import bemio_entries, write_h5
+from vsb.hydro.formats.sources import read_source
 from vsb.hydro.formats.wamit import wamit_texts
-from vsb.tools.files import load, write_text
+from vsb.study.sections import Water
+from vsb.tools.files import write_text
 
 FORMATS = ("wamit", "bemio")
+
+
+def opened(path: str | Path, expected_id: str | None = None) -> xr.Dataset:
+    """Return a database to be exported: this project's, with an `expected_id` that one, or capytaine's own file."""
+    return load_database(path, expected_id) if expected_id else read_source("database", str(path), Water())
 
 
 def export(
@@ -20,17 +29,14 @@ def export(
     length: float = 1.0,
     expected_id: str | None = None,
 ) -> list[Path]:
-    """Write a stored database for other codes and return the files written; none is begun unless all can be made.
+    """Write a database for other codes and return the files written; none is begun unless all can be made.
 
     They are FOLDER/NAME.1, .3, .3fk, .3sc, .hst and .mmx of format `wamit` with ULEN = length [m] (see `wamit_texts`)
-    and FOLDER/NAME.h5 of format `bemio` (see `bemio_entries`). With an `expected_id` it must be that database.
+    and FOLDER/NAME.h5 of format `bemio` (see `bemio_entries`).
     """
     if not formats or set(formats) - set(FORMATS):
         raise DatabaseError(f"formats: received {list(formats)}, needs wamit, bemio or both.")
-    attrs, source = load(database_path).attrs, str(database_path)
-    if missing := {"spec_id", "separate_sweep"} - set(attrs):
-        raise DatabaseError(f"{source}: holds no {', '.join(sorted(missing))}; needs a hydro database.")
-    ds = load_database(database_path, expected_id or attrs["spec_id"])
+    ds, source = opened(database_path, expected_id), str(database_path)
     texts = wamit_texts(ds, source, length) if "wamit" in formats else {}
     entries = bemio_entries(ds, source) if "bemio" in formats else {}
     for extension, text in texts.items():
@@ -38,3 +44,28 @@ def export(
     if entries:
         write_h5(entries, Path(folder) / f"{name}.h5")
     return [Path(folder) / f"{name}{extension}" for extension in [*texts, *[".h5"] * bool(entries)]]
+
+
+def exported(path: str | Path, folder: str | Path, name: str, expected_id: str | None = None) -> list[str]:
+    """Write a database in every format that it has enough for; return the files, and lines on what is left out.
+
+    Raises
+    ------
+    DatabaseError
+        If it has enough for none.
+    """
+    ds = opened(path, expected_id)
+    files: list[Path] = []
+    missing: list[str] = []
+    for form in FORMATS:
+        try:
+            files += export(path, folder, name, [form], expected_id=expected_id)
+        except DatabaseError as error:
+            missing.append(f"no {'.h5' if form == 'bemio' else 'WAMIT files'}: {error}")
+    if not files:
+        raise DatabaseError("; ".join(missing))
+    if files[0].suffix == ".1":
+        known = {"-1": "added_mass_zero" in ds or float(ds.omega[0]) == 0, "0": "added_mass_inf" in ds}
+        lines = [f"{files[0]}: without lines PER = {per}, whose added mass {path} does not hold" for per in known]
+        missing += [line for line, there in zip(lines, known.values(), strict=True) if not there]
+    return [*map(str, files), *missing]

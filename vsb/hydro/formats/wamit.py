@@ -28,8 +28,10 @@ from vsb.hydro.formats.modes import (
     check_positive,
     checked,
     floating,
+    is_floating,
     mode_labels,
     mode_numbers,
+    rotation_centre,
     rotations,
     structure,
     volume_of,
@@ -66,8 +68,9 @@ def wamit_texts(ds: xr.Dataset, source: str, length: float = 1.0) -> dict[str, s
 
     `.1` holds PER I J A B, without B for PER = -1 (zero frequency, if the database has omega = 0) and for PER = 0
     (infinite frequency); `.3` PER BETA I MOD PHASE RE IM, angles in degrees; its parts `.3fk` and `.3sc` likewise;
-    `.hst` I J C; `.mmx` I J MASS DAMP STIF of the dry body, if the database has its mass and stiffness. The header
-    states ULEN = length [m], the water and the modes, which WAMIT keeps in other files. Errors name the source.
+    `.hst` I J C; `.mmx` I J MASS DAMP STIF of the dry body, if the database has its mass, stiffness, displaced volume
+    and centres. The header states ULEN = length [m], the water, the point rotations are about and the modes, which
+    WAMIT keeps in other files. Errors name the source.
     """
     ds = checked(ds, source, ("added_mass", "radiation_damping", "excitation_force", "hydrostatic_stiffness"))
     labels = [str(label) for label in ds.influenced_dof.values]
@@ -78,9 +81,12 @@ def wamit_texts(ds: xr.Dataset, source: str, length: float = 1.0) -> dict[str, s
     parts |= {extension: _force_lines(ds[name] / force, modes) for name, extension in _FORCES.items() if name in ds}
     parts[".hst"] = _pair_lines("", modes, ds.hydrostatic_stiffness.values / stiffness)
     names = " ".join(f"{mode}={label}" for mode, label in sorted(zip(modes, labels, strict=True)))
-    head = f" WAMIT's form: ULEN {length:g} density {density:g} gravity {gravity:g} depth {depth:g} modes {names}\n"
+    head = f" WAMIT's form: ULEN {length:g} density {density:g} gravity {gravity:g} depth {depth:g} "
+    if rotations(modes).any() and (centre := rotation_centre(ds)) is not None:
+        head += f"rotations about {' '.join(f'{x:g}' for x in centre)} "
+    head += f"modes {names}\n"
     texts = {extension: head + "".join(lines) for extension, lines in parts.items()}
-    if (dry := structure(ds, source)) is not None:
+    if (dry := structure(ds, source)) is not None and is_floating(ds):
         texts[".mmx"] = head + _dry_head(ds, source, length) + "".join(_pair_lines("", modes, *dry))
     return texts
 
@@ -183,8 +189,11 @@ def import_wamit(
     headings, forces = _read_forces(path, waves, modes)
     variables |= {key: force * x for key, x in forces.items()}
     dropped = "added_mass_zero" not in radiated and any(key[0] < 0 for key in table)
+    told = re.search(r"rotations about (\S+) (\S+) (\S+) modes", _lines(f"{path}.1", "")[0])
+    centre = [float(x) for x in told.groups()] if told else [0.0, 0.0, 0.0]  # WAMIT's: the body's own origin
     history = f"read from WAMIT's files {name}" + "; left out: zero frequency, not of all pairs" * dropped
     attrs = dict(zip(WATER, (density, gravity, str(depth)), strict=True), source="WAMIT", history=history, **dry.facts)
+    attrs |= {"rotation_centre": centre} if dry.bodies == 1 else {}
     return assembled(path, (names, 2 * np.pi / np.array(waves), headings), variables | dry.matrices, attrs)
 
 
