@@ -77,7 +77,8 @@ def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
     kept = list(body.labels)
     chosen = found.sel(influenced_dof=kept, radiating_dof=kept)
     checks, unseen = source_checks(found, kept)
-    checks = [*of_own_mass(checks, spec.body, body), *with_symmetric_stiffness(chosen)[1]]
+    checks = [check for check in of_own_mass(checks, spec.body, body) if check.name != "hydrostatic_symmetry"]
+    checks += with_symmetric_stiffness(chosen)[1]  # of what is kept, whatever is stored of all
     mended, repairs = repaired(body.database, spec.repair)
     ds = mended.assign(structural_damping_matrix=(PAIR, body.structural_damping))
     return Judged(body, ds, quality.judged([*told(checks, spec.repair), *repairs], spec.accept, REMEDY), unseen)

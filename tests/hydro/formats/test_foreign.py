@@ -819,7 +819,7 @@ def test_added_mass_that_couples_motions_follows_from_damping_as_well():
         checks, _ = foreign_checks(edited(lasting, "added_mass_inf", couple(one, other, -0.5)))
         (causal,) = [check for check in checks if check.name == "kramers_kronig"]
         assert causal.verdict == verdict
-        assert causal.explanation.endswith("less what damping outside the band may add in Surge")
+        assert causal.explanation.endswith("of Surge only what exceeds the error of band and steps")
     found = judged(edited(lasting, "added_mass_inf", couple(1, 1, -0.06)))["kramers_kronig"]
     assert (found.value, found.verdict) == (pytest.approx(0.06, rel=0.02), "doubt")
     assert "rad/s in Heave" in found.explanation

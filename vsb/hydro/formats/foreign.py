@@ -28,8 +28,8 @@ LEAST_DAMPING = 1e-3
 """Of a mode, in terms of frequency times added mass: no panels know it better."""
 HELD, FALLEN = 0.05, 0.5
 """Damping at the ends of a band that holds a mode's damping, and of one that has seen it fall, of the largest."""
-LARGEST_OUTSIDE = 0.2
-"""Added mass that damping outside the band may give, of a mode's own, where something can still be said."""
+LARGEST_UNKNOWN = 0.2
+"""Added mass that damping outside the band and between the steps may give, of a mode's own, where enough is known."""
 LARGEST_UNAFLOAT = 0.2
 """Difference of a body's mass from that of the water displaced that a mooring or coarse panels may make."""
 LARGEST_SPIKE = 0.02
@@ -274,45 +274,45 @@ def _smooth(wet: xr.Dataset, size: Sizes) -> tuple[list[Check], list[str]]:
 def _causal(wet: xr.Dataset, size: Sizes) -> tuple[list[Check], list[str]]:
     """Added mass from damping by Kramers and Kronig, of modes whose damping the band holds or has seen fall by half.
 
-    What the steps of frequency do to the integral is its change when every other one is left out. Where the band does
-    not hold the damping, what may lie outside widens the limit, of each mode by itself; ends of the band are left out.
+    What the steps of frequency do to the integral is its change when every other one is left out. Where that is not
+    little, or the band does not hold the damping, both errors widen the limit, of each mode by itself.
     """
     omega, damping = wet.omega.values, wet.radiation_damping.values
     if len(omega) < 10:
         return [], [f"not checked: kramers_kronig, which needs ten frequencies; received {len(omega)}"]
     own = np.abs(np.einsum("wii->wi", damping))
-    held = np.maximum(own[0], own[-1]) <= HELD * size.damping
-    fallen = np.maximum(own[0], own[-1]) <= FALLEN * size.damping
+    ends = np.maximum(own[0], own[-1]) / size.damping
     change = DampingSpectrum(omega, damping).added_mass_difference(omega)
     fewer = slice(1 - len(omega) % 2, None, 2)  # the last one stays
     coarse = DampingSpectrum(omega[fewer], damping[fewer]).added_mass_difference(omega) - change
-    resolved = np.abs(np.einsum("wii->wi", coarse)).max(axis=0) <= quality.LARGEST_LIMIT_DIFFERENCE * size.added_mass
+    steps = np.abs(np.einsum("wii->wi", coarse)).max(axis=0) / size.added_mass
+    outside = _outside(omega, own) / size.added_mass
+    exact = (ends <= HELD) & (steps <= quality.LARGEST_LIMIT_DIFFERENCE)
+    wider = outside + 2 * steps
+    lasts = (ends > FALLEN) | ((ends > HELD) & (outside > LARGEST_UNKNOWN).all(axis=0))
+    roughly = ~exact & (ends <= FALLEN) & (wider <= LARGEST_UNKNOWN).any(axis=0)
+    names, kept = wet.influenced_dof.values, np.flatnonzero((exact | roughly) & size.wet)
+    notes = [
+        f"not checked: kramers_kronig of {', '.join(names[left])}, whose damping {why}"
+        for left, why in (
+            (size.wet & ~exact & ~roughly & lasts, "lasts beyond the band"),
+            (size.wet & ~exact & ~roughly & ~lasts, "needs smaller steps of frequency"),
+        )
+        if left.any()
+    ]
+    if not kept.size:
+        return [], notes
     limit = wet.added_mass.values - change
     known = wet.added_mass_inf.values if "added_mass_inf" in wet else np.median(limit, axis=0)
     root = np.sqrt(size.added_mass)
     error = np.abs(limit - known) / np.outer(root, root)
-    error[:, ~(held[:, None] & held)] = 0.0
-    outside = _outside(omega, own) / size.added_mass
-    told = outside <= LARGEST_OUTSIDE
-    roughly = fallen & ~held & told.any(axis=0)
-    for i in np.flatnonzero(roughly):
-        error[:, i, i] = np.where(told[:, i], np.abs(limit - known)[:, i, i] / size.added_mass[i] - outside[:, i], 0.0)
-    kept = np.flatnonzero((held | roughly) & resolved & size.wet)
-    names = wet.influenced_dof.values
-    notes = [
-        f"not checked: kramers_kronig of {', '.join(names[left & size.wet])}, whose damping {why}"
-        for left, why in (
-            (~(held | roughly), "lasts beyond the band"),
-            ((held | roughly) & ~resolved, "needs smaller steps of frequency"),
-        )
-        if (left & size.wet).any()
-    ]
-    if not kept.size:
-        return [], notes
+    single = np.einsum("wii->wi", error)
+    error = np.where(np.outer(exact, exact), error, 0.0)
+    error[:, roughly, roughly] = np.where(wider <= LARGEST_UNKNOWN, np.maximum(single - wider, 0.0), 0.0)[:, roughly]
     error = error[:, kept[:, None], kept]
     text = f"added mass follows from damping; {_where(wet.isel(influenced_dof=kept), error)}"
-    if (roughly & resolved & size.wet).any():
-        text += f"; less what damping outside the band may add in {', '.join(names[roughly & resolved & size.wet])}"
+    if (roughly & size.wet).any():
+        text += f"; of {', '.join(names[roughly & size.wet])} only what exceeds the error of band and steps"
     return [
         check_at_most("kramers_kronig", error.max(), quality.LARGEST_LIMIT_DIFFERENCE, "-", text, doubt=True)
     ], notes
