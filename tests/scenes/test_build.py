@@ -1,5 +1,6 @@
 """The scene of one design in one sea, from the files of a finished study, by its model."""
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -8,16 +9,17 @@ import pytest
 from conftest import only_run, varied
 
 from vsb.errors import DatabaseError
+from vsb.hydro.statespace import RadiationModel
+from vsb.motion.bodies import Memory
 from vsb.motion.forces import Damper, Spring
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.take_off import TakeOff
 from vsb.scenes import build
 from vsb.scenes.afloat import linear_buoy
-from vsb.scenes.build import SCENES, _dampers
+from vsb.scenes.build import SCENES, _dampers, check_followed
 from vsb.scenes.pause import NEAR, BestPause
 from vsb.scenes.rest import design_motions
-from vsb.study.body import BodyDesign
 from vsb.study.body_specs import BodySimulateSpec
 from vsb.study.plan import StudyPlan
 from vsb.study.take_off import Pto
@@ -218,42 +220,6 @@ SEAS = [RegularWave(kind="regular", amplitude=0.1 * i, period=2.0 + i, direction
 
 
 @pytest.mark.parametrize("others", [(), SEAS[1:]])
-@pytest.mark.parametrize("law", ["linear", "saturated", "latching"])
-def test_a_body_in_its_sea_has_a_damper_of_the_seas_named_or_of_its_own(monkeypatch, others, law):
-    """Its waves go where they go; a take-off that switches is put in, and one that pauses is released."""
-    tuned, made = [], []
-    monkeypatch.setattr(build, "stored_body", lambda path: Floating())
-    monkeypatch.setattr(build, "study_sea", lambda run, wave, ds: (wave.label, ds))
-    monkeypatch.setattr(build, "body_memory", lambda path: path)
-    monkeypatch.setattr(
-        build, "tuned_take_off", lambda *given: tuned.append(given) or LinearPto(66.0, 2.0, given[2].port)
-    )
-    scene = Scene(
-        ("Heave", "Pitch"), np.eye(2), {"hydrostatic": Spring(np.eye(2)), "pto": Damper(np.eye(2))}, np.eye(2)
-    )
-    monkeypatch.setattr(build, "body_scene", lambda *given: made.append(given) or scene)
-    monkeypatch.setattr(build, "best_pair_in_sea", lambda *given: (77.0, BestPause(0.5, 8.0, 0.2)))
-    monkeypatch.setattr(build, "_dampers", lambda *given: given)
-    pto = Pto(tuning="each", law=law, force_limit=3e3)
-    designs = {"held": BodyDesign(dofs=("Heave",))}
-    run = SimpleNamespace(designs=designs, waves=SEAS[:1], seas=others, pto=pto, simulation=None)
-    found = build.body_design(run, {"database": "db", "radiation": "memory"})
-    ((given, design, afloat, seas),) = tuned
-    assert (given, design) == (pto, "held")
-    np.testing.assert_array_equal(afloat.port, [1.0, 0.0])
-    assert seas == [(wave, (wave.label, "database")) for wave in others or SEAS[:1]]
-    ((body, memory, waves, motions),) = made
-    assert (body.pto.damping, body.pto.stiffness, memory) == (66.0, 2.0, "memory")
-    assert waves == {np.deg2rad(20.0): (SEAS[0].label, "database")}
-    np.testing.assert_array_equal(motions, [[1.0], [0.0]])
-    pauses = {"pause": 0.5, "pause_power": 8.0, "pause_within": 0.2} if law == "latching" else {}
-    assert found.notes == {"model": "linear", "tuned_damping": 77.0 if pauses else 66.0, **pauses}
-    assert found.scene.law.limit == 3e3
-    assert (found.scene.law.pause, found.scene.law.damping) == ((0.5, 77.0) if pauses else (0.0, 66.0))
-    assert (found.shape, found.sea, found.spectrum) == (None, (SEAS[0].label, "database"), "spectrum")
-
-
-@pytest.mark.parametrize("others", [(), SEAS[1:]])
 @pytest.mark.parametrize("tuning", ["fixed", "one"])
 def test_a_buoy_in_its_sea_has_a_damper_of_the_seas_named_or_of_its_own(monkeypatch, others, tuning):
     tuned, told = [], []
@@ -284,26 +250,6 @@ def test_a_buoy_in_its_sea_has_a_damper_of_the_seas_named_or_of_its_own(monkeypa
     assert (at.buoy.pto.damping, at.buoy.pto.stiffness) == (66.0, 2.0)
     assert at.notes == {"linear": 1.0} | ({} if tuning == "fixed" else {"tuned_damping": 66.0})
     assert at.with_scene("scene", {"a": 2}, {"linear": 3.0}).notes == {**at.notes, "a": 2, "linear": 3.0}
-
-
-def test_a_memory_is_read_as_it_was_stored_of_the_file_asked_for(monkeypatch):
-    """Its matrices in their order, of a body with its added mass at infinite frequency."""
-    rng, asked = np.random.default_rng(2), []
-    parts = {
-        "state_matrix": rng.normal(size=(3, 3)),
-        "input_matrix": rng.normal(size=(3, 2)),
-        "channel": rng.normal(size=3),
-        "added_mass_inf": rng.normal(size=(2, 2)),
-    }
-    stored = SimpleNamespace(**{name: SimpleNamespace(values=values) for name, values in parts.items()})
-    monkeypatch.setattr(build, "load", lambda path, expected: asked.append((path, expected)) or stored)
-    monkeypatch.setattr(build, "RadiationModel", lambda *given: given)
-    model, memory = build.radiation_model("some/ab12.nc"), build.body_memory("other/cd34.nc")
-    assert asked == [("some/ab12.nc", "ab12"), ("other/cd34.nc", "cd34")]
-    for found in (model, memory[0]):
-        for one, name in zip(found, ("state_matrix", "input_matrix", "channel"), strict=True):
-            assert one is parts[name]
-    assert memory[1] is parts["added_mass_inf"]
 
 
 @pytest.mark.parametrize("model", ["linear", "body_exact"])
@@ -383,3 +329,15 @@ def test_a_run_of_a_buoy_is_by_its_model_and_one_of_a_body_by_its_own(monkeypatc
     run, body = SimpleNamespace(hydro=SimpleNamespace(model=model)), BodySimulateSpec.model_construct()
     assert build.design_in_sea(run, {"database": "db"}) == (model, run, {"database": "db"})
     assert build.design_in_sea(body, {"database": "db"}) == ("body", body, {"database": "db"})
+
+
+def test_a_sea_may_not_have_its_waves_where_the_memory_does_not_follow():
+    memory = Memory(RadiationModel(np.array([[-0.5]]), np.ones((1, 1)), np.ones(1)), np.eye(1), up_to=2.0)
+    for high, refused in ((1e-4, False), (2e-3, True)):
+        waves = Sea(np.array([1.0, 3.0]), np.sqrt([1.0, high]).astype(complex))
+        with (
+            pytest.raises(DatabaseError, match=r"up to 2 rad/s, but 0\.2 % of the variance of sea")
+            if refused
+            else nullcontext()
+        ):
+            check_followed(memory, waves, "sea")

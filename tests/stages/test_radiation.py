@@ -107,6 +107,7 @@ def test_the_memory_of_a_body_is_stored_with_its_limit_its_history_and_its_kerne
                 error=0.0123,
                 added_mass_inf=np.array([[3.0, 1.0], [1.0, 8.0]]),
                 history="as it was repaired",
+                up_to=np.inf,
             )
 
     monkeypatch.setattr(radiation, "load_database", lambda path, identity: asked.append((path, identity)) or ds)

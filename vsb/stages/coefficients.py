@@ -15,7 +15,7 @@ from vsb.hydro.formats.modes import volume_of
 from vsb.hydro.formats.sources import read_source, source_checks
 from vsb.hydro.repairs import repaired, told, with_symmetric_stiffness
 from vsb.motion.bodies import LinearBody
-from vsb.scenes.body import check_water, complete_body, with_hydrostatics, within_band
+from vsb.scenes.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
 from vsb.stages.stage import stamp
 from vsb.study.body import Body
 from vsb.study.body_file import BodyFile
@@ -73,12 +73,14 @@ def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
         If matrices or degrees of freedom are missing, or a check fails that the study does not accept.
     """
     found = with_hydrostatics(spec.body, found)
+    if "positive_damping" not in spec.repair:
+        found = without_negative_ends(found, chosen(spec.dofs, list(map(str, found.influenced_dof.values))))
     body = complete_body(spec.body, spec.dofs, found)
     kept = list(body.labels)
-    chosen = found.sel(influenced_dof=kept, radiating_dof=kept)
     checks, unseen = source_checks(found, kept)
-    checks = [check for check in of_own_mass(checks, spec.body, body) if check.name != "hydrostatic_symmetry"]
-    checks += with_symmetric_stiffness(chosen)[1]  # of what is kept, whatever is stored of all
+    _, symmetry = with_symmetric_stiffness(found.sel(influenced_dof=kept, radiating_dof=kept))
+    known = (check for check in of_own_mass(checks, spec.body, body) if check.name != "hydrostatic_symmetry")
+    checks = [*known, *symmetry]  # of what is kept, whatever is stored of all
     mended, repairs = repaired(body.database, spec.repair)
     ds = mended.assign(structural_damping_matrix=(PAIR, body.structural_damping))
     return Judged(body, ds, quality.judged([*told(checks, spec.repair), *repairs], spec.accept, REMEDY), unseen)
