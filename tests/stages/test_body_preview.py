@@ -314,7 +314,7 @@ def test_a_summary_tells_whether_the_database_is_there_and_where_its_numbers_are
     own = BodyPlan(located(READ, "a.yaml").study, root=str(tmp_path), files={"wamit": "run/raft"})
     body = SimpleNamespace(labels=("Heave", "Yaw"), database=xr.Dataset(coords={"omega": [0.25, 0.5, 2.0]}))
     moves = SimpleNamespace(motions={"b": np.eye(2), "a": np.eye(2)[:, :1]})
-    monkeypatch.setattr(body_preview, "body_before_run", lambda plan: body)
+    monkeypatch.setattr(body_preview, "checked_body", lambda plan: (body, []))
     monkeypatch.setattr(body_preview, "body_afloat", lambda *given: moves)
     monkeypatch.setattr(
         body_preview, "seas_checks", lambda *given: [SimpleNamespace(line="one"), SimpleNamespace(line="two")]

@@ -3,11 +3,9 @@
 import json
 
 import pytest
-import xarray as xr
 
 from tests.hydro.formats.test_foreign import sound
 from vsb.errors import ConfigError
-from vsb.hydro.database import Check
 from vsb.hydro.formats.bemio import bemio_entries, write_h5
 from vsb.hydro.formats.wamit import wamit_texts
 from vsb.stages import exchange
@@ -55,29 +53,3 @@ def test_facts_that_cannot_be_are_refused_before_any_file_is_read(tmp_path, monk
     with pytest.raises(ConfigError, match=rf"^--{option}: received {value}, needs a positive number of {unit}"):
         imported()
     assert asked == []
-
-
-@pytest.mark.parametrize("axisymmetric", [False, True])
-@pytest.mark.parametrize("form", ["wamit", "bemio"])
-def test_what_was_left_out_of_a_file_and_of_its_checks_is_told_and_what_to_look_at_where_one_fails(
-    tmp_path, monkeypatch, form, axisymmetric
-):
-    """In the words of the program the file is of."""
-    asked, ds = [], xr.Dataset(attrs={"history": "left out of the file"})
-    checks = [Check(name, 0.0, 1.0, "-", name, "") for name in ("ok", "doubt", "fail")]
-    monkeypatch.setattr(exchange.wamit, "import_wamit", lambda *given, **facts: asked.append((given, facts)) or ds)
-    monkeypatch.setattr(exchange.bemio, "read_bemio", lambda path: asked.append(path) or ds)
-    monkeypatch.setattr(exchange.foreign, "foreign_checks", lambda _, *, axisymmetric: (checks, [str(axisymmetric)]))
-    monkeypatch.setattr(exchange.foreign, "causes", lambda check, words: (check.name, words))
-    out = str(tmp_path / "a.nc")
-    if form == "wamit":
-        found = import_wamit("folder", "buoy", out, axisymmetric=axisymmetric, **WATER)
-        assert asked == [(("folder", "buoy"), {"labels": None, **WATER})]
-        words = exchange.foreign.WAMIT_WORDS
-    else:
-        found = import_bemio("buoy.h5", out, axisymmetric=axisymmetric)
-        assert asked == ["buoy.h5"]
-        words = exchange.foreign.BEMIO_WORDS
-    notes = ["left out of the file", str(axisymmetric)]
-    assert found == (checks, notes, [("doubt", words), ("fail", words)])
-    assert load(out).attrs["history"] == "; ".join(notes)

@@ -65,12 +65,13 @@ def checked_body(plan: BodyPlan) -> tuple[LinearBody, list[Check]]:
             )
     for i, wave in enumerate(study.waves):
         check_wave(i, wave, body)
-    if not plan.solves:
-        seas = [(wave, study_sea(study, wave, body.database)) for wave in study.waves]
-        for design in floating.motions:
-            met(floating, design, seas)  # whose ports absorb where the seas are
     study.check_dampers()
     check_stored(plan)
+    moving = [wave for wave in study.waves if not isinstance(wave, StillWater)]
+    if moving and not plan.solves:
+        seas = [(wave, study_sea(study, wave, body.database)) for wave in moving]
+        for design in floating.motions:
+            met(floating, design, seas)  # which refuses ports that give out energy where the seas are
     return body, checks
 
 

@@ -320,7 +320,7 @@ BROKEN = {
     "empty": ({**FOREIGN, ".3": "header\n"}, r"buoy\.3: holds no data; needs lines PER BETA I"),
     "stiffness": (edited(".hst", "     9     3  -1.000000E+00\n", ""), r"buoy\.hst: no line starts with \(9, 3\)"),
     "stiffness twice": (edited(".hst", "     9     3", "     3     9"), r"buoy\.hst, line 5: .*repeats an earlier line"),
-    "stiffness nan": (edited(".hst", "7.000000E+00", "NaN"), r"buoy\.hst: the line that starts with .* holds NaN; needs numbers"),
+    "stiffness nan": (edited(".hst", "7.000000E+00", "NaN"), r"buoy\.hst, line 3: .*is not of 3 finite numbers; needs numbers I J C"),
 }  # fmt: skip
 
 

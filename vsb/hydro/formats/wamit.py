@@ -291,7 +291,8 @@ def _table(path: str, lines: list[str], modes: tuple[int, ...], counts: tuple[in
 
 def _problem(row: list[float], modes: tuple[int, ...], counts: tuple[int, ...]) -> str:
     """What is wrong with a line; phases are not read: WAMIT's are arbitrary where symmetry makes forces zero."""
-    if len(row) not in counts or any(map(math.isinf, row)) or any(map(math.isnan, row[: modes[-1] + 1])):
+    known = row[: modes[-1] + 1] if len(row) in (4, 5, 7) and modes[0] > 0 else row  # coefficients of waves may be NaN
+    if len(row) not in counts or any(map(math.isinf, row)) or any(map(math.isnan, known)):
         return f"is not of {' or '.join(map(str, counts))} finite numbers"
     if any(row[k] % 1 or row[k] < 1 for k in modes):
         return "has mode numbers that are not whole and from 1"
