@@ -193,23 +193,6 @@ def test_a_database_of_another_study_is_not_exported_as_the_studys_own(finished,
     assert len(list(Path("out").iterdir())) == len(FORMATS)
 
 
-def test_files_for_other_codes_are_named_after_the_database_or_the_study(tmp_path, monkeypatch, capsys):
-    """Of a study it must be its own, whose id it is named by; of a file it is whatever it is."""
-    given = []
-    exported = "vsb.hydro.formats.exchange.export"
-    monkeypatch.setattr(exported, lambda *args, **known: given.append((*args, known)) or ["a.1", "b.h5"])
-    monkeypatch.chdir(tmp_path)
-    Path("file.yaml").write_text(yaml.safe_dump({**yaml.safe_load(SEED.read_text()), "study": "named"}))
-    stored = Path(StudyPlan(load("file.yaml")).database_path)
-    for config in ("there/of.a.buoy.nc", "file.yaml"):
-        assert main(["export", config, "out"]) == 0
-        assert capsys.readouterr().out == "a.1\nb.h5\n"
-    assert given == [
-        (Path("there/of.a.buoy.nc"), "out", "of.a.buoy", {}),
-        (stored, "out", "named", {"expected_id": stored.stem}),
-    ]
-
-
 LONG = [["export", "study.yaml"], ["body", "study.yaml"], ["shape-dependence", "study.yaml"]]
 
 
