@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 from hypothesis import settings
 from scipy.integrate import solve_ivp
@@ -272,3 +273,26 @@ def radiation_of(buoy_of):
         return cache[key]
 
     return fit
+
+
+@pytest.fixture(scope="session")
+def ball(tmp_path_factory):
+    """A floating hemisphere of 1 m as capytaine solves and writes it, with all that `fill_dataset` may be asked.
+
+    It turns about a point 0.3 m below its centre of mass.
+    """
+    import capytaine as cpt  # a second, which other tests do not wait for
+
+    mesh = cpt.mesh_sphere(radius=1.0, resolution=(8, 8)).immersed_part()
+    body = cpt.FloatingBody(
+        mesh, lid_mesh=mesh.generate_lid(), dofs=cpt.rigid_body_dofs(rotation_center=(0, 0, -0.5)),
+        center_of_mass=(0, 0, -0.2), name="ball",
+    )  # fmt: skip
+    body.inertia_matrix = body.compute_rigid_body_inertia()
+    body.hydrostatic_stiffness = body.compute_hydrostatic_stiffness()
+    asked = {"omega": [0.0, *np.linspace(0.5, 6.0, 12), np.inf], "wave_direction": np.radians([0.0, 90.0, 180.0])}
+    water = {"radiating_dof": list(body.dofs), "water_depth": [np.inf], "rho": [1025.0]}
+    ds = cpt.BEMSolver().fill_dataset(xr.Dataset(coords=asked | water), body, hydrostatics=True, progress_bar=False)
+    path = tmp_path_factory.mktemp("capytaine") / "ball.nc"
+    cpt.export_dataset(path, ds)
+    return path

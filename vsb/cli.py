@@ -106,16 +106,17 @@ def shell(args: argparse.Namespace) -> int:
 
 def export(args: argparse.Namespace) -> int:
     """Write the hydro database of a study, or a database file, for other codes: WAMIT's files and WEC-Sim's .h5."""
-    from vsb.hydro.formats import exchange as interchange
+    from vsb.hydro.formats.exchange import exported
 
     if (path := Path(args.config)).suffix == ".nc":
-        files = interchange.export(path, args.folder, path.stem, inputs=[path])
-    else:
-        plan = with_degree(StudyPlan(load(args.config)))
-        stored = Path(plan.database_path)
-        inputs = [*_inputs(args), stored]
-        files = interchange.export(stored, args.folder, plan.name, expected_id=stored.stem, inputs=inputs)
-    print(*files, sep="\n")
+        print(*exported(path, args.folder, path.stem, inputs=[path]), sep="\n")
+        return 0
+    plan = plan_of(args.config)
+    if isinstance(plan, CampaignPlan):
+        raise ConfigError(f"{args.config}: received a campaign, needs a study, or one database file")
+    stored = Path(plan.database_path)
+    inputs = [*_inputs(args), stored]
+    print(*exported(stored, args.folder, plan.name, stored.stem, inputs), sep="\n")
     return 0
 
 

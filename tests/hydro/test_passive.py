@@ -10,6 +10,7 @@ from vsb.hydro import passive
 from vsb.hydro.passive import (
     RadiationSamples,
     entry_error,
+    fit_lowest,
     fit_passive,
     sizes,
 )
@@ -154,6 +155,23 @@ def test_damping_sampled_slightly_negative_is_repaired_and_told():
     assert 3e-3 < fit.error < 0.02
     assert "least eigenvalue of the damping given" in fit.history
     assert is_passive(fit.model)
+
+
+def test_irregular_frequencies_at_the_end_of_a_band_leave_a_memory_of_what_lies_below():
+    """Damping in the last fifth goes up and down by its largest."""
+    model = reciprocal(6, 2, 2, 3)
+    sound = samples(model)
+    ragged = np.where(sound.omega > 0.8 * sound.omega[-1], 0.5 * (1 + np.cos(np.arange(len(sound.omega)) * 2.5)), 0.0)
+    spoiled = replace(sound, damping=sound.damping + ragged[:, None, None] * np.diag(sound.size**2))
+    with pytest.raises(ConvergenceError):
+        fit_passive(spoiled, 1e-3)
+    fit = fit_lowest(spoiled, 1e-3)
+    assert 0.5 * sound.omega[-1] < fit.up_to <= 0.8 * sound.omega[-1]
+    assert "above which no passive memory follows the coefficients" in fit.history
+    below = sound.omega <= fit.up_to
+    missed = fit.model.transfer(sound.omega[below]) - model.transfer(sound.omega[below])
+    assert np.abs(missed / np.outer(sound.size, sound.size)).max() < 5e-3
+    assert fit_lowest(sound, 1e-3).up_to == np.inf
 
 
 def test_a_wrong_limit_is_found_and_told():

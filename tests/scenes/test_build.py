@@ -1,14 +1,19 @@
 """The scene of one design in one sea, from the files of a finished study."""
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 from conftest import only_run, varied
 
 from vsb.errors import DatabaseError
+from vsb.hydro.statespace import RadiationModel
+from vsb.motion.bodies import Memory
 from vsb.scenes.afloat import linear_buoy
-from vsb.scenes.build import SCENES
+from vsb.scenes.build import SCENES, check_followed
 from vsb.scenes.rest import design_motions
 from vsb.study.plan import StudyPlan
+from vsb.waves.seas import Sea
 
 
 def built(plan, design, **changes):
@@ -93,3 +98,15 @@ def test_assumed_pressure_with_force_and_stroke_limits(seed):
     assert (law.damping, law.stiffness, law.limit) == (8e3, 2e4, 3e3)
     assert found.scene.stop.stroke == 0.2
     assert law.rest == found.scene.stop.rest == pytest.approx(float(found.scene.rest[0]))
+
+
+def test_a_sea_may_not_have_its_waves_where_the_memory_does_not_follow():
+    memory = Memory(RadiationModel(np.array([[-0.5]]), np.ones((1, 1)), np.ones(1)), np.eye(1), up_to=2.0)
+    for high, refused in ((1e-4, False), (2e-3, True)):
+        waves = Sea(np.array([1.0, 3.0]), np.sqrt([1.0, high]).astype(complex))
+        with (
+            pytest.raises(DatabaseError, match=r"up to 2 rad/s, but 0\.2 % of the variance of sea")
+            if refused
+            else nullcontext()
+        ):
+            check_followed(memory, waves, "sea")

@@ -12,6 +12,7 @@ import yaml
 from conftest import SMALL, SMALL_PLAN, told, varied
 
 import vsb
+from vsb.cli import main
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.sources import read_source
 from vsb.results.ladder import study_ladder
@@ -171,3 +172,54 @@ def test_asymmetric_hydrostatic_stiffness_is_symmetrised_and_reported(finished, 
         told = [one for one in json.loads(ds.attrs["quality"]) if one["name"] == "hydrostatic_symmetry"]
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-6 * np.abs(matrix).max())
     assert [(one["verdict"], "between" in one["explanation"]) for one in told] == uneven * [("doubt", True)]
+
+
+FORCES = ("Froude_Krylov_force", "diffraction_force")
+
+
+def of_ball(name, **changes):
+    """A study of a file of capytaine's, written beside it."""
+    study = {
+        "study": name, "body": {"database": f"{name}.nc"}, "designs": {"a": {"dofs": ["Heave", "Pitch"]}},
+        "water": {"density": 1025.0, "gravity": 9.81}, "pto": {"port": {"dof": "Heave"}},
+        "waves": [{"kind": "regular", "amplitude": 0.05, "period": 3.0}],
+        "simulation": {"duration": 60.0, "window": [30.0, 60.0]}, **changes,
+    }  # fmt: skip
+    Path(f"{name}.yaml").write_text(yaml.safe_dump(study))
+    return f"{name}.yaml"
+
+
+def test_conjugated_excitation_stops_a_study_that_keeps_no_surge(ball, tmp_path, monkeypatch, capsys):
+    """Surge, which the study does not use, tells that the file's phases have the other sign."""
+    monkeypatch.chdir(tmp_path)
+    with xr.open_dataset(ball) as ds:
+        turned = {name: ds[name] * xr.DataArray([1.0, -1.0], dims="complex") for name in FORCES}
+        ds.load().to_netcdf("sound.nc")
+        ds.assign(turned).to_netcdf("turned.nc")
+    for name, code in (("sound", 0), ("turned", 2)):
+        assert main(["check", of_ball(name)]) == code
+    assert "check 'phases' failed" in capsys.readouterr().err
+
+
+def test_negative_damping_beyond_the_sea_is_left_out_and_told_and_stops_a_sea_that_reaches_there(
+    ball, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    with xr.open_dataset(ball) as ds:
+        noise = -1e-4 * ds.radiation_damping.max()
+        ds.assign(radiation_damping=ds.radiation_damping.where(ds.omega < 5.2, noise)).load().to_netcdf("late.nc")
+    assert main(["check", of_ball("late")]) == 0
+    assert "left out: 2 frequencies outside 0.5 to 5 rad/s, where damping is negative" in capsys.readouterr().out
+    short = [{"kind": "regular", "amplitude": 0.01, "period": 1.1}]
+    assert main(["check", of_ball("late", waves=short)]) == 2
+    assert "received a frequency of 5.712 rad/s, needs 0.5 to 5 rad/s" in capsys.readouterr().err
+
+
+def test_stiffness_that_a_file_does_not_hold_is_asked_for(ball, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    with xr.open_dataset(ball) as ds:
+        ds.load().drop_vars("hydrostatic_stiffness").to_netcdf("bare.nc")
+    assert main(["check", of_ball("bare")]) == 2
+    assert "body.stiffness: received none, and the body's files hold no hydrostatic" in capsys.readouterr().err
+    given = {"database": "bare.nc", "stiffness": {"Heave": 3e4, "Pitch": 2e3}}
+    assert main(["check", of_ball("bare", body=given)]) == 0

@@ -19,6 +19,7 @@ from vsb.stages.make import make
 from vsb.stages.stored import Results
 from vsb.study.body import load_body
 from vsb.study.body_plan import BodyPlan
+from vsb.tools.files import load
 
 RM3 = Path(__file__).parents[1] / "data" / "rm3"
 HEAVES = ["body1__Heave", "body2__Heave"]
@@ -173,3 +174,14 @@ def test_repaired_capytaine_file_gives_the_power_of_wamits(tmp_path, monkeypatch
     assert checks["positive_damping"]["verdict"] == "doubt"
     assert checks["positive_damping"]["explanation"].endswith("; repaired")
     assert 0.08 < checks["repaired positive_damping"]["value"] < 0.12
+
+
+def test_as_published_its_noise_leaves_a_memory_of_what_lies_below(tmp_path):
+    """0.1 % of added mass is 20 % of the spar's damping: a memory within 2 % of both up to 3 rad/s does not exist."""
+    with chdir(tmp_path):
+        found = load_body(study(tmp_path, wamit(), hydro={"repair": ["positive_damping"], "omega_max": 3.0}))
+        plan = BodyPlan(found.study, files=found.files)
+        make(plan, [plan.database_path, plan.radiation_path])
+        stored = load(plan.radiation_path)
+    assert 2.0 < stored.attrs["up_to"] < 2.9
+    assert "above which no passive memory follows the coefficients" in stored.attrs["history"]

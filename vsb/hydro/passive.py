@@ -11,7 +11,7 @@ K(0+) = G^T P G, added mass and damping come from one K: they are consistent by 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -37,6 +37,9 @@ _FREE = 0.5  # of the tolerance: error of the rational functions before they are
 _REDUCED = 0.7  # of the tolerance: error of them with fewer states
 _STARTS = 12  # values of epsilon, each four times the one before
 _SHORTER = 1.02  # error of fewer states, in terms of that of all of them, where the tolerance is not met
+_PARTS = (1.0, 0.85, 0.7, 0.55, 0.4)  # of the samples, the lowest, fitted one after the other until one is good
+FEWEST = 10
+"""Samples that are fitted where not all can be."""
 _EMPTY = 1e-12  # of the largest energy of a state: it stores none
 
 
@@ -112,6 +115,7 @@ class PassiveFit(NamedTuple):
     changed: float  # largest rms change of an entry by that [-]
     added_mass_inf: FloatArray  # that given, or that fitted (dof, dof) [kg]
     shifted: float = 0.0  # largest change of it by the fit, in terms of the inertia of both motions [-]
+    up_to: float = np.inf  # frequency above which no passive memory follows the samples [rad/s]
 
     @property
     def history(self) -> str:
@@ -123,7 +127,35 @@ class PassiveFit(NamedTuple):
             told.append(f"of its rational fit {self.drawn:.1e}, made passive by a change of {self.changed:.1e}")
         if self.shifted:
             told.append(f"added mass at infinite frequency fitted, a change of {self.shifted:.1e} of the diagonal's")
+        if self.up_to < np.inf:
+            told.append(f"fitted up to {self.up_to:.4g} rad/s, above which no passive memory follows the coefficients")
         return f"radiation memory, in terms of each motion's largest damping: {', '.join(told)}" if told else ""
+
+
+def fit_lowest(samples: RadiationSamples, tolerance: float, *, limit: Limit = "given") -> PassiveFit:
+    """Return the passive model of all samples, or where there is none, of the lowest ones that have one.
+
+    Irregular frequencies and noise, which no passive memory follows, lie at the end of a band; as `fit_passive`.
+    """
+    failure: ConvergenceError | StabilityError | None = None
+    for share in _PARTS:
+        count = round(share * len(samples.omega))
+        if share < 1 and count < FEWEST:
+            break
+        lowest = replace(
+            samples,
+            omega=samples.omega[:count],
+            added_mass=samples.added_mass[:count],
+            damping=samples.damping[:count],
+        )
+        try:
+            fit = fit_passive(lowest, tolerance, limit=limit)
+        except (ConvergenceError, StabilityError) as error:
+            failure = failure or error
+            continue
+        return fit._replace(up_to=float(lowest.omega[-1])) if share < 1 else fit
+    assert failure
+    raise failure
 
 
 def fit_passive(samples: RadiationSamples, tolerance: float, *, limit: Limit = "given") -> PassiveFit:

@@ -17,7 +17,7 @@ from scipy.linalg import eigh, null_space
 from vsb.errors import ConfigError, DatabaseError, StabilityError
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.formats.modes import DRY, Structure, structure
-from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_passive, sizes
+from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_lowest, sizes
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.builders import take_off
@@ -87,8 +87,8 @@ class LinearBody(LinearMotion):
         return RadiationSamples(omega, self.database.added_mass.values, damping, self.added_mass_inf, size)
 
     def memory(self, tolerance: float, *, limit: Limit = "given") -> PassiveFit:
-        """Return the passive radiation memory; see `vsb.hydro.passive.fit_passive`."""
-        return fit_passive(self.samples, tolerance, limit=limit)
+        """Return the passive radiation memory; see `vsb.hydro.passive.fit_lowest`."""
+        return fit_lowest(self.samples, tolerance, limit=limit)
 
     @cached_property
     def _splines(self) -> tuple[CubicSpline, CubicSpline, CubicSpline]:
@@ -227,6 +227,7 @@ class Memory(NamedTuple):
 
     model: RadiationModel
     added_mass_inf: FloatArray  # (dof, dof) [kg]
+    up_to: float = np.inf  # frequency up to which it follows the coefficients [rad/s]
 
 
 def body_scene(

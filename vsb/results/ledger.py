@@ -326,10 +326,12 @@ def worst_first(checks: Sequence[Check]) -> list[Check]:
 def radiation_checks(radiation: xr.Dataset, tolerance: float) -> list[Check]:
     """Return the error and the passivity certificate of the radiation state space."""
     order, error = radiation.attrs["order"], radiation.attrs["fit_error"]
+    band = f"; up to {radiation.attrs['up_to']:.4g} rad/s, no memory follows more" if "up_to" in radiation.attrs else ""
     return [
         check_at_most(
             "radiation_fit", error, tolerance, "-",
-            f"rms error of the {order}-state radiation model, each mode relative to its largest damping", doubt=True,
+            f"rms error of the {order}-state radiation model, each mode relative to its largest damping{band}",
+            doubt=True,
         ),
         check_at_most(
             "passivity", max(0.0, -radiation.attrs["passivity_margin"]), 1e-12, "-",

@@ -10,6 +10,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.database import with_symmetrized
+from vsb.hydro.formats.foreign import sizes
 from vsb.hydro.formats.modes import DRY, structure, volume_of
 from vsb.hydro.repairs import with_symmetric_stiffness
 from vsb.motion.bodies import LinearBody, linear_body
@@ -42,6 +43,48 @@ def within_band(ds: xr.Dataset, omega_max: float | None) -> xr.Dataset:
         return ds
     told = f"{ds.attrs.get('history', '')}; left out: {np.count_nonzero(~kept)} frequencies".lstrip("; ")
     return ds.isel(omega=np.flatnonzero(kept)).assign_attrs(history=told)
+
+
+def without_negative_ends(ds: xr.Dataset, labels: Sequence[str]) -> xr.Dataset:
+    """Return a database without the frequencies at the ends of its band where a motion's own damping is not positive.
+
+    That is noise of files of others where hardly any waves are made; no sea need reach there, and the history tells.
+    Where fewer than four frequencies would be left, or damping is negative inside, the database stays as it is.
+    """
+    part = ds.sel(influenced_dof=list(labels), radiating_dof=list(labels))
+    own = np.einsum("wii->wi", part.radiation_damping.values)[:, sizes(part).wet]
+    good = np.flatnonzero((own > 0).all(axis=1))
+    if len(good) == len(own) or len(good) < FEWEST:
+        return ds
+    kept = np.arange(good[0], good[-1] + 1)
+    if len(kept) == len(own):
+        return ds
+    first, last = ds.omega.values[kept[[0, -1]]]
+    told = (
+        f"left out: {len(own) - len(kept)} frequencies outside {first:g} to {last:g} rad/s, where damping is negative"
+    )
+    history = f"{ds.attrs.get('history', '')}; {told}".lstrip("; ")
+    return ds.isel(omega=kept).assign_attrs(history=history)
+
+
+def with_hydrostatics(body: Body, ds: xr.Dataset) -> xr.Dataset:
+    """Return a database with hydrostatic stiffness: none where files hold none and the study's is all there is.
+
+    Raises
+    ------
+    ConfigError
+        If neither files nor study have a stiffness.
+    """
+    if "hydrostatic_stiffness" in ds:
+        return ds
+    if body.stiffness is None:
+        raise ConfigError(
+            "body.stiffness: received none, and the body's files hold no hydrostatic stiffness; needs that of still "
+            "water and mooring in N/m, of rotations in N m (or capytaine's fill_dataset with hydrostatics=True)"
+        )
+    none = np.zeros((ds.sizes["influenced_dof"],) * 2)
+    told = f"{ds.attrs.get('history', '')}; no hydrostatic stiffness: the study's is all there is".lstrip("; ")
+    return ds.assign(hydrostatic_stiffness=(PAIR, none)).assign_attrs(history=told)
 
 
 def complete_body(body: Body, dofs: Sequence[str] | None, ds: xr.Dataset) -> LinearBody:

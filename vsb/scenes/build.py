@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vsb.errors import DatabaseError
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.bodies import Memory, body_scene
@@ -42,6 +43,8 @@ from vsb.tools.files import load
 from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea, expected, sea
 
+UNFOLLOWED = 1e-3
+"""Share of a sea's variance that may lie where a radiation memory does not follow the coefficients."""
 LIGHTEST = 0.01
 """Of the best damper alone: the least one tried with a pause."""
 TUNED = "tuned_damping"
@@ -200,7 +203,9 @@ def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     going = float(np.deg2rad(heading(wave)))
     motions = floating.motions[design]
     equipped = replace(body, pto=pto)
-    scene = body_scene(equipped, body_memory(paths["radiation"]), {going: waves}, motions)
+    memory = body_memory(paths["radiation"])
+    check_followed(memory, waves, wave.label)
+    scene = body_scene(equipped, memory, {going: waves}, motions)
     scene = with_take_off(scene, run.pto, pto)
     if run.pto.pauses and scene.law:
         damper, best, tuned = _paused(scene, run, waves, equipped, motions)
@@ -209,11 +214,29 @@ def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     return DesignInSea(scene, None, waves, body.spectrum, notes)
 
 
+def check_followed(memory: Memory, waves: Sea, label: str) -> None:
+    """Check that a memory follows the coefficients where a sea has its waves.
+
+    Raises
+    ------
+    DatabaseError
+        If more than `UNFOLLOWED` of the variance of the sea lies above.
+    """
+    squares = np.abs(waves.amplitude) ** 2
+    beyond = float(squares[waves.omega > memory.up_to + 1e-9].sum() / (squares.sum() or 1.0))
+    if beyond > UNFOLLOWED:
+        raise DatabaseError(
+            f"radiation memory: follows the coefficients up to {memory.up_to:.4g} rad/s, but {100 * beyond:.2g} % of "
+            f"the variance of {label} lies above; needs coefficients without irregular frequencies there (smaller "
+            "panels, smaller steps of frequency), or longer waves"
+        )
+
+
 def body_memory(path: str) -> Memory:
     """Return the radiation memory of a body as it was stored, with its added mass at infinite frequency."""
     ds = load(path, expected=Path(path).stem)
     model = RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
-    return Memory(model, ds.added_mass_inf.values)
+    return Memory(model, ds.added_mass_inf.values, float(ds.attrs.get("up_to", np.inf)))
 
 
 def assumed_pressure_design(run: SimulateSpec, _: dict[str, Any]) -> DesignInSea:

@@ -1,5 +1,6 @@
 """What can be said of a study of a body before anything is solved: its files, its rest, its seas, its cost."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,13 +9,14 @@ from vsb.errors import ConfigError, StabilityError
 from vsb.hydro import database, quality
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.study import check_solvable, mesh_checks
+from vsb.hydro.database import Check
 from vsb.hydro.formats.sources import read_source
 from vsb.hydro.repairs import check_repairable
 from vsb.motion.bodies import LinearBody, direction_index
 from vsb.motion.frequency import allowed_part, compliance
 from vsb.results import ledger
 from vsb.results.body_ledger import seas_checks
-from vsb.scenes.afloat import body_afloat
+from vsb.scenes.afloat import body_afloat, met, study_sea
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
 from vsb.study.body_file import BodyFile
@@ -25,7 +27,12 @@ from vsb.tools.files import load
 
 
 def body_before_run(plan: BodyPlan) -> LinearBody:
-    """Return the body of a study, of what is known before it is solved, after checking what would fail later.
+    """Return the body of a study, of what is known before it is solved; see `checked_body`."""
+    return checked_body(plan)[0]
+
+
+def checked_body(plan: BodyPlan) -> tuple[LinearBody, list[Check]]:
+    """Return the body of a study and the checks of its files, known before it is solved, after what would fail later.
 
     Raises
     ------
@@ -39,11 +46,11 @@ def body_before_run(plan: BodyPlan) -> LinearBody:
         ds = within_band(dry_database(mesh, source.file), study.hydro.omega_max)
         body = complete_body(source, study.dofs, ds)
         check_repairable(study.hydro.repair, body.database.omega.values)
-        quality.judged(of_own_mass(mesh_checks(source.file, mesh), source, body), study.hydro.accept, REMEDY)
+        checks = quality.judged(of_own_mass(mesh_checks(source.file, mesh), source, body), study.hydro.accept, REMEDY)
     else:
         ds = read_source(source.kind, files[source.kind], study.water, source.length)
         check_water(study.water, ds)
-        body = judged(plan.database, within_band(ds, study.hydro.omega_max)).body
+        body, _, checks, _ = judged(plan.database, within_band(ds, study.hydro.omega_max))
     floating = body_afloat(study, body)
     for design, motions in floating.motions.items():
         held = body.held + study.pto.stiffness * np.outer(floating.port, floating.port)
@@ -61,7 +68,12 @@ def body_before_run(plan: BodyPlan) -> LinearBody:
         check_wave(i, wave, body)
     study.check_dampers()
     check_stored(plan)
-    return body
+    moving = [wave for wave in study.waves if not isinstance(wave, StillWater)]
+    if moving and not plan.solves:
+        seas = [(wave, study_sea(study, wave, body.database)) for wave in moving]
+        for design in floating.motions:
+            met(floating, design, seas)  # which refuses ports that give out energy where the seas are
+    return body, checks
 
 
 def check_wave(i: int, wave: Wave, body: LinearBody) -> None:
@@ -98,7 +110,7 @@ def check_stored(plan: BodyPlan) -> None:
 
 def body_summary(plan: BodyPlan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
-    body, study = body_before_run(plan), plan.study
+    (body, checks), study = checked_body(plan), plan.study
     floating, omega = body_afloat(study, body), body.database.omega.values
     there = " (there)" if Path(plan.database_path).exists() else ""
     designs = (f"{name} moves in {motions.shape[1]}" for name, motions in floating.motions.items())
@@ -109,5 +121,7 @@ def body_summary(plan: BodyPlan) -> list[str]:
         f"{'solved of the mesh' if plan.solves else 'read from ' + plan.files[study.body.kind]}",
         f"database     {plan.database_path}{there}",
     ]
-    checks = [*ledger.angle_checks(study), *seas_checks(study, body.database)]
-    return [*lines, *(check.line for check in checks)]
+    lines += [part for part in str(body.database.attrs.get("history", "")).split("; ") if part.startswith("left out")]
+    doubts = [replace(check, name=f"hydro {check.name}") for check in checks if check.verdict != "ok"]
+    told = [*doubts, *ledger.angle_checks(study), *seas_checks(study, body.database)]
+    return [*lines, *(check.line for check in told)]

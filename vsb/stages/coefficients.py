@@ -10,12 +10,12 @@ from vsb.hydro import database, quality
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.study import solved
 from vsb.hydro.database import Check
-from vsb.hydro.formats.foreign import afloat_checks
+from vsb.hydro.formats.foreign import LARGEST_UNAFLOAT, afloat_checks
 from vsb.hydro.formats.modes import volume_of
 from vsb.hydro.formats.sources import read_source, source_checks
 from vsb.hydro.repairs import repaired, told, with_symmetric_stiffness
 from vsb.motion.bodies import LinearBody
-from vsb.scenes.body import check_water, complete_body, within_band
+from vsb.scenes.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
 from vsb.stages.stage import stamp
 from vsb.study.body import Body
 from vsb.study.body_file import BodyFile
@@ -23,8 +23,18 @@ from vsb.study.body_specs import BodySpec
 from vsb.study.quantities import of_bodies
 from vsb.tools.units import PAIR
 
-_KEPT = ("displaced_volume", "centre_of_buoyancy", "centre_of_mass", "bem_seconds", "symmetry", "history")
+_KEPT = (
+    "displaced_volume",
+    "centre_of_buoyancy",
+    "centre_of_mass",
+    "rotation_centre",
+    "bem_seconds",
+    "symmetry",
+    "history",
+)
 """Facts of the database read or solved that stay."""
+_UNAFLOAT = 0.05
+"""Difference of mass and water displaced beyond which a body does not float, of one that is meshed here."""
 REMEDY = "use smaller panels or other frequencies, keep fewer of them (hydro.omega_max), repair it (hydro.repair)"
 """What helps a body of which a check fails."""
 
@@ -63,11 +73,15 @@ def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
     ConfigError, DatabaseError
         If matrices or degrees of freedom are missing, or a check fails that the study does not accept.
     """
+    found = with_hydrostatics(spec.body, found)
+    if "positive_damping" not in spec.repair:
+        found = without_negative_ends(found, chosen(spec.dofs, list(map(str, found.influenced_dof.values))))
     body = complete_body(spec.body, spec.dofs, found)
     kept = list(body.labels)
-    chosen = found.sel(influenced_dof=kept, radiating_dof=kept)
-    checks, unseen = source_checks(chosen)
-    checks = [*of_own_mass(checks, spec.body, body), *with_symmetric_stiffness(chosen)[1]]
+    checks, unseen = source_checks(found, kept)
+    _, symmetry = with_symmetric_stiffness(found.sel(influenced_dof=kept, radiating_dof=kept))
+    known = (check for check in of_own_mass(checks, spec.body, body) if check.name != "hydrostatic_symmetry")
+    checks = [*known, *symmetry]  # of what is kept, whatever is stored of all
     mended, repairs = repaired(body.database, spec.repair)
     ds = mended.assign(structural_damping_matrix=(PAIR, body.structural_damping))
     return Judged(body, ds, quality.judged([*told(checks, spec.repair), *repairs], spec.accept, REMEDY), unseen)
@@ -77,7 +91,8 @@ def of_own_mass(checks: Sequence[Check], given: Body, body: LinearBody) -> list[
     """Return checks with that of the body afloat made of the study's own mass, where it gives one."""
     if given.mass is None:
         return list(checks)
-    return [*(check for check in checks if check.name != "afloat"), *afloat_checks(body.database)]
+    largest = _UNAFLOAT if given.kind == "file" else LARGEST_UNAFLOAT
+    return [*(check for check in checks if check.name != "afloat"), *afloat_checks(body.database, largest)]
 
 
 def store(spec: BodySpec, found: xr.Dataset, out: str) -> None:

@@ -75,7 +75,7 @@ def _at_rest(spec: DatabaseSpec) -> dict[str, object]:
     return {
         "displaced_volume": rest.volume_below(-height),
         "centre_of_buoyancy": [0.0, 0.0, height + rest.centroid_below(-height)],
-        "centre_of_mass": [0.0, 0.0, height],
+        "centre_of_mass": [0.0, 0.0, height + (spec.device.centre_of_mass or 0.0)],
     }
 
 

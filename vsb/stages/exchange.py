@@ -7,6 +7,7 @@ import xarray as xr
 from vsb.hydro import database
 from vsb.hydro.formats import bemio, foreign, wamit
 from vsb.hydro.formats.modes import check_positive
+from vsb.hydro.repairs import with_symmetric_stiffness
 from vsb.tools.files import save
 
 FACTS = {"density": "kg/m^3", "gravity": "m/s^2", "length": "m", "depth": "m"}
@@ -31,6 +32,7 @@ def import_bemio(path: str, out: str, *, axisymmetric: bool) -> Verdict:
 def _store_foreign(ds: xr.Dataset, out: str, axisymmetric: bool, words: dict[str, str]) -> Verdict:
     """Store a database of another code with the verdict of the identities that need no other data."""
     checks, missing = foreign.foreign_checks(ds, axisymmetric=axisymmetric)
+    checks += with_symmetric_stiffness(ds)[1]
     notes = [ds.attrs["history"], *missing]
     attrs = {"quality": database.as_json(checks), "spec_id": Path(out).stem, "separate_sweep": 0}
     save(ds.assign_attrs(**attrs, history="; ".join(notes)), out)

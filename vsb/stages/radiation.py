@@ -27,11 +27,12 @@ def run(spec: RadiationSpec | BodyRadiationSpec, database: str, out: str) -> Non
     spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
     begun = clock.perf_counter()
     own: dict[str, Any] = {}
-    repaired: dict[str, str] = {}
+    repaired: dict[str, Any] = {}
     if isinstance(spec, BodyRadiationSpec):
         fit = stored_body(database).memory(spec.tolerance, limit=spec.added_mass_inf)
         memory = Memory(fit.model, fit.error)
         own, repaired = {"added_mass_inf": (PAIR, fit.added_mass_inf)}, {"history": fit.history}
+        repaired |= {"up_to": fit.up_to} if fit.up_to < np.inf else {}
         longest = LONGEST / float(ds.omega[-1])
     else:
         memory = fit_orders(ds, spec.tolerance)

@@ -12,6 +12,7 @@ from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 from scipy.linalg import block_diag
 
+from vsb.cli import main
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.bemio import (
     _edges,
@@ -24,7 +25,9 @@ from vsb.hydro.formats.bemio import (
     read_bemio,
     write_h5,
 )
+from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.hydro.retardation import DampingSpectrum
+from vsb.stages.exchange import import_bemio
 
 
 @pytest.fixture
@@ -292,8 +295,6 @@ def test_h5_of_an_unfit_database_is_refused(elastic):
         bemio_entries(bare, "memory")
     with pytest.raises(DatabaseError, match="memory: holds no added_mass_inf; needs a complete hydro database"):
         bemio_entries(elastic.drop_vars("added_mass_inf"), "memory")
-    with pytest.raises(DatabaseError, match="memory: holds zero frequency"):
-        bemio_entries(elastic.assign_coords(omega=np.arange(6.0)), "memory")
     for name in ("inertia_matrix", "gas_stiffness"):
         coupled = elastic[name] + 10.0 * (np.eye(3, k=1) + np.eye(3, k=-1))
         total = "inertia_matrix" if name == "inertia_matrix" else "structural_stiffness"
@@ -576,3 +577,57 @@ def test_what_a_group_does_not_hold_is_not_looked_for_elsewhere(tmp_path):
     ]
     write_h5(of_two_bodies()[0], tmp_path / "rm3.h5")
     assert {"Froude_Krylov_force", "diffraction_force"} & {*read_bemio(tmp_path / "rm3.h5").data_vars} == set()
+
+
+RIGHT = {"T": "periods of", "mag": "moduli of", "phase": "phases of"}
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_what_a_file_tells_twice_must_agree(elastic, tmp_path, name):
+    entries = bemio_entries(elastic, "memory")
+    (place, *_) = [place for place in entries if place.endswith(f"/{name}")]
+    write_h5(entries | {place: 1.01 * entries[place]}, tmp_path / "a.h5")
+    with pytest.raises(DatabaseError, match=rf"a\.h5: {place} differs from the {RIGHT[name]} .* at \(.*contradicts"):
+        read_bemio(tmp_path / "a.h5")
+    if name == "phase":
+        write_h5(entries | {place: np.degrees(entries[place])}, tmp_path / "b.h5")
+        assert read_bemio(tmp_path / "b.h5").sizes["omega"] == 6
+
+
+FORCE = "/body1/hydro_coeffs/excitation/"
+DAMAGES = {
+    "phases": lambda h5: {f"{FORCE}{part}": -h5[f"{FORCE}{part}"] for part in ("im", "phase")},
+    "headings": lambda h5: {WAVE_DIR: np.radians(h5[WAVE_DIR])},
+    "added mass at infinity x 1.3": lambda h5: {A_INF: 1.3 * h5[A_INF]},
+    "no added mass at infinity": lambda h5: {A_INF: 0.0 * h5[A_INF]},
+    "stiffness of roll and yaw": lambda h5: {STIFFNESS: h5[STIFFNESS] + 0.3 * (np.arange(36).reshape(6, 6) == 23)},
+    "parts": lambda h5: {f"{FORCE}scattering/{part}": 1.1 * h5[f"{FORCE}scattering/{part}"] for part in ("re", "im", "mag")},
+    "volume": lambda h5: {VOLUME: 1.5 * h5[VOLUME]},
+    "centre": lambda h5: {CENTRE: h5[CENTRE] + np.array([[0.2], [0.0], [0.0]])},
+}  # fmt: skip
+WAVE_DIR, A_INF = "/simulation_parameters/wave_dir", "/body1/hydro_coeffs/added_mass/inf_freq"
+STIFFNESS, VOLUME = "/body1/hydro_coeffs/linear_restoring_stiffness", "/body1/properties/disp_vol"
+CENTRE = "/body1/properties/cg"
+SEEN = dict(zip(DAMAGES, ("phases", "phases", "kramers_kronig", "kramers_kronig", "hydrostatic_symmetry", "parts",
+                          "displaced_volume", "trim"), strict=True))  # fmt: skip
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_each_fault_of_a_file_of_others_is_seen(ball, tmp_path, damage):
+    """Of a hemisphere solved by capytaine: a check of its own is no longer ok."""
+    entries = bemio_entries(read_capytaine(ball), "ball")
+    for name, changes in (("sound", {}), ("damaged", DAMAGES[damage](entries))):
+        write_h5(entries | changes, tmp_path / f"{name}.h5")
+        checks, _, _ = import_bemio(str(tmp_path / f"{name}.h5"), str(tmp_path / "o.nc"), axisymmetric=False)
+        verdicts = {check.name: check.verdict for check in checks}
+        assert (verdicts.get(SEEN[damage], "ok") == "ok") == (name == "sound"), verdicts
+    assert verdicts[SEEN[damage]] == ("doubt" if damage[:6] in ("stiffn", "volume", "centre") else "fail")
+
+
+def test_added_mass_of_nothing_is_one_line(ball, tmp_path, capsys):
+    entries = bemio_entries(read_capytaine(ball), "ball")
+    nothing = {place: 0.0 * value for place, value in entries.items() if "/added_mass/" in place}
+    write_h5(entries | nothing, tmp_path / "a.h5")
+    assert main(["import-bemio", str(tmp_path / "a.h5"), str(tmp_path / "o.nc")]) == 2
+    assert "added mass is zero for all motions; needs coefficients of waves" in capsys.readouterr().err
+    assert not (tmp_path / "o.nc").exists()

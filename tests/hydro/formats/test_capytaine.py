@@ -168,3 +168,47 @@ def test_water_of_a_depth_is_read(tmp_path):
     dataset().assign_coords(water_depth=2500.0, rho=1010.0, g=9.7).to_netcdf(tmp_path / "a.nc")
     attrs = read_capytaine(tmp_path / "a.nc").attrs
     assert [attrs[name] for name in ("water_density", "gravity", "water_depth")] == [1010.0, 9.7, "2500.0"]
+
+
+def asked_by(path, name, **changes):
+    """The file of capytaine's as it is when the frequencies are asked for by another quantity."""
+    with xr.open_dataset(path) as ds:
+        ds.load().isel(omega=slice(1, -1)).swap_dims(omega=name).assign(changes).to_netcdf(path.with_name(f"{name}.nc"))
+    return path.with_name(f"{name}.nc")
+
+
+@pytest.mark.parametrize("name", ["period", "freq", "wavenumber", "wavelength"])
+@pytest.mark.parametrize("told", [True, False])
+def test_frequencies_asked_for_by_another_quantity(ball, name, told):
+    path, expected = asked_by(ball, name), read_capytaine(ball)
+    if not told:
+        with xr.open_dataset(path) as ds:
+            ds.load().drop_vars("omega").to_netcdf(path.with_name("bare.nc"))
+        path = path.with_name("bare.nc")
+    found = read_capytaine(path)
+    assert found.omega.values == pytest.approx(expected.omega.values)
+    assert found.radiation_damping.values == pytest.approx(expected.radiation_damping.values)
+
+
+def test_cases_of_one_entry_and_radiation_by_wave_direction_are_read(ball):
+    """Problems given one by one make added mass depend on the direction of waves, which it must not."""
+    expected = read_capytaine(ball)
+    with xr.open_dataset(ball) as ds:
+        ds = ds.load()
+    names = ("added_mass", "radiation_damping")
+    by_direction = ds.assign({name: ds[name].expand_dims(wave_direction=ds.wave_direction) for name in names})
+    by_direction.expand_dims(body_name=["ball"]).to_netcdf(ball.with_name("cases.nc"))
+    assert read_capytaine(ball.with_name("cases.nc")).added_mass.identical(expected.added_mass)
+    uneven = by_direction.added_mass * xr.DataArray([1.0, 1.1, 1.0], dims="wave_direction")
+    by_direction.assign(added_mass=uneven).to_netcdf(ball.with_name("cases.nc"))
+    with pytest.raises(DatabaseError, match="added_mass depends on wave_direction; needs coefficients in still water"):
+        read_capytaine(ball.with_name("cases.nc"))
+
+
+def test_only_what_radiates_is_read_and_the_rest_is_told(ball):
+    with xr.open_dataset(ball) as ds:
+        ds.load().isel(radiating_dof=[2]).to_netcdf(ball.with_name("heave.nc"))
+    found, whole = read_capytaine(ball.with_name("heave.nc")), read_capytaine(ball)
+    heave = whole.sel(influenced_dof=["Heave"], radiating_dof=["Heave"])
+    assert found.added_mass.identical(heave.added_mass)
+    assert found.attrs["history"].endswith("left out: Surge, Sway, Roll, Pitch, Yaw, which did not radiate")

@@ -3,13 +3,16 @@
 import json
 import re
 
+import capytaine as cpt
 import numpy as np
 import pytest
 import xarray as xr
 
+from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import database
-from vsb.hydro.formats.bemio import read_bemio, write_h5
+from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
+from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.hydro.formats.exchange import export
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.tools import files, units
@@ -145,7 +148,9 @@ def test_nothing_is_written_unless_all_can_be(stored, elastic, tmp_path):
     with pytest.raises(DatabaseError, match="needs 'c'"):
         export(stored, tmp_path / "out", "buoy", expected_id="c")
     files.save(elastic.drop_attrs().assign_attrs(spec_id="c"), tmp_path / "block.nc")
-    with pytest.raises(DatabaseError, match=r"block\.nc: holds no separate_sweep; needs a hydro database"):
+    with pytest.raises(
+        DatabaseError, match=r"block\.nc: holds no rho, g, water_depth; needs a hydro database of capytaine"
+    ):
         export(tmp_path / "block.nc", tmp_path / "out", "buoy")
     assert not (tmp_path / "out").exists()
 
@@ -164,7 +169,7 @@ def test_one_format_unknown_among_others_is_refused_and_all_that_is_missing_is_n
         with pytest.raises(DatabaseError, match=r"formats: received \[.*\], needs wamit, bemio or both\.$"):
             export(stored, tmp_path / "out", "buoy", formats)
     files.save(xr.Dataset(attrs={"title": "none"}), tmp_path / "none.nc")
-    with pytest.raises(DatabaseError, match=r"none\.nc: holds no separate_sweep, spec_id; needs a hydro database"):
+    with pytest.raises(DatabaseError, match=r"none\.nc: holds no added_mass, .*; needs a hydro database"):
         export(tmp_path / "none.nc", tmp_path / "out", "buoy")
     assert not (tmp_path / "out").exists()
 
@@ -176,3 +181,46 @@ def test_a_length_of_wamits_changes_nothing_of_bemios_file(stored, tmp_path):
     assert one.identical(other)
     texts = [(tmp_path / folder / "buoy.hst").read_text().splitlines()[1].split() for folder in ("1", "3")]
     assert float(texts[0][2]) == pytest.approx(9 * float(texts[1][2]), rel=1e-5)
+
+
+def test_the_h5_turns_about_the_centre_of_mass_and_dot_1_says_about_what(ball, tmp_path, capsys):
+    """Of capytaine's own file, which turns about a point 0.3 m below: as capytaine solves it about the centre of mass."""
+    assert main(["export", str(ball), str(tmp_path / "out")]) == 0
+    assert capsys.readouterr().out.split() == [
+        str(tmp_path / "out" / f"ball{end}") for end in (".1", ".3", ".3fk", ".3sc", ".hst", ".h5")
+    ]
+    mesh = cpt.mesh_sphere(radius=1.0, resolution=(8, 8)).immersed_part()
+    body = cpt.FloatingBody(
+        mesh, lid_mesh=mesh.generate_lid(), dofs=cpt.rigid_body_dofs(rotation_center=(0, 0, -0.2)),
+        center_of_mass=(0, 0, -0.2),
+    )  # fmt: skip
+    asked = {"omega": [1.0], "wave_direction": [0.0], "radiating_dof": ["Pitch"], "rho": [1025.0]}
+    true = cpt.BEMSolver().fill_dataset(xr.Dataset(coords=asked), body, progress_bar=False)
+    found, own = read_bemio(tmp_path / "out" / "ball.h5"), read_capytaine(ball)
+    pitch = {"influenced_dof": "Pitch", "radiating_dof": "Pitch"}
+    inertia = float(true.added_mass.sel(pitch).squeeze())
+    assert float(found.added_mass.sel(pitch).sel(omega=1.0, method="nearest")) == pytest.approx(inertia, rel=1e-6)
+    assert float(own.added_mass.sel(pitch).sel(omega=1.0)) > 1.4 * inertia
+    moment = found.excitation_force.sel(influenced_dof="Pitch").isel(wave_direction=0).sel(omega=1.0, method="nearest")
+    assert complex(moment) == pytest.approx(
+        complex(true.excitation_force.sel(influenced_dof="Pitch").squeeze()), rel=1e-5
+    )
+    assert " rotations about 0 0 -0.5 modes " in (tmp_path / "out" / "ball.1").read_text().splitlines()[0]
+    back = import_wamit(tmp_path / "out", "ball", density=1025.0, gravity=9.81)
+    assert back.attrs["rotation_centre"] == [0.0, 0.0, -0.5]
+
+
+def test_what_an_export_lacks_is_a_line_each(ball, tmp_path, capsys):
+    with xr.open_dataset(ball) as ds:
+        ds = ds.load().isel(omega=slice(1, -1))
+    ds.to_netcdf(tmp_path / "finite.nc")
+    assert main(["export", str(tmp_path / "finite.nc"), str(tmp_path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.partition(": ")[2] for line in lines[5:]] == [
+        f"{tmp_path}/finite.nc: holds no added_mass_inf; needs a complete hydro database.",
+        f"without lines PER = -1, whose added mass {tmp_path}/finite.nc does not hold",
+        f"without lines PER = 0, whose added mass {tmp_path}/finite.nc does not hold",
+    ]
+    ds.drop_vars("rotation_center").assign(added_mass=ds.added_mass).to_netcdf(tmp_path / "old.nc")
+    with pytest.raises(DatabaseError, match="holds no rotation_centre, what Roll, Pitch, Yaw turn about"):
+        bemio_entries(read_capytaine(tmp_path / "old.nc").assign(added_mass_inf=(PAIR, np.eye(6))), "old.nc")

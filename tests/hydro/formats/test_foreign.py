@@ -40,6 +40,7 @@ def sound(labels=LABELS, headings=CIRCLE, *, omega=None, depth=np.inf, **facts):
     force = (
         np.sqrt(damping / narrowness(omega, depth)[:, None])[:, None, :] * wave * np.exp(0.3j * omega)[:, None, None]
     )
+    force = force * np.where(np.array(labels) == "Surge", -1j, 1.0)  # of the acceleration of the water
     stiffness = np.diag([float(abs(force[0, 0, i])) if name == "Heave" else 0.0 for i, name in enumerate(labels)])
     added = mass + 0.5 * (memory.imag / omega)[:, None] * mass
     data = {
@@ -70,7 +71,7 @@ def verdicts(ds, **options):
     return {name: check.verdict for name, check in judged(ds, **options).items()}
 
 
-ALL = {"symmetry", "afloat", "positive_damping", "irregular_frequencies", "kramers_kronig", "long_waves"}
+ALL = {"symmetry", "afloat", "positive_damping", "irregular_frequencies", "kramers_kronig", "long_waves", "phases"}
 HASKIND = {"haskind", "haskind_scale", "haskind_long_waves"}
 
 
@@ -220,7 +221,7 @@ LIMITS = [
     ("symmetry", _asymmetric, 0.099, 0.101, "fail"),
     ("afloat", _heavier, 0.0099, 0.0101, "doubt"),
     ("afloat", _heavier, -0.0099, -0.0101, "doubt"),
-    ("afloat", _heavier, 0.049, 0.051, "fail"),
+    ("afloat", _heavier, 0.199, 0.201, "fail"),
     ("positive_damping", _lively, 0.0099, 0.0101, "fail"),
     ("irregular_frequencies", _spiky_alone, 0.099, 0.101, "fail"),
     ("irregular_frequencies", _spiky_alone, 0.018, 0.022, "doubt"),
@@ -359,8 +360,8 @@ def test_added_mass_at_infinity_may_be_missing():
 
 def test_what_kramers_kronig_cannot_judge_is_said():
     ends = "not checked: kramers_kronig of Surge, Heave, Pitch, Bend, whose damping lasts beyond the band"
-    assert foreign_checks(sound(omega=np.linspace(0.1, 3.0, 30)))[1] == [ends]
-    assert ends in foreign_checks(sound(omega=np.linspace(0.6, 8.0, 75)))[1], "nor one that begins before the band"
+    assert foreign_checks(sound(omega=np.linspace(0.1, 1.3, 30)))[1] == [ends]
+    assert ends in foreign_checks(sound(omega=np.linspace(0.8, 8.0, 75)))[1], "nor one that begins before the band"
     steps = "not checked: kramers_kronig of Surge, Heave, Pitch, Bend, whose damping needs smaller steps of frequency"
     assert foreign_checks(sound(omega=[*np.linspace(0.1, 8.0, 10)]))[1] == [steps]
     few = foreign_checks(sound(omega=[0.1, 1.0, 2.0]))[1]
@@ -413,7 +414,7 @@ def test_too_few_headings_are_said_to_be(headings):
 
 
 def test_haskind_is_judged_where_headings_resolve_it_and_the_rest_is_counted():
-    """Excitation of surge turns six times around the body from 0.6 to 1.5 rad/s, at twelve headings."""
+    """Excitation of surge turns six times around the body from 0.6 to 1.5 rad/s, at twelve headings: up to there."""
     ds = sound()
 
     def ripple(x):
@@ -422,7 +423,7 @@ def test_haskind_is_judged_where_headings_resolve_it_and_the_rest_is_counted():
     checks, notes = foreign_checks(edited(ds, "excitation_force", ripple))
     assert {check.verdict for check in checks} == {"ok"}
     assert notes == [
-        "not checked: haskind of Surge (10 of 80 frequencies, from 0.6 rad/s), which 12 directions do not resolve"
+        "not checked: haskind of Surge (75 of 80 frequencies, from 0.6 rad/s), which 12 directions do not resolve"
     ]
     assert verdicts(_pushed(edited(ds, "excitation_force", ripple), 0.1))["haskind"] == "fail"
 
@@ -757,34 +758,6 @@ def test_every_other_frequency_is_left_out_but_the_last(monkeypatch, count):
     assert (theirs == damping[::-1][::2][::-1]).all()
 
 
-def lifted(stiffness=(0.0, 100.0, 0.0, 200.0), force=((101.0, 93.0), (170.0, 200.0))):
-    """Two bodies in two headings, in the first of two waves 0.5 rad/s; sizes of their added masses."""
-    labels = ["float__Surge", "float__Heave", "spar__Surge", "spar__Heave"]
-    x = np.zeros((2, 2, 4), dtype=complex)
-    x[0, :, 1], x[0, :, 3] = (np.array(each) * np.exp(2j) for each in force)
-    data = {"hydrostatic_stiffness": (PAIR, np.diag(stiffness)), "excitation_force": (WAVE, x)}
-    size = foreign.Sizes(np.array([5.0, 3.0, 50.0, 4.0]), np.ones(4), np.ones(4, dtype=bool))
-    return xr.Dataset(data, {"omega": [0.5, 0.7], "wave_direction": [0.0, 1.0], **dict.fromkeys(PAIR, labels)}), size
-
-
-def test_of_two_bodies_the_one_lifted_most_beyond_its_own_limit_is_told():
-    """0.07 of 0.05 + 2 (0.02) is nearer than 0.15 of 0.05 + 2 (0.0675): each with the water of its own translations."""
-    (check,), notes = foreign._lifting(*lifted())
-    assert (check.value, check.limit, notes) == (pytest.approx(0.07), pytest.approx(0.05 + 2 * 0.02), [])
-    (check,), _ = foreign._lifting(*lifted(force=((101.0, 99.0), (160.0, 200.0))))
-    assert (check.value, check.limit) == (pytest.approx(0.2), pytest.approx(0.05 + 2 * 0.0675))
-    (check,), _ = foreign._lifting(*lifted(force=((101.0, 93.0), (200.0, 262.0))))
-    assert check.value == pytest.approx(0.31)
-
-
-@pytest.mark.parametrize(("stiffness", "known"), [(10.0, True), (9.99, False)])
-def test_waves_are_long_up_to_a_second_order_of_a_fifth(stiffness, known):
-    checks, notes = foreign._lifting(*lifted((0.0, stiffness, 0.0, -200.0)))
-    assert (len(checks), notes) == (
-        (1, []) if known else (0, ["not checked: long_waves, of which 0.5 rad/s is none for this body"])
-    )
-
-
 def test_every_mode_is_compared_in_its_own_longest_wave(monkeypatch):
     """Heave begins to radiate at 1 rad/s, surge at the second frequency; depths that would fit are asked of both."""
     ds = sound(("Surge", "Heave"))
@@ -828,7 +801,7 @@ def test_water_turned_by_the_cube_root_of_its_volume_is_what_a_rotation_has_at_l
 
 
 def test_added_mass_that_couples_motions_follows_from_damping_as_well():
-    """In terms of both; of one whose damping lasts beyond the band nothing is said, nor of what it couples."""
+    """In terms of both; of one whose damping lasts beyond the band what couples it is left out."""
     ds = sound()
     size = sizes(ds).added_mass
 
@@ -842,14 +815,14 @@ def test_added_mass_that_couples_motions_follows_from_damping_as_well():
     assert (found.value, found.verdict) == (pytest.approx(0.05, rel=0.02), "doubt")
     assert found.explanation.endswith(" in Pitch and Heave")
     lasting = edited(ds, "radiation_damping", lambda b: b.__setitem__((-1, 0, 0), 0.1 * b[:, 0, 0].max()))
-    for one, other in ((0, 1), (3, 0), (0, 0)):
-        checks, notes = foreign_checks(edited(lasting, "added_mass_inf", couple(one, other, -0.5)))
+    for one, other, verdict in ((0, 1, "ok"), (3, 0, "ok"), (0, 0, "fail")):
+        checks, _ = foreign_checks(edited(lasting, "added_mass_inf", couple(one, other, -0.5)))
         (causal,) = [check for check in checks if check.name == "kramers_kronig"]
-        assert causal.verdict == "ok"
-        assert "not checked: kramers_kronig of Surge, whose damping lasts beyond the band" in notes
+        assert causal.verdict == verdict
+        assert causal.explanation.endswith("of Surge only what exceeds the error of band and steps")
     found = judged(edited(lasting, "added_mass_inf", couple(1, 1, -0.06)))["kramers_kronig"]
     assert (found.value, found.verdict) == (pytest.approx(0.06, rel=0.02), "doubt")
-    assert found.explanation.endswith("rad/s in Heave")
+    assert "rad/s in Heave" in found.explanation
 
 
 def test_what_headings_resolve_only_where_little_is_radiated_is_too_few():
@@ -867,7 +840,7 @@ def test_what_headings_resolve_only_where_little_is_radiated_is_too_few():
     assert notes[-1].endswith("or one direction and --axisymmetric; received 12")
 
     def less(x):
-        x[large & (damping[:, 0] < 0.99 * damping[:, 0].max())] *= np.cos(5 * ds.wave_direction.values)[:, None]
+        x[damping[:, 0].argmax() + 1 :] *= np.cos(5 * ds.wave_direction.values)[:, None]
 
     assert {"haskind"} <= {check.name for check in foreign_checks(edited(ds, "excitation_force", less))[0]}
 
@@ -968,7 +941,7 @@ def test_a_spike_is_compared_with_the_largest_about_it_not_with_how_rough_all_is
 
 
 @pytest.mark.parametrize(
-    ("masses", "error"), [((1.0, 1.03), 0.03), ((1.04, 1.0), 0.04), ((0.96, 1.02), 0.04), ((1.02, 0.94), 0.06)]
+    ("masses", "error"), [((1.0, 1.03), 0.03), ((1.04, 1.0), 0.04), ((0.96, 1.02), 0.04), ((1.02, 0.74), 0.26)]
 )
 def test_of_two_bodies_the_one_furthest_from_afloat_is_told_too_heavy_or_too_light(masses, error):
     one = sound(headings=[0.0])
@@ -978,4 +951,4 @@ def test_of_two_bodies_the_one_furthest_from_afloat_is_told_too_heavy_or_too_lig
 
     (check,) = foreign.afloat_checks(of_two(*map(weighed, masses)))
     assert check.value == pytest.approx(error, rel=1e-9)
-    assert (check.name, check.limit, check.verdict) == ("afloat", 0.01, "fail" if error > 0.05 else "doubt")
+    assert (check.name, check.limit, check.verdict) == ("afloat", 0.01, "fail" if error > 0.2 else "doubt")

@@ -59,12 +59,12 @@ def test_a_mode_is_resolved_while_its_last_two_orders_hold_a_fortieth_of_its_lar
 
 
 def test_each_mode_is_measured_by_its_own_power_in_the_band_or_by_its_size():
-    """Heave, a thousandth of surge, turns too often at the second of three frequencies, and at the third by little."""
-    ripple = [lambda beta: np.ones_like(beta), lambda beta: np.cos(5 * beta), lambda beta: (1 + np.cos(5 * beta)) / 50]
+    """Heave, a thousandth of surge, turns too often at the second of three frequencies, and seems not to at the third."""
+    ripple = [lambda beta: np.ones_like(beta), lambda beta: np.cos(5 * beta), lambda beta: np.cos(13 * beta)]
     for scale in (1.0, 1e-3):
         ds = ringing([[np.cos, lambda beta, f=f, scale=scale: scale * f(beta)] for f in ripple])
         found = haskind_headings(ds, NOTHING, **FACTS).resolved
-        assert found.tolist() == [[True, True], [True, False], [True, True]]
+        assert found.tolist() == [[True, True], [True, False], [True, False]]
         assert haskind_headings(ds, np.array([0.0, 1e30]), **FACTS).resolved.all()
 
 

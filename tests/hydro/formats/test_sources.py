@@ -65,11 +65,3 @@ def test_a_file_that_is_none_is_refused_with_what_is_needed(tmp_path):
     for name in ("text.nc", "gone.nc"):
         with pytest.raises(DatabaseError, match=rf"{name}: cannot be read: .*; needs a hydro database as netCDF\.$"):
             read_source("database", str(tmp_path / name), Water())
-
-
-def test_checks_stored_are_taken_and_others_made(monkeypatch):
-    monkeypatch.setattr(sources, "stored_checks", lambda ds: ["stored", *ds.attrs])
-    monkeypatch.setattr(sources, "foreign_checks", lambda ds: (["made"], ["unseen"]))
-    assert source_checks(xr.Dataset(attrs={"quality": "[]"})) == (["stored", "quality"], [])
-    for other in ({}, {"spec": "{}", "spec_id": "a", "separate_sweep": 0}):
-        assert source_checks(xr.Dataset(attrs=other)) == (["made"], ["unseen"])

@@ -295,7 +295,7 @@ FORCE = "  2.000000E+00  9.000000E+01     9  2.000000E+00  1.800000E+02 -2.00000
 
 
 BROKEN = {
-    "nan": (edited(".1", "4.000000E-01", "nan"), r"buoy\.1, line 9: '2.000000E\+00.*' is not of 4 or 5 finite numbers; needs"),
+    "nan": (edited(".1", "4.000000E-01", "nan"), r"buoy\.1: the line that starts with \(2.0, 3, 9\) holds NaN; needs numbers"),
     "words": (edited(".1", "4.000000E-01", "********"), r"buoy\.1, line 9: .*is not of 4 or 5 finite numbers"),
     "columns": (edited(".1", "5.000000E-02", "1 2"), r"buoy\.1, line 9: .*needs numbers PER I J A, and B where PER > 0"),
     "no damping": (edited(".1", "  5.000000E-02", ""), r"buoy\.1, line 9: .*has no damping"),
@@ -431,16 +431,43 @@ def test_rotations_of_the_second_body_take_a_length_more(tmp_path):
 
 def test_what_the_files_of_two_bodies_do_not_say_is_refused(tmp_path):
     heads = {"mmx": ("Normalized mass matrix:", "External force matrices:")}
-    with pytest.raises(DatabaseError, match=r"rm3\.mmx: holds external force matrices of 2 bodies; needs IALTFRC = 1"):
+    with pytest.raises(DatabaseError, match=r"rm3\.mmx: .* of 2 bodies with IALTFRC = 1; needs IALTFRC = 2, one table"):
         rm3(tmp_path, **heads)
-    second = {"mmx": ("5.686012\n", "5.686012\n External force matrices:\n")}
-    with pytest.raises(DatabaseError, match=r"rm3\.mmx: holds external force matrices of 2 bodies; needs IALTFRC = 1"):
-        rm3(tmp_path, **second)
     more = {"1": ("     9     9", "    13    13")}
     with pytest.raises(DatabaseError, match=r"rm3\.1: holds modes up to 13 of 2 bodies; needs six of each, unnamed"):
         rm3(tmp_path, **more)
     with pytest.raises(DatabaseError, match=r"rm3\.1: holds modes up to 9 of 2 bodies; needs six of each, unnamed"):
         import_wamit(RM3, "rm3", density=1000.0, gravity=9.81, labels=["a", "b"])
+
+
+def test_masses_of_two_bodies_are_read_of_their_one_table(tmp_path):
+    """Of a run with IALTFRC = 2: the first body 7e5 kg, the second 9e5 kg with a mooring of 3e4 N/m."""
+    text = (RM3 / "rm3.mmx").read_text().replace("IALTFRC = 1", "IALTFRC = 2")
+    rows = ["3 3 7.0E5 0.0 0.0", "3 9 0.0 0.0 0.0", "9 3 0.0 0.0 0.0", "9 9 9.0E5 0.0 3.0E4"]
+    table = "\n".join([" External force matrices:", " I J MASS(I,J) DAMP(I,C) STIF(I,J)", *rows])
+    for name in (".1", ".3", ".hst"):
+        (tmp_path / f"rm3{name}").write_text((RM3 / f"rm3{name}").read_text())
+    (tmp_path / "rm3.mmx").write_text(f"{text}\n{table}\n")
+    ds = import_wamit(tmp_path, "rm3", density=1000.0, gravity=9.81)
+    assert ds.inertia_matrix.values.tolist() == [[7e5, 0.0], [0.0, 9e5]]
+    assert ds.structural_stiffness.values.tolist() == [[0.0, 0.0], [0.0, 3e4]]
+
+
+def test_periods_that_failed_are_left_out_and_told(tmp_path):
+    """All coefficients of two periods are NaN, in .1 and .3 alike, the first line of the file among them."""
+    sound = rm3(tmp_path)
+    periods = 2 * np.pi / sound.omega.values[[3, 7]]
+    for name, columns in ((".1", 2), (".3", 4)):
+        rows = [line.split() for line in (RM3 / f"rm3{name}").read_text().splitlines()[1:]]
+        failed = [row for row in rows if np.isclose(float(row[0]), periods, rtol=1e-5).any()]
+        for row in failed:
+            row[-columns:] = ["NaN"] * columns
+        kept = [row for row in rows if row not in failed]
+        (tmp_path / f"rm3{name}").write_text("\n".join(map(" ".join, failed + kept)) + "\n")
+    found = import_wamit(tmp_path, "rm3", density=1000.0, gravity=9.81)
+    assert found.added_mass.values.tolist() == np.delete(sound.added_mass.values, [3, 7], axis=0).tolist()
+    assert "left out: 2 periods, from " in found.attrs["history"]
+    assert found.attrs["history"].endswith(" s, of which A and B are NaN")
 
 
 @pytest.mark.parametrize("bodies", [2, 3])

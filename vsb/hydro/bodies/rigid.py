@@ -1,5 +1,6 @@
 """Rigid motions among displacements of points."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -40,3 +41,17 @@ def fitted_motion(points: FloatArray, moved: FloatArray, size: float) -> Rigid:
 def displaced(motion: Rigid, points: FloatArray) -> FloatArray:
     """Return the displacements t + a x r of points, shape (..., xyz)."""
     return np.asarray(motion.translation + np.cross(motion.rotation, points))
+
+
+def rotation_centre(motions: Sequence[Rigid]) -> FloatArray | None:
+    """Return a point that rotations leave at rest, (xyz,), nearest to the origin; None if there is none, or no motion.
+
+    Where t + a x p = 0.
+    """
+    if not motions:
+        return None
+    crosses = np.concatenate([np.cross(np.eye(3), a).T for _, a in motions])  # rows of p -> p x a
+    moved = np.concatenate([t for t, _ in motions])
+    point = np.asarray(np.linalg.lstsq(crosses, moved)[0])
+    size = RIGID_TO * (1.0 + np.abs(moved).max())
+    return point if np.abs(crosses @ point - moved).max() < size else None

@@ -32,6 +32,7 @@ from vsb.hydro.bodies.coarsening import coarser_body
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import hinge_gap, hydrostatic_stiffness, linear_share
 from vsb.hydro.bodies.lid import first_irregular_frequency, gap_resonance, interior_lid
+from vsb.hydro.bodies.rigid import rotation_centre
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.bodies.sweep import (
     Block,
@@ -50,7 +51,7 @@ from vsb.hydro.panels import rings as bem
 from vsb.study.blocks import panel_solver
 from vsb.study.body_file import PHYSICS, BodyFile
 from vsb.study.canonical import canonical, content_id
-from vsb.study.quantities import Section
+from vsb.study.quantities import ROTATIONS, Section
 from vsb.study.reading import read_yaml, validated
 from vsb.tools.files import load, save
 from vsb.tools.stamps import check_output
@@ -337,13 +338,15 @@ def mesh_checks(study: BodyFile, body: FlexibleBody) -> list[Check]:
 
 
 def _at_rest(body: FlexibleBody) -> Spec:
-    """Volume of the water displaced, its centre and, if known, that of mass, as attributes."""
+    """Volume of the water displaced, its centre and, if known, that of mass and of rotations, as attributes."""
     corner, area, _ = body.triangles
     square = ((corner**2).sum(axis=1) + corner.sum(axis=1) ** 2) / 12  # mean of x^2 over a triangle
     centre = (square * area).sum(axis=0) / 2 / body.volumes
     facts = {"displaced_volume": body.volume, "centre_of_buoyancy": centre}
-    centre = body.centre_of_mass
-    return facts if centre is None or centre.ndim > 1 else {**facts, "centre_of_mass": centre}
+    turning = [body.rigid.get(i) for i, label in enumerate(body.labels) if label in ROTATIONS]
+    turned = rotation_centre([motion for motion in turning if motion]) if all(turning) else None
+    points = {"centre_of_mass": body.centre_of_mass, "rotation_centre": turned}
+    return facts | {name: point for name, point in points.items() if point is not None and point.ndim == 1}
 
 
 def _stiffness_error(study: BodyFile, body: FlexibleBody, stiffness: FloatArray, ratio: float) -> FloatArray:

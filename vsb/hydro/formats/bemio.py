@@ -2,8 +2,9 @@
 
 Paths, dimensions and normalization (`scaled` = 0: A/rho, B/(rho omega), X/(rho g), C/(rho g), K/rho, f/(rho g)) are
 those of WEC-Sim's writeBEMIOH5, numbers those of WAMIT with ULEN = 1 m (`wamit`): phasors are Re(X e^{+i omega t}),
-so X is conjugated on the way out and in. Arrays are full over the modes 1 to 6 + N: rigid modes the database does not
-hold are zeros, meant for a body held in them, and `mode_labels` (not BEMIO's) names those it does.
+so X is conjugated on the way out and in. Rotations are about the centre of mass. Arrays are full over the modes 1 to
+6 + N: rigid modes the database does not hold are zeros, meant for a body held in them, and `mode_labels` (not BEMIO's)
+names those it does.
 
 WEC-Sim reads of `mass`, `damping` and `stiffness` the block of generalized modes only; it takes the inertia of the
 rigid modes from its own input.
@@ -32,6 +33,7 @@ from vsb.hydro.formats.modes import (
     mode_numbers,
     readable,
     structure,
+    turned_about,
     volume_of,
 )
 from vsb.hydro.retardation import DampingSpectrum
@@ -58,6 +60,8 @@ _UNITS = (
     "g=m/s^2 rho=kg/m^3 T=s w=rad/s wave_dir=deg disp_vol=m^3 cg=m cb=m mass=kg damping=kg/s stiffness=N/m t=s f=m^2/s"
 )
 _UNITS += " all=m^3 inf_freq=m^3 K=m^3/s^2 linear_restoring_stiffness=m^2 re=m^2 im=m^2 mag=m^2 phase=rad water_depth=m"
+SAME = 1e-3
+"""Difference of numbers a file tells twice, in terms of the largest of their degree of freedom."""
 LARGEST_DATASET, LARGEST_MODES = 10**8, 1000
 _NODE, _WEIGHT = np.polynomial.legendre.leggauss(8)
 
@@ -71,14 +75,14 @@ def bemio_entries(ds: xr.Dataset, source: str) -> dict[str, Any]:
     mode to a generalized one, which WEC-Sim drops, is refused. Times of the impulse responses: `impulse_times`.
     """
     needed = ["excitation_force", *(name for place, (name, _) in _MATRICES.items() if place.startswith(_HYDRO))]
-    ds = checked(ds, source, needed)
+    ds = checked(ds.sel(omega=ds.omega > 0), source, needed)
     labels, omega, headings = (ds[name].values for name in ("influenced_dof", "omega", "wave_direction"))
     rho, g, depth = (float(ds.attrs[name]) for name in WATER)
-    if omega[0] == 0:
-        raise DatabaseError(f"{source}: holds zero frequency; the .h5 file needs periods.")
     modes = mode_numbers(list(map(str, labels)))
     ds = _with_structure(ds, source, modes)
-    dof, body = max(6, *modes), floating(ds, source)
+    body = floating(ds, source)
+    ds = turned_about(ds, body.centre_of_mass, source)
+    dof = max(6, *modes)
     time = impulse_times((1.5 * body.volume / np.pi) ** (1 / 3), g)
     waves = {"scaled": 0, "g": g, "rho": rho, "T": 2 * np.pi / omega, "w": omega, "wave_dir": np.degrees(headings)}
     facts: dict[str, Any] = {"body_number": 1, "dof": dof, "dof_start": 1, "dof_end": dof}
@@ -257,6 +261,21 @@ class _Entries(NamedTuple):
             raise DatabaseError(f"{self.source}: {place} has shape {found}; needs at most {LARGEST_DATASET} numbers.")
         return np.asarray(variable[...], dtype=float).reshape(shape or -1)
 
+    def check_same(self, place: str, expected: Any, what: str, *shape: int) -> None:
+        """Check that numbers told twice agree, where they are there and known; `DatabaseError`."""
+        if self.find(place) is not None and np.isfinite(expected).all():
+            self.check_agree(place, self.numbers(place, *shape), expected, what)
+
+    def check_agree(self, place: str, told: Any, expected: Any, what: str) -> None:
+        """Check that numbers at a place agree with others to `SAME` of the largest of each first index."""
+        size = np.abs(expected).reshape(len(expected), -1).max(axis=1).reshape(-1, *[1] * (np.ndim(expected) - 1))
+        if (wrong := ~(np.abs(told - expected) <= SAME * np.maximum(size, 1e-6 * size.max()))).any():
+            at = tuple(int(i) for i in np.argwhere(wrong)[0])
+            raise DatabaseError(
+                f"{self.source}: {place} differs from the {what} at {at}: the file contradicts itself; needs to be "
+                "made again."
+            )
+
     def number(self, place: str) -> float:
         """Return the one number at a path."""
         return float(self.numbers(place, 1)[0])
@@ -283,6 +302,7 @@ def _from_bemio(found: _Entries, source: str) -> xr.Dataset:
     parts = _parts(found)
     rho, g = (found.number(f"{_WAVES}{key}") for key in ("rho", "g"))
     omega, headings = (found.numbers(f"{_WAVES}{name}") for name in ("w", "wave_dir"))
+    found.check_same(f"{_WAVES}T", 2 * np.pi / omega, f"periods of {_WAVES}w", len(omega))
     scaled = bool(np.all(found.numbers(f"{_WAVES}scaled")))
     variables = {}
     for place, (name, by) in _MATRICES.items():
@@ -337,7 +357,13 @@ def _forces(found: _Entries, parts: list[_Part], inside: str, shape: tuple[int, 
     rows = []
     for part in parts:
         re, im = (found.numbers(f"/{part.group}/{inside}{name}", part.size, *shape) for name in ("re", "im"))
-        rows.append((re - 1j * im)[part.held])
+        place, force = f"/{part.group}/{inside}", re + 1j * im
+        found.check_same(f"{place}mag", np.abs(force), f"moduli of {place}re and im", part.size, *shape)
+        if found.find(f"{place}phase") is not None and np.isfinite(force).all():
+            phase = found.numbers(f"{place}phase", part.size, *shape)
+            phase = np.radians(phase) if np.abs(phase).max() > 2 * np.pi + SAME else phase  # of the first BEMIO
+            found.check_agree(f"{place}phase", np.abs(force) * np.exp(1j * phase), force, f"phases of {place}re and im")
+        rows.append(force.conj()[part.held])
     return np.concatenate(rows)
 
 
@@ -349,7 +375,8 @@ def _facts(found: _Entries, parts: list[_Part]) -> dict[str, Any]:
     }
     if len(parts) > 1:
         return volumes
-    return volumes | {key: found.numbers(f"{_BODY}{name}", 3) for key, name in list(_FACTS.items())[1:]}
+    centres = {key: found.numbers(f"{_BODY}{name}", 3) for key, name in list(_FACTS.items())[1:]}
+    return volumes | centres | {"rotation_centre": centres["centre_of_mass"]}
 
 
 def _labels(found: _Entries, group: str, dof: float) -> list[str]:

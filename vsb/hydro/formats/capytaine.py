@@ -1,7 +1,8 @@
 """Capytaine's own netCDF files, of one body or of several: read.
 
 Names, dimensions and phasors (C1) are those of a database; water stands in coordinates, complex numbers on a dimension.
-Degrees of freedom of several bodies are named with the body before them, `float__Heave`.
+Degrees of freedom of several bodies are named with the body before them, `float__Heave`. Frequencies may be given as
+omega, period, freq, wavenumber or wavelength, and only some motions may radiate.
 """
 
 from pathlib import Path
@@ -11,21 +12,28 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.modes import WATER, assembled, readable
-from vsb.tools.units import ATTRS, BoolArray, merged
+from vsb.hydro.formats.modes import WATER, assembled, readable, volume_of
+from vsb.tools.units import ATTRS, BoolArray, FloatArray, merged
 
 _WATER = ("rho", "g", "water_depth")
-_NEEDED = ("added_mass", "radiation_damping", "diffraction_force", "Froude_Krylov_force", "hydrostatic_stiffness")
+_NEEDED = ("added_mass", "radiation_damping", "diffraction_force", "Froude_Krylov_force")
 _SOLVED = ("added_mass", "radiation_damping", "diffraction_force")
-_DRY = {"inertia_matrix": "mass", "structural_stiffness": "stiffness"}
+_AT_REST = ("hydrostatic_stiffness", "inertia_matrix", "structural_stiffness")
+_FREQUENCIES = ("omega", "period", "freq", "wavenumber", "wavelength")
+_POINTS = {
+    "center_of_buoyancy": "centre_of_buoyancy",
+    "center_of_mass": "centre_of_mass",
+    "rotation_center": "rotation_centre",
+}
 
 
 def read_capytaine(path: str | Path) -> xr.Dataset:
     """Return the hydro database in a netCDF file of capytaine's `export_dataset` or `separate_complex_values`.
 
-    Added mass at infinite frequency is taken from that row, if there is one; rows of zero frequency, which no motion
-    needs, are left out, and so are matrices of the dry body that hold NaN, capytaine's mark of what it does not know,
-    and frequencies at which every coefficient is NaN, its mark of a solution that failed. The history tells of both.
+    Added mass at zero and infinite frequency is taken from these rows, where they are; motions that did not radiate are
+    left out, and so are matrices at rest that hold NaN, capytaine's mark of what it does not know, and frequencies at
+    which every coefficient is NaN, its mark of a solution that failed. The history tells of all three. A file without
+    hydrostatics gives a database without `hydrostatic_stiffness`.
 
     Raises
     ------
@@ -46,18 +54,62 @@ def _failed(ds: xr.Dataset) -> BoolArray:
     return found
 
 
+def _by_omega(ds: xr.Dataset, source: str) -> xr.Dataset:
+    """The dataset over angular frequencies, whatever it was asked for by."""
+    asked = [name for name in _FREQUENCIES if name in ds.added_mass.dims]
+    if len(asked) != 1:
+        raise DatabaseError(
+            f"{source}: added_mass has dimensions {', '.join(map(str, ds.added_mass.dims))}; needs omega."
+        )
+    (name,) = asked
+    if name == "omega":
+        return ds
+    if "omega" not in ds.coords:
+        ds = ds.assign_coords(omega=(name, _omega(name, ds[name].values, float(ds.g), float(ds.water_depth))))
+    return ds.swap_dims({name: "omega"})
+
+
+def _omega(name: str, values: FloatArray, gravity: float, depth: float) -> FloatArray:
+    """Angular frequencies of periods, frequencies, wavenumbers or wavelengths."""
+    if name in ("period", "freq"):
+        return np.asarray(2 * np.pi * (values if name == "freq" else 1 / values))
+    k = values if name == "wavenumber" else 2 * np.pi / values
+    return np.asarray(np.sqrt(gravity * k * np.tanh(k * depth)))
+
+
+def _of_one_case(ds: xr.Dataset, source: str) -> xr.Dataset:
+    """The dataset without dimensions of one entry that a database has not, and of radiation without wave directions.
+
+    Raises
+    ------
+    DatabaseError
+        If there are several cases, or radiation depends on the direction of waves.
+    """
+    kept = {*_FREQUENCIES, "wave_direction", "influenced_dof", "radiating_dof"}
+    used = {str(dim) for name in (*_NEEDED, *_WATER) for dim in ds[name].dims} - kept
+    if several := [dim for dim in sorted(used) if ds.sizes[dim] > 1]:
+        named = next((name for name in _WATER if several[0] in ds[name].dims), several[0])
+        raise DatabaseError(f"{source}: holds {ds.sizes[several[0]]} values of {named}; needs the coefficients of one.")
+    ds = ds.squeeze(sorted(used))
+    for name in ("added_mass", "radiation_damping"):
+        if "wave_direction" in ds[name].dims:
+            first = ds[name].isel(wave_direction=0, drop=True)
+            if not np.allclose(ds[name], first, rtol=1e-6, atol=1e-9 * float(np.abs(first).max()), equal_nan=True):
+                raise DatabaseError(f"{source}: {name} depends on wave_direction; needs coefficients in still water.")
+            ds = ds.assign({name: first})
+    return ds
+
+
 def _from_capytaine(ds: xr.Dataset, source: str) -> xr.Dataset:
     """The database in a dataset of capytaine's."""
-    if missing := [name for name in (*_NEEDED, *_WATER, "omega", "wave_direction") if name not in ds]:
+    if missing := [name for name in (*_NEEDED, *_WATER, "wave_direction") if name not in ds]:
         raise DatabaseError(f"{source}: holds no {', '.join(missing)}; needs a hydro database of capytaine's.")
-    for name in _WATER:
-        if ds[name].size != 1:
-            raise DatabaseError(f"{source}: holds {ds[name].size} values of {name}; needs the coefficients of one.")
-    if float(ds.get("forward_speed", 0.0)):
+    ds = _by_omega(_of_one_case(ds, source), source)
+    if np.any(ds.get("forward_speed", 0.0)):
         raise DatabaseError(f"{source}: is of a body under way; needs forward_speed 0.")
     omega = np.asarray(ds.omega.values, dtype=float)
     kept = np.isfinite(omega) & (omega > 0)
-    labels, history = list(map(str, ds.influenced_dof.values)), [f"read from {Path(source).name}"]
+    history = [f"read from {Path(source).name}"]
     failed = kept & _failed(ds)
     if kept.any() and (failed == kept).all():
         raise DatabaseError(f"{source}: all coefficients are NaN at every frequency; needs some that were solved.")
@@ -66,20 +118,42 @@ def _from_capytaine(ds: xr.Dataset, source: str) -> xr.Dataset:
             f"left out: {failed.sum()} of {kept.sum()} frequencies, from {omega[failed].min():g} to "
             f"{omega[failed].max():g} rad/s, of which all coefficients are NaN"
         )
+    radiating = list(map(str, np.atleast_1d(ds.radiating_dof.values)))
+    influenced = list(map(str, ds.influenced_dof.values))
+    labels = [label for label in influenced if label in radiating]
+    if silent := [label for label in influenced if label not in radiating]:
+        history.append(f"left out: {', '.join(silent)}, which did not radiate")
+    ds = ds.sel({"influenced_dof": labels, "radiating_dof": labels})
     finite = ds.isel(omega=np.flatnonzero(kept & ~failed)).sortby("omega")
-    radiating = [list(map(str, ds.radiating_dof.values)).index(label) for label in labels]
     variables: dict[str, Any] = {}
-    for name in (*_NEEDED, *(name for name in _DRY if name in ds)):
-        data = finite[name].transpose(*ATTRS[name].dims)
-        values = data.isel(radiating_dof=radiating).values if "radiating_dof" in data.dims else data.values
-        if name in _DRY and not np.isfinite(values).all():
+    for name in (*_NEEDED, *(name for name in _AT_REST if name in ds)):
+        values = finite[name].transpose(*ATTRS[name].dims).values
+        if name in _AT_REST and not np.isfinite(values).all():
             history.append(f"left out: {name}, which holds NaN")
             continue
         variables[name] = values
     variables["excitation_force"] = variables["Froude_Krylov_force"] + variables["diffraction_force"]
-    if np.isinf(omega).any():
-        limit = ds.added_mass.isel(omega=int(np.argmax(omega)), radiating_dof=radiating)
-        variables["added_mass_inf"] = limit.transpose(*ATTRS["added_mass_inf"].dims).values
+    for name, limit in (("added_mass_inf", np.isinf(omega)), ("added_mass_zero", omega == 0)):
+        if limit.any():
+            row = ds.added_mass.isel(omega=int(np.argmax(limit))).transpose(*ATTRS[name].dims).values
+            variables |= {name: row} if name == "added_mass_inf" or np.isfinite(row).all() else {}
     water = (float(ds.rho), float(ds.g), str(float(ds.water_depth)))
     attrs = dict(zip(WATER, water, strict=True), source="capytaine", history="; ".join(history))
-    return assembled(source, (labels, finite.omega.values, np.degrees(finite.wave_direction.values)), variables, attrs)
+    directions = np.degrees(finite.wave_direction.values)
+    return assembled(source, (labels, finite.omega.values, directions), variables, attrs | _facts(ds))
+
+
+def _facts(ds: xr.Dataset) -> dict[str, Any]:
+    """Displaced volumes, and of a single body its centres and the point it turns about, as far as they are known."""
+    facts: dict[str, Any] = {
+        name: np.asarray(ds[theirs].values, dtype=float).ravel()
+        for theirs, name in _POINTS.items()
+        if theirs in ds and ds[theirs].size == 3
+    }
+    if "disp_mass" in ds:
+        volumes = np.atleast_1d(ds.disp_mass.values / float(ds.rho))
+        names = list(map(str, np.atleast_1d(ds["body"].values))) if volumes.size > 1 else [""]
+        facts |= {volume_of(name): float(volume) for name, volume in zip(names, volumes, strict=True)}
+    return {
+        name: np.ravel(value) if np.ndim(value) else value for name, value in facts.items() if np.isfinite(value).all()
+    }

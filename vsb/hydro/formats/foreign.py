@@ -5,6 +5,7 @@ median over the band, damping in terms of its largest value, neither below `LEAS
 have if the displaced water moved with it: yaw of a round body is round-off, and so is all that follows from it.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -15,6 +16,7 @@ from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import quality
 from vsb.hydro.database import Check, check_at_most
 from vsb.hydro.formats.haskind import LARGEST_HASKIND, Haskind, fitting_depth, haskind_axisymmetric, haskind_headings
+from vsb.hydro.formats.long_waves import lift_check, phase_check, volume_check
 from vsb.hydro.formats.modes import volume_of
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import RIGID, body_of, motion_of, of_bodies
@@ -24,8 +26,12 @@ LEAST_SIZE = 0.3
 """Of a mode, in terms of the displaced water moving with it, as for bodies from meshes."""
 LEAST_DAMPING = 1e-3
 """Of a mode, in terms of frequency times added mass: no panels know it better."""
-HELD = 0.05
-"""Damping at the ends of a band that holds a mode's damping, in terms of the largest."""
+HELD, FALLEN = 0.05, 0.5
+"""Damping at the ends of a band that holds a mode's damping, and of one that has seen it fall, of the largest."""
+LARGEST_UNKNOWN = 0.2
+"""Added mass that damping outside the band and between the steps may give, of a mode's own, where enough is known."""
+LARGEST_UNAFLOAT = 0.2
+"""Difference of a body's mass from that of the water displaced that a mooring or coarse panels may make."""
 LARGEST_SPIKE = 0.02
 """Distance of added mass and damping from the cubic through their neighbours."""
 LONE = 5.0
@@ -37,9 +43,15 @@ _CAUSES = {
     "positive_damping": "an irregular frequency{irr}; panels too large for the shortest waves; panels inside out",
     "rank_one": "a body or mode that is not axisymmetric (leave --axisymmetric out); too few panels",
     "irregular_frequencies": "an irregular frequency{irr}; frequencies too far apart for a resonance that is real",
-    "kramers_kronig": "{period}; an irregular frequency{irr}; added mass at infinite frequency of another run; panels "
-    "too large for the shortest waves",
+    "kramers_kronig": "{period}; an irregular frequency{irr}; added mass at infinite frequency of another run or "
+    "exchanged with that at zero; panels too large for the shortest waves",
+    "added_mass_limits": "added mass at zero and at infinite frequency exchanged",
     "long_waves": "{period}; excitation and stiffness of different runs or lengths",
+    "phases": "phases of the other sign; headings in another unit; the force of another body or run",
+    "displaced_volume": "{length}; the volume of another body or run",
+    "trim": "centres of another body or about another origin; a mooring that carries or pulls",
+    "parts": "parts of another run; phases of the other sign in one of them",
+    "hydrostatic_symmetry": "rows and columns exchanged; a body that does not float upright",
     "haskind": "{depth}; {length}; {gravity}; {period}; an irregular frequency{irr}; too few panels",
     "haskind_scale": "{length}; {gravity}; too few panels",
     "haskind_long_waves": "{depth}; {length}; {gravity}",
@@ -103,36 +115,85 @@ def sizes(ds: xr.Dataset) -> Sizes:
     return Sizes(size, np.maximum(largest, floor), (mass > 1e-4 * least) & (largest > 0))
 
 
-def foreign_checks(ds: xr.Dataset, *, axisymmetric: bool = False) -> tuple[list[Check], list[str]]:
+def foreign_checks(
+    ds: xr.Dataset, *, axisymmetric: bool = False, dofs: Sequence[str] | None = None
+) -> tuple[list[Check], list[str]]:
     """Return the checks that a database of another code allows, and a line on each of what they leave unchecked.
 
     Damping follows from excitation (Haskind) by an integral over all wave directions, which one direction replaces if
     the body and all generalized modes are `axisymmetric`; damping of heave and these, one radiation channel, then also
-    has rank one. Added mass follows from damping (Kramers and Kronig), wherever the band holds it.
+    has rank one. Added mass follows from damping (Kramers and Kronig), as far as the band holds it.
+
+    Parameters
+    ----------
+    ds : xarray.Dataset
+    axisymmetric : bool
+    dofs : sequence of str, optional
+        Degrees of freedom that are judged, of which the others only tell the conventions; all.
 
     Raises
     ------
     ConfigError
         If the motions are said to be axisymmetric, and none can be.
+    DatabaseError
+        If nothing makes waves or moves water.
     """
-    ds = ds.sel(omega=ds.omega > 0)
+    whole = ds.sel(omega=ds.omega > 0)
+    ds = whole if dofs is None else whole.sel(influenced_dof=list(dofs), radiating_dof=list(dofs))
     radiating = np.einsum("wii->wi", ds.radiation_damping.values).any(axis=0)
     if not radiating.any():
         raise DatabaseError("radiation damping is zero for all motions; needs coefficients of waves.")
-    size = sizes(ds)
+    if not ds.added_mass.values.any():
+        raise DatabaseError("added mass is zero for all motions; needs coefficients of waves.")
+    size, of_all = sizes(ds), sizes(whole).added_mass
     wet = ds.isel(influenced_dof=radiating, radiating_dof=radiating)
     among = size.of(radiating)
-    checks = [_symmetry(ds, size), *afloat_checks(ds), _positive(wet, among)]
+    checks = [_symmetry(ds, size), *afloat_checks(ds), *volume_check(whole, of_all), *trim_checks(ds), *_parts(ds)]
+    checks.append(_positive(wet, among))
     ring = _ring(wet) if axisymmetric else np.ones(wet.sizes["influenced_dof"], dtype=bool)
     part, its = wet.isel(influenced_dof=ring, radiating_dof=ring), among.of(ring)
     if axisymmetric:
         channel = quality.second_channel(part, np.sqrt(np.outer(its.damping, its.damping)))
         checks.append(check_at_most("rank_one", channel, 0.02, "-", "axisymmetric motions radiate one ring wave"))
-    parts = [_smooth(wet, among), _causal(wet, among), _lifting(ds, size), _haskind(part, its, axisymmetric)]
+    parts = [
+        _smooth(wet, among),
+        _causal(wet, among),
+        (_limits(ds, size), []),
+        lift_check(ds, size.added_mass),
+        phase_check(whole, of_all),
+        _haskind(part, its, axisymmetric),
+    ]
     unseen = [] if any(check.name == "afloat" for check in checks) else [_DENSITY]
     return [*checks, *(check for found, _ in parts for check in found)], [
         line for _, notes in parts for line in notes
     ] + unseen
+
+
+def _parts(ds: xr.Dataset) -> list[Check]:
+    """The excitation as the sum of its two parts, where a database has all three."""
+    names = ("excitation_force", "Froude_Krylov_force", "diffraction_force")
+    if not set(names) <= set(ds):
+        return []
+    total, incident, diffracted = (ds[name].values for name in names)
+    largest = np.abs(total).max(axis=(0, 1))
+    error = np.abs(total - incident - diffracted).max(axis=1)
+    error = np.divide(error, largest, out=np.zeros_like(error), where=largest > 1e-6 * largest.max())
+    text = f"the excitation is its Froude-Krylov part and its diffraction part; {_where(ds, error)}"
+    return [check_at_most("parts", error.max(), 0.01, "-", text)]
+
+
+def trim_checks(ds: xr.Dataset) -> list[Check]:
+    """Return the check that the centre of mass is above or below that of buoyancy, if a database has both.
+
+    A doubt at most: a mooring may carry the difference.
+    """
+    if {"centre_of_mass", "centre_of_buoyancy"} - set(ds.attrs) or not ds.attrs.get(volume_of("")):
+        return []
+    apart = np.subtract(ds.attrs["centre_of_mass"], ds.attrs["centre_of_buoyancy"])[:2]
+    value = float(np.hypot(*apart) / float(ds.attrs[volume_of("")]) ** (1 / 3))
+    text = "the centres of mass and buoyancy lie on one vertical, in terms of the cube root of the displaced volume"
+    check = check_at_most("trim", value, 0.01, "-", text)
+    return [check if check.verdict == "ok" else replace(check, verdict="doubt")]
 
 
 _DENSITY = "not checked: density, with which all coefficients grow alike; it needs mass in heave and displaced volume"
@@ -167,10 +228,10 @@ def _symmetry(ds: xr.Dataset, size: Sizes) -> Check:
     return check_at_most("symmetry", error.max(), 0.02, "-", text, doubt=True)
 
 
-def afloat_checks(ds: xr.Dataset) -> list[Check]:
+def afloat_checks(ds: xr.Dataset, largest: float = LARGEST_UNAFLOAT) -> list[Check]:
     """Return the check of mass in heave against the water displaced, of bodies of which a database has both.
 
-    A moored one may weigh less, which is a doubt first.
+    A moored one may weigh less, and coarse panels displace less than the body: a doubt up to the `largest` difference.
     """
     errors, labels = [], list(map(str, ds.influenced_dof.values))
     for i in [i for i, label in enumerate(labels) if motion_of(label) == "Heave" and "inertia_matrix" in ds]:
@@ -179,7 +240,8 @@ def afloat_checks(ds: xr.Dataset) -> list[Check]:
         if volume and mass:  # not stated, as in the files of rigid bodies
             errors.append(abs(mass / (float(ds.attrs["water_density"]) * volume) - 1))
     text = "mass in heave is that of the water displaced"
-    return [check_at_most("afloat", max(errors), 0.01, "-", text, doubt=True)] if errors else []
+    checks = [check_at_most("afloat", max(errors), 0.01, "-", text)] if errors else []
+    return [replace(c, verdict="doubt") if c.verdict == "fail" and c.value <= largest else c for c in checks]
 
 
 def _positive(wet: xr.Dataset, size: Sizes) -> Check:
@@ -210,60 +272,77 @@ def _smooth(wet: xr.Dataset, size: Sizes) -> tuple[list[Check], list[str]]:
 
 
 def _causal(wet: xr.Dataset, size: Sizes) -> tuple[list[Check], list[str]]:
-    """Added mass from damping by Kramers and Kronig over the whole band, of modes whose damping the band holds.
+    """Added mass from damping by Kramers and Kronig, of modes whose damping the band holds or has seen fall by half.
 
-    What the steps of frequency do to the integral is its change when every other one is left out.
+    What the steps of frequency do to the integral is its change when every other one is left out. Where that is not
+    little, or the band does not hold the damping, both errors widen the limit, of each mode by itself.
     """
     omega, damping = wet.omega.values, wet.radiation_damping.values
     if len(omega) < 10:
         return [], [f"not checked: kramers_kronig, which needs ten frequencies; received {len(omega)}"]
     own = np.abs(np.einsum("wii->wi", damping))
-    held = np.maximum(own[0], own[-1]) <= HELD * size.damping
+    ends = np.maximum(own[0], own[-1]) / size.damping
     change = DampingSpectrum(omega, damping).added_mass_difference(omega)
     fewer = slice(1 - len(omega) % 2, None, 2)  # the last one stays
     coarse = DampingSpectrum(omega[fewer], damping[fewer]).added_mass_difference(omega) - change
-    resolved = np.abs(np.einsum("wii->wi", coarse)).max(axis=0) <= quality.LARGEST_LIMIT_DIFFERENCE * size.added_mass
-    names = wet.influenced_dof.values
+    steps = np.abs(np.einsum("wii->wi", coarse)).max(axis=0) / size.added_mass
+    outside = _outside(omega, own) / size.added_mass
+    exact = (ends <= HELD) & (steps <= quality.LARGEST_LIMIT_DIFFERENCE)
+    wider = outside + 2 * steps
+    lasts = (ends > FALLEN) | ((ends > HELD) & (outside > LARGEST_UNKNOWN).all(axis=0))
+    roughly = ~exact & (ends <= FALLEN) & (wider <= LARGEST_UNKNOWN).any(axis=0)
+    names, kept = wet.influenced_dof.values, np.flatnonzero((exact | roughly) & size.wet)
     notes = [
         f"not checked: kramers_kronig of {', '.join(names[left])}, whose damping {why}"
-        for left, why in ((~held, "lasts beyond the band"), (held & ~resolved, "needs smaller steps of frequency"))
+        for left, why in (
+            (size.wet & ~exact & ~roughly & lasts, "lasts beyond the band"),
+            (size.wet & ~exact & ~roughly & ~lasts, "needs smaller steps of frequency"),
+        )
         if left.any()
     ]
-    kept = np.flatnonzero(held & resolved)
     if not kept.size:
         return [], notes
     limit = wet.added_mass.values - change
     known = wet.added_mass_inf.values if "added_mass_inf" in wet else np.median(limit, axis=0)
     root = np.sqrt(size.added_mass)
-    error = (np.abs(limit - known) / np.outer(root, root))[:, kept[:, None], kept]
+    error = np.abs(limit - known) / np.outer(root, root)
+    single = np.einsum("wii->wi", error)
+    error = np.where(np.outer(exact, exact), error, 0.0)
+    error[:, roughly, roughly] = np.where(wider <= LARGEST_UNKNOWN, np.maximum(single - wider, 0.0), 0.0)[:, roughly]
+    error = error[:, kept[:, None], kept]
     text = f"added mass follows from damping; {_where(wet.isel(influenced_dof=kept), error)}"
+    if (roughly & size.wet).any():
+        text += f"; of {', '.join(names[roughly & size.wet])} only what exceeds the error of band and steps"
     return [
         check_at_most("kramers_kronig", error.max(), quality.LARGEST_LIMIT_DIFFERENCE, "-", text, doubt=True)
     ], notes
 
 
-def _lifting(ds: xr.Dataset, size: Sizes) -> tuple[list[Check], list[str]]:
-    """Heave excitation in the longest wave, C - omega^2 (A + displaced water) to second order, against stiffness C.
+def _limits(ds: xr.Dataset, size: Sizes) -> list[Check]:
+    """Added mass at the ends of the band nearer to its limits, where both are known, than to them exchanged."""
+    if {"added_mass_zero", "added_mass_inf"} - set(ds):
+        return []
+    first, last = (np.diag(ds.added_mass.values[i]) for i in (0, -1))
+    zero, infinite = (np.diag(ds[name].values) for name in ("added_mass_zero", "added_mass_inf"))
+    far, swapped = (
+        float(((np.abs(first - one) + np.abs(last - other)) / size.added_mass)[size.wet].sum())
+        for one, other in ((zero, infinite), (infinite, zero))
+    )
+    text = "added mass begins near that at zero frequency and ends near that at infinite; above the limit: exchanged"
+    return [check_at_most("added_mass_limits", far / (far + swapped or 1.0), 0.5, "-", text)]
 
-    The limit is widened by twice the second order, with the largest added mass of a translation for that of the water.
-    Of several bodies the worst counts, and those alone whose longest wave is one.
+
+def _outside(omega: FloatArray, damping: FloatArray) -> FloatArray:
+    """Added mass that damping (omega, dof) outside the band may give, likewise [kg]; infinite at its ends.
+
+    Twice the tail of `DampingSpectrum` above, and the damping of the first frequency all the way below it.
     """
-    labels, stiffness = list(map(str, ds.influenced_dof.values)), np.diag(ds.hydrostatic_stiffness.values)
-    heaves = [i for i, label in enumerate(labels) if motion_of(label) == "Heave" and stiffness[i] > 0]
-    if not heaves:
-        return [], ["not checked: long_waves, which needs heave and a waterplane"]
-    found = []
-    for i in heaves:
-        its = of_bodies(labels)[body_of(labels[i])]
-        water = max(size.added_mass[j] for j in its if motion_of(labels[j]) in RIGID[:3])
-        second = float(ds.omega.values[0] ** 2 * (size.added_mass[i] + water) / stiffness[i])
-        error = float(np.abs(np.abs(ds.excitation_force.values[0, :, i]) / stiffness[i] - 1).max())
-        found += [(error, 0.05 + 2 * second)] if second <= 0.2 else []
-    if not found:
-        return [], [f"not checked: long_waves, of which {ds.omega.values[0]:.4g} rad/s is none for this body"]
-    error, limit = max(found, key=lambda one: one[0] - one[1])
-    text = "waves much longer than the body lift it by its hydrostatic stiffness"
-    return [check_at_most("long_waves", error, limit, "-", text)], []
+    (first, top), (low, high), at = omega[[0, -1]], np.abs(damping[[0, -1]]), omega[:, None]
+    with np.errstate(divide="ignore"):
+        x = (at / top) ** 2
+        above = 2 * high / top * (-x - np.log1p(-x)) / (2 * x**2)
+        below = low / (2 * at) * np.log((at + first) / (at - first))
+    return np.asarray(2 / np.pi * (above + below))
 
 
 _TOO_FEW = (

@@ -44,8 +44,9 @@ def haskind_headings(
     Notes
     -----
     B = k/(8 pi rho g v_g) int X X^H d beta (Newman, Marine Hydrodynamics, ch. 6), by the trapezoidal rule, which is
-    exact for Fourier series over beta that end below half the number of headings. A mode is resolved at the
-    frequencies at which the last two orders hold at most 2.5 % of its largest power in the band, or of its size.
+    exact for Fourier series over beta that end below half the number of headings. A mode is resolved up to the
+    frequency at which the last two orders hold more than 2.5 % of its largest power in the band, or of its size: above
+    it orders that are too high may look like low ones.
     """
     degrees, first = np.unique(np.round(np.degrees(ds.wave_direction.values) % 360, 3) % 360, return_index=True)
     n = len(degrees)
@@ -56,7 +57,7 @@ def haskind_headings(
     power = np.abs(np.fft.fft(x, axis=1) / n) ** 2
     last = np.abs(np.fft.fftfreq(n, 1 / n)) >= n // 2 - 1
     largest = np.maximum(power.sum(axis=1).max(axis=0), size)
-    resolved = power[:, last].sum(axis=1) <= LARGEST_HASKIND / 2 * largest
+    resolved = np.logical_and.accumulate(power[:, last].sum(axis=1) <= LARGEST_HASKIND / 2 * largest)
     return Haskind(np.einsum("whi,whj->wij", x, x.conj()).real / n, resolved)
 
 

@@ -17,7 +17,8 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.study.quantities import RIGID, is_rigid, of_bodies
+from vsb.hydro.database import transformed
+from vsb.study.quantities import RIGID, ROTATIONS, is_rigid, of_bodies
 from vsb.tools.bounded import bounded_reading
 from vsb.tools.units import ATTRS, PAIR, FloatArray, check_finite, described
 
@@ -144,7 +145,7 @@ def _check_facts(ds: xr.Dataset, source: str) -> None:
         volume = np.asarray(ds.attrs.get(name, 0.0), dtype=float)
         if volume.shape or not 0 <= volume <= LARGEST:
             raise DatabaseError(f"{source}: {name} {volume} m^3; needs a finite one, not negative.")
-    for name in ("centre_of_buoyancy", "centre_of_mass"):
+    for name in ("centre_of_buoyancy", "centre_of_mass", "rotation_centre"):
         centre = np.asarray(ds.attrs.get(name, np.zeros(3)), dtype=float)
         if centre.shape != (3,) or not np.all(np.abs(centre) <= LARGEST):
             raise DatabaseError(f"{source}: {name} {centre} m; needs three finite numbers.")
@@ -158,19 +159,74 @@ def assembled(source: str, axes: tuple[Any, Any, Any], variables: dict[str, Any]
     return checked(xr.Dataset(data, {"omega": omega, "wave_direction": np.radians(headings), **dofs}, attrs), source)
 
 
+_AT_REST = ("displaced_volume", "centre_of_buoyancy", "centre_of_mass")
+
+
+def _is_sphere(ds: xr.Dataset) -> bool:
+    """Whether what a body displaces follows from radius, height and mass in heave."""
+    return {"radius", "centre_height"} <= {*ds.attrs} and "inertia_matrix" in ds and "Heave" in ds.influenced_dof
+
+
+def is_floating(ds: xr.Dataset) -> bool:
+    """Return whether a database says enough of the body at rest for `floating`."""
+    return {*_AT_REST} <= {*ds.attrs} or _is_sphere(ds)
+
+
 def floating(ds: xr.Dataset, source: str) -> Floating:
     """Return what a database says of the body at rest, which for a sphere follows from its radius, height and mass."""
-    names = ("displaced_volume", "centre_of_buoyancy", "centre_of_mass")
-    missing = [name for name in names if name not in ds.attrs]
+    missing = [name for name in _AT_REST if name not in ds.attrs]
     if not missing:
-        volume, buoyancy, mass = (np.asarray(ds.attrs[name], dtype=float) for name in names)
+        volume, buoyancy, mass = (np.asarray(ds.attrs[name], dtype=float) for name in _AT_REST)
         return Floating(float(volume), buoyancy, mass)
-    if {"radius", "centre_height"} - set(ds.attrs) or "inertia_matrix" not in ds or "Heave" not in ds.influenced_dof:
+    if not _is_sphere(ds):
         raise DatabaseError(f"{source}: holds no {', '.join(missing)}; needs them in its attributes.")
     r, z = (float(ds.attrs[name]) for name in ("radius", "centre_height"))
     heave = float(ds.inertia_matrix.sel(influenced_dof="Heave", radiating_dof="Heave"))
     wet = z - 0.75 * (r + z) ** 2 / (2 * r + z)  # centroid of the cap below z = 0, of height r - z
-    return Floating(heave / float(ds.attrs["water_density"]), np.array([0, 0, wet]), np.array([0, 0, z]))
+    above = json.loads(ds.attrs.get("spec", "{}")).get("device", {}).get("centre_of_mass") or 0.0
+    return Floating(heave / float(ds.attrs["water_density"]), np.array([0, 0, wet]), np.array([0, 0, z + above]))
+
+
+def rotation_centre(ds: xr.Dataset) -> FloatArray | None:
+    """Return the point rotations of a database turn about, (xyz,) [m], of a buoy its centre; None if it is not said."""
+    if "rotation_centre" in ds.attrs:
+        return np.asarray(ds.attrs["rotation_centre"], dtype=float)
+    return np.array([0.0, 0.0, float(ds.attrs["centre_height"])]) if "centre_height" in ds.attrs else None
+
+
+def turned_about(ds: xr.Dataset, point: FloatArray, source: str) -> xr.Dataset:
+    """Return matrices and forces with rotations about another point: what moves is the same, by other amplitudes.
+
+    A rotation a about the point is that about the database's own, and a translation a x (own - point).
+
+    Raises
+    ------
+    DatabaseError
+        If the database does not say what its rotations turn about, or has not the translations this takes.
+    """
+    labels = [str(label) for label in ds.influenced_dof.values]
+    turning = [label for label in labels if label in ROTATIONS]
+    if not turning:
+        return ds
+    at = f"the centre of mass ({', '.join(f'{x:g}' for x in point)})"
+    if (own := rotation_centre(ds)) is None:
+        raise DatabaseError(
+            f"{source}: holds no rotation_centre, what {', '.join(turning)} turn about; needs it in its attributes, "
+            f"for rotations about {at}."
+        )
+    shares, size = np.eye(len(labels)), 1e-9 * (1.0 + float(np.abs(own).max()))
+    for label in turning:
+        moved = np.cross(np.eye(3)[ROTATIONS.index(label)], own - point)
+        for translation, share in zip(RIGID[:3], moved, strict=True):
+            if translation in labels:
+                shares[labels.index(label), labels.index(translation)] = share
+            elif abs(share) > size:
+                raise DatabaseError(
+                    f"{source}: {label} turns about ({', '.join(f'{x:g}' for x in own)}); needs {translation} beside "
+                    f"it to turn about {at}."
+                )
+    names = [name for name, data in ds.data_vars.items() if data.dims[-1] in PAIR]
+    return ds.assign(transformed(ds[names], shares, labels)).assign_attrs(rotation_centre=point)
 
 
 def structure(ds: xr.Dataset, source: str, damping: FloatArray | None = None) -> Structure | None:

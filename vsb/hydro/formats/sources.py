@@ -1,5 +1,6 @@
 """Any hydro database from any file, with its verdict: this project's, capytaine's, WAMIT's, BEMIO's."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import netCDF4
@@ -51,6 +52,9 @@ def is_own(path: str) -> bool:
         raise DatabaseError(f"{path}: cannot be read: {error}; needs a hydro database as netCDF.") from None
 
 
-def source_checks(ds: xr.Dataset) -> tuple[list[Check], list[str]]:
-    """Return the checks stored with a database, or those its numbers allow, and a line on each that they do not."""
-    return (stored_checks(ds), []) if "quality" in ds.attrs else foreign_checks(ds)
+def source_checks(ds: xr.Dataset, dofs: Sequence[str] | None = None) -> tuple[list[Check], list[str]]:
+    """Return the checks stored with a database, or those its numbers allow, and a line on each that they do not.
+
+    Of some degrees of freedom; what others tell of the file's conventions counts for all.
+    """
+    return (stored_checks(ds), []) if "quality" in ds.attrs else foreign_checks(ds, dofs=dofs)

@@ -28,8 +28,10 @@ from vsb.hydro.formats.modes import (
     check_positive,
     checked,
     floating,
+    is_floating,
     mode_labels,
     mode_numbers,
+    rotation_centre,
     rotations,
     structure,
     volume_of,
@@ -67,8 +69,9 @@ def wamit_texts(ds: xr.Dataset, source: str, length: float = 1.0) -> dict[str, s
 
     `.1` holds PER I J A B, without B for PER = -1 (zero frequency, if the database has omega = 0) and for PER = 0
     (infinite frequency); `.3` PER BETA I MOD PHASE RE IM, angles in degrees; its parts `.3fk` and `.3sc` likewise;
-    `.hst` I J C; `.mmx` I J MASS DAMP STIF of the dry body, if the database has its mass and stiffness. The header
-    states ULEN = length [m], the water and the modes, which WAMIT keeps in other files. Errors name the source.
+    `.hst` I J C; `.mmx` I J MASS DAMP STIF of the dry body, if the database has its mass, stiffness, displaced volume
+    and centres. The header states ULEN = length [m], the water, the point rotations are about and the modes, which
+    WAMIT keeps in other files. Errors name the source.
     """
     ds = checked(ds, source, ("added_mass", "radiation_damping", "excitation_force", "hydrostatic_stiffness"))
     labels = [str(label) for label in ds.influenced_dof.values]
@@ -79,9 +82,12 @@ def wamit_texts(ds: xr.Dataset, source: str, length: float = 1.0) -> dict[str, s
     parts |= {extension: _force_lines(ds[name] / force, modes) for name, extension in _FORCES.items() if name in ds}
     parts[".hst"] = _pair_lines("", modes, ds.hydrostatic_stiffness.values / stiffness)
     names = " ".join(f"{mode}={label}" for mode, label in sorted(zip(modes, labels, strict=True)))
-    head = f" WAMIT's form: ULEN {length:g} density {density:g} gravity {gravity:g} depth {depth:g} modes {names}\n"
+    head = f" WAMIT's form: ULEN {length:g} density {density:g} gravity {gravity:g} depth {depth:g} "
+    if rotations(modes).any() and (centre := rotation_centre(ds)) is not None:
+        head += f"rotations about {' '.join(f'{x:g}' for x in centre)} "
+    head += f"modes {names}\n"
     texts = {extension: head + "".join(lines) for extension, lines in parts.items()}
-    if (dry := structure(ds, source)) is not None:
+    if (dry := structure(ds, source)) is not None and is_floating(ds):
         texts[".mmx"] = head + _dry_head(ds, source, length) + "".join(_pair_lines("", modes, *dry))
     return texts
 
@@ -169,6 +175,10 @@ def import_wamit(
     """
     path = str(Path(folder) / name)
     table = _table(f"{path}.1", _lines(f"{path}.1", "PER I J A B"), (1, 2), (4, 5), "PER I J A, and B where PER > 0")
+    failed = _failed(table)
+    table = {key: row for key, row in table.items() if key[0] not in failed}
+    if not table:
+        raise DatabaseError(f"{path}.1: all coefficients are NaN at every period; needs some that were solved.")
     modes = sorted({int(mode) for key in table for mode in key[1:]})
     dry = _read_dry(f"{path}.mmx", modes, gravity, length) if Path(f"{path}.mmx").is_file() else _Dry(1, {}, {})
     names, numbers = _named(path, modes, dry.bodies, labels)
@@ -181,11 +191,19 @@ def import_wamit(
     if not Path(f"{path}.mmx").is_file():  # which would say how many bodies there are
         _check_one_body(path, modes, springs)
     variables["hydrostatic_stiffness"] = stiffness * springs
-    headings, forces = _read_forces(path, waves, modes)
+    headings, forces = _read_forces(path, waves, modes, failed)
     variables |= {key: force * x for key, x in forces.items()}
     dropped = "added_mass_zero" not in radiated and any(key[0] < 0 for key in table)
-    history = f"read from WAMIT's files {name}" + "; left out: zero frequency, not of all pairs" * dropped
+    told = re.search(r"rotations about (\S+) (\S+) (\S+) modes", _lines(f"{path}.1", "")[0])
+    centre = [float(x) for x in told.groups()] if told else [0.0, 0.0, 0.0]  # WAMIT's: the body's own origin
+    history = f"read from WAMIT's files {name}"
+    if failed:
+        history += (
+            f"; left out: {len(failed)} periods, from {min(failed):g} to {max(failed):g} s, of which A and B are NaN"
+        )
+    history += "; left out: zero frequency, not of all pairs" * dropped
     attrs = dict(zip(WATER, (density, gravity, str(depth)), strict=True), source="WAMIT", history=history, **dry.facts)
+    attrs |= {"rotation_centre": centre} if dry.bodies == 1 else {}
     return assembled(path, (names, 2 * np.pi / np.array(waves), headings), variables | dry.matrices, attrs)
 
 
@@ -274,7 +292,8 @@ def _table(path: str, lines: list[str], modes: tuple[int, ...], counts: tuple[in
 
 def _problem(row: list[float], modes: tuple[int, ...], counts: tuple[int, ...]) -> str:
     """What is wrong with a line; phases are not read: WAMIT's are arbitrary where symmetry makes forces zero."""
-    if len(row) not in counts or not all(map(math.isfinite, row)):
+    known = row[: modes[-1] + 1] if len(row) in (4, 5, 7) and modes[0] > 0 else row  # coefficients of waves may be NaN
+    if len(row) not in counts or any(map(math.isinf, row)) or any(map(math.isnan, known)):
         return f"is not of {' or '.join(map(str, counts))} finite numbers"
     if any(row[k] % 1 or row[k] < 1 for k in modes):
         return "has mode numbers that are not whole and from 1"
@@ -284,14 +303,24 @@ def _problem(row: list[float], modes: tuple[int, ...], counts: tuple[int, ...]) 
     return "has a modulus that contradicts its parts" if wrong else ""
 
 
+def _failed(table: _Table) -> set[float]:
+    """Periods at which all coefficients are NaN, the mark of a solution that failed."""
+    known = {key[0] for key, row in table.items() if not all(map(math.isnan, row))}
+    return {key[0] for key in table} - known
+
+
 def _values(path: str, table: _Table, *keys: Sequence[float]) -> FloatArray:
     """Array over all combinations of keys, the values of a line last."""
     if missing := [key for key in product(*keys) if key not in table]:
         raise DatabaseError(f"{path}: no line starts with {missing[0]}; needs all periods, headings and modes.")
+    if nan := [key for key in product(*keys) if not all(map(math.isfinite, table[key]))]:
+        raise DatabaseError(f"{path}: the line that starts with {nan[0]} holds NaN; needs numbers of every other mode.")
     return np.array([table[key] for key in product(*keys)]).reshape(*map(len, keys), -1)
 
 
-def _read_forces(path: str, periods: list[float], modes: list[int]) -> tuple[list[float], dict[str, ComplexArray]]:
+def _read_forces(
+    path: str, periods: list[float], modes: list[int], failed: set[float]
+) -> tuple[list[float], dict[str, ComplexArray]]:
     """Headings [deg] and phasors (C1), shape (period, heading, mode); periods may differ from .1 in the last digit."""
     forces: dict[str, ComplexArray] = {}
     headings: list[float] = []
@@ -299,6 +328,9 @@ def _read_forces(path: str, periods: list[float], modes: list[int]) -> tuple[lis
         if not forces or Path(file).is_file():
             columns = "PER BETA I MOD PHASE RE IM"
             table = _table(file, _lines(file, columns), (2,), (7,), columns)
+            table = {
+                key: row for key, row in table.items() if not any(math.isclose(key[0], f, rel_tol=1e-5) for f in failed)
+            }
             headings = headings or sorted({key[1] for key in table})
             given = np.array([key[0] for key in table])
             nearest = np.array(periods)[np.abs(given[:, None] - periods).argmin(axis=1)]
@@ -331,20 +363,22 @@ def _read_dry(path: str, modes: list[int], gravity: float, length: float) -> _Dr
             f"{path}: of a run with gravity {g:g} and ULEN {scale:g}; received gravity {gravity:g}, length {length:g}."
         )
     volumes = [float(np.median(_after(path, part, "Volumes", 3))) for part in parts]
-    _, found, rest = text.partition("External force matrices")
-    if len(parts) > 1:
-        if found:
-            raise DatabaseError(
-                f"{path}: holds external force matrices of {len(parts)} bodies; needs IALTFRC = 1, and mass, damping "
-                "and stiffness in the study."
-            )
-        return _Dry(len(parts), {}, {volume_of(f"body{k + 1}"): volume for k, volume in enumerate(volumes)})
-    buoyancy, mass = (_after(path, text, word, 3) for word in ("Buoyancy", "of Gravity:"))
-    facts = {"displaced_volume": volumes[0], "centre_of_buoyancy": buoyancy, "centre_of_mass": mass}
-    if not found:
-        return _Dry(1, {}, facts)
+    facts: dict[str, Any] = {volume_of(f"body{k + 1}"): volume for k, volume in enumerate(volumes)}
+    if len(parts) == 1:
+        buoyancy, mass = (_after(path, text, word, 3) for word in ("Buoyancy", "of Gravity:"))
+        facts = {"displaced_volume": volumes[0], "centre_of_buoyancy": buoyancy, "centre_of_mass": mass}
+    *_, rest = blocks = text.split("External force matrices")
+    if len(blocks) == 1:
+        return _Dry(len(parts), {}, facts)
+    (form,) = _after(path, text, "IALTFRC =", 1)
+    if len(blocks) > 2 or (form != 2 and len(parts) > 1):
+        raise DatabaseError(
+            f"{path}: holds external force matrices of {len(parts)} bodies with IALTFRC = {form:g}; needs IALTFRC = 2, "
+            "one table of all bodies, or 1, and mass, damping and stiffness in the study."
+        )
     table = _table(path, rest.splitlines()[2:], (0, 1), (5,), "I J MASS DAMP STIF")
-    return _Dry(1, dict(zip(_DRY, np.moveaxis(_values(path, table, modes, modes), -1, 0), strict=True)), facts)
+    matrices = np.moveaxis(_values(path, table, modes, modes), -1, 0)
+    return _Dry(len(parts), dict(zip(_DRY, matrices, strict=True)), facts)
 
 
 def _after(path: str, text: str, word: str, count: int) -> FloatArray:
