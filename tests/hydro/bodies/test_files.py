@@ -19,6 +19,7 @@ from examples import barge
 from vsb.errors import ConfigError
 from vsb.hydro.bodies import files
 from vsb.hydro.panels.mesh import revolved
+from vsb.tools import bounded
 
 LABELS = ("Heave", "Pitch")
 BOX = barge.box(6.0, 4.0, 2.0, 1)
@@ -320,7 +321,7 @@ def test_a_header_that_announces_more_than_there_is_takes_no_memory(tmp_path, na
 
 
 def test_a_reader_that_waits_for_an_end_that_was_cut_off_is_ended(tmp_path, monkeypatch):
-    monkeypatch.setattr(files, "SECONDS", (0.3, 0.0))
+    monkeypatch.setattr(bounded, "SECONDS", (0.3, 0.0))
     whole = mesh_file(tmp_path, "box.tec").read_bytes()
     (tmp_path / "cut.tec").write_bytes(whole[:200])  # of 75 vertices two
     with pytest.raises(ConfigError, match=r"cut.tec: cannot be read as a mesh \(it takes more than 0.3 s\)"):
@@ -346,7 +347,7 @@ def damaged(data, chance):
 @pytest.mark.parametrize("kind", [*KINDS, "modes.nc", "tec", "mdpa", "avs"])
 def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, kind, monkeypatch):
     """Ten of each kind: whatever other libraries make of them, no traceback, no warning, no end of memory or time."""
-    monkeypatch.setattr(files, "SECONDS", (1.0, 0.0))
+    monkeypatch.setattr(bounded, "SECONDS", (1.0, 0.0))
     mesh, chance = mesh_file(tmp_path, "box.nc"), random.Random(kind)
     whole = mesh.read_bytes() if kind == "modes.nc" else mesh_file(tmp_path, f"box.{kind}").read_bytes()
     for i in range(11):
@@ -445,7 +446,7 @@ def test_a_file_may_take_as_much_memory_and_time_as_it_is_large(tmp_path, monkey
     (tmp_path / "a.vtk").write_bytes(bytes(size))
     given = []
     for name in ("bounded_memory", "bounded_time"):
-        monkeypatch.setattr(files, name, lambda most: given.append(most) or nullcontext())
+        monkeypatch.setattr(bounded, name, lambda most: given.append(most) or nullcontext())
     monkeypatch.setattr(files, "_panels", lambda path: (np.eye(3), np.array([[0, 1, 2, 2]])))
     files.read_mesh(tmp_path / "a.vtk")
     assert given == [2**30 + 200 * size, pytest.approx(20.0 + 2e-5 * size, rel=1e-12)]
