@@ -252,7 +252,7 @@ def test_what_a_database_is_made_of_is_handed_on(monkeypatch, kind):
     source = {
         "wamit": ("wamit", "WAMIT", own.water, 2.5),
         "bemio": ("bemio", "BEMIO", own.water, 1.0),
-        "file": (own.body.file, ("MESH", "MODES"), "FOLDER", "GREEN"),
+        "file": (own.body.file, ("MESH", "MODES", 9.81), "FOLDER", "GREEN"),
     }[kind]
     assert seen == [source, (own.water, "found"), (own, ("found", 3.0), "out.nc")]
 
