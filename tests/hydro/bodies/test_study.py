@@ -438,7 +438,7 @@ def test_a_panel_may_hold_four_wavelengths_and_no_more(body, depth, gravity):
 @pytest.mark.parametrize("tables", [None, "tables"])
 def test_a_run_hands_on_its_table_and_finds_mesh_and_modes_beside_its_file(tmp_path, monkeypatch, tables):
     seen = []
-    monkeypatch.setattr(bodystudy, "read_body", lambda mesh, modes: (mesh, modes))
+    monkeypatch.setattr(bodystudy, "read_body", lambda mesh, modes, gravity: (mesh, modes))
     monkeypatch.setattr(bodystudy, "solve", lambda study, *given: seen.append((study.body, *given)))
     raw = {"body": "b", "mesh": "a/m.gdf", "modes": "modes.nc", "omega": [1.0], "wave_direction": [0.0]}
     (tmp_path / "b.yaml").write_text(yaml.safe_dump(raw))
