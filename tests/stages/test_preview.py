@@ -275,3 +275,12 @@ def test_frequencies_of_both_branches_are_those_of_the_closed_form(seed):
     for n, row in enumerate(rows):
         told = (upper[n], lower[n] if n >= 2 else None, table["paper_ritz"][n]["omega"])
         assert row == [str(n), *("-" if one is None else f"{one:.9f}" for one in told)]
+
+
+def test_a_stiff_shell_under_a_take_off_that_switches_is_told_to_take_long(seed):
+    def said(**device):
+        study = varied(seed, device=device, pto={"law": "saturated", "force_limit": 500.0})
+        return [line for line in preview.summary(study, StudyPlan(study)) if line.startswith("switches")]
+
+    assert said() == []
+    assert "for each run on one core" in said(young_modulus=2.1e11)[0]
