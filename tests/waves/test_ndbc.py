@@ -1,6 +1,7 @@
 """Measured spectra: the shipped year, other ways of writing them, and files that are refused in one line."""
 
 import gzip
+import sys
 from datetime import datetime, timedelta
 from itertools import permutations
 from pathlib import Path
@@ -14,6 +15,7 @@ from vsb.study.study import Water
 from vsb.waves.ndbc import _calendar, _check_units, _dates, _direction_widths, _header, _time, read_ndbc, read_spectra
 
 SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"
+WRITTEN = Path(__file__).parents[1] / "data" / "spectra"
 HEADER = "YY MM DD hh   .050   .100   .150\n"
 ROWS = "96 01 01 00   1.00   2.00   0.50\n96 01 01 01   1.50   2.50   0.25\n"
 BANDS = 0.05 * np.array([1.0, 2.0, 3.0])
@@ -51,6 +53,11 @@ def test_units_of_the_text_are_per_hertz(written):
         gzip.compress((HEADER + ROWS).encode()),
         HEADER + ROWS + "96 01 01 01   9.99   9.99   9.99\n",  # an instant once more
         HEADER + ROWS + "96 01 01 02   999.0   9.99   9.99\n96 01 01 03   0.00   0.00   0.00\n",
+        HEADER + ROWS + "96 01 01 02   MM   9.99   9.99\n" + HEADER.replace("YY", "#YY"),
+        "YY MM DD hh .033 .050 .100 .150\n96 01 01 00 999.00 1.00 2.00 0.50\n96 01 01 01 999.00 1.50 2.50 0.25\n",
+        "#YY MM DD hh mm Sep_Freq  < spec_1 (freq_1) spec_2 (freq_2) ... >\n"
+        "2020 01 01 01 00 9.999 1.00 (0.050) 2.00 (0.100) 0.50 (0.150)\n"
+        "2020 01 01 00 00 9.999 1.50 (0.050) 2.50 (0.100) 0.25 (0.150)\n",
     ],
 )
 def test_the_same_seas_in_other_ways_of_writing(written, text):
@@ -78,13 +85,20 @@ def test_what_is_left_out_is_said(written):
         (HEADER, "received 1 lines, needs a header with frequencies and rows of spectra"),
         (HEADER + "#yr mo dy hr m2/Hz\n", "received 2 lines, needs a header with frequencies and rows of spectra"),
         ("hello\nworld\n", "line 1: received 'hello', needs YY MM DD hh"),
-        ("YY MM DD hh WDIR WSPD\n96 01 01 00 1 2\n", "line 1: received 'WDIR', needs a number"),
+        ("YY MM DD hh hello\n96 01 01 00 1\n", "line 1: received 'hello', needs a number"),
         (
             "YY MM DD hh 20. 10. 6.7\n96 01 01 00 1 2 3\n",
             "line 1: received 3 frequencies from 20 to 6.7, needs them asc",
         ),
         ("YY MM DD hh 10 20\n96 01 01 00 1 2\n", "received 2 frequencies from 10 to 20, needs them ascending"),
         ("YY MM DD hh\n96 01 01 00\n", "received 0 frequencies"),
+        ("#YY MM DD hh mm WDIR WSPD WVHT\n#yr\n20 01 01 00 00 9 2 1\n", "received the buoy's meteorological data"),
+        (HEADER + ROWS + HEADER.replace(".050", ".040") + ROWS, "line 4: received another header, needs one set"),
+        (
+            "#YY MM DD hh mm Sep_Freq < spec_1 (freq_1) >\n2020 01 01 01 00 9 1 (.05) 2 (.1)\n"
+            "2020 01 01 02 00 9 1 (.05) 2 (.2)\n",
+            "line 3: received other frequencies than line 2",
+        ),
         (HEADER + ROWS + "96 01 01 02 1.0\n", "line 4: received 5 columns, needs 7 as the header has"),
         (HEADER + ROWS + "96 01 01\n", "line 4: received 3 columns, needs 7 as the header has"),
         (HEADER + ROWS + "96 01 01 02 1.0 x 2\n", "line 4: received 'x', needs a number"),
@@ -103,6 +117,49 @@ def test_refused_in_one_line(written, text, message):
         read_ndbc(written(text))
     assert "\n" not in str(caught.value)
     assert "given.txt" in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["wavespectra.nc", "swan.spec", "ww3.nc"])
+def test_files_by_the_writers_of_wavespectra(name):
+    """Seas of 1, 2 and 3 m at one site, written by wavespectra 4.9; its netCDF is packed to three digits."""
+    if name != "wavespectra.nc":
+        pytest.importorskip("wavespectra")
+    assert read_spectra(WRITTEN / name).hs == pytest.approx([1.0, 2.0, 3.0], rel=1e-3)
+
+
+def foreign(name):
+    """Two seas as ECMWF and the National Data Buoy Center write them in netCDF, with a band without energy."""
+    density = np.array([[0.0, 2.0, 0.5], [0.0, 2.5, 0.25]])
+    time = np.array(["2020-01-01T00", "2020-01-01T01"], dtype="datetime64[ns]")
+    if name == "ndbc":
+        site = {"latitude": [44.5], "longitude": [-124.2]}
+        coords = {"time": time, "frequency": BANDS, **site}
+        return xr.Dataset({"spectral_wave_density": ((*coords,), density[:, :, None, None])}, coords)
+    with np.errstate(divide="ignore"):
+        level = np.log10(np.repeat(density[..., None], 4, axis=2) / (2 * np.pi))
+    level[np.isinf(level)] = np.nan  # where there is no energy
+    return xr.Dataset({"d2fd": (("time", "frequency", "direction"), level)}, {"time": time}).assign_coords(
+        frequency=[1, 2, 3], direction=[1, 2, 3, 4]
+    )
+
+
+@pytest.mark.parametrize("name", ["era5", "ndbc"])
+def test_files_of_reanalyses_and_data_servers(tmp_path, name):
+    """ERA5 leaves out the logarithm of no energy: zero, not missing. Its bands are 0.03453 Hz and 10 % further each."""
+    pytest.importorskip("wavespectra")
+    foreign(name).to_netcdf(tmp_path / "s.nc")
+    climate = read_spectra(tmp_path / "s.nc")
+    assert climate.density * 2 * np.pi == pytest.approx(np.array([[0.0, 2.0, 0.5], [0.0, 2.5, 0.25]]), rel=1e-6)
+    hertz = BANDS if name == "ndbc" else 0.03453 * 1.1 ** np.arange(3)
+    assert climate.omega == pytest.approx(2 * np.pi * hertz)
+
+
+def test_a_file_for_wavespectra_names_it_where_it_is_missing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "wavespectra", None)
+    with pytest.raises(
+        ConfigError, match=r"swan\.spec: received spectra as swan writes them, needs the package wavesp"
+    ):
+        read_spectra(WRITTEN / "swan.spec")
 
 
 def test_a_file_that_is_not_there():

@@ -6,7 +6,7 @@ from pathlib import Path
 from vsb.errors import ConfigError
 from vsb.study.specs import ClimateSpec
 from vsb.waves.climate import Climate
-from vsb.waves.ndbc import read_ndbc, read_spectra
+from vsb.waves.ndbc import SWAN, read_ndbc, read_spectra
 from vsb.waves.scatter import read_scatter
 
 NETCDF = (b"CDF", b"\x89HDF")
@@ -29,4 +29,4 @@ def read_climate(spec: ClimateSpec, path: str) -> Climate:
         raise ConfigError(f"{path}: changed since the run was planned; run vsb run CONFIG again")
     if spec.form != "spectra":
         return read_scatter(path, spec.form, spec.gamma or 1.0)
-    return read_spectra(path) if data.startswith(NETCDF) else read_ndbc(path)
+    return read_spectra(path) if data.startswith((*NETCDF, SWAN)) else read_ndbc(path)

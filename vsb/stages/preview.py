@@ -27,7 +27,7 @@ SECONDS_PER_PAUSE = {"regular": 5.0, "body_exact": 20.0}
 SECONDS_PER_PAUSED_SECOND = {"irregular": 0.15, "body_exact": 0.5}
 """Likewise of each second of a run in another sea, all trials together."""
 SECONDS_PER_INSTANT, NOTABLE = 1e-4, 60.0
-"""Seconds per instant at which switches are looked for, measured with 13 modes, and of a run that is told to be long."""
+"""Seconds per instant at which switches are looked for, measured with 13 modes, and from which on a run is long."""
 FROM_REST = 8.0
 """Times as many where a motion from rest takes less than the trials promise: all pauses are tried from rest then."""
 

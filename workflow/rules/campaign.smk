@@ -17,7 +17,7 @@ rule members:
         "../envs/vsb.yaml"
     resources:
         mem_mb=2000,
-        runtime=60,
+        runtime=PLAN.batch_minutes,
     params:
         spec=lambda wildcards: canonical(PLAN.batches[wildcards.batch]),
         folder=f"{PLAN.folder}/members",
