@@ -590,7 +590,7 @@ def test_the_shell_at_rest_is_that_of_the_equilibrium_or_what_the_load_about_the
         asked.append((study, basis))
         return SimpleNamespace(force=lambda q: np.array([1.0, 2.0]) + q)
 
-    monkeypatch.setattr(ledger, "loaded_shell", loaded)
+    monkeypatch.setattr("vsb.scenes.viability.loaded_shell", loaded)
     at, total = np.array([0.5, -0.25]), np.array([[2.0, 1.0], [0.0, 4.0]])
     reference = SimpleNamespace(modal_amplitude=at, total=total, basis="basis")
     assert static_modal_amplitude(SimpleNamespace(at_equilibrium=True), reference) is at

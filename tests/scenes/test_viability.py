@@ -66,6 +66,18 @@ def test_a_shell_that_buckles_about_the_sphere_keeps_its_result(seed):
     assert found.reasons == {}
 
 
+@pytest.mark.parametrize(("modulus", "verdict"), [(1e9, "ok"), (1e7, "doubt"), (5e6, "fail")])
+def test_strain_at_rest_is_judged_as_in_a_study(seed, modulus, verdict):
+    """Rigid designs have none."""
+    study = varied(seed, device={"young_modulus": modulus})
+    found, reference = viability(study), reference_shell(study)
+    (check,) = [one for one in ledger.static_checks(study, reference) if one.name == "static_strain"]
+    assert check.verdict == verdict
+    assert found.reasons.get("VSWEC", "").startswith("overstrained: 14.8 % at rest" if verdict == "fail" else "")
+    assert ("VSWEC" in found.reasons, "VSWEC" in found.doubts) == (verdict == "fail", verdict == "doubt")
+    assert "FSB" not in {**found.reasons, **found.doubts}
+
+
 def test_a_spring_that_pulls_harder_than_water_is_a_reason(seed):
     """Heave stiffness of a half-immersed sphere is rho g pi r^2."""
     water = seed.water.density * seed.water.gravity * 3.141592653589793 * seed.device.radius**2
