@@ -147,7 +147,8 @@ def test_stroke_that_no_force_keeps_takes_nothing(limited, shared, seas):
 def test_shells_moved_by_the_best_force_are_judged_bin_by_bin(limited, shared, seas, found):
     """A bin whose shell deforms too much is marked whole; stiff shells and rigid buoys mark none."""
     soft = varied(limited, device={"young_modulus": 5e5}, pto={"stiffness": 1e5})
-    ds = optima_of(soft)(soft, reference_shell(soft), seas, float(shared.omega[0])).sel(tuning=CONSTRAINED)
+    ds = optima_of(soft)(soft, reference_shell(soft), seas, float(shared.omega[0]))
+    ds = ds.sel(tuning=CONSTRAINED).assign_coords(limit=list(LIMITS))
     assert 0 < float(ds.energy_beyond.sel(design="VSWEC", limit="deformation")) <= 1
     assert float(ds.energy_beyond.sel(design="FSB", limit="deformation")) == 0
     assert bool((ds.energy_beyond_validity >= ds.energy_beyond.sel(limit="deformation") - 1e-12).all())
