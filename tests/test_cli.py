@@ -104,6 +104,7 @@ def test_all_errors_of_a_file_are_reported_each_with_its_line(workplace, capsys)
     [
         ({"hydro": {"omega_max": 20.0}}, "hydro.omega_max: received 20 rad/s, needs at most"),
         ({"hydro": {"tolerance": 1e-5, "solver": "panels"}}, "hydro.tolerance: received 1e-05, needs at least"),
+        ({"hydro": {"tolerance": 0.0327}}, "hydro.tolerance: received 0.0327; needs a number of at most 0.02"),
         ({"hydro": {"omega": [1e-9], "solver": "panels"}}, "hydro.omega: received 1e-09 rad/s, needs at least"),
         ({"waves": [{"kind": "regular", "amplitude": 1, "period": 500.0}]}, "waves.0.period: received 500 s"),
         ({"reference_shape": "equilibrium"}, "reference_shape: received 'equilibrium', but the shell buckles"),

@@ -5,7 +5,7 @@ import pytest
 
 from vsb.hydro.coefficients import Coefficients
 from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
-from vsb.motion.sensitivity import CoefficientError, Sensitivity, sensitivity
+from vsb.motion.sensitivity import CoefficientError, Sensitivity, sensitivity, sensitivity_of_forces
 
 OMEGA = np.array([0.7, 1.1, 1.9])
 SQUARES = np.array([0.3, 1.0, 0.2])
@@ -94,3 +94,20 @@ def test_unsigned_errors_combine_in_the_worst_way():
         signed=True,
     )
     assert slopes.to(aligned) == pytest.approx(slopes.to(worst), rel=1e-12)
+
+
+@pytest.mark.parametrize("design", FREE)
+def test_of_the_best_force_of_all_both_derivatives_agree(design):
+    """Told by its impedance or as it is, in two seas of the same energy and other phases."""
+    moved, port, impedance, power = at_work(water(np.random.default_rng(5)), FREE[design], None)
+    waves = np.sqrt(SQUARES) * np.exp(1j * np.array([[0.3, 1.0, 2.0], [-1.0, 0.4, 0.0]]))
+    forces = waves * impedance * port.velocity_under(impedance)
+    found = sensitivity_of_forces(OMEGA, moved, waves, forces, power, np.array([0.75, 0.25]))
+    for one, expected in zip(found, sensitivity(OMEGA, moved, port, impedance, SQUARES), strict=True):
+        assert one == pytest.approx(expected, rel=1e-10, abs=1e-14)
+
+
+def test_where_forces_absorb_nothing_there_are_no_derivatives():
+    moved, *_ = at_work(water(np.random.default_rng(5)), FREE["rigid"], (2.0, 0.0))
+    none = np.zeros((1, len(OMEGA)), dtype=complex)
+    assert not any(part.any() for part in sensitivity_of_forces(OMEGA, moved, none, none, 0.0, np.ones(1)))

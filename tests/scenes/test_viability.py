@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from vsb.results import ledger
+from vsb.scenes.rest import reference_shell
 from vsb.scenes.viability import buckling_margin, viability
 from vsb.study.study import load, parse
 
@@ -86,3 +87,15 @@ def test_capsizing_buoy_is_not_viable(seed, monkeypatch):
     assert found.reference is not None
     assert found.margin == -0.5
     assert found.viable is None
+
+
+@pytest.mark.parametrize(("modulus", "verdict"), [(1e9, "ok"), (1e7, "doubt"), (5e6, "fail")])
+def test_strain_at_rest_is_judged_as_in_a_study(seed, modulus, verdict):
+    """Rigid designs have none."""
+    study = varied(seed, device={"young_modulus": modulus})
+    found, reference = viability(study), reference_shell(study)
+    (check,) = [one for one in ledger.static_checks(study, reference) if one.name == "static_strain"]
+    assert check.verdict == verdict
+    assert found.reasons.get("VSWEC", "").startswith("overstrained: 14.8 % at rest" if verdict == "fail" else "")
+    assert ("VSWEC" in found.reasons, "VSWEC" in found.doubts) == (verdict == "fail", verdict == "doubt")
+    assert "FSB" not in {**found.reasons, **found.doubts}

@@ -1,6 +1,7 @@
 """Measured spectra: the year of a buoy shipped with the package, other layouts, and files that are refused in one line."""
 
 import gzip
+import sys
 from pathlib import Path
 
 import netCDF4
@@ -192,3 +193,49 @@ def test_what_a_netcdf_file_announces_is_not_believed(tmp_path, damage):
             efth.scale_factor = "x"
     with pytest.raises(ConfigError, match=r"a.nc: cannot be read as netCDF"):
         read_spectra(tmp_path / "a.nc")
+
+
+WRITTEN = Path(__file__).parents[1] / "data" / "spectra"
+
+
+@pytest.mark.parametrize("name", ["wavespectra.nc", "swan.spec", "ww3.nc"])
+def test_files_by_the_writers_of_wavespectra(name):
+    """Seas of 1, 2 and 3 m at one site, written by wavespectra 4.9; its netCDF is packed to three digits."""
+    if name != "wavespectra.nc":
+        pytest.importorskip("wavespectra")
+    assert read_spectra(WRITTEN / name).hs == pytest.approx([1.0, 2.0, 3.0], rel=1e-3)
+
+
+def foreign(name):
+    """Two seas as ECMWF and the National Data Buoy Center write them in netCDF, with a band without energy."""
+    density = np.array([[0.0, 2.0, 0.5], [0.0, 2.5, 0.25]])
+    time = np.array(["2020-01-01T00", "2020-01-01T01"], dtype="datetime64[ns]")
+    if name == "ndbc":
+        site = {"latitude": [44.5], "longitude": [-124.2]}
+        coords = {"time": time, "frequency": BANDS, **site}
+        return xr.Dataset({"spectral_wave_density": ((*coords,), density[:, :, None, None])}, coords)
+    with np.errstate(divide="ignore"):
+        level = np.log10(np.repeat(density[..., None], 4, axis=2) / (2 * np.pi))
+    level[np.isinf(level)] = np.nan  # where there is no energy
+    return xr.Dataset({"d2fd": (("time", "frequency", "direction"), level)}, {"time": time}).assign_coords(
+        frequency=[1, 2, 3], direction=[1, 2, 3, 4]
+    )
+
+
+@pytest.mark.parametrize("name", ["era5", "ndbc"])
+def test_files_of_reanalyses_and_data_servers(tmp_path, name):
+    """ERA5 leaves out the logarithm of no energy: zero, not missing. Its bands are 0.03453 Hz and 10 % further each."""
+    pytest.importorskip("wavespectra")
+    foreign(name).to_netcdf(tmp_path / "s.nc")
+    climate = read_spectra(tmp_path / "s.nc")
+    assert climate.density * 2 * np.pi == pytest.approx(np.array([[0.0, 2.0, 0.5], [0.0, 2.5, 0.25]]), rel=1e-6)
+    hertz = BANDS if name == "ndbc" else 0.03453 * 1.1 ** np.arange(3)
+    assert climate.omega == pytest.approx(2 * np.pi * hertz)
+
+
+def test_a_file_for_wavespectra_names_it_where_it_is_missing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "wavespectra", None)
+    with pytest.raises(
+        ConfigError, match=r"swan\.spec: received spectra as swan writes them, needs the package wavesp"
+    ):
+        read_spectra(WRITTEN / "swan.spec")

@@ -14,6 +14,8 @@ RECORDED = 16
 """Instants of a period; the lookout is finer where it must be."""
 FEWEST, MOST = 16, 64
 """Periods followed at a time: twice as many when these were not enough."""
+FINEST = 2**15
+"""Instants of a period at which switches are looked for, at most: more would take hours for a steady state."""
 CONTINUED = 8
 """Periods followed at first from where another motion ended."""
 FOLLOWED = 0.1
@@ -44,7 +46,16 @@ def settled_power(system: System, tolerance: float = 1e-6) -> tuple[float, float
     ------
     ConfigError
         If the sea is none of one frequency.
+    ConvergenceError
+        If the port feels motion so fast that a period takes more than `FINEST` instants.
     """
+    step = 2 * np.pi / regular_frequency(system) / RECORDED
+    runner = Switching(system)
+    if (instants := RECORDED * runner.finer(step)) > FINEST:
+        raise ConvergenceError(
+            f"no steady state was sought: the port feels motion at {runner.rate(runner.stop):.3g} rad/s, so each "
+            f"period takes {instants} instants, needs at most {FINEST}; leave out stiff modes or soften the shell"
+        )
     found = _settling(system, tolerance, system.scene.start(0.0, 0.0), FEWEST, MOST)
     return found[0], found[1]
 

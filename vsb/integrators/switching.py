@@ -20,7 +20,7 @@ from vsb.integrators.phases import Phase, Signals, felt_rate
 from vsb.integrators.track import SOON, Lookout, Mode, Track, dips, sign
 from vsb.integrators.wet_phases import WetPhase
 from vsb.integrators.works import TERMS, Load, Piece, account
-from vsb.motion.motion import Motion
+from vsb.motion.motion import Motion, joined
 from vsb.motion.system import EndStop, System, TakeOff
 from vsb.tools.units import FloatArray
 
@@ -29,7 +29,9 @@ RESOLVED = 0.25
 EXACT, COARSER = 1e-6, 4.0
 """Tolerance it serves, by works and steps of order 6, and how much farther apart they are at most for a larger one."""
 CLOSE = 8  # instants looked ahead after an event; twice as many each time that no other comes
-FINEST = 10  # halvings of a recorded step
+FINEST = 10  # halvings of a recorded step, for accuracy
+AT_ONCE = 2**15
+"""Instants of the lookout followed and accounted for together: a run takes no more memory for having more of them."""
 MOST_EVENTS = 1000
 """In one recorded step, before a run is given up."""
 
@@ -47,7 +49,7 @@ class Switching:
     system: System
     tolerance: float = EXACT  # of a body-exact motion, relative to the largest norm of the state; of any other's works
     modes: dict[float, Mode] = field(default_factory=dict)  # at the ends of legs
-    phases: dict[tuple[float, float, bool, float], Phase] = field(default_factory=dict)
+    phases: dict[tuple[float, float, bool, str], Phase] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check that all forces but the water's are piecewise linear and act at one port."""
@@ -89,7 +91,7 @@ class Switching:
     def _instants(self, angle: float) -> int:
         """Instants that resolve an angle [rad], a power of 2."""
         apart = RESOLVED * min(max(self.tolerance / EXACT, 1.0) ** (1 / 6), COARSER)
-        return int(2 ** min(max(0, int(np.ceil(np.log2(angle / apart)))), FINEST))
+        return int(2 ** max(0, int(np.ceil(np.log2(angle / apart)))))
 
     def lookout(self, time: FloatArray, finer: int) -> Lookout:
         """Return the lookout of so many instants in a recorded step; an end stop's rate counts where it is pressed."""
@@ -123,10 +125,11 @@ class Switching:
     def phase(self, mode: Mode, lookout: Lookout) -> tuple[Phase, float]:
         """Return the regime of a mode, and its constant force."""
         c, k, f = (a + b for a, b in zip(self.taken(mode), self.stopped(mode), strict=True))
-        key = c, k, mode.way == 0, lookout.apart(mode)
+        held, step = mode.way == 0, lookout.apart(mode)
+        key = c, k, held, f"{step:.9e}"  # equal in all blocks of a run but for round-off
         if key not in self.phases:
             kind = Phase if self.system.scene.water is None else WetPhase
-            self.phases[key] = kind(self.system, self.port, *key, self.law.rest)
+            self.phases[key] = kind(self.system, self.port, c, k, held, step, self.law.rest)
         return self.phases[key], f
 
     # events ---------------------------------------------------------------------------------------------------------
@@ -260,8 +263,10 @@ class Switching:
                     )
         return track, mode
 
-    def tracked(self, time: FloatArray, start: tuple[FloatArray, ...]) -> tuple[Track, int]:
+    def tracked(self, time: FloatArray, start: tuple[FloatArray, ...], share: float = 1.0) -> tuple[Track, int]:
         """Return the motion from node to node, and how many instants of the lookout make a recorded step.
+
+        `share` is the part of the tolerance that these instants may use up.
 
         Raises
         ------
@@ -271,7 +276,7 @@ class Switching:
         finer, z = self.finer(float(time[1] - time[0])), self.system.first(start)
         while True:
             track, mode = self.track(time, z, finer)
-            if track.error <= self.tolerance * max(track.largest, self.system.least):
+            if track.error <= share * self.tolerance * max(track.largest, self.system.least):
                 self.modes[float(time[-1])] = mode
                 return track, finer
             if finer >= 2**FINEST:
@@ -342,8 +347,20 @@ class Switching:
 
     def follow(self, time: FloatArray, start: tuple[FloatArray, ...]) -> tuple[Motion, int]:
         """Return the motion at equally spaced instants, from where a leg left it or its start, and the switches."""
+        steps = len(time) - 1
+        block = max(1, AT_ONCE // self.finer(float(time[1] - time[0])))
+        blocks, switches = [], 0
+        for first in range(0, steps, block):
+            instants = time[first : first + block + 1]
+            motion, more = self._block(instants, start, (len(instants) - 1) / steps)
+            blocks.append(motion)
+            start, switches = (motion.position[-1], motion.velocity[-1], motion.memory[-1]), switches + more
+        return joined(blocks), switches
+
+    def _block(self, time: FloatArray, start: tuple[FloatArray, ...], share: float) -> tuple[Motion, int]:
+        """Motion and number of switches of a part of a run, which may use up a share of the tolerance."""
         begun = clock.perf_counter()
-        track, finer = self.tracked(time, start)
+        track, finer = self.tracked(time, start, share)
         nodes, states, leaving = (np.concatenate(part) for part in (track.times, track.states, track.leaving))
         regular = np.concatenate(track.regular)
         found = account(self.system, nodes, states, leaving, self.pieces(track), regular)

@@ -91,7 +91,50 @@ def sensitivity(
         return Sensitivity(none, none, np.zeros_like(free), none)
     weight = squares * load.real * velocity.conj() * (-1j * omega) / power
     towards = weight[:, None] * adjoint
-    stiffness = -towards[:, :, None] * response[:, None, :]
-    stiffness = 0.5 * (stiffness + stiffness.transpose(0, 2, 1))
-    w = omega[:, None, None]
-    return Sensitivity(-(w**2) * stiffness.real, np.real(-1j * w * stiffness), towards, stiffness.real)
+    return _by_coefficients(omega, towards, -towards[:, :, None] * response[:, None, :])
+
+
+def sensitivity_of_forces(
+    omega: FloatArray,
+    moved: tuple[ComplexArray, ComplexArray],
+    waves: ComplexArray,
+    forces: ComplexArray,
+    power: float,
+    shares: FloatArray,
+) -> Sensitivity:
+    """Return the derivatives of the logarithm of the mean power that optimal forces absorb in several seas.
+
+    Parameters
+    ----------
+    omega : ndarray, shape (omega,) [rad/s]
+    moved : tuple of ndarray, each shape (omega, dof)
+        See `sensitivity`.
+    waves, forces : ndarray, each shape (sea, omega) [m], [N]
+        Complex amplitudes; of each sea the force of the port on the take-off.
+    power : float
+        The mean power they absorb [W]; without any there are no derivatives.
+    shares : ndarray, shape (sea,)
+        Weights of the seas in it.
+
+    Notes
+    -----
+    P = Re(f* V)/2 of the motion under the force. Where f is the best of all, or within a limit of its own, P does not
+    change to first order with it (envelope): dP = Re(f* dV)/2 at fixed f. What the coefficients change of a limit of
+    the stroke is not counted.
+    """
+    free, forced = moved
+    count, size = free.shape
+    if not power > 0:
+        none = np.zeros((count, size, size))
+        return Sensitivity(none, none, np.zeros_like(free), none)
+    response = waves[..., None] * free - forces[..., None] * forced
+    weight = -0.5j * omega * shares[:, None] * forces.conj() / power
+    towards = np.sum(weight * waves, axis=0)[:, None] * forced
+    stiffness = -forced[:, :, None] * np.einsum("sw,swj->wj", weight, response)[:, None, :]
+    return _by_coefficients(omega, towards, stiffness)
+
+
+def _by_coefficients(omega: FloatArray, towards: ComplexArray, stiffness: ComplexArray) -> Sensitivity:
+    """Derivatives by symmetric coefficients, from those by the force and by the entries of D, (omega, dof, dof)."""
+    w, both = omega[:, None, None], 0.5 * (stiffness + stiffness.transpose(0, 2, 1))
+    return Sensitivity(-(w**2) * both.real, np.real(-1j * w * both), towards, both.real)

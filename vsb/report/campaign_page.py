@@ -174,8 +174,13 @@ def warnings(ds: xr.Dataset) -> list[str]:
     elif buckled:
         found.append(f"The shell would buckle under its static load, {1 - ds.margin.item():.3g} times what it carries.")
     if lost := int((~ds.viable).sum()):
-        reasons = sorted({str(text).partition(":")[0] for text in ds.reason.values.ravel() if text})
+        reasons = sorted({str(text).partition(":")[0] for text in ds.reason.values[~ds.viable.values]})
         found.append(f"{lost} of {ds.viable.size} designs at their points are not viable: {', '.join(reasons)}.")
+    if strained := int((ds.viable & (ds.reason != "")).sum()):
+        found.append(
+            f"{strained} of {ds.viable.size} designs at their points are strained by more than 2 % at rest, where "
+            "Hooke's law is doubtful."
+        )
     return found
 
 

@@ -1,6 +1,6 @@
 """The tuning `constrained` of a member of a campaign: the best force of any kind within the take-off's limits."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,9 +9,11 @@ import xarray as xr
 from vsb.motion.force_bound import Limits
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import PortMotion
+from vsb.motion.sensitivity import CoefficientError, sensitivity_of_forces
 from vsb.results.constrained_year import ConstrainedYear, constrained_year, harmonics_of_year
 from vsb.results.member import OF_LIMITS
 from vsb.results.validity import LIMITS, motion_limits, wave_limits
+from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
@@ -33,7 +35,14 @@ class Optima:
     seed: int
     known: dict[bytes, ConstrainedYear] = field(default_factory=dict)
 
-    def __call__(self, study: Study, reference: ReferenceShell, climate: Climate, lowest: float) -> xr.Dataset:
+    def __call__(
+        self,
+        study: Study,
+        reference: ReferenceShell,
+        climate: Climate,
+        lowest: float,
+        left_out: FloatArray | None = None,
+    ) -> xr.Dataset:
         """Return the years of designs that are viable within the limits of their take-off.
 
         Parameters
@@ -44,11 +53,15 @@ class Optima:
         climate : Climate
         lowest : float [rad/s]
             From where on coefficients and waves are known.
+        left_out : ndarray, shape (design, end) [percentage points], optional
+            As of `vsb.results.left_out.gain_of_year`.
         """
         harmonics = harmonics_of_year(climate, lowest, study.hydro.omega_max, self.seconds)
         waves = designs_in_waves(study, reference, self.water(reference.basis, harmonics.port_omega))
         found = {design: self._year(study, design, one, climate, harmonics) for design, one in waves.items()}
-        return constrained_dataset(study, found, waves, climate)
+        water, families = self.water(reference.basis, harmonics.omega), order_bases(study, reference.basis)
+        errors = water.errors(reference.basis, families, study.water)
+        return constrained_dataset(study, found, waves, climate, errors, left_out)
 
     def _year(
         self, study: Study, design: str, waves: InWaves, climate: Climate, harmonics: Harmonics
@@ -69,7 +82,12 @@ class Optima:
 
 
 def constrained_dataset(
-    study: Study, years: Mapping[str, ConstrainedYear], waves: Mapping[str, InWaves], climate: Climate
+    study: Study,
+    years: Mapping[str, ConstrainedYear],
+    waves: Mapping[str, InWaves],
+    climate: Climate,
+    errors: Sequence[CoefficientError] = (),
+    left_out: FloatArray | None = None,
 ) -> xr.Dataset:
     """Return the years of designs within limits as other tunings have theirs, and how far they are proved."""
     flux = climate.flux(study.water)
@@ -78,8 +96,10 @@ def constrained_dataset(
         for design, one in years.items()
     }
     reference = study.reference_design
-    if reference is not None and (gains := _gains(years, reference, study.hydro.tolerance)):
-        columns = {design: {**column, **gains[design]} for design, column in columns.items()}
+    if reference is not None:
+        missed = np.zeros((len(years), 2)) if left_out is None else left_out
+        gains = _gains(years, reference, _apart(years, waves, reference, errors), missed)
+        columns = {design: {**column, **gains.get(design, {})} for design, column in columns.items()}
     dims = {0: (), 1: ("limit",), 2: ("hs", "te")}
     names = next(iter(columns.values()))
     together = {name: np.stack([np.asarray(column[name]) for column in columns.values()]) for name in names}
@@ -115,17 +135,44 @@ def _column(one: ConstrainedYear, climate: Climate, flux: FloatArray) -> dict[st
     }
 
 
-def _gains(
-    years: Mapping[str, ConstrainedYear], reference: str, tolerance: float
-) -> dict[str, dict[str, float]] | None:
-    """Gains over the reference and their intervals, by what is proved, by few waves and by the coefficients' errors."""
-    found = {}
+def _apart(
+    years: Mapping[str, ConstrainedYear],
+    waves: Mapping[str, InWaves],
+    reference: str,
+    errors: Sequence[CoefficientError],
+) -> list[float]:
+    """Largest relative change of every design's power over the reference's by errors of the coefficients [-]."""
+    slopes = {}
     for design, one in years.items():
+        _, each, count = one.amplitude.shape
+        force = np.array([found.force if found else np.zeros(count) for pair in one.optima for found in pair])
+        free, forced = (part[:count] for part in waves[design].moved)  # those beyond are of limits alone
+        slopes[design] = sensitivity_of_forces(
+            waves[design].port.omega[:count],
+            (free, forced),
+            one.amplitude.reshape(-1, count),
+            force,
+            one.taken,
+            np.repeat(one.share, each) / each,
+        )
+    return [sum((slopes[design] - slopes[reference]).to(error) for error in errors) for design in years]
+
+
+def _gains(
+    years: Mapping[str, ConstrainedYear], reference: str, apart: Sequence[float], left_out: FloatArray
+) -> dict[str, dict[str, float]]:
+    """Gains over the reference and their intervals; none over nothing.
+
+    Intervals are of what is proved, of few waves, of errors of the coefficients (`_apart`) and of shell modes left out
+    (design, end) [percentage points].
+    """
+    found = {}
+    for (design, one), error, (below, above) in zip(years.items(), apart, left_out, strict=True):
         gain = one.gain(years[reference])
         if gain is None:
-            return None
-        width = 2 * tolerance * (100 + gain.mean)
-        low, high = (gain.low - width, gain.high + width) if design != reference else (0.0, 0.0)
+            return {}
+        width = error * (100 + gain.mean)
+        low, high = (gain.low - width + below, gain.high + width + above) if design != reference else (0.0, 0.0)
         found[design] = {"gain_percent": gain.mean, "gain_low": low, "gain_high": high}
     return found
 

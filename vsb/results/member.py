@@ -17,12 +17,13 @@ from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.study.study import Study
 from vsb.study.year_options import CONSTRAINED, Tunings
-from vsb.tools.units import AnyArray
+from vsb.tools.units import AnyArray, FloatArray
 from vsb.waves.climate import Climate
 
 Labels = dict[str, list[str]]
-YearsWithin = Callable[[Study, ReferenceShell, Climate, float], xr.Dataset]
-"""Of viable designs, their shape and the climate, from a frequency on [rad/s], to their years within limits."""
+YearsWithin = Callable[[Study, ReferenceShell, Climate, float, FloatArray | None], xr.Dataset]
+"""Of viable designs, their shape, the climate, from a frequency on [rad/s], and what modes left out may change of gains
+(`gain_of_year`), to their years within limits."""
 BINS = ("hs", "te")
 OF_DESIGNS = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "force_rms",
@@ -74,9 +75,10 @@ def member(
         left_out = gain_of_year(some, reference, shape, climate, waves) if compared else None
         _fill(found, at, damped(some, waves, errors, left_out), here)
         if optima:
-            within = optima(some, reference, climate, float(shape.omega[0]))
+            within = optima(some, reference, climate, float(shape.omega[0]), left_out)
             _fill(found, at, _plain(within), here | {"tuning": [CONSTRAINED]})
-    reasons = np.array([rest.reasons.get(design, "") for design in study.designs], dtype=object)
+    words = {**rest.doubts, **rest.reasons}
+    reasons = np.array([words.get(design, "") for design in study.designs], dtype=object)
     told = {"viable": np.array([design not in rest.reasons for design in study.designs]), "reason": reasons}
     filled = {name: values for name, (_, values) in found.items()} | told | {"margin": np.array(rest.margin)}
     return blank.copy(data=filled)

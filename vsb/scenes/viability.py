@@ -3,19 +3,27 @@
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
+
+import numpy as np
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.port import port_direction
 from vsb.motion.pto import LinearPto
-from vsb.scenes.directions import check_upright, order_bases
+from vsb.scenes.directions import check_upright, loaded_shell, order_bases
 from vsb.scenes.rest import computed_buckling, design_stiffness, reference_shell, seen_by_take_off
+from vsb.shell.elastic import ElasticShell
+from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.study.study import Study, canonical, parse
+from vsb.tools.units import FloatArray
 
 MODULUS = 1e9
 """Young's modulus buckling is computed at: its load is proportional to it, and results must not depend on the order."""
+
+DOUBTED_STRAIN, INVALID_STRAIN = 0.02, 0.1
+"""Membrane strain at rest above which Hooke's law is doubted, and above which it does not hold [-]."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +34,7 @@ class Viability:
     reference: ReferenceShell | None
     margin: float  # 1 - static load over buckling load: 0 on the line, 1 where no load buckles [-]
     reasons: Mapping[str, str]  # by design; of viable ones none
+    doubts: Mapping[str, str] = field(default_factory=dict)  # by design
 
     @property
     def viable(self) -> tuple[Study, ReferenceShell] | None:
@@ -57,7 +66,27 @@ def viability(study: Study) -> Viability:
     spring = LinearPto(0.0, study.pto.stiffness, port).relaxed(chamber)[0].spring(len(port))
     least = {design: design_stiffness(study, seen, design, spring) for design in study.designs}
     reasons = {design: f"unstable: least stiffness {k:.3g} N/m" for design, k in least.items() if k <= 0}
-    return Viability(study, reference, margin, reasons)
+    flexible = [design for design, one in study.designs.items() if one.flexible]
+    strain = static_strain(reference.basis, static_modal_amplitude(study, reference)) if flexible else 0.0
+    if strain > INVALID_STRAIN:
+        words = f"overstrained: {100 * strain:.3g} % at rest, Hooke's law ends at {100 * INVALID_STRAIN:g} %"
+        return Viability(study, reference, margin, dict.fromkeys(flexible, words) | reasons)
+    words = f"doubtful: strained by {100 * strain:.3g} % at rest, above {100 * DOUBTED_STRAIN:g} %"
+    doubts = dict.fromkeys(flexible, words) if strain > DOUBTED_STRAIN else {}
+    return Viability(study, reference, margin, reasons, doubts)
+
+
+def static_modal_amplitude(study: Study, reference: ReferenceShell) -> FloatArray:
+    """Return heave and modal amplitudes at rest, shape (dof,) [m]: of the equilibrium, or linear about the sphere."""
+    if study.at_equilibrium:
+        return reference.modal_amplitude
+    load = loaded_shell(study, reference.basis).force(reference.modal_amplitude)
+    return np.asarray(np.linalg.solve(reference.total, load))
+
+
+def static_strain(basis: ModeBasis, modal_amplitude: FloatArray) -> float:
+    """Return the largest membrane strain of the shell at rest [-]."""
+    return float(np.abs(ElasticShell(basis).strains(modal_amplitude)).max())
 
 
 def _no_equilibrium(error: Exception) -> str:

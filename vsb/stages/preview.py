@@ -26,6 +26,8 @@ SECONDS_PER_PAUSE = {"regular": 5.0, "body_exact": 20.0}
 """Seconds the search for a pause in a regular wave costs, and what it costs beyond that on the wet shell."""
 SECONDS_PER_PAUSED_SECOND = {"irregular": 0.15, "body_exact": 0.5}
 """Likewise of each second of a run in another sea, all trials together."""
+SECONDS_PER_INSTANT, NOTABLE = 1e-4, 60.0
+"""Seconds per instant at which switches are looked for, measured with 13 modes, and from which on a run is long."""
 FROM_REST = 8.0
 """Times as many where a motion from rest takes less than the trials promise: all pauses are tried from rest then."""
 
@@ -63,6 +65,7 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
         f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.max_degree})",
         *(_bem_lines(study, plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
         *_pause_lines(study),
+        *_switching_lines(study),
     ]
     from vsb.results import ledger  # of no campaign: it reads all that runs in time
 
@@ -96,6 +99,20 @@ def _pause_lines(study: Study) -> list[str]:
         f"pauses       of {study.pto.law}, found in each run: together about {seconds:.0f} s on one core, up to "
         f"{FROM_REST * seconds:.0f} s where motions from rest take less than the trials promise"
     ]
+
+
+def _switching_lines(study: Study) -> list[str]:
+    """How long a run under a take-off that switches takes, of a shell so stiff that this matters."""
+    if not (study.pto.switches and study.flexible):
+        return []
+    from vsb.integrators.switching import RESOLVED  # compiled
+
+    rate = float(reference_shell(study).basis.dry_frequencies.max(initial=0.0))
+    seconds = SECONDS_PER_INSTANT * study.simulation.duration * rate / RESOLVED
+    return [
+        f"switches     looked for at the pace of the stiffest shell mode, {rate:.3g} rad/s in air: up to about "
+        f"{seconds:.0f} s for each run on one core"
+    ] * (seconds > NOTABLE)
 
 
 def _pause_seconds(study: Study, wave: Wave) -> float:

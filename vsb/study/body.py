@@ -148,7 +148,7 @@ class BodyHydro(Section):
     """
 
     model: Literal["linear"] = "linear"
-    tolerance: Annotated[Number, Field(ge=1e-6, le=0.1)] = 1e-2
+    tolerance: Annotated[Number, Field(ge=1e-6, le=0.02)] = 1e-2  # no memory is let off further
     added_mass_inf: Literal["fitted", "given"] = "fitted"
     omega_max: Positive | None = None
     accept: tuple[Name, ...] = ()

@@ -177,6 +177,12 @@ class CampaignPlan(ResultsFolder):
         constrained = self.loaded.constrained
         return MEMBER_SECONDS + (constrained.seconds * len(self.loaded.base.designs) if constrained else 0.0)
 
+    @property
+    def batch_minutes(self) -> int:
+        """What a batch may take [min]: an hour, and what its members are expected to take."""
+        most = max(len(batch.points) for batch in self.batches.values())
+        return 60 + math.ceil(self.member_seconds * most / 60)
+
     def _batch(self, some: Sequence[Member]) -> tuple[str, MembersSpec]:
         """Id and spec of a batch."""
         points, tuning = tuple(one.point for one in some), self.loaded.tuning

@@ -238,7 +238,7 @@ def _year(plan: CampaignPlan) -> Iterator[Job]:
     for name, batch in plan.batches.items():
         out = plan.batch_path(name)
         files = {**read, "folder": f"{folder}/members", "out": out}
-        yield Job("members", batch, files, (out,), (climate,), name, megabytes=2000, minutes=60)
+        yield Job("members", batch, files, (out,), (climate,), name, megabytes=2000, minutes=plan.batch_minutes)
     for name, verification in plan.verifications.items():
         out = plan.verification_path(name)
         files = {**read, "out": out}

@@ -136,7 +136,7 @@ class Hydro(Section):
     )
     power_tolerance: Annotated[Number, Field(gt=0, le=0.5)] | None = None
     solver: Literal["auto", "spectral", "panels"] = "auto"
-    tolerance: Annotated[Number, Field(ge=1e-6, le=0.1)] = 1e-3
+    tolerance: Annotated[Number, Field(ge=1e-6, le=0.02)] = 1e-3
     omega_max: Annotated[Positive, OR_AUTO, Field(json_schema_extra={"default": "auto"})] = 12.0
     omega: tuple[Positive, ...] = ()
     rows: Annotated[Count, Field(ge=6, le=160)] | None = None

@@ -175,7 +175,7 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
     ----------
     omega : ndarray, shape (omega,) [rad/s]
     density : ndarray, shape (record, omega) [m^2 s]
-        NaN where nothing was measured.
+        NaN where nothing was measured; bands at the ends that hold nothing else are left out.
     source : str
         File it comes from.
     notes : sequence of str
@@ -185,6 +185,12 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
     ConfigError
         If no record is left, or many are no possible seas.
     """
+    (measured,) = np.nonzero(~np.isnan(density).all(axis=0))
+    first, last = (measured[0], measured[-1] + 1) if len(measured) > 1 else (0, len(omega))
+    if last - first < len(omega):
+        ends = [f"{w / 2 / np.pi:.4g}" for w in [*omega[:first], *omega[last:]]]
+        notes = [*notes, f"bands at the ends without a value in any record left out: {', '.join(ends)} Hz"]
+        omega, density = omega[first:last], density[:, first:last]
     missing = np.isnan(density).any(axis=1)
     flat = ~missing & (np.ptp(density, axis=1) == 0)
     kept = ~missing & ~flat

@@ -1,4 +1,4 @@
-"""Measured spectra from files: text of the National Data Buoy Center, netCDF with wavespectra's names."""
+"""Spectra from files: the National Data Buoy Center's text, netCDF with wavespectra's names, what wavespectra reads."""
 
 from collections import Counter
 from datetime import datetime
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vsb.errors import ConfigError
-from vsb.tools.bounded import bounded_reading
+from vsb.tools.bounded import bounded_reading, open_regular
 from vsb.tools.files import read_text
 from vsb.tools.units import FloatArray
 from vsb.waves.climate import PARTIAL, Climate, of_records
@@ -18,17 +18,26 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import xarray as xr
 
-MISSING = 999.0
-"""From here on a number of the text stands for none."""
+MISSING, NONE = 999.0, {"MM": "999.0"}
+"""From here on a number of the text stands for none, and words that do."""
 HIGHEST_HZ = 5.0
 """No band of a sea lies higher [Hz]: the header is something else."""
 DATE = ("YY", "MM", "DD", "hh", "mm")
 FREQUENCY = {"hz", "s-1", "s^-1", "s^{-1}", "1/s"}
 DENSITY = {
     False: {"m2/hz", "m^2/hz", "m2s", "m^2s", "m^{2}s", "m**2/hz", "m2hz-1", "m**2s"},
-    True: {"m2/hz/degree", "m^2/hz/degree", "m2s/degree", "m^{2}.s.degree^{-1}", "m2hz-1degree-1", "m2/hz/deg"},
-}
+    True: {
+        "m2/hz/degree", "m^2/hz/degree", "m2s/degree", "m2sdegree-1", "m^{2}.s.degree^{-1}", "m2hz-1degree-1",
+        "m2/hz/deg",
+    },
+}  # fmt: skip
 """Units of spectral density by whether it is one over directions as well."""
+READERS = {"d2fd": "era5", "spectral_wave_density": "ndbc", "waveEnergyDensity": "ndbc", "density": "ncswan"}
+"""Variables of other netCDF files of spectra, and the reader of wavespectra's for them."""
+SWAN = b"SWAN"
+"""What SWAN's text begins with."""
+METEOROLOGICAL = {"WVHT", "SWVHT", "WSPD"}
+"""Columns of the National Data Buoy Center's files that hold no spectra."""
 
 
 def read_ndbc(path: str | Path) -> Climate:
@@ -37,7 +46,8 @@ def read_ndbc(path: str | Path) -> Climate:
     Parameters
     ----------
     path : path
-        Header `YY MM DD hh [mm]` and the frequencies [Hz]; rows of a date and densities [m^2/Hz], 999 for none.
+        Header `YY MM DD hh [mm]` and the frequencies [Hz]; rows of a date and densities [m^2/Hz], 999 or MM for none.
+        Or `.data_spec`: rows of a date, a separation frequency and densities each with its frequency in brackets.
 
     Raises
     ------
@@ -45,10 +55,22 @@ def read_ndbc(path: str | Path) -> Climate:
         With file, line, value received and value needed.
     """
     lines = [(i, line.split()) for i, line in enumerate(read_text(path).splitlines(), 1) if line.strip()]
+    head = lines[0][1] if lines else []
     rows = [(i, row) for i, row in lines[1:] if not row[0].startswith("#")]
     if not rows:
         raise ConfigError(f"{path}: received {len(lines)} lines, needs a header with frequencies and rows of spectra")
-    dates, hertz = _header(path, lines[0][1])
+    if METEOROLOGICAL & {*head}:
+        raise ConfigError(
+            f"{path}: received the buoy's meteorological data, which holds no spectra; needs its spectral wave density"
+        )
+    for i, row in lines[1:]:
+        if row[0].lstrip("#") == head[0].lstrip("#") and row[1:] != head[1:]:
+            raise ConfigError(f"{path}, line {i}: received another header, needs one set of frequencies: cut the file")
+    if head[5:6] == ["Sep_Freq"]:
+        hertz, rows = _bracketed(path, rows)
+        dates = 5
+    else:
+        dates, hertz = _header(path, head)
     for i, row in rows:
         if len(row) != dates + len(hertz):
             raise ConfigError(
@@ -56,10 +78,22 @@ def read_ndbc(path: str | Path) -> Climate:
                 "a cut line, or frequencies written beside densities"
             )
     times = [_time(path, i, row[:dates]) for i, row in rows]
-    values = _numbers(path, [(i, row[dates:]) for i, row in rows])
+    values = _numbers(path, [(i, [NONE.get(word, word) for word in row[dates:]]) for i, row in rows])
     density = np.where(values >= MISSING, np.nan, values) / (2 * np.pi)
     kept, notes = _calendar(times)
     return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
+
+
+def _bracketed(path: str | Path, rows: list[tuple[int, list[str]]]) -> tuple[FloatArray, list[tuple[int, list[str]]]]:
+    """Frequencies [Hz] in brackets behind the densities of a `.data_spec` file, the same in all rows; rows without."""
+    first = rows[0][1][7::2]
+    for i, row in rows:
+        if row[7::2] != first or len(row) % 2:
+            raise ConfigError(
+                f"{path}, line {i}: received other frequencies than line {rows[0][0]}, needs the same: cut the file"
+            )
+    hertz = _ascending(path, rows[0][0], [word.strip("()") for word in first])
+    return hertz, [(i, [*row[:5], *row[6::2]]) for i, row in rows]
 
 
 def _header(path: str | Path, words: list[str]) -> tuple[int, FloatArray]:
@@ -70,11 +104,16 @@ def _header(path: str | Path, words: list[str]) -> tuple[int, FloatArray]:
         raise ConfigError(
             f"{path}, line 1: received {' '.join(words[:6])!r}, needs YY MM DD hh [mm] and the frequencies in Hz"
         )
-    hertz = _numbers(path, [(1, names[dates:])])[0]
+    return dates, _ascending(path, 1, names[dates:])
+
+
+def _ascending(path: str | Path, line: int, words: list[str]) -> FloatArray:
+    """Words as ascending frequencies [Hz]."""
+    hertz: FloatArray = _numbers(path, [(line, words)])[0]
     if len(hertz) < 2 or hertz[0] <= 0 or np.any(np.diff(hertz) <= 0) or hertz[-1] > HIGHEST_HZ:
         received = f"{len(hertz)} frequencies" + (f" from {hertz[0]:g} to {hertz[-1]:g}" if len(hertz) else "")
-        raise ConfigError(f"{path}, line 1: received {received}, needs them ascending, above 0, in Hz")
-    return dates, hertz
+        raise ConfigError(f"{path}, line {line}: received {received}, needs them ascending, above 0, in Hz")
+    return hertz
 
 
 def _numbers(path: str | Path, rows: list[tuple[int, list[str]]]) -> FloatArray:
@@ -132,12 +171,13 @@ def _calendar(times: list[datetime]) -> tuple[list[int], list[str]]:
 
 
 def read_spectra(path: str | Path) -> Climate:
-    """Return the climate of a netCDF file of spectra with the names of wavespectra.
+    """Return the climate of a netCDF file of spectra with the names of wavespectra, or of one that wavespectra reads.
 
     Parameters
     ----------
     path : path
         `efth(time, freq, dir)` [m^2/Hz/degree] or `efth(time, freq)` [m^2/Hz], `freq` [Hz], `dir` [degree]; one site.
+        By wavespectra: netCDF of WAVEWATCH III, SWAN, ERA5 and the National Data Buoy Center, and SWAN's text.
 
     Raises
     ------
@@ -146,14 +186,22 @@ def read_spectra(path: str | Path) -> Climate:
     """
     import xarray as xr  # here alone: text needs none
 
-    try:
-        with bounded_reading(path), xr.open_dataset(path, engine="netcdf4") as ds:
-            stored = ds.load()
-    except MemoryError:
-        raise ConfigError(f"{path}: cannot be read as netCDF (it announces more than it holds)") from None
-    except Exception as error:  # what a library makes of a damaged file, nobody can list
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise ConfigError(f"{path}: cannot be read as netCDF ({reason})") from None
+    with open_regular(path) as file:
+        begin = file.read(len(SWAN))
+    if begin == SWAN:
+        stored = _by_wavespectra(path, "swan")
+    else:
+        try:
+            with bounded_reading(path), xr.open_dataset(path, engine="netcdf4") as ds:
+                stored = ds.load()
+        except MemoryError:
+            raise ConfigError(f"{path}: cannot be read as netCDF (it announces more than it holds)") from None
+        except Exception as error:  # what a library makes of a damaged file, nobody can list
+            reason = " ".join(str(error).split()) or type(error).__name__
+            raise ConfigError(f"{path}: cannot be read as netCDF ({reason})") from None
+        names = {"ww3"} if {"efth", "frequency"} <= {*stored.variables} else set()
+        names |= {READERS[name] for name in READERS if name in stored.variables and "efth" not in stored.variables}
+        stored = _by_wavespectra(path, min(names)) if names else stored
     for name in ("efth", "freq"):
         if name not in stored.variables:
             raise ConfigError(f"{path}: received variables {sorted(map(str, stored.variables))}, needs {name}")
@@ -176,6 +224,31 @@ def read_spectra(path: str | Path) -> Climate:
     density = spectra.transpose("time", "freq").values.astype(float) / (2 * np.pi)
     kept, notes = _calendar(_dates(path, stored.time.values))
     return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
+
+
+def _by_wavespectra(path: str | Path, reader: str) -> "xr.Dataset":
+    """Spectra in wavespectra's names and units, as its reader of that name has them; without directions where it may.
+
+    Raises
+    ------
+    ConfigError
+        If wavespectra is not installed, or cannot read the file.
+    """
+    try:
+        import wavespectra
+    except ImportError:
+        raise ConfigError(
+            f"{path}: received spectra as {reader} writes them, needs the package wavespectra to read them: "
+            "pip install 'vsb[spectra]'"
+        ) from None
+    options = {"directional": False} if reader == "ndbc" else {}
+    try:
+        found = getattr(wavespectra, f"read_{reader}")(str(path), **options).load()
+    except (OSError, ValueError, KeyError, IndexError, RuntimeError, AttributeError) as error:
+        told = " ".join(str(error).split())
+        raise ConfigError(f"{path}: cannot be read by wavespectra's read_{reader} ({told})") from None
+    found["efth"].attrs.pop("units", None)  # of directions even where there are none
+    return found.sortby("freq")  # type: ignore[no-any-return]
 
 
 def _dates(path: str | Path, time: "npt.NDArray[np.generic]") -> list[datetime]:
