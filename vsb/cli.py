@@ -148,7 +148,7 @@ def body(args: argparse.Namespace) -> int:
     """Solve any mesh with any displacements into a hydro database and print its verdict; 1 if a check fails."""
     from vsb.hydro.bodies import study as bodystudy
 
-    study, read = bodystudy.read_study(args.config)
+    study, read = bodystudy.read_study(args.config, args.out)
     notes = [f"note: {note}" for note in read.history.split("; ") if note]
     return print_verdict(
         bodystudy.solve(study, read, args.out), "\n".join([*notes, f"{args.out}: blocks and database"])

@@ -16,6 +16,7 @@ WATER = {"density": 1000.0, "gravity": 9.81, "length": 1.0, "depth": float("inf"
 
 def test_wamit_and_bemio_files_are_imported_with_a_verdict(tmp_path):
     centres = {"centre_of_buoyancy": [0.0, 0.0, -2.0], "centre_of_mass": [0.0, 0.0, -3.0]}
+    centres["rotation_centre"] = centres["centre_of_mass"]
     ds = sound(("Surge", "Heave", "Pitch")).assign_attrs(centres)
     for extension, text in wamit_texts(ds, "memory").items():
         (tmp_path / f"buoy{extension}").write_text(text)

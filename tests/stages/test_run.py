@@ -132,15 +132,6 @@ def test_errors_of_later_stages_are_reported_before_the_run(finished, workplace,
     assert not Path("results").exists()
 
 
-def test_run_locks_the_shared_files_that_are_missing(workplace, seed):
-    plan = StudyPlan(seed)
-    shared = {path for path in plan.ids if path.startswith("results/hydro/")} | {f"{plan.green_folder}.done"}
-    assert set(launcher.unmade(plan)) == shared
-    Path(plan.database_path).parent.mkdir(parents=True)
-    Path(plan.database_path).touch()
-    assert set(launcher.unmade(plan)) == shared - {plan.database_path}
-
-
 def test_missing_executor_plugin_is_reported_with_its_pip_package(workplace, capsys):
     Path("mine").mkdir()
     Path("mine/config.yaml").write_text("executor: cluster-nowhere")

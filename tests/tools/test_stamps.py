@@ -5,14 +5,13 @@ import json
 import os
 import threading
 
-import netCDF4
 import numpy as np
 import pytest
 from tools.test_files import rao, rewritten
 
 from vsb.errors import DatabaseError
-from vsb.tools.files import load, locked, save, sealed, write_text
-from vsb.tools.stamps import Stamp, faults, read_manifest, read_text, record, stamp_file
+from vsb.tools.files import locked, save, write_text
+from vsb.tools.stamps import Stamp, faults, read_manifest, read_text, record
 
 ID, OTHER = "a" * 16, "b" * 16
 
@@ -93,7 +92,7 @@ def undone(path):
         ("run.nc", to_nan, "damaged"),
         ("run.nc", foreign, "stale"),
         ("run.nc", unnamed, "damaged"),
-        ("run.nc", undone, "stale"),
+        ("run.nc", undone, "damaged"),
     ],
 )
 def test_damage_is_found_even_with_the_old_modification_time(place, name, damage, kind):
@@ -158,26 +157,6 @@ def test_missing_products_leave_the_manifest(place):
     (place / "figures" / "power.svg").unlink()
     record(place / "manifest.json", OTHER, [place / "table.csv"])
     assert read_manifest(place / "manifest.json") == {str(place / "table.csv"): Stamp.of(place / "table.csv", OTHER)}
-
-
-def test_file_without_a_checksum_can_be_stamped(tmp_path):
-    spec, path = '{"stage":"radiation"}', tmp_path / "a.nc"
-    identity = hashlib.sha256(spec.encode()).hexdigest()[:16]
-    save(rao(np.ones((1, 3, 2))).assign_attrs(spec=spec, spec_id=identity), path)
-    undone(path)
-    times = os.stat(path).st_mtime_ns
-    (fault,) = faults({str(path): identity}, {})
-    assert fault.kind == "unstamped"
-    stamp_file(path)
-    assert faults({str(path): identity}, {}) == []
-    assert load(path, expected=identity).equals(rao(np.ones((1, 3, 2))))
-    assert os.stat(path).st_mtime_ns == times
-    assert sealed(path)
-    with netCDF4.Dataset(path, "a") as file:
-        file.setncattr("spec", '{"stage":"other"}')
-        file.delncattr("checksum")
-    (fault,) = faults({str(path): identity}, {})
-    assert fault.kind == "stale"
 
 
 def test_manifest_is_locked_while_it_is_written(place):

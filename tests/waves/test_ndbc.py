@@ -75,7 +75,9 @@ def test_records_left_out_are_noted(written):
     [
         ("", "received 0 lines, needs a header"),
         ("hello\nworld\n", "line 1: received 'hello', needs YY MM DD hh"),
-        ("YY MM DD hh WDIR WSPD\n96 01 01 00 1 2\n", "line 1: received 'WDIR', needs a number"),
+        ("YY MM DD hh hello\n96 01 01 00 1\n", "line 1: received 'hello', needs a number"),
+        ("#YY MM DD hh mm WDIR WSPD WVHT\n#yr\n20 01 01 00 00 9 2 1\n", "received the buoy's meteorological data"),
+        (HEADER + ROWS + HEADER.replace(".050", ".040") + ROWS, "line 4: received another header, needs one set"),
         ("YY MM DD hh 20. 10.\n96 01 01 00 1 2\n", "line 1: received 2 frequencies from 20 to 10, needs them asc"),
         (
             "\n" + HEADER + "# a comment\n" + ROWS + "96 01 01 02 1.0\n",

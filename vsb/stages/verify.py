@@ -17,7 +17,7 @@ from vsb.study.canonical import leaves
 from vsb.study.study import parse
 from vsb.tools import packed
 from vsb.tools.files import CHANGED, DELETE, attributes, carries_stamp
-from vsb.tools.stamps import MANIFEST, Fault, Manifest, Stamp, faults, read_manifest, stamp_file
+from vsb.tools.stamps import MANIFEST, Fault, Manifest, Stamp, faults, read_manifest
 
 Plan = AnyPlan | CampaignPlan
 STUDY = "study.json"
@@ -36,8 +36,8 @@ def verify(target: str, *, heal: bool, agreed: Callable[[Sequence[str]], bool] |
     target : str
         A study file, a study's folder of results, or the folder of all results.
     heal : bool
-        Whether to move what is not what it should be to the folder `trash` of the results, and to stamp files of before
-        the stamps. Only files that a plan or a manifest names, or that carry a stamp themselves, are moved.
+        Whether to move what is not what it should be to the folder `trash` of the results: only files that a plan or a
+        manifest names, or that carry a stamp themselves.
     agreed : callable, optional
         Whether files may be moved, given a line for each; called once, and not if there are none. Without, they may.
 
@@ -57,7 +57,7 @@ def verify(target: str, *, heal: bool, agreed: Callable[[Sequence[str]], bool] |
     command = f"vsb run {target}" if Path(target).is_file() else "vsb run CONFIG"
     ours = [fault for fault in found if fault.kind != "foreign"]
     if heal:
-        moved = [f"{fault.path}: {fault.reason}" for fault in ours if fault.kind not in ("unstamped", "derived")]
+        moved = [f"{fault.path}: {fault.reason}" for fault in ours if fault.kind != "derived"]
         if moved and agreed and not agreed(moved):
             return ["nothing was changed"]
         with nobody_else(root):
@@ -102,7 +102,7 @@ def _plan(folder: Path) -> AnyPlan | None:
 
 
 def _other_faults(folder: Path, known: set[str], trash: Path) -> list[Fault]:
-    """Damage among the files of a folder that no plan names: of other studies, of seas and designs of before.
+    """Damage among the files of a folder that no plan names: of other studies, seas and designs.
 
     A file that cannot be read and says nothing of where it comes from may be a user's own: it is `foreign`.
     """
@@ -152,14 +152,11 @@ def _index_faults(root: Path) -> list[Fault]:
 
 
 def _healed(root: Path, found: Sequence[Fault]) -> list[str]:
-    """Stamp files of before the stamps, write the index again, move other files to the trash; say so."""
+    """Write the index again, move other files to the trash; say so."""
     lines = []
     trash = root / TRASH / time.strftime("%Y%m%d-%H%M%S")
     for fault in found:
-        if fault.kind == "unstamped":
-            stamp_file(fault.path)
-            lines.append(f"stamped {fault.path}: {fault.reason}")
-        elif fault.kind == "derived":
+        if fault.kind == "derived":
             lines.append(f"wrote {fault.path} again: {fault.reason}")
         else:
             parts = os.path.relpath(fault.path, root).split(os.sep)
@@ -215,9 +212,6 @@ def differences(plan: Plan) -> str:
 def stale_products(plan: Plan, *, dry: bool) -> list[str]:
     """Return the products a run must make anew, and say so.
 
-    Files of before the stamps that are as specified are stamped; meshes of panels of before, which say nothing of
-    themselves, are removed: they are made again where one is needed. A dry run changes nothing.
-
     Raises
     ------
     DatabaseError
@@ -228,16 +222,9 @@ def stale_products(plan: Plan, *, dry: bool) -> list[str]:
         print(f"vsb: {plan.folder} {'holds' if dry else 'held'} another study of this name: {changes}", flush=True)
     stale = []
     for fault in study_faults(plan):
-        if fault.kind == "unstamped":
-            if not dry:
-                stamp_file(fault.path)
-        elif not plan.is_shared(fault.path) or not fault.path.endswith(".nc"):
-            stale.append(fault)
-        elif fault.kind == "nameless" and fault.path not in plan.products:
-            if not dry:
-                Path(fault.path).unlink()
-        else:
+        if plan.is_shared(fault.path) and fault.path.endswith(".nc"):
             raise DatabaseError(f"{fault.path}: {fault.reason}; {DELETE}")
+        stale.append(fault)
     if stale:
         print(f"vsb: {stale[0].path}: {stale[0].reason}{_more(stale)}; computed anew", flush=True)
     return [fault.path for fault in stale]

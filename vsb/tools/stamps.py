@@ -8,7 +8,6 @@ import hashlib
 import json
 import os
 import re
-import shutil
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -21,11 +20,7 @@ from vsb.tools.files import (
     attributes,
     carries_stamp,
     check_file,
-    checksum,
     locked,
-    read_groups,
-    seal,
-    whole,
     write_text,
 )
 from vsb.tools.words import shortened
@@ -58,13 +53,13 @@ class Stamp:
 class Fault(NamedTuple):
     """Why a file is not what it should be.
 
-    `unstamped` files are of before the stamps and agree with their specification, `nameless` ones are of none, `stale`
-    ones of another, `damaged` ones do not hold what they were written with, `foreign` ones cannot be read and may be a
-    user's own, `derived` ones are written again from others that are sound.
+    `nameless` files carry no stamp, `stale` ones that of another specification, `damaged` ones do not hold what they
+    were written with, `foreign` ones cannot be read and may be a user's own, `derived` ones are written again from
+    others that are sound.
     """
 
     path: str
-    kind: Literal["unstamped", "nameless", "stale", "damaged", "foreign", "derived"]
+    kind: Literal["nameless", "stale", "damaged", "foreign", "derived"]
     reason: str
 
 
@@ -204,21 +199,4 @@ def netcdf_fault(path: str | Path, expected: str, _: Manifest) -> Fault | None:
         return Fault(str(path), "nameless", "carries no stamp")
     if attrs["spec_id"] != expected:
         return Fault(str(path), "stale", f"is of {attrs['spec_id']!r}, needs {expected!r}")
-    if "checksum" in attrs:
-        return None
-    agrees = hashlib.sha256(str(attrs.get("spec")).encode()).hexdigest().startswith(expected)
-    return Fault(str(path), "unstamped" if agrees else "stale", "carries no checksum of its contents")
-
-
-def stamp_file(path: str | Path) -> None:
-    """Give a netCDF file of before the stamps its checksum; its time stays, so nothing is computed again for it."""
-    times = os.stat(path)
-    found = checksum(read_groups(path))
-    with whole(path) as temporary:
-        shutil.copyfile(path, temporary)
-        import netCDF4
-
-        with netCDF4.Dataset(temporary, "a") as file:
-            file.setncattr("checksum", found)
-        seal(temporary)
-        os.utime(temporary, ns=(times.st_atime_ns, times.st_mtime_ns))
+    return None if "checksum" in attrs else Fault(str(path), "damaged", "carries no checksum of its contents")

@@ -186,8 +186,11 @@ def read_spectra(path: str | Path) -> Climate:
     """
     import xarray as xr  # here alone: text needs none
 
-    with open_regular(path) as file:
-        begin = file.read(len(SWAN))
+    try:
+        with open_regular(path) as file:
+            begin = file.read(len(SWAN))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror})") from None
     if begin == SWAN:
         stored = _by_wavespectra(path, "swan")
     else:

@@ -306,7 +306,9 @@ def test_rigid_and_generalized_modes_must_not_be_coupled():
 
 
 @pytest.mark.parametrize(("said", "told"), [(MemoryError(), "MemoryError"), (OSError("bad\n  block"), "bad block")])
-def test_what_libraries_say_of_a_damaged_file_is_one_line(said, told):
+def test_what_libraries_say_of_a_damaged_file_is_one_line(said, told, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.h5").write_text("")
     with pytest.raises(DatabaseError) as refused, readable("a.h5", "a whole one"):
         raise said
     assert str(refused.value) == f"a.h5: cannot be read: {told}; needs a whole one."

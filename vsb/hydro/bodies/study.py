@@ -82,15 +82,13 @@ def read_config(path: str | Path, model: type[Model]) -> Model:
 
 def run(config: str | Path, out: str | Path, tables: str | Path | None = None) -> list[Check]:
     """Solve what a body file asks for into `out` and return the verdict; `tables` keeps the Green function's table."""
-    study, body = read_study(config)
-    folder = Path(config).parent
-    check_output(Path(out, f"{study.body}.nc"), [folder / study.mesh, folder / study.modes])
-    return solve(study, body, out, tables)
+    return solve(*read_study(config, out), out, tables)
 
 
-def read_study(config: str | Path) -> tuple[BodyFile, FlexibleBody]:
-    """Return a body file and the body it names, whose `history` says what was mended."""
+def read_study(config: str | Path, out: str | Path) -> tuple[BodyFile, FlexibleBody]:
+    """Return a body file and the body it names, whose `history` says what was mended; `out` may hold no input."""
     study, folder = read_config(config, BodyFile), Path(config).parent
+    check_output(Path(out, f"{study.body}.nc"), [folder / study.mesh, folder / study.modes])
     return study, read_body(folder / study.mesh, folder / study.modes, study.water.gravity)
 
 
