@@ -71,7 +71,7 @@ ALL = {"blocks", "witness", *SHELL}
         ({"designs": {**DESIGNS, "VSWEC0": {"clamp": 45.0}}}, {"modes", *MOTION} - {"runs"}),  # of the other designs
         ({"published": {"source": "a paper", "values": {"FSB": {"power_mean": 1.0}}}}, {"report"}),
     ],
-    ids=str,
+    ids=lambda value: str(value) if isinstance(value, dict) else "",
 )
 def test_key_changes_the_ids_of_the_results_that_depend_on_it(study, changes, renamed):
     assert changed(ids(study), ids(varied(study, **changes))) == renamed

@@ -7,6 +7,7 @@ import xarray as xr
 
 from vsb.results.year import band_weights
 from vsb.scenes.mode_convergence import (
+    JUDGED,
     SAMPLED,
     TAKE_OFFS,
     ModeConvergence,
@@ -86,7 +87,8 @@ def gain_of_year(
     Returns
     -------
     ndarray, shape (design, end)
-        `end` as `ENDS`, the wider of both take-offs [percentage points]; nothing beside ports that turn.
+        `end` as `ENDS`, the wider of the damper given and the optimal one [percentage points]; nothing beside ports
+        that turn.
 
     Notes
     -----
@@ -113,7 +115,7 @@ def gain_of_year(
             tried = [*(convergence.powers(Modes(basis="full", degree=n)) for n in lower), before]
         else:
             tried = list(convergence.powers_by_degree.values())
-    gain = _bounds(_gains(before, at), [_gains(one, at) for one in tried])[:, 0]
+    gain = _bounds(_gains(before, at), [_gains(one, at) for one in tried])[:, 0, :JUDGED]
     return np.stack([gain[..., 0].min(axis=1), gain[..., 1].max(axis=1)], axis=-1)
 
 

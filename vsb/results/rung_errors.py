@@ -111,7 +111,7 @@ def _of_modes(left_out: xr.Dataset, design: str, label: str, rung: str, name: st
     """What modes left out may change, of a power or of a gain; nothing where it is not known or none."""
     if name not in left_out:
         return []
-    take_off = "given" if rung == "fixed" else "optimal"
+    take_off = {"fixed": "given", "best_spring_damper": "optimal_spring"}.get(rung, "optimal")
     low, high = (size * float(end) for end in left_out[name].sel(design=design, wave=label, take_off=take_off))
     return [Source(MODES, low, high)] if low or high else []
 

@@ -20,7 +20,7 @@ from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.spectral.sweep import FEWEST_NODES, incident_wave, resolved
 from vsb.hydro.sweep import on_grid
 from vsb.motion.port import Port
-from vsb.motion.tuning import best_dampers, mean_power
+from vsb.motion.tuning import best_dampers, best_pairs, mean_power
 from vsb.scenes.ports import ShapeWater, designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell
@@ -42,14 +42,16 @@ PROBED = (0.4, 0.7, 1.0, 1.3)
 """Frequencies of regular waves that stand for the seas of a study in still water, in sqrt(g/radius)."""
 SOLVED = 2e-4
 """Tolerance of the coefficients, at most: what they have wrong all degrees have wrong alike."""
-MOST_FREQUENCIES = 48
-"""Of a sea: its components are summed at so many frequencies."""
+MOST_FREQUENCIES = 128
+"""Of a sea: those of more components are summed at so many frequencies."""
 SAMPLED = 0.01
 """What so few frequencies may miss of a change with the degree, as a part of it: 6e-3 with 24, 3e-4 with 40 [-]."""
 
 
-TAKE_OFFS = ("given", "optimal")
-"""The damper a study gives, where it gives one, and that of the largest mean power of each design in each sea."""
+TAKE_OFFS = ("given", "optimal", "optimal_spring")
+"""The damper a study gives, where it gives one; the optimal damper of each design in each sea, and beside a spring."""
+JUDGED = 2
+"""Take-offs whose powers are to be within the tolerance: the first so many."""
 
 
 class Sampled(NamedTuple):
@@ -184,7 +186,8 @@ class ModeConvergence:
 
     def worst(self, change: FloatArray) -> float:
         """Return the largest of changes of powers, relative to each power or to the reference design's [-]."""
-        return float((np.abs(change) / np.where(self._size > 0, self._size, np.inf)).max(initial=0.0))
+        relative = np.abs(change) / np.where(self._size > 0, self._size, np.inf)
+        return float(relative[..., :JUDGED].max(initial=0.0))
 
     @cached_property
     def degree(self) -> int:
@@ -202,7 +205,7 @@ def _displacements(highest: int, *, meridional: bool = True) -> tuple[Displaceme
 
 
 def powers_of_ports(ports: Mapping[str, Port], pto: Pto, squares: FloatArray) -> FloatArray:
-    """Return mean powers of designs in seas under the damper given and the optimal one, (design, sea, take-off) [W].
+    """Return mean powers of designs in seas under every take-off of `TAKE_OFFS`, (design, sea, take-off) [W].
 
     Parameters
     ----------
@@ -213,13 +216,13 @@ def powers_of_ports(ports: Mapping[str, Port], pto: Pto, squares: FloatArray) ->
     """
     found = []
     for design, port in ports.items():
-        optimal = best_dampers(port, squares, pto.stiffness, pto.efficiency).power
-        given, count = pto.damper(design), len(squares)
-        if given is None:
-            found.append([optimal, optimal])
-            continue
-        damping, stiffness = np.full(count, given), np.full(count, pto.stiffness)
-        found.append([mean_power(port, squares, damping, stiffness, pto.efficiency), optimal])
+        optimal = best_dampers(port, squares, pto.stiffness, pto.efficiency)
+        sprung = best_pairs(port, squares, optimal, pto.efficiency).power
+        given, count, power = pto.damper(design), len(squares), optimal.power
+        if given is not None:
+            damping, stiffness = np.full(count, given), np.full(count, pto.stiffness)
+            power = mean_power(port, squares, damping, stiffness, pto.efficiency)
+        found.append([power, optimal.power, sprung])
     return np.asarray(found).swapaxes(1, 2)
 
 
