@@ -21,8 +21,8 @@ from examples.paper_at_best_dampers import rows_of
 from examples.when_flexibility_pays import ports
 from vsb.errors import ConfigError
 from vsb.results.ladder import Rung, study_ladder
-from vsb.scenes.afloat import linear_buoy
 from vsb.scenes.build import linear_design
+from vsb.scenes.floating_system import linear_buoy
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load, parse
 from vsb.waves.seas import sea

@@ -23,7 +23,7 @@ from vsb.motion.force_bound import Limits
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port, port_direction
-from vsb.scenes.afloat import linear_buoy
+from vsb.scenes.floating_system import linear_buoy
 from vsb.scenes.rest import computed_buckling, design_motions, reference_shell
 from vsb.study.study import Study, load, parse
 from vsb.tools.files import write_text

@@ -69,7 +69,7 @@ def test_recipe_of_a_force():
     motion, _ = METHODS["collocation"].follower(system, 1e-9, None)(time, (np.array([0.5]), np.array([0.0])))
     found = energies(system, motion)
     assert residual(found) < 1e-6
-    assert np.ptp(force.stored(motion.position)) > 5.0
+    assert np.ptp(force.potential_energy(motion.position)) > 5.0
     assert found["pto"][-1] == pytest.approx(np.trapezoid(1.2 * motion.velocity[:, 0] ** 2, time), rel=1e-3)
 
 
@@ -143,7 +143,9 @@ def test_recipe_of_a_figure():
 def test_recipe_of_a_stage(seed, tmp_path, monkeypatch):
     """Run from the text of its specification; that of another version is refused."""
     monkeypatch.setitem(specs.PHYSICS, "draft", 1)
-    made = recipe("A stage", AfloatSpec=specs.AfloatSpec, write_text=write_text, record=record, content_id=content_id)
+    made = recipe(
+        "A stage", FloatingSpec=specs.FloatingSpec, write_text=write_text, record=record, content_id=content_id
+    )
     monkeypatch.setitem(sys.modules, "vsb.stages.draft", SimpleNamespace(run=made["run"]))
     stage, spec = (
         Stage("draft", "how deep a buoy lies", made["DraftSpec"], ("out", "manifest")),

@@ -22,7 +22,7 @@ MODE = "Bending2"
 ROWS = 32
 
 
-def afloat(height=0.0):
+def floating_system(height=0.0):
     return DeformedShell(BASIS, height)
 
 
@@ -39,7 +39,7 @@ def by_spectral(shapes):
 
 @pytest.fixture(scope="module")
 def shapes():
-    return deformed_shapes(afloat(), [MODE], np.inf)
+    return deformed_shapes(floating_system(), [MODE], np.inf)
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +101,7 @@ def test_central_differences_are_off_by_a_known_term_of_third_order(shapes, spec
 
 def database(solver, factor=1.0):
     omegas = [0.8, *WAVES.omegas, 4.5, 5.5]
-    problem = SpectralProblem(afloat(), displacements_of(BASIS), WAVES.density, WAVES.gravity, 24)
+    problem = SpectralProblem(floating_system(), displacements_of(BASIS), WAVES.density, WAVES.gravity, 24)
     solved = with_excitation(in_modes(problem.solve(omegas), BASIS))
     return (factor * solved).assign_attrs(solver=solver)
 
@@ -124,7 +124,7 @@ def test_a_database_is_judged_by_the_other_solver(compared, solver, least):
 
 @pytest.mark.parametrize(("depth", "size"), [(2.5, 0.1), (2.1, 0.05), (2.02, 0.00625)])
 def test_no_shape_comes_near_the_bottom(depth, size):
-    found = deformed_shapes(afloat(), ["Membrane0"], depth)
+    found = deformed_shapes(floating_system(), ["Membrane0"], depth)
     assert [s.amplitude for s in found] == pytest.approx([0.0, -size, size])
     lowest = [-float(s.shell.meridian(np.array([np.pi])).z[0]) for s in found]
     assert max(lowest) <= (2.0 + depth) / 2 + 1e-12
@@ -132,7 +132,7 @@ def test_no_shape_comes_near_the_bottom(depth, size):
 
 def test_no_shape_is_dry_or_under_water():
     for height in (1.95, -1.95):
-        for s in deformed_shapes(afloat(height), ["Membrane0"], np.inf):
+        for s in deformed_shapes(floating_system(height), ["Membrane0"], np.inf):
             ((start, end),) = s.shell.wet_segments
             assert start > 0
             assert end == np.pi
@@ -140,4 +140,4 @@ def test_no_shape_is_dry_or_under_water():
 
 def test_a_keel_on_the_bottom_has_no_witness():
     with pytest.raises(ConfigError, match=r"hydro.witness: received modes Membrane0, one of which, however small"):
-        deformed_shapes(afloat(), ["Membrane0"], 2.0)
+        deformed_shapes(floating_system(), ["Membrane0"], 2.0)

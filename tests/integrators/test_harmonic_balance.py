@@ -266,9 +266,11 @@ def test_crushing_load_is_refused(paper):
 def test_unrestrained_mass_is_refused():
     """A free mass in waves: any constant may be added to its motion."""
     waves = Excitation(np.array([2.0]), np.array([[30.0 + 0j]]))
-    adrift = Scene(("Heave",), np.eye(1), {"pto": TakeOff(np.ones(1), 4.0, limit=5.0), "excitation": waves}, np.eye(1))
+    unrestrained = Scene(
+        ("Heave",), np.eye(1), {"pto": TakeOff(np.ones(1), 4.0, limit=5.0), "excitation": waves}, np.eye(1)
+    )
     with pytest.raises(ConvergenceError, match="nothing holds a coordinate in a mean place; follow it in time"):
-        harmonic_balance(System.of(adrift))
+        harmonic_balance(System.of(unrestrained))
 
 
 def test_tolerance_below_round_off_is_refused(paper):

@@ -142,7 +142,7 @@ def test_work_of_every_force_equals_force_times_velocity(model, design, name, me
     close = 2e-2 if name == "end stop" else close
 
     def stored(key):
-        energy = scene.forces[key].stored(q)
+        energy = scene.forces[key].potential_energy(q)
         return energy - energy[0]
 
     if not pto.pauses and "chamber" not in more:

@@ -52,7 +52,7 @@ class Hardening(Force):
     def force(self, time, q, v):
         return -self.stiffness * q - self.cubic * q**3
 
-    def stored(self, q):
+    def potential_energy(self, q):
         return (self.stiffness * q**2 / 2 + self.cubic * q**4 / 4).sum(axis=1)
 
 

@@ -191,11 +191,11 @@ def test_port_of_a_buoy_with_drag_matches_one_with_dampers(held):
 @pytest.mark.filterwarnings("error")
 def test_unrestrained_port_with_drag_gets_a_spring():
     buoy = Buoy(0)
-    adrift = replace(buoy.port, port=replace(buoy.port.port, compliance=np.inf))
+    unrestrained = replace(buoy.port, port=replace(buoy.port.port, compliance=np.inf))
     c, k = (x.ravel() for x in np.meshgrid(np.geomspace(0.02, 50, 20), np.linspace(0.0, 4.0, 21)))
     for square in seas(buoy.omega)[:2, None]:
-        one = under(adrift, square, best_damper(adrift, square, 0.0, 1.0), 0.0, 1.0)
-        pair = best_pair(adrift, square, one, 1.0)
-        assert adrift.powers(square, c, k).max() <= pair.power[0] * (1 + 1e-6)
+        one = under(unrestrained, square, best_damper(unrestrained, square, 0.0, 1.0), 0.0, 1.0)
+        pair = best_pair(unrestrained, square, one, 1.0)
+        assert unrestrained.powers(square, c, k).max() <= pair.power[0] * (1 + 1e-6)
         assert pair.power[0] >= one.power[0]
         assert 0.0 <= pair.stiffness[0] < np.inf

@@ -68,18 +68,18 @@ def test_named_parts_add_up_to_the_force(force):
 
 def test_force_is_minus_the_gradient_of_energy_and_dissipation(force):
     """f.w = -dU(q + s w)/ds - d(lost)/2, for any direction w, in still water."""
-    calm = force.raised(0.0)
+    calm = force.scaled_waves(0.0)
     q, v = motion()
     way, h = np.random.default_rng(7).normal(size=DOF), 1e-6
-    falls = -(calm.stored(q + h * way) - calm.stored(q - h * way)) / (2 * h)
-    takes = -(calm.lost(v + h * way) - calm.lost(v - h * way)) / (4 * h)
+    falls = -(calm.potential_energy(q + h * way) - calm.potential_energy(q - h * way)) / (2 * h)
+    takes = -(calm.dissipated_power(v + h * way) - calm.dissipated_power(v - h * way)) / (4 * h)
     pushed = calm.force(TIME, q, v) @ way
     assert falls + takes == pytest.approx(pushed, abs=1e-7 * (1.0 + np.abs(pushed).max()))
 
 
 def test_linear_part_is_the_tangent_at_rest(force):
     """-K and -D by central differences about the reference shape in still water."""
-    part, calm, h = force.linear(), force.raised(0.0), 1e-6
+    part, calm, h = force.linear(), force.scaled_waves(0.0), 1e-6
     zero = np.zeros((1, DOF))
     for matrix, direction in ((part.stiffness, 0), (part.damping, 1)):
         moved = [[zero, zero], [zero, zero]]
@@ -96,7 +96,7 @@ def test_linear_part_is_the_tangent_at_rest(force):
 def test_scaled_waves_scale_the_force(force, share):
     """Exactly for linear waves and an assumed pressure; on the wet shell up to the square of the wave height."""
     q, v = motion()
-    calm, part, whole = (force.raised(s).force(TIME, q, v) for s in (0.0, share, 1.0))
+    calm, part, whole = (force.scaled_waves(s).force(TIME, q, v) for s in (0.0, share, 1.0))
     np.testing.assert_array_equal(whole, force.force(TIME, q, v))
     exact = force.frequencies().size == 0 or getattr(force, "waves", None) is None or share == 0.0
     tolerance = 1e-12 * np.abs(whole).max() if exact else 0.3 * np.abs(whole - calm).max()
@@ -119,7 +119,7 @@ def test_quadratic_drag_in_waves(share):
     """f = -sum c |u| u b, u = b.q' - Re sum W exp(-i omega t), of two directions, some instants or all."""
     along, coefficient = np.array([[1.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.6, 0.8, 0.0, 0.0]]), np.array([3.0, 7.0])
     flow = np.array([[0.5 + 0.2j, -0.3j], [0.1 - 0.4j, 0.7]])
-    drag = QuadraticDrag(along, coefficient, SWELL.omega, flow).raised(share)
+    drag = QuadraticDrag(along, coefficient, SWELL.omega, flow).scaled_waves(share)
     q, v = motion()
     water = np.real(np.exp(-1j * np.outer(TIME, SWELL.omega)) @ flow)
     past = v @ along.T - share * water
@@ -136,14 +136,14 @@ def test_water_pressure_about_a_deformed_reference_shape(water, name):
     rest = 0.01 * np.array([3.0, -1.0, 2.0, 1.0, -2.0])
     plain, moved = water[name], replace(water[name], rest=rest)
     np.testing.assert_allclose(moved.force(TIME, q, v), plain.force(TIME, rest + q, v), rtol=1e-12)
-    np.testing.assert_allclose(moved.stored(q), plain.stored(rest + q), rtol=1e-12)
+    np.testing.assert_allclose(moved.potential_energy(q), plain.potential_energy(rest + q), rtol=1e-12)
     named, expected = moved.named("water", TIME, q, v), plain.named("water", TIME, rest + q, v)
     assert named.keys() == expected.keys() == {
         "still": {"hydrostatic"}, "assumed": {"hydrostatic", "excitation"}, "waves": {"hydrostatic", "froude_krylov"},
     }[name]  # fmt: skip
     for part, values in expected.items():
         np.testing.assert_allclose(named[part], values, rtol=1e-9, atol=1e-9 * np.abs(values).max(), err_msg=part)
-    assert moved.raised(0.0).named("water", TIME, q, v).keys() <= {"hydrostatic", "froude_krylov"}
+    assert moved.scaled_waves(0.0).named("water", TIME, q, v).keys() <= {"hydrostatic", "froude_krylov"}
 
 
 def test_asymmetric_matrices_act_by_their_rows():
@@ -153,5 +153,5 @@ def test_asymmetric_matrices_act_by_their_rows():
     assert Damper(matrix).force(TIME, q, v) == pytest.approx(np.array([-matrix @ each for each in v]))
     both = SpringDamper(matrix, 2 * matrix, np.zeros(5))
     assert both.force(TIME, q, v) == pytest.approx(np.array([-matrix @ (a + 2 * b) for a, b in zip(q, v, strict=True)]))
-    assert both.stored(q) == pytest.approx(np.array([each @ matrix @ each / 2 for each in q]))
-    assert both.lost(v) == pytest.approx(np.array([each @ (2 * matrix) @ each for each in v]))
+    assert both.potential_energy(q) == pytest.approx(np.array([each @ matrix @ each / 2 for each in q]))
+    assert both.dissipated_power(v) == pytest.approx(np.array([each @ (2 * matrix) @ each for each in v]))

@@ -92,7 +92,7 @@ def test_normal_modes_with_unrestrained_motions():
         np.testing.assert_allclose(modes.T @ stiffness @ modes, np.diag(squares), atol=1e-10 * squares[-1])
         reckoned = np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real)
         np.testing.assert_allclose(squares, reckoned, rtol=1e-9, atol=1e-9)
-    whole = np.diag([2e4, 0.0, 1e5, 8e4, 8e4, 1e3])  # sway is adrift as it is
+    whole = np.diag([2e4, 0.0, 1e5, 8e4, 8e4, 1e3])  # sway is unrestrained as it is
     squares, modes = normal_modes(whole, mass, drifting_motions(whole, RIGID, np.eye(6)))
     assert squares[0] == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(modes.T @ whole @ modes, np.diag(squares), atol=1e-10 * squares[-1])

@@ -46,10 +46,10 @@ def test_matrices_are_sums_over_forces_in_the_allowed_motions():
 
 def test_losses_of_the_take_off_and_of_all_others():
     v = np.array([[1.0, 2.0], [0.0, 3.0]])
-    taken, lost = scene().lost(v)
+    taken, lost = scene().dissipated_power(v)
     np.testing.assert_allclose(taken, [4.0, 0.0])
     np.testing.assert_allclose(lost, [0.1 * (2.0 + 4.0), 0.1 * 9.0])
-    other, rest = scene(take_off="structural_damping").lost(v)
+    other, rest = scene(take_off="structural_damping").dissipated_power(v)
     np.testing.assert_allclose((other, rest), (lost, taken))
 
 
@@ -72,12 +72,12 @@ def test_initial_state_is_heave_from_the_rest_position():
     y, rate = one.start(0.5, -2.0)
     assert y == pytest.approx([0.1 + 0.3, 0.2 + 0.4])
     assert rate == pytest.approx([-1.2, -1.6])
-    np.testing.assert_array_equal(one.raised(0.5).heave, one.heave)
-    np.testing.assert_array_equal(one.raised(0.5).origin, one.origin)
+    np.testing.assert_array_equal(one.scaled_waves(0.5).heave, one.heave)
+    np.testing.assert_array_equal(one.scaled_waves(0.5).origin, one.origin)
 
 
 @pytest.mark.parametrize(
-    ("labels", "stiffness", "adrift"),
+    ("labels", "stiffness", "unrestrained"),
     [
         (("Mode7", "Heave"), np.diag([0.0, 5.0]), True),
         (("Surge", "Sway"), 7.3 * np.outer([0.3, 0.7], [0.3, 0.7]), True),
@@ -85,9 +85,9 @@ def test_initial_state_is_heave_from_the_rest_position():
         (("Heave",), np.array([[5.0]]), False),
     ],
 )
-def test_unrestrained_scene(labels, stiffness, adrift):
+def test_unrestrained_scene(labels, stiffness, unrestrained):
     free = np.eye(len(labels))
-    assert Scene(labels, free, {"mooring": Spring(stiffness)}, free).adrift is adrift
+    assert Scene(labels, free, {"mooring": Spring(stiffness)}, free).unrestrained is unrestrained
 
 
 @pytest.fixture(scope="module")

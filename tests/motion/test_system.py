@@ -108,7 +108,7 @@ def test_losses_and_energies_match_the_matrices(linear):
     q, v = motion.position @ linear.motions.T, motion.velocity @ linear.motions.T
     pto, structural = (linear.forces[name].damping for name in ("pto", "structural_damping"))
     p = np.linalg.solve(system.modes, motion.velocity.T).T
-    for found, form, damping in zip(linear.lost(v), system.dampers(), (pto, structural), strict=True):
+    for found, form, damping in zip(linear.dissipated_power(v), system.dampers(), (pto, structural), strict=True):
         assert found == pytest.approx(np.einsum("ti,ij,tj->t", v, damping, v))
         assert found == pytest.approx(np.einsum("ti,ij,tj->t", p, form, p))
     stored, kinetic = system.energy(motion)

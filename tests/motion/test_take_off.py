@@ -28,7 +28,7 @@ def test_spring_and_stop_are_relative_to_the_rest_position(stroke, speed, slack,
         moved = replace(law, rest=rest)
         q = np.array([[stroke], [slack]])
         assert moved.force(at, q + rest, v) == pytest.approx(law.force(at, q, v), abs=1e-9)
-        assert moved.stored(q + rest) == pytest.approx(law.stored(q), abs=1e-9)
+        assert moved.potential_energy(q + rest) == pytest.approx(law.potential_energy(q), abs=1e-9)
 
 
 def test_friction_opposes_the_velocity():
@@ -51,7 +51,7 @@ def test_end_stop_only_pushes(stroke, speed):
     assert force * stroke <= 0.0
     assert force == 0.0 or abs(stroke) > 0.7
     step = np.array([[1e-6]])
-    gradient = (stop.stored(q + step) - stop.stored(q - step))[0] / 2e-6
+    gradient = (stop.potential_energy(q + step) - stop.potential_energy(q - step))[0] / 2e-6
     if abs(abs(stroke) - 0.7) > 1e-5:
         lost = -(force + gradient) * speed
         loading = abs(stroke) > 0.7 and stroke * speed > 0
@@ -67,4 +67,4 @@ def test_end_stop_of_a_combined_port():
     assert stop.beyond(q) == pytest.approx(pressed)
     pushed = -100.0 * pressed - 30.0 * np.array([2.0, -2.0, 0.0, 0.0, 0.0, 0.0])
     assert stop.force(np.zeros(6), q, v) == pytest.approx(np.outer(pushed, B))
-    assert stop.stored(q) == pytest.approx(50.0 * pressed**2)
+    assert stop.potential_energy(q) == pytest.approx(50.0 * pressed**2)

@@ -29,7 +29,7 @@ from vsb.results.ladder import (
     constrained_rung,
     rungs_of,
 )
-from vsb.scenes.afloat import Met
+from vsb.scenes.floating_system import PortInSeas
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import rigid_sphere
 from vsb.stages.spectral import spectral_problem
@@ -41,7 +41,7 @@ def ladder(ports, seas, families, given, time, dragged=None):
     """Control levels of every design in every sea of one direction."""
     waves = list(seas.values())
     met = {
-        design: Met(port, squares(waves, port.omega), [np.searchsorted(port.omega, one.omega) for one in waves])
+        design: PortInSeas(port, squares(waves, port.omega), [np.searchsorted(port.omega, one.omega) for one in waves])
         for design, port in ports.items()
     }
     return rungs_of(met, seas, families, given, time, dragged)
@@ -282,7 +282,7 @@ def test_forces_with_drag_use_the_equivalent_damping_of_each_sea():
     dragged, rng = Buoy(3).port, np.random.default_rng(1)
     omega = dragged.port.omega
     seas = {"wave": Sea(omega[[9]], np.array([1.0 + 0j])), "sea": Sea(omega, 0.4 * rng.rayleigh(size=len(omega)) + 0j)}
-    met = {"A": Met(dragged.port, squares(list(seas.values()), omega), [np.array([9]), np.arange(len(omega))])}
+    met = {"A": PortInSeas(dragged.port, squares(list(seas.values()), omega), [np.array([9]), np.arange(len(omega))])}
     for rung in rungs_of(met, seas, [0, 1], {"A": Given(2.0, 0.1)}, 60.0, {"A": dragged}):
         at, here = met["A"][2][list(seas).index(rung.wave)], seas[rung.wave]
         if rung.rung == "matched":

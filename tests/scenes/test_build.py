@@ -9,8 +9,8 @@ from conftest import only_run, varied
 from vsb.errors import DatabaseError
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.bodies import Memory
-from vsb.scenes.afloat import linear_buoy
 from vsb.scenes.build import SCENES, check_followed
+from vsb.scenes.floating_system import linear_buoy
 from vsb.scenes.rest import design_motions
 from vsb.study.plan import StudyPlan
 from vsb.waves.seas import Sea

@@ -12,13 +12,13 @@ from vsb.hydro.database import load_database
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
-from vsb.scenes.afloat import towards
 from vsb.scenes.build import linear_buoy, linear_design
 from vsb.scenes.directions import (
     check_moored,
     check_upright,
 )
 from vsb.scenes.drag import LINEARISED
+from vsb.scenes.floating_system import towards
 from vsb.scenes.rest import check_spring, check_stable, design_motions, reference_shell
 from vsb.scenes.viability import viability
 from vsb.stages import make
@@ -207,7 +207,7 @@ def test_oblique_mooring_line(folder):
         runs.append([linear_design(plan.simulation(d, study.waves[0]), plan.hydro_files) for d in study.designs])
     np.testing.assert_allclose(*frequencies, rtol=1e-8)
     for ahead, turned in zip(*runs, strict=True):
-        assert turned.system.scene.adrift
+        assert turned.system.scene.unrestrained
         powers = [_steady(run.system) for run in (ahead, turned)]
         assert powers[0] == pytest.approx(powers[1], rel=1e-8)
         with pytest.raises(ConvergenceError, match=r"^harmonic balance: nothing holds a coordinate in a mean place"):

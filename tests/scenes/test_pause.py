@@ -17,8 +17,8 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import TakeOff
 from vsb.motion.tuning import best_dampers, squares
-from vsb.scenes.afloat import linear_buoy, study_port
 from vsb.scenes.build import SCENES
+from vsb.scenes.floating_system import linear_buoy, study_port
 from vsb.scenes.pause import (
     KNOWN_WET,
     NEAR,

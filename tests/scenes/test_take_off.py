@@ -18,8 +18,8 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.motion.tuning import frequencies, squares
-from vsb.scenes.afloat import Afloat
 from vsb.scenes.build import SCENES
+from vsb.scenes.floating_system import FloatingSystem
 from vsb.scenes.take_off import LAWS, end_stop, tuned_take_off, with_take_off
 from vsb.study.study import load
 from vsb.study.take_off import Pto
@@ -65,14 +65,14 @@ def test_end_stop_is_stiff_and_critically_damped(plant):
 
 
 def test_end_stop_needs_a_restrained_port(plant):
-    adrift = replace(plant, forces=plant.forces | {"hydrostatic": Spring(np.diag([0.0, 400.0]))})
+    unrestrained = replace(plant, forces=plant.forces | {"hydrostatic": Spring(np.diag([0.0, 400.0]))})
     with pytest.raises(
         ConfigError, match=r"pto.stroke_limit: nothing holds this port at rest, so that no stroke counts"
     ):
-        end_stop(adrift, np.array([1.0, 0.0]), 0.2)
-    moored = replace(adrift, forces=adrift.forces | {"mooring": Spring(np.diag([7.0, 0.0]))})
+        end_stop(unrestrained, np.array([1.0, 0.0]), 0.2)
+    moored = replace(unrestrained, forces=unrestrained.forces | {"mooring": Spring(np.diag([7.0, 0.0]))})
     assert end_stop(moored, np.array([1.0, 0.0]), 0.2).stiffness == pytest.approx(100 * 7.0)
-    assert end_stop(adrift, np.array([0.0, 1.0]), 0.2).stiffness == pytest.approx(100 * 400.0)
+    assert end_stop(unrestrained, np.array([0.0, 1.0]), 0.2).stiffness == pytest.approx(100 * 400.0)
 
 
 # springs and tuned dampers -------------------------------------------------------------------------------------------
@@ -91,7 +91,7 @@ class OnePort:
 
 def tuned(seas, **keys):
     waves = RegularWave(kind="regular", amplitude=1.0, period=1.0)  # where they go is all that is asked of it
-    floating = Afloat(OnePort(), {"A": np.eye(1)}, np.ones(1))
+    floating = FloatingSystem(OnePort(), {"A": np.eye(1)}, np.ones(1))
     return tuned_take_off(Pto(**keys), "A", floating, [(waves, sea) for sea in seas])
 
 

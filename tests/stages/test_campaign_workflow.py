@@ -47,7 +47,7 @@ def jobs(text):
 
 def test_campaign_from_plan_to_report(folder):
     planned = jobs(vsb(folder, "-n"))
-    assert planned == {"members": 1, "campaign": 1, "answer": 1, "all": 1, "total": 4}
+    assert planned == {"members": 1, "campaign": 1, "campaign_report": 1, "all": 1, "total": 4}
     assert not (folder / "results").exists()
     out = vsb(folder, "--cores", "2")
     assert len(re.findall(r"Finished jobid", out)) == planned["total"]

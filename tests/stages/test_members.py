@@ -14,9 +14,9 @@ from conftest import SEED
 from vsb.errors import VsbError
 from vsb.motion.frequency import LinearBuoy
 from vsb.results.year import frequencies, year
-from vsb.scenes.afloat import linear_buoy, study_port
+from vsb.scenes.floating_system import linear_buoy, study_port
 from vsb.scenes.rest import design_motions
-from vsb.stages import answer, campaign, members
+from vsb.stages import campaign, campaign_report, members
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.stages.stage import STAGES
@@ -91,7 +91,9 @@ def run(plan):
     """Data of a campaign with its report."""
     found = computed(plan)
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    answer.run(told("answer", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files)
+    campaign_report.run(
+        told("campaign_report", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files
+    )
     return found
 
 

@@ -8,7 +8,7 @@ from conftest import varied
 
 from vsb.motion.pto import LinearPto
 from vsb.report.band import gain_band
-from vsb.scenes.afloat import afloat
+from vsb.scenes.floating_system import floating_system
 from vsb.stages import response
 from vsb.study.plan import StudyPlan
 from vsb.tools.files import load
@@ -61,7 +61,7 @@ def test_frequency_grid_resolves_resonances_and_extreme_gains(small, ds):
     """A grid thirty times as fine shows no larger and no smaller gain than the one that is written."""
     (wave,) = small.study.waves
     assert wave.omega in ds.omega.values
-    floating = afloat(small.response, small.database_path)
+    floating = floating_system(small.response, small.database_path)
     for motions in floating.motions.values():
         natural, _ = replace(floating.linear, pto=LinearPto(0.0, 0.0, floating.port)).natural_modes(motions)
         shown = natural[natural < float(ds.omega[-1])]

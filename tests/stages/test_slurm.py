@@ -41,11 +41,11 @@ def test_only_the_jobs_of_the_run_are_cancelled(queue):
 
 def test_job_name_identifies_study_and_folder(queue, tmp_path, monkeypatch):
     plan = plan_of(str(SEED))
-    name = slurm.whole_name(plan)
+    name = slurm.run_name(plan)
     assert re.fullmatch(r"vsb-seed-[0-9a-f]{8}", name)
-    assert slurm.whole_name(plan_of(str(SEED))) == name
+    assert slurm.run_name(plan_of(str(SEED))) == name
     monkeypatch.chdir(tmp_path)
-    assert slurm.whole_name(plan) != name
+    assert slurm.run_name(plan) != name
 
 
 @pytest.mark.parametrize("name", ["x" * 80, "my study: 1"])
@@ -73,16 +73,16 @@ def cluster(tmp_path, monkeypatch):
 
 def test_short_study_is_one_job_on_two_cores(cluster):
     plan = plan_of(str(HOME / "config" / "paper.yaml"))
-    found = slurm.whole(plan, PROFILE)
+    found = slurm.single_job(plan, PROFILE)
     size = ["--ntasks=1", "--nodes=1", "--cpus-per-task=2", "--mem=4000", "--time=60"]  # [MB], [minutes]
-    assert found == ["srun", *size, f"--job-name={slurm.whole_name(plan)}_whole"]
+    assert found == ["srun", *size, f"--job-name={slurm.run_name(plan)}_whole"]
 
 
 def test_account_comes_from_the_profile_and_other_resources_are_left_to_the_plugin(cluster):
     given = {"default-resources": {"slurm_account": "me", "slurm_partition": "day"}}
-    assert {"--account=me", "--partition=day"} <= set(slurm.whole(plan_of(str(SEED)), {**PROFILE, **given}))
+    assert {"--account=me", "--partition=day"} <= set(slurm.single_job(plan_of(str(SEED)), {**PROFILE, **given}))
     for more in ({"default-resources": ["slurm_extra=--gres=gpu:1"]}, {"slurm-qos": "high"}):
-        assert slurm.whole(plan_of(str(SEED)), {**PROFILE, **more}) == []
+        assert slurm.single_job(plan_of(str(SEED)), {**PROFILE, **more}) == []
 
 
 LONG = {
@@ -94,7 +94,7 @@ LONG = {
 
 @pytest.mark.parametrize("changes", LONG.values(), ids=LONG)
 def test_long_study_is_one_job_per_rule(cluster, changes):
-    assert slurm.whole(StudyPlan(varied(load(SEED), **changes)), PROFILE) == []
+    assert slurm.single_job(StudyPlan(varied(load(SEED), **changes)), PROFILE) == []
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from vsb.cli import main
 from vsb.errors import ConfigError
 from vsb.report.campaign_answer import answer as answer_of
 from vsb.results.campaign import damper
-from vsb.stages import answer, verification
+from vsb.stages import campaign_report, verification
 from vsb.stages.campaign_preview import check_campaign
 from vsb.stages.climate import read_climate
 from vsb.study.campaign_plan import plan_of
@@ -54,7 +54,9 @@ def run(plan):
     found = simulated(plan)
     gather(plan)
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    answer.run(told("answer", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files)
+    campaign_report.run(
+        told("campaign_report", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files
+    )
     return found, load(plan.data_path, expected=plan.campaign_id)
 
 

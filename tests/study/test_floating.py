@@ -89,13 +89,13 @@ def test_waterline_must_stay_clear_of_the_poles(raw, height):
     shell = {"shape": {"spheroid": {"height": height}}, "density": 1.0, "thickness": 1e-3}  # next to nothing
     others = {"modes": {"basis": "full", "degree": 2}, "designs": {"FSB": {"flexible": False}}}
 
-    def afloat(mass):
+    def floating_system(mass):
         return parse(raw | others | {"device": without(raw["device"], mass=mass, **shell)})
 
     for inside, outside in ((1.000001 * least, 0.999999 * least), (0.999999 * most, 1.000001 * most)):
-        assert afloat(inside).device.mass == inside
+        assert floating_system(inside).device.mass == inside
         with pytest.raises(ConfigError, match=rf"needs {least:.6g} to {most:.6g} kg, because a waterline within 0.01"):
-            afloat(outside)
+            floating_system(outside)
 
 
 def test_volume_of_spherical_caps():

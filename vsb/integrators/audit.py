@@ -213,7 +213,7 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     pto, structural, radiated, wave, *others = run.works(system.losses()[:, :known, :known], acting)
     energy = {"wave": wave, "pto": pto, "radiated": sum(others[:radiating], radiated), "structural": structural}
     for name, taken in zip(foreign, others[radiating:], strict=True):
-        kept = system.scene.forces[name].stored(q)
+        kept = system.scene.forces[name].potential_energy(q)
         term = "pto" if name == system.scene.take_off else name
         energy[term] = energy.get(term, 0.0) + taken - (kept - kept[0])
     return {**energy, **held}

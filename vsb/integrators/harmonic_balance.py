@@ -205,11 +205,11 @@ def continued(scene: PeriodicScene, rest: FloatArray, tolerance: float) -> Orbit
     """
     first = np.zeros((COUPLED + 1, len(rest)), dtype=complex)
     first[0] = np.linalg.solve(scene.system.modes, rest)
-    impedance, calm = scene.impedance(2 * COUPLED), replace(scene, system=scene.system.raised(0.0))
+    impedance, calm = scene.impedance(2 * COUPLED), replace(scene, system=scene.system.scaled_waves(0.0))
     orbit, share, growth = Orbit(first, impedance, Newton(calm, impedance, first, 2), 0), 0.0, 1.0
     while share < 1.0:
         there = min(share + growth, 1.0)
-        lower = scene if there == 1.0 else replace(scene, system=scene.system.raised(there))
+        lower = scene if there == 1.0 else replace(scene, system=scene.system.scaled_waves(there))
         found = balanced(lower, orbit, tolerance)
         if found:
             orbit, share, growth = found, there, 2 * growth
@@ -245,7 +245,7 @@ def mean_power(scene: PeriodicScene, orbit: Orbit) -> Power:
     q, v = z[:, : system.free] @ (system.shapes / system.scale).T, z[:, system.free :] @ system.shapes.T
     named = system.scene.named(phase / scene.omega, q, v)
     wave = sum(float(np.mean(np.sum(named[name] * v, axis=1))) for name in EXCITING if name in named)
-    losses = {name: force.lost(v) for name, force in system.scene.forces.items()}
+    losses = {name: force.dissipated_power(v) for name, force in system.scene.forces.items()}
     losses |= {name: -np.sum(named[name] * v, axis=1) for name in system.foreign}
     means = {name: float(np.mean(loss)) for name, loss in losses.items()}
     pto = means.pop(system.scene.take_off, 0.0)

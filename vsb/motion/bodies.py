@@ -137,7 +137,7 @@ class LinearBody(LinearMotion):
         inside = np.asarray(self._splines[0](np.clip(omega, first, last)))
         return self.added_mass_inf + (inside - self.added_mass_inf) * min(1.0, float(last / omega)) ** 2
 
-    def drifting(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
+    def unrestrained(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
         """Return the motions nothing holds; see `LinearMotion.drifting`."""
         inertia = motions.T @ (self.mass + self.added_mass_inf) @ motions
         values, shapes = eigh(stiffness, inertia)
@@ -255,7 +255,7 @@ def body_scene(
     """
     dof = len(body.labels)
     free = np.eye(dof) if motions is None else motions
-    body.drifting(free.T @ body.held @ free, free)
+    body.unrestrained(free.T @ body.held @ free, free)
     forces: dict[str, Force] = {"hydrostatic": Spring(body.stiffness_parts["hydrostatic"])}
     if radiation:
         forces["radiation"] = RadiationMemory(radiation.model)

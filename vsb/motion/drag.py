@@ -261,4 +261,4 @@ def best_pair(port: DraggedPort, squares: FloatArray, given: Load, efficiency: f
     x, found = climbed(power, starts, np.full(starts.shape, STEP / 4))
     best = int(np.argmax(found))
     damping, stiffness = load(x[[best]])
-    return given.or_better(Load(damping, stiffness, found[[best]]))
+    return given.elementwise_best(Load(damping, stiffness, found[[best]]))

@@ -69,12 +69,12 @@ class Force(ABC):
         """Return the force as a run records it, under its own name or in parts with theirs; see `force`."""
         return {name: self.force(time, q, v)}
 
-    def stored(self, q: FloatArray) -> FloatArray:
+    def potential_energy(self, q: FloatArray) -> FloatArray:
         """Return its potential energy, shape (time,) [J]."""
         k = self.linear().stiffness
         return np.zeros(len(q)) if k is None else 0.5 * np.einsum("ti,ti->t", q @ k, q)
 
-    def lost(self, v: FloatArray) -> FloatArray:
+    def dissipated_power(self, v: FloatArray) -> FloatArray:
         """Return the power it takes, shape (time,) [W]."""
         d = self.linear().damping
         return np.zeros(len(v)) if d is None else np.einsum("ti,ti->t", v @ d, v)
@@ -83,7 +83,7 @@ class Force(ABC):
         """Return the frequencies of what drives it, shape (component,) [rad/s]."""
         return np.zeros(0)
 
-    def raised(self, share: float) -> Self:
+    def scaled_waves(self, share: float) -> Self:
         """Return the force in a share of its waves."""
         return self
 
@@ -126,9 +126,9 @@ class SpringDamper(Force):
         """Return it along a motion."""
         return super().force(time, q - self.rest, v)
 
-    def stored(self, q: FloatArray) -> FloatArray:
+    def potential_energy(self, q: FloatArray) -> FloatArray:
         """Return the energy of its spring."""
-        return super().stored(q - self.rest)
+        return super().potential_energy(q - self.rest)
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,7 @@ class Excitation(Force):
         """Return those of its components."""
         return self.omega
 
-    def raised(self, share: float) -> Self:
+    def scaled_waves(self, share: float) -> Self:
         """Return it in a share of its waves."""
         return replace(self, phasors=share * self.phasors)
 
@@ -205,7 +205,7 @@ class ConstantForce(Force):
         """Return it at every instant."""
         return np.broadcast_to(self.value, q.shape)
 
-    def stored(self, q: FloatArray) -> FloatArray:
+    def potential_energy(self, q: FloatArray) -> FloatArray:
         """Return what it has yet to do, -f.q."""
         return -q @ self.value
 
@@ -240,7 +240,7 @@ class QuadraticDrag(Force):
 
         return force
 
-    def raised(self, share: float) -> Self:
+    def scaled_waves(self, share: float) -> Self:
         """Return it in a share of its waves."""
         return replace(self, flow=share * self.flow)
 
@@ -295,7 +295,7 @@ class WaterPressure(Force):
             out["froude_krylov"] = self.specific_weight * (total - static)
         return out
 
-    def stored(self, q: FloatArray) -> FloatArray:
+    def potential_energy(self, q: FloatArray) -> FloatArray:
         """Return the potential energy of the water displaced."""
         moment = self.shell.forces(self.rest + q)[2]
         return -self.specific_weight * moment
@@ -306,7 +306,7 @@ class WaterPressure(Force):
             return self.waves.omega
         return np.array([self.assumed.omega] if self.assumed and self.assumed.amplitude else [])
 
-    def raised(self, share: float) -> Self:
+    def scaled_waves(self, share: float) -> Self:
         """Return it in a share of its waves or assumed pressure."""
         if self.waves:
             return replace(self, waves=self.waves._replace(amplitude=share * self.waves.amplitude))

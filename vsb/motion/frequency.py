@@ -169,7 +169,7 @@ class LinearMotion(ABC):
         return np.asarray(0.5 * self.pto_at(omega).damping * omega**2 * np.abs(stroke) ** 2)
 
     @abstractmethod
-    def drifting(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
+    def unrestrained(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
         """Return the motions nothing holds, in those a design allows, shape (free, drifting).
 
         Parameters
@@ -199,7 +199,7 @@ class LinearMotion(ABC):
         ratio counts radiation, structure and power take-off on the mode's diagonal; a damper behind a chamber stiffens
         and damps as it does at w_i.
         """
-        loose = self.drifting(motions.T @ self.held @ motions, motions)
+        loose = self.unrestrained(motions.T @ self.held @ motions, motions)
         held = null_space(loose.T) if loose.size else np.eye(motions.shape[1])
         results = [self._natural_mode(motions, loose, held, i) for i in range(held.shape[1])]
         frequency, ratio = np.array(results).reshape(-1, 2).T
@@ -291,7 +291,7 @@ class LinearBuoy(LinearMotion):
         """Return the added mass at any frequency by Kramers and Kronig, shape (dof, dof) [kg]."""
         return np.asarray(self.added_mass_inf + self.spectrum.added_mass_difference(np.array([omega]))[0])
 
-    def drifting(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
+    def unrestrained(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
         """Return those of surge, sway and yaw that no mooring holds; water and shell hold the others."""
         loose = drifting_motions(stiffness, self.labels, motions)
         least, _ = softest(stiffness, loose)
@@ -390,8 +390,8 @@ def compliance(stiffness: FloatArray, force: FloatArray) -> float:
     if size.all() and np.linalg.cond(stiffness / np.outer(size, size)) < 1 / ROUND_OFF:
         return float(force @ np.linalg.solve(stiffness, force))
     moved = np.linalg.lstsq(stiffness, force, rcond=ROUND_OFF)[0]
-    adrift = np.abs(stiffness @ moved - force).max(initial=0.0) > ADRIFT * np.abs(force).max(initial=0.0)
-    return np.inf if adrift else float(force @ moved)
+    unrestrained = np.abs(stiffness @ moved - force).max(initial=0.0) > ADRIFT * np.abs(force).max(initial=0.0)
+    return np.inf if unrestrained else float(force @ moved)
 
 
 def allowed_part(direction: FloatArray, motions: FloatArray) -> FloatArray:

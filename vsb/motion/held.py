@@ -58,7 +58,7 @@ def normal_modes(stiffness: FloatArray, mass: FloatArray, loose: FloatArray) -> 
     squares, modes = eigh(stiffness, mass)
     if np.count_nonzero(squares == 0.0) >= loose.shape[1]:  # as of motions that nothing couples: kept as they are
         return squares, modes
-    held, adrift = null_space(loose.T @ mass), loose @ eigh(loose.T @ mass @ loose)[1]
-    adrift = adrift / np.sqrt(np.einsum("ij,ij->j", adrift, mass @ adrift))
+    held, unrestrained = null_space(loose.T @ mass), loose @ eigh(loose.T @ mass @ loose)[1]
+    unrestrained = unrestrained / np.sqrt(np.einsum("ij,ij->j", unrestrained, mass @ unrestrained))
     squares, shapes = eigh(held.T @ stiffness @ held, held.T @ mass @ held)
-    return np.append(np.zeros(adrift.shape[1]), squares), np.hstack([adrift, held @ shapes])
+    return np.append(np.zeros(unrestrained.shape[1]), squares), np.hstack([unrestrained, held @ shapes])

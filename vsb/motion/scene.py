@@ -75,7 +75,7 @@ class Scene:
         return self.projected(part.stiffness for part in self.linear.values())
 
     @property
-    def adrift(self) -> bool:
+    def unrestrained(self) -> bool:
         """Whether nothing holds one of the allowed motions."""
         stiffness = self.stiffness
         return not stiffness.any(axis=0).all() or drifting_motions(stiffness, self.labels, self.motions).size > 0
@@ -151,18 +151,18 @@ class Scene:
                 out |= force.named(name, time, q, v)
         return out
 
-    def lost(self, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def dissipated_power(self, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the power the take-off absorbs, and that all other forces but radiation take, each shape (time,) [W].
 
         `v` are velocities of all degrees of freedom, shape (time, dof) [m/s].
         """
-        losses = {name: force.lost(v) for name, force in self.forces.items()}
+        losses = {name: force.dissipated_power(v) for name, force in self.forces.items()}
         none = np.zeros(len(v))
         return losses.pop(self.take_off, none), sum(losses.values(), none)
 
-    def raised(self, share: float) -> Self:
+    def scaled_waves(self, share: float) -> Self:
         """Return the scene in a share of its waves or assumed pressure."""
-        return replace(self, forces={name: force.raised(share) for name, force in self.forces.items()})
+        return replace(self, forces={name: force.scaled_waves(share) for name, force in self.forces.items()})
 
 
 def resting(scene: Scene) -> FloatArray:

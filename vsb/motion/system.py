@@ -108,9 +108,9 @@ class System:
             return cls(scene, a, np.zeros(0), np.zeros((0, n), dtype=complex), scale, modes)
         return cls(scene, a, wave.omega, wave.phasors @ scene.motions @ modes, scale, modes)
 
-    def raised(self, share: float) -> Self:
+    def scaled_waves(self, share: float) -> Self:
         """Return the system in a share of its waves or assumed pressure."""
-        return replace(self, scene=self.scene.raised(share), waves=share * self.waves)
+        return replace(self, scene=self.scene.scaled_waves(share), waves=share * self.waves)
 
     @property
     def free(self) -> int:
@@ -316,7 +316,7 @@ class System:
         q, v = self._moved(motion)
         kinetic = 0.5 * np.einsum("ti,ti->t", v @ self.scene.mass, v)
         remembered = 0.5 * np.einsum("ti,ti->t", motion.memory, motion.memory)
-        return sum((force.stored(q) for force in self.scene.forces.values()), kinetic + remembered), kinetic
+        return sum((force.potential_energy(q) for force in self.scene.forces.values()), kinetic + remembered), kinetic
 
     def beyond_tangents(self, position: FloatArray) -> FloatArray:
         """Return the energy smooth nonlinear forces store beyond that of their tangents, shape (time,) [J].
@@ -329,7 +329,7 @@ class System:
         for name, part in self.scene.linear.items():
             force = self.scene.forces[name]
             if not part.whole and not isinstance(force, TakeOff | EndStop):
-                out += force.stored(q)
+                out += force.potential_energy(q)
                 out -= 0.0 if part.stiffness is None else 0.5 * np.einsum("ti,ti->t", q @ part.stiffness, q)
         return out
 

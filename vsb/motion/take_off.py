@@ -84,6 +84,6 @@ class EndStop(Force):
         loading = self.damping * speed * (pressed * speed > 0)
         return np.asarray(-np.outer(self.stiffness * pressed + loading, self.direction))
 
-    def stored(self, q: FloatArray) -> FloatArray:
+    def potential_energy(self, q: FloatArray) -> FloatArray:
         """Return the energy of its spring."""
         return np.asarray(0.5 * self.stiffness * self.beyond(q) ** 2)

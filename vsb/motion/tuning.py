@@ -40,7 +40,7 @@ class Load(NamedTuple):
     stiffness: FloatArray  # (sea,) [N/m]
     power: FloatArray  # (sea,) [W]
 
-    def or_better(self, other: "Load") -> "Load":
+    def elementwise_best(self, other: "Load") -> "Load":
         """Return for each sea the better of two."""
         better = other.power > self.power
         return Load(*(np.where(better, b, a) for a, b in zip(self, other, strict=True)))
@@ -215,7 +215,7 @@ def best_pairs(port: Port, squares: FloatArray, given: Load, efficiency: float =
     single = (squares > 0).sum(axis=1) == 1  # regular waves: what spring they want is their own affair
     best, searched = given, squares.any(axis=1)
     if efficiency == 1.0:
-        best = given.or_better(_matched_pairs(port, squares, single))
+        best = given.elementwise_best(_matched_pairs(port, squares, single))
         searched &= ~single | (best.power < (1 - 1e-9) * (squares @ port.matched_power))
     for seas in (np.flatnonzero(searched & ~single), *np.flatnonzero(searched & single)[:, None]):
         if len(seas):
@@ -228,7 +228,7 @@ def best_pairs(port: Port, squares: FloatArray, given: Load, efficiency: float =
 def _with(best: Load, seas: IntArray, found: Load) -> Load:
     """The loads of all seas with better ones of some."""
     whole = Load(*(values.copy() for values in best))
-    for values, new in zip(whole, Load(*(v[seas] for v in best)).or_better(found), strict=True):
+    for values, new in zip(whole, Load(*(v[seas] for v in best)).elementwise_best(found), strict=True):
         values[seas] = new
     return whole
 

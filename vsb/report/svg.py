@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vsb.study.results_plan import FIGURE_KINDS
-from vsb.tools.files import whole
+from vsb.tools.files import atomic_write
 from vsb.tools.tables import csv_text, svg_text
 from vsb.tools.units import FloatArray
 from vsb.tools.words import plain
@@ -47,7 +47,7 @@ class Drawn:
         """Write the files into a folder and return their paths."""
         paths = [f"{folder}/{name}.{kind}" for kind in FIGURE_KINDS]
         for path, content in zip(paths, (self.svg.encode(), self.pdf, self.csv.encode()), strict=True):
-            with whole(path) as temporary:
+            with atomic_write(path) as temporary:
                 temporary.write_bytes(content)
         return paths
 

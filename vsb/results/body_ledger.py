@@ -8,7 +8,7 @@ from vsb.hydro.formats.modes import volume_of
 from vsb.results.comparison import Runs
 from vsb.results.ledger import wave_checks
 from vsb.results.run_checks import drift_checks, energy_check
-from vsb.scenes.afloat import band
+from vsb.scenes.floating_system import band
 from vsb.study.body import BodyStudy
 from vsb.study.quantities import RIGID, body_of, motion_of
 from vsb.study.waves import Wave

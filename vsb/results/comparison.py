@@ -6,7 +6,7 @@ from typing import Any
 import xarray as xr
 
 from vsb.results.power import Merit, damper_of, merit
-from vsb.study.compared import Compared
+from vsb.study.base_study import BaseStudy
 from vsb.study.study import StillWater, Wave
 from vsb.tools.tables import csv_text
 from vsb.waves.seas import Sea
@@ -22,7 +22,7 @@ Runs = Mapping[str, xr.Dataset]
 """Design -> its trajectory in a sea."""
 
 
-def comparison(study: Compared, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
+def comparison(study: BaseStudy, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
     """Return one row per design in a sea; gains of energy and of mean power are over the first rigid design's.
 
     Parameters

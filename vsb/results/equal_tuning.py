@@ -9,7 +9,7 @@ from vsb.hydro.database import Check, Verdict
 from vsb.results.budget import Budget, Rows, mean_budget
 from vsb.results.comparison import gains
 from vsb.results.ladder import Rung
-from vsb.study.compared import Compared
+from vsb.study.base_study import BaseStudy
 from vsb.study.study import IrregularSea
 from vsb.study.take_off import Pto, damper_unit
 from vsb.tools.words import plain
@@ -46,12 +46,12 @@ Beyond = Mapping[tuple[str, str], Budget]
 """Errors of a gain beyond linear theory and its numbers, by design and sea [percentage points]."""
 
 
-def equal_tuning(study: Compared, rungs: Sequence[Rung], beyond: Beyond | None = None) -> list[Tuned]:
+def equal_tuning(study: BaseStudy, rungs: Sequence[Rung], beyond: Beyond | None = None) -> list[Tuned]:
     """Return one line per sea and design, from the ladder of a study.
 
     Parameters
     ----------
-    study : Compared
+    study : BaseStudy
     rungs : sequence of Rung
     beyond : mapping, optional
         See `vsb.results.intervals.linearisation`.
@@ -97,7 +97,7 @@ class Limited(NamedTuple):
     high: float | None = None
 
 
-def within_limits(study: Compared, rungs: Sequence[Rung]) -> list[Limited]:
+def within_limits(study: BaseStudy, rungs: Sequence[Rung]) -> list[Limited]:
     """Return one line per sea and design whose optimum under limits is known in all realisations."""
     found = []
     for sea, here in _by_sea(study, rungs).items():
@@ -110,7 +110,7 @@ def within_limits(study: Compared, rungs: Sequence[Rung]) -> list[Limited]:
     return found
 
 
-def _by_sea(study: Compared, rungs: Sequence[Rung]) -> dict[str, list[Rung]]:
+def _by_sea(study: BaseStudy, rungs: Sequence[Rung]) -> dict[str, list[Rung]]:
     """Rungs by the name of their sea, one for all realisations; each looked at once, there may be thousands."""
     seas = {wave.label: wave.family if isinstance(wave, IrregularSea) else wave.label for wave in study.waves}
     found: dict[str, list[Rung]] = {}
@@ -149,7 +149,7 @@ def fair_damping_checks(lines: Sequence[Tuned], pto: Pto) -> list[Check]:
     return checks
 
 
-def reference_power_checks(study: Compared, rungs: Sequence[Rung]) -> list[Check]:
+def reference_power_checks(study: BaseStudy, rungs: Sequence[Rung]) -> list[Check]:
     """Return what the rigid design leaves in each sea at its best damper: over next to nothing any gain is large."""
     reference, checks = study.reference_design or "", []
     for sea, here in _by_sea(study, rungs).items():

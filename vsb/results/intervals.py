@@ -12,7 +12,7 @@ from vsb.results.power import apart, in_direction, power_response
 from vsb.results.run_checks import Attributes
 from vsb.results.statistics import Line
 from vsb.scenes.drag import LINEARISED
-from vsb.study.compared import Compared
+from vsb.study.base_study import BaseStudy
 from vsb.study.waves import RegularWave, Wave
 
 RUNG = {"fixed": "fixed", "each": "best_damper", "one": "best_damper_all_seas"}
@@ -22,13 +22,13 @@ LINEARISATION, STATISTICS = "linearisation", "statistics of the runs"
 
 
 def with_intervals(
-    study: Compared, rows: Sequence[Row], runs: Attributes, rungs: Sequence[Rung], frequency: xr.Dataset | None
+    study: BaseStudy, rows: Sequence[Row], runs: Attributes, rungs: Sequence[Rung], frequency: xr.Dataset | None
 ) -> list[Row]:
     """Return the rows of a comparison with the intervals of their gains of mean power.
 
     Parameters
     ----------
-    study : Compared
+    study : BaseStudy
     rows : sequence of Row
         See `vsb.results.comparison.comparison`.
     runs : mapping (design, label) -> attributes of the run
@@ -67,7 +67,7 @@ def with_intervals(
 
 
 def _error_in_time(
-    study: Compared, wave: Wave, frequency: xr.Dataset | None, design: str, run: Mapping[str, object], mean: float
+    study: BaseStudy, wave: Wave, frequency: xr.Dataset | None, design: str, run: Mapping[str, object], mean: float
 ) -> float:
     """Relative error of the mean power of a run [-]."""
     residual = float(str(run["energy_residual"]))
@@ -83,7 +83,7 @@ def _is_linear(run: Mapping[str, object]) -> bool:
 
 
 def linear_mean(
-    study: Compared, wave: Wave, frequency: xr.Dataset, design: str, run: Mapping[str, object]
+    study: BaseStudy, wave: Wave, frequency: xr.Dataset, design: str, run: Mapping[str, object]
 ) -> float | None:
     """Return the mean power of linear theory at the damper of a run in a regular wave; None if it is none [W]."""
     if not isinstance(wave, RegularWave) or study.pto.switches:
@@ -95,7 +95,7 @@ def linear_mean(
 
 
 def linearisation(
-    study: Compared, rows: Sequence[Row], runs: Attributes, frequency: xr.Dataset, lines: Sequence[Line]
+    study: BaseStudy, rows: Sequence[Row], runs: Attributes, frequency: xr.Dataset, lines: Sequence[Line]
 ) -> dict[tuple[str, str], Budget]:
     """Return what runs in time say of gains by linear theory, by design and sea [percentage points].
 

@@ -19,8 +19,16 @@ from vsb.motion.tuning import Load, best_dampers, best_pairs, mean_power
 from vsb.results.budget import Budget, Rows, Source
 from vsb.results.left_out import modes_left_out
 from vsb.results.rung_errors import Errors, Loaded, rung_errors
-from vsb.scenes.afloat import Afloat, Met, afloat, band, headings, met, study_sea
 from vsb.scenes.drag import dragged_port
+from vsb.scenes.floating_system import (
+    FloatingSystem,
+    PortInSeas,
+    band,
+    floating_system,
+    headings,
+    port_in_seas,
+    study_sea,
+)
 from vsb.study.body_specs import BodyLadderSpec
 from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater, Wave
@@ -101,9 +109,9 @@ def linear_rungs(port: Port, waves: FloatArray, families: Sequence[int], given: 
 
     together = waves[list(families)].sum(axis=0, keepdims=True)
     one = under(float(best_dampers(port, together, given.stiffness, given.efficiency).damping[0]))
-    best = best_dampers(port, waves, given.stiffness, given.efficiency).or_better(one)
+    best = best_dampers(port, waves, given.stiffness, given.efficiency).elementwise_best(one)
     rungs = {} if given.damping is None else {"fixed": under(given.damping)}
-    best = best.or_better(rungs["fixed"]) if rungs else best
+    best = best.elementwise_best(rungs["fixed"]) if rungs else best
     pairs = best_pairs(port, waves, best, given.efficiency)
     return rungs | {"best_damper": best, "best_damper_all_seas": one, "best_spring_damper": pairs}
 
@@ -117,7 +125,7 @@ def dragged_rungs(port: DraggedPort, waves: FloatArray, families: Sequence[int],
     for i, here in enumerate(waves[:, None]):
         known = [Load(*(v[[i]] for v in load)) for load in (one, *rungs.values())]
         found = under(port, here, best_damper(port, here, spring, efficiency), spring, efficiency)
-        best.append(reduce(Load.or_better, known, found))
+        best.append(reduce(Load.elementwise_best, known, found))
         pairs.append(best_pair(port, here, best[-1], efficiency))
     together = (Load(*map(np.concatenate, zip(*loads, strict=True))) for loads in (best, pairs))
     names = ("best_damper", "best_damper_all_seas", "best_spring_damper")
@@ -125,7 +133,7 @@ def dragged_rungs(port: DraggedPort, waves: FloatArray, families: Sequence[int],
 
 
 def rungs_of(
-    ports: Mapping[str, Met],
+    ports: Mapping[str, PortInSeas],
     seas: Mapping[str, Sea],
     families: Sequence[int],
     given: Mapping[str, Given],
@@ -136,7 +144,7 @@ def rungs_of(
 
     Parameters
     ----------
-    ports : mapping design -> Met
+    ports : mapping design -> PortInSeas
         In these seas.
     seas : mapping wave label -> Sea
         Without still water.
@@ -184,7 +192,7 @@ def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung
     database : str
         Path of its hydro database.
     """
-    floating, pto = afloat(study, database), study.pto
+    floating, pto = floating_system(study, database), study.pto
     waves = [wave for wave in study.waves if not isinstance(wave, StillWater)]
     if not waves:
         return []
@@ -193,7 +201,7 @@ def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung
     names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
     families = [names.index(name) for name in dict.fromkeys(names)]
     pairs = list(zip(waves, seas.values(), strict=True))
-    ports = {design: met(floating, design, pairs) for design in study.designs}
+    ports = {design: port_in_seas(floating, design, pairs) for design in study.designs}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
     dragged = None
     if isinstance(study, LadderSpec) and study.drag is not None:
@@ -209,7 +217,7 @@ def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung
 
 def with_errors(
     rungs: Sequence[Rung],
-    floating: Afloat,
+    floating: FloatingSystem,
     seas: Sequence[tuple[Wave, Sea]],
     reference: str | None,
     left_out: xr.Dataset,
@@ -238,7 +246,9 @@ def with_errors(
     return found
 
 
-def constrained_rungs(study: LadderSpec | BodyLadderSpec, floating: Afloat, seas: Mapping[str, Sea]) -> list[Rung]:
+def constrained_rungs(
+    study: LadderSpec | BodyLadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea]
+) -> list[Rung]:
     """Return the rung within the limits of the take-off of every design in every sea."""
     pto, ds, rungs = study.pto, floating.linear.database, []
     within = Limited(Limits(pto.force_limit, pto.stroke_limit), float(ds.omega[0]), band(study, ds)[1])

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from vsb.errors import ConfigError
 from vsb.motion.bodies import direction_index
 from vsb.scenes.build import TUNED
-from vsb.study.compared import Compared
+from vsb.study.base_study import BaseStudy
 from vsb.study.study import RegularWave, StillWater, Water, Wave
 from vsb.tools.units import FloatArray
 from vsb.waves.dispersion import group_velocity
@@ -53,7 +53,7 @@ def averaging_window(wave: Wave, window: tuple[float, float]) -> tuple[float, fl
     return end - np.floor((end - start) / wave.period + 1e-9) * wave.period, end
 
 
-def damper_of(study: Compared, design: str, run: Mapping[str, Any]) -> float:
+def damper_of(study: BaseStudy, design: str, run: Mapping[str, Any]) -> float:
     """Return the damper of a design in a run, by its attributes: given or tuned [N s/m]."""
     return float(run.get(TUNED, study.pto.damper(design) or 0.0))
 
@@ -77,7 +77,7 @@ def in_direction(response: xr.Dataset, wave: Wave) -> xr.Dataset:
     return response.isel(wave_direction=place)
 
 
-def power_response(study: Compared, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
+def power_response(study: BaseStudy, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
     """Return the mean power that linear theory gives the take-off of a run, per squared wave amplitude [W/m^2].
 
     Parameters
@@ -109,7 +109,7 @@ def power_response(study: Compared, response: xr.Dataset, design: str, run: Mapp
 
 
 def velocity_response(
-    study: Compared, response: xr.Dataset, design: str, run: Mapping[str, Any]
+    study: BaseStudy, response: xr.Dataset, design: str, run: Mapping[str, Any]
 ) -> tuple[float, xr.DataArray]:
     """Return the damper of a run [N s/m] and the velocity of the port beside it, per wave amplitude [1/s].
 

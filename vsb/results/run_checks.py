@@ -12,7 +12,7 @@ from vsb.integrators.simulate import CONVOLVED
 from vsb.results.comparison import Row
 from vsb.results.power import apart, in_direction, power_response
 from vsb.scenes.drag import DAMPERS, LINEARISED
-from vsb.study.compared import Compared
+from vsb.study.base_study import BaseStudy
 from vsb.study.quantities import ROTATIONS
 from vsb.study.study import Simulation, Study
 from vsb.study.waves import RegularWave, Wave
@@ -22,7 +22,7 @@ Attributes = Mapping[tuple[str, str], Mapping[str, Any]]
 """What runs say of themselves, by design and label of the sea."""
 
 
-def energy_check(study: Compared, run: xr.Dataset) -> Check:
+def energy_check(study: BaseStudy, run: xr.Dataset) -> Check:
     """Return whether a run closes its energy balance."""
     check = audit_check(study.simulation, run.attrs["energy_residual"])
     return replace(check, design=run.attrs["design"], wave=run.attrs["wave"])
@@ -35,7 +35,7 @@ def audit_check(settings: Simulation, residual: float) -> Check:
     return check_at_most("energy_residual", residual, closed, "-", text, doubt=True)
 
 
-def drift_checks(study: Compared, run: xr.Dataset) -> list[Check]:
+def drift_checks(study: BaseStudy, run: xr.Dataset) -> list[Check]:
     """Return whether what a design holds at zero stays there, if it holds something."""
     if "constraint_drift" not in run.attrs:
         return []
@@ -46,7 +46,7 @@ def drift_checks(study: Compared, run: xr.Dataset) -> list[Check]:
 
 
 def agreement_checks(
-    study: Compared, wave: Wave, frequency: xr.Dataset, rows: Sequence[Row], runs: Attributes
+    study: BaseStudy, wave: Wave, frequency: xr.Dataset, rows: Sequence[Row], runs: Attributes
 ) -> list[Check]:
     """Return by how much mean powers in a regular wave in time differ from those of the frequency domain."""
     if not isinstance(wave, RegularWave) or study.pto.switches:
@@ -65,7 +65,7 @@ def agreement_checks(
     return checks
 
 
-def steady_state_check(study: Compared, wave: RegularWave, power: float, mean: float, design: str) -> Check:
+def steady_state_check(study: BaseStudy, wave: RegularWave, power: float, mean: float, design: str) -> Check:
     """Return the difference of mean power between time and frequency domain."""
     expected = power * wave.amplitude**2
     difference = apart(mean, expected)
@@ -76,7 +76,7 @@ def steady_state_check(study: Compared, wave: RegularWave, power: float, mean: f
     )  # fmt: skip
 
 
-def linearity_check(study: Compared, wave: RegularWave, power: float, mean: float, design: str) -> Check:
+def linearity_check(study: BaseStudy, wave: RegularWave, power: float, mean: float, design: str) -> Check:
     """Return the difference of body-exact mean power from linear theory: what nonlinearity does."""
     expected = power * wave.amplitude**2
     difference = apart(mean, expected)
@@ -84,7 +84,7 @@ def linearity_check(study: Compared, wave: RegularWave, power: float, mean: floa
     return check_at_most("linearity", difference, 0.05, "-", text, doubt=True, design=design, wave=wave.label)
 
 
-def dampers_in_words(study: Compared, run: Mapping[str, Any]) -> str:
+def dampers_in_words(study: BaseStudy, run: Mapping[str, Any]) -> str:
     """Return the equivalent dampers of a run's drag, of several directions each with its name."""
     names = list(study.drag.directions) if isinstance(study, Study) and study.drag else ["heave"]
     found = [plain(float(damper)) for damper in np.atleast_1d(run[DAMPERS])]
@@ -95,7 +95,7 @@ def dampers_in_words(study: Compared, run: Mapping[str, Any]) -> str:
     return " and ".join(f"{damper} {unit} of {name}" for damper, unit, name in each)
 
 
-def drag_check(study: Compared, wave: RegularWave, run: Mapping[str, Any], mean: float, design: str) -> Check:
+def drag_check(study: BaseStudy, wave: RegularWave, run: Mapping[str, Any], mean: float, design: str) -> Check:
     """Return the difference of mean power with quadratic drag from that beside its equivalent damper."""
     expected = float(run[LINEARISED])
     difference = apart(mean, expected)

@@ -10,7 +10,7 @@ from vsb.motion.coefficient_errors import coefficient_errors
 from vsb.motion.port import Port
 from vsb.motion.sensitivity import CoefficientError, Sensitivity, sensitivity
 from vsb.results.budget import Budget, Source
-from vsb.scenes.afloat import Afloat, heading
+from vsb.scenes.floating_system import FloatingSystem, heading
 from vsb.study.study import Wave
 from vsb.tools.units import ComplexArray
 from vsb.waves.seas import Sea
@@ -41,13 +41,17 @@ Places = Mapping[tuple[str, str], Sequence[Loaded]]
 
 
 def rung_errors(
-    floating: Afloat, seas: Sequence[tuple[Wave, Sea]], loads: Places, reference: str | None, left_out: xr.Dataset
+    floating: FloatingSystem,
+    seas: Sequence[tuple[Wave, Sea]],
+    loads: Places,
+    reference: str | None,
+    left_out: xr.Dataset,
 ) -> dict[tuple[str, str, str], Errors]:
     """Return the error budgets of take-offs, by design, label of the sea and rung.
 
     Parameters
     ----------
-    floating : Afloat
+    floating : FloatingSystem
     seas : sequence of (Wave, Sea)
     loads : mapping (design, label) -> sequence of Loaded
     reference : str or None
@@ -85,7 +89,7 @@ class _Computed(NamedTuple):
 
 
 def _of_sea(
-    floating: Afloat, wave: Wave, sea: Sea, here: Mapping[str, Sequence[Loaded]]
+    floating: FloatingSystem, wave: Wave, sea: Sea, here: Mapping[str, Sequence[Loaded]]
 ) -> dict[tuple[str, str], _Computed]:
     """Derivatives of the powers of all designs in one sea, by design and rung."""
     linear, squares, found = floating.towards(wave), np.abs(sea.amplitude) ** 2, {}

@@ -18,7 +18,7 @@ from scipy.special import stdtrit
 from vsb.hydro.database import Check, check_at_most
 from vsb.results.power import apart, in_direction, power_response, velocity_response
 from vsb.scenes.drag import LINEARISED
-from vsb.study.compared import Compared
+from vsb.study.base_study import BaseStudy
 from vsb.study.study import Irregular, IrregularSea, Study
 from vsb.tools.tables import csv_text
 from vsb.tools.units import ComplexArray, FloatArray
@@ -83,7 +83,7 @@ def batch_means(run: xr.Dataset, window: tuple[float, float], length: float) -> 
     return np.asarray(np.diff(energy) / np.diff(edges))
 
 
-def families(study: Compared) -> dict[str, list[Irregular]]:
+def families(study: BaseStudy) -> dict[str, list[Irregular]]:
     """Return the irregular seas of a study, realisations of one sea together, by the name without seed."""
     found: dict[str, list[Irregular]] = {}
     for wave in study.waves:
@@ -103,7 +103,7 @@ class Sample(NamedTuple):
 
 
 def sample(
-    study: Compared, wave: Irregular, design: str, run: xr.Dataset, sea: Sea, spectral: Sea, response: xr.Dataset
+    study: BaseStudy, wave: Irregular, design: str, run: xr.Dataset, sea: Sea, spectral: Sea, response: xr.Dataset
 ) -> Sample:
     """Return what statistics keep of the run of a design in a realisation of a sea.
 
@@ -227,7 +227,7 @@ class _Records(NamedTuple):
         return self.linear * float(self.alike.mean()) / undragged if undragged else 0.0
 
 
-def statistics(study: Compared, samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
+def statistics(study: BaseStudy, samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
     """Return one line per design and irregular sea.
 
     Parameters
@@ -238,7 +238,7 @@ def statistics(study: Compared, samples: Mapping[tuple[str, str], Sample]) -> li
     return [line for waves in families(study).values() for line in _of_sea(study, waves, samples)]
 
 
-def _of_sea(study: Compared, waves: Sequence[Irregular], samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
+def _of_sea(study: BaseStudy, waves: Sequence[Irregular], samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
     """One line per design in one irregular sea."""
     designs, reference = list(study.designs), study.reference_design
     records = {design: _together([samples[design, wave.label] for wave in waves]) for design in designs}
@@ -292,7 +292,7 @@ def linear_power(power: xr.DataArray, sea: Sea) -> float:
     return float(sea.mean_of(CubicSpline(power.omega.values, power.values)(sea.omega)))
 
 
-def statistical_checks(study: Compared, lines: Sequence[Line]) -> list[Check]:
+def statistical_checks(study: BaseStudy, lines: Sequence[Line]) -> list[Check]:
     """Return whether records are long enough for what is said of their sea, and agree with linear theory."""
     checks = []
     for line in lines:

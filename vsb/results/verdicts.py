@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from vsb.hydro.database import Check
+from vsb.study.base_study import BaseStudy
 from vsb.study.body import BodyStudy
-from vsb.study.compared import Compared
 from vsb.study.study import IrregularSea, Study
 
 
@@ -19,7 +19,7 @@ class Invalid(NamedTuple):
     limit: float
 
 
-def flexible_designs(study: Compared) -> list[str]:
+def flexible_designs(study: BaseStudy) -> list[str]:
     """Return the designs that are not rigid."""
     if isinstance(study, BodyStudy):
         return [name for name, design in study.designs.items() if not design.rigid]
@@ -27,7 +27,7 @@ def flexible_designs(study: Compared) -> list[str]:
     return [name for name, design in study.designs.items() if design.flexible]
 
 
-def invalid_designs(study: Compared, checks: Sequence[Check]) -> list[Invalid]:
+def invalid_designs(study: BaseStudy, checks: Sequence[Check]) -> list[Invalid]:
     """Return why designs are not valid: a line for each design, sea and check that invalidates.
 
     A check of no design is of all it may be of (`vsb.hydro.database.INVALIDATING`), one of no sea is of all seas.

@@ -193,13 +193,13 @@ class Scenes:
 def linear_power(system: System) -> float:
     """Return the mean power a linear scene takes off in its steady state, sum v^H D v/2 over the components [W]."""
     velocity = steady_state(system)[:, system.free : 2 * system.free] @ system.shapes.T
-    return 0.5 * float(sum(np.sum(system.scene.lost(part)[0]) for part in (velocity.real, velocity.imag)))
+    return 0.5 * float(sum(np.sum(system.scene.dissipated_power(part)[0]) for part in (velocity.real, velocity.imag)))
 
 
 def absorbed(system: System, motion: Motion, begin: float) -> float:
     """Return the mean power taken off from a time on, by the trapezoidal rule [W]."""
     inside = motion.time >= begin
-    power, _ = system.scene.lost(motion.velocity[inside] @ system.scene.motions.T)
+    power, _ = system.scene.dissipated_power(motion.velocity[inside] @ system.scene.motions.T)
     time = motion.time[inside]
     return float(np.trapezoid(power, time) / (time[-1] - time[0]))
 

@@ -19,10 +19,11 @@ from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes import automatic
-from vsb.scenes.afloat import (
-    Afloat,
+from vsb.scenes.drag import dragged_port, linearised, with_drag
+from vsb.scenes.floating_system import (
     AnyMotion,
-    body_afloat,
+    FloatingSystem,
+    body_system,
     heading,
     linear_buoy,
     rest_shape,
@@ -30,7 +31,6 @@ from vsb.scenes.afloat import (
     study_port,
     study_sea,
 )
-from vsb.scenes.drag import dragged_port, linearised, with_drag
 from vsb.scenes.pause import NEAR, BestPause, best_pair_in_sea, best_pause_in_sea, refined_pause, strongest, with_pause
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.scenes.take_off import tuned_take_off, with_take_off
@@ -182,7 +182,7 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     waves, spectral = (sea(w, run.hydro.omega_max, run.simulation.duration) for w in (wave, expected(wave)))
     others = [(w, sea(expected(w), run.hydro.omega_max, run.simulation.duration)) for w in run.seas]
     shape, motions = rest_shape(run, bare, basis), design_motions(run, basis, design)
-    floating = Afloat(bare, {design: motions}, study_port(run, bare, basis))
+    floating = FloatingSystem(bare, {design: motions}, study_port(run, bare, basis))
     dragged = None if run.drag is None else partial(dragged_port, run)
     pto = tuned_take_off(run.pto, design, floating, others or [(wave, spectral)], dragged)
     notes = {} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
@@ -195,7 +195,7 @@ def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of a body, linear about its rest; a damper to be tuned is to suit its sea, or those named."""
     (design,), (wave,) = run.designs, run.waves
     body = stored_body(paths["database"])
-    floating = body_afloat(run, body)
+    floating = body_system(run, body)
     waves = study_sea(run, wave, body.database)
     tuned_in = [(one, study_sea(run, expected(one), body.database)) for one in run.seas or (wave,)]
     pto = tuned_take_off(run.pto, design, floating, tuned_in)

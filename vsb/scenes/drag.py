@@ -11,7 +11,7 @@ from vsb.motion.forces import QuadraticDrag
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.tuning import squares
-from vsb.scenes.afloat import Afloat, heading, towards
+from vsb.scenes.floating_system import FloatingSystem, heading, towards
 from vsb.study.drag import Drag, Vane
 from vsb.study.specs import DraggedSpec
 from vsb.study.study import Wave
@@ -66,7 +66,9 @@ def with_drag(scene: Scene, run: DraggedSpec, wave: Wave, sea: Sea) -> Scene:
     return replace(scene, forces={**scene.forces, "drag": force})
 
 
-def dragged_port(run: DraggedSpec, floating: Afloat, design: str, going: Mapping[float, FloatArray]) -> DraggedPort:
+def dragged_port(
+    run: DraggedSpec, floating: FloatingSystem, design: str, going: Mapping[float, FloatArray]
+) -> DraggedPort:
     """Return the port of a design of a study with drag, in waves of directions [degrees], each at its frequencies."""
     assert run.drag is not None
     labels, strength = floating.linear.labels, coefficients(run.drag, run.water.density)
@@ -81,7 +83,9 @@ def dragged_port(run: DraggedSpec, floating: Afloat, design: str, going: Mapping
     )
 
 
-def linearised(run: DraggedSpec, floating: Afloat, design: str, pto: LinearPto, wave: Wave, sea: Sea) -> dict[str, Any]:
+def linearised(
+    run: DraggedSpec, floating: FloatingSystem, design: str, pto: LinearPto, wave: Wave, sea: Sea
+) -> dict[str, Any]:
     """Return what a run in a sea records of its drag by linear theory: its dampers and the mean power beside them."""
     if run.drag is None or not sea.omega.size:
         return {}

@@ -13,7 +13,7 @@ from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.motion.tuning import best_dampers
-from vsb.scenes.afloat import Afloat, headings, met
+from vsb.scenes.floating_system import FloatingSystem, headings, port_in_seas
 from vsb.study.study import Wave
 from vsb.study.take_off import Law, Pto
 from vsb.tools.units import FloatArray
@@ -22,7 +22,7 @@ from vsb.waves.seas import Sea
 STIFFER = 100.0
 """Spring of an end stop over the buoy's own stiffness at the port: it gives way by some per cent of what it stops."""
 
-Dragged = Callable[[Afloat, str, Mapping[float, FloatArray]], drag.DraggedPort]
+Dragged = Callable[[FloatingSystem, str, Mapping[float, FloatArray]], drag.DraggedPort]
 
 
 def _limited(pto: Pto, port: FloatArray, damper: float, rest: float) -> TakeOff:
@@ -43,7 +43,7 @@ How long one pauses is found in a sea (`scenes.pause`)."""
 
 
 def tuned_take_off(
-    pto: Pto, design: str, floating: Afloat, seas: Sequence[tuple[Wave, Sea]], dragged: Dragged | None = None
+    pto: Pto, design: str, floating: FloatingSystem, seas: Sequence[tuple[Wave, Sea]], dragged: Dragged | None = None
 ) -> LinearPto:
     """Return spring and damper of a run: the damper given, or the one that takes most of seas by linear theory.
 
@@ -51,7 +51,7 @@ def tuned_take_off(
     ----------
     pto : Pto
     design : str
-    floating : Afloat
+    floating : FloatingSystem
     seas : sequence of (Wave, Sea)
         What a damper that is not given is to suit: the sum of these, from any directions.
     dragged : callable, optional
@@ -67,7 +67,7 @@ def tuned_take_off(
         moving = [(wave, sea) for wave, sea in seas if sea.omega.size]
         if not moving:
             raise ConfigError(f"pto.tuning: received {pto.tuning!r}, but nothing comes in; needs pto.damping in N s/m")
-        seen = met(floating, design, moving)
+        seen = port_in_seas(floating, design, moving)
         if dragged:
             beside = dragged(floating, design, headings(moving))
             damper = drag.best_damper(beside, seen.squares, pto.stiffness, pto.efficiency)

@@ -16,8 +16,8 @@ from vsb.motion.bodies import LinearBody, direction_index
 from vsb.motion.frequency import allowed_part, compliance
 from vsb.results import ledger
 from vsb.results.body_ledger import seas_checks
-from vsb.scenes.afloat import body_afloat, met, study_sea
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
+from vsb.scenes.floating_system import body_system, port_in_seas, study_sea
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
 from vsb.study.body_file import BodyFile
 from vsb.study.body_plan import BodyPlan
@@ -51,11 +51,11 @@ def checked_body(plan: BodyPlan) -> tuple[LinearBody, list[Check]]:
         ds = read_source(source.kind, files[source.kind], study.water, source.length)
         check_water(study.water, ds)
         body, _, checks, _ = judged(plan.database, within_band(ds, study.hydro.omega_max))
-    floating = body_afloat(study, body)
+    floating = body_system(study, body)
     for design, motions in floating.motions.items():
         held = body.held + study.pto.stiffness * np.outer(floating.port, floating.port)
         try:
-            body.drifting(motions.T @ held @ motions, motions)
+            body.unrestrained(motions.T @ held @ motions, motions)
         except StabilityError as error:
             raise ConfigError(f"designs.{design}: {error}") from None
         yields = compliance(motions.T @ held @ motions, allowed_part(floating.port, motions))
@@ -72,7 +72,7 @@ def checked_body(plan: BodyPlan) -> tuple[LinearBody, list[Check]]:
     if moving and not plan.solves:
         seas = [(wave, study_sea(study, wave, body.database)) for wave in moving]
         for design in floating.motions:
-            met(floating, design, seas)  # which refuses ports that give out energy where the seas are
+            port_in_seas(floating, design, seas)  # which refuses ports that give out energy where the seas are
     return body, checks
 
 
@@ -111,7 +111,7 @@ def check_stored(plan: BodyPlan) -> None:
 def body_summary(plan: BodyPlan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
     (body, checks), study = checked_body(plan), plan.study
-    floating, omega = body_afloat(study, body), body.database.omega.values
+    floating, omega = body_system(study, body), body.database.omega.values
     there = " (there)" if Path(plan.database_path).exists() else ""
     designs = (f"{name} moves in {motions.shape[1]}" for name, motions in floating.motions.items())
     lines = [

@@ -21,7 +21,7 @@ from vsb.results.ladder import Rung, constrained_checks
 from vsb.results.pauses import pause_checks
 from vsb.results.run_checks import Attributes, agreement_checks
 from vsb.results.verdicts import invalid_designs
-from vsb.scenes.afloat import study_sea
+from vsb.scenes.floating_system import study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
 from vsb.stages.inputs import Inputs

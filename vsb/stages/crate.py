@@ -19,7 +19,7 @@ from vsb.errors import VsbError
 from vsb.stages.planning import plan_of
 from vsb.stages.verify import Plan, study_faults
 from vsb.study.campaign_plan import CampaignPlan
-from vsb.tools.files import whole
+from vsb.tools.files import atomic_write
 
 METADATA = "ro-crate-metadata.json"
 PROFILE = "https://w3id.org/ro/crate/1.1"
@@ -70,7 +70,7 @@ def crate(config: str, out: str, licence: str | None = None, author: str | None 
         raise VsbError(f"{lines[0]}{more}; vsb run {config} makes it")
     held = {_inside(plan, path): path for path in paths} | {Path(config).name: config}
     text = json.dumps(metadata(plan, held, Path(config).name, licence, author), indent=1, ensure_ascii=False) + "\n"
-    with whole(out) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
+    with atomic_write(out) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(METADATA, text)
         for name, path in held.items():
             archive.write(path, name)

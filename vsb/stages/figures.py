@@ -8,7 +8,7 @@ from vsb.report.canvas import StudyData
 from vsb.report.figures import draw
 from vsb.report.svg import drawn
 from vsb.results.power import in_direction
-from vsb.scenes.afloat import AnyStudy
+from vsb.scenes.floating_system import AnyStudy
 from vsb.stages.inputs import Inputs
 from vsb.study.study import IrregularSea, StillWater, Study, Wave
 from vsb.tools.stamps import record

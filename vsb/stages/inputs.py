@@ -8,7 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 from vsb.hydro.database import load_database
-from vsb.scenes.afloat import AnyStudy
+from vsb.scenes.floating_system import AnyStudy
 from vsb.stages.trajectories import StoredRuns
 from vsb.study.body_plan import plan_for
 from vsb.study.canonical import content_id

@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vsb.stages.alone import alone, sharing
+from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.planning import with_degree
 from vsb.stages.stage import STAGES
 from vsb.stages.verify import stale_products
@@ -38,7 +38,7 @@ def run(study: Study | LocatedBody, folder: str | Path = "results") -> "Results"
 
     plan = _checked(study, str(folder))
     check_folder(folder)
-    with alone(Path(plan.folder)):
+    with exclusive_lock(Path(plan.folder)):
         make(plan, plan.products, stale=stale_products(plan, dry=False))
     return Results(plan.study, str(folder))
 
@@ -73,7 +73,7 @@ def solve(plan: StudyPlan) -> None:
 def _run(plan: AnyPlan, some: Sequence[Job], stale: Collection[str] = ()) -> None:
     """Run jobs in their order, each alone at its shared files."""
     for job in some:
-        with sharing(plan.root, filter(plan.is_shared, job.makes)):
+        with shared_lock(plan.root, filter(plan.is_shared, job.makes)):
             if not all(Path(path).exists() and path not in stale for path in job.makes):  # made meanwhile, by another
                 _work(job)
 

@@ -10,7 +10,7 @@ from vsb.hydro.database import load_database
 from vsb.hydro.orders import order_groups
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
-from vsb.scenes.afloat import stored_body
+from vsb.scenes.floating_system import stored_body
 from vsb.stages.stage import stamp
 from vsb.study.body_specs import BodyRadiationSpec
 from vsb.study.specs import RadiationSpec

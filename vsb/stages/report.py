@@ -14,10 +14,10 @@ from vsb.report.page import Report, render
 from vsb.report.sketch import sketches
 from vsb.results.power import in_direction
 from vsb.results.statistics import families
-from vsb.scenes.afloat import AnyStudy
+from vsb.scenes.floating_system import AnyStudy
+from vsb.stages.animated import moving_study
 from vsb.stages.inputs import Inputs
-from vsb.stages.living import living_study
-from vsb.stages.moving import moving_study
+from vsb.stages.interactive import living_study
 from vsb.study.body import BodyStudy
 from vsb.study.plan import StudyPlan
 from vsb.study.study import StillWater, Study

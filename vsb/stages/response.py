@@ -13,7 +13,7 @@ from vsb.motion.frequency import LinearBuoy, LinearMotion
 from vsb.motion.port import Port, channels_reached
 from vsb.motion.pto import LinearPto
 from vsb.report.band import with_extremes
-from vsb.scenes.afloat import Afloat, afloat, towards
+from vsb.scenes.floating_system import FloatingSystem, floating_system, towards
 from vsb.stages.stage import stamp
 from vsb.study.body_specs import BodyResponseSpec
 from vsb.study.specs import ResponseSpec
@@ -50,7 +50,7 @@ def run(spec: ResponseSpec | BodyResponseSpec, database: str, out: str) -> None:
     every resonance, and the largest and least gain over the rigid design in the first direction. Where waves have
     directions, as of a body, all that depends on them has one more dimension.
     """
-    floating = afloat(spec, database)
+    floating = floating_system(spec, database)
     if isinstance(spec, BodyResponseSpec):
         omega = refined(floating.linear.database.omega.values, spec.omega)
     else:
@@ -78,7 +78,7 @@ def refined(omega: FloatArray, extra: Iterable[float]) -> FloatArray:
     return np.array(sorted({*between, float(omega[-1]), *extra}))
 
 
-def with_resonances(spec: AnySpec, floating: Afloat, omega: FloatArray) -> FloatArray:
+def with_resonances(spec: AnySpec, floating: FloatingSystem, omega: FloatArray) -> FloatArray:
     """Return frequencies with those of the natural motions without a damper, and beside them at half their power."""
     pto = LinearPto(0.0, spec.pto.stiffness, floating.port)
     modes = [replace(floating.linear, pto=pto).natural_modes(motions) for motions in floating.motions.values()]
@@ -87,13 +87,13 @@ def with_resonances(spec: AnySpec, floating: Afloat, omega: FloatArray) -> Float
     return np.unique(every[(every >= omega[0]) & (every <= omega[-1])])
 
 
-def best_powers(spec: AnySpec, floating: Afloat, linear: LinearMotion, omega: FloatArray) -> xr.DataArray:
+def best_powers(spec: AnySpec, floating: FloatingSystem, linear: LinearMotion, omega: FloatArray) -> xr.DataArray:
     """Return the power of all designs at the best damper of each frequency, dims (design, omega) [W/m^2]."""
     best = [port.best_power for port in beside_spring(spec, ports(floating, linear, omega)).values()]
     return xr.DataArray(best, {"design": list(spec.designs), "omega": omega}, ("design", "omega"))
 
 
-def ports(floating: Afloat, linear: LinearMotion, omega: FloatArray) -> dict[str, Port]:
+def ports(floating: FloatingSystem, linear: LinearMotion, omega: FloatArray) -> dict[str, Port]:
     """Return what the take-off sees of all designs in waves of one direction."""
     return {design: linear.port(omega, motions, floating.port) for design, motions in floating.motions.items()}
 
@@ -104,7 +104,7 @@ def beside_spring(spec: AnySpec, seen: Mapping[str, Port]) -> dict[str, Port]:
     return {design: port.beside(spring) if spring else port for design, port in seen.items()}
 
 
-def in_waves(spec: AnySpec, floating: Afloat, linear: LinearMotion, seen: Mapping[str, Port]) -> xr.Dataset:
+def in_waves(spec: AnySpec, floating: FloatingSystem, linear: LinearMotion, seen: Mapping[str, Port]) -> xr.Dataset:
     """Return what all designs do in waves of one direction, by their ports."""
     pto, rao, power, best = spec.pto, [], [], beside_spring(spec, seen)
     omega = next(iter(seen.values())).omega
@@ -141,7 +141,7 @@ def at_port(spec: AnySpec, seen: Mapping[str, Port], reached: int) -> xr.Dataset
     )
 
 
-def natural(spec: AnySpec, floating: Afloat) -> xr.Dataset:
+def natural(spec: AnySpec, floating: FloatingSystem) -> xr.Dataset:
     """Return wet natural frequencies and damping ratios of all designs; what drifts has none."""
     wet: list[tuple[str, float, float]] = []
     for design in spec.designs:

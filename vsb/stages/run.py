@@ -22,7 +22,7 @@ import psutil
 
 from vsb.errors import ConfigError, VsbError
 from vsb.stages import make, slurm
-from vsb.stages.alone import alone, sharing
+from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.planning import plan_of
 from vsb.stages.stage import STAGES
 from vsb.study.body_plan import AnyPlan, BodyPlan
@@ -61,16 +61,19 @@ def run(args: argparse.Namespace) -> int:
     environment = {**os.environ, "PATH": paths, "PYTHONSAFEPATH": "1"}  # nor modules of the current folder
     forget_damaged(Path(".snakemake", "metadata"))
     begun, told = time.time(), deque[str](maxlen=KEPT)
-    with alone(Path(plan.folder), waits=not dry) as own, sharing(plan.root, () if dry else unmade(plan)) as shared:
+    with (
+        exclusive_lock(Path(plan.folder), waits=not dry) as own,
+        shared_lock(plan.root, () if dry else unmade(plan)) as shared,
+    ):
         stale = verify.stale_products(plan, dry=dry)
         left = bool(stale or args.snakemake) or not all(Path(path).exists() for path in plan.products)
-        whole = slurm.whole(plan, given) if on_slurm and left and not dry else []
+        whole = slurm.single_job(plan, given) if on_slurm and left and not dry else []
         named = ["--slurm-jobname-prefix", slurm.job_name(plan.name)] if on_slurm and not whole else []
         command = [*_command(args, place, whole), *named, *_forced(args.snakemake, stale)]
         if on_slurm and not dry:
-            slurm.cancel(slurm.whole_name(plan))  # of a run that was killed
+            slurm.cancel(slurm.run_name(plan))  # of a run that was killed
         with (
-            ended(slurm.whole_name(plan) if whole else slurm.job_name(plan.name))
+            ended(slurm.run_name(plan) if whole else slurm.job_name(plan.name))
             if on_slurm
             else contextlib.nullcontext()
         ):
@@ -169,7 +172,7 @@ def _answer(plan: Plan) -> str:
 
 
 OF_MANY = ("mesh", "panels", "spectral", "simulate", "members", "verification")
-OF_CAMPAIGNS = ("campaign", "answer")
+OF_CAMPAIGNS = ("campaign", "campaign_report")
 TARGETS = {"all", *(stage.name for stage in STAGES if stage.name not in (*OF_MANY, *OF_CAMPAIGNS))}
 """Rules that are asked for by name; the others make a file of many."""
 

@@ -13,9 +13,9 @@ from vsb.integrators.simulate import in_words, legs
 from vsb.integrators.trajectory import recorded
 from vsb.motion.system import System
 from vsb.motion.udwadia_kalaba import constraint_drift
-from vsb.scenes.afloat import body_port, held_rows
 from vsb.scenes.build import design_in_sea
 from vsb.scenes.directions import order_bases
+from vsb.scenes.floating_system import body_port, held_rows
 from vsb.scenes.pause import SETTLED
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.shell.orders import OrderBasis, all_clamp_rows
@@ -99,7 +99,7 @@ def _steady(system: System) -> dict[str, float | str]:
 
     Of a law that pauses, or whose force jumps, the power of a motion followed until its periods agree.
     """
-    if system.linear and system.scene.adrift:  # what nothing holds has no mean place
+    if system.linear and system.scene.unrestrained:  # what nothing holds has no mean place
         return {"steady_power": _swinging_power(system), "steady_decay": 1.0}
     try:
         if system.pauses or system.jumps:

@@ -28,7 +28,7 @@ UNDERSTOOD = {*NAMED, "mem_mb", "runtime", "slurm-no-account", "slurm-status-com
 """All else that a profile asks of Slurm is the plug-in's to understand."""
 
 
-def whole(plan: AnyPlan | CampaignPlan, profile: Mapping[str, Any]) -> list[str]:
+def single_job(plan: AnyPlan | CampaignPlan, profile: Mapping[str, Any]) -> list[str]:
     """Return the command by which Slurm runs another one, of all of a short study or campaign, on one node.
 
     A job of each rule waits in the queue, starts snakemake twice and is asked for at growing intervals, which takes
@@ -59,10 +59,10 @@ def whole(plan: AnyPlan | CampaignPlan, profile: Mapping[str, Any]) -> list[str]
         return []
     options = [f"{option}={named[key]}" for key, option in NAMED.items() if key in named]
     size = [f"--cpus-per-task={CORES}", f"--mem={MEGABYTES}", f"--time={MINUTES}"]
-    return ["srun", "--ntasks=1", "--nodes=1", *size, *options, f"--job-name={whole_name(plan)}_whole"]
+    return ["srun", "--ntasks=1", "--nodes=1", *size, *options, f"--job-name={run_name(plan)}_whole"]
 
 
-def whole_name(plan: AnyPlan | CampaignPlan) -> str:
+def run_name(plan: AnyPlan | CampaignPlan) -> str:
     """Return what the name of the one job of a plan begins with: the same in every run of it that writes there.
 
     A job whose srun was killed holds its cores until its time is over; the next run, which is alone there, cancels it.

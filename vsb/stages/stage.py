@@ -115,7 +115,7 @@ STAGES = (
         ("batches", "verifications", "out", "table", "manifest"),
     ),
     Stage(
-        "answer",
+        "campaign_report",
         "figures and report of a campaign",
         specs.CampaignSpec,
         ("data", "climate", "root", "figures", "out", "manifest"),

@@ -15,8 +15,8 @@ import xarray as xr
 from vsb.errors import ConfigError
 from vsb.hydro.database import load_database
 from vsb.motion.port import Port
-from vsb.scenes.afloat import Afloat, AnyStudy, afloat, towards
 from vsb.scenes.build import DesignInSea, design_in_sea
+from vsb.scenes.floating_system import AnyStudy, FloatingSystem, floating_system, towards
 from vsb.stages.planning import with_degree
 from vsb.study.body_plan import plan_for
 from vsb.study.results_plan import ResultsPlan
@@ -114,9 +114,9 @@ class Results:
         return found
 
     @cached_property
-    def _afloat(self) -> Afloat:
+    def _afloat(self) -> FloatingSystem:
         """What floats."""
-        return afloat(self.study, self._of_bem("port", *self.plan.hydro_files.values()))
+        return floating_system(self.study, self._of_bem("port", *self.plan.hydro_files.values()))
 
     def _of_bem(self, what: str, *paths: str) -> str:
         """The first of the files that only a model with BEM has."""

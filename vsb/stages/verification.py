@@ -13,8 +13,8 @@ from vsb.results.in_time import DesignInTime
 from vsb.results.verification import RECORD, STARTUP, Sample, chances, drawn, record_of, verified
 from vsb.results.verified_year import of_nothing, verified_dataset, with_lost
 from vsb.results.year import Year
-from vsb.scenes.afloat import linear_buoy, rest_shape, study_port
 from vsb.scenes.build import radiation_model
+from vsb.scenes.floating_system import linear_buoy, rest_shape, study_port
 from vsb.scenes.ports import design_ports
 from vsb.scenes.rest import design_motions
 from vsb.scenes.viability import viability

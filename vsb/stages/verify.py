@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from vsb.errors import DatabaseError, VsbError
-from vsb.stages.alone import nobody_else
+from vsb.stages.locks import all_locked
 from vsb.stages.planning import plan_of
 from vsb.study.body import is_body, located
 from vsb.study.body_plan import AnyPlan, plan_for
@@ -60,7 +60,7 @@ def verify(target: str, *, heal: bool, agreed: Callable[[Sequence[str]], bool] |
         moved = [f"{fault.path}: {fault.reason}" for fault in ours if fault.kind != "derived"]
         if moved and agreed and not agreed(moved):
             return ["nothing was changed"]
-        with nobody_else(root):
+        with all_locked(root):
             healed = _healed(root, ours)
         healed += [f"left {fault.path}: {fault.reason}" for fault in found if fault.kind == "foreign"]
         makes = f"{command} makes {len(missing) + len(ours)} files" if missing or ours else f"{target}: all is sound"

@@ -22,8 +22,8 @@ from pydantic import (
 )
 
 from vsb.errors import ConfigError
+from vsb.study.base_study import BaseStudy, check_all
 from vsb.study.body_file import BodyFile
-from vsb.study.compared import Compared, check_all
 from vsb.study.quantities import Finite, Name, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import Published, Simulation, Water
@@ -175,7 +175,7 @@ class BodyHydro(Section):
         return self
 
 
-class BodyStudy(Compared):
+class BodyStudy(BaseStudy):
     """One study file of a body."""
 
     study: Name

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, field_validator
 
 from vsb.errors import ConfigError
-from vsb.study.compared import RESERVED_NAMES
+from vsb.study.base_study import RESERVED_NAMES
 from vsb.study.froude import scaled
 from vsb.study.quantities import Name, Number, Section
 from vsb.study.reading import read_yaml, validated

@@ -249,7 +249,7 @@ def _year(plan: CampaignPlan) -> Iterator[Job]:
     yield Job("campaign", plan.campaign, {**files, **stamps}, (data, table), needs, megabytes=4000)
     report = f"{folder}/report.html"
     files = {**read, "data": data, "figures": f"{folder}/figures", "out": report, **stamps}
-    yield Job("answer", plan.campaign, files, (report, *plan.figure_paths), (data, climate), megabytes=4000)
+    yield Job("campaign_report", plan.campaign, files, (report, *plan.figure_paths), (data, climate), megabytes=4000)
 
 
 # Snakemake's own report ---------------------------------------------------------------------------------------------

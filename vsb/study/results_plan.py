@@ -11,10 +11,10 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import PurePosixPath
 
+from vsb.study.base_study import BaseStudy
 from vsb.study.blocks import panel_solver
 from vsb.study.body_specs import BodySimulateSpec
 from vsb.study.canonical import content_id, result_id
-from vsb.study.compared import Compared
 from vsb.study.resolution import RECORDS_PER_PERIOD, thinning
 from vsb.study.specs import SimulateSpec, Spec
 from vsb.study.waves import IrregularSea, Wave
@@ -71,7 +71,7 @@ class ResultsFolder(ABC):
 class ResultsPlan(ResultsFolder):
     """Results of a study in a folder of results, as files with content ids."""
 
-    study: Compared
+    study: BaseStudy
 
     @property
     @abstractmethod

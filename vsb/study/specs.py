@@ -63,7 +63,7 @@ class Shapes(Sphere):
     basis: Basis
 
 
-class AfloatSpec(Spec):
+class FloatingSpec(Spec):
     """Specification of what floats, in the directions it moves in."""
 
     device: Device
@@ -77,7 +77,7 @@ class AfloatSpec(Spec):
         return centre_height(self.device, self.water)
 
 
-class RestSpec(AfloatSpec):
+class RestSpec(FloatingSpec):
     """Specification of what rests in a shape of its own; without modes it is rigid."""
 
     modes: Modes | None
@@ -94,7 +94,7 @@ class RestSpec(AfloatSpec):
         return self.flexible and self.reference_shape == "equilibrium"
 
 
-class DesignsSpec(AfloatSpec):
+class DesignsSpec(FloatingSpec):
     """Specification of designs that share a shell."""
 
     modes: Modes

@@ -10,8 +10,8 @@ from typing import Annotated, Any, Self
 from pydantic import Field, model_validator
 
 from vsb.errors import ConfigError
+from vsb.study.base_study import BaseStudy, check_all
 from vsb.study.canonical import canonical, content_id, result_id
-from vsb.study.compared import Compared, check_all
 from vsb.study.device import Device, Gas, RayleighDamping
 from vsb.study.directions import Mooring, Motion, check_directions, check_heading
 from vsb.study.drag import Drag, check_followed
@@ -83,7 +83,7 @@ CHECKS = (
 """Names of the checks on a hydro database, as `vsb.hydro.quality` gives them; a study may accept their failures."""
 
 
-class Study(Compared):
+class Study(BaseStudy):
     """One study file."""
 
     study: Name

@@ -74,7 +74,7 @@ def check_file(path: str | Path) -> None:
 
 
 @contextmanager
-def whole(path: str | Path) -> Iterator[Path]:
+def atomic_write(path: str | Path) -> Iterator[Path]:
     """Give a temporary file to write, beside `path`, and put it there when it is complete; or leave nothing behind.
 
     Raises
@@ -121,7 +121,7 @@ def locked(path: str | Path) -> Iterator[None]:
 
 def write_text(path: str | Path, text: str) -> None:
     """Write a text file, complete or not at all; see `whole`."""
-    with whole(path) as temporary:
+    with atomic_write(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
@@ -153,7 +153,7 @@ def save(ds: "xr.Dataset", path: str | Path, groups: "Mapping[str, xr.Dataset] |
         check_finite(group, f"{path}:{name}")
     stored = {name: separated(described(group)) for name, group in {ROOT: ds, **(groups or {})}.items()}
     stored[ROOT].attrs["checksum"] = checksum(stored)
-    with whole(path) as temporary:
+    with atomic_write(path) as temporary:
         for name, group in stored.items():
             _write(group, str(temporary), mode="w" if name == ROOT else "a", group=name)
         seal(temporary)

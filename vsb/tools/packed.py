@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vsb.errors import DatabaseError
-from vsb.tools.files import CHANGED, DELETE, check_stamp, seal_of, sealed, whole
+from vsb.tools.files import CHANGED, DELETE, atomic_write, check_stamp, seal_of, sealed
 from vsb.tools.units import AnyArray, check_finite
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ _HEADER = "."
 
 
 def save(ds: "xr.Dataset", path: str | Path) -> None:
-    """Write a dataset of numbers and words, complete or not at all; see `vsb.tools.files.whole`."""
+    """Write a dataset of numbers and words, complete or not at all; see `vsb.tools.files.atomic_write`."""
     check_finite(ds, str(path))
     dims = {str(name): list(map(str, variable.dims)) for name, variable in ds.variables.items()}
     arrays = {str(name): _plain(variable.values) for name, variable in ds.variables.items()}
@@ -35,7 +35,7 @@ def save(ds: "xr.Dataset", path: str | Path) -> None:
     header |= {"kinds": {name: (values.dtype.str, values.shape) for name, values in arrays.items()}}
     content = io.BytesIO()
     np.savez(content, allow_pickle=False, **{_HEADER: np.array(json.dumps(header))}, **_rows(arrays))
-    with whole(path) as temporary:
+    with atomic_write(path) as temporary:
         temporary.write_bytes(content.getvalue() + seal_of(content.getvalue()))
 
 

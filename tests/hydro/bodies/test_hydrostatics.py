@@ -17,7 +17,7 @@ CENTRES = np.array([[0.0, 0.0, -0.4], [9.0, 1.0, 0.2]])
 BOXES = [barge.box(6.0, 4.0, 2.0, 1), barge.box(5.0, 3.0, 1.5, 1)]
 
 
-def alone(number):
+def exclusive_lock(number):
     """One of the boxes by itself, its six motions about its centre of mass and one that bends."""
     vertices, faces = BOXES[number]
     vertices = vertices + number * np.array([9.0, 1.0, 0.0])
@@ -30,7 +30,7 @@ def alone(number):
 @pytest.fixture
 def both():
     """Both boxes as one mesh, every motion of one alone."""
-    one, other = alone(0), alone(1)
+    one, other = exclusive_lock(0), exclusive_lock(1)
     vertices, faces = joined([(one.vertices, one.faces), (other.vertices, other.faces)])
     shapes = np.zeros((14, len(vertices), 3))
     shapes[:7, : len(one.vertices)], shapes[7:, len(one.vertices) :] = one.shapes, other.shapes
@@ -40,7 +40,7 @@ def both():
 def test_each_of_two_bodies_is_as_stiff_as_alone(both):
     found = hydrostatic_stiffness(both, 1025.0, 9.81)
     expected = np.zeros((14, 14))
-    expected[:7, :7], expected[7:, 7:] = (hydrostatic_stiffness(alone(k), 1025.0, 9.81) for k in (0, 1))
+    expected[:7, :7], expected[7:, 7:] = (hydrostatic_stiffness(exclusive_lock(k), 1025.0, 9.81) for k in (0, 1))
     assert found == pytest.approx(expected, rel=1e-12, abs=1e-6 * np.abs(expected).max())
     assert sorted(both.rigid_parts) == [*range(6), *range(7, 13)]
     assert both.rigid == {}
@@ -50,7 +50,7 @@ def test_what_only_heaves_needs_no_centre_of_mass(both):
     """Its stiffness is that of the waterplane."""
     bare = made(both.vertices, both.faces, rigid(both.vertices)[2:3], centre_of_mass=None)
     assert hydrostatic_stiffness(bare, 1025.0, 9.81) == pytest.approx(
-        sum(hydrostatic_stiffness(alone(k), 1025.0, 9.81)[2, 2] for k in (0, 1)), rel=1e-12
+        sum(hydrostatic_stiffness(exclusive_lock(k), 1025.0, 9.81)[2, 2] for k in (0, 1)), rel=1e-12
     )
 
 
@@ -58,7 +58,7 @@ def test_turning_together_they_have_the_stiffness_of_their_common_centre_of_mass
     """A rotation of both about one axis is no motion of one: the weight counts where the centre of both lies."""
     whole = rigid(both.vertices, (1.0, 0.0, 0.0))
     apart = made(both.vertices, both.faces, whole, centre_of_mass=CENTRES)
-    volumes = np.array([alone(k).volume for k in (0, 1)])
+    volumes = np.array([exclusive_lock(k).volume for k in (0, 1)])
     common = replace(apart, centre_of_mass=volumes @ CENTRES / volumes.sum())
     one, other = (hydrostatic_stiffness(body, 1025.0, 9.81) for body in (apart, common))
     assert one == pytest.approx(other, rel=1e-12, abs=1e-9 * np.abs(other).max())
@@ -85,7 +85,7 @@ def test_two_centres_of_mass_come_back_from_a_file(both, tmp_path):
 @pytest.mark.parametrize("number", [0, 1])
 def test_rigid_motions_about_another_point_are_as_stiff_as_the_same_about_ones_own(number):
     """A turn about the origin is one about a point c and the shift a x (-c): C turns with them, the body upright."""
-    one = alone(number)
+    one = exclusive_lock(number)
     c = np.append(number * np.array([9.0, 1.0]) + [-2.0, 3.0], 0.25)
     vertices = one.vertices + np.array([-2.0, 3.0, 0.0])
     own, origin = (made(vertices, one.faces, rigid(vertices, about), centre_of_mass=c) for about in (c, np.zeros(3)))

@@ -256,14 +256,14 @@ def test_the_mass_afloat_is_that_of_heave_wherever_it_stands(body, monkeypatch):
     swept = SimpleNamespace(solved=[block], coefficients=None, error=0.0)
     file = BodyFile(body="b", mesh="b.nc", modes="b.nc", omega=[1.0], wave_direction=[0.0])
 
-    def afloat(scale, labels, mass):
+    def floating_system(scale, labels, mass):
         one = made(body.vertices, body.faces, scale * body.shapes[[1, 0]], labels, mass=mass)
         return [c.value for c in bodystudy.verdict(file, one, block, swept, np.ones(2)) if c.name == "afloat"]
 
     mass = np.diag([1e5, 1025.0 * 48.0])
-    assert afloat(1.0, ("Pitch", "Heave"), mass) == pytest.approx([0.0], abs=1e-12)
-    assert afloat(1.0, ("Pitch", "Heave"), np.diag([1e5, 1025.0 * 36.0])) == pytest.approx([0.25], abs=1e-12)
-    assert afloat(0.5, ("Turn", "Half"), mass) == afloat(1.0, ("Pitch", "Heave"), None) == []
+    assert floating_system(1.0, ("Pitch", "Heave"), mass) == pytest.approx([0.0], abs=1e-12)
+    assert floating_system(1.0, ("Pitch", "Heave"), np.diag([1e5, 1025.0 * 36.0])) == pytest.approx([0.25], abs=1e-12)
+    assert floating_system(0.5, ("Turn", "Half"), mass) == floating_system(1.0, ("Pitch", "Heave"), None) == []
 
 
 @pytest.mark.parametrize(("wave", "answer"), [(0.5, "ok"), (0.7, "doubt"), (1.5, "fail")])

@@ -22,7 +22,7 @@ from vsb.hydro.bodies.clipping import FLAT, wetted, without_area
 from vsb.hydro.bodies.gdf import check_gravity, read_gdf
 from vsb.hydro.panels import rings as bem
 from vsb.tools.bounded import bounded_reading
-from vsb.tools.files import whole
+from vsb.tools.files import atomic_write
 from vsb.tools.units import PAIR, FloatArray, IntArray
 
 PANEL_FILES = {
@@ -228,5 +228,5 @@ def write_body(body: FlexibleBody, path: str | Path) -> None:
     for field, name in _MATRICES.items():
         if name not in data and getattr(body, field) is not None:
             data[name] = ((*PAIR, "vertex", "xyz") if field == "second_order" else PAIR, getattr(body, field))
-    with whole(path) as temporary:
+    with atomic_write(path) as temporary:
         xr.Dataset(data, coords={"dof": list(body.labels)}).to_netcdf(temporary, engine="netcdf4")

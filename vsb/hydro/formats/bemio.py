@@ -38,7 +38,7 @@ from vsb.hydro.formats.modes import (
 )
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import body_of
-from vsb.tools.files import whole
+from vsb.tools.files import atomic_write
 from vsb.tools.units import ATTRS, PAIR, ComplexArray, FloatArray
 
 _FOLDERS = {"excitation_force": "", "Froude_Krylov_force": "froude-krylov/", "diffraction_force": "scattering/"}
@@ -204,7 +204,7 @@ def _spread(values: Any, modes: list[int], dof: int, axes: int) -> Any:
 def write_h5(entries: dict[str, Any], path: Path) -> None:
     """Write datasets by path to an HDF5 file, complete or not at all; netCDF adds their sizes to its root."""
     units = dict(u.split("=") for u in _UNITS.split())
-    with whole(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
+    with atomic_write(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
         for place, values in entries.items():
             for size in {*np.shape(values)} - {dimension.size for dimension in file.dimensions.values()}:
                 file.createDimension(f"n{size}", size)

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.shell.deformed import DeformedShell
-from vsb.tools.files import whole
+from vsb.tools.files import atomic_write
 from vsb.tools.units import FloatArray
 
 DISPLAY_AMPLITUDE = 0.1
@@ -109,7 +109,7 @@ def write_wet_shell(shell: DeformedShell, path: str | Path, rows: int = 40, azim
         faces.append(quads + sum(len(p) for p in points))
         points.append(vertices)
     mesh = meshio.Mesh(np.concatenate(points), [("quad", np.concatenate(faces))])
-    with whole(path) as temporary:
+    with atomic_write(path) as temporary:
         mesh.write(temporary, file_format=Path(path).suffix.removeprefix("."))
 
 

@@ -15,8 +15,8 @@ from vsb.report.living import Grid, LivingSea, study_data, thinned
 from vsb.results.force_steps import SeenPort, force_steps
 from vsb.results.power import in_direction
 from vsb.results.statistics import families
-from vsb.scenes.afloat import Afloat, AnyStudy, afloat, band
-from vsb.scenes.afloat import towards as headed
+from vsb.scenes.floating_system import AnyStudy, FloatingSystem, band, floating_system
+from vsb.scenes.floating_system import towards as headed
 from vsb.study.study import Irregular, IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, StillWater, Study
 from vsb.tools.units import FloatArray
 from vsb.waves.dispersion import group_velocity
@@ -51,7 +51,7 @@ def living_study(
     dragged = isinstance(study, Study) and study.drag
     if not study.needs_bem or dragged or pto.spring_costs:
         return None
-    seen, waves = _Seen(study, afloat(study, database)), _seas(study)
+    seen, waves = _Seen(study, floating_system(study, database)), _seas(study)
     if not waves:
         return None
     ds = seen.floating.linear.database
@@ -74,7 +74,7 @@ class _Seen:
     """What the take-off of a study sees of all designs, in waves of any direction [degrees]."""
 
     study: AnyStudy
-    floating: Afloat
+    floating: FloatingSystem
 
     def ports(self, towards: float) -> dict[str, SeenPort]:
         """Ports by design, to be had at any frequencies."""

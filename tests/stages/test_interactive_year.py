@@ -10,7 +10,7 @@ from stages.test_members import folder, planned, run  # noqa: F401
 from vsb.report import html
 from vsb.report.campaign_answer import leading
 from vsb.stages.climate import read_climate
-from vsb.stages.living_year import living_year
+from vsb.stages.interactive_year import living_year
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from stages.test_members import gather, planned, with_seas
 from vsb.report.campaign_answer import closing_answer
 from vsb.results.campaign import stacked
 from vsb.results.member import member
-from vsb.stages import answer
+from vsb.stages import campaign_report
 from vsb.study.campaign_plan import members
 from vsb.tools.files import load, save
 from vsb.tools.stamps import faults, read_manifest
@@ -26,7 +26,9 @@ OMEGA = np.arange(0.1, 3.0, 0.02)
 def plan(tmp_path_factory):
     """A campaign over two moduli, in water given by a closed form."""
     one = planned(
-        with_seas(tmp_path_factory.mktemp("answer"), (1.0, 6.0)), {"device.young_modulus": [1e6, 1e9]}, name="soft"
+        with_seas(tmp_path_factory.mktemp("campaign_report"), (1.0, 6.0)),
+        {"device.young_modulus": [1e6, 1e9]},
+        name="soft",
     )
     for batch, spec in one.batches.items():
         held = members(spec.base, spec.points, spec.climate, spec.tuning)
@@ -42,7 +44,7 @@ def plan(tmp_path_factory):
 def answered(plan):
     """The files of an answer, as they are written."""
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    answer.run(plan.campaign, plan.data_path, plan.loaded.climate_path, plan.root, *files)
+    campaign_report.run(plan.campaign, plan.data_path, plan.loaded.climate_path, plan.root, *files)
     paths = [f"{plan.folder}/report.html", *plan.figure_paths]
     return {path: Path(path).read_bytes() for path in paths}
 

@@ -12,9 +12,9 @@ from vsb.report.campaign_page import CampaignReport, render
 from vsb.report.sea_figures import year_spectra
 from vsb.report.sketch import sketches
 from vsb.report.svg import Drawn, drawn
+from vsb.stages.animated_year import moving_year
 from vsb.stages.climate import read_climate
-from vsb.stages.living_year import living_year
-from vsb.stages.moving_year import moving_year
+from vsb.stages.interactive_year import living_year
 from vsb.study.campaign_plan import figure_names, members
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import content_id

@@ -12,15 +12,15 @@ from motion.test_bodies import afloat
 from vsb.errors import ConfigError
 from vsb.motion.pto import LinearPto
 from vsb.motion.tuning import best_dampers, mean_power
-from vsb.scenes.afloat import (
-    Afloat,
+from vsb.scenes.floating_system import (
+    FloatingSystem,
     body_motions,
     body_port,
     headings,
     held_rows,
     linear_buoy,
-    met,
     moved,
+    port_in_seas,
     stored_body,
     study_sea,
     towards,
@@ -90,7 +90,7 @@ def floating():
     port = LinearPto(3.0, 0.0, np.array([1.0, -0.6]))
     bare = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0], directions=np.deg2rad([0.0, 45.0]))
     body = replace(bare, structural_damping=np.diag([1.0, 0.5]), pto=port)
-    return Afloat(body, {"a": np.eye(2)}, port.port)
+    return FloatingSystem(body, {"a": np.eye(2)}, port.port)
 
 
 def test_seas_of_several_directions_form_one_port(floating):
@@ -99,7 +99,7 @@ def test_seas_of_several_directions_form_one_port(floating):
     for period, direction in ((6.0, 0.0), (7.0, 45.0), (6.0, 45.0)):
         wave = RegularWave(kind="regular", amplitude=0.3, period=period, direction=direction)
         seas.append((wave, regular(wave)))
-    seen = met(floating, "a", seas)
+    seen = port_in_seas(floating, "a", seas)
     alone = []
     for (wave, _), place, row in zip(seas, seen.places, seen.squares, strict=True):
         assert seen.port.omega[place] == pytest.approx([wave.omega])
@@ -120,7 +120,7 @@ def test_still_water_among_seas_contributes_nothing(floating, first):
     seas = [(wave, regular(wave))]
     seas.insert(first, (StillWater(kind="still"), NO_WAVES))
     assert {going: omega.tolist() for going, omega in headings(seas).items()} == {45.0: [wave.omega]}
-    seen, alone = met(floating, "a", seas), met(floating, "a", [(wave, regular(wave))])
+    seen, alone = port_in_seas(floating, "a", seas), port_in_seas(floating, "a", [(wave, regular(wave))])
     np.testing.assert_array_equal(seen.port.velocity, alone.port.velocity)
     np.testing.assert_allclose(seen.squares, [[0.09], [0.0]] if first else [[0.0], [0.09]])
     assert [place.tolist() for place in seen.places] == ([[0], []] if first else [[], [0]])

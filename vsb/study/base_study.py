@@ -18,7 +18,7 @@ from vsb.study.waves import IrregularSea, StillWater, Wave
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks", "trash")
 
 
-class Compared(Section):
+class BaseStudy(Section):
     """Designs compared in seas: the keys that studies of a buoy and of a body share are declared by each of them."""
 
     if TYPE_CHECKING:

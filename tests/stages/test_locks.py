@@ -5,38 +5,38 @@ import fcntl
 import pytest
 
 from vsb.errors import VsbError
-from vsb.stages.alone import alone, nobody_else, sharing
+from vsb.stages.locks import all_locked, exclusive_lock, shared_lock
 
 
 def test_second_run_in_a_folder_is_refused_until_the_first_ends(tmp_path):
     root = tmp_path / "results"
-    with alone(root) as handles:
+    with exclusive_lock(root) as handles:
         assert len(handles) == 1
         with pytest.raises(VsbError, match=r"results: another run is at work in this folder; wait for it to end$"):
-            alone(root).__enter__()
-    with alone(root):
+            exclusive_lock(root).__enter__()
+    with exclusive_lock(root):
         pass
 
 
 def test_dry_run_neither_waits_nor_writes(tmp_path):
-    with alone(tmp_path), alone(tmp_path / "none", waits=False) as handles:
+    with exclusive_lock(tmp_path), exclusive_lock(tmp_path / "none", waits=False) as handles:
         assert handles == []
     assert not (tmp_path / "none").exists()
-    with alone(tmp_path), alone(tmp_path, waits=False):
+    with exclusive_lock(tmp_path), exclusive_lock(tmp_path, waits=False):
         pass
 
 
 def test_lock_of_all_folders_excludes_every_run(tmp_path):
     for name in ("a", "b"):
-        with alone(tmp_path / name):
+        with exclusive_lock(tmp_path / name):
             pass
-    with alone(tmp_path / "b"), pytest.raises(VsbError, match=r"b: another run is at work in this folder"):
-        nobody_else(tmp_path).__enter__()
-    with nobody_else(tmp_path):
+    with exclusive_lock(tmp_path / "b"), pytest.raises(VsbError, match=r"b: another run is at work in this folder"):
+        all_locked(tmp_path).__enter__()
+    with all_locked(tmp_path):
         for name in ("a", "b"):
             with pytest.raises(VsbError, match=f"{name}: another run is at work in this folder"):
-                alone(tmp_path / name).__enter__()
-    with alone(tmp_path / "a"), alone(tmp_path / "b"):
+                exclusive_lock(tmp_path / name).__enter__()
+    with exclusive_lock(tmp_path / "a"), exclusive_lock(tmp_path / "b"):
         pass
 
 
@@ -48,8 +48,8 @@ def test_waiting_for_a_shared_file_is_reported(tmp_path, monkeypatch, capsys):
         if how & fcntl.LOCK_NB and len(asked) == 1:
             raise BlockingIOError
 
-    monkeypatch.setattr("vsb.stages.alone.fcntl.flock", flock)
-    with sharing(tmp_path, [f"hydro/{'a' * 16}.nc", f"hydro/{'b' * 16}.nc"]) as handles:
+    monkeypatch.setattr("vsb.stages.locks.fcntl.flock", flock)
+    with shared_lock(tmp_path, [f"hydro/{'a' * 16}.nc", f"hydro/{'b' * 16}.nc"]) as handles:
         assert len(handles) == 2
     assert asked == [fcntl.LOCK_EX | fcntl.LOCK_NB, fcntl.LOCK_EX, fcntl.LOCK_EX | fcntl.LOCK_NB]
     assert capsys.readouterr().out == f"vsb: waiting for another run that makes {'a' * 16}\n"

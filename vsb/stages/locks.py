@@ -13,7 +13,7 @@ LOCKS = ".locks"
 
 
 @contextmanager
-def alone(folder: Path, *, waits: bool = True) -> Iterator[list[int]]:
+def exclusive_lock(folder: Path, *, waits: bool = True) -> Iterator[list[int]]:
     """Hold the folder of a study; the lock goes with the processes that hold it, so a killed run leaves none behind."""
     if not waits:  # a dry run writes nothing
         yield []
@@ -28,16 +28,16 @@ def alone(folder: Path, *, waits: bool = True) -> Iterator[list[int]]:
 
 
 @contextmanager
-def nobody_else(root: Path) -> Iterator[None]:
+def all_locked(root: Path) -> Iterator[None]:
     """Hold the folders of all studies at once."""
     with ExitStack() as stack:
         for lock in sorted(root.glob("*/.lock")):
-            stack.enter_context(alone(lock.parent))
+            stack.enter_context(exclusive_lock(lock.parent))
         yield
 
 
 @contextmanager
-def sharing(root: str | Path, paths: Iterable[str]) -> Iterator[list[int]]:
+def shared_lock(root: str | Path, paths: Iterable[str]) -> Iterator[list[int]]:
     """Hold what is about to make files that studies share, until it is done; wait for another run that makes them now.
 
     Parameters

@@ -9,8 +9,8 @@ from conftest import varied
 
 from vsb.report.animation import PER_PERIOD, PERIODS, in_motion
 from vsb.report.living import packed
+from vsb.stages.animated import SEAS, moving_study
 from vsb.stages.inputs import Inputs
-from vsb.stages.moving import SEAS, moving_study
 from vsb.tools.files import load
 
 

@@ -60,7 +60,7 @@ class Point:
     swept: Swept
 
 
-def looked_at(spec: CampaignSpec, index: int, root: str) -> Point | None:
+def sweep_point(spec: CampaignSpec, index: int, root: str) -> Point | None:
     """Return a point of a campaign; none if no design is viable, or its take-off switches."""
     (one,) = members(spec.base, [spec.vary.points[index]], spec.climate, spec.tuning)
     if one.study.pto.switches:
@@ -75,7 +75,7 @@ def _point(
     spec: CampaignSpec, ds: xr.Dataset, index: int, place: Mapping[str, int], seas: Climate, root: str
 ) -> dict[str, Any] | None:
     """Words, ports, flux of the seas and given dampers of one point, if it can be looked at."""
-    point = looked_at(spec, index, root)
+    point = sweep_point(spec, index, root)
     if point is None:
         return None
     study = point.study

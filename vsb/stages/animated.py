@@ -10,7 +10,7 @@ import xarray as xr
 from vsb.report.animation import PERIODS, SEEN, frames_data, largest_shell, shapes_data
 from vsb.report.living import designs_data
 from vsb.report.shell_figures import round_factor
-from vsb.scenes.afloat import heading
+from vsb.scenes.floating_system import heading
 from vsb.stages.inputs import Inputs
 from vsb.study.study import StillWater, Study
 from vsb.waves.seas import NO_WAVES, sea

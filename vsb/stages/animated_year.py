@@ -13,7 +13,7 @@ from vsb.report.shell_figures import round_factor
 from vsb.results.bins import Bins
 from vsb.scenes.directions import whole_labels
 from vsb.scenes.ports import designs_in_waves
-from vsb.stages.living_year import Point, looked_at
+from vsb.stages.interactive_year import Point, sweep_point
 from vsb.stages.modes import shell_modes
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import Water
@@ -31,11 +31,11 @@ def moving_year(
 ) -> dict[str, Any] | None:
     """Return the motion of all viable designs in one sea of a campaign's year; none where no damper is known.
 
-    Parameters are those of `vsb.stages.living_year.living_year`.
+    Parameters are those of `vsb.stages.interactive_year.living_year`.
     """
     place = shown_place(ds, tuning, reference)
     index = int(np.ravel_multi_index(list(place.values()), ds.margin.shape)) if place else 0
-    point, one = looked_at(spec, index, root), ds.isel(place)
+    point, one = sweep_point(spec, index, root), ds.isel(place)
     told = next((name for name in (tuning, "one", "each", "fixed") if name in one.tuning and name != CONSTRAINED), None)
     if point is None or told is None:
         return None

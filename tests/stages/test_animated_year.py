@@ -8,7 +8,7 @@ import pytest
 from browser import asked
 from conftest import varied
 from scenes.test_ports import water
-from stages.test_living_year import swept  # noqa: F401
+from stages.test_interactive_year import swept  # noqa: F401
 from stages.test_members import folder  # noqa: F401
 
 from vsb.report.animation import PERIODS
@@ -16,10 +16,10 @@ from vsb.report.campaign_answer import leading
 from vsb.results.bins import Bins
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
-from vsb.stages import moving_year as module
+from vsb.stages import animated_year as module
+from vsb.stages.animated_year import most_energetic, moving_year
 from vsb.stages.climate import read_climate
-from vsb.stages.living_year import Point
-from vsb.stages.moving_year import most_energetic, moving_year
+from vsb.stages.interactive_year import Point
 from vsb.study.study import Water
 from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea

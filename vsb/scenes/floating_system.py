@@ -42,7 +42,7 @@ InSeas = Study | LadderSpec | SimulateSpec | BodyStudy | BodyLadderSpec | BodySi
 
 
 @dataclass(frozen=True)
-class Afloat:
+class FloatingSystem:
     """A buoy or a body without take-off, in waves from one direction, and what designs and take-off make of it."""
 
     linear: AnyMotion
@@ -59,13 +59,13 @@ def towards(linear: AnyMotion, direction: float) -> AnyMotion:
     return replace(linear, direction=float(np.deg2rad(direction)))
 
 
-def afloat(study: Driven | OfBody, database_path: str) -> Afloat:
+def floating_system(study: Driven | OfBody, database_path: str) -> FloatingSystem:
     """Return what a study lets float, from its database."""
     if isinstance(study, BodyStudy | OfDesigns):
-        return body_afloat(study, stored_body(database_path))
+        return body_system(study, stored_body(database_path))
     buoy, basis = linear_buoy(study, database_path)
     motions = {design: design_motions(study, basis, design) for design in study.designs}
-    return Afloat(buoy, motions, study_port(study, buoy, basis))
+    return FloatingSystem(buoy, motions, study_port(study, buoy, basis))
 
 
 # a buoy -------------------------------------------------------------------------------------------------------------
@@ -104,10 +104,10 @@ def stored_body(database_path: str) -> LinearBody:
     return LinearBody(ds, np.asarray(ds.structural_damping_matrix.values), LinearPto(0.0))
 
 
-def body_afloat(study: OfBody, body: LinearBody) -> Afloat:
+def body_system(study: OfBody, body: LinearBody) -> FloatingSystem:
     """Return what a study lets float of a body."""
     motions = {name: body_motions(name, design, body.labels) for name, design in study.designs.items()}
-    return Afloat(body, motions, body_port(study, body.labels))
+    return FloatingSystem(body, motions, body_port(study, body.labels))
 
 
 def body_port(study: OfBody, labels: Sequence[str]) -> FloatArray:
@@ -186,7 +186,7 @@ def _goes(wave: Wave, direction: float) -> bool:
     return not isinstance(wave, StillWater) and wave.direction == direction
 
 
-class Met(NamedTuple):
+class PortInSeas(NamedTuple):
     """A port in several seas, those of each direction at their own frequencies, one direction after the other."""
 
     port: Port
@@ -194,7 +194,7 @@ class Met(NamedTuple):
     places: Sequence[IntArray]  # of the components of each sea among the frequencies
 
 
-def met(floating: Afloat, design: str, seas: Sequence[tuple[Wave, Sea]]) -> Met:
+def port_in_seas(floating: FloatingSystem, design: str, seas: Sequence[tuple[Wave, Sea]]) -> PortInSeas:
     """Return what the take-off of a design sees in seas, still water left out.
 
     Impedances do not know where waves come from, free velocities do: a port in waves of several directions is one at
@@ -213,4 +213,4 @@ def met(floating: Afloat, design: str, seas: Sequence[tuple[Wave, Sea]]) -> Met:
     omega, admittance, velocity = (
         np.concatenate([getattr(port, name) for port in ports]) for name in ("omega", "admittance", "velocity")
     )
-    return Met(Port(omega, admittance, velocity, ports[0].compliance), squares, places)
+    return PortInSeas(Port(omega, admittance, velocity, ports[0].compliance), squares, places)
