@@ -1,8 +1,8 @@
-"""The command as a shell starts it, `vsb` or `python -m vsb`."""
+"""The command line as `python -m vsb`."""
 
 import sys
 
-from vsb.cli import main as start
+from vsb.cli import main
 
 if __name__ == "__main__":
-    sys.exit(start())
+    sys.exit(main())
