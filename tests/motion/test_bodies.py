@@ -255,7 +255,7 @@ def test_added_mass_at_infinite_frequency_is_robust_to_outliers():
     assert found.attrs["history"] == "added mass at infinite frequency from damping"
 
 
-def floating_system(labels, mass, stiffness, direction=0.0, directions=(0.0,)):
+def floating_body(labels, mass, stiffness, direction=0.0, directions=(0.0,)):
     """A body that makes no waves, in waves whose force is the number of their direction, from one on."""
     omega, pair, dof = np.linspace(0.5, 4.0, 8), ("influenced_dof", "radiating_dof"), len(labels)
     force = np.ones((8, len(directions), dof)) * (1.0 + np.arange(len(directions)))[:, None]
@@ -272,9 +272,7 @@ def floating_system(labels, mass, stiffness, direction=0.0, directions=(0.0,)):
 @pytest.mark.parametrize("turns", [-2, 0, 1])
 @pytest.mark.parametrize(("degrees", "force"), [(0.0, 1.0), (180.0, 2.0), (-90.0, 3.0)])
 def test_wave_directions_are_periodic(turns, degrees, force):
-    body = floating_system(
-        ("Heave",), [2.0], [3.0], np.deg2rad(degrees + 360.0 * turns), np.deg2rad([0.0, 180.0, 270.0])
-    )
+    body = floating_body(("Heave",), [2.0], [3.0], np.deg2rad(degrees + 360.0 * turns), np.deg2rad([0.0, 180.0, 270.0]))
     assert body.coefficients(np.array([1.0, 2.0])).excitation == pytest.approx(np.full((2, 1), force))
 
 
@@ -293,7 +291,7 @@ def test_wave_directions_are_periodic(turns, degrees, force):
     ],
 )
 def test_invalid_bodies_are_refused(changes, message):
-    bare = floating_system(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
+    bare = floating_body(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
     given = {"mass": bare.mass, "damping": np.zeros((2, 2)), "stiffness": np.zeros((2, 2))} | changes
     given = {
         name: np.asarray(value) if isinstance(value, list) and name != "dofs" else value
@@ -304,7 +302,7 @@ def test_invalid_bodies_are_refused(changes, message):
 
 
 def test_waves_that_were_not_solved_are_refused():
-    body = floating_system(("Heave",), [4.0], [9.0])
+    body = floating_body(("Heave",), [4.0], [9.0])
     with pytest.raises(
         DatabaseError, match=r"^frequencies: received 0.3 to 5 rad/s, the database holds 0.5 to 4 rad/s"
     ):
@@ -314,7 +312,7 @@ def test_waves_that_were_not_solved_are_refused():
 
 
 def test_unstable_body_is_refused():
-    bare = floating_system(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
+    bare = floating_body(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
     capsizing = linear_body(bare.database, mass=bare.mass, damping=0 * bare.mass, stiffness=np.diag([0.0, -29.0]))
     told = r"^the body does not rest: received a negative stiffness of Pitch, growing by 2/s;"
     with pytest.raises(StabilityError, match=told):
@@ -322,7 +320,7 @@ def test_unstable_body_is_refused():
 
 
 def test_zero_stiffness_is_judged_relative_to_the_largest():
-    body = floating_system(("Surge", "Heave"), [4.0, 4.0], [0.0, 9.0])
+    body = floating_body(("Surge", "Heave"), [4.0, 4.0], [0.0, 9.0])
     for size in (1.0, 1e-6, 1e9):
         for soft in (-5e-9, 5e-9):
             loose = body.unrestrained(size * np.diag([soft, 9.0]), np.eye(2))
@@ -339,7 +337,7 @@ def test_initial_heave_respects_constraints_with_all_inertia(place):
     labels = ("Surge", "Heave", "Pitch", "Bending")
     mass = np.array([[4.0, 0.3, 0.8, 0.0], [0.3, 5.0, 0.0, 0.7], [0.8, 0.0, 6.0, 0.0], [0.0, 0.7, 0.0, 2.0]])
     own, none = np.diag([1.0, 2.0, 3.0, 1.5]), np.zeros((4, 4))
-    bare = floating_system(labels, np.ones(4), np.ones(4))
+    bare = floating_body(labels, np.ones(4), np.ones(4))
     inf = {"body": none, "database": mass - own, "memory": 0.1 * np.eye(4)}[place]
     ds = bare.database.assign(added_mass_inf=(("influenced_dof", "radiating_dof"), inf))
     body = linear_body(ds, mass=mass if place == "body" else own, damping=none, stiffness=none)

@@ -154,7 +154,8 @@ def test_interval_of_a_year_contains_the_gain_of_many_modes(seed, tmp_path):
         waves = designs_in_waves(study, reference, water)
         ports = {design: seen.port for design, seen in waves.items()}
         gain = 100 * (
-            powers_of_ports(ports, study.pto, squares)[:, 0] / powers_of_ports(ports, study.pto, squares)[0] - 1
+            powers_of_ports(ports, study.pto, squares)[:, 0, :2] / powers_of_ports(ports, study.pto, squares)[0, :, :2]
+            - 1
         )
         return gain, gain_of_year(study, reference, water, year, waves)
 

@@ -52,7 +52,7 @@ def made(study, folder, stages=HYDRO):
     plan = StudyPlan(study, root=str(folder))
     for job in make.jobs(plan):
         if job.stage in stages and not all(Path(path).exists() for path in job.makes):
-            job.run()
+            make.work(job)
     return plan
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import varied
 from hydro.formats.test_capytaine import LABELS
-from motion.test_bodies import afloat
+from motion.test_bodies import floating_body
 
 from vsb.errors import ConfigError
 from vsb.motion.pto import LinearPto
@@ -88,7 +88,7 @@ def test_ports_of_a_body():
 def floating():
     """A damped body in waves along x and at 45 degrees, its take-off on heave and pitch together."""
     port = LinearPto(3.0, 0.0, np.array([1.0, -0.6]))
-    bare = afloat(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0], directions=np.deg2rad([0.0, 45.0]))
+    bare = floating_body(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0], directions=np.deg2rad([0.0, 45.0]))
     body = replace(bare, structural_damping=np.diag([1.0, 0.5]), pto=port)
     return FloatingSystem(body, {"a": np.eye(2)}, port.port)
 

@@ -41,7 +41,7 @@ def vsb(place, *options):
 
 def jobs(text):
     """Number of jobs of each rule in a dry run."""
-    rows = re.findall(r"^(members|campaign|answer|all|total) +(\d+)$", text, re.MULTILINE)
+    rows = re.findall(r"^(members|campaign|campaign_report|all|total) +(\d+)$", text, re.MULTILINE)
     return {rule: int(count) for rule, count in rows}
 
 

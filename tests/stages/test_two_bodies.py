@@ -11,7 +11,6 @@ import yaml
 from browser import evaluated
 
 import vsb
-from vsb.errors import ConvergenceError
 from vsb.hydro.formats.wamit import import_wamit
 from vsb.report import html
 from vsb.report.page import STILL
@@ -150,16 +149,6 @@ def test_repairs_are_reported_as_doubts(rm3):
     assert "damping made positive definite" in rm3.database.attrs["history"]
     assert "hydro repaired kramers kronig" in rm3.report.read_text()
     assert {"translation", "passivity", "radiation_fit"} <= set(ledger)
-
-
-def test_published_coefficients_without_repair_are_refused(tmp_path):
-    """0.1 % of added mass is 20 % of the spar's damping: a memory within 2 % of both does not exist."""
-    with chdir(tmp_path):
-        found = load_body(study(tmp_path, wamit(), hydro={"repair": ["positive_damping"], "omega_max": 3.0}))
-        plan = BodyPlan(found.study, files=found.files)
-        make(plan, [plan.database_path])
-        with pytest.raises(ConvergenceError, match=r"the radiation state space reaches an error of .* needs 0.02"):
-            make(plan, [plan.radiation_path])
 
 
 def test_repaired_capytaine_file_gives_the_power_of_wamits(tmp_path, monkeypatch, rm3):

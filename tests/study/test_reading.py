@@ -76,7 +76,7 @@ def test_file_that_is_no_text(tmp_path):
 
 
 def test_folder_in_place_of_a_file(tmp_path):
-    with pytest.raises(ConfigError, match=r"cannot be read \(Is a directory\); give the path of a study file"):
+    with pytest.raises(ConfigError, match=r"cannot be read \(it is no regular file\); give the path of a study file"):
         config.load(tmp_path)
 
 

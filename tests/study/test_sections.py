@@ -48,7 +48,7 @@ BAD = [
     (("modes", "degree"), True, r"modes.degree: received True; a number is needed, not true/false"),
     (("modes", "degree"), 91, r"modes.degree: received 91; needs a number of at most 90"),
     (("hydro", "rows"), False, r"hydro.rows: received False; a number is needed"),
-    (("hydro", "tolerance"), 1.0, r"hydro.tolerance: received 1.0; needs a number of at most 0.1"),
+    (("hydro", "tolerance"), 1.0, r"hydro.tolerance: received 1.0; needs a number of at most 0.02"),
     (("designs",), {"A": {"clamp": [10, -1]}}, r"designs.A.clamp.1: received -1; needs a number of at least 0"),
     (("designs",), {"A B": {}}, r"designs.A B: received 'A B'; needs letters, digits and _"),
     (("waves",), [{"kind": "white_noise", "hs": 1, "band": [2.0, 20.0]}], r"waves.0.band .*needs at most hydro.omega_max = 12"),

@@ -54,6 +54,10 @@ ADVICE = {
         "finer coefficients: lower hydro.tolerance, or finer panels",
     ),
     **dict.fromkeys(
+        ("phases", "displaced_volume", "parts", "trim", "added_mass_limits"),
+        "the file that was read, as the check's line says",
+    ),
+    **dict.fromkeys(
         ("long_waves", "haskind_scale", "haskind_long_waves"), "length, gravity and depth of the file that was read"
     ),
 }  # fmt: skip

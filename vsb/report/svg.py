@@ -171,7 +171,7 @@ def _compact(text: str, figure: Figure, name: str) -> str:
     root.insert(0, sheet)
     width, height = (72 * size for size in figure.get_size_inches())
     looks = {"font-family": FONTS, "stroke-linejoin": "round", "stroke-linecap": "butt"}
-    words = {"role": "img", "aria-label": in_words(figure)}
+    words = {"role": "img", "aria-label": in_words(figure) or f"{name.replace('_', ' ')}: nothing to show"}
     size = {"width": f"{width:.4g}pt", "height": f"{height:.4g}pt", "viewBox": f"0 0 {width:.4g} {height:.4g}"}
     root.attrib = {**size, **looks, **words}
     return ET.tostring(root, encoding="unicode")

@@ -68,7 +68,7 @@ def sweep_point(spec: CampaignSpec, index: int, root: str) -> Point | None:
     if (viable := viability(one.study).viable) is None:
         return None
     study, reference = viable
-    return Point(study, reference, swept_shape(study, reference.basis, root))
+    return Point(study, reference, swept_shape(one.study, reference.basis, root))
 
 
 def _point(

@@ -75,10 +75,10 @@ def _run(plan: AnyPlan, some: Sequence[Job], stale: Collection[str] = ()) -> Non
     for job in some:
         with shared_lock(plan.root, filter(plan.is_shared, job.makes)):
             if not all(Path(path).exists() and path not in stale for path in job.makes):  # made meanwhile, by another
-                _work(job)
+                work(job)
 
 
-def _work(job: Job) -> None:
+def work(job: Job) -> None:
     """Run the stage of a job on its specification as text, as a rule hands it over."""
     (stage,) = (stage for stage in STAGES if stage.name == job.stage)
     stage.run({**dict.fromkeys(stage.optional), **job.files}, job.text)

@@ -310,9 +310,10 @@ def _causal(wet: xr.Dataset, size: Sizes) -> tuple[list[Check], list[str]]:
     error = np.where(np.outer(exact, exact), error, 0.0)
     error[:, roughly, roughly] = np.where(wider <= LARGEST_UNKNOWN, np.maximum(single - wider, 0.0), 0.0)[:, roughly]
     error = error[:, kept[:, None], kept]
-    text = f"added mass follows from damping; {_where(wet.isel(influenced_dof=kept), error)}"
+    place = f"; {_where(wet.isel(influenced_dof=kept), error)}" if error.any() else ""
+    text = f"added mass follows from damping{place}"
     if (roughly & size.wet).any():
-        text += f"; of {', '.join(names[roughly & size.wet])} only what exceeds the error of band and steps"
+        text += f"; of {', '.join(sorted(names[roughly & size.wet]))} only what exceeds the error of band and steps"
     return [
         check_at_most("kramers_kronig", error.max(), quality.LARGEST_LIMIT_DIFFERENCE, "-", text, doubt=True)
     ], notes
