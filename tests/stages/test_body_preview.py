@@ -17,7 +17,8 @@ from examples import barge
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.files import write_body
-from vsb.stages.body_preview import body_before_run, check_wave
+from vsb.hydro.bodies.study import check_solvable, cost
+from vsb.stages.body_preview import body_before_run, body_summary, check_wave
 from vsb.study.body import BodyStudy, located
 from vsb.study.body_plan import BodyPlan
 from vsb.study.reading import validated
@@ -173,3 +174,18 @@ def test_stroke_limit_needs_a_restrained_port(tmp_path):
     check("Surge", moored=1e3)
     check("Surge", spring=1e3)
     check("Surge", held=[{"Surge": 1.0}])
+
+
+def test_more_panels_than_any_machine_holds_are_refused_and_fewer_cost_what_is_told(tmp_path):
+    """Without symmetry 3200 panels take 642 MB and 6.6 s a frequency in capytaine."""
+    vertices, faces = barge.box(30.0, 10.0, 2.0, 1)
+    plan = of_a_box(tmp_path, vertices, faces, SALT, BOX)
+    (line,) = (line for line in body_summary(plan) if line.startswith("cost"))
+    assert line.startswith(f"cost         {len(faces)} panels: about ")
+    file = plan.study.body.file.model_copy(update={"symmetry": "none"})
+    small, large = (SimpleNamespace(vertices=vertices, faces=np.zeros((n, 4))) for n in (3200, 200_000))
+    assert cost(file, small) == (pytest.approx(0.642, rel=0.1), pytest.approx(6.6, rel=0.1))
+    with pytest.raises(
+        ConfigError, match=r"mesh: received 200000 panels, whose matrices take .* GB; needs at most 256"
+    ):
+        check_solvable(file, large)

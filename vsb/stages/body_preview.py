@@ -8,7 +8,7 @@ import numpy as np
 from vsb.errors import ConfigError, StabilityError
 from vsb.hydro import database, quality
 from vsb.hydro.bodies.files import read_body
-from vsb.hydro.bodies.study import check_solvable, mesh_checks
+from vsb.hydro.bodies.study import check_solvable, cost, mesh_checks
 from vsb.hydro.database import Check
 from vsb.hydro.formats.sources import read_source
 from vsb.hydro.repairs import check_repairable
@@ -121,6 +121,12 @@ def body_summary(plan: BodyPlan) -> list[str]:
         f"{'solved of the mesh' if plan.solves else 'read from ' + plan.files[study.body.kind]}",
         f"database     {plan.database_path}{there}",
     ]
+    if isinstance(file := study.body.file, BodyFile):
+        mesh = read_body(plan.files["mesh"], plan.files["modes"], file.water.gravity)
+        memory, seconds = cost(file, mesh)
+        lines.append(
+            f"cost         {len(mesh.faces)} panels: about {seconds:.2g} s a frequency on one core, {memory:.2g} GB"
+        )
     lines += [part for part in str(body.database.attrs.get("history", "")).split("; ") if part.startswith("left out")]
     doubts = [replace(check, name=f"hydro {check.name}") for check in checks if check.verdict != "ok"]
     told = [*doubts, *ledger.angle_checks(study), *seas_checks(study, body.database)]

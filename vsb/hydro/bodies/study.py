@@ -72,6 +72,8 @@ _SHUT = 1e-6  # below which there are none
 _UNFELT = 0.9  # of the first irregular frequency
 _UNRESOLVED = 2.0  # panels there, below which it fails
 _COARSEST = 4.0  # wavelengths in a panel from which on nothing is solved
+_GIGABYTES, _SECONDS = 6.3e-8, 6.5e-7  # per squared number of panels, of a frequency on one core; with 3200 panels
+_MOST_GIGABYTES = 256.0  # a body may need
 _GROUPS = ("fewer_panels", "radiated_waves")  # of a block's file
 
 
@@ -139,8 +141,8 @@ def check_solvable(study: BodyFile, body: FlexibleBody) -> None:
     Raises
     ------
     ConfigError
-        If the symmetry declared is not the body's, the water is no deeper than its draught, or waves are shorter than
-        its panels.
+        If the symmetry declared is not the body's, the water is no deeper than its draught, waves are shorter than its
+        panels, or there are too many of them.
     """
     if study.symmetry != "auto":
         check_symmetry(body, study.symmetry)
@@ -148,7 +150,20 @@ def check_solvable(study: BodyFile, body: FlexibleBody) -> None:
         raise ConfigError(
             f"water.depth: received {study.water.depth:g} m, needs more than the body's draught of {draught:.6g} m"
         )
+    memory, _ = cost(study, body)
+    if memory > _MOST_GIGABYTES:
+        raise ConfigError(
+            f"mesh: received {len(body.faces)} panels, whose matrices take {memory:.3g} GB; needs at most "
+            f"{_MOST_GIGABYTES:g} GB: fewer panels, or a symmetry"
+        )
     _check_wavelengths(study, body)
+
+
+def cost(study: BodyFile, body: FlexibleBody) -> tuple[float, float]:
+    """Return the memory a frequency takes [GB], and the seconds on one core; planes of symmetry halve both."""
+    planes = SYMMETRIES[detected_symmetry(body) if study.symmetry == "auto" else study.symmetry]
+    size = len(body.faces) ** 2 / 2 ** len(planes)
+    return _GIGABYTES * size, _SECONDS * size
 
 
 def _check_wavelengths(study: BodyFile, body: FlexibleBody) -> None:
