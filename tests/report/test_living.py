@@ -183,7 +183,7 @@ def page(data):
     """A page with nothing but what moves."""
     words = ("study", "published", "source", "dampers")
     lists = (
-        "campaign_report", "tuned", "best_bands", "bands", "seas", "tuning", "tuning_head", "statistics_head", "statistics",
+        "answer", "tuned", "best_bands", "bands", "seas", "tuning", "tuning_head", "statistics_head", "statistics",
         "published_head", "warnings", "sketches", "figures", "checks", "passed",
     )  # fmt: skip
     values = dict.fromkeys(words, "") | {name: [] for name in lists}
