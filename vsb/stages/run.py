@@ -320,15 +320,15 @@ def _told_to_end(number: int, _: object) -> NoReturn:
 
 def _end(pid: int) -> None:
     """Kill a process and all that it started: files are written whole or not at all, so nothing is lost."""
-    tree: list[psutil.Process] = []
+    tree: dict[int, psutil.Process] = {}  # by pid: a clock that is set meanwhile changes when psutil says they began
     with contextlib.suppress(psutil.NoSuchProcess):
         root = psutil.Process(pid)
-        while new := [one for one in (root, *root.children(recursive=True)) if one not in tree]:
+        while new := [one for one in (root, *root.children(recursive=True)) if one.pid not in tree]:
             for one in new:  # stopped, so that they start nothing more
+                tree[one.pid] = one
                 with contextlib.suppress(psutil.NoSuchProcess):
                     one.suspend()
-            tree += new
-    for one in tree:
+    for one in tree.values():
         with contextlib.suppress(psutil.NoSuchProcess):
             one.kill()
 
