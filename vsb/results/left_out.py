@@ -92,8 +92,9 @@ def gain_of_year(
 
     Notes
     -----
-    With the full basis lower degrees of it are compared, in the water that is there; see `further`. With another basis,
-    or too few modes for that, powers of ascending degrees of the full basis are computed as in `modes_left_out`.
+    With the full basis lower degrees of it are compared, in the water given; see `further`. About an equilibrium each
+    degree has its own shape at rest and water, since the rigid design depends on them, too. With another basis, or too
+    few modes for that, powers of ascending degrees of the full basis are computed as in `modes_left_out`.
     """
     designs, rigid = list(study.designs), study.reference_design
     at = designs.index(rigid or "")

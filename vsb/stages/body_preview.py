@@ -72,7 +72,7 @@ def checked_body(plan: BodyPlan) -> tuple[LinearBody, list[Check]]:
     if moving and not plan.solves:
         seas = [(wave, study_sea(study, wave, body.database)) for wave in moving]
         for design in floating.motions:
-            port_in_seas(floating, design, seas)  # which refuses ports that give out energy where the seas are
+            port_in_seas(floating, design, seas)  # raises if the port is not passive where the seas are
     return body, checks
 
 

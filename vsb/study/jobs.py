@@ -30,7 +30,7 @@ class Job:
     files: Mapping[str, str]  # by option of its command
     makes: tuple[str, ...]
     needs: tuple[str, ...] = ()
-    name: str = ""  # part of the name of the only file it makes, which tells it from other jobs of its stage, if any
+    name: str = ""  # part of the path of the only file it makes, where a stage may have several jobs
     megabytes: int = 1000
     minutes: int = 30
 
@@ -62,7 +62,10 @@ class Rule:
     def makes(self) -> list[str]:
         """Files it makes."""
         name, job = next(iter(self.jobs.items()))
-        return [job.makes[0].replace(name, "{job}")] if name else list(job.makes)
+        if not name:
+            return list(job.makes)
+        folder, _, ending = job.makes[0].rpartition(name)  # the folder of the study may be called as a job is
+        return [f"{folder}{{job}}{ending}"]
 
     def record(self, kind: str) -> str:
         """Return the name of a record of a job: `logs` or `benchmarks`."""
