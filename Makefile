@@ -1,10 +1,11 @@
 # Two commands do everything: `make study` (the example and its year, or CONFIG=...), `make test`.
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 CONFIG ?= config/buoy.yaml config/year.yaml
+MARKS ?= not slow
 BIN := .venv/bin
 READY := .venv/.installed
 
-.PHONY: verification study benchmark barge hard-cases torture cluster-test test lint unit format docs links container lock docs-lock clean help
+.PHONY: verification study benchmark barge hard-cases torture cluster-test test test-all lint unit format docs links container lock docs-lock clean help
 
 study: $(READY) ## run the example study and its year, or others: make study [CONFIG=config/seed.yaml]
 	@for one in $(CONFIG); do $(BIN)/vsb run $$one || exit; done
@@ -27,8 +28,11 @@ torture: $(READY) ## a thousand random studies and 700 damaged results: refused 
 cluster-test: .venv-cluster/.installed ## a campaign on a real Slurm of one node, killed and resumed (Debian: slurm-wlm, munge)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" .venv-cluster/bin/python -m benchmarks cluster results/cluster
 
-test: $(READY) ## style, types, workflow lint, and all tests
+test: $(READY) ## style, types, workflow lint, and the quick tests
 	@$(MAKE) --no-print-directory --jobs=2 lint unit
+
+test-all: $(READY) ## style, types, workflow lint, and all tests, the slow ones too
+	@$(MAKE) --no-print-directory --jobs=2 lint unit MARKS="slow or not slow"
 
 verification: $(READY) ## every capability against computations that share nothing with the package, see docs/verification.md: five minutes
 	@PATH="$(CURDIR)/$(BIN):$$PATH" OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -q -n 2 --dist loadfile -o addopts="--import-mode=importlib" tests/verification
@@ -41,7 +45,7 @@ lint: $(READY)
 	@PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/snakemake --lint
 
 unit: $(READY)
-	@PATH="$(CURDIR)/$(BIN):$$PATH" OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder
+	@PATH="$(CURDIR)/$(BIN):$$PATH" OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder -m "$(MARKS)"
 
 format: $(READY) ## put the code in its standard form
 	@$(BIN)/ruff check --fix .
