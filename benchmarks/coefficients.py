@@ -32,9 +32,9 @@ from vsb.hydro.panels.mesh import mean_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.shell.deformed import rigid_sphere
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.tables import svg_text
-from vsb.tools.units import FloatArray
 
 COLUMNS = (
     "method", "setting", "unknowns", "error", "error_added_mass", "error_damping", "error_excitation", "seconds",

@@ -16,8 +16,8 @@ from scipy.linalg import block_diag
 
 from benchmarks.measure import Row
 from vsb.motion.system import Remainder, System, remainder
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
-from vsb.tools.units import ComplexArray, FloatArray
 
 try:
     from sksundae.cvode import CVODE

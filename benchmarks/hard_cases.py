@@ -43,9 +43,9 @@ from vsb.study.device import Device
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
 from vsb.study.study import Study, parse
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.tables import csv_text
-from vsb.tools.units import FloatArray
 
 Outcome = Literal["completed", "refused", "not finite", "traceback"]
 Verdict = Literal["ok", "doubt", "wrong"]

@@ -22,9 +22,9 @@ from vsb.motion.system import System
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import Study
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.tables import svg_text
-from vsb.tools.units import FloatArray
 
 COLUMNS = (
     "table", "case", "method", "setting", "error", "error_energy", "seconds", "steps", "evaluations", "order",

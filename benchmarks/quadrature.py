@@ -19,7 +19,7 @@ from vsb.motion.wetted import WetShell
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.shell.deformed import DeformedShell, Meridian
 from vsb.study.study import RegularWave, Study
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 DISCS = (10, 32, 100, 316, 1000, 3162, 10_000, 31_623, 100_000)
 POINTS = (4, 6, 8, 10, 12, 16, 20, 24, 30, 40, 60)

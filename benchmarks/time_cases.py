@@ -28,7 +28,7 @@ from vsb.motion.system import System
 from vsb.scenes.build import SCENES, DesignInSea
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, parse
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 CONVOLUTION, STEPS = "convolution", "structure-preserving"
 REGULAR, IRREGULAR = "regular wave", "irregular sea"

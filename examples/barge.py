@@ -33,9 +33,9 @@ from vsb.study.quantities import Count, Finite, NonNegative, Number, Positive, S
 from vsb.study.reading import validated
 from vsb.study.sections import Water
 from vsb.study.study import canonical
+from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.files import load, write_text
 from vsb.tools.tables import csv_text, svg_text
-from vsb.tools.units import FloatArray, IntArray
 
 GRADING = 0.5
 """Between equal panels (0) and cosine spacing (1), whose panels at the edges shrink with the square of the number."""

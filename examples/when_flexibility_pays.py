@@ -26,9 +26,9 @@ from vsb.motion.port import Port, port_direction
 from vsb.scenes.floating_system import linear_buoy
 from vsb.scenes.rest import computed_buckling, design_motions, reference_shell
 from vsb.study.study import Study, load, parse
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.tables import csv_text, svg_text
-from vsb.tools.units import FloatArray
 from vsb.waves.seas import Sea, sea
 
 PERIODS = (2.0, 2.4, 2.7, 3.0, 3.3, 3.6, 4.0, 4.5, 5.0, 6.0, 7.0, 8.0)

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import assoc_legendre_p, j0, j1, jv
 
 from vsb.shell.legendre import legendre
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 
 def legendre_function(degree: int, order: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:

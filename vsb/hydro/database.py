@@ -13,8 +13,9 @@ from vsb.errors import DatabaseError
 from vsb.hydro.dofs import Displacement, displacements
 from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load, locked, save, write_text
-from vsb.tools.units import PAIR, FloatArray
+from vsb.tools.units import PAIR
 
 Verdict = Literal["ok", "doubt", "fail", "accepted"]
 SWEEP = "sweep"

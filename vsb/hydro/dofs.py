@@ -13,7 +13,7 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.hydro.azimuthal import legendre_function
 from vsb.study.quantities import is_rigid
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 Kind = Literal["radial", "meridional", "surge", "heave", "pitch"]
 _ORDER = {"surge": 1, "heave": 0, "pitch": 1}

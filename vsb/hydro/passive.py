@@ -23,8 +23,8 @@ from vsb.errors import ConvergenceError, DatabaseError, StabilityError
 from vsb.hydro.passivity import least_damping
 from vsb.hydro.realisation import Balanced, StateSpace, rational_fit
 from vsb.hydro.statespace import UNUSABLE, RadiationModel, partial_fractions, truncated
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.least_squares import levenberg_marquardt
-from vsb.tools.units import ComplexArray, FloatArray, IntArray
 
 Limit = Literal["given", "fitted"]
 POLES = (4, 6, 8, 10, 12, 14, 16, 20, 24, 30)

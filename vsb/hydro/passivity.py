@@ -15,7 +15,7 @@ import numpy as np
 
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.hydro.realisation import StateSpace
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 LEVEL = 1e-8
 """Negative damping, in terms of the largest |K|, up to which no proof goes: round-off of the Hamiltonian matrix."""

@@ -16,7 +16,7 @@ from vsb.hydro.database import Check, check_at_most
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.sweep import joined
 from vsb.study.sections import Water
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 LARGEST_LIMIT_DIFFERENCE = 0.02

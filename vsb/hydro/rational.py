@@ -19,7 +19,7 @@ import numpy as np
 from scipy.linalg import eigvals
 
 from vsb.errors import ConvergenceError
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 _COLUMNS = 12
 """Combinations of columns the weights are found from; the values of all are interpolated."""

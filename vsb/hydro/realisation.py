@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import eigh, solve_continuous_lyapunov
 
 from vsb.hydro.statespace import partial_fractions, vector_fit
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 _COLUMNS = 24  # combinations of entries the poles are found from
 

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import exp1
 
 from vsb.errors import DatabaseError
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 _NODE, _WEIGHT = np.polynomial.legendre.leggauss(8)
 _TAIL_NODE, _TAIL_WEIGHT = np.polynomial.legendre.leggauss(24)

@@ -17,7 +17,7 @@ from scipy.optimize import least_squares
 
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.hydro.retardation import DampingSpectrum
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 ORDERS = (6, 10, 14, 18, 22)
 UNUSABLE = 0.02

@@ -17,7 +17,7 @@ from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
 from vsb.hydro.rational import Rational, Settled, settled
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 FIRST_SOLVES = 7
 """Frequencies solved before any interpolation."""

@@ -19,7 +19,7 @@ import numpy as np
 from vsb.integrators.exact import series
 from vsb.motion.motion import Motion
 from vsb.motion.system import EXCITING, System
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 TERMS = ("wave", "pto", "radiated", "structural", "stored")
 """Of every run; see `terms`."""

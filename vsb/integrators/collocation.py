@@ -21,7 +21,7 @@ from vsb.errors import ConvergenceError
 from vsb.integrators.phi import lagrange, phi_integrals
 from vsb.motion.motion import Motion
 from vsb.motion.system import System
-from vsb.tools.units import FloatArray, IntArray
+from vsb.tools.arrays import FloatArray, IntArray
 
 NODES = 5
 PARTS = 8

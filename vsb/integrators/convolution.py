@@ -7,7 +7,7 @@ import numpy as np
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.motion.motion import Motion
 from vsb.motion.system import System
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 def convolve(

@@ -21,8 +21,8 @@ import numpy as np
 from vsb.errors import ConvergenceError
 from vsb.motion.motion import Motion
 from vsb.motion.system import Remainder, System, remainder
+from vsb.tools.arrays import FloatArray
 from vsb.tools.compiled import njit
-from vsb.tools.units import FloatArray
 
 NODES = 4
 FINEST = 10

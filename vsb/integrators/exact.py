@@ -8,7 +8,7 @@ from scipy.linalg import block_diag
 from vsb.errors import StabilityError
 from vsb.motion.motion import Motion
 from vsb.motion.system import System
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.superposition import superposed
 
 SERIES = 16  # terms of exp(X), |X| <= 1/2

@@ -29,7 +29,7 @@ from vsb.integrators.exponential_steps import (
 from vsb.integrators.phi import PhiIntegrals, doubled, is_small, phi_integrals
 from vsb.motion.motion import Motion
 from vsb.motion.system import Remainder, System, remainder
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 class Run(NamedTuple):

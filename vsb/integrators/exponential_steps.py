@@ -15,8 +15,8 @@ from scipy.special import comb
 
 from vsb.integrators.phi import PhiIntegrals, lagrange
 from vsb.motion.system import Remainder, remainder
+from vsb.tools.arrays import FloatArray
 from vsb.tools.compiled import njit
-from vsb.tools.units import FloatArray
 
 PAST = 5
 """Past values of n that predict; more, with one evaluation a step, are unstable with shell modes."""

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from vsb.errors import ConvergenceError
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 NODES = 5
 """Instants of a step."""

@@ -21,7 +21,7 @@ from vsb.integrators.exact import steady_state
 from vsb.integrators.floquet import harmonics_of, hill_matrix, largest, multipliers, phases
 from vsb.integrators.regular_wave import PeriodicScene, Transfer, regular_frequency
 from vsb.motion.system import EXCITING, System
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 COUPLED, HIGHEST = 16, 1024
 """Harmonics Newton's method couples and starts with, the most there may be."""

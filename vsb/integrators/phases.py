@@ -18,7 +18,7 @@ from scipy.linalg import eigh
 
 from vsb.integrators.exact import SERIES, steady_state, transition
 from vsb.motion.system import System
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.superposition import superposed
 
 AHEAD = 128

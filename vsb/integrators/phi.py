@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 _SMALL, _TERMS = 0.5, 16  # 0.5^16/16! is below round-off
 

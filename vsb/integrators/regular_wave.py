@@ -15,7 +15,7 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.integrators.floquet import harmonics_of, largest, synthesized
 from vsb.motion.system import System
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 Transfer = Callable[[FloatArray], ComplexArray]
 """Radiation K(i w) = B + i w (A - A(infinity)), shape (omega, dof, dof) [kg/s], at any w > 0."""

@@ -8,7 +8,7 @@ from vsb.errors import ConvergenceError
 from vsb.integrators.regular_wave import regular_frequency
 from vsb.integrators.switching import EXACT, Switching
 from vsb.motion.system import System
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 RECORDED = 16
 """Instants of a period; the lookout is finer where it must be."""

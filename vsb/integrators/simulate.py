@@ -20,7 +20,7 @@ from vsb.motion.motion import Motion
 from vsb.motion.system import System
 from vsb.study.resolution import LEG, RECORDS_PER_PERIOD, thinning
 from vsb.study.study import Simulation
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea
 
 EXACT = "exact propagation"

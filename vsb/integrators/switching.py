@@ -22,7 +22,7 @@ from vsb.integrators.wet_phases import WetPhase
 from vsb.integrators.works import TERMS, Load, Piece, account
 from vsb.motion.motion import Motion, joined
 from vsb.motion.system import EndStop, System, TakeOff
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 RESOLVED = 0.25
 """Of a radian: how far apart the instants of the lookout are at most, for the fastest motion the port feels."""

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.tools.units import BoolArray, FloatArray
+from vsb.tools.arrays import BoolArray, FloatArray
 
 SOON = 2.0**-20
 """Part of a span after which a guard that has just vanished shows, above round-off, which way it goes."""

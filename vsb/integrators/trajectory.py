@@ -9,7 +9,7 @@ import xarray as xr
 from vsb.integrators.audit import Balance, terms
 from vsb.motion.motion import Motion
 from vsb.motion.system import System
-from vsb.tools.units import BoolArray, FloatArray, IntArray
+from vsb.tools.arrays import BoolArray, FloatArray, IntArray
 from vsb.waves.seas import Sea
 
 

@@ -20,7 +20,7 @@ from vsb.integrators.energy_preserving import STALLED, Step, added, settled
 from vsb.integrators.exact import transition
 from vsb.integrators.phases import Phase
 from vsb.motion.system import Remainder
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 NODES = 5
 PROBE = 0.375

@@ -15,7 +15,7 @@ import numpy as np
 
 from vsb.integrators.phases import Phase
 from vsb.motion.system import System
-from vsb.tools.units import BoolArray, FloatArray
+from vsb.tools.arrays import BoolArray, FloatArray
 from vsb.waves.superposition import superposed
 
 TERMS = ("wave", "pto", "structural", "radiated")

@@ -26,7 +26,8 @@ from vsb.motion.frequency import LinearMotion
 from vsb.motion.pto import LinearPto
 from vsb.motion.scene import Scene
 from vsb.study.quantities import motion_of
-from vsb.tools.units import PAIR, FloatArray
+from vsb.tools.arrays import FloatArray
+from vsb.tools.units import PAIR
 from vsb.waves.seas import Sea
 
 _SAME_DIRECTION = 1e-6  # [rad]

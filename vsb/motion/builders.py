@@ -26,7 +26,7 @@ from vsb.motion.scene import Scene, resting
 from vsb.motion.shaped import wet_shell
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.reference import ReferenceShell
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea
 
 

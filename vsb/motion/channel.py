@@ -7,7 +7,7 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import binary_dilation
 
-from vsb.tools.units import ComplexArray, FloatArray, IntArray
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 _BESIDE = 2
 """Frequencies to either side of a damping below zero that say nothing of the waves made."""

@@ -9,7 +9,7 @@ from vsb.hydro.database import ESTIMATE, stored_checks
 from vsb.hydro.orders import order_groups
 from vsb.motion.frequency import LinearBuoy, LinearMotion
 from vsb.motion.sensitivity import CoefficientError
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 UNSTATED = 0.01

@@ -25,7 +25,7 @@ from vsb.errors import ConvergenceError, StabilityError
 from vsb.motion.force_bound import NODES, ForceBound, Limits, add_weighted, force_bound
 from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.seas import Sea
 
 BETWEEN = 8

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.motion.port import Port
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 STEP = 0.05
 """Step of the logarithm of the dampers of a table: fine enough to miss no maximum, see `vsb.motion.tuning.LOG_STEP`."""

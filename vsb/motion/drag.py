@@ -25,7 +25,7 @@ from vsb.errors import ConvergenceError
 from vsb.motion.frequency import LinearMotion
 from vsb.motion.port import Port
 from vsb.motion.tuning import MARGIN, Load, best_dampers, best_pairs, climbed, electrical_power
-from vsb.tools.units import ComplexArray, FloatArray, IntArray
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 REGULAR, GAUSSIAN = 8 / (3 * np.pi), np.sqrt(8 / np.pi)
 """Linear damping over drag coefficient and amplitude of u, or over its standard deviation."""

@@ -25,8 +25,8 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
 from vsb.motion.harmonics import Harmonics
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
-from vsb.tools.units import ComplexArray, FloatArray
 
 NODES = 4
 """Nodes per instant of collocation."""

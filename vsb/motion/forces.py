@@ -13,7 +13,7 @@ import numpy as np
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.froude_krylov import Incident, wave_forces
 from vsb.motion.wetted import WetShell
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.superposition import superposed
 
 EXCITING = ("excitation", "froude_krylov", "diffraction")

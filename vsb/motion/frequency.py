@@ -20,7 +20,7 @@ from vsb.motion.channel import Channel
 from vsb.motion.held import drifting_motions, softest
 from vsb.motion.port import ROUND_OFF, Port
 from vsb.motion.pto import LinearPto
-from vsb.tools.units import ComplexArray, FloatArray, IntArray
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 FASTEST = 1e9
 """Frequency [rad/s] beyond which nothing that has inertia swings."""

@@ -28,8 +28,8 @@ from vsb.motion.wetted import (
     values,
     wet_intervals,
 )
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
-from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.dispersion import wavenumber
 from vsb.waves.seas import Sea
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.fft import fft, ifft, next_fast_len
 
 from vsb.errors import ConfigError
-from vsb.tools.units import ComplexArray, FloatArray, IntArray
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 POINTS_PER_WAVE = 4
 """Instants of collocation in the shortest period."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import eigh, null_space
 
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 SLIDING = ("Surge", "Sway", "Yaw")
 """Rigid motions that neither water nor shell holds; a mooring may."""

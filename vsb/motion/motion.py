@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.orders import OrderBasis
 from vsb.study.take_off import BetweenPort, DofPort, LinePort, PortChoice, ShellPort
-from vsb.tools.units import ComplexArray, FloatArray, IntArray
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 _ROUND_OFF = 1e-6
 """Of |Y|: what errors of coefficients leave of Re Y where a port hardly radiates."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vsb.errors import ConfigError
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from vsb.motion.forces import ConstantForce, Excitation, Force, Linear, SpringDa
 from vsb.motion.held import drifting_motions
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.shell.deformed import DeformedShell
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 @dataclass(frozen=True)

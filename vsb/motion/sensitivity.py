@@ -12,7 +12,7 @@ import numpy as np
 
 from vsb.hydro.coefficients import Coefficients
 from vsb.motion.port import Port
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 
 class CoefficientError(NamedTuple):

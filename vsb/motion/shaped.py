@@ -14,7 +14,7 @@ from vsb.motion.wetted import Shape, WetShell
 from vsb.shell.mode import Mode
 from vsb.shell.modes import ModeBasis
 from vsb.study.meridian import RestMeridian
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 def wet_shell(basis: ModeBasis, centre_height: float) -> WetShell:

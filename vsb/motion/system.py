@@ -22,8 +22,8 @@ from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.take_off import EndStop, TakeOff
 from vsb.motion.wetted import Shape, wet_force
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
-from vsb.tools.units import ComplexArray, FloatArray
 from vsb.waves.seas import NO_WAVES
 from vsb.waves.superposition import superposed
 

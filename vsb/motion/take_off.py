@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vsb.motion.forces import Force, Linear
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.motion.port import Port
-from vsb.tools.units import BoolArray, FloatArray, IntArray
+from vsb.tools.arrays import BoolArray, FloatArray, IntArray
 from vsb.waves.seas import Sea
 
 LOG_STEP = 0.1

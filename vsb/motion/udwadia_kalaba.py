@@ -15,7 +15,7 @@ from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.shell.modes import check_rank
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 @dataclass(frozen=True)

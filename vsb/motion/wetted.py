@@ -18,8 +18,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from vsb.shell.modes import ModeBasis
+from vsb.tools.arrays import FloatArray
 from vsb.tools.compiled import njit
-from vsb.tools.units import FloatArray
 
 REORDERED = {"reassoc", "contract", "nsz"}
 """What the compiler may do to sums: add in any order, fuse; never assume that there are no NaN."""

@@ -8,7 +8,7 @@ import xarray as xr
 
 from vsb.report.living import as_script, packed
 from vsb.study.study import Water
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.dispersion import wavenumber
 from vsb.waves.seas import Sea
 from vsb.waves.superposition import superposed

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import xarray as xr
 
-from vsb.tools.units import BoolArray, FloatArray
+from vsb.tools.arrays import BoolArray, FloatArray
 
 LOWEST = 0.3
 """Least frequency shown, of waves of 21 s [rad/s]: longer ones are not seas."""

@@ -17,7 +17,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.tools.words import plain
 
 WIDTH = 6.3

@@ -18,7 +18,7 @@ from vsb.motion.port import Port
 from vsb.report.canvas import style
 from vsb.results.bins import bins_of
 from vsb.results.year import band_weights
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import YEAR_HOURS, Climate
 
 if TYPE_CHECKING:

@@ -27,7 +27,7 @@ from vsb.report.tuned import (
     tuning_table,
 )
 from vsb.study.take_off import at_port
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.tools.words import multiple, plain, power, the_rigid
 
 MEASURES = (

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vsb.report.canvas import StudyData, grid_of_axes, legend_above, period_axis
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
 
 LEAST = 0.01

@@ -12,7 +12,7 @@ from vsb.hydro.dofs import flexible
 from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style
 from vsb.shell.orders import goes_with_sine
 from vsb.study.quantities import RIGID
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 def mode_shapes(data: StudyData) -> Figure:

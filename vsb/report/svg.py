@@ -17,9 +17,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vsb.study.results_plan import FIGURE_KINDS
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import atomic_write
 from vsb.tools.tables import csv_text, svg_text
-from vsb.tools.units import FloatArray
 from vsb.tools.words import plain
 
 SVG, XLINK = "{http://www.w3.org/2000/svg}", "{http://www.w3.org/1999/xlink}"

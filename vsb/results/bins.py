@@ -5,7 +5,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from vsb.tools.units import FloatArray, IntArray
+from vsb.tools.arrays import FloatArray, IntArray
 from vsb.waves.climate import Climate
 
 HEIGHT = 0.5

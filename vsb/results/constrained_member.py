@@ -19,7 +19,7 @@ from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.study.study import Study
 from vsb.study.year_options import CONSTRAINED
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import YEAR_HOURS, Climate
 
 KEPT = 32

@@ -22,7 +22,7 @@ from vsb.motion.port import Port
 from vsb.results.bins import Bins, bins_of
 from vsb.results.verification import half_width
 from vsb.study.study import Water
-from vsb.tools.units import BoolArray, ComplexArray, FloatArray, IntArray
+from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from vsb.waves.climate import OUTSIDE, Climate
 
 SECONDS_PER_CUBE = 4e-9

@@ -12,7 +12,7 @@ from vsb.results.year import DesignYear, Tuning, Year, best_for_all, gain_percen
 from vsb.scenes.ports import InWaves
 from vsb.scenes.viability import with_designs
 from vsb.study.study import Study
-from vsb.tools.units import AnyArray, FloatArray
+from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.waves.climate import Climate
 
 Values = Mapping[str, tuple[tuple[str, ...], AnyArray]]

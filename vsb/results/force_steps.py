@@ -17,7 +17,7 @@ from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers
 from vsb.results.constrained_year import SECONDS_AT_LEAST, SECONDS_PER_CUBE
 from vsb.study.study import Irregular, IrregularSea, RegularWave
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea, regular, spectrum
 
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)

@@ -20,7 +20,7 @@ from vsb.scenes.take_off import with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import Simulation
 from vsb.study.take_off import Pto
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea
 
 Model = Literal["linear", "body_exact"]

@@ -32,8 +32,8 @@ from vsb.scenes.floating_system import (
 from vsb.study.body_specs import BodyLadderSpec
 from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater, Wave
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.tables import csv_text
-from vsb.tools.units import ComplexArray, FloatArray, IntArray
 from vsb.waves.seas import Sea, expected
 from vsb.waves.superposition import superposed
 

@@ -21,7 +21,7 @@ from vsb.shell.reference import ReferenceShell
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import LadderSpec
 from vsb.study.study import Study, Wave
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea
 

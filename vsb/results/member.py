@@ -17,7 +17,7 @@ from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.study.study import Study
 from vsb.study.year_options import CONSTRAINED, Tunings
-from vsb.tools.units import AnyArray, FloatArray
+from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.waves.climate import Climate
 
 Labels = dict[str, list[str]]

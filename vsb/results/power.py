@@ -12,7 +12,7 @@ from vsb.motion.bodies import direction_index
 from vsb.scenes.build import TUNED
 from vsb.study.base_study import BaseStudy
 from vsb.study.study import RegularWave, StillWater, Water, Wave
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.dispersion import group_velocity
 from vsb.waves.seas import Sea
 

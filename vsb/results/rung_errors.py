@@ -12,7 +12,7 @@ from vsb.motion.sensitivity import CoefficientError, Sensitivity, sensitivity
 from vsb.results.budget import Budget, Source
 from vsb.scenes.floating_system import FloatingSystem, heading
 from vsb.study.study import Wave
-from vsb.tools.units import ComplexArray
+from vsb.tools.arrays import ComplexArray
 from vsb.waves.seas import Sea
 
 MODES = "modes left out"

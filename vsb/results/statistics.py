@@ -20,8 +20,8 @@ from vsb.results.power import apart, in_direction, power_response, velocity_resp
 from vsb.scenes.drag import LINEARISED
 from vsb.study.base_study import BaseStudy
 from vsb.study.study import Irregular, IrregularSea, Study
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
-from vsb.tools.units import ComplexArray, FloatArray
 from vsb.tools.words import plain
 from vsb.waves.seas import Sea
 from vsb.waves.superposition import superposed

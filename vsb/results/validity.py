@@ -9,7 +9,7 @@ import numpy as np
 from vsb.results.year import Year, band_weights
 from vsb.scenes.ports import InWaves
 from vsb.study.study import Water
-from vsb.tools.units import BoolArray, ComplexArray, FloatArray
+from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 from vsb.waves.climate import Climate
 from vsb.waves.dispersion import wavenumber
 

@@ -25,7 +25,7 @@ from vsb.motion.port import Port
 from vsb.results.statistics import Estimate, linear_batches, student
 from vsb.results.year import Year
 from vsb.study.study import Simulation
-from vsb.tools.units import FloatArray, IntArray
+from vsb.tools.arrays import FloatArray, IntArray
 from vsb.waves.seas import Sea
 
 FEWEST = 4

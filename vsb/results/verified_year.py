@@ -10,7 +10,7 @@ from vsb.results.campaign import GAIN, POWER
 from vsb.results.statistics import Estimate
 from vsb.results.verification import Verification
 from vsb.results.year import Year
-from vsb.tools.units import AnyArray, FloatArray
+from vsb.tools.arrays import AnyArray, FloatArray
 
 
 def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:

@@ -21,7 +21,8 @@ from vsb.motion.port import Port
 from vsb.motion.tuning import best_damper_of_each
 from vsb.results.bins import Bins, bins_of
 from vsb.study.study import Water
-from vsb.tools.units import FloatArray, IntArray, described
+from vsb.tools.arrays import FloatArray, IntArray
+from vsb.tools.units import described
 from vsb.waves.climate import OUTSIDE, YEAR_HOURS, Climate
 from vsb.waves.scatter import climate_of_cells
 

@@ -28,7 +28,7 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis
 from vsb.study.specs import Designed
 from vsb.study.study import Simulation
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea
 
 RIGID = -1

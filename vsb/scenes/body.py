@@ -18,7 +18,8 @@ from vsb.study.body import Body, Matrix, Rows
 from vsb.study.body_file import BodyFile
 from vsb.study.quantities import is_rigid, of_bodies
 from vsb.study.sections import Water
-from vsb.tools.units import PAIR, FloatArray
+from vsb.tools.arrays import FloatArray
+from vsb.tools.units import PAIR
 
 _SAME_WATER = 1e-6
 FEWEST = 4

@@ -39,8 +39,8 @@ from vsb.study.body_specs import BodySimulateSpec
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.specs import SimulateSpec
 from vsb.study.study import RegularWave
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
-from vsb.tools.units import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea, expected, sea
 
 UNFOLLOWED = 1e-3

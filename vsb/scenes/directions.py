@@ -14,7 +14,7 @@ from vsb.shell.reference import ReferenceShell
 from vsb.study.directions import RIGID
 from vsb.study.specs import AtRest, DesignsSpec, RestSpec
 from vsb.study.study import Study
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 def order_bases(study: Study | RestSpec | DesignsSpec, basis: ModeBasis) -> tuple[OrderBasis, ...]:

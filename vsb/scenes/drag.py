@@ -15,7 +15,7 @@ from vsb.scenes.floating_system import FloatingSystem, heading, towards
 from vsb.study.drag import Drag, Vane
 from vsb.study.specs import DraggedSpec
 from vsb.study.study import Wave
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.dispersion import horizontal_velocity, vertical_velocity
 from vsb.waves.seas import Sea
 

@@ -30,7 +30,7 @@ from vsb.study.quantities import is_rigid
 from vsb.study.specs import Driven, LadderSpec, SimulateSpec
 from vsb.study.study import StillWater, Study, Wave
 from vsb.study.take_off import DofPort
-from vsb.tools.units import FloatArray, IntArray
+from vsb.tools.arrays import FloatArray, IntArray
 from vsb.waves.seas import Sea, sea
 
 AnyStudy = Study | BodyStudy

@@ -28,7 +28,7 @@ from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import DegreeSpec, LadderSpec
 from vsb.study.study import RegularWave, StillWater, Study
 from vsb.study.take_off import Pto, ShellPort
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea, expected, sea
 

@@ -22,7 +22,7 @@ from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.study.study import Study, Water
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 POINTS = 13
 """Points of the meridian the shell's motion is told at, both poles and the equator among them."""

@@ -25,7 +25,7 @@ from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.shell.reference import ReferenceShell
 from vsb.study.specs import AtRest, Designed
 from vsb.study.study import Study
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 def study_basis(study: AtRest) -> ModeBasis:

@@ -16,7 +16,7 @@ from vsb.motion.tuning import best_dampers
 from vsb.scenes.floating_system import FloatingSystem, headings, port_in_seas
 from vsb.study.study import Wave
 from vsb.study.take_off import Law, Pto
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea
 
 STIFFER = 100.0

@@ -17,7 +17,7 @@ from vsb.shell.elastic import ElasticShell
 from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.study.study import Study, canonical, parse
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 MODULUS = 1e9
 """Young's modulus buckling is computed at: its load is proportional to it, and results must not depend on the order."""

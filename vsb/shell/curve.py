@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.study.meridian import RestMeridian
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 
 class Curve(NamedTuple):

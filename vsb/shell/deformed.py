@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from vsb.errors import ConfigError
 from vsb.shell.modes import ModeBasis
 from vsb.shell.sphere import Shell
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 class Meridian(NamedTuple):

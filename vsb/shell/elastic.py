@@ -11,7 +11,7 @@ from vsb.shell.deformed import DeformedShell, Meridian, gauss_rule
 from vsb.shell.modes import ModeBasis, bending_block
 from vsb.shell.sphere import Shell
 from vsb.shell.strain import strain_shapes
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 class Tables(NamedTuple):

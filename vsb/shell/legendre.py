@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.special import legendre_p_all
 
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

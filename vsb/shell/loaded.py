@@ -20,7 +20,7 @@ from vsb.shell.modes import ModeBasis
 from vsb.shell.sphere import Shell
 from vsb.shell.strain import strain_shapes
 from vsb.study.study import Device, Gas, Water
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 @dataclass(frozen=True)

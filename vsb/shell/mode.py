@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 from vsb.shell.legendre import legendre
 from vsb.shell.ritz import natural_modes
 from vsb.shell.sphere import Shell
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 @dataclass(frozen=True)

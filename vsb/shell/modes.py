@@ -19,7 +19,7 @@ from vsb.shell.ritz import matrices
 from vsb.shell.sphere import Shell, frequency_parameter
 from vsb.study.sections import Basis
 from vsb.study.study import Device
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 HEAVE = "Heave"
 SAME = 1e-12

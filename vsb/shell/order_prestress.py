@@ -10,7 +10,7 @@ import numpy as np
 from vsb.shell.deformed import gauss_rule
 from vsb.shell.loaded import LoadedShell
 from vsb.shell.orders import OrderBasis
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 def geometric_stiffness(

@@ -35,7 +35,7 @@ from vsb.shell.modes import (
 )
 from vsb.shell.sphere import Shell
 from vsb.study.device import Device
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 RIGID = {False: ("Surge", "Pitch"), True: ("Sway", "Roll")}
 """Rigid motions of order 1 of the even and the odd family, before the modes: amplitudes are metres and radians."""

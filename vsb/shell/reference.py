@@ -7,7 +7,7 @@ import numpy as np
 
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from vsb.shell.curve import bend, curve
 from vsb.shell.legendre import legendre
 from vsb.shell.sphere import Shell
 from vsb.study.meridian import RestMeridian
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 CONVERGED = 1e-11
 """Change of a matrix, in terms of its diagonal, below which more points of quadrature say nothing new.

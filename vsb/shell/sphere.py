@@ -8,7 +8,7 @@ import numpy as np
 from vsb.shell.curve import Curve, curve
 from vsb.study.meridian import RestMeridian, spheroid
 from vsb.study.study import Device
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ import numpy as np
 from vsb.shell.legendre import legendre
 from vsb.shell.modes import ModeBasis
 from vsb.shell.ritz import strains
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 def strain_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -8,7 +8,7 @@ import numpy as np
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
 from vsb.shell.strain import strain_shapes
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 AT_ONCE = 4096
 """Instants at which a surface is drawn at one time: some tens of megabytes."""

@@ -18,7 +18,7 @@ from vsb.results.statistics import families
 from vsb.scenes.floating_system import AnyStudy, FloatingSystem, band, floating_system
 from vsb.scenes.floating_system import towards as headed
 from vsb.study.study import Irregular, IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, StillWater, Study
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.dispersion import group_velocity
 from vsb.waves.seas import components, jonswap_spectrum
 

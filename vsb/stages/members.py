@@ -29,8 +29,8 @@ from vsb.study.plan import StudyPlan
 from vsb.study.specs import MembersSpec
 from vsb.study.study import Study, canonical, content_id
 from vsb.tools import packed
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load, save
-from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate
 
 STATED = ("error_estimate", "interpolation_error")

@@ -15,8 +15,8 @@ from vsb.stages.stage import stamp
 from vsb.study.meridian import RestMeridian
 from vsb.study.specs import ModesSpec
 from vsb.study.study import Study
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
-from vsb.tools.units import FloatArray
 
 COLATITUDES = np.linspace(0.0, np.pi, 181)
 REST = ("rest_radial", "rest_meridional")

@@ -19,8 +19,8 @@ from vsb.study.body_specs import BodyResponseSpec
 from vsb.study.specs import ResponseSpec
 from vsb.study.study import canonical
 from vsb.study.take_off import Pto, turns
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
-from vsb.tools.units import FloatArray
 from vsb.waves.dispersion import power_limit
 
 TAKE_OFF = {True: "best_damping at each frequency", False: "the given damping"}

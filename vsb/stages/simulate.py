@@ -26,8 +26,8 @@ from vsb.study.body_specs import BodySimulateSpec
 from vsb.study.specs import SimulateSpec
 from vsb.study.study import RegularWave, StillWater
 from vsb.study.take_off import turns
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
-from vsb.tools.units import FloatArray
 
 UNSETTLED = 1e-3
 """Relative difference between the powers of late periods above which a motion does not repeat [-]."""

@@ -26,8 +26,8 @@ from vsb.stages.stage import stamp
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import VerificationSpec
 from vsb.study.study import Study
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
-from vsb.tools.units import FloatArray
 from vsb.waves.climate import Climate, realised
 
 

@@ -17,8 +17,9 @@ import numpy as np
 import psutil
 
 from vsb.errors import ConfigError, DatabaseError
+from vsb.tools.arrays import AnyArray
 from vsb.tools.bounded import read_unpacked
-from vsb.tools.units import AnyArray, check_finite, described, merged, separated
+from vsb.tools.units import check_finite, described, merged, separated
 
 if TYPE_CHECKING:
     import xarray as xr

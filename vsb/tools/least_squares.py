@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 _STEPS = 200  # of the least squares
 _ENOUGH = 1e-3  # gain of a step, in terms of what is left, that ends them

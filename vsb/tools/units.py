@@ -1,20 +1,14 @@
 """The one table of variables: name -> dimensions, units, meaning; and datasets with it applied."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from vsb.errors import DatabaseError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-FloatArray = npt.NDArray[np.floating[Any]]
-ComplexArray = npt.NDArray[np.complexfloating[Any, Any]]
-IntArray = npt.NDArray[np.integer[Any]]
-BoolArray = npt.NDArray[np.bool_]
-AnyArray = npt.NDArray[Any]
 PAIR = ("influenced_dof", "radiating_dof")
 """Dimensions of a matrix over the degrees of freedom."""
 

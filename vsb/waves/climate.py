@@ -13,7 +13,7 @@ import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.study.study import Water
-from vsb.tools.units import BoolArray, FloatArray
+from vsb.tools.arrays import BoolArray, FloatArray
 from vsb.waves.dispersion import group_velocity
 from vsb.waves.seas import Sea
 

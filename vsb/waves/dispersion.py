@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 
 def wavenumber(omega: float, depth: float, gravity: float) -> float:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vsb.errors import ConfigError
+from vsb.tools.arrays import FloatArray
 from vsb.tools.bounded import bounded_reading, open_regular
 from vsb.tools.files import read_text
-from vsb.tools.units import FloatArray
 from vsb.waves.climate import PARTIAL, Climate, of_records
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from vsb.errors import ConfigError
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import read_text
-from vsb.tools.units import FloatArray
 from vsb.tools.words import LONGEST, shortened
 from vsb.waves.climate import FAULTY, YEAR_HOURS, Climate, band_edges, impossible
 from vsb.waves.seas import jonswap_spectrum

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vsb.study.study import Irregular, IrregularSea, Jonswap, RegularWave, Wave, WhiteNoise
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.superposition import superposed
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 FEW = 32
 """So many components are summed as they stand."""

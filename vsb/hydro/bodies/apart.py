@@ -7,7 +7,7 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, owners
 from vsb.study.quantities import body_of
-from vsb.tools.units import BoolArray, FloatArray
+from vsb.tools.arrays import BoolArray, FloatArray
 
 _INSIDE = 0.5  # of a full solid angle
 _BEFORE = 1e-3  # of the size of a panel: how far before it there must be water

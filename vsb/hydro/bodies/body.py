@@ -19,7 +19,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.closure import Gaps, check_closed, gaps, panel_edges
 from vsb.hydro.bodies.rigid import Rigid, rigid_motion
 from vsb.study.quantities import RIGID
-from vsb.tools.units import FloatArray, IntArray
+from vsb.tools.arrays import FloatArray, IntArray
 
 PLANES = {"xOz": 1, "yOz": 0}
 """Planes of symmetry and the coordinate each of them changes the sign of."""

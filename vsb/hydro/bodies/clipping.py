@@ -9,7 +9,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import AT_SURFACE, at_centres, at_vertices
 from vsb.hydro.bodies.rigid import displaced, rigid_motion
 from vsb.hydro.panels.rings import immersed_panels
-from vsb.tools.units import BoolArray, FloatArray, IntArray
+from vsb.tools.arrays import BoolArray, FloatArray, IntArray
 
 FLAT = 1e-7
 """Height of a panel, in lengths of the body, that single precision makes of none."""

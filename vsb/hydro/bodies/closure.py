@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from vsb.errors import ConfigError
-from vsb.tools.units import FloatArray, IntArray
+from vsb.tools.arrays import FloatArray, IntArray
 
 _BESIDE = 0.1  # width of a gap, in terms of the longer of its edges
 _TWICE = 2  # panels that run along an edge the same way

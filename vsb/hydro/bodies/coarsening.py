@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from vsb.hydro.bodies.body import PLANES, FlexibleBody, at_centres, owners
-from vsb.tools.units import FloatArray, IntArray
+from vsb.tools.arrays import FloatArray, IntArray
 
 _MOST = 8
 """Panels around a vertex beyond which it is a pole, not a patch's centre."""

@@ -7,7 +7,7 @@ import numpy as np
 from vsb.hydro.bodies.body import FlexibleBody, Triangles, squared_gradients
 from vsb.hydro.bodies.rigid import Rigid
 from vsb.hydro.bodies.turning import Pieces, Sections, TurningMotions, turning_motions
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) -> FloatArray:

@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from vsb.hydro.bodies.body import SAME, FlexibleBody, joined, owners, panel_areas, panel_size
-from vsb.tools.units import FloatArray, IntArray
+from vsb.tools.arrays import FloatArray, IntArray
 
 _NARROW = 0.25  # width of a gap, in terms of draught and beam
 

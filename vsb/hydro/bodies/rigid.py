@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 RIGID_TO = 1e-6
 """Distance of a displacement from a rigid one, relative to the largest: what single precision leaves of it."""

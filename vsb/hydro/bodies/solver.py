@@ -13,7 +13,8 @@ from vsb.hydro.bodies.body import PLANES, SYMMETRIES, FlexibleBody, detected_sym
 from vsb.hydro.bodies.coarsening import coarser_body, coarser_panels
 from vsb.hydro.panels.rings import influence_blocks, panel_mesh
 from vsb.study.study import Water
-from vsb.tools.units import PAIR, ComplexArray, FloatArray, IntArray
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
+from vsb.tools.units import PAIR
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 _WAVE = ("omega", "wave_direction", "influenced_dof")

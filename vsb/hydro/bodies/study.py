@@ -53,9 +53,10 @@ from vsb.study.body_file import PHYSICS, BodyFile
 from vsb.study.canonical import canonical, content_id
 from vsb.study.quantities import ROTATIONS, Section
 from vsb.study.reading import read_yaml, validated
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.files import load, save
 from vsb.tools.stamps import check_output
-from vsb.tools.units import PAIR, ComplexArray, FloatArray, IntArray
+from vsb.tools.units import PAIR
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 Spec = dict[str, Any]

@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 
 from vsb.hydro.bodies.body import LEAST_PANELS, FlexibleBody
 from vsb.hydro.bodies.rigid import RIGID_TO, Rigid, displaced, fitted_motion
-from vsb.tools.units import BoolArray, FloatArray, IntArray
+from vsb.tools.arrays import BoolArray, FloatArray, IntArray
 
 _SEEDS = 60  # panels from which a rigid piece is sought
 _LEAST_SHARE = 0.5  # of the surface in rigid pieces; the rest lies across hinges

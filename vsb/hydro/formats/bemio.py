@@ -38,8 +38,9 @@ from vsb.hydro.formats.modes import (
 )
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import body_of
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.files import atomic_write
-from vsb.tools.units import ATTRS, PAIR, ComplexArray, FloatArray
+from vsb.tools.units import ATTRS, PAIR
 
 _FOLDERS = {"excitation_force": "", "Froude_Krylov_force": "froude-krylov/", "diffraction_force": "scattering/"}
 _WAVES, _BODY, _HYDRO = "/simulation_parameters/", "/body1/properties/", "/body1/hydro_coeffs/"

@@ -13,7 +13,8 @@ import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.modes import WATER, assembled, readable, volume_of
-from vsb.tools.units import ATTRS, BoolArray, FloatArray, merged
+from vsb.tools.arrays import BoolArray, FloatArray
+from vsb.tools.units import ATTRS, merged
 
 _WATER = ("rho", "g", "water_depth")
 _NEEDED = ("added_mass", "radiation_damping", "diffraction_force", "Froude_Krylov_force")

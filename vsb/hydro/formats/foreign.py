@@ -20,7 +20,7 @@ from vsb.hydro.formats.long_waves import lift_check, phase_check, volume_check
 from vsb.hydro.formats.modes import volume_of
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import RIGID, body_of, motion_of, of_bodies
-from vsb.tools.units import BoolArray, FloatArray
+from vsb.tools.arrays import BoolArray, FloatArray
 
 LEAST_SIZE = 0.3
 """Of a mode, in terms of the displaced water moving with it, as for bodies from meshes."""

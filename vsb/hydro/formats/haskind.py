@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.hydro import quality
-from vsb.tools.units import BoolArray, FloatArray
+from vsb.tools.arrays import BoolArray, FloatArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 LARGEST_HASKIND = 0.05

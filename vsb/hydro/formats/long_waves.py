@@ -18,7 +18,7 @@ import xarray as xr
 from vsb.hydro.database import Check, check_at_most
 from vsb.hydro.formats.modes import volume_of
 from vsb.study.quantities import RIGID, body_of, motion_of, of_bodies
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.dispersion import wavenumber
 
 LARGEST_PHASE = 0.2

@@ -19,8 +19,9 @@ import xarray as xr
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.database import transformed
 from vsb.study.quantities import RIGID, ROTATIONS, is_rigid, of_bodies
+from vsb.tools.arrays import FloatArray
 from vsb.tools.bounded import bounded_reading
-from vsb.tools.units import ATTRS, PAIR, FloatArray, check_finite, described
+from vsb.tools.units import ATTRS, PAIR, check_finite, described
 
 GENERALIZED = 7
 """Number of the first generalized mode."""

@@ -36,8 +36,8 @@ from vsb.hydro.formats.modes import (
     structure,
     volume_of,
 )
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.bounded import read_bounded
-from vsb.tools.units import ComplexArray, FloatArray
 
 _FORCES = {"excitation_force": ".3", "Froude_Krylov_force": ".3fk", "diffraction_force": ".3sc"}
 _LIMITS = {"added_mass_zero": -1.0, "added_mass_inf": 0.0}  # by the period that stands for the frequency

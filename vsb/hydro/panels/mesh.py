@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from vsb.shell.deformed import DeformedShell
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import atomic_write
-from vsb.tools.units import FloatArray
 
 DISPLAY_AMPLITUDE = 0.1
 """Modal amplitude of the viewable deformed meshes, in radii or, where less, double drafts: every shape stays wet."""

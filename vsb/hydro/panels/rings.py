@@ -24,9 +24,9 @@ from vsb.hydro.azimuthal import wave_around
 from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities
 from vsb.hydro.sweep import IncidentWave
 from vsb.study.blocks import panel_solver
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.files import CHANGED
 from vsb.tools.stamps import MANIFEST, read_manifest, record, text_fault
-from vsb.tools.units import ComplexArray, FloatArray, IntArray
 from vsb.waves.dispersion import wavenumber
 
 try:

@@ -25,8 +25,8 @@ from scipy.interpolate import CubicSpline
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.shapes.family import COEFFICIENTS, ShapeFamily, haskind_damping, haskind_slope, misfit
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.files import load, save
-from vsb.tools.units import ComplexArray, FloatArray
 
 SAFETY = 3.0
 """The estimate in terms of the largest error measured, for its size."""

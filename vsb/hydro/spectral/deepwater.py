@@ -15,7 +15,7 @@ import numpy as np
 
 from vsb.hydro.azimuthal import bessel
 from vsb.hydro.spectral.meridian import WetMeridian, unit_rule
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 _CUTOFF = 6.0
 """Where the waves' part turns from a quadrature into a Laplace transform, in largest wavenumbers, or inverse radii."""

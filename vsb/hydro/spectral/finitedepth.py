@@ -22,7 +22,7 @@ from scipy.special import jv
 
 from vsb.errors import ConfigError
 from vsb.hydro.spectral.meridian import WetMeridian, unit_rule
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 _NEAREST = 0.01
 """Least clearance under the keel, in drafts: as near as was measured. It takes half again the nodes of deep water."""

@@ -15,7 +15,7 @@ from scipy.special import roots_legendre
 from vsb.hydro.azimuthal import bessel
 from vsb.hydro.spectral.rings import ring
 from vsb.shell.deformed import DeformedShell
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 
 _CROWDING = 3
 """Power of t the distance r from the waterline grows with: r log r becomes t^3 log t. Whole, for a smooth shell."""

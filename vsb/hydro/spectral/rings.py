@@ -8,7 +8,7 @@ the ring a recurrence in m from elliptic integrals is stable, far from it their 
 import numpy as np
 from scipy.special import ellipe, ellipkm1, hyp2f1, poch
 
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 _FAR = 0.75
 """Ratio q below which the series is summed; the recurrence loses a factor q^(-2m) there."""

@@ -25,7 +25,7 @@ from vsb.hydro.spectral.deepwater import WavePart
 from vsb.hydro.spectral.finitedepth import FiniteDepthWavePart, wave_profile
 from vsb.hydro.spectral.meridian import WetMeridian
 from vsb.shell.deformed import DeformedShell
-from vsb.tools.units import ComplexArray, FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 _COARSER = 0.75

@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 
 from vsb.errors import StabilityError
 from vsb.shell.modes import ModeBasis
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 AXIS = np.array([0.0, 0.0, 1.0])  # body axis of symmetry, through the top pole
 NORM_DRIFT = 1e-6  # of a quaternion, still harmless

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from vsb.motion.sixdof.body import State, skew
 from vsb.shell.deformed import DeformedShell, Meridian
 from vsb.shell.modes import ModeBasis
-from vsb.tools.units import FloatArray
+from vsb.tools.arrays import FloatArray
 
 
 class _Tilted(NamedTuple):
