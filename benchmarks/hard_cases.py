@@ -25,15 +25,13 @@ from vsb.hydro.database import load_database
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.audit import energies, residual
-from vsb.integrators.convolution import convolve
-from vsb.integrators.exact import propagate
+from vsb.integrators.exact import convolve, propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.simulate import CONVOLVED, simulate
+from vsb.motion import sixdof as multibody
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.motion import Motion
-from vsb.motion.pto import LinearPto
-from vsb.motion.sixdof import body as multibody
-from vsb.motion.system import System
+from vsb.motion.port import LinearPto
+from vsb.motion.system import Motion, System
 from vsb.motion.udwadia_kalaba import constraint_drift
 from vsb.scenes.build import SCENES
 from vsb.scenes.rest import check_stable, design_motions, reference_shell, study_basis

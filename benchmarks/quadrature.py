@@ -13,7 +13,7 @@ from benchmarks.measure import Row
 from vsb.errors import ConfigError
 from vsb.motion.builders import assumed_pressure_scene
 from vsb.motion.forces import AssumedPressure
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.wetted import WetShell
 from vsb.scenes.rest import design_motions, study_basis

@@ -18,13 +18,12 @@ from benchmarks.measure import Row
 from vsb.errors import VsbError
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
-from vsb.integrators.convolution import convolve
 from vsb.integrators.energy_preserving import fixed_step
+from vsb.integrators.exact import convolve
 from vsb.integrators.exponential import integrate
 from vsb.motion.forces import RadiationMemory
-from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
-from vsb.motion.system import System
+from vsb.motion.system import Motion, System
 from vsb.scenes.build import SCENES, DesignInSea
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, parse

@@ -19,9 +19,8 @@ from benchmarks.hard_cases import hydro_files
 from examples import command
 from vsb.errors import ConfigError
 from vsb.motion.constrained import optimum_in_sea
-from vsb.motion.force_bound import Limits
+from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.harmonics import Harmonics
 from vsb.motion.port import Port, port_direction
 from vsb.scenes.floating_system import linear_buoy
 from vsb.scenes.rest import computed_buckling, design_motions, reference_shell

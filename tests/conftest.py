@@ -24,10 +24,10 @@ from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.spectral import sweep as spectralsweep
 from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.audit import START, energies
-from vsb.integrators.trajectory import Leg, recorded
+from vsb.integrators.simulate import Leg, recorded
 from vsb.motion.forces import Spring
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.scenes.rest import reference_shell, study_basis
 from vsb.stages.mesh import mean_mesh
 from vsb.stages.spectral import spectral_problem

@@ -87,7 +87,7 @@ def test_imports_that_are_reserved_to_one_place():
         assert "capytaine" not in packages or name.startswith("vsb.hydro.panels."), name
         if room == "integrators":
             motion = {one for one in modules(name) if one.startswith("vsb.motion.")}
-            assert motion <= {"vsb.motion.system", "vsb.motion.motion"}, name
+            assert motion <= {"vsb.motion.system"}, name
         if room in ROOMS[1 : ROOMS.index("scenes")] and room != "study":
             assert not own & STUDIES, name
 

@@ -15,8 +15,8 @@ from vsb.hydro.dofs import Displacement
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.exact import propagate
+from vsb.integrators.exponential import phi_integrals
 from vsb.integrators.harmonic_balance import harmonic_balance
-from vsb.integrators.phi import phi_integrals
 from vsb.integrators.simulate import METHODS, Method, suited
 from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
 from vsb.motion.scene import Scene

@@ -13,9 +13,8 @@ from vsb.integrators.audit import (
 )
 from vsb.integrators.exact import propagate
 from vsb.motion.forces import Damper, Excitation, Spring
-from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
-from vsb.motion.system import System
+from vsb.motion.system import Motion, System
 
 
 def one_mass(**forces):

@@ -10,10 +10,9 @@ from vsb.errors import ConvergenceError
 from vsb.integrators.collocation import NODES, SHORTEST, Collocation, collocated
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import legs, suited
-from vsb.motion.forces import Damper, Excitation, Force, Linear, QuadraticDrag, Spring
+from vsb.motion.forces import Damper, Excitation, Force, Linear, QuadraticDrag, Spring, TakeOff
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.motion.take_off import TakeOff
 from vsb.study.study import Simulation
 from vsb.waves.seas import Sea
 

@@ -22,7 +22,7 @@ from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
 from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.system import System
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_sphere

@@ -8,8 +8,7 @@ import pytest
 from integrators.test_exact import oscillator
 
 from vsb.hydro.statespace import RadiationModel
-from vsb.integrators.convolution import convolve
-from vsb.integrators.exact import propagate
+from vsb.integrators.exact import convolve, propagate
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System

@@ -12,14 +12,13 @@ from vsb.errors import StabilityError
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_radiation
 from vsb.integrators.audit import energies, residual
-from vsb.integrators.convolution import convolve
 from vsb.integrators.energy_preserving import structure_preserving
-from vsb.integrators.exact import propagate, steady_state, transition
+from vsb.integrators.exact import convolve, propagate, steady_state, transition
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
 from vsb.motion.builders import linear_scene
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, RelaxingDamper, Spring
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.rest import design_motions, study_basis

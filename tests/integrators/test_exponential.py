@@ -8,8 +8,7 @@ from conftest import compiled_motion, labelled, only_run, varied
 
 from vsb.errors import ConvergenceError
 from vsb.integrators.audit import energies
-from vsb.integrators.exponential import ExponentialIntegrator, integrate
-from vsb.integrators.exponential_steps import EVALUATIONS, HISTORY, KEPT, STEPS, march
+from vsb.integrators.exponential import EVALUATIONS, HISTORY, KEPT, STEPS, ExponentialIntegrator, integrate, march
 from vsb.integrators.simulate import simulate
 from vsb.motion.system import System
 from vsb.results.power import merit

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, quad_vec
 from scipy.linalg import expm
 
-from vsb.integrators.exponential_steps import KEPT, PAST, step_matrices
-from vsb.integrators.phi import doubled, lagrange, phi_integrals
+from vsb.integrators.exponential import KEPT, PAST, doubled, lagrange, phi_integrals, step_matrices
 
 A = np.array([[0.0, 3.0], [-3.0, -0.4]])
 B = np.array([[0.0], [1.0]])

@@ -15,15 +15,13 @@ from vsb.integrators import harmonic_balance as harmonic
 from vsb.integrators.exact import steady_state
 from vsb.integrators.exponential import integrate
 from vsb.integrators.floquet import largest, multipliers
-from vsb.integrators.harmonic_balance import continued, harmonic_balance, steady_power
-from vsb.integrators.regular_wave import PeriodicScene
+from vsb.integrators.harmonic_balance import PeriodicScene, continued, harmonic_balance, steady_power
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
-from vsb.motion.forces import AssumedPressure, Excitation
+from vsb.motion.forces import AssumedPressure, Excitation, TakeOff
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene, resting
 from vsb.motion.system import System
-from vsb.motion.take_off import TakeOff
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.study import study as config

@@ -17,7 +17,7 @@ from vsb.integrators.simulate import METHODS
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import EXCITING, AssumedPressure, QuadraticDrag
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.system import System
 from vsb.scenes.pause import with_pause
 from vsb.scenes.rest import design_motions, reference_shell

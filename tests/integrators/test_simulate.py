@@ -8,8 +8,8 @@ from conftest import EXAMPLE, only_run, varied
 
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.integrators.audit import energies, residual
+from vsb.integrators.exponential import phi_integrals
 from vsb.integrators.harmonic_balance import harmonic_balance
-from vsb.integrators.phi import phi_integrals
 from vsb.integrators.simulate import METHODS, legs, recorded_steps, simulate
 from vsb.motion.forces import ConstantForce, Damper, Excitation, Force, Linear, Spring
 from vsb.motion.scene import Scene

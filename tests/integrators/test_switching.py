@@ -21,10 +21,9 @@ from vsb.integrators.settled import Trials, settled_power
 from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import Switching, switched
 from vsb.integrators.works import integrated
-from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.forces import Damper, EndStop, Excitation, RadiationMemory, Spring, TakeOff
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.motion.take_off import EndStop, TakeOff
 from vsb.study.sections import Simulation
 from vsb.waves.seas import Sea
 

@@ -12,14 +12,12 @@ from vsb.errors import ConvergenceError
 from vsb.hydro import database
 from vsb.hydro.statespace import RadiationModel, fit_radiation
 from vsb.integrators.audit import TERMS, energies, residual
-from vsb.integrators.convolution import convolve
-from vsb.integrators.exact import propagate
-from vsb.integrators.simulate import EXACT, legs, simulate
-from vsb.integrators.trajectory import recorded
+from vsb.integrators.exact import convolve, propagate
+from vsb.integrators.simulate import EXACT, legs, recorded, simulate
 from vsb.motion.builders import linear_scene
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.rest import design_motions, reference_shell, study_basis

@@ -12,10 +12,9 @@ from vsb.integrators.exponential import integrate
 from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import Switching, switched
 from vsb.motion.builders import assumed_pressure_scene
-from vsb.motion.forces import AssumedPressure
-from vsb.motion.pto import LinearPto
+from vsb.motion.forces import AssumedPressure, EndStop, TakeOff
+from vsb.motion.port import LinearPto
 from vsb.motion.system import System
-from vsb.motion.take_off import EndStop, TakeOff
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis, rigid_basis
 from vsb.study.sections import Simulation

@@ -23,8 +23,7 @@ from vsb.motion.bodies import (
     with_added_mass_inf,
 )
 from vsb.motion.coefficient_errors import INTERPOLATION, OF_OTHERS, RESOLUTION, coefficient_errors
-from vsb.motion.port import combination
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto, combination
 from vsb.motion.system import System
 from vsb.scenes.floating_system import body_motions
 from vsb.study.body import BodyDesign

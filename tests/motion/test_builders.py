@@ -18,7 +18,7 @@ from vsb.motion.builders import (
 )
 from vsb.motion.forces import AssumedPressure
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.scenes.rest import design_motions, reference_shell
 from vsb.study.study import load
 from vsb.waves.seas import NO_WAVES, Sea

@@ -12,8 +12,7 @@ from scipy.optimize import linprog, lsq_linear, minimize
 from vsb.errors import StabilityError
 from vsb.motion import constrained
 from vsb.motion.constrained import NoForceFoundError, constrained_optimum, optimum_in_sea
-from vsb.motion.force_bound import NODES, Limits, force_bound
-from vsb.motion.harmonics import Harmonics
+from vsb.motion.force_bound import NODES, Harmonics, Limits, force_bound
 from vsb.results.ladder import GAP as PROVEN
 from vsb.waves.seas import Sea
 

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from vsb.motion.damping_curve import best_of_table, dampers
 from vsb.motion.port import Port
-from vsb.motion.tuning import best_dampers
+from vsb.motion.tuning import best_dampers, best_of_table, dampers
 
 OMEGA = np.linspace(0.3, 6.0, 40)
 

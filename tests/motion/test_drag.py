@@ -8,8 +8,7 @@ import xarray as xr
 
 from vsb.motion.drag import GAUSSIAN, REGULAR, DraggedPort, best_damper, best_pair, under
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.port import Port
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto, Port
 from vsb.motion.tuning import best_dampers, best_pairs
 
 DRAG = 0.4

@@ -7,13 +7,11 @@ from motion.test_harmonics import buoy
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.switching import Switching
 from vsb.motion.constrained import constrained_optimum
-from vsb.motion.force_bound import Limits, force_bound, mean_magnitude
-from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
-from vsb.motion.harmonics import Harmonics
+from vsb.motion.force_bound import Harmonics, Limits, force_bound, mean_magnitude
+from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring, TakeOff
 from vsb.motion.port import Port
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.motion.take_off import TakeOff
 
 SEA, WAVES = Harmonics(0.13, 0.5, 40), Harmonics(0.8, 1.0, 9)
 

@@ -12,7 +12,7 @@ from vsb.motion.frequency import (
     LinearBuoy,
     compliance,
 )
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.waves.dispersion import power_limit
 

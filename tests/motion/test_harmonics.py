@@ -7,8 +7,7 @@ from scipy.linalg import hankel, toeplitz
 
 from vsb.errors import ConfigError
 from vsb.motion.constrained import optimum_in_sea
-from vsb.motion.force_bound import Limits
-from vsb.motion.harmonics import Harmonics
+from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.waves.seas import sea
 

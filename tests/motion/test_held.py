@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.motion.held import drifting_motions, normal_modes, softest
+from vsb.motion.frequency import drifting_motions, normal_modes, softest
 
 RIGID = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
 WATER = np.diag([0.0, 0.0, 1.2e5, 8e4, 8e4, 0.0])

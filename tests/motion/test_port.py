@@ -15,8 +15,7 @@ from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.motion.builders import linear_scene
 from vsb.motion.frequency import LinearBuoy, with_open_chamber
-from vsb.motion.port import Port, channels_reached, combination, line_shares, port_direction
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto, Port, channels_reached, combination, line_shares, port_direction
 from vsb.motion.system import System
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell, enclosed

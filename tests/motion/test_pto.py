@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.errors import ConfigError
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 
 
 @pytest.mark.parametrize("port", [None, np.array([0.5, -1.0, 2.0])])

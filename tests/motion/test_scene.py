@@ -16,7 +16,7 @@ from vsb.motion.forces import (
     RelaxingDamper,
     Spring,
 )
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene, resting
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from vsb.hydro.coefficients import Coefficients
+from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, sensitivity, sensitivity_of_forces
 from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
-from vsb.motion.sensitivity import CoefficientError, Sensitivity, sensitivity, sensitivity_of_forces
 
 OMEGA = np.array([0.7, 1.1, 1.9])
 SQUARES = np.array([0.3, 1.0, 0.2])

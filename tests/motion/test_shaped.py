@@ -6,8 +6,7 @@ from scipy.integrate import quad
 from scipy.special import j0
 
 from vsb.motion.froude_krylov import incident, rotated, wave_force
-from vsb.motion.shaped import ShapedWetShell, wet_shell
-from vsb.motion.wetted import WetShell
+from vsb.motion.wetted import ShapedWetShell, WetShell, wet_shell
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.mode import natural_shapes
 from vsb.shell.modes import ModeBasis, mode_basis

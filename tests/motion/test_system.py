@@ -7,8 +7,7 @@ import pytest
 from conftest import EXAMPLE, only_run, varied
 
 from vsb.hydro.statespace import RadiationModel
-from vsb.integrators.convolution import convolve
-from vsb.integrators.exact import propagate
+from vsb.integrators.exact import convolve, propagate
 from vsb.integrators.exponential import ExponentialIntegrator
 from vsb.motion.forces import (
     ConstantForce,

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.motion.take_off import EndStop, TakeOff
+from vsb.motion.forces import EndStop, TakeOff
 
 B = np.array([1.0, 0.5])
 small = st.floats(-3.0, 3.0)

@@ -9,8 +9,7 @@ import pytest
 from results.test_year import WATER, climate, port
 
 from vsb.errors import ConfigError
-from vsb.motion.force_bound import Limits
-from vsb.motion.harmonics import Harmonics
+from vsb.motion.force_bound import Harmonics, Limits
 from vsb.results.bins import Bins
 from vsb.results.constrained_year import ConstrainedYear, affordable, constrained_year
 from vsb.results.year import year

@@ -7,7 +7,7 @@ import pytest
 from results.test_year import climate
 
 from vsb.hydro.statespace import fit_radiation
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.results.in_time import DesignInTime
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.study.study import Simulation

@@ -18,8 +18,7 @@ from vsb.hydro.spectral.sweep import converged_on_grid
 from vsb.motion.constrained import REFINED
 from vsb.motion.force_bound import Limits
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.port import Port
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto, Port
 from vsb.motion.tuning import frequencies, mean_power, squares
 from vsb.results.ladder import (
     Given,

@@ -10,7 +10,7 @@ from hydro.formats.test_capytaine import LABELS
 from motion.test_bodies import floating_body
 
 from vsb.errors import ConfigError
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.tuning import best_dampers, mean_power
 from vsb.scenes.floating_system import (
     FloatingSystem,

@@ -9,13 +9,11 @@ from vsb.integrators.settled import settled_power
 from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import switched
 from vsb.motion.constrained import constrained_optimum, optimum_in_sea
-from vsb.motion.force_bound import Limits
-from vsb.motion.forces import Damper, Excitation, Spring
-from vsb.motion.harmonics import Harmonics
+from vsb.motion.force_bound import Harmonics, Limits
+from vsb.motion.forces import Damper, Excitation, Spring, TakeOff
 from vsb.motion.port import Port
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.motion.take_off import TakeOff
 from vsb.motion.tuning import best_dampers, squares
 from vsb.scenes.build import SCENES
 from vsb.scenes.floating_system import linear_buoy, study_port

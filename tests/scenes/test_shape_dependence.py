@@ -11,7 +11,7 @@ from vsb.hydro.database import with_structure
 from vsb.hydro.shapes.database import ShapeDatabase, measured_errors
 from vsb.hydro.shapes.family import ShapeFamily
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.scenes import shape_dependence as shapedependence
 from vsb.scenes.directions import loaded_shell
 from vsb.scenes.rest import design_motions, reference_shell

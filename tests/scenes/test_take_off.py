@@ -11,12 +11,10 @@ from benchmarks.hard_cases import hydro_files
 from vsb.errors import ConfigError
 from vsb.integrators.simulate import legs
 from vsb.integrators.switching import switched
-from vsb.motion.forces import Damper, Excitation, Spring
-from vsb.motion.port import Port, port_direction
-from vsb.motion.pto import LinearPto
+from vsb.motion.forces import Damper, EndStop, Excitation, Spring, TakeOff
+from vsb.motion.port import LinearPto, Port, port_direction
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.motion.take_off import EndStop, TakeOff
 from vsb.motion.tuning import frequencies, squares
 from vsb.scenes.build import SCENES
 from vsb.scenes.floating_system import FloatingSystem

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.report.band import gain_band
 from vsb.scenes.floating_system import floating_system
 from vsb.stages import response

@@ -23,7 +23,7 @@ def test_edited_force_reaches_the_loops_that_call_it(tmp_path):
     found = []
     for value in ("1.0", "2.0"):
         force.write_text(text + compiled.format("a_force", value))
-        command = [sys.executable, "-c", "from vsb.integrators.exponential_steps import a_loop; print(a_loop())"]
+        command = [sys.executable, "-c", "from vsb.integrators.exponential import a_loop; print(a_loop())"]
         done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
         found.append(done.stdout.strip())
     assert found == ["1.0", "2.0"]

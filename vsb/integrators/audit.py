@@ -17,8 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.integrators.exact import series
-from vsb.motion.motion import Motion
-from vsb.motion.system import EXCITING, System
+from vsb.motion.system import EXCITING, Motion, System
 from vsb.tools.arrays import FloatArray
 
 TERMS = ("wave", "pto", "radiated", "structural", "stored")

@@ -18,9 +18,8 @@ import numpy as np
 from scipy.special import comb
 
 from vsb.errors import ConvergenceError
-from vsb.integrators.phi import lagrange, phi_integrals
-from vsb.motion.motion import Motion
-from vsb.motion.system import System
+from vsb.integrators.exponential import lagrange, phi_integrals
+from vsb.motion.system import Motion, System
 from vsb.tools.arrays import FloatArray, IntArray
 
 NODES = 5

@@ -19,8 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.errors import ConvergenceError
-from vsb.motion.motion import Motion
-from vsb.motion.system import Remainder, System, remainder
+from vsb.motion.system import Motion, Remainder, System, remainder
 from vsb.tools.arrays import FloatArray
 from vsb.tools.compiled import njit
 

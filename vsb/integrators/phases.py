@@ -1,23 +1,31 @@
-"""One linear regime of a switching take-off: its exact motion over any span, and what its switches watch.
+"""One linear regime of a switching take-off: its motion over any span, and the signals its switches depend on.
 
 While a take-off keeps to one piece of its law, F = -(c V + k S) + f at the port, or holds it at rest, the scene is
 
-    z' = A z + B (beta f + Re sum w_j exp(-i omega_j t)),    S = (beta/s).z,  V = beta.p',
+    z' = A z + B (beta f + n + Re sum w_j exp(-i omega_j t)),    S = (beta/s).z,  V = beta.p',
 
-with beta = shapes^T b, s the scale of the modes and constant c, k, f: z - z_s = exp(A (t - t_0)) (z - z_s)(t_0) about
-the swing z_s of the waves has no step-size error. f is carried as one more state, which never changes.
+with beta = shapes^T b, s the scale of the modes and constant c, k, f. In a linear scene n = 0, and z - z_s =
+exp(A (t - t_0)) (z - z_s)(t_0) about the steady response z_s to the waves has no step-size error. f is one more,
+constant state.
+
+In a body-exact scene n(t, z) is what the water does beyond its tangent. Over a step it is the polynomial of degree four
+through its values at five equally spaced instants of the motion it causes: exponential collocation, of order 6. Its
+Taylor coefficients are states like f, so the motion inside a step is that of a linear system, known at every instant an
+event may need, to the same order. No past is needed: a step starts afresh after each event.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import factorial
 from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh
 
+from vsb.integrators.energy_preserving import STALLED, Step, added, settled
 from vsb.integrators.exact import SERIES, steady_state, transition
-from vsb.motion.system import System
+from vsb.motion.system import Remainder, System
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.superposition import superposed
 
@@ -50,7 +58,7 @@ class Phase:
     rest: float = 0.0  # S at rest, from where it is watched [m]
 
     carried = 0
-    """Further states per mode: none of a linear scene (`vsb.integrators.wet_phases`)."""
+    """Further states per mode: none of a linear scene (`vsb.integrators.phases`)."""
     reach = AHEAD
     """Steps that are known ahead."""
 
@@ -192,3 +200,93 @@ def felt_rate(system: System, port: FloatArray, springs: Iterable[float], damper
         kick = (port @ vectors) ** 2 / omega
         rates.append(float(omega[kick > FELT * kick.max()].max()))
     return max(rates)
+
+
+NODES = 5
+PROBE = 0.375
+"""Where in a step n is compared with its polynomial: midway between two nodes."""
+_NODE = np.linspace(0.0, 1.0, NODES)
+
+
+def taylor(at: FloatArray) -> FloatArray:
+    """Return what Taylor coefficients at the begin of a step, in units of the step, add up to, (instant, NODES)."""
+    return np.asarray(np.vander(at, NODES, increasing=True) / [float(factorial(k)) for k in range(NODES)])
+
+
+_TAYLOR = taylor(_NODE)
+_COEFFICIENTS = np.linalg.inv(_TAYLOR)
+"""Taylor coefficients from the values at the nodes."""
+
+
+@dataclass(frozen=True, eq=False)
+class WetPhase(Phase):
+    """A scene with water on its instantaneous wet shell; states are (z, f, Taylor coefficients of n)."""
+
+    carried = NODES
+    reach = 1
+
+    @cached_property
+    def water(self) -> Remainder:
+        """Arguments of the compiled n."""
+        found = self.system.remainder
+        assert found is not None
+        return found
+
+    @cached_property
+    def _at_nodes(self) -> FloatArray:
+        """Positions at the nodes from (z - z_s, f, coefficients) at the begin, shape (NODES, free, state + ...)."""
+        quarter, out = transition(self.flow * (self.step / (NODES - 1))), [np.eye(len(self.flow))]
+        while len(out) < NODES:
+            out.append(quarter @ out[-1])
+        return np.array(out)[:, : self.system.free]
+
+    @cached_property
+    def _at_probe(self) -> FloatArray:
+        """Likewise at `PROBE`, shape (free, state + ...)."""
+        return transition(self.flow * (self.step * PROBE))[: self.system.free]
+
+    @cached_property
+    def _collocation(self) -> Step:
+        """Matrices of the collocation: positions without n, and what n at the nodes adds."""
+        n, count, none = self.system.free, len(self.matrix), np.zeros((0, 0))
+        rows = self._at_nodes.reshape(NODES * n, -1)
+        forced = rows[:, count:] @ np.kron(_COEFFICIENTS, np.eye(n))
+        return Step(self.step, np.ascontiguousarray(rows[:, :count]), np.ascontiguousarray(forced), none, none)
+
+    def swung(self, time: FloatArray) -> FloatArray:
+        """Return scaled modal positions of z_s at any instants, shape (time, free)."""
+        turn = np.exp(-1j * np.outer(time, self.system.omega))
+        return np.asarray(np.real(turn @ self.swing[:, : self.system.free]))
+
+    def begun(self, t: float, state: FloatArray) -> tuple[FloatArray, float]:
+        """Return (z, f, coefficients) at the begin of a step, n met by the motion, and the error of n there.
+
+        The coefficients received, those of the step before, are where the search begins. The error is infinite if no n
+        is met: the step is too long.
+        """
+        count, n, z = len(self.matrix), self.system.free, state[: len(self.matrix) - 1]
+        time = t + self.step * _NODE
+        values = _TAYLOR @ state[count:].reshape(NODES, n)
+        around = self.transient(t, state)
+        away = self._collocation.free @ around[:count] + self.swung(time).ravel()
+        scale = max(float(np.linalg.norm(z)), self.system.least, self.step * self.water.round_off / STALLED)
+        if not settled(self.water, self._collocation, time, away, np.zeros_like(values), values, scale) < STALLED:
+            return state, np.inf
+        out = np.append(state[:count], _COEFFICIENTS @ values)
+        there = np.array([t + PROBE * self.step])
+        place = self._at_probe @ self.transient(t, out) + self.swung(there)[0]
+        seen = added(self.water, there, place[None])[0]
+        missed = seen - taylor(np.array([PROBE]))[0] @ out[count:].reshape(NODES, n)
+        return out, float(self.step * np.linalg.norm(missed))
+
+    def added(self, states: FloatArray) -> FloatArray:
+        """Return n and its first two derivatives in time, shape (3, node, free)."""
+        coefficients = states[:, len(self.matrix) :].reshape(len(states), NODES, -1)[:, :3]
+        return np.asarray(coefficients.transpose(1, 0, 2) / self.step ** np.arange(3.0)[:, None, None])
+
+    def reset(self, state: FloatArray, t: float) -> FloatArray:
+        """Return a state with n alone in its coefficients, as it is at an instant: where no step came before."""
+        out, n = state.copy(), self.system.free
+        out[len(self.matrix) :] = 0.0
+        out[len(self.matrix) : len(self.matrix) + n] = added(self.water, np.array([t]), state[None, :n].copy())[0]
+        return out

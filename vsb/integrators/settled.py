@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vsb.errors import ConvergenceError
-from vsb.integrators.regular_wave import regular_frequency
+from vsb.integrators.harmonic_balance import regular_frequency
 from vsb.integrators.switching import EXACT, Switching
 from vsb.motion.system import System
 from vsb.tools.arrays import FloatArray

@@ -23,7 +23,7 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.motion.builders import take_off
 from vsb.motion.forces import Damper, Excitation, Force, RadiationMemory, Spring
 from vsb.motion.frequency import LinearMotion
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.study.quantities import motion_of
 from vsb.tools.arrays import FloatArray

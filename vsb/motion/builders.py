@@ -21,9 +21,9 @@ from vsb.motion.forces import (
 )
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.froude_krylov import Incident, incident
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene, resting
-from vsb.motion.shaped import wet_shell
+from vsb.motion.wetted import wet_shell
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.reference import ReferenceShell
 from vsb.tools.arrays import FloatArray

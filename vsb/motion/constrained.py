@@ -22,8 +22,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
 from vsb.errors import ConvergenceError, StabilityError
-from vsb.motion.force_bound import NODES, ForceBound, Limits, add_weighted, force_bound
-from vsb.motion.harmonics import Harmonics
+from vsb.motion.force_bound import NODES, ForceBound, Harmonics, Limits, add_weighted, force_bound
 from vsb.motion.port import Port
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.seas import Sea

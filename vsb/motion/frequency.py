@@ -1,7 +1,10 @@
-"""Frequency domain: response amplitude operators, absorbed power, wet natural frequencies."""
+"""Frequency domain: response amplitude operators, absorbed power, wet natural frequencies.
+
+What holds motions in place: those nothing holds, and the softest of the others.
+"""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, final
@@ -17,9 +20,7 @@ from vsb.hydro.coefficients import Coefficients
 from vsb.hydro.orders import heading_shares, most_exciting, order_groups, orders_of, own_headings
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.motion.channel import Channel
-from vsb.motion.held import drifting_motions, softest
-from vsb.motion.port import ROUND_OFF, Port
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import ROUND_OFF, LinearPto, Port
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 FASTEST = 1e9
@@ -405,3 +406,60 @@ def frequency_grid(step: float, lowest: float, omega_max: float, extra: Iterable
     first, last = int(np.ceil(5 * lowest / step - 1e-9)), int(np.floor(5 * omega_max / step + 1e-9))
     grid = [round(step / 5 * i, 10) for i in range(first, last + 1)]
     return np.array(sorted({*grid, *extra}))
+
+
+SLIDING = ("Surge", "Sway", "Yaw")
+"""Rigid motions that neither water nor shell holds; a mooring may."""
+_ROUND_OFF = 1e-13
+"""Share of the largest stiffness that is round-off, each coordinate in terms of its own [-]."""
+
+
+def drifting_motions(stiffness: FloatArray, labels: Sequence[str], motions: FloatArray) -> FloatArray:
+    """Return the motions nothing holds, orthonormal in those a design allows, shape (free, loose).
+
+    Parameters
+    ----------
+    stiffness : ndarray, shape (free, free) [N/m]
+        Symmetric, of all that holds the buoy.
+    labels : sequence of str
+        Degrees of freedom.
+    motions : ndarray, shape (dof, free)
+        Those a design allows.
+
+    Notes
+    -----
+    K v = 0, v of surge, sway and yaw: all of them without a mooring, the motion across a mooring of a single line.
+    """
+    sliding = motions[[label in SLIDING for label in labels]].T
+    sliding = sliding[:, sliding.any(axis=0)]
+    size = np.sqrt(np.abs(stiffness).max(axis=0, initial=0.0))
+    size[size == 0.0] = 1.0
+    own = np.abs(sliding).T @ size
+    _, values, rows = np.linalg.svd(stiffness @ (sliding / own) / size[:, None])
+    left = rows[np.count_nonzero(values > _ROUND_OFF) :].T / own[:, None]
+    return np.linalg.qr(sliding @ (left / np.abs(left).max(axis=0, initial=0.0)))[0]
+
+
+def softest(stiffness: FloatArray, loose: FloatArray) -> tuple[float, FloatArray]:
+    """Return the least stiffness of what is held, and its motion, shape (free,); what rests stably has more than 0."""
+    held = null_space(loose.T) if loose.size else np.eye(len(stiffness))
+    values, shapes = np.linalg.eigh(held.T @ stiffness @ held)
+    return float(values[0]), held @ shapes[:, 0]
+
+
+def normal_modes(stiffness: FloatArray, mass: FloatArray, loose: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return squared frequencies and normal modes V, V^T M V = 1; of what nothing holds exactly zero.
+
+    Parameters
+    ----------
+    stiffness, mass : ndarray, shape (free, free) [N/m], [kg]
+    loose : ndarray, shape (free, loose)
+        Of `drifting_motions`: round-off of their stiffness would give them a mean place.
+    """
+    squares, modes = eigh(stiffness, mass)
+    if np.count_nonzero(squares == 0.0) >= loose.shape[1]:  # as of motions that nothing couples: kept as they are
+        return squares, modes
+    held, unrestrained = null_space(loose.T @ mass), loose @ eigh(loose.T @ mass @ loose)[1]
+    unrestrained = unrestrained / np.sqrt(np.einsum("ij,ij->j", unrestrained, mass @ unrestrained))
+    squares, shapes = eigh(held.T @ stiffness @ held, held.T @ mass @ held)
+    return np.append(np.zeros(unrestrained.shape[1]), squares), np.hstack([unrestrained, held @ shapes])

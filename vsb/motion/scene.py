@@ -15,9 +15,8 @@ from scipy.linalg import cho_factor, cho_solve
 from vsb.errors import ConvergenceError
 from vsb.hydro.dofs import flexible
 from vsb.hydro.statespace import RadiationModel, joined
-from vsb.motion.forces import ConstantForce, Excitation, Force, Linear, SpringDamper, WaterPressure
-from vsb.motion.held import drifting_motions
-from vsb.motion.take_off import EndStop, TakeOff
+from vsb.motion.forces import ConstantForce, EndStop, Excitation, Force, Linear, SpringDamper, TakeOff, WaterPressure
+from vsb.motion.frequency import drifting_motions
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.arrays import FloatArray
 

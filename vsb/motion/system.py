@@ -1,31 +1,65 @@
-"""The door to every integrator: a scene as one equation in its natural modes, and back.
+"""A scene as one equation in its natural modes, the form that every integrator solves; and the motion it returns.
 
     z' = A z + B (n(t, z) + Re sum w_j exp(-i omega_j t)),    z = (S p, p', x),
 
-p the natural modes, y = V p, S their frequencies, x the states of what remembers: of radiation, of a chamber's gas. A
-holds springs, dampers and memory, tangents of nonlinear forces among the springs; n is what these forces do beyond; w
-are the linear waves. Every entry of A is of the size of a frequency, so a shell of 1e15 Pa costs no digits of the slow
+with p the natural modes, y = V p, S their frequencies, x the memory states of radiation and of a chamber's gas. A holds
+springs, dampers, memory and the tangents of nonlinear forces; n is what these forces do beyond their tangents; w are
+the linear waves. Every entry of A is of the size of a frequency, so a shell of 1e15 Pa costs no digits of the slow
 motion.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
 
-from vsb.motion.forces import EXCITING, AssumedPressure, ConstantForce, SpringDamper, WaterPressure
+from vsb.motion.forces import EXCITING, AssumedPressure, ConstantForce, EndStop, SpringDamper, TakeOff, WaterPressure
+from vsb.motion.frequency import drifting_motions, normal_modes
 from vsb.motion.froude_krylov import Incident, incident, rotated, wave_force
-from vsb.motion.held import drifting_motions, normal_modes
-from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
-from vsb.motion.take_off import EndStop, TakeOff
 from vsb.motion.wetted import Shape, wet_force
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
 from vsb.waves.seas import NO_WAVES
 from vsb.waves.superposition import superposed
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion of the free coordinates on equally spaced times."""
+
+    time: FloatArray  # (time,) [s]
+    position: FloatArray  # y (time, free) [m]
+    velocity: FloatArray  # (time, free) [m/s]
+    acceleration: FloatArray  # (time, free) [m/s^2]
+    memory: FloatArray  # x (time, state), empty for the convolution
+    seconds: float  # wall time [s]
+    forces: Mapping[str, FloatArray] = field(default_factory=dict)  # q and v do not tell, each (time, dof) [N]
+    works: Mapping[str, FloatArray] = field(default_factory=dict)  # from the start, where forces jump, (time,) [J]
+
+
+def joined(parts: Sequence[Motion]) -> Motion:
+    """Return one motion of several, each begun where the one before ended; works add up."""
+    if len(parts) == 1:
+        return parts[0]
+
+    def whole(arrays: Sequence[FloatArray]) -> FloatArray:
+        return np.concatenate([arrays[0], *(later[1:] for later in arrays[1:])])
+
+    names = ("time", "position", "velocity", "acceleration", "memory")
+    works = {}
+    for term in parts[0].works:
+        before = np.cumsum([0.0, *(part.works[term][-1] for part in parts[:-1])])
+        works[term] = whole([done + part.works[term] for done, part in zip(before, parts, strict=True)])
+    return Motion(
+        **{name: whole([getattr(part, name) for part in parts]) for name in names},
+        seconds=sum(part.seconds for part in parts),
+        forces={name: whole([part.forces[name] for part in parts]) for name in parts[0].forces},
+        works=works,
+    )
+
 
 __all__ = ["EXCITING", "EndStop", "Remainder", "System", "TakeOff", "remainder"]
 

@@ -11,9 +11,8 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import eigh, svd
 
-from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
-from vsb.motion.system import System
+from vsb.motion.system import Motion, System
 from vsb.shell.modes import check_rank
 from vsb.tools.arrays import FloatArray
 

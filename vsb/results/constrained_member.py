@@ -6,10 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import xarray as xr
 
-from vsb.motion.force_bound import Limits
-from vsb.motion.harmonics import Harmonics
+from vsb.motion.coefficient_errors import CoefficientError, sensitivity_of_forces
+from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import PortMotion
-from vsb.motion.sensitivity import CoefficientError, sensitivity_of_forces
 from vsb.results.constrained_year import ConstrainedYear, constrained_year, harmonics_of_year
 from vsb.results.member import OF_LIMITS
 from vsb.results.validity import LIMITS, motion_limits, wave_limits

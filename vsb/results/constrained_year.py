@@ -16,8 +16,7 @@ import numpy as np
 
 from vsb.errors import ConfigError, StabilityError
 from vsb.motion.constrained import ConstrainedOptimum, NoForceFoundError, constrained_optimum
-from vsb.motion.force_bound import Limits
-from vsb.motion.harmonics import Harmonics
+from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.results.bins import Bins, bins_of
 from vsb.results.verification import half_width

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from vsb.motion.coefficient_errors import CoefficientError, sensitivity
 from vsb.motion.port import Port
-from vsb.motion.sensitivity import CoefficientError, sensitivity
 from vsb.results.validity import beyond_validity
 from vsb.results.year import DesignYear, Tuning, Year, best_for_all, gain_percent, year
 from vsb.scenes.ports import InWaves

@@ -11,8 +11,7 @@ import numpy as np
 
 from vsb.errors import VsbError
 from vsb.motion.constrained import optimum_in_sea
-from vsb.motion.force_bound import Limits
-from vsb.motion.harmonics import Harmonics
+from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers
 from vsb.results.constrained_year import SECONDS_AT_LEAST, SECONDS_PER_CUBE

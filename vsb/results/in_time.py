@@ -11,7 +11,7 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import legs
 from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.system import System
 from vsb.results.run_checks import audit_check
 from vsb.results.verification import linear_power

@@ -12,8 +12,7 @@ from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
 from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.drag import DraggedPort, best_damper, best_pair, under
-from vsb.motion.force_bound import Limits
-from vsb.motion.harmonics import Harmonics
+from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.motion.tuning import Load, best_dampers, best_pairs, mean_power
 from vsb.results.budget import Budget, Rows, Source

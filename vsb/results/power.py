@@ -131,7 +131,7 @@ def lead(run: xr.Dataset) -> tuple[FloatArray, FloatArray]:
 
 
 def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[float, float]) -> Merit:
-    """Return the figures of merit of a run (see `vsb.integrators.trajectory.recorded`)."""
+    """Return the figures of merit of a run (see `vsb.integrators.simulate.recorded`)."""
     time = run.time.values
     inside = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)
     if not inside.any():

@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.motion.coefficient_errors import coefficient_errors
+from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, coefficient_errors, sensitivity
 from vsb.motion.port import Port
-from vsb.motion.sensitivity import CoefficientError, Sensitivity, sensitivity
 from vsb.results.budget import Budget, Source
 from vsb.scenes.floating_system import FloatingSystem, heading
 from vsb.study.study import Wave

@@ -71,7 +71,7 @@ def batch_means(run: xr.Dataset, window: tuple[float, float], length: float) -> 
     Parameters
     ----------
     run : xarray.Dataset
-        See `vsb.integrators.trajectory.recorded`.
+        See `vsb.integrators.simulate.recorded`.
     window : tuple of float [s]
         Cut into as many equal batches as fit, at least one.
     length : float

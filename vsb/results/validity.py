@@ -92,7 +92,7 @@ def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness:
 
     Notes
     -----
-    Variances are smooth in the logarithm of the damper, see `vsb.motion.damping_curve`: a polynomial through few.
+    Variances are smooth in the logarithm of the damper, see `vsb.motion.tuning`: a polynomial through few.
     """
     dampers, shares = _nodes(damping)
     heave, shell = waves.motion.under(waves.port, waves.port.load(dampers, np.full(len(dampers), stiffness)))

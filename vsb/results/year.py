@@ -16,9 +16,8 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError
-from vsb.motion.damping_curve import Take, best_of_table, dampers
 from vsb.motion.port import Port
-from vsb.motion.tuning import best_damper_of_each
+from vsb.motion.tuning import Take, best_damper_of_each, best_of_table, dampers
 from vsb.results.bins import Bins, bins_of
 from vsb.study.study import Water
 from vsb.tools.arrays import FloatArray, IntArray

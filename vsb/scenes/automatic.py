@@ -20,9 +20,8 @@ from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import steady_power
 from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.motion import Motion
 from vsb.motion.scene import Scene
-from vsb.motion.system import System
+from vsb.motion.system import Motion, System
 from vsb.scenes.rest import design_motions, motions_to_degree
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis

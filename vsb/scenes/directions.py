@@ -4,7 +4,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
-from vsb.motion.held import drifting_motions, softest
+from vsb.motion.frequency import drifting_motions, softest
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import ModeBasis

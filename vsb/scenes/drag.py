@@ -8,7 +8,7 @@ import numpy as np
 
 from vsb.motion.drag import DraggedPort
 from vsb.motion.forces import QuadraticDrag
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.tuning import squares
 from vsb.scenes.floating_system import FloatingSystem, heading, towards

@@ -17,8 +17,7 @@ from vsb.hydro import database
 from vsb.hydro.dofs import flexible
 from vsb.motion.bodies import LinearBody
 from vsb.motion.frequency import LinearBuoy, with_open_chamber
-from vsb.motion.port import Port, combination, port_direction
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto, Port, combination, port_direction
 from vsb.motion.tuning import frequencies
 from vsb.scenes.directions import order_bases
 from vsb.scenes.rest import design_motions

@@ -12,10 +12,9 @@ from vsb.hydro.database import shares
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.orders import order_shares
 from vsb.motion.channel import channelled
-from vsb.motion.coefficient_errors import INTERPOLATION, RESOLUTION, haskind_misfits, relative_error
+from vsb.motion.coefficient_errors import INTERPOLATION, RESOLUTION, CoefficientError, haskind_misfits, relative_error
 from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
 from vsb.motion.port import Port, PortMotion, port_direction
-from vsb.motion.sensitivity import CoefficientError
 from vsb.scenes.directions import order_bases, side_by_side, whole_stiffness
 from vsb.scenes.rest import design_motions, motions_to_degree, seen_by_take_off
 from vsb.shell.modes import ModeBasis

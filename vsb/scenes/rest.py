@@ -6,8 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.motion.frequency import allowed_part, compliance, gas_compliance
-from vsb.motion.held import drifting_motions, softest
+from vsb.motion.frequency import allowed_part, compliance, drifting_motions, gas_compliance, softest
 from vsb.motion.port import port_direction
 from vsb.scenes.directions import (
     check_moored,

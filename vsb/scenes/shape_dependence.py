@@ -23,7 +23,7 @@ from vsb.hydro.database import with_structure
 from vsb.hydro.shapes.database import ShapeDatabase, shape_database
 from vsb.hydro.shapes.family import ShapeFamily
 from vsb.motion.frequency import LinearBuoy, dynamic_stiffness
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.scenes.directions import loaded_shell
 from vsb.scenes.rest import design_motions, reference_shell
 from vsb.shell.loaded import equilibrium

@@ -7,11 +7,10 @@ import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.motion import drag
-from vsb.motion.forces import Force
+from vsb.motion.forces import EndStop, Force, TakeOff
 from vsb.motion.frequency import allowed_part, compliance
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
-from vsb.motion.take_off import EndStop, TakeOff
 from vsb.motion.tuning import best_dampers
 from vsb.scenes.floating_system import FloatingSystem, headings, port_in_seas
 from vsb.study.study import Wave

@@ -9,8 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.motion.port import port_direction
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto, port_direction
 from vsb.scenes.directions import check_upright, loaded_shell, order_bases
 from vsb.scenes.rest import computed_buckling, design_stiffness, reference_shell, seen_by_take_off
 from vsb.shell.elastic import ElasticShell

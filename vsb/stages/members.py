@@ -13,7 +13,7 @@ from vsb.errors import DatabaseError
 from vsb.hydro import database, orders, quality
 from vsb.hydro.dofs import displacements
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.results.campaign import stacked
 from vsb.results.member import YearsWithin, member
 from vsb.results.year import frequencies

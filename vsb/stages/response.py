@@ -10,8 +10,7 @@ import xarray as xr
 
 from vsb.motion import frequency as response
 from vsb.motion.frequency import LinearBuoy, LinearMotion
-from vsb.motion.port import Port, channels_reached
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto, Port, channels_reached
 from vsb.report.band import with_extremes
 from vsb.scenes.floating_system import FloatingSystem, floating_system, towards
 from vsb.stages.stage import stamp

@@ -9,8 +9,7 @@ from vsb.errors import ConvergenceError, StabilityError
 from vsb.integrators.exact import propagate, steady_state
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.settled import settled_power
-from vsb.integrators.simulate import in_words, legs
-from vsb.integrators.trajectory import recorded
+from vsb.integrators.simulate import in_words, legs, recorded
 from vsb.motion.system import System
 from vsb.motion.udwadia_kalaba import constraint_drift
 from vsb.scenes.build import design_in_sea

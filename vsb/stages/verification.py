@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConvergenceError, StabilityError
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.results.damped_years import ports_year
 from vsb.results.in_time import DesignInTime
 from vsb.results.verification import RECORD, STARTUP, Sample, chances, drawn, record_of, verified

@@ -16,7 +16,7 @@ from vsb.hydro.shapes.database import (
 )
 from vsb.hydro.shapes.family import COEFFICIENTS, ShapeFamily, haskind_damping, misfit
 from vsb.motion.frequency import LinearBuoy
-from vsb.motion.pto import LinearPto
+from vsb.motion.port import LinearPto
 from vsb.scenes.rest import reference_shell
 from vsb.tools import files
 

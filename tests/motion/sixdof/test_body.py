@@ -6,7 +6,7 @@ from conftest import SEED
 from scipy.linalg import expm, sqrtm
 
 from vsb.errors import StabilityError
-from vsb.motion.sixdof.body import (
+from vsb.motion.sixdof import (
     AXIS,
     Body,
     Elastic,

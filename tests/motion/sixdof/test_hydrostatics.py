@@ -5,8 +5,7 @@ import pytest
 from conftest import SEED
 from scipy.spatial.transform import Rotation
 
-from vsb.motion.sixdof.body import Body, Elastic, GeneralScene, State, Weight, integrate, skew
-from vsb.motion.sixdof.hydrostatics import Hydrostatic
+from vsb.motion.sixdof import Body, Elastic, GeneralScene, Hydrostatic, State, Weight, integrate, skew
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.study import study as config
