@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vsb.hydro.coefficients import Coefficients
+from vsb.hydro.database import Coefficients
 
 
 def part(seed, count):

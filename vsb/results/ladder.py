@@ -33,8 +33,7 @@ from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater, Wave
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.tables import csv_text
-from vsb.waves.seas import Sea, expected
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import Sea, expected, superposed
 
 RUNGS = ("fixed", "best_damper", "best_damper_all_seas", "best_spring_damper", "constrained", "matched")
 """Each takes no less of a sea than those before it, but a damper for all seas no more than the best one."""

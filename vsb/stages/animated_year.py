@@ -19,8 +19,7 @@ from vsb.study.specs import CampaignSpec
 from vsb.study.study import Water
 from vsb.study.year_options import CONSTRAINED
 from vsb.waves.climate import Climate, realised
-from vsb.waves.seas import Sea
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import Sea, superposed
 
 FRAMES = PER_PERIOD * PERIODS
 """Instants at which motions are summed; a page shows as many."""
