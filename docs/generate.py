@@ -8,11 +8,10 @@ from typing import Any
 
 import vsb
 from vsb.cli import parser
-from vsb.study.body import BodyStudy
-from vsb.study.body_file import BodyFile
+from vsb.study.body import BodyFile, BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.keys import KEYS
-from vsb.study.schema import Schema, schema_of
+from vsb.study.reading import Schema, schema_of
 from vsb.study.study import Study
 from vsb.tools.completion import commands
 

@@ -28,7 +28,7 @@ from vsb.hydro.bodies.files import write_body
 from vsb.hydro.bodies.study import read_config, run, solve
 from vsb.hydro.database import Check, stored_checks
 from vsb.report.canvas import grid_of_axes, legend_above, style
-from vsb.study.body_file import BodyFile
+from vsb.study.body import BodyFile
 from vsb.study.quantities import Count, Finite, NonNegative, Number, Positive, Section
 from vsb.study.reading import validated
 from vsb.study.sections import Water
@@ -186,7 +186,7 @@ class Convergence(Section):
 class BargeStudy(Section):
     """A barge in waves: frequencies [rad/s], directions [degrees], panels over the draught, and what to compare.
 
-    `tolerance` [-] of interpolation between the frequencies solved, as of `vsb.study.body_file.BodyFile`.
+    `tolerance` [-] of interpolation between the frequencies solved, as of `vsb.study.body.BodyFile`.
     """
 
     barge: Barge

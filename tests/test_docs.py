@@ -17,10 +17,9 @@ from vsb.hydro.bodies.body import detected_symmetry
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import linear_share
 from vsb.hydro.bodies.study import read_config
-from vsb.study.body import BodyStudy, load_body
-from vsb.study.body_file import BodyFile
+from vsb.study.body import BodyFile, BodyStudy, load_body
 from vsb.study.campaign_plan import plan_of
-from vsb.study.schema import dotted, schema_of
+from vsb.study.reading import dotted, schema_of
 from vsb.study.study import Study, load
 from vsb.tools.completion import commands, options
 from vsb.waves.scatter import read_scatter

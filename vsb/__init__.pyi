@@ -10,7 +10,7 @@ from vsb.integrators.harmonic_balance import harmonic_balance as harmonic_balanc
 from vsb.integrators.simulate import simulate as simulate
 from vsb.shell.deformed import DeformedShell as DeformedShell
 from vsb.shell.modes import ModeBasis as ModeBasis
-from vsb.shell.shell import Shell as Shell
+from vsb.shell.sphere import Shell as Shell
 from vsb.stages.make import run as run
 from vsb.stages.stored import Results as Results
 from vsb.study.body import load_body as load_body

@@ -15,11 +15,10 @@ from vsb.stages.init import init
 from vsb.stages.planning import degree_lines, plan_of, with_degree
 from vsb.stages.run import ERROR, check_name, cores, run
 from vsb.stages.stage import STAGES, Stage
-from vsb.study.body_plan import BodyPlan
 from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.plan import StudyPlan
+from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.quantities import Section
-from vsb.study.schema import nearest
+from vsb.study.reading import nearest
 from vsb.study.study import Study, load
 from vsb.tools import completion
 
@@ -54,10 +53,9 @@ def check(args: argparse.Namespace) -> int:
 
 def schema(args: argparse.Namespace) -> int:
     """Print the JSON schema of study, body or campaign files, by which editors complete, explain and check them."""
-    from vsb.study.body import BodyStudy
-    from vsb.study.body_file import BodyFile
+    from vsb.study.body import BodyFile, BodyStudy
     from vsb.study.campaign import Campaign
-    from vsb.study.schema import schema_of
+    from vsb.study.reading import schema_of
 
     models: dict[str, type[Section]] = {"study": Study, "campaign": Campaign}
     models |= {"body-study": BodyStudy, "body": BodyFile}
@@ -340,7 +338,7 @@ def _named_in(path: Path) -> list[Path]:
     if path.suffix not in (".yaml", ".yml"):
         return []
     from vsb.study.body import WAMIT
-    from vsb.study.canonical import leaves
+    from vsb.study.quantities import leaves
     from vsb.study.reading import read_yaml
 
     try:

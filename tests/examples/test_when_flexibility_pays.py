@@ -8,8 +8,8 @@ import pytest
 from conftest import varied
 
 from examples import when_flexibility_pays as example
-from vsb.study.froude import scaled
 from vsb.study.study import canonical
+from vsb.study.vary import scaled
 
 
 def small(seed):

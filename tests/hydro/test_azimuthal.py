@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import jv, jvp
 
-from vsb.hydro.dofs import bessel, legendre_function, multiplicity, wave_around
+from vsb.hydro.azimuthal import bessel, legendre_function, multiplicity, wave_around
 
 PHI = np.linspace(0.05, np.pi - 0.05, 41)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vsb.hydro.database import Coefficients
+from vsb.hydro.coefficients import Coefficients
 
 
 def part(seed, count):

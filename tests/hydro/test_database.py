@@ -14,8 +14,9 @@ from vsb.hydro.database import (
     save_database,
     with_symmetrized,
 )
-from vsb.shell.deformed import DeformedShell, ReferenceShell
+from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis
+from vsb.shell.reference import ReferenceShell
 
 
 def block(omega, degrees=(0, 1, 2), seed=0):

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.errors import ConfigError
-from vsb.hydro.dofs import Displacement, azimuthal_order, displacements, flexible, legendre_function, normal_velocities
+from vsb.hydro.azimuthal import legendre_function
+from vsb.hydro.dofs import Displacement, azimuthal_order, displacements, flexible, normal_velocities
 
 PHI = np.linspace(0.05, np.pi - 0.05, 41)
 SPHERE = np.array([np.sin(PHI), np.cos(PHI)])

@@ -14,7 +14,8 @@ from vsb.hydro.passive import (
     fit_passive,
     sizes,
 )
-from vsb.hydro.realisation import StateSpace, least_damping
+from vsb.hydro.passivity import least_damping
+from vsb.hydro.realisation import StateSpace
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, truncated
 

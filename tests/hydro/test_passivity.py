@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import StabilityError
-from vsb.hydro.realisation import LEVEL, StateSpace, crossings, least_damping
+from vsb.hydro.passivity import LEVEL, StateSpace, crossings, least_damping
 
 
 def dissipative(order, channels, dof, seed):

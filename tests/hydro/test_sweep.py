@@ -7,7 +7,8 @@ from scipy.interpolate import CubicSpline
 
 from vsb.hydro import dofs
 from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.spectral.solver import SpectralProblem, incident_wave
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.spectral.sweep import incident_wave
 from vsb.hydro.sweep import FORCES, GridSweep, on_grid
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_sphere

@@ -12,7 +12,7 @@ from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.witness import COEFFICIENTS, Waves, deformed_shapes
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, shell_modes
-from vsb.shell.shell import Shell
+from vsb.shell.sphere import Shell
 from vsb.tools.files import load, save
 
 SHELL = Shell(2.0, 0.01, 1.0, 0.3, 1.0)

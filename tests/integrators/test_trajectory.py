@@ -21,7 +21,7 @@ from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
-from vsb.study import resolution
+from vsb.study import sections
 from vsb.waves.seas import sea
 
 STIFF = 1e7
@@ -158,7 +158,7 @@ def test_thinned_record_keeps_the_extremes(scene, monkeypatch):
     plant, waves, settings, spectrum = scene()
     (whole,) = legs(System.of(plant), waves, settings, spectrum)
     full = recorded(System.of(plant), whole, waves, settings.window)
-    monkeypatch.setattr(resolution, "KEPT", 1000)
+    monkeypatch.setattr(sections, "KEPT", 1000)
     (leg,) = legs(System.of(plant), waves, settings, spectrum)
     run = recorded(System.of(plant), leg, waves, settings.window)
     assert leg.thinning == 5

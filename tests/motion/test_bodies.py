@@ -26,8 +26,7 @@ from vsb.motion.coefficient_errors import INTERPOLATION, OF_OTHERS, RESOLUTION, 
 from vsb.motion.port import LinearPto, combination
 from vsb.motion.system import System
 from vsb.scenes.floating_system import body_motions
-from vsb.study.body import BodyDesign
-from vsb.study.body_file import BodyFile
+from vsb.study.body import BodyDesign, BodyFile
 from vsb.study.quantities import RIGID
 from vsb.study.study import Simulation
 from vsb.waves.seas import NO_WAVES, Sea

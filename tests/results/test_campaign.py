@@ -9,9 +9,9 @@ from stages.test_campaign import made_up
 from stages.test_members import planned, with_seas
 
 from vsb.results.campaign import as_csv, damper, gathered, stacked
+from vsb.study.campaign import CONSTRAINED
 from vsb.study.campaign_plan import members
 from vsb.study.vary import MEMBER
-from vsb.study.year_options import CONSTRAINED
 from vsb.tools.units import described
 
 

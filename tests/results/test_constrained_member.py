@@ -14,7 +14,7 @@ from vsb.results.member import member
 from vsb.results.validity import LIMITS as WAVE_LIMITS
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
-from vsb.study.year_options import CONSTRAINED
+from vsb.study.campaign import CONSTRAINED
 
 LIMIT, SECONDS = 2e4, 0.2
 

@@ -14,8 +14,8 @@ from vsb.results.ledger import largest_strain, static_modal_amplitude
 from vsb.scenes.rest import reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
-from vsb.shell.shell import Shell
-from vsb.study.shape import Spheroid
+from vsb.shell.sphere import Shell
+from vsb.study.device import Spheroid
 from vsb.study.study import Jonswap, RegularWave, Water, WhiteNoise
 from vsb.waves.dispersion import wavenumber
 

@@ -11,8 +11,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, at_centres
 from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.scenes.body import check_water, chosen, complete_body, dry_database, with_entries, within_band
-from vsb.study.body import Body
-from vsb.study.body_file import BodyFile
+from vsb.study.body import Body, BodyFile
 from vsb.study.sections import Water
 from vsb.tools.units import PAIR
 

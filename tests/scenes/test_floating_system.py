@@ -147,8 +147,8 @@ def general_database(finished, tmp_path):
 
     from vsb.hydro.formats.sources import read_source
     from vsb.stages.coefficients import store
-    from vsb.study.body_plan import plan_for
-    from vsb.study.canonical import content_id
+    from vsb.study.plan import plan_for
+    from vsb.study.quantities import content_id
 
     own = study("heave")
     spec = plan_for(own).database

@@ -18,7 +18,7 @@ from vsb.shell.deformed import (
     rigid_sphere,
 )
 from vsb.shell.modes import mode_basis
-from vsb.shell.shell import Shell
+from vsb.shell.sphere import Shell
 from vsb.study.meridian import capsule
 
 RHO, G = 1025.0, 9.81

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from vsb.shell.elastic import ElasticShell
-from vsb.shell.modes import ModeBasis, mode_basis, natural_shapes, shell_modes
-from vsb.shell.shell import Shell
+from vsb.shell.mode import natural_shapes
+from vsb.shell.modes import ModeBasis, mode_basis, shell_modes
+from vsb.shell.sphere import Shell
 from vsb.study.meridian import capsule, spheroid
 
 

@@ -10,8 +10,9 @@ from numpy.polynomial import legendre
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
+from vsb.shell.curve import bend, curve
 from vsb.shell.ritz import natural_modes
-from vsb.shell.shell import Shell, bend, curve
+from vsb.shell.sphere import Shell
 from vsb.study.meridian import capsule, spheroid
 
 MODES = 6

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import gammaln
 
-from vsb.shell.shell import legendre
+from vsb.shell.legendre import legendre
 
 
 def test_legendre_equation_and_poles():

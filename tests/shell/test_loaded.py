@@ -22,7 +22,7 @@ from vsb.shell.loaded import (
     viable_pressure,
 )
 from vsb.shell.modes import mode_basis
-from vsb.shell.shell import Shell
+from vsb.shell.sphere import Shell
 
 RHO, G = 1025.0, 9.81
 SHELL = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)

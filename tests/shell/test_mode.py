@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from vsb.shell.modes import ModeBasis, natural_shapes, scaled
-from vsb.shell.shell import Shell, legendre
+from vsb.shell.legendre import legendre
+from vsb.shell.mode import natural_shapes, scaled
+from vsb.shell.modes import ModeBasis
+from vsb.shell.sphere import Shell
 from vsb.study.meridian import spheroid
 
 OBLATE = Shell(2.0, 0.01, 10e6, 0.3, 2700.0, spheroid(2.0, 3.0))

@@ -24,7 +24,7 @@ from vsb.shell.modes import (
     shell_modes,
 )
 from vsb.shell.ritz import natural_modes
-from vsb.shell.shell import Shell, natural_frequencies
+from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.study.meridian import capsule
 
 PAPER_RITZ = [51.434449987, 62.153777189, 86.525263883, 115.855327968, 146.580164630, 177.820039783, 209.298426663]

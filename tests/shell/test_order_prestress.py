@@ -6,7 +6,8 @@ import pytest
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import mode_basis
-from vsb.shell.orders import Ballast, geometric_stiffness, order_basis, prestress_stiffness, volume_hessian
+from vsb.shell.order_prestress import geometric_stiffness, prestress_stiffness, volume_hessian
+from vsb.shell.orders import Ballast, order_basis
 from vsb.shell.surface import enclosed_in_orders
 from vsb.study.device import Device, Gas
 

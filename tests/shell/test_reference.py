@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from vsb.shell.deformed import DeformedShell, ReferenceShell
+from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, shell_modes
-from vsb.shell.shell import Shell
+from vsb.shell.reference import ReferenceShell
+from vsb.shell.sphere import Shell
 from vsb.study.meridian import capsule
 
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from vsb.shell import ritz
+from vsb.shell.curve import curve
 from vsb.shell.modes import bending_block, mass_block, membrane_block
 from vsb.shell.ritz import heave, matrices, natural_modes
-from vsb.shell.shell import Shell, curve, natural_frequencies
+from vsb.shell.sphere import Shell, natural_frequencies
 from vsb.study.meridian import RestMeridian, capsule, spheroid
 
 SEED = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)

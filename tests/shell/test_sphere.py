@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.shell.shell import Shell, frequency_parameter, natural_frequencies
+from vsb.shell.sphere import Shell, frequency_parameter, natural_frequencies
 from vsb.study.meridian import RestMeridian, spheroid
 
 SEED = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)

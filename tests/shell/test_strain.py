@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import ModeBasis, natural_shapes, strain_shapes
-from vsb.shell.shell import Shell
+from vsb.shell.mode import natural_shapes
+from vsb.shell.modes import ModeBasis
+from vsb.shell.sphere import Shell
+from vsb.shell.strain import strain_shapes
 from vsb.study.meridian import RestMeridian, capsule, spheroid
 
 EGG = RestMeridian((2.0,), (0.3, 2.2, 0.1, 0.05))  # unlike above and below

@@ -19,7 +19,7 @@ from vsb.hydro.database import save_database
 from vsb.hydro.formats.wamit import import_wamit
 from vsb.stages.make import make
 from vsb.study.body import load_body
-from vsb.study.body_plan import BodyPlan
+from vsb.study.plan import BodyPlan
 
 BARGE = Path(__file__).parents[1] / "data" / "barge"
 FREE = ("state_matrix", "input_matrix", "output_matrix", "channel")

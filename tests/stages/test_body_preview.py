@@ -20,7 +20,7 @@ from vsb.hydro.bodies.files import write_body
 from vsb.hydro.bodies.study import check_solvable, cost
 from vsb.stages.body_preview import body_before_run, body_summary, check_wave
 from vsb.study.body import BodyStudy, located
-from vsb.study.body_plan import BodyPlan
+from vsb.study.plan import BodyPlan
 from vsb.study.reading import validated
 
 

@@ -20,7 +20,7 @@ from vsb.scenes.build import TUNED, design_in_sea
 from vsb.stages import coefficients
 from vsb.stages.stored import Results
 from vsb.study.body import load_body
-from vsb.study.body_plan import plan_for
+from vsb.study.plan import plan_for
 
 SWELL = {"kind": "regular", "amplitude": 0.1, "period": 2.5}
 

@@ -7,8 +7,7 @@ import pytest
 from conftest import varied
 
 from vsb.stages import figures
-from vsb.study.plan import figure_names
-from vsb.study.results_plan import FIGURE_KINDS
+from vsb.study.plan import FIGURE_KINDS, figure_names
 
 
 def test_every_figure_is_drawn_and_stamped(small):

@@ -16,8 +16,7 @@ from vsb.results.rung_errors import MODES
 from vsb.stages.make import make
 from vsb.study import study as config
 from vsb.study.body import load_body
-from vsb.study.body_plan import BodyPlan
-from vsb.study.plan import StudyPlan
+from vsb.study.plan import BodyPlan, StudyPlan
 
 PERIODS = (2.0, 2.5, 3.0, 3.3, 4.0, 5.0, 8.0)
 

@@ -15,7 +15,7 @@ from vsb.hydro.panels import rings as bem
 from vsb.stages.make import make
 from vsb.stages.stored import Results
 from vsb.study.body import load_body
-from vsb.study.body_plan import BodyPlan
+from vsb.study.plan import BodyPlan
 
 BARGE = Barge(length=20.0, beam=6.0, draught=2.0, bending_stiffness=1e8, modes=1, hinge_stiffness=0.0)
 DOFS = list(BARGE.labels)

@@ -11,7 +11,7 @@ from vsb.hydro.formats.wamit import import_wamit
 from vsb.stages.make import make
 from vsb.stages.stored import Results
 from vsb.study.body import load_body
-from vsb.study.body_plan import BodyPlan
+from vsb.study.plan import BodyPlan
 
 BARGE = Path(__file__).parents[1] / "data" / "barge"
 MODES = {"Surge": 1, "Heave": 3, "Pitch": 5, "Mode7": 7, "Mode8": 8, "Mode9": 9, "Mode10": 10}

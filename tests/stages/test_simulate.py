@@ -17,8 +17,8 @@ from vsb.scenes.build import linear_design
 from vsb.scenes.pause import BestPause
 from vsb.shell.deformed import enclosed
 from vsb.stages import simulate
-from vsb.study.body_specs import BodySimulateSpec
 from vsb.study.plan import StudyPlan
+from vsb.study.specs import BodySimulateSpec
 from vsb.study.take_off import Pto
 from vsb.tools.files import load
 

@@ -10,8 +10,7 @@ from conftest import varied
 from vsb.errors import ConfigError, DatabaseError
 from vsb.stages.stored import Results
 from vsb.stages.trajectories import StoredRuns
-from vsb.study.plan import StudyPlan
-from vsb.study.results_plan import trajectory_name
+from vsb.study.plan import StudyPlan, trajectory_name
 from vsb.tools.files import save
 
 

@@ -17,7 +17,7 @@ from vsb.report.page import STILL
 from vsb.stages.make import make
 from vsb.stages.stored import Results
 from vsb.study.body import load_body
-from vsb.study.body_plan import BodyPlan
+from vsb.study.plan import BodyPlan
 from vsb.tools.files import load
 
 RM3 = Path(__file__).parents[1] / "data" / "rm3"

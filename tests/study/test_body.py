@@ -5,7 +5,7 @@ import yaml
 
 from vsb.errors import ConfigError
 from vsb.study.body import BodyDesign, BodyStudy, is_body, load_body, located
-from vsb.study.canonical import canonical
+from vsb.study.quantities import canonical
 from vsb.study.reading import validated
 from vsb.study.study import parse
 

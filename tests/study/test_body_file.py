@@ -5,7 +5,7 @@ import math
 import pytest
 
 from vsb.errors import ConfigError
-from vsb.study.body_file import BodyFile
+from vsb.study.body import BodyFile
 from vsb.study.reading import validated
 
 RAFT = {"body": "raft", "mesh": "raft.nc", "modes": "raft.nc", "omega": [0.6, 0.9]}

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from vsb.study.body import LocatedBody, located
-from vsb.study.body_plan import BodyPlan, plan_for
-from vsb.study.canonical import content_id
+from vsb.study.plan import BodyPlan, plan_for
+from vsb.study.quantities import content_id
 
 RAW = {
     "study": "raft",

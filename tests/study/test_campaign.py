@@ -7,10 +7,9 @@ import yaml
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
-from vsb.study.campaign import load, sections, study_at
+from vsb.study.campaign import leading_tuning, load, sections, study_at
 from vsb.study.study import load as load_study
 from vsb.study.study import parse
-from vsb.study.year_options import leading_tuning
 
 RAW = {"campaign": "year", "study": "seed.yaml", "climate": {"spectra": "sea.txt"}}
 

@@ -4,7 +4,7 @@ import pytest
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
-from vsb.study.drag import Drag
+from vsb.study.directions import Drag
 from vsb.study.study import load
 
 PLATE = {"heave": {"coefficient": 0.5, "area": 12.57}}

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 import vsb
 from vsb.errors import ConfigError
-from vsb.study.device import Device
-from vsb.study.floating import (
+from vsb.study.device import (
+    Device,
+    Shape,
     cap_volume,
     centre_height,
     floating_height,
@@ -21,7 +22,6 @@ from vsb.study.floating import (
     waterline_radius,
 )
 from vsb.study.sections import Water
-from vsb.study.shape import Shape
 from vsb.study.study import canonical, parse
 
 

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from vsb.shell.modes import mode_basis
 from vsb.study import study as config
-from vsb.study.froude import FROUDE, scaled
+from vsb.study.vary import FROUDE, scaled
 
 SEED = Path(__file__).parents[1] / "data" / "seed.yaml"
 KEPT = {

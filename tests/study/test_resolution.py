@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.hydro.panels.mesh import graded_colatitudes
-from vsb.study import resolution
-from vsb.study.resolution import frequency_step, tolerance_rows, wave_rows
+from vsb.study import sections
+from vsb.study.blocks import frequency_step, tolerance_rows, wave_rows
 
 
 @pytest.mark.parametrize(("radius", "step"), [(2.0, 0.1), (5.0, 0.05), (20.0, 0.02), (0.5, 0.2), (1.9, 0.1)])
@@ -50,4 +50,4 @@ def test_six_rows_lie_within_half_a_wavelength_of_the_surface(radius, wavelength
     [(0, 0), (1, 1), (2**17, 1), (2**17 + 1, 2), (9 * 2**17 + 1, 10), (2**22, 10)],
 )
 def test_long_records_are_thinned(instants, every):
-    assert resolution.thinning(instants) == every
+    assert sections.thinning(instants) == every

@@ -7,12 +7,10 @@ import pytest
 import yaml
 from conftest import EXAMPLE, SEED
 
-from vsb.study.body import BodyStudy
-from vsb.study.body_file import BodyFile
+from vsb.study.body import BodyFile, BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.keys import KEYS
-from vsb.study.reading import read_yaml
-from vsb.study.schema import hint, schema_of
+from vsb.study.reading import hint, read_yaml, schema_of
 from vsb.study.study import Study
 
 MODELS = {"campaign": Campaign, "study": Study, "body-study": BodyStudy, "body": BodyFile}

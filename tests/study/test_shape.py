@@ -6,10 +6,9 @@ import pytest
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
-from vsb.study.floating import centre_height, keel_depth
+from vsb.study.device import Shape, centre_height, keel_depth, with_points
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
-from vsb.study.shape import Shape, with_points
 from vsb.study.study import load, parse
 
 OBLATE = {"spheroid": {"height": 3.0}}

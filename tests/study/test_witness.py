@@ -7,10 +7,9 @@ import xarray as xr
 from conftest import shipped, varied
 
 from vsb.results.ledger import witness_checks
-from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS
+from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS, LONGEST, lowest_modes, no_witness
 from vsb.study.plan import StudyPlan, figure_names
 from vsb.study.study import load
-from vsb.study.witness import LONGEST, lowest_modes, no_witness
 from vsb.waves.dispersion import wavenumber
 
 

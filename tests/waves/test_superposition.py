@@ -4,7 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.study.study import Jonswap
-from vsb.waves.seas import FEW, sea, superposed
+from vsb.waves.seas import sea
+from vsb.waves.superposition import FEW, superposed
 
 
 def direct(omega, phasors, time):

@@ -4,44 +4,18 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import xarray as xr
-from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
 from vsb.hydro.dofs import Displacement, displacements
-from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
-from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.shell.reference import ReferenceShell
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load, locked, save, write_text
 from vsb.tools.units import PAIR
-
-
-class Coefficients(NamedTuple):
-    """Hydrodynamic coefficients at any frequencies."""
-
-    added_mass: FloatArray  # (omega, dof, dof) [kg]
-    damping: FloatArray  # (omega, dof, dof) [kg/s]
-    excitation: ComplexArray  # (omega, dof) [N/m]
-
-    @classmethod
-    def side_by_side(cls, parts: Sequence["Coefficients"]) -> "Coefficients":
-        """Return coefficients of motions that do not couple through the water, as those of azimuthal orders."""
-        if len(parts) == 1:
-            return parts[0]
-        return cls(
-            _blocks([part.added_mass for part in parts]),
-            _blocks([part.damping for part in parts]),
-            np.concatenate([part.excitation for part in parts], axis=1),
-        )
-
-
-def _blocks(matrices: Sequence[FloatArray]) -> FloatArray:
-    """Matrices over frequency as blocks of one, (omega, dof, dof)."""
-    return np.array([block_diag(*at) for at in zip(*matrices, strict=True)])
-
 
 Verdict = Literal["ok", "doubt", "fail", "accepted"]
 SWEEP = "sweep"

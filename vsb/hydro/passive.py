@@ -20,7 +20,8 @@ from scipy.linalg import block_diag, eigh, solve_continuous_are
 from scipy.sparse.csgraph import connected_components
 
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
-from vsb.hydro.realisation import Balanced, StateSpace, least_damping, rational_fit
+from vsb.hydro.passivity import least_damping
+from vsb.hydro.realisation import Balanced, StateSpace, rational_fit
 from vsb.hydro.statespace import UNUSABLE, RadiationModel, partial_fractions, truncated
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.least_squares import levenberg_marquardt

@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import DatabaseError
+from vsb.hydro.azimuthal import multiplicity
 from vsb.hydro.database import Check, check_at_most
-from vsb.hydro.dofs import multiplicity
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.sweep import joined
 from vsb.study.sections import Water

@@ -22,7 +22,7 @@ from scipy.interpolate import CubicSpline
 from vsb.errors import ConfigError
 from vsb.hydro.database import Check, displacements_of, in_modes, with_excitation
 from vsb.hydro.quality import haskind_damping
-from vsb.hydro.shape_dependence import ShapeFamily
+from vsb.hydro.shapes.family import ShapeFamily
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis

@@ -18,7 +18,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from vsb.shell.modes import Mode, ModeBasis
+from vsb.shell.mode import Mode
+from vsb.shell.modes import ModeBasis
 from vsb.study.meridian import RestMeridian
 from vsb.tools.arrays import FloatArray
 from vsb.tools.compiled import njit

@@ -9,7 +9,7 @@ import xarray as xr
 from vsb.report.doubts import ADVICE
 from vsb.report.headline import COMPUTED, Answer
 from vsb.results.campaign import GAIN, POWER, in_time
-from vsb.study.year_options import GAIN_IN_TIME, leading_tuning
+from vsb.study.campaign import GAIN_IN_TIME, leading_tuning
 from vsb.tools.words import against_rigid, quantity, short
 from vsb.waves.climate import YEAR_HOURS
 

@@ -14,8 +14,8 @@ from vsb.report.campaign_answer import is_verified, shown_member, told_bounds, t
 from vsb.report.canvas import grid_of_axes, legend_above, note, plain_numbers, style
 from vsb.results.bins import HEIGHT, PERIOD
 from vsb.results.campaign import damper
+from vsb.study.campaign import CONSTRAINED
 from vsb.study.take_off import at_port
-from vsb.study.year_options import CONSTRAINED
 from vsb.tools.words import quantity
 
 GAIN = "RdBu"

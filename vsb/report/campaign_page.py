@@ -28,8 +28,8 @@ from vsb.report.campaign_answer import (
 from vsb.report.campaign_figures import is_mapped
 from vsb.report.html import captioned, page
 from vsb.report.living import as_script
+from vsb.study.campaign import CONSTRAINED
 from vsb.study.take_off import at_port
-from vsb.study.year_options import CONSTRAINED
 from vsb.tools.words import plain
 from vsb.waves.climate import PARTIAL
 

@@ -9,7 +9,7 @@ import jinja2
 import markupsafe
 
 from vsb.report.doubts import advice
-from vsb.study.results_plan import FIGURE_KINDS
+from vsb.study.plan import FIGURE_KINDS
 from vsb.tools.tables import csv_text
 from vsb.tools.words import short
 

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from vsb.study.campaign import CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CampaignSpec
 from vsb.study.take_off import turns
 from vsb.study.vary import MEMBER, PORT, Vary, unit
-from vsb.study.year_options import CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
 from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.tools.tables import csv_text
 

@@ -6,8 +6,7 @@ from typing import Any
 import xarray as xr
 
 from vsb.results.power import Merit, damper_of, merit
-from vsb.study.base_study import BaseStudy
-from vsb.study.study import StillWater, Wave
+from vsb.study.study import BaseStudy, StillWater, Wave
 from vsb.tools.tables import csv_text
 from vsb.waves.seas import Sea
 

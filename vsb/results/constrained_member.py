@@ -14,10 +14,10 @@ from vsb.results.member import OF_LIMITS
 from vsb.results.validity import LIMITS, motion_limits, wave_limits
 from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
-from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
+from vsb.shell.reference import ReferenceShell
+from vsb.study.campaign import CONSTRAINED
 from vsb.study.study import Study
-from vsb.study.year_options import CONSTRAINED
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import YEAR_HOURS, Climate
 

@@ -9,8 +9,7 @@ from vsb.hydro.database import Check, Verdict
 from vsb.results.budget import Budget, Rows, mean_budget
 from vsb.results.comparison import gains
 from vsb.results.ladder import Rung
-from vsb.study.base_study import BaseStudy
-from vsb.study.study import IrregularSea
+from vsb.study.study import BaseStudy, IrregularSea
 from vsb.study.take_off import Pto, damper_unit
 from vsb.tools.words import plain
 

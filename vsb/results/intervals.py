@@ -12,7 +12,7 @@ from vsb.results.power import apart, in_direction, power_response
 from vsb.results.run_checks import Attributes
 from vsb.results.statistics import Line
 from vsb.scenes.drag import LINEARISED
-from vsb.study.base_study import BaseStudy
+from vsb.study.study import BaseStudy
 from vsb.study.waves import RegularWave, Wave
 
 RUNG = {"fixed": "fixed", "each": "best_damper", "one": "best_damper_all_seas"}

@@ -28,12 +28,12 @@ from vsb.scenes.floating_system import (
     port_in_seas,
     study_sea,
 )
-from vsb.study.body_specs import BodyLadderSpec
-from vsb.study.specs import LadderSpec
+from vsb.study.specs import BodyLadderSpec, LadderSpec
 from vsb.study.study import IrregularSea, StillWater, Wave
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.tables import csv_text
-from vsb.waves.seas import Sea, expected, superposed
+from vsb.waves.seas import Sea, expected
+from vsb.waves.superposition import superposed
 
 RUNGS = ("fixed", "best_damper", "best_damper_all_seas", "best_spring_damper", "constrained", "matched")
 """Each takes no less of a sea than those before it, but a damper for all seas no more than the best one."""

@@ -24,18 +24,17 @@ from vsb.scenes.directions import loaded_shell, order_bases
 from vsb.scenes.mode_convergence import knows_port
 from vsb.scenes.rest import carries_load, computed_buckling
 from vsb.scenes.viability import DOUBTED_STRAIN, static_modal_amplitude, static_strain
-from vsb.shell.deformed import ReferenceShell
 from vsb.shell.loaded import viable_pressure
 from vsb.shell.modes import ModeBasis
-from vsb.shell.shell import Shell
+from vsb.shell.reference import ReferenceShell
+from vsb.shell.sphere import Shell
 from vsb.shell.surface import largest_deformation, largest_displacement, largest_strain
+from vsb.study.blocks import no_witness
 from vsb.study.body import BodyStudy
-from vsb.study.canonical import leaves
 from vsb.study.keys import KEYS
-from vsb.study.quantities import RIGID
+from vsb.study.quantities import RIGID, leaves
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.study import IrregularSea, RegularWave, StillWater, Study, Water, Wave
-from vsb.study.witness import no_witness
 from vsb.tools.words import plain
 from vsb.waves.dispersion import power_limit, wavenumber
 from vsb.waves.seas import share_above, share_below

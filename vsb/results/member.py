@@ -13,10 +13,10 @@ from vsb.results.validity import LIMITS
 from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import ShapeWater, designs_in_waves
 from vsb.scenes.viability import viability
-from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
+from vsb.shell.reference import ReferenceShell
+from vsb.study.campaign import CONSTRAINED, Tunings
 from vsb.study.study import Study
-from vsb.study.year_options import CONSTRAINED, Tunings
 from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.waves.climate import Climate
 

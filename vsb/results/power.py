@@ -10,8 +10,7 @@ from scipy.interpolate import CubicSpline
 from vsb.errors import ConfigError
 from vsb.motion.bodies import direction_index
 from vsb.scenes.build import TUNED
-from vsb.study.base_study import BaseStudy
-from vsb.study.study import RegularWave, StillWater, Water, Wave
+from vsb.study.study import BaseStudy, RegularWave, StillWater, Water, Wave
 from vsb.tools.arrays import FloatArray
 from vsb.waves.dispersion import group_velocity
 from vsb.waves.seas import Sea

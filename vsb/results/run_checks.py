@@ -12,9 +12,8 @@ from vsb.integrators.simulate import CONVOLVED
 from vsb.results.comparison import Row
 from vsb.results.power import apart, in_direction, power_response
 from vsb.scenes.drag import DAMPERS, LINEARISED
-from vsb.study.base_study import BaseStudy
 from vsb.study.quantities import ROTATIONS
-from vsb.study.study import Simulation, Study
+from vsb.study.study import BaseStudy, Simulation, Study
 from vsb.study.waves import RegularWave, Wave
 from vsb.tools.words import plain
 

@@ -18,12 +18,12 @@ from scipy.special import stdtrit
 from vsb.hydro.database import Check, check_at_most
 from vsb.results.power import apart, in_direction, power_response, velocity_response
 from vsb.scenes.drag import LINEARISED
-from vsb.study.base_study import BaseStudy
-from vsb.study.study import Irregular, IrregularSea, Study
+from vsb.study.study import BaseStudy, Irregular, IrregularSea, Study
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.tools.words import plain
-from vsb.waves.seas import Sea, superposed
+from vsb.waves.seas import Sea
+from vsb.waves.superposition import superposed
 
 FEWEST_BATCHES = 6
 CONFIDENCE = 0.95

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from vsb.hydro.database import Check
-from vsb.study.base_study import BaseStudy
 from vsb.study.body import BodyStudy
-from vsb.study.study import IrregularSea, Study
+from vsb.study.study import BaseStudy, IrregularSea, Study
 
 
 class Invalid(NamedTuple):

@@ -14,8 +14,7 @@ from vsb.hydro.formats.foreign import sizes
 from vsb.hydro.formats.modes import DRY, structure, volume_of
 from vsb.hydro.repairs import with_symmetric_stiffness
 from vsb.motion.bodies import LinearBody, linear_body
-from vsb.study.body import Body, Matrix, Rows
-from vsb.study.body_file import BodyFile
+from vsb.study.body import Body, BodyFile, Matrix, Rows
 from vsb.study.quantities import is_rigid, of_bodies
 from vsb.study.sections import Water
 from vsb.tools.arrays import FloatArray

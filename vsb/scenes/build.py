@@ -35,9 +35,8 @@ from vsb.scenes.pause import NEAR, BestPause, best_pair_in_sea, best_pause_in_se
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.scenes.take_off import tuned_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
-from vsb.study.body_specs import BodySimulateSpec
 from vsb.study.sections import POWER_TOLERANCE
-from vsb.study.specs import SimulateSpec
+from vsb.study.specs import BodySimulateSpec, SimulateSpec
 from vsb.study.study import RegularWave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load

@@ -12,7 +12,7 @@ from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.tuning import squares
 from vsb.scenes.floating_system import FloatingSystem, heading, towards
-from vsb.study.drag import Drag, Vane
+from vsb.study.directions import Drag, Vane
 from vsb.study.specs import DraggedSpec
 from vsb.study.study import Wave
 from vsb.tools.arrays import ComplexArray, FloatArray

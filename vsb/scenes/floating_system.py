@@ -24,9 +24,8 @@ from vsb.scenes.rest import design_motions
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, check_rank, mode_basis, rigid_basis
 from vsb.study.body import BodyDesign, BodyStudy
-from vsb.study.body_specs import BodyLadderSpec, BodySimulateSpec, OfDesigns
 from vsb.study.quantities import is_rigid
-from vsb.study.specs import Driven, LadderSpec, SimulateSpec
+from vsb.study.specs import BodyLadderSpec, BodySimulateSpec, Driven, LadderSpec, OfDesigns, SimulateSpec
 from vsb.study.study import StillWater, Study, Wave
 from vsb.study.take_off import DofPort
 from vsb.tools.arrays import FloatArray, IntArray

@@ -1,7 +1,7 @@
 """The deformed shell in water: waterline, wet quadrature, volume, area, hydrostatic force and its exact Jacobian."""
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from vsb.errors import ConfigError
 from vsb.shell.modes import ModeBasis
-from vsb.shell.shell import Curve, Shell
+from vsb.shell.sphere import Shell
 from vsb.tools.arrays import FloatArray
 
 
@@ -27,6 +27,15 @@ class Meridian(NamedTuple):
     shape_z: FloatArray
     dshape_x: FloatArray
     dshape_z: FloatArray
+
+
+class Curve(NamedTuple):
+    """Points of a deformed meridian alone: radius x and height z [m], their derivatives by colatitude."""
+
+    x: FloatArray  # (point,)
+    z: FloatArray
+    dx: FloatArray
+    dz: FloatArray
 
 
 _FINER = 15
@@ -294,31 +303,3 @@ def rigid_sphere(radius: float, centre_height: float) -> DeformedShell:
 def rigid_buoy(shell: Shell, centre_height: float) -> DeformedShell:
     """Return an undeformed shell in the water, that moves as a whole."""
     return DeformedShell(ModeBasis(shell, (), 1.0, bending=False), centre_height, np.zeros(1))
-
-
-@dataclass(frozen=True)
-class ReferenceShell:
-    """Shape at rest and the stiffness about it; motions are measured from there."""
-
-    shape: DeformedShell
-    stiffness: Mapping[str, FloatArray]  # structural, hydrostatic, and where there are: prestress, gas (dof, dof) [N/m]
-
-    @property
-    def basis(self) -> ModeBasis:
-        """Heave and shell modes."""
-        return self.shape.basis
-
-    @property
-    def total(self) -> FloatArray:
-        """Sum of the stiffness, shape (dof, dof) [N/m]."""
-        return np.asarray(sum(self.stiffness.values()))
-
-    @property
-    def modal_amplitude(self) -> FloatArray:
-        """Heave and modal amplitudes of the shape at rest, shape (dof,) [m]; zero if undeformed."""
-        return self.shape.modal_amplitude
-
-    @property
-    def keel_depth(self) -> float:
-        """Depth of the keel below still water [m]."""
-        return -float(self.shape.meridian(np.array([np.pi])).z[0])

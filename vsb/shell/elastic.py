@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.shell.deformed import DeformedShell, Meridian, gauss_rule
-from vsb.shell.modes import ModeBasis, bending_block, strain_shapes
-from vsb.shell.shell import Shell
+from vsb.shell.modes import ModeBasis, bending_block
+from vsb.shell.sphere import Shell
+from vsb.shell.strain import strain_shapes
 from vsb.tools.arrays import FloatArray
 
 

@@ -15,8 +15,10 @@ from scipy.optimize import brentq, minimize_scalar
 from vsb.errors import ConvergenceError
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell, converged_degree
-from vsb.shell.modes import Mode, ModeBasis, strain_shapes
-from vsb.shell.shell import Shell
+from vsb.shell.mode import Mode
+from vsb.shell.modes import ModeBasis
+from vsb.shell.sphere import Shell
+from vsb.shell.strain import strain_shapes
 from vsb.study.study import Device, Gas, Water
 from vsb.tools.arrays import FloatArray
 

@@ -2,87 +2,24 @@
 
 Every shape of the sphere is one Legendre degree n: radial displacement v = V P_n(cos phi), meridional u = U dP_n/dphi.
 Rigid heave is the shape n = 1, V = U = 1. Degrees are orthogonal, so mass and energy are closed-form 2 x 2 blocks per
-degree. On another meridian each natural mode has all degrees, and both come from quadrature (`vsb.shell.ritz`).
+degree. On another meridian the natural modes hold all degrees, and both come from quadrature (`vsb.shell.ritz`).
 """
 
-import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.linalg import eigh, svd
-from scipy.optimize import minimize_scalar
 
 from vsb.errors import ConfigError
-from vsb.shell.ritz import matrices, natural_modes, strains
-from vsb.shell.shell import Shell, frequency_parameter, legendre
+from vsb.shell.legendre import legendre
+from vsb.shell.mode import Mode, natural_shapes, scaled
+from vsb.shell.ritz import matrices
+from vsb.shell.sphere import Shell, frequency_parameter
 from vsb.study.sections import Basis
 from vsb.study.study import Device
 from vsb.tools.arrays import FloatArray
-
-
-@dataclass(frozen=True)
-class Mode:
-    """One shape: v = radial P_n, u = meridional dP_n/dphi, scaled to max|displacement| = 1 (C5)."""
-
-    label: str
-    degree: int
-    radial: float
-    meridional: float
-    others: tuple[tuple[int, float, float], ...] = ()  # degrees, radial and meridional, beside; on other meridians
-
-    @property
-    def parts(self) -> tuple[tuple[int, float, float], ...]:
-        """Degree, radial and meridional amplitude of all it is made of."""
-        return ((self.degree, self.radial, self.meridional), *self.others)
-
-
-def scaled(label: str, degree: int, radial: float, meridional: float) -> Mode:
-    """Return a shape of one degree scaled to max|displacement| = 1, radial at the top pole positive."""
-
-    def displacement(phi: FloatArray) -> FloatArray:
-        p, dp, _ = legendre(degree, np.atleast_1d(phi))
-        return np.asarray(np.hypot(radial * p[degree], meridional * dp[degree]))
-
-    largest = _largest(displacement, degree)
-    scale = np.copysign(1.0, radial) / largest
-    return Mode(label, degree, radial * scale, meridional * scale)
-
-
-def _largest(displacement: Callable[[FloatArray], FloatArray], degree: int) -> float:
-    """Largest displacement along the meridian, of a shape with the turns of a degree."""
-    grid = np.linspace(0.0, np.pi, 20 * degree + 3)
-    peak = grid[np.argmax(displacement(grid))]
-    step = grid[1]
-    refined = minimize_scalar(
-        lambda phi: -float(displacement(phi)[0]), bounds=(peak - step, peak + step), options={"xatol": 1e-12}
-    )
-    return max(-float(refined.fun), float(displacement(np.array(peak))[0]))
-
-
-def natural_shapes(shell: Shell, degree: int) -> tuple[Mode, ...]:
-    """Return the natural modes of a shell of another meridian, by ascending frequency, from `Shell1` on."""
-    shapes = natural_modes(shell, max(1, degree)).shapes.T
-    return tuple(_natural_shape(f"Shell{i}", shape) for i, shape in enumerate(shapes, 1))
-
-
-def _natural_shape(label: str, shape: FloatArray) -> Mode:
-    """A mode of all degrees scaled to max|displacement| = 1, the largest radial amplitude at a pole positive."""
-    highest = len(shape) // 2
-    radial, meridional = shape[: highest + 1], np.concatenate([[0.0], shape[highest + 1 :]])
-
-    def displacement(phi: FloatArray) -> FloatArray:
-        p, dp, _ = legendre(highest, np.atleast_1d(phi))
-        return np.asarray(np.hypot(radial @ p, meridional @ dp))
-
-    largest = _largest(displacement, highest)
-    at_poles = np.array([radial.sum(), radial @ (-1.0) ** np.arange(highest + 1)])
-    scale = np.copysign(1.0, at_poles[0] if abs(at_poles[0]) > 1e-6 * largest else at_poles[1]) / largest
-    parts = [(n, scale * float(v), scale * float(u)) for n, (v, u) in enumerate(zip(radial, meridional, strict=True))]
-    leading = max(parts, key=lambda part: math.hypot(part[1], math.sqrt(part[0] * (part[0] + 1)) * part[2]))
-    return Mode(label, *leading, tuple(part for part in parts if part is not leading))
-
 
 HEAVE = "Heave"
 SAME = 1e-12
@@ -404,20 +341,3 @@ def _shapes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
 def rigid_basis(device: Device) -> ModeBasis:
     """Return the basis of a study without a flexible design: heave alone."""
     return ModeBasis(Shell.of(device), (), device.mass, bending=False)
-
-
-def strain_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return linear meridional and hoop strain and rotation per unit amplitude, each shape (dof, point) [1/m].
-
-    e_phi = (u' + v)/r, e_theta = (u cot phi + v)/r, beta = (v' - u)/r. By Legendre's equation
-    u cot phi = -n(n+1) U P_n - u', which holds at the poles too and makes all three exactly zero for rigid heave. On
-    another meridian, between its poles, those of `vsb.shell.ritz`.
-    """
-    if basis.shell.rest is not None:
-        found, shapes = strains(basis.shell.rest, basis.highest_degree, colatitude), basis.displacements
-        return shapes @ found.meridional, shapes @ found.hoop, shapes @ found.rotation
-    p, dp, ddp = (table[list(basis.degrees)] for table in legendre(basis.highest_degree, colatitude))
-    radial, meridional = np.array([[mode.radial, mode.meridional] for mode in basis.shapes]).T[:, :, None]
-    n, r = np.array(basis.degrees)[:, None], basis.shell.radius
-    hoop = (radial - n * (n + 1) * meridional) * p - meridional * ddp
-    return (radial * p + meridional * ddp) / r, hoop / r, (radial - meridional) * dp / r

@@ -21,7 +21,9 @@ import numpy as np
 from scipy.linalg import eigh
 
 from vsb.errors import ConvergenceError
-from vsb.shell.shell import Shell, bend, curve, legendre
+from vsb.shell.curve import bend, curve
+from vsb.shell.legendre import legendre
+from vsb.shell.sphere import Shell
 from vsb.study.meridian import RestMeridian
 from vsb.tools.arrays import FloatArray
 

@@ -15,11 +15,12 @@ from vsb.scenes.directions import whole_labels
 from vsb.scenes.ports import designs_in_waves
 from vsb.stages.interactive_year import Point, sweep_point
 from vsb.stages.modes import shell_modes
+from vsb.study.campaign import CONSTRAINED
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import Water
-from vsb.study.year_options import CONSTRAINED
 from vsb.waves.climate import Climate, realised
-from vsb.waves.seas import Sea, superposed
+from vsb.waves.seas import Sea
+from vsb.waves.superposition import superposed
 
 FRAMES = PER_PERIOD * PERIODS
 """Instants at which motions are summed; a page shows as many."""

@@ -19,9 +19,9 @@ from vsb.results.body_ledger import seas_checks
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
 from vsb.scenes.floating_system import body_system, port_in_seas, study_sea
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
-from vsb.study.body_file import BodyFile
-from vsb.study.body_plan import BodyPlan
-from vsb.study.canonical import content_id
+from vsb.study.body import BodyFile
+from vsb.study.plan import BodyPlan
+from vsb.study.quantities import content_id
 from vsb.study.waves import IrregularSea, StillWater, Wave
 from vsb.tools.files import load
 

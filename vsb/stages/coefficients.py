@@ -17,10 +17,9 @@ from vsb.hydro.repairs import repaired, told, with_symmetric_stiffness
 from vsb.motion.bodies import LinearBody
 from vsb.scenes.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
 from vsb.stages.stage import stamp
-from vsb.study.body import Body
-from vsb.study.body_file import BodyFile
-from vsb.study.body_specs import BodySpec
+from vsb.study.body import Body, BodyFile
 from vsb.study.quantities import of_bodies
+from vsb.study.specs import BodySpec
 from vsb.tools.units import PAIR
 
 _KEPT = (

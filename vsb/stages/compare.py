@@ -26,8 +26,7 @@ from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
 from vsb.stages.inputs import Inputs
 from vsb.study.body import BodyStudy
-from vsb.study.body_specs import BodyCompareSpec
-from vsb.study.specs import CompareSpec
+from vsb.study.specs import BodyCompareSpec, CompareSpec
 from vsb.study.study import IrregularSea, Study, Wave, canonical
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record

@@ -12,8 +12,8 @@ from vsb.hydro import database, orders, quality
 from vsb.hydro.database import Check
 from vsb.scenes.directions import mooring_stiffness, order_bases, order_stiffness
 from vsb.scenes.rest import reference_shell
-from vsb.shell.deformed import ReferenceShell
 from vsb.shell.orders import OrderBasis
+from vsb.shell.reference import ReferenceShell
 from vsb.stages.stage import stamp
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.specs import DatabaseSpec

@@ -10,7 +10,7 @@ from vsb.hydro.witness import Deformed, deformed_shapes
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.shell.modes import ModeBasis, shell_modes
-from vsb.shell.shell import Shell
+from vsb.shell.sphere import Shell
 from vsb.stages.stage import stamp
 from vsb.study.blocks import degree
 from vsb.study.specs import DeformedSpec, LoadedShape, Shapes

@@ -6,8 +6,8 @@ from pathlib import Path
 import yaml
 
 from vsb.errors import ConfigError
-from vsb.study.froude import FROUDE
 from vsb.study.study import load, parse
+from vsb.study.vary import FROUDE
 from vsb.tools.files import write_text
 from vsb.tools.shipped import HOME
 

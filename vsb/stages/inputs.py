@@ -10,10 +10,8 @@ import xarray as xr
 from vsb.hydro.database import load_database
 from vsb.scenes.floating_system import AnyStudy
 from vsb.stages.trajectories import StoredRuns
-from vsb.study.body_plan import plan_for
-from vsb.study.canonical import content_id
-from vsb.study.plan import StudyPlan
-from vsb.study.results_plan import ResultsPlan
+from vsb.study.plan import ResultsPlan, StudyPlan, plan_for
+from vsb.study.quantities import content_id
 from vsb.tools.files import load
 
 

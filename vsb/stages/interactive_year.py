@@ -11,7 +11,7 @@ from vsb.report.campaign_answer import shown_place, where
 from vsb.report.living import year_data
 from vsb.scenes.ports import design_ports
 from vsb.scenes.viability import viability
-from vsb.shell.deformed import ReferenceShell
+from vsb.shell.reference import ReferenceShell
 from vsb.stages.members import Swept, swept_shape
 from vsb.study.campaign_plan import members
 from vsb.study.specs import CampaignSpec

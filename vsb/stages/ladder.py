@@ -4,8 +4,7 @@ import json
 
 from vsb.results.ladder import as_csv, study_ladder
 from vsb.stages.stage import stamp
-from vsb.study.body_specs import BodyLadderSpec
-from vsb.study.specs import LadderSpec
+from vsb.study.specs import BodyLadderSpec, LadderSpec
 from vsb.tools.files import write_text
 from vsb.tools.stamps import record
 

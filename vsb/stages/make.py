@@ -9,9 +9,8 @@ from vsb.stages.planning import with_degree
 from vsb.stages.stage import STAGES
 from vsb.stages.verify import stale_products
 from vsb.study.body import LocatedBody
-from vsb.study.body_plan import AnyPlan, BodyPlan
 from vsb.study.jobs import Job, blocks, jobs
-from vsb.study.plan import StudyPlan
+from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
 from vsb.study.study import Study
 from vsb.tools.files import check_folder
 

@@ -12,10 +12,9 @@ from typing import Any, overload
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.study import campaign_plan
-from vsb.study.body_plan import BodyPlan
 from vsb.study.campaign import study_at
 from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.plan import StudyPlan
+from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import ClimateSpec, DegreeSpec, Spec
 from vsb.study.study import Study, canonical, content_id

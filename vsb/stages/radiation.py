@@ -12,8 +12,7 @@ from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
 from vsb.scenes.floating_system import stored_body
 from vsb.stages.stage import stamp
-from vsb.study.body_specs import BodyRadiationSpec
-from vsb.study.specs import RadiationSpec
+from vsb.study.specs import BodyRadiationSpec, RadiationSpec
 from vsb.tools.files import save
 from vsb.tools.units import PAIR
 

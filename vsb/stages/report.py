@@ -18,10 +18,10 @@ from vsb.scenes.floating_system import AnyStudy
 from vsb.stages.animated import moving_study
 from vsb.stages.inputs import Inputs
 from vsb.stages.interactive import living_study
+from vsb.study.blocks import no_witness
 from vsb.study.body import BodyStudy
 from vsb.study.plan import StudyPlan
 from vsb.study.study import StillWater, Study
-from vsb.study.witness import no_witness
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 

@@ -14,8 +14,7 @@ from vsb.motion.port import LinearPto, Port, channels_reached
 from vsb.report.band import with_extremes
 from vsb.scenes.floating_system import FloatingSystem, floating_system, towards
 from vsb.stages.stage import stamp
-from vsb.study.body_specs import BodyResponseSpec
-from vsb.study.specs import ResponseSpec
+from vsb.study.specs import BodyResponseSpec, ResponseSpec
 from vsb.study.study import canonical
 from vsb.study.take_off import Pto, turns
 from vsb.tools.arrays import FloatArray

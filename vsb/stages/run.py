@@ -25,11 +25,10 @@ from vsb.stages import make, slurm
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.planning import plan_of
 from vsb.stages.stage import STAGES
-from vsb.study.body_plan import AnyPlan, BodyPlan
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.jobs import jobs
-from vsb.study.reading import read_yaml
-from vsb.study.schema import nearest
+from vsb.study.plan import AnyPlan, BodyPlan
+from vsb.study.reading import nearest, read_yaml
 from vsb.tools import completion
 from vsb.tools.shipped import HOME
 from vsb.tools.words import shortened

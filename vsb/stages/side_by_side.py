@@ -8,10 +8,10 @@ from pathlib import Path
 from vsb.errors import ConfigError
 from vsb.report.side_by_side import Line, as_csv, as_page, as_text
 from vsb.stages.planning import plan_of
-from vsb.study.body_plan import AnyPlan
+from vsb.study.campaign import leading_tuning
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.plan import AnyPlan
 from vsb.study.take_off import damper_unit
-from vsb.study.year_options import leading_tuning
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import read_text
 

@@ -21,8 +21,7 @@ from vsb.shell.orders import OrderBasis, all_clamp_rows
 from vsb.shell.surface import enclosed_in_orders
 from vsb.stages.response import port_in_words
 from vsb.stages.stage import stamp
-from vsb.study.body_specs import BodySimulateSpec
-from vsb.study.specs import SimulateSpec
+from vsb.study.specs import BodySimulateSpec, SimulateSpec
 from vsb.study.study import RegularWave, StillWater
 from vsb.study.take_off import turns
 from vsb.tools.arrays import FloatArray

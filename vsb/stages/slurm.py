@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from vsb.errors import VsbError
-from vsb.study.body_plan import AnyPlan, BodyPlan
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.plan import AnyPlan, BodyPlan
 
 LONGEST = 50
 """Characters of a name the plug-in takes."""

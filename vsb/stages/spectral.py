@@ -4,10 +4,10 @@ import time as clock
 
 from vsb.hydro.dofs import displacements
 from vsb.hydro.spectral import solver
-from vsb.hydro.spectral.solver import FEWEST_NODES, converged, converged_on_grid
+from vsb.hydro.spectral.sweep import FEWEST_NODES, converged, converged_on_grid
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_buoy
-from vsb.shell.shell import Shell
+from vsb.shell.sphere import Shell
 from vsb.stages.stage import stamp
 from vsb.study.specs import LoadedShape, SpectralSpec
 from vsb.tools.files import save

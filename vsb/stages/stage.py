@@ -10,7 +10,7 @@ from typing import Any, get_args
 from pydantic import TypeAdapter, ValidationError
 
 from vsb.errors import ConfigError
-from vsb.study import body_specs, specs
+from vsb.study import specs
 from vsb.study.body import BodyStudy
 from vsb.study.reading import one_line
 from vsb.study.specs import Spec
@@ -72,23 +72,21 @@ STAGES = (
     Stage("witness", "two solvers on the mean and on deformed shells", specs.WitnessSpec, ("meshes", "green", "out")),
     Stage("panels", "one block of frequencies by panels", specs.PanelsSpec, ("mesh", "green", "out")),
     Stage("spectral", "one block of frequencies without panels", specs.SpectralSpec, ("out",)),
-    Stage("coefficients", "hydro database of a body, solved or read", body_specs.BodySpec, ("out",), BODY_FILES),
+    Stage("coefficients", "hydro database of a body, solved or read", specs.BodySpec, ("out",), BODY_FILES),
     Stage("database", "hydro database from blocks", specs.DatabaseSpec, ("blocks", "out")),
-    Stage("radiation", "radiation model", specs.RadiationSpec | body_specs.BodyRadiationSpec, ("database", "out")),
-    Stage("response", "frequency response", specs.ResponseSpec | body_specs.BodyResponseSpec, ("database", "out")),
+    Stage("radiation", "radiation model", specs.RadiationSpec | specs.BodyRadiationSpec, ("database", "out")),
+    Stage("response", "frequency response", specs.ResponseSpec | specs.BodyResponseSpec, ("database", "out")),
     Stage(
         "ladder",
         "power under ever better take-offs",
-        specs.LadderSpec | body_specs.BodyLadderSpec,
+        specs.LadderSpec | specs.BodyLadderSpec,
         ("database", "out", "rungs", "manifest"),
     ),
-    Stage(
-        "simulate", "one design in one sea", specs.SimulateSpec | body_specs.BodySimulateSpec, ("out",), BEM_FILES[:2]
-    ),
+    Stage("simulate", "one design in one sea", specs.SimulateSpec | specs.BodySimulateSpec, ("out",), BEM_FILES[:2]),
     Stage(
         "compare",
         "comparison and validity",
-        specs.CompareSpec | body_specs.BodyCompareSpec,
+        specs.CompareSpec | specs.BodyCompareSpec,
         ("trajectories", "out", "statistics", "validity", "study", "tables", "manifest"),
         (*BEM_FILES, "rungs"),
     ),

@@ -18,8 +18,7 @@ from vsb.motion.port import Port
 from vsb.scenes.build import DesignInSea, design_in_sea
 from vsb.scenes.floating_system import AnyStudy, FloatingSystem, floating_system, towards
 from vsb.stages.planning import with_degree
-from vsb.study.body_plan import plan_for
-from vsb.study.results_plan import ResultsPlan
+from vsb.study.plan import ResultsPlan, plan_for
 from vsb.study.study import Wave
 from vsb.tools.files import load
 from vsb.tools.stamps import read_text

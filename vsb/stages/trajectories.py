@@ -8,8 +8,7 @@ from typing import Any
 import xarray as xr
 
 from vsb.scenes.floating_system import AnyStudy
-from vsb.study.body_plan import plan_for
-from vsb.study.results_plan import trajectory_name
+from vsb.study.plan import plan_for, trajectory_name
 from vsb.tools.files import attributes, check_stamp, load
 
 

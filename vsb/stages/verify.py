@@ -11,9 +11,9 @@ from vsb.errors import DatabaseError, VsbError
 from vsb.stages.locks import all_locked
 from vsb.stages.planning import plan_of
 from vsb.study.body import is_body, located
-from vsb.study.body_plan import AnyPlan, plan_for
 from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.canonical import leaves
+from vsb.study.plan import AnyPlan, plan_for
+from vsb.study.quantities import leaves
 from vsb.study.study import parse
 from vsb.tools import packed
 from vsb.tools.files import CHANGED, DELETE, attributes, carries_stamp

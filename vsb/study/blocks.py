@@ -7,10 +7,20 @@ from importlib.metadata import version
 from typing import Any
 
 from vsb.errors import ConfigError
-from vsb.study.resolution import frequency_step, mode_rows, tolerance_rows, wave_rows
-from vsb.study.sections import Modes
-from vsb.study.specs import LoadedMesh, LoadedShape, PanelsSpec, Rows, SpectralSpec, Sphere, SphereMesh
-from vsb.study.study import IrregularSea, RegularWave, Study, content_id
+from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Modes
+from vsb.study.specs import (
+    DeformedSpec,
+    LoadedMesh,
+    LoadedShape,
+    PanelsSpec,
+    Rows,
+    Shapes,
+    SpectralSpec,
+    Sphere,
+    SphereMesh,
+    WitnessSpec,
+)
+from vsb.study.study import CLEARANCE, IrregularSea, RegularWave, Study, content_id
 
 BlockSpec = PanelsSpec | SpectralSpec
 BLOCK = 32
@@ -37,7 +47,43 @@ LID_ROWS_PER_WAVE = 6
 ROWS_OF_A_DEFORMED_SHELL = 1.5
 """Factor on the rows of a sphere; with it Haskind's relation holds as well (seed's shell at 16.5 kPa, 14 % strain)."""
 FEWEST_LID_ROWS = 16
-LEAST_DEPTH_IN_WAVENUMBERS = 0.3  # capytaine has no finite-depth Green function for kd near 0.1
+
+
+ROWS_PER_HALF_WAVE = 6
+
+
+def frequency_step(radius: float, gravity: float) -> float:
+    """Return the step of the absolute frequency grid [rad/s]: the largest 1-2-5 number below 0.05 sqrt(g/r).
+
+    The coefficients vary on the scale sqrt(g/r); with a fixed, round step, studies of different omega_max share
+    blocks.
+    """
+    bound = 0.05 * math.sqrt(gravity / radius)
+    decade = 10.0 ** math.floor(math.log10(bound))
+    return float(f"{max(m * decade for m in (1, 2, 5) if m * decade <= bound):.0e}")
+
+
+def tolerance_rows(tolerance: float) -> int:
+    """Return the panel rows that bring the error of A and B below a tolerance.
+
+    Measured on the floating hemisphere (modes P_0..P_6, Ka <= 3): 40 rows 8e-4, second order.
+    """
+    return 2 * math.ceil(20 * math.sqrt(1e-3 / tolerance))
+
+
+def mode_rows(degree: int) -> int:
+    """Return the rows that put eight of them on every lobe of the highest mode, degree/2 lobes on the wetted shell."""
+    return 4 * degree
+
+
+def wave_rows(radius: float, wavelength: float) -> int:
+    """Return the rows that put `ROWS_PER_HALF_WAVE` of them within half a wavelength of the surface.
+
+    Rows are graded as colatitude = pi/2 (2 - cos(pi s/2)), so depth d is passed at s = 2/pi acos(1 - 2/pi asin(d/r)).
+    """
+    depth = min(wavelength / 2 / radius, 1.0)
+    passed = 2 / math.pi * math.acos(1 - 2 / math.pi * math.asin(depth))
+    return 2 * math.ceil(ROWS_PER_HALF_WAVE / passed / 2)
 
 
 def panel_solver() -> str:
@@ -281,3 +327,58 @@ class HydroPlan:
 def degree(mode: str) -> int:
     """Return the degree of a mode by its label."""
     return int(mode.removeprefix("Membrane").removeprefix("Bending"))
+
+
+MOST_MODES = 12
+"""Modes, of the lowest degrees, that deform the shell and whose coefficients are compared."""
+ROWS = 32
+"""Panels err by 1e-3 with them, and say 3e-3: an error of one percent in either solver is seen."""
+LONGEST, SHORTEST = 0.3, 3.0
+"""Wavenumber times radius of the longest and the shortest wave of three: around the resonance of heave, near one."""
+
+
+def no_witness(study: Study) -> str:
+    """Say why a study has no second solver; empty if it has."""
+    if not study.needs_bem:
+        return "an assumed pressure has no coefficients"
+    if study.hydro.witness == "none":
+        return "hydro.witness: none"
+    if study.device.shape is not None:
+        return "panels are those of the sphere"
+    if study.water.depth < CLEARANCE * study.draft:
+        return f"the spectral solver needs a water.depth of {CLEARANCE:g} drafts"
+    return ""
+
+
+def witness_spec(plan: HydroPlan) -> WitnessSpec:
+    """Return what is asked of both solvers."""
+    study, water = plan.study, plan.study.water
+    modes = lowest_modes(plan.mode_labels)
+    rows = max(ROWS, *(mode_rows(degree(mode)) for mode in modes), 0)
+    meshes = DeformedSpec(
+        shape=_shape(plan), deformed=modes, depth=water.depth, rows=rows, azimuth=2 * rows, lid_rows=FEWEST_LID_ROWS
+    )
+    longest = max(LONGEST / study.device.radius, LEAST_DEPTH_IN_WAVENUMBERS / water.depth)
+    shortest = max(SHORTEST / study.device.radius, 2 * longest)
+    omega = [
+        round(math.sqrt(water.gravity * k * math.tanh(k * water.depth)), 6)
+        for k in (longest, math.sqrt(longest * shortest), shortest)
+    ]
+    return WitnessSpec(solver=panel_solver(), meshes=meshes, water=water, omega=tuple(omega))
+
+
+def lowest_modes(labels: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the `MOST_MODES` modes of the lowest degrees, in the order of the basis."""
+    chosen = sorted(labels, key=degree)[:MOST_MODES]
+    return tuple(label for label in labels if label in chosen)
+
+
+def _shape(plan: HydroPlan) -> Sphere | Shapes | LoadedShape:
+    """The shape at rest, and what its modes follow from: Poisson's ratio and thickness, not stiffness or density."""
+    study, shape = plan.study, plan.shape
+    if isinstance(shape, LoadedShape) or not study.flexible:
+        return shape
+    device = study.device
+    return Shapes(
+        **dict(shape), thickness=device.thickness, poisson_ratio=device.poisson_ratio, basis=study.modes.basis
+    )

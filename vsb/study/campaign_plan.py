@@ -16,11 +16,23 @@ from typing import Any
 from vsb.errors import ConfigError
 from vsb.study.blocks import HydroPlan
 from vsb.study.body import is_body
-from vsb.study.body_plan import BodyPlan
-from vsb.study.campaign import LoadedCampaign, Scatter, is_campaign, read, sections, study_at, where_of
-from vsb.study.plan import StudyPlan
+from vsb.study.campaign import (
+    GAIN_IN_TIME,
+    IN_TIME,
+    POWER_IN_TIME,
+    Constrained,
+    LoadedCampaign,
+    Scatter,
+    Tunings,
+    is_campaign,
+    leading_tuning,
+    read,
+    sections,
+    study_at,
+    where_of,
+)
+from vsb.study.plan import BodyPlan, ResultsFolder, StudyPlan, figure_paths
 from vsb.study.reading import read_yaml
-from vsb.study.results_plan import ResultsFolder, figure_paths
 from vsb.study.specs import (
     CampaignSpec,
     ClimateSpec,
@@ -31,7 +43,6 @@ from vsb.study.specs import (
 )
 from vsb.study.study import Simulation, Study, canonical, content_id, parse
 from vsb.study.vary import Point
-from vsb.study.year_options import GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, Constrained, Tunings, leading_tuning
 
 MOST_BATCHES = 32
 BATCH_SECONDS = 8.0

@@ -3,13 +3,166 @@
 Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
-from typing import Annotated, Self
+import copy
+import csv
+import math
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 
-from vsb.study.meridian import RestMeridian
+from vsb.errors import ConfigError
+from vsb.study.meridian import RestMeridian, capsule, spheroid, through
 from vsb.study.quantities import Finite, NonNegative, Number, Positive, Section, Sized, within
-from vsb.study.shape import Shape, shell_mass
+from vsb.study.sections import Hydro, Water
+from vsb.tools.bounded import LARGEST_STUDY, read_bounded
+
+SLENDEREST = 10.0
+"""Of the diameter: height, or either of them, beyond which shapes and waves are no longer resolved."""
+
+
+class Spheroid(Section):
+    """An ellipsoid of revolution by its height from pole to pole [m]; the device's radius is that of its equator."""
+
+    height: Annotated[Positive, within(1e-3, 1e4, "m", "no buoy is larger")]
+
+
+class Capsule(Section):
+    """A cylinder between two hemispheres by its length [m], the curvature passing smoothly from one to the other."""
+
+    length: Annotated[NonNegative, within(0.0, 1e4, "m", "no buoy is larger")]
+
+
+class Shape(Section):
+    """One of a spheroid, a capsule and a profile: points (x, z) from top to keel in any unit, scaled to the radius."""
+
+    spheroid: Spheroid | None = None
+    capsule: Capsule | None = None
+    profile: tuple[tuple[Finite, Finite], ...] | None = Field(
+        default=None, json_schema_extra={"anyOf": [{"type": "array"}, {"type": "string"}, {"type": "null"}]}
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        given = [name for name in ("spheroid", "capsule", "profile") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"received {' and '.join(given) or 'none'}: needs one of spheroid, capsule and profile")
+        return self
+
+    def meridian(self, radius: float) -> RestMeridian:
+        """Return the meridian of a largest radius [m].
+
+        Raises
+        ------
+        ValueError
+            If it bounds no body, or is too slender or too flat.
+        """
+        if self.spheroid:
+            key, found = "spheroid", spheroid(radius, self.spheroid.height)
+        elif self.capsule:
+            key, found = "capsule", capsule(radius, self.capsule.length)
+        else:
+            key = "profile"
+            try:
+                found = through(self.profile or (), radius)
+            except ValueError as error:
+                raise ValueError(f"shape.profile: {error}") from None
+        ratio = (found.highest - found.lowest) / (2 * radius)
+        if not 1 / SLENDEREST <= ratio <= SLENDEREST:
+            raise ValueError(
+                f"shape.{key}: received a height of {ratio:.4g} diameters, needs {1 / SLENDEREST:g} to {SLENDEREST:g}"
+            )
+        return found
+
+
+def with_points(raw: Any, source: str) -> Any:
+    """Return a study as nested mappings with the points of its shape's profile in place of the file that holds them.
+
+    Parameters
+    ----------
+    raw : mapping
+    source : str
+        File of the study, which the profile's name is relative to.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, or holds no rows of two numbers.
+    """
+    try:
+        name = raw["device"]["shape"]["profile"]
+    except (KeyError, TypeError):
+        return raw
+    if not isinstance(name, str):
+        return raw
+    found = copy.deepcopy(raw)
+    found["device"]["shape"]["profile"] = _points(Path(source).parent / name, f"{source}: device.shape.profile")
+    return found
+
+
+def _points(path: Path, where: str) -> list[list[float]]:
+    """Rows x, z of a file, a line of words before them left out."""
+    try:
+        lines = read_bounded(path, LARGEST_STUDY).decode("utf-8-sig").splitlines()
+        rows = [row for row in csv.reader(lines) if any(map(str.strip, row))]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        reason = error.strerror if isinstance(error, OSError) else "no text"
+        raise ConfigError(f"{where}: received {path.name}, which cannot be read ({reason}); needs a CSV file") from None
+    points = []
+    for i, row in enumerate(rows):
+        try:
+            x, z = map(float, row)
+        except ValueError:
+            if i == 0:
+                continue  # names of the columns
+            raise ConfigError(
+                f"{where}: received {','.join(row)[:40]!r} in {path.name}, needs two numbers x,z"
+            ) from None
+        points.append([x, z])
+    return points
+
+
+def shell_mass(meridian: RestMeridian | None, radius: float, thickness: float, density: float) -> float:
+    """Return the mass of a shell [kg], a sphere without another meridian."""
+    area = 4 * math.pi * radius**2 if meridian is None else meridian.area
+    return area * thickness * density
+
+
+def check_shape(study: Any) -> None:
+    """Check that a study, of `vsb.study.study`, asks of another shape than the sphere what is known of it.
+
+    Raises
+    ------
+    ValueError
+        One line with the key, what was received and what is needed.
+    """
+    device, hydro = study.device, study.hydro
+    if hydro.model not in ("linear", "body_exact"):
+        raise ValueError(
+            f"hydro.model {hydro.model!r}: is known of the sphere alone; device.shape needs linear or body_exact"
+        )
+    if study.motion != "heave":
+        raise ValueError(f"motion {study.motion!r}: is known of the sphere alone; device.shape needs heave")
+    if study.uses_panels:
+        raise ValueError(
+            "hydro.solver: panels are those of the sphere; device.shape needs the spectral solver, without hydro.rows "
+            "and in water the keel clears"
+        )
+    if study.flexible and study.modes.basis != "full":
+        raise ValueError(
+            f"modes.basis {study.modes.basis!r}: modes of another shape than the sphere have no branches; device.shape "
+            "needs full"
+        )
+    if study.flexible and study.modes.degree == 0:
+        raise ValueError("modes.degree 0: device.shape needs at least 1")
+    if (study.reference_shape, device.internal_pressure, device.gas) != ("undeformed", 0.0, None):
+        raise ValueError(
+            "device.shape: prestress and buckling are known of the sphere alone; needs reference_shape: undeformed "
+            "and no device.internal_pressure or device.gas"
+        )
+
 
 ATMOSPHERE = 101325.0
 """Pressure of the atmosphere at the sea's surface [Pa]."""
@@ -111,3 +264,146 @@ class Device(Sized):
     def meridian(self) -> RestMeridian | None:
         """Meridian at rest about the middle of its height; none of a sphere."""
         return self.shape.meridian(self.radius) if self.shape else None
+
+
+def cap_volume(radius: float, height: float) -> float:
+    """Return the volume of a spherical cap, pi h^2 (3r - h)/3, its height in radii [m^3]."""
+    return math.pi * height**2 * (3 - height) / 3 * radius**3
+
+
+def floating_height(radius: float, volume: float) -> float:
+    """Return the height of the centre at which the immersed cap, pi h^2 (3r - h)/3, has the given volume."""
+    low, high = 0.0, 2 * radius
+    while high - low > 1e-15 * radius:
+        h = 0.5 * (low + high)
+        if h in (low, high):
+            break
+        low, high = (h, high) if math.pi * h * h * (3 * radius - h) / 3 < volume else (low, h)
+    return radius - 0.5 * (low + high)
+
+
+def centre_height(device: Device, water: Water) -> float:
+    """Return the height of the centre above still water at rest [m], from mass = rho V(immersed part).
+
+    The centre of another shape than the sphere is the middle of its height.
+    """
+    if device.shape is not None:
+        return _shape_height(device.shape, device.radius, device.mass / water.density)
+    return floating_height(device.radius, device.mass / water.density)
+
+
+@lru_cache(maxsize=64)
+def _shape_height(shape: Shape, radius: float, volume: float) -> float:
+    """The same of another shape than the sphere."""
+    meridian = shape.meridian(radius)
+    return -(meridian.lowest + meridian.draft_of(volume))
+
+
+def full_volume(device: Device) -> float:
+    """Return the volume of a buoy [m^3]."""
+    return 4 / 3 * math.pi * device.radius**3 if (rest := device.meridian) is None else rest.volume
+
+
+def volume_to(device: Device, part: float) -> float:
+    """Return the volume of a buoy below a part of its height, 0 to 2 in halves of it [m^3]."""
+    if (rest := device.meridian) is None:
+        return cap_volume(device.radius, part)
+    return rest.volume_below(rest.lowest + part / 2 * (rest.highest - rest.lowest))
+
+
+def keel_depth(device: Device, centre: float) -> float:
+    """Return the draft of a buoy by the height of its centre above still water [m]."""
+    return (device.radius if (rest := device.meridian) is None else -rest.lowest) - centre
+
+
+@lru_cache(maxsize=64)
+def waterline_radius(shape: Shape | None, radius: float, centre: float) -> float:
+    """Return the radius of the undeformed buoy at still water, its centre at a height above it [m]."""
+    if shape is None:
+        return math.sqrt(radius**2 - centre**2)
+    return shape.meridian(radius).radius_at(-centre)
+
+
+HEAVIEST = 1e300
+"""Mass [kg] of a buoy whose own cannot be told."""
+BAND = 5.4
+"""omega_max over sqrt(g/r): beyond it waves are shorter than a quarter of the radius, and the damping has died out."""
+
+
+def resolved(raw: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a study as nested mappings with what it leaves to its size: mass by draft or half immersion, omega_max.
+
+    What is needed for it and wrong, or missing, is left to be found by its own check.
+
+    Raises
+    ------
+    ValueError
+        If mass and draft are both given, or the draft is none of this sphere.
+    """
+    try:
+        radius = _number(raw["device"], "radius", None)
+        density, gravity = (_number(raw.get("water", {}), key, getattr(Water(), key)) for key in ("density", "gravity"))
+    except (KeyError, TypeError, ValueError, AttributeError):
+        return _without_words(raw)
+    return {**raw, "device": _with_mass(raw["device"], radius, density), "hydro": _with_band(raw, radius, gravity)}
+
+
+def _number(section: Any, key: str, default: float | None) -> float:
+    """A number above zero of a section, which may be validated already."""
+    value = section.get(key, default) if isinstance(section, Mapping) else getattr(section, key)
+    if isinstance(value, bool) or not 0 < float(value) < math.inf:
+        raise ValueError
+    return float(value)
+
+
+def _with_mass(device: Any, radius: float, density: float) -> Any:
+    """The section `device` with its mass."""
+    if not isinstance(device, Mapping) or ("mass" in device and "draft" not in device):
+        return device
+    if "mass" in device:
+        raise ValueError("device: received mass and draft, needs one of them")
+    if device.get("shape") is not None:
+        return _with_mass_of_shape(device, radius, density)
+    draft = device.get("draft", radius)
+    if isinstance(draft, bool) or not isinstance(draft, int | float) or not 0 < draft < 2 * radius:
+        raise ValueError(
+            f"device.draft: received {draft!r}, needs more than 0 and less than two radii, {2 * radius:g} m"
+        )
+    others = {key: value for key, value in device.items() if key != "draft"}
+    return {**others, "mass": density * cap_volume(radius, draft / radius)}
+
+
+def _with_mass_of_shape(device: Mapping[str, Any], radius: float, density: float) -> Any:
+    """The same of another shape than the sphere; half immersed is half of its volume."""
+    try:
+        shape = device["shape"] if isinstance(device["shape"], Shape) else Shape.model_validate(device["shape"])
+        rest = shape.meridian(radius)
+    except ValueError:
+        return {"mass": 1.0, **{key: value for key, value in device.items() if key != "draft"}}  # its own check tells
+    draft, height = device.get("draft"), rest.highest - rest.lowest
+    if "draft" in device and (isinstance(draft, bool) or not isinstance(draft, int | float) or not 0 < draft < height):
+        raise ValueError(f"device.draft: received {draft!r}, needs more than 0 and less than the height, {height:g} m")
+    volume = rest.volume / 2 if draft is None else rest.volume_below(rest.lowest + draft)
+    return {**{key: value for key, value in device.items() if key != "draft"}, "mass": density * volume}
+
+
+def _with_band(raw: Mapping[str, Any], radius: float, gravity: float) -> Any:
+    """The section `hydro` with its highest frequency."""
+    hydro = raw.get("hydro", {})
+    omega_max = float(f"{BAND * math.sqrt(gravity / radius):.2g}")
+    if isinstance(hydro, Hydro):
+        given = "omega_max" in hydro.model_fields_set
+        return hydro if given else hydro.model_copy(update={"omega_max": omega_max})
+    if not isinstance(hydro, Mapping) or hydro.get("omega_max", "auto") != "auto":
+        return hydro
+    return {**hydro, "omega_max": omega_max}
+
+
+def _without_words(raw: Mapping[str, Any]) -> dict[str, Any]:
+    """A study without an omega_max that cannot be told, and with a mass no check of its device's finds too small."""
+    found, hydro, device = dict(raw), raw.get("hydro"), raw.get("device")
+    if isinstance(hydro, Mapping) and hydro.get("omega_max") == "auto":
+        found["hydro"] = {key: value for key, value in hydro.items() if key != "omega_max"}
+    if isinstance(device, Mapping):
+        found["device"] = {"mass": HEAVIEST, **{key: value for key, value in device.items() if key != "draft"}}
+    return found

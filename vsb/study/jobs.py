@@ -10,11 +10,9 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
-from vsb.study.body_plan import AnyPlan, BodyPlan
 from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.canonical import canonical
-from vsb.study.plan import StudyPlan
-from vsb.study.results_plan import figure_paths
+from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, figure_paths
+from vsb.study.quantities import canonical
 from vsb.study.specs import PanelsSpec
 
 IN_SECONDS = ("modes", "display", "mesh", "deformed")

@@ -3,13 +3,29 @@
 The Snakefile builds its graph from this module alone, so a dry run shows the true plan.
 """
 
-from dataclasses import dataclass
+import math
+import os
+import re
+import shlex
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import PurePosixPath
 from typing import Any
 
-from vsb.study.blocks import BlockSpec, HydroPlan
-from vsb.study.results_plan import ResultsPlan
+from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, panel_solver, witness_spec
+from vsb.study.body import NEEDED, PHYSICS, WAMIT, BodyFile, BodyStudy, located
+from vsb.study.quantities import content_id, result_id
+from vsb.study.sections import RECORDS_PER_PERIOD, thinning
 from vsb.study.specs import (
     Band,
+    BodyCompareSpec,
+    BodyLadderSpec,
+    BodyRadiationSpec,
+    BodyResponseSpec,
+    BodySimulateSpec,
+    BodySpec,
     CompareSpec,
     DatabaseSpec,
     DisplaySpec,
@@ -21,11 +37,265 @@ from vsb.study.specs import (
     RadiationSpec,
     ResponseSpec,
     SimulateSpec,
+    Spec,
     SphereMesh,
     WitnessSpec,
 )
-from vsb.study.study import RegularWave, Study, Wave, content_id, parse
-from vsb.study.witness import no_witness, witness_spec
+from vsb.study.study import BaseStudy, Study, parse
+from vsb.study.waves import IrregularSea, RegularWave, Wave
+
+FIGURE_KINDS = ("svg", "pdf", "csv")
+"""Files of every figure: for a page, for print, and the data behind it."""
+
+
+def figure_paths(folder: str, names: Iterable[str]) -> list[str]:
+    """Return the paths of all files of some figures of the results in a folder."""
+    return [f"{folder}/figures/{name}.{kind}" for name in names for kind in FIGURE_KINDS]
+
+
+def trajectory_name(design: str, wave: str) -> str:
+    """Return the file name of the time series of one design in one sea."""
+    return f"{design}-{wave}.nc"
+
+
+def options(files: dict[str, str]) -> str:
+    """Return command-line options that name files; file names of this project need no quotes."""
+    return " ".join(f"--{name} {path}" for name, path in files.items())
+
+
+def quoted(files: Mapping[str, str]) -> str:
+    """Return command-line options that name files of a user's, whose names may hold anything."""
+    return " ".join(f"--{name} {shlex.quote(path)}" for name, path in files.items())
+
+
+class ResultsFolder(ABC):
+    """Where the results of a study or a campaign lie."""
+
+    root: str  # of all results
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Name of the study or campaign."""
+
+    @property
+    def folder(self) -> str:
+        """Folder of its own results."""
+        return f"{self.root}/{self.name}"
+
+    @property
+    def manifest(self) -> str:
+        """Stamps of products that are no netCDF files."""
+        return f"{self.folder}/manifest.json"
+
+    def is_shared(self, path: str) -> bool:
+        """Whether studies share a file."""
+        return path.startswith(f"{self.root}/hydro/")
+
+
+class ResultsPlan(ResultsFolder):
+    """Results of a study in a folder of results, as files with content ids."""
+
+    study: BaseStudy
+
+    @property
+    @abstractmethod
+    def database(self) -> Spec:
+        """Spec of the hydro database."""
+
+    @property
+    @abstractmethod
+    def radiation(self) -> Spec:
+        """Spec of the radiation model."""
+
+    @property
+    @abstractmethod
+    def response(self) -> Spec:
+        """Spec of the frequency response."""
+
+    @property
+    @abstractmethod
+    def ladder(self) -> Spec:
+        """Spec of the tuning ladder."""
+
+    @property
+    @abstractmethod
+    def comparison(self) -> Spec:
+        """Spec of the comparison."""
+
+    @abstractmethod
+    def simulation(self, design: str, wave: Wave) -> SimulateSpec | BodySimulateSpec:
+        """Spec of one time-domain run."""
+
+    @property
+    def shape_ids(self) -> dict[str, str]:
+        """Files that show the shapes of the motions, each with its id; none of a body, whose own files hold them."""
+        return {}
+
+    @property
+    def modes_files(self) -> dict[str, str]:
+        """Shapes of the modes, by the option that names them; none of a body, likewise."""
+        return {}
+
+    @property
+    def solved_files(self) -> list[str]:
+        """Files solved of the water on the way to the database, named by their ids; of a body one job keeps its own."""
+        return []
+
+    @property
+    def witness_files(self) -> dict[str, str]:
+        """What two solvers say of the same shapes, by the option that names it; none without a second solver."""
+        return {}
+
+    @property
+    @abstractmethod
+    def figures(self) -> list[str]:
+        """Names of all figures."""
+
+    @property
+    @abstractmethod
+    def coordinates(self) -> int:
+        """How many degrees of freedom a run may record."""
+
+    @property
+    @abstractmethod
+    def highest(self) -> float:
+        """Highest frequency a sea may have components at [rad/s]."""
+
+    @property
+    @abstractmethod
+    def products(self) -> list[str]:
+        """All files a run of the study promises."""
+
+    # content ids ----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def hydro_ids(self) -> tuple[str, ...]:
+        """Ids of the hydrodynamic files the time domain reads."""
+        return (content_id(self.database), content_id(self.radiation)) if self.study.needs_bem else ()
+
+    def trajectory_id(self, design: str, wave: Wave) -> str:
+        """Id of one time-domain run."""
+        return result_id(self.simulation(design, wave), *self.hydro_ids)
+
+    @property
+    def response_id(self) -> str:
+        """Id of the frequency response."""
+        return result_id(self.response, self.hydro_ids[0])
+
+    @property
+    def ladder_id(self) -> str:
+        """Id of the tuning ladder."""
+        return result_id(self.ladder, self.hydro_ids[0])
+
+    @cached_property
+    def study_id(self) -> str:
+        """Id of what is made of all results together: tables, figures, report; designs in any order."""
+        response = [self.response_id, self.ladder_id] if self.study.needs_bem else []
+        runs = [self.trajectory_id(design, wave) for wave in self.study.waves for design in sorted(self.study.designs)]
+        witness = [PurePosixPath(path).stem for path in self.witness_files.values()]
+        shapes = dict.fromkeys(identity for path, identity in self.shape_ids.items() if not self.is_shared(path))
+        return result_id(self.comparison, *shapes, *self.hydro_ids, *witness, *response, *runs)
+
+    @cached_property
+    def ids(self) -> dict[str, str]:
+        """Id every file of the study must carry, those solved on the way included: a new product needs no entry.
+
+        Files under `hydro` are named by theirs; what is not of one stage of its own is of the whole study.
+        """
+        own = {
+            self.trajectory_path(d, w.label): self.trajectory_id(d, w)
+            for w in self.study.waves
+            for d in self.study.designs
+        }
+        if self.study.needs_bem:
+            own |= dict.fromkeys(self.response_files.values(), self.response_id)
+            own |= dict.fromkeys((f"{self.folder}/ladder.csv", *self.ladder_files.values()), self.ladder_id)
+        own |= self.shape_ids
+        return {path: own.get(path) or self._named_id(path) for path in [*self.products, *self.solved_files]}
+
+    def _named_id(self, path: str) -> str:
+        """Id in the name of a shared file or of its folder; of any other that of the study."""
+        if not self.is_shared(path):
+            return self.study_id
+        name = PurePosixPath(path)
+        return name.stem if re.fullmatch("[0-9a-f]{16}", name.stem) else name.parent.name
+
+    # memory ---------------------------------------------------------------------------------------------------------
+
+    def record_megabytes(self, wave: Wave) -> int:
+        """Memory that the time series of a design in a sea take [MB]: nine of every coordinate, ten others."""
+        duration = self.study.simulation.duration
+        instants = int(RECORDS_PER_PERIOD * self.study.fastest(wave) * duration / (2 * math.pi))
+        return math.ceil(8e-6 * (9 * self.coordinates + 10) * instants / thinning(instants + 1))
+
+    def simulation_megabytes(self, wave: Wave) -> int:
+        """Memory that a run in a sea takes [MB]: its record thrice, what a leg takes, and the sea's components."""
+        band = self.highest if isinstance(wave, IrregularSea) else 0.0
+        return 800 + 3 * self.record_megabytes(wave) + math.ceil(6e-4 * band * self.study.simulation.duration)
+
+    @property
+    def study_megabytes(self) -> int:
+        """Memory that the time series of all designs in a sea take at one time [MB], and what drawing them takes."""
+        largest = max(self.record_megabytes(wave) for wave in self.study.waves)
+        return 800 + math.ceil(1.2 * len(self.study.designs) * largest)
+
+    # file names -----------------------------------------------------------------------------------------------------
+
+    @property
+    def database_path(self) -> str:
+        """Hydro database."""
+        return f"{self.root}/hydro/db/{content_id(self.database)}.nc"
+
+    @property
+    def radiation_path(self) -> str:
+        """Radiation model."""
+        return f"{self.root}/hydro/radiation/{content_id(self.radiation)}.nc"
+
+    @property
+    def green_folder(self) -> str:
+        """Folder of the Green-function table."""
+        return f"{self.root}/hydro/green/{panel_solver().replace(' ', '-')}"
+
+    @property
+    def name(self) -> str:
+        """Name of the study."""
+        return self.study.study
+
+    def trajectory_path(self, design: str, wave: str) -> str:
+        """Time series of one design in one sea."""
+        return f"{self.folder}/trajectories/{trajectory_name(design, wave)}"
+
+    @property
+    def answers(self) -> list[str]:
+        """Files of results that every study has."""
+        waves = [wave.label for wave in self.study.waves]
+        tables = ["comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json"]
+        return [
+            *(f"{self.folder}/{name}" for name in ["report.html", *tables]),
+            *figure_paths(self.folder, self.figures),
+            *(self.trajectory_path(design, wave) for wave in waves for design in self.study.designs),
+            *self.hydro_files.values(),
+            *self.response_files.values(),
+            *([f"{self.folder}/ladder.csv"] if self.study.needs_bem else []),
+            *self.ladder_files.values(),
+        ]
+
+    @property
+    def hydro_files(self) -> dict[str, str]:
+        """Hydrodynamic files the time domain reads, by the option that names them; none without BEM."""
+        return {"database": self.database_path, "radiation": self.radiation_path} if self.study.needs_bem else {}
+
+    @property
+    def response_files(self) -> dict[str, str]:
+        """The frequency response, by the option that names it; none without BEM."""
+        return {"response": f"{self.folder}/response.nc"} if self.study.needs_bem else {}
+
+    @property
+    def ladder_files(self) -> dict[str, str]:
+        """The tuning ladder with all digits, by the option that names it; none without BEM."""
+        return {"rungs": f"{self.folder}/ladder.json"} if self.study.needs_bem else {}
+
 
 FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
 FIGURES_OF_THE_SHELL = ("extreme_shapes", "shapes_3d", "volume_area")
@@ -80,7 +350,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
 
     @property
     def witness(self) -> WitnessSpec | None:
-        """Spec of the second solver; none where there is none (`vsb.study.witness`)."""
+        """Spec of the second solver; none where there is none (`vsb.study.blocks`)."""
         return None if no_witness(self.study) else witness_spec(self)
 
     @property
@@ -218,3 +488,127 @@ class StudyPlan(HydroPlan, ResultsPlan):
 def _either_sign(modes: tuple[str, ...]) -> list[str]:
     """Names of the shapes deformed by modes."""
     return [f"{mode}_{sign}" for mode in modes for sign in ("minus", "plus")]
+
+
+OF_THE_BAND = ("absorbed_power", "reactance", "added_mass_damping", "radiation_kernel")
+OF_A_SEA = ("port_motion", "degrees_of_freedom", "power_energy", "energy_audit")
+_MOST_MOTIONS, _HIGHEST = 40, 20.0  # for memory alone: degrees of freedom and band of a body whose file is not read yet
+
+
+@dataclass(frozen=True)
+class BodyPlan(ResultsPlan):
+    """Everything a study of a body needs computed, as specs with content ids; files are where its contents lie."""
+
+    study: BodyStudy
+    root: str = "results"
+    files: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, raw: Mapping[str, Any], source: str) -> "BodyPlan":
+        """Return the plan of a study given as nested mappings, with the results folder, if not `results`, as `root`."""
+        plain = {key: value for key, value in raw.items() if key != "root"} if "root" in raw else raw
+        found = located(plain, os.path.relpath(source))
+        return cls(found.study, root=raw.get("root", "results"), files=found.files)
+
+    @property
+    def database(self) -> BodySpec:
+        """Spec of the hydro database."""
+        study = self.study
+        return BodySpec(
+            body=study.body,
+            water=study.water,
+            dofs=study.dofs,
+            omega_max=study.hydro.omega_max,
+            accept=tuple(sorted(study.hydro.accept)),
+            repair=tuple(sorted(study.hydro.repair)),
+            solver=panel_solver() if self.solves else "",
+            solved=PHYSICS if self.solves else 0,
+        )
+
+    @property
+    def radiation(self) -> BodyRadiationSpec:
+        """Spec of the radiation memory."""
+        hydro = self.study.hydro
+        return BodyRadiationSpec(
+            database=content_id(self.database), tolerance=hydro.tolerance, added_mass_inf=hydro.added_mass_inf
+        )
+
+    @property
+    def response(self) -> BodyResponseSpec:
+        """Spec of the frequency response."""
+        omega = {wave.omega for wave in self.study.waves if isinstance(wave, RegularWave)}
+        return BodyResponseSpec(directions=self.study.directions, omega=tuple(sorted(omega)), **self._sections())
+
+    @property
+    def ladder(self) -> BodyLadderSpec:
+        """Spec of the tuning ladder; it follows no motion, so a method is none of its own."""
+        simulation = self.study.simulation.model_copy(update={"method": "auto"})
+        return BodyLadderSpec(waves=self.study.waves, simulation=simulation, **self._sections())
+
+    def simulation(self, design: str, wave: Wave) -> BodySimulateSpec:
+        """Spec of one time-domain run: of the take-off its own damper, or how to find it."""
+        study, tuning = self.study, self.study.tuning(wave)
+        damping = study.pto.damper(design) if tuning == "fixed" else None
+        own = {
+            "designs": {design: study.designs[design]},
+            "pto": study.pto.model_copy(update={"damping": damping, "tuning": tuning}),
+        }
+        seas = study.one_of_each_sea if tuning == "one" else ()
+        run: dict[str, Any] = {"waves": (wave,), "seas": seas}
+        return BodySimulateSpec(simulation=study.simulation, **run, **{**self._sections(), **own})
+
+    @property
+    def comparison(self) -> BodyCompareSpec:
+        """Spec of the comparison."""
+        return BodyCompareSpec(study=self.study)
+
+    def _sections(self) -> dict[str, Any]:
+        """Sections every stage after the database reads."""
+        return {name: getattr(self.study, name) for name in ("designs", "water", "pto")}
+
+    @property
+    def figures(self) -> list[str]:
+        """Names of all figures."""
+        seas = ["spectra"] if self.study.has_spectra else []
+        return [*OF_THE_BAND, *seas, *(f"{name}-{wave.label}" for wave in self.study.drawn_waves for name in OF_A_SEA)]
+
+    @property
+    def coordinates(self) -> int:
+        """How many degrees of freedom a run may record."""
+        return len(self.study.dofs or ()) or _MOST_MOTIONS
+
+    @property
+    def highest(self) -> float:
+        """Highest frequency a sea may have components at [rad/s]."""
+        return self.study.body.file.omega[-1] if isinstance(self.study.body.file, BodyFile) else _HIGHEST
+
+    @property
+    def products(self) -> list[str]:
+        """All files a run of the study promises."""
+        return self.answers
+
+    @property
+    def sources(self) -> dict[str, str]:
+        """What the database is made from beside its spec, by option: the body's files, and where a mesh is solved."""
+        solving = {"folder": f"{self.root}/hydro/bodies", "green": self.green_folder} if self.solves else {}
+        return {**self.files, **solving}
+
+    @property
+    def inputs(self) -> list[str]:
+        """Files the database is made from."""
+        endings = {"wamit": WAMIT[:NEEDED]}
+        files = [f"{path}{ending}" for kind, path in self.files.items() for ending in endings.get(kind, ("",))]
+        return [*files, f"{self.green_folder}.done"] if self.solves else files
+
+    @property
+    def solves(self) -> bool:
+        """Whether the database is solved of a mesh, not read."""
+        return isinstance(self.study.body.file, BodyFile)
+
+
+AnyPlan = StudyPlan | BodyPlan
+
+
+def plan_for(study: Study | BodyStudy, root: str = "results") -> AnyPlan:
+    """Return the plan of a study whose files, if it is of a body, need not be found: names and ids are known by it."""
+    return BodyPlan(study, root=root) if isinstance(study, BodyStudy) else StudyPlan(study, root=root)

@@ -22,6 +22,8 @@ from vsb.study.quantities import (
     within,
 )
 
+LEAST_DEPTH_IN_WAVENUMBERS = 0.3
+"""Least depth times wavenumber of panels: capytaine has no finite-depth Green function for kd near 0.1."""
 DEEPEST = 2e4
 """No sea is deeper [m]."""
 RestShape = Literal["undeformed", "equilibrium"]
@@ -186,3 +188,16 @@ class Published(Section):
 
     source: str
     values: dict[str, dict[Measure, Finite]]
+
+
+RECORDS_PER_PERIOD = 200
+"""Instants recorded per period of the shortest wave that matters."""
+LEG = 2**17
+"""Instants followed at one time."""
+KEPT, THINNEST = 2**17, 10
+"""A run of more instants than that keeps a part of them, a tenth at least: 20 a period."""
+
+
+def thinning(instants: int) -> int:
+    """Return every how many instants a run of so many is recorded."""
+    return min(THINNEST, math.ceil(instants / KEPT))

@@ -7,18 +7,16 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field, field_serializer, model_validator
 
-from vsb.study.device import Device
-from vsb.study.directions import Mooring, Motion
-from vsb.study.drag import Drag
-from vsb.study.floating import centre_height, keel_depth
+from vsb.study.body import Body, BodyDesign, BodyStudy
+from vsb.study.campaign import Constrained, Tunings, Verify
+from vsb.study.device import Device, Shape, centre_height, keel_depth
+from vsb.study.directions import Drag, Mooring, Motion
 from vsb.study.quantities import Name, Section
 from vsb.study.sections import Basis, Design, Hydro, Modes, RestShape, Simulation, Water
-from vsb.study.shape import Shape
 from vsb.study.study import Study
 from vsb.study.take_off import Pto, opens_chamber
 from vsb.study.vary import Vary
 from vsb.study.waves import StillWater, Wave
-from vsb.study.year_options import Constrained, Tunings, Verify
 
 PHYSICS = {
     "block": 1, "body": 1, "campaign": 1, "compare": 1, "database": 1, "degree": 1, "ladder": 1, "member": 1,
@@ -389,3 +387,71 @@ class CampaignSpec(Spec):
     batches: tuple[str, ...]
     members: tuple[str, ...]
     verifications: tuple[str, ...] = ()  # by id, in the order of the members; none if nothing is simulated in time
+
+
+class BodySpec(Spec):
+    """Hydro database of a body: its source by contents, its matrices, the degrees of freedom kept; none: all."""
+
+    TAG = "body"
+    body: Body
+    water: Water
+    dofs: tuple[str, ...] | None
+    omega_max: float | None  # highest frequency kept [rad/s]; none: all
+    accept: tuple[Name, ...]
+    solver: str = ""  # of a mesh, and the version of what solves it
+    solved: int = 0
+    repair: tuple[Name, ...] = ()  # checks whose failure is repaired
+
+
+class BodyRadiationSpec(Spec):
+    """Radiation memory of a body's database, by its id."""
+
+    TAG = "radiation"
+    database: str
+    tolerance: float
+    added_mass_inf: Literal["fitted", "given"]
+
+
+class OfDesigns(Spec):
+    """What every stage after the database reads of a study."""
+
+    designs: dict[Name, BodyDesign]
+    water: Water
+    pto: Pto
+
+    @property
+    def reference_design(self) -> str | None:
+        """The first rigid design by name: gains are measured against it."""
+        return next((name for name, design in sorted(self.designs.items()) if design.rigid), None)
+
+
+class BodyResponseSpec(OfDesigns):
+    """Frequency response of all designs in waves of some directions [degrees]; further frequencies [rad/s]."""
+
+    TAG = "response"
+    directions: tuple[float, ...]
+    omega: tuple[float, ...]
+
+
+class BodyLadderSpec(OfDesigns):
+    """Tuning ladder of all designs in all seas."""
+
+    TAG = "ladder"
+    waves: tuple[Wave, ...]
+    simulation: Simulation
+
+
+class BodySimulateSpec(OfDesigns):
+    """One design in one sea; `seas` are those its damper is to suit, where one is for all."""
+
+    TAG = "simulate"
+    waves: tuple[Wave, ...]
+    simulation: Simulation
+    seas: tuple[Wave, ...] = ()
+
+
+class BodyCompareSpec(Spec):
+    """Comparison of all designs in all seas: the whole study."""
+
+    TAG = "compare"
+    study: BodyStudy

@@ -7,7 +7,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import joined
 from vsb.hydro.bodies.files import read_body, write_body
 from vsb.hydro.bodies.study import mesh_checks
-from vsb.study.body_file import BodyFile
+from vsb.study.body import BodyFile
 
 
 def heaving(vertices, faces):

@@ -18,8 +18,8 @@ from vsb.hydro.bodies.body import joined, panel_size
 from vsb.hydro.bodies.coarsening import CoarserBody, coarser_body
 from vsb.hydro.bodies.study import BodyProblem
 from vsb.study import blocks
-from vsb.study.body_file import BodyFile
-from vsb.study.canonical import content_id
+from vsb.study.body import BodyFile
+from vsb.study.quantities import content_id
 from vsb.study.sections import Water
 from vsb.tools.files import load
 from vsb.waves.dispersion import group_velocity, wavenumber

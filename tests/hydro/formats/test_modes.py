@@ -27,7 +27,7 @@ from vsb.hydro.formats.modes import (
     structure,
 )
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
-from vsb.study.body_file import BodyFile
+from vsb.study.body import BodyFile
 from vsb.tools import files, units
 from vsb.waves.dispersion import group_velocity, wavenumber
 

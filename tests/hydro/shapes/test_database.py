@@ -7,17 +7,14 @@ from conftest import varied
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.database import with_structure
-from vsb.hydro.shape_dependence import (
-    COEFFICIENTS,
+from vsb.hydro.shapes.database import (
     ShapeDatabase,
-    ShapeFamily,
-    haskind_damping,
     measured_errors,
-    misfit,
     phase_rates,
     shape_database,
     tried_shapes,
 )
+from vsb.hydro.shapes.family import COEFFICIENTS, ShapeFamily, haskind_damping, misfit
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import LinearPto
 from vsb.scenes.rest import reference_shell

@@ -7,8 +7,8 @@ import xarray as xr
 from conftest import varied
 
 from vsb.errors import ConfigError
-from vsb.hydro import shape_dependence as shapefamily
-from vsb.hydro.shape_dependence import COEFFICIENTS, ShapeFamily, extrapolated, misfit
+from vsb.hydro.shapes import family as shapefamily
+from vsb.hydro.shapes.family import COEFFICIENTS, ShapeFamily, extrapolated, misfit
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.study import study as config

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.special import j0, struve, y0
 
-from vsb.hydro.spectral.green import WavePart, second_kind
+from vsb.hydro.spectral.deepwater import WavePart, second_kind
 from vsb.hydro.spectral.meridian import WetMeridian
 from vsb.shell.deformed import rigid_sphere
 

@@ -11,7 +11,8 @@ from vsb.errors import ConfigError
 from vsb.hydro import dofs
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import deformed_mesh
-from vsb.hydro.spectral.green import FiniteDepthWavePart, WavePart, wave_profile
+from vsb.hydro.spectral.deepwater import WavePart
+from vsb.hydro.spectral.finitedepth import FiniteDepthWavePart, wave_profile
 from vsb.hydro.spectral.meridian import WetMeridian, unit_rule
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import DeformedShell, rigid_sphere

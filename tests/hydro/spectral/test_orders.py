@@ -10,10 +10,10 @@ import pytest
 from scipy.special import gammaln
 
 from vsb.hydro import dofs
-from vsb.hydro.dofs import legendre_function
+from vsb.hydro.azimuthal import legendre_function
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import deformed_mesh
-from vsb.hydro.spectral.green import WavePart
+from vsb.hydro.spectral.deepwater import WavePart
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_sphere

@@ -10,8 +10,9 @@ from vsb.hydro.dofs import Displacement, displacements
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import Mode, ModeBasis, natural_shapes
-from vsb.shell.shell import Shell
+from vsb.shell.mode import Mode, natural_shapes
+from vsb.shell.modes import ModeBasis
+from vsb.shell.sphere import Shell
 from vsb.study.meridian import capsule, spheroid, through
 
 DENSITY, GRAVITY = 1025.0, 9.81

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.hydro.spectral.meridian import _FAR, ring
+from vsb.hydro.spectral.rings import _FAR, ring
 
 NODE, WEIGHT = np.polynomial.legendre.leggauss(24)
 EDGES = np.pi * np.append(0.0, 2.0 ** np.arange(-40, 1))

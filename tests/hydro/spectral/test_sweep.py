@@ -6,8 +6,8 @@ from hydro.test_sweep import GRID, buoy, largest_error
 
 from vsb.errors import ConvergenceError
 from vsb.hydro import dofs
-from vsb.hydro.spectral.solver import (
-    SpectralProblem,
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.spectral.sweep import (
     converged,
     converged_on_grid,
     resolved,

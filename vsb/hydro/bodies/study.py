@@ -49,9 +49,8 @@ from vsb.hydro.bodies.sweep import (
 from vsb.hydro.database import ESTIMATE, Check, as_json, check_at_most, with_excitation, with_symmetrized
 from vsb.hydro.panels import rings as bem
 from vsb.study.blocks import panel_solver
-from vsb.study.body_file import PHYSICS, BodyFile
-from vsb.study.canonical import canonical, content_id
-from vsb.study.quantities import ROTATIONS, Section
+from vsb.study.body import PHYSICS, BodyFile
+from vsb.study.quantities import ROTATIONS, Section, canonical, content_id
 from vsb.study.reading import read_yaml, validated
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.files import load, save

@@ -20,7 +20,8 @@ import xarray as xr
 from scipy.special import j0, j1
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities, wave_around
+from vsb.hydro.azimuthal import wave_around
+from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities
 from vsb.hydro.sweep import IncidentWave
 from vsb.study.blocks import panel_solver
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray

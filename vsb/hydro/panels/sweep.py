@@ -15,7 +15,7 @@ from vsb.hydro.quality import haskind_damping
 from vsb.hydro.sweep import apart, coefficients, joined, largest, on_grid
 from vsb.hydro.witness import Runs, Waves, runs
 from vsb.shell.modes import ModeBasis
-from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS
+from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS
 from vsb.study.specs import PanelsSpec
 
 STRONGEST_KA = 0.5
