@@ -9,7 +9,7 @@ from vsb.integrators.exponential import integrate
 from vsb.integrators.simulate import simulate
 from vsb.motion.system import System
 from vsb.motion.wetted import WetShell, meridian_series, wet_intervals
-from vsb.results.power import merit
+from vsb.results.comparison import merit
 from vsb.scenes.build import assumed_pressure_design
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis

@@ -11,7 +11,7 @@ from vsb.integrators.audit import energies
 from vsb.integrators.exponential import EVALUATIONS, HISTORY, KEPT, STEPS, ExponentialIntegrator, integrate, march
 from vsb.integrators.simulate import simulate
 from vsb.motion.system import System
-from vsb.results.power import merit
+from vsb.results.comparison import merit
 from vsb.scenes.build import assumed_pressure_design
 from vsb.waves.seas import NO_WAVES
 

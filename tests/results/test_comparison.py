@@ -1,4 +1,4 @@
-"""Table of designs: columns and gains."""
+"""Figures of merit of runs, what linear theory expects of them, and the table of designs."""
 
 import csv
 import io
@@ -8,20 +8,110 @@ import pytest
 import xarray as xr
 from conftest import varied
 
-from vsb.results import comparison as compare
-from vsb.results.comparison import as_csv
-from vsb.waves.seas import NO_WAVES, sea
+from vsb.errors import ConfigError
+from vsb.motion.port import Port
+from vsb.results.comparison import (
+    COLUMNS,
+    as_csv,
+    averaging_window,
+    comparison,
+    energy_flux,
+    in_direction,
+    merit,
+    power_response,
+)
+from vsb.scenes.build import TUNED
+from vsb.study.study import RegularWave, StillWater, Water
+from vsb.waves.dispersion import group_velocity, power_limit
+from vsb.waves.seas import NO_WAVES, Sea, regular, sea
 
-CONTRACT = "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,energy_residual,damping,stiffness,power_gain_percent,low,high"
+WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
+STILL = StillWater(kind="still")
+CONTRACT = (
+    "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,"
+    "energy_residual,damping,stiffness,power_gain_percent,low,high"
+)
 
 
-def test_table_has_the_documented_columns():
-    row = dict.fromkeys(compare.COLUMNS, 1.0) | {"design": "A", "wave": "w", "capture_width": None}
-    text = as_csv([row])
-    assert text.splitlines()[0] == CONTRACT
-    (back,) = csv.DictReader(io.StringIO(text))
-    assert back["capture_width"] == ""
-    assert back["energy"] == "1"
+def harmonic_run(velocity=2.0, damping=100.0, period=4.0):
+    """Heave velocity 2 cos(wt) on a damper of 100 N s/m, with its exact absorbed energy."""
+    time = np.linspace(0.0, 40.0, 4001)
+    w = 2 * np.pi / period
+    v = velocity * np.cos(w * time)
+    energy = damping * velocity**2 * (time / 2 + np.sin(2 * w * time) / (4 * w))
+    motion = ("time", "dof")
+    return xr.Dataset(
+        {
+            "position": (motion, velocity / w * np.sin(w * time)[:, None]),
+            "velocity": (motion, v[:, None]),
+            "pto": (motion, -damping * v[:, None]),
+            "energy": (("time", "term"), energy[:, None]),
+        },
+        coords={"time": time, "dof": ["Heave"], "term": ["pto"]},
+    )
+
+
+def test_merit_of_harmonic_motion_is_its_closed_form():
+    found = merit(harmonic_run(), WAVE, regular(WAVE), Water(), (21.0, 39.9))
+    assert found.displacement_pp == pytest.approx(2 * 2.0 / (np.pi / 2), rel=1e-5)
+    assert found.velocity_pp == pytest.approx(4.0, rel=1e-5)
+    assert found.power_peak == pytest.approx(400.0, rel=1e-5)
+    assert found.power_mean == pytest.approx(200.0, rel=1e-8)  # over whole periods
+    assert found.energy == pytest.approx(100 * 4 * 20.0, rel=1e-6)
+    assert found.capture_width == pytest.approx(200.0 / (1025 * 9.81**2 * 0.25 / (4 * np.pi / 2)), rel=1e-8)
+    assert merit(harmonic_run(), STILL, NO_WAVES, Water(), (20.0, 40.0)).capture_width is None
+
+
+def test_driving_take_off_has_negative_mean_power():
+    run = harmonic_run()
+    found = merit(run.assign(pto=-run.pto, energy=-run.energy), WAVE, regular(WAVE), Water(), (21.0, 39.9))
+    assert found.power_peak == pytest.approx(0.0, abs=1e-3)
+    assert found.power_mean == pytest.approx(-200.0, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("window", "expected"), [((0.0, 9.0), (1.0, 9.0)), ((0.0, 3.0), (0.0, 3.0)), ((2e-9, 8.0), (0.0, 8.0))]
+)
+def test_means_are_taken_over_whole_periods(window, expected):
+    assert averaging_window(WAVE, window) == pytest.approx(expected)
+    assert averaging_window(STILL, window) == window
+
+
+def test_energy_flux_of_deep_water_is_the_power_limit_and_of_finite_depth_uses_the_group_velocity():
+    water, omega = Water(), WAVE.omega
+    limit = power_limit(omega, np.inf, water.density, water.gravity) * 0.25
+    assert limit / energy_flux(regular(WAVE), water) == pytest.approx(9.81 / omega**2)  # wavelength/(2 pi)
+    water, omega = Water(density=900.0, gravity=9.0, depth=6.0), np.array([0.5, 0.9])
+    speeds = [group_velocity(w, 6.0, 9.0) for w in omega]
+    expected = 0.5 * 900.0 * 9.0 * (0.25 * speeds[0] + 0.04 * speeds[1])
+    assert energy_flux(Sea(omega, np.array([0.3 + 0.4j, 0.2j])), water) == pytest.approx(expected, rel=1e-12)
+
+
+def test_expected_power_of_a_tuned_damper_is_that_of_its_port(seed):
+    omega = np.array([0.8, 1.6, 2.4])
+    port = Port(omega, 1 / np.array([2e3 + 5e3j, 3e3 - 1e3j, 1e3 - 8e3j]), np.array([1.0 + 1j, 0.5j, -0.3]), 1e-4)
+    dims = ("design", "omega")
+    values = {"port_impedance": port.impedance, "port_velocity": port.velocity, "absorbed_power": port.power(1.0)}
+    response = xr.Dataset({k: (dims, v[None]) for k, v in values.items()}, {"design": ["A"], "omega": omega})
+    study = varied(seed, pto={"damping": 8000.0, "stiffness": -900.0})
+    found = power_response(study, response, "A", {TUNED: 4e3})
+    assert found.values == pytest.approx(port.power(4e3, -900.0), rel=1e-12)
+    assert power_response(study, response, "A", {}).values == pytest.approx(port.power(1.0))
+
+
+def test_response_is_selected_by_wave_direction():
+    """Modulo 360 degrees; in still water any direction will do."""
+    order = (90.0, -330.0, 0.0)
+    response = xr.Dataset({"power": ("wave_direction", list(order))}, {"wave_direction": np.deg2rad(order)})
+
+    def found(degrees):
+        wave = RegularWave(kind="regular", amplitude=1.0, period=5.0, direction=degrees)
+        return float(in_direction(response, wave).power) % 360.0
+
+    assert [found(degrees) for degrees in (0.0, 30.0, 90.0, 360.0, -270.0)] == [0.0, 30.0, 90.0, 0.0, 90.0]
+    assert float(in_direction(response, STILL).power) == order[0]
+    with pytest.raises(ConfigError, match=r"received 45 degrees, needs one of 90, -330, 0$"):
+        found(45.0)
 
 
 def still_run(energy, residual):
@@ -37,13 +127,12 @@ def still_run(energy, residual):
 def test_no_gain_over_a_reference_that_absorbs_nothing(seed, rigid, gain):
     designs = {"R": {"flexible": False}, "S": {"flexible": True}}
     two = varied(seed, designs=designs, waves=[{"kind": "still"}], published=None)
-    runs = {"R": still_run(rigid, 1e-7), "S": still_run(1.5e3, 3e-6)}
-    rows = compare.comparison(two, two.waves[0], runs, NO_WAVES)
+    rows = comparison(two, two.waves[0], {"R": still_run(rigid, 1e-7), "S": still_run(1.5e3, 3e-6)}, NO_WAVES)
     assert [row["design"] for row in rows] == ["R", "S"]
     assert [row["energy_residual"] for row in rows] == [1e-7, 3e-6]
     assert [row["energy"] for row in rows] == pytest.approx([rigid, 1.5e3])
     assert rows[1]["energy_gain_percent"] == (pytest.approx(gain) if gain else None)
-    assert rows[1]["power_gain_percent"] is None  # no mean power to gain
+    assert rows[1]["power_gain_percent"] is None  # no mean power in still water
 
 
 def test_power_gain_is_of_the_window_and_energy_gain_of_the_run(seed):
@@ -53,8 +142,12 @@ def test_power_gain_is_of_the_window_and_energy_gain_of_the_run(seed):
     time, (wave,) = np.linspace(0.0, 60.0, 601), two.waves
     runs = {name: still_run(600.0, 0.0) for name in designs}
     runs["S"]["energy"] = (("time", "term"), 20.0 * np.maximum(time - 40.0, 0.0)[:, None])
-    rigid, shell = compare.comparison(two, wave, runs, sea(wave, 12.0, 60.0))
+    rigid, shell = comparison(two, wave, runs, sea(wave, 12.0, 60.0))
     assert (rigid["power_gain_percent"], rigid["energy_gain_percent"]) == (0.0, 0.0)
     assert shell["power_gain_percent"] == pytest.approx(100.0, rel=1e-3)
     assert shell["energy_gain_percent"] == pytest.approx(-100 / 3, rel=1e-9)
     assert (shell["damping"], shell["stiffness"]) == (8000.0, 500.0)
+    header, first = as_csv([rigid]).splitlines()
+    assert (header, tuple(CONTRACT.split(","))) == (CONTRACT, COLUMNS)
+    (back,) = csv.DictReader(io.StringIO(f"{header}\n{first}"))
+    assert (back["low"], back["damping"]) == ("", "8000")

@@ -1,23 +1,35 @@
-"""The ledger of checks: buckling, static load, seas, transients, simplifications."""
+"""The ledger of checks: buckling, static load, seas, coefficients; and which designs they invalidate."""
 
 import json
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
-from hypothesis import assume, example, given, settings
-from hypothesis import strategies as st
 
-from vsb.hydro.database import Check
+from vsb.hydro.database import INVALIDATING, Check
+from vsb.report.doubts import ADVICE, REASONS
 from vsb.results import ledger
-from vsb.results.ledger import largest_strain, static_modal_amplitude
+from vsb.results.budget import MODES, Source
+from vsb.results.ladder import Rung
+from vsb.results.ledger import Invalid, flexible_designs, invalid_designs
 from vsb.scenes.rest import reference_shell, study_basis
+from vsb.scenes.viability import static_modal_amplitude
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.sphere import Shell
+from vsb.shell.surface import largest_strain
+from vsb.study.body import BodyStudy
 from vsb.study.device import Spheroid
-from vsb.study.study import Jonswap, RegularWave, Water, WhiteNoise
-from vsb.waves.dispersion import wavenumber
+from vsb.study.reading import validated
+from vsb.study.study import Jonswap, PiersonMoskowitz, RegularWave, Water, WhiteNoise
+from vsb.waves.dispersion import power_limit, wavenumber
+
+WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
+LENGTH = 2 * np.pi * 9.81 / WAVE.omega**2
+
+# the shell at rest --------------------------------------------------------------------------------------------------
 
 
 def test_vented_shell_of_the_seed_is_not_viable(seed):
@@ -34,30 +46,29 @@ def test_vented_shell_of_the_seed_is_not_viable(seed):
     assert ledger.shell_checks(rigid, reference_shell(rigid)) == []
 
 
-@settings(max_examples=3)
-@given(st.floats(0.5, 4.0), st.floats(5e-3, 2e-2), st.floats(6.5, 8.0), st.sampled_from([None, 1.4]))
-@example(2.0, 5e-3, 7.0, 1.4)
+@pytest.mark.parametrize(
+    ("radius", "slenderness", "modulus", "index"), [(2.0, 5e-3, 7.0, 1.4), (0.8, 1.5e-2, 6.6, None)]
+)
 def test_advised_internal_pressure_passes_the_checks(seed, radius, slenderness, modulus, index):
     """Also when rounded, and with trapped gas."""
     device = {"radius": radius, "thickness": slenderness * radius, "young_modulus": 10.0**modulus}
     device["gas"] = index and {"adiabatic_index": index}
     vented = varied(seed, device={**device, "mass": 4.0 / 3.0 * np.pi * radius**3 * 512.0})
-    text = ledger.viable_text(vented)
-    assume(vented.device.internal_pressure == 0.0 and "viable from" in text)
-    advised = float(text.split("internal_pressure = ")[1].split(" Pa")[0])
-    assume(advised > 0.0)
+    (check,) = ledger.viability_checks(vented)
+    advised = float(check.explanation.split("internal_pressure = ")[1].split(" Pa")[0])
     study = varied(vented, device={"internal_pressure": advised})
     classical, computed = ledger.shell_checks(study, reference_shell(study))[:2]
     assert (classical.name, classical.verdict) == ("buckling", "ok")
     assert (computed.name, computed.verdict) == ("computed_buckling", "ok")
     assert "a remark" in classical.explanation
-    below = varied(vented, device={"internal_pressure": 0.99 * advised})
-    (check,) = ledger.viability_checks(below)
+    (check,) = ledger.viability_checks(varied(vented, device={"internal_pressure": 0.99 * advised}))
     assert check.value > 1.0
-    assert check.verdict == ("doubt" if ledger.carries_load(below) else "fail")
 
 
-@pytest.mark.parametrize(("pressure", "verdict"), [(14.0e3, "fail"), (14.6e3, "doubt"), (16.4e3, "ok")])
+@pytest.mark.parametrize(
+    ("pressure", "verdict"),
+    [pytest.param(14.0e3, "fail", marks=pytest.mark.slow), (14.6e3, "doubt"), (16.4e3, "ok")],
+)
 def test_nonlinear_path_decides_on_viability(seed, pressure, verdict):
     """The seed's shell is stable from 14.3 kPa on, by linear buckling from 16.32 kPa."""
     study = varied(seed, device={"internal_pressure": pressure})
@@ -66,6 +77,13 @@ def test_nonlinear_path_decides_on_viability(seed, pressure, verdict):
     assert (computed.value > 1.0) == (verdict != "ok")
     assert classical.verdict == ("fail" if verdict == "fail" else "ok")
     assert ("advice only" in computed.explanation) == (verdict == "doubt")
+
+
+def test_buckling_of_a_spheroid_is_unknown(seed):
+    shaped = seed.model_copy(update={"device": seed.device.model_copy(update={"shape": Spheroid(height=3.0)})})
+    (check,) = ledger.viability_checks(shaped)
+    assert (check.name, check.value, check.limit, check.verdict) == ("computed_buckling", 1.0, 1.0, "doubt")
+    assert ledger.viability_checks(varied(seed, reference_shape="equilibrium")) == []
 
 
 def test_static_modal_amplitude_balances_the_load_to_first_order(seed):
@@ -82,7 +100,24 @@ def test_static_modal_amplitude_balances_the_load_to_first_order(seed):
     assert unbalance(1.0) < 0.1 * np.abs(rest).max()
 
 
-@pytest.mark.parametrize("mode", [1, 4, 7])
+@pytest.mark.parametrize(("shape", "moved", "limit"), [("undeformed", 0.05, 0.05), ("equilibrium", 0.2, 0.2)])
+def test_static_deformation_is_doubted_above_its_limit(seed, shape, moved, limit):
+    """Of a shell that breathes at rest, or one soft enough."""
+    study, reference = varied(seed, reference_shape=shape), reference_shell(seed)
+    for part, verdict in ((0.99, "ok"), (1.01, "doubt")):
+        q = -2.0 * part * moved * np.eye(len(reference.basis.labels))[1]
+        if shape == "equilibrium":
+            resting = replace(reference, shape=replace(reference.shape, modal_amplitude=q))
+        else:  # a stiffness under which the load moves the shell so far
+            softness = part * moved / ledger.static_checks(study, reference)[0].value
+            resting = replace(reference, stiffness={k: v / softness for k, v in reference.stiffness.items()})
+        deformation, strain = ledger.static_checks(study, resting)
+        assert (deformation.verdict, deformation.limit) == (verdict, limit)
+        assert deformation.value == pytest.approx(part * moved, rel=2e-3)
+        assert (strain.limit, strain.verdict != "ok") == (0.02, True)
+
+
+@pytest.mark.parametrize("mode", [1, 7])
 def test_largest_strain_equals_that_of_the_elastic_shell(seed, mode):
     """To first order in the amplitude of a mode."""
     basis = study_basis(seed)
@@ -109,44 +144,141 @@ def test_gas_pressure_at_rest_follows_the_adiabatic_law(seed):
     assert found[0] == pytest.approx(whole, rel=5e-3)
 
 
-def test_ledger_refuses_numbers_that_are_not_finite():
-    assert json.loads(ledger.ledger_json("a_study", [])) == {"study": "a_study", "checks": [], "invalid": []}
-    for value in (np.nan, np.inf):
-        with pytest.raises(ValueError, match="Out of range float values are not JSON compliant"):
-            ledger.ledger_json("s", [Check("buckling", value, 1.0, "-", "fail", "why")])
+# seas and coefficients ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("lowest", "highest", "share"), [(1.25, 2.5, 0.375), (0.5, 2.5, 0.25), (1.25, 3.5, 0.125)])
+@pytest.mark.parametrize(("lowest", "highest", "share"), [(1.25, 2.5, 0.375), (0.5, 2.5, 0.25)])
 def test_energy_outside_the_band_adds_up(lowest, highest, share):
-    """Share of a flat spectrum from 1 to 3 rad/s outside the band."""
+    """Share of a flat spectrum from 1 to 3 rad/s outside the band of a buoy, or of a body's database."""
     sea = WhiteNoise(kind="white_noise", hs=0.5, band=(1.0, 3.0))
     (_, cut) = ledger.wave_checks(sea, Water(), highest, lowest)
     assert cut.value == pytest.approx(share, rel=1e-9)
-
-
-def test_buckling_of_a_spheroid_is_unknown(seed):
-    shaped = seed.model_copy(update={"device": seed.device.model_copy(update={"shape": Spheroid(height=3.0)})})
-    (check,) = ledger.viability_checks(shaped)
-    assert (check.name, check.value, check.limit, check.verdict) == ("computed_buckling", 1.0, 1.0, "doubt")
-    assert ledger.viability_checks(varied(seed, reference_shape="equilibrium")) == []
+    waves = [{"kind": "white_noise", "hs": 0.5, "band": [1.0, 3.0]}]
+    body = validated(
+        BodyStudy, {"study": "a", "body": {"database": "-"}, "designs": {"a": {}}, "waves": waves}, "a.yaml"
+    )
+    (_, same) = ledger.seas_checks(body, xr.Dataset(coords={"omega": [lowest, highest]}))
+    assert same.value == cut.value
+    assert f"beyond {lowest:g} to {highest:g} rad/s of the database" in same.explanation
 
 
 def test_steepness_is_height_over_wavelength():
     """Height: twice the amplitude of a regular wave, the significant height of a sea."""
-    water = Water(depth=6.0, gravity=9.0)
     swell = RegularWave(kind="regular", amplitude=0.3, period=6.0)
     sea = Jonswap(kind="jonswap", hs=0.5, tp=7.0)
     for wave, height in ((swell, 0.6), (sea, 0.5)):
-        checks = ledger.wave_checks(wave, water, 12.0)
+        checks = ledger.wave_checks(wave, Water(depth=6.0, gravity=9.0), 12.0)
         assert checks[0].value == pytest.approx(height * wavenumber(wave.omega, 6.0, 9.0) / (2 * np.pi), rel=1e-12)
-        assert {check.wave for check in checks} == {wave.label}
         assert len(checks) == (1 if wave is swell else 2)
 
 
+def of_wave(study, x):
+    return ledger.wave_checks(RegularWave(kind="regular", amplitude=x * LENGTH / 2, period=4.0), Water(), 12.0)
+
+
+def of_band(study, x):
+    """A fully developed sea of which 1 - exp(-1.25 (omega_p/omega)^4) lies above 2 rad/s."""
+    peak = 2.0 * (-np.log(1 - x) / 1.25) ** 0.25
+    return ledger.wave_checks(PiersonMoskowitz(kind="pierson_moskowitz", hs=0.01, tp=2 * np.pi / peak), Water(), 2.0)
+
+
+def of_radiation(study, error=0.0, margin=0.0):
+    attrs = {"order": 8, "fit_error": error, "passivity_margin": margin}
+    return ledger.radiation_checks(xr.Dataset(attrs=attrs), study.hydro.tolerance)
+
+
+def of_limit(study, x):
+    ds = xr.Dataset({"absorbed_power": (("design", "omega"), [[1.0, x]]), "power_limit": ("omega", [2.0, 1.0])})
+    return [ledger.limit_check(ds)]
+
+
+def of_pressure(study, x):
+    """Mean power as a share of the limit of a wave with the same pressure."""
+    pressure = {"model": "assumed_pressure", "pressure": 0.3 * 1025 * 9.81}
+    assumed = varied(study, hydro=pressure, waves=[WAVE.model_dump()])
+    best = x * power_limit(WAVE.omega, np.inf, 1025.0, 9.81) * 0.3**2
+    rows = [{"design": d, "wave": WAVE.label, "power_mean": p} for d, p in (("FSB", 0.5 * best), ("VSWEC", best))]
+    return ledger.assumed_pressure_checks(assumed, rows)
+
+
+def of_buckling(study, x):
+    """A shell stiff enough for a load of this share of its buckling load."""
+    modulus = study.device.young_modulus * ledger.viability_checks(study)[0].value
+    return ledger.viability_checks(varied(study, device={"young_modulus": modulus / x}))
+
+
+def of_modes(study, x):
+    """Change of the power by the shell modes left out, at the optimal damping."""
+    one = varied(study, designs={"VSWEC": {}}, waves=[WAVE.model_dump()])
+    left = [asdict(Source(MODES, -4.0 * x, 0.0))]
+    rung = Rung("VSWEC", one.waves[0].label, "best_damper", 1e4, 0.0, 4.0, *[None] * 5, power_error=left)
+    return ledger.mode_checks(one, [rung])
+
+
 @pytest.mark.parametrize(
-    ("clamp", "doubted"), [(1.5708, True), (3.14, True), (90.0, False), (0.0, False), (1.6, False)]
+    ("name", "limit", "checks", "above"),
+    [
+        ("computed_buckling", 1.0, of_buckling, "fail"),
+        ("steepness", 0.05, of_wave, "doubt"),
+        ("spectrum_cut", 0.01, of_band, "doubt"),
+        ("radiation_fit", 1e-3, lambda s, x: of_radiation(s, error=x), "doubt"),
+        ("passivity", 1e-12, lambda s, x: of_radiation(s, margin=-x), "fail"),
+        ("power_limit", 1.01, of_limit, "fail"),
+        ("modes_left_out", 0.005, of_modes, "doubt"),
+        ("assumed_pressure", 1.0, of_pressure, "fail"),
+    ],
 )
+def test_check_changes_its_verdict_at_its_limit(seed, name, limit, checks, above):
+    for part, verdict in ((0.99, "ok"), (1.01, above)):
+        check = next(check for check in checks(seed, part * limit) if check.name == name)
+        assert (check.verdict, check.limit) == (verdict, pytest.approx(limit, rel=1e-12))
+        assert check.value == pytest.approx(part * limit, rel=2e-3)
+
+
+@pytest.mark.parametrize(("clamp", "doubted"), [(1.5708, True), (3.14, True), (90.0, False), (1.6, False)])
 def test_angles_that_look_like_radians_are_doubted(seed, clamp, doubted):
     checks = ledger.angle_checks(varied(seed, designs={"A": {"clamp": clamp}}))
     assert [check.verdict for check in checks] == ["doubt"] * doubted
     assert all(f"designs.A.clamp.0 {clamp:g} (" in check.explanation for check in checks)
+
+
+# verdicts -----------------------------------------------------------------------------------------------------------
+
+
+def check(name, verdict="fail", design="", wave="", value=2.0):
+    return Check(name, value, 1.0, "-", verdict, "why", design, wave)
+
+
+@pytest.fixture
+def three(seed):
+    waves = [WAVE.model_dump(), {"kind": "jonswap", "hs": 1.0, "tp": 5.0, "realisations": 2}]
+    return varied(seed, designs={"FSB": {"flexible": False}, "A": {}, "B": {}}, waves=waves)
+
+
+def test_every_invalidating_check_has_a_reason_and_advice():
+    assert set(REASONS) == set(INVALIDATING) <= set(ADVICE)
+
+
+def test_failed_shell_check_invalidates_flexible_designs_only(three):
+    seas = {wave.label if i == 0 else wave.family for i, wave in enumerate(three.waves)}
+    assert flexible_designs(three) == ["A", "B"]
+    found = invalid_designs(three, [check("buckling")])
+    assert {(line.design, line.sea) for line in found} == {(design, sea) for design in "AB" for sea in seas}
+    found = invalid_designs(three, [check("hydro panels", "accepted")])
+    assert {(line.design, line.name) for line in found} == {(design, "panels") for design in ("FSB", "A", "B")}
+
+
+def test_failed_check_invalidates_its_own_sea_only(three):
+    swell, first, second = (wave.label for wave in three.waves)
+    strained = [check("strain", design="A", wave=first, value=3.0), check("strain", design="A", wave=second, value=5.0)]
+    assert invalid_designs(three, strained) == [Invalid("A", three.waves[1].family, "strain", 5.0, 1.0)]
+    unbalanced = check("energy_residual", design="FSB", wave=swell)
+    assert invalid_designs(three, [unbalanced]) == [Invalid("FSB", swell, "energy_residual", 2.0, 1.0)]
+    doubts = [check("buckling", "doubt"), check("strain", "ok", "A"), check("steepness"), check("fair_damping")]
+    assert invalid_designs(three, doubts) == []
+
+
+def test_ledger_refuses_numbers_that_are_not_finite():
+    assert json.loads(ledger.ledger_json("a_study", [])) == {"study": "a_study", "checks": [], "invalid": []}
+    with pytest.raises(ValueError, match="Out of range float values are not JSON compliant"):
+        ledger.ledger_json("s", [check("buckling", value=np.nan)])

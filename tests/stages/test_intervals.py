@@ -11,8 +11,8 @@ from stages.test_members import run as run_campaign
 
 from examples.barge import Barge
 from vsb.hydro.bodies.files import write_body
+from vsb.results.budget import MODES
 from vsb.results.ladder import study_ladder
-from vsb.results.rung_errors import MODES
 from vsb.stages.make import make
 from vsb.study import study as config
 from vsb.study.body import load_body

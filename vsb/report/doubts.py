@@ -83,7 +83,7 @@ def reasons(invalid: Sequence[Mapping[str, Any]]) -> list[str]:
     Parameters
     ----------
     invalid : sequence of dict
-        Of `vsb.results.verdicts.Invalid`.
+        Of `vsb.results.ledger.Invalid`.
     """
     worst: dict[str, float] = {}
     for line in invalid:

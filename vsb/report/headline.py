@@ -40,14 +40,14 @@ def headline(
     Parameters
     ----------
     lines : sequence of dict
-        Of `vsb.results.equal_tuning.Tuned`.
+        Of `vsb.results.gains.Tuned`.
     best_power : DataArray, dims (design, omega) [W/m^2]
         At the best damper of each design and frequency.
     reference : str or None
         The rigid design gains are measured against.
     seas : mapping of sea to words
     invalid : sequence of dict
-        Of `vsb.results.verdicts.Invalid`: designs that are not valid in a sea; the best one is chosen among the others.
+        Of `vsb.results.ledger.Invalid`: designs that are not valid in a sea; the best one is chosen among the others.
     neglected : str
         What `best_power` knows nothing of, in words.
     """

@@ -84,7 +84,7 @@ class Report:
     statistics: Sequence[dict[str, Any]] = ()  # of irregular seas, realisations together
     equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their own best dampers; empty without BEM
     within_limits: Sequence[dict[str, Any]] = ()  # optima under limits, where the take-off has some
-    invalid: Sequence[dict[str, Any]] = ()  # of `vsb.results.verdicts.Invalid`: designs not valid, where and why
+    invalid: Sequence[dict[str, Any]] = ()  # of `vsb.results.ledger.Invalid`: designs not valid, where and why
     thing: str = "buoy"  # what floats
     flexible: bool = True  # whether any design is: else there is no gain to ask for
     sketches: Sequence[dict[str, str]] = ()  # of each design: name, words, SVG

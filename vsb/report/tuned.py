@@ -36,7 +36,7 @@ def tuned_statements(lines: Sequence[dict[str, Any]], reference: str | None, sea
     Parameters
     ----------
     lines : sequence of dict
-        Of `vsb.results.equal_tuning.Tuned`.
+        Of `vsb.results.gains.Tuned`.
     reference : str or None
         The rigid design gains are measured against.
     seas : mapping of sea to words
@@ -60,7 +60,7 @@ def limited_statements(lines: Sequence[dict[str, Any]], reference: str | None, s
     Parameters
     ----------
     lines : sequence of dict
-        Of `vsb.results.equal_tuning.Limited`.
+        Of `vsb.results.gains.Limited`.
     reference, seas
         See `tuned_statements`.
     """

@@ -14,6 +14,8 @@ from vsb.errors import VsbError
 Kind = Literal["bound", "statistic"]
 Rows = Sequence[Mapping[str, Any]]
 """A budget as JSON has it."""
+MODES = "modes left out"
+"""Name of the source of error by shell modes that the basis of a study leaves out."""
 
 
 @dataclass(frozen=True)

@@ -1,41 +1,100 @@
-"""Designs side by side: the comparison table."""
+"""Figures of merit of runs, what linear theory expects of them, and the table that compares designs."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 import xarray as xr
+from scipy.interpolate import CubicSpline
 
-from vsb.results.power import Merit, damper_of, merit
-from vsb.study.study import BaseStudy, StillWater, Wave
+from vsb.errors import ConfigError
+from vsb.motion.bodies import direction_index
+from vsb.scenes.build import TUNED
+from vsb.scenes.drag import LINEARISED
+from vsb.study.study import BaseStudy, RegularWave, StillWater, Water, Wave
+from vsb.tools.arrays import FloatArray
 from vsb.tools.tables import csv_text
+from vsb.waves.dispersion import group_velocity
 from vsb.waves.seas import Sea
+
+NO_POWER = 1e-9
+"""Mean power that counts as none [W]."""
+ROUND_OFF = 1e-9
+"""Energy or power below this part of the best design's is round-off of a buoy at rest: no gain is stated over it."""
+
+Row = dict[str, Any]
+"""A row of the comparison table by column."""
+Runs = Mapping[str, xr.Dataset]
+"""Trajectories in one sea by design."""
+Attributes = Mapping[tuple[str, str], Mapping[str, Any]]
+"""Attributes of runs by design and label of the sea."""
+
+
+class Merit(NamedTuple):
+    """Figures of merit of one design in one sea."""
+
+    displacement_pp: float  # heave of a buoy, stroke of a body's port: highest to lowest in the window [m]
+    velocity_pp: float  # its velocity, likewise [m/s]
+    power_peak: float  # largest absorbed power in the window [W]
+    power_mean: float  # over whole wave periods at the end of the window [W]
+    energy: float  # absorbed over the whole run [J]
+    capture_width: float | None  # mean power over the energy flux of the sea [m]; None in still water
+
 
 TAKE_OFF = ("damping", "stiffness", "power_gain_percent")
 INTERVAL = ("low", "high")
 """Of the gain of mean power, by all known sources of error [%]."""
 COLUMNS = ("design", "wave", *Merit._fields, "energy_gain_percent", "energy_residual", *TAKE_OFF, *INTERVAL)
-NOTHING = 1e-9
-"""Energy or power below this part of the best design's is round-off of a buoy at rest: no gain is over it."""
-Row = dict[str, Any]
-Runs = Mapping[str, xr.Dataset]
-"""Design -> its trajectory in a sea."""
+
+
+def energy_flux(sea: Sea, water: Water) -> float:
+    """Return the energy flux of a sea per metre of crest, sum rho g |a|^2 v_g/2 [W/m]."""
+    speed = np.array([group_velocity(w, water.depth, water.gravity) for w in sea.omega])
+    return float(0.5 * water.density * water.gravity * np.sum(np.abs(sea.amplitude) ** 2 * speed))
+
+
+def averaging_window(wave: Wave, window: tuple[float, float]) -> tuple[float, float]:
+    """Return the part of the window means are taken over [s]: as many whole periods as fit, at its end (C8)."""
+    start, end = window
+    if not isinstance(wave, RegularWave) or end - start < wave.period:
+        return start, end
+    return end - np.floor((end - start) / wave.period + 1e-9) * wave.period, end
+
+
+def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[float, float]) -> Merit:
+    """Return the figures of merit of a run (see `vsb.integrators.simulate.recorded`)."""
+    time = run.time.values
+    inside = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)
+    if not inside.any():
+        raise ConfigError(
+            f"simulation.window: received {list(window)} s, which holds none of the instants recorded, "
+            f"{time[1] - time[0]:.4g} s apart; needs to be longer than that"
+        )
+    if "stroke" in run:
+        displacement, rate = run.stroke.values, run.stroke_rate.values
+    else:
+        displacement, rate = run.position.values[:, 0], run.velocity.values[:, 0]
+    velocity = run.velocity.values[inside]
+    absorbed: FloatArray = run.energy.sel(term="pto").values
+    force = run.pto.values[inside] if "pto" in run else np.zeros_like(velocity)
+    start, end = averaging_window(wave, window)
+    mean = float(np.diff(CubicSpline(time, absorbed)([start, end]))[0] / (end - start))
+    flux = energy_flux(sea, water)
+    return Merit(
+        float(np.ptp(displacement[inside])),
+        float(np.ptp(rate[inside])),
+        float(np.max(-np.sum(force * velocity, axis=1))) + 0.0,  # no negative zero
+        mean,
+        float(absorbed[-1]) + 0.0,
+        mean / flux if flux else None,
+    )
 
 
 def comparison(study: BaseStudy, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
     """Return one row per design in a sea; gains of energy and of mean power are over the first rigid design's.
 
-    Parameters
-    ----------
-    study : Study
-    wave : Wave
-        One of the study's.
-    runs : mapping design -> trajectory in this sea
-    sea : Sea
-
-    Notes
-    -----
-    Energy is that of the whole run, start-up included; in still water there is nothing else, and no gain of mean power.
-    The interval of a gain is for `vsb.results.intervals.with_intervals` to fill in.
+    Energy is that of the whole run, start-up included; in still water there is no gain of mean power. Intervals of
+    gains are left to `vsb.results.gains.with_intervals`.
     """
     window = study.simulation.window
     merits = {design: merit(runs[design], wave, sea, study.water, window) for design in study.designs}
@@ -52,13 +111,95 @@ def comparison(study: BaseStudy, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
 
 
 def gains(values: Mapping[str, float], reference: str | None) -> dict[str, float | None]:
-    """Return the gain of each design over the reference [%]; nothing over nothing."""
+    """Return the gain of each design over the reference [%]; None without a reference or over round-off."""
     base = values[reference] if reference else None
-    if base is None or base <= NOTHING * max(values.values()):
+    if base is None or base <= ROUND_OFF * max(values.values()):
         return dict.fromkeys(values)
     return {design: 100 * (value / base - 1) for design, value in values.items()}
 
 
 def as_csv(rows: Sequence[Row]) -> str:
-    """Return the comparison as CSV; an empty cell is a quantity that does not exist, such as a gain over nothing."""
+    """Return the comparison as CSV; an empty cell is a quantity that does not exist, such as a gain over no power."""
     return csv_text(COLUMNS, ([row[name] for name in COLUMNS] for row in rows))
+
+
+# what linear theory expects of a run --------------------------------------------------------------------------------
+
+
+def relative_difference(mean: float, expected: float) -> float:
+    """Return |mean/expected - 1| of mean powers [-]; where `NO_POWER` is expected, |mean| [W].
+
+    Two powers of round-off, as of bodies held together or of waves that reach both alike, do not contradict each other.
+    """
+    return abs(mean / expected - 1) if abs(expected) > NO_POWER else abs(mean)
+
+
+def damper_of(study: BaseStudy, design: str, run: Mapping[str, Any]) -> float:
+    """Return the damper of a design in a run, by its attributes: given or tuned [N s/m]."""
+    return float(run.get(TUNED, study.pto.damper(design) or 0.0))
+
+
+def in_direction(response: xr.Dataset, wave: Wave) -> xr.Dataset:
+    """Return the frequency response in the direction of a sea; a buoy has one for all, in still water any will do.
+
+    Raises
+    ------
+    ConfigError
+        If the response is of other directions.
+    """
+    if "wave_direction" not in response.dims:
+        return response
+    if isinstance(wave, StillWater):
+        return response.isel(wave_direction=0)
+    place = direction_index(response.wave_direction.values, float(np.deg2rad(wave.direction)))
+    if place is None:
+        known = ", ".join(f"{each:g}" for each in np.degrees(response.wave_direction.values))
+        raise ConfigError(f"wave_direction: received {wave.direction:g} degrees, needs one of {known}")
+    return response.isel(wave_direction=place)
+
+
+def velocity_response(
+    study: BaseStudy, response: xr.Dataset, design: str, run: Mapping[str, Any]
+) -> tuple[float, xr.DataArray]:
+    """Return the damper of a run [N s/m] and the velocity of the loaded port per wave amplitude [1/s].
+
+    V = V0 Z/(Z + c + ik/omega), Z and V0 of the port; 0 where the port cannot move.
+    """
+    here, damper = response.sel(design=design), damper_of(study, design, run)
+    total = here.port_impedance + damper + 1j * study.pto.stiffness / here.omega
+    found: xr.DataArray = here.port_velocity * here.port_impedance / total.where(here.port_impedance != 0, 1.0)
+    return damper, found
+
+
+def power_response(study: BaseStudy, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
+    """Return the mean power linear theory expects of a run, per squared wave amplitude, dims (omega,) [W/m^2].
+
+    Parameters
+    ----------
+    study : BaseStudy
+    response : xarray.Dataset
+        The frequency response of the study, in the direction of the waves.
+    design : str
+    run : mapping
+        Attributes of a run of the design; a tuned damper c absorbs c |V|^2/2 (`velocity_response`).
+    """
+    if TUNED not in run:
+        given: xr.DataArray = response.absorbed_power.sel(design=design)
+        return given
+    damper, velocity = velocity_response(study, response, design, run)
+    return 0.5 * damper * abs(velocity) ** 2
+
+
+def linear_mean(
+    study: BaseStudy, wave: Wave, frequency: xr.Dataset, design: str, run: Mapping[str, Any]
+) -> float | None:
+    """Return the mean power linear theory expects of a run in a regular wave [W], beside drag with its dampers.
+
+    None in other seas, and of a take-off that switches.
+    """
+    if not isinstance(wave, RegularWave) or study.pto.switches:
+        return None
+    if LINEARISED in run:
+        return float(run[LINEARISED])
+    found = power_response(study, in_direction(frequency, wave), design, run)
+    return float(found.sel(omega=wave.omega, method="nearest")) * wave.amplitude**2

@@ -13,7 +13,7 @@ from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import LinearPto
 from vsb.motion.system import System
-from vsb.results.run_checks import audit_check
+from vsb.results.run_checks import energy_check
 from vsb.results.verification import linear_power
 from vsb.scenes.pause import best_pause_in_sea, refined_pause, with_pause
 from vsb.scenes.take_off import with_take_off
@@ -91,7 +91,7 @@ def check_audit(settings: Simulation, residual: float) -> None:
     ------
     ConvergenceError
     """
-    check = audit_check(settings, residual)
+    check = energy_check(settings, residual)
     if check.verdict == "fail":
         raise ConvergenceError(
             f"the energy audit fails: {residual:.1e} of the energy is missing, needs {check.limit:.0e}; lower "

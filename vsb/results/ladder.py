@@ -1,4 +1,8 @@
-"""The ladder of a study: what each design takes of each sea under ever better take-offs, up to the matched limit."""
+"""The control levels of a study: mean power of each design in each sea, from the given damper to the matched limit.
+
+Every level comes with the budget of its known errors: what errors of the hydrodynamic coefficients and shell modes left
+out change of its mean power, and of its gain over the reference design.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial, reduce
@@ -10,61 +14,63 @@ import xarray as xr
 
 from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
+from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, coefficient_errors, sensitivity
 from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.drag import DraggedPort, best_damper, best_pair, under
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.motion.tuning import Load, best_dampers, best_pairs, mean_power
-from vsb.results.budget import Budget, Rows, Source
+from vsb.results.budget import MODES, Budget, Rows, Source
 from vsb.results.left_out import modes_left_out
-from vsb.results.rung_errors import Errors, Loaded, rung_errors
 from vsb.scenes.drag import dragged_port
 from vsb.scenes.floating_system import (
     FloatingSystem,
     PortInSeas,
     band,
     floating_system,
+    heading,
     headings,
     port_in_seas,
     study_sea,
 )
 from vsb.study.specs import BodyLadderSpec, LadderSpec
 from vsb.study.study import IrregularSea, StillWater, Wave
-from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.waves.seas import Sea, expected
 from vsb.waves.superposition import superposed
 
-RUNGS = ("fixed", "best_damper", "best_damper_all_seas", "best_spring_damper", "constrained", "matched")
-"""Each takes no less of a sea than those before it, but a damper for all seas no more than the best one."""
+CONSTRAINED = "constrained"
+RUNGS = ("fixed", "best_damper", "best_damper_all_seas", "best_spring_damper", CONSTRAINED, "matched")
+"""Power does not decrease along the levels, but that of one damper for all seas is at most that of the best one."""
 INSTANTS = 8
 """Instants at which peaks are looked for, per shortest period of a sea."""
 MOST_HARMONICS = 1024
-"""Of the force of an optimum under limits: seconds of work and a tenth of a gigabyte."""
+"""Of the force of an optimum within limits: seconds of work and a tenth of a gigabyte."""
 STILL = "waves do not move this port"
 GAP = 0.005
-"""Of the best force found under limits, as a part of the bound of all forces [-]."""
+"""Of the best force found within limits, as a part of the bound of all forces [-]."""
 
 
 class Rung(NamedTuple):
-    """One take-off of one design in one sea; what a rung does not have is none."""
+    """One control level of one design in one sea; what a level does not have is None."""
 
     design: str
     wave: str
     rung: str
     damping: float | None  # [N s/m]
     stiffness: float | None  # [N/m]
-    power_mean: float | None  # [W]; this and the next are none where an optimum under limits is not known
+    power_mean: float | None  # [W]; this and the next are None where an optimum within limits is not known
     limit_fraction: float | None  # of the matched power [-]
     force_rms: float | None  # [N]
     force_peak: float | None  # of the realisation [N]
     stroke_peak: float | None  # likewise, from rest [m]
     gap: float | None  # by which a better one is not ruled out, of a constrained optimum [-]
-    note: str = ""  # why there is no optimum under limits, or what its limits are kept to
+    note: str = ""  # why there is no optimum within limits, or how far it is proved
     low: float | None = None  # interval of the mean power by all known sources of error [W]
     high: float | None = None
     power_error: Rows = ()  # error budget of the mean power [W], see `vsb.results.budget.Budget.rows`
-    gain_error: Rows | None = None  # of its gain over the reference [percentage points]; none of the reference
+    gain_error: Rows | None = None  # of its gain over the reference [percentage points]; None of the reference
 
 
 COLUMNS = (*Rung._fields[: Rung._fields.index("note")], "low", "high")
@@ -72,117 +78,15 @@ COLUMNS = (*Rung._fields[: Rung._fields.index("note")], "low", "high")
 
 
 class Given(NamedTuple):
-    """The take-off of a study: damper (none: tuned), spring, efficiency of both directions of power."""
+    """The take-off of a study: damper (None: tuned), spring, efficiency of both directions of power."""
 
     damping: float | None
     stiffness: float = 0.0
     efficiency: float = 1.0
 
 
-class Limited(NamedTuple):
-    """Limits of a take-off, and the band its port is known in."""
-
-    limits: Limits
-    lowest: float  # [rad/s]
-    highest: float
-
-
-def linear_rungs(port: Port, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
-    """Return the rungs of dampers and springs of one design, by name.
-
-    Parameters
-    ----------
-    port : Port
-    waves : ndarray, shape (sea, omega) [m^2]
-        Squared amplitudes.
-    families : sequence of int
-        One sea of each family of realisations: the damper for all seas takes most of their plain sum.
-    given : Given
-    """
-    spring, count = np.full(len(waves), given.stiffness), len(waves)
-
-    def under(damping: float) -> Load:
-        dampers = np.full(count, damping)
-        return Load(dampers, spring, mean_power(port, waves, dampers, spring, given.efficiency))
-
-    together = waves[list(families)].sum(axis=0, keepdims=True)
-    one = under(float(best_dampers(port, together, given.stiffness, given.efficiency).damping[0]))
-    best = best_dampers(port, waves, given.stiffness, given.efficiency).elementwise_best(one)
-    rungs = {} if given.damping is None else {"fixed": under(given.damping)}
-    best = best.elementwise_best(rungs["fixed"]) if rungs else best
-    pairs = best_pairs(port, waves, best, given.efficiency)
-    return rungs | {"best_damper": best, "best_damper_all_seas": one, "best_spring_damper": pairs}
-
-
-def dragged_rungs(port: DraggedPort, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
-    """Return the rungs of dampers and springs of one design beside quadratic drag; see `linear_rungs`."""
-    spring, efficiency = given.stiffness, given.efficiency
-    one = under(port, waves, best_damper(port, waves[list(families)], spring, efficiency), spring, efficiency)
-    rungs = {} if given.damping is None else {"fixed": under(port, waves, given.damping, spring, efficiency)}
-    best, pairs = [], []
-    for i, here in enumerate(waves[:, None]):
-        known = [Load(*(v[[i]] for v in load)) for load in (one, *rungs.values())]
-        found = under(port, here, best_damper(port, here, spring, efficiency), spring, efficiency)
-        best.append(reduce(Load.elementwise_best, known, found))
-        pairs.append(best_pair(port, here, best[-1], efficiency))
-    together = (Load(*map(np.concatenate, zip(*loads, strict=True))) for loads in (best, pairs))
-    names = ("best_damper", "best_damper_all_seas", "best_spring_damper")
-    return rungs | dict(zip(names, (next(together), one, next(together)), strict=True))
-
-
-def rungs_of(
-    ports: Mapping[str, PortInSeas],
-    seas: Mapping[str, Sea],
-    families: Sequence[int],
-    given: Mapping[str, Given],
-    time: float,
-    dragged: Mapping[str, DraggedPort] | None = None,
-) -> list[Rung]:
-    """Return the rungs of every design in every sea.
-
-    Parameters
-    ----------
-    ports : mapping design -> PortInSeas
-        In these seas.
-    seas : mapping wave label -> Sea
-        Without still water.
-    families : sequence of int
-        See `linear_rungs`.
-    given : mapping design -> Given
-    time : float
-        How long a realisation is looked at for its peaks [s].
-    dragged : mapping design -> DraggedPort, optional
-        Where there is drag: dampers and springs are judged beside it, the matched power knows none.
-    """
-    found: list[Rung] = []
-    for design, (port, waves, places) in ports.items():
-        matched, beside = waves @ port.matched_power, dragged[design] if dragged else None
-        if beside is None:
-            loads = linear_rungs(port, waves, families, given[design])
-        else:
-            loads = dragged_rungs(beside, waves, families, given[design])
-        for i, (label, here) in enumerate(seas.items()):
-            own = [Load(*(v[[i]] for v in load)) for load in loads.values()]
-            braked = [port] * len(own)
-            if beside is not None:
-                braked = [beside.beside(beside.settled(waves[[i]], c, k)[0, 0]) for c, k, _ in own]
-            forces, strokes = _phasors(port, places[i], list(zip(braked, own, strict=True)), here)
-            peaks = _peaks(here, np.concatenate([forces, strokes]), time)
-            rms = np.sqrt(0.5 * np.sum(np.abs(forces) ** 2, axis=1))
-            names = [*loads, "matched"]
-            for j, name in enumerate(names):
-                load = loads.get(name)
-                there = load is not None and port.moves
-                damping, stiffness = (float(load[0][i]), float(load[1][i])) if load and there else (None, None)
-                power = float(load.power[i] if load else matched[i])
-                share = power / float(matched[i]) if matched[i] > 0 else None
-                sizes = (float(rms[j]), float(peaks[j]), float(peaks[len(names) + j]))
-                found.append(Rung(design, label, name, damping, stiffness, power, share, *sizes, None))
-    return found
-
-
 def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung]:
-    """Return the rungs of every design of a study in every sea, random amplitudes as expected; still water has none.
+    """Return the levels of every design of a study in every sea, with expected amplitudes; still water has none.
 
     Parameters
     ----------
@@ -213,89 +117,185 @@ def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung
     return with_errors(rungs, floating, pairs, study.reference_design, left_out)
 
 
-def with_errors(
-    rungs: Sequence[Rung],
-    floating: FloatingSystem,
-    seas: Sequence[tuple[Wave, Sea]],
-    reference: str | None,
-    left_out: xr.Dataset,
-) -> list[Rung]:
-    """Return rungs with the error budgets of power and gain; of an unknown power there are none.
+# dampers, springs and the matched force -----------------------------------------------------------------------------
 
-    Beside quadratic drag errors are taken as without it: what is damped more feels them less.
+
+def linear_rungs(port: Port, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
+    """Return dampers and springs of one design by control level.
+
+    Parameters
+    ----------
+    port : Port
+    waves : ndarray, shape (sea, omega) [m^2]
+        Squared amplitudes.
+    families : sequence of int
+        One sea of each family of realisations: the damper for all seas maximises their plain sum.
+    given : Given
     """
-    loads: dict[tuple[str, str], list[Loaded]] = {}
-    for rung in rungs:
-        some = loads.setdefault((rung.design, rung.wave), [])
-        if rung.power_mean is not None:
-            some.append(Loaded(rung.rung, rung.damping, rung.stiffness, rung.power_mean))
-    errors = rung_errors(floating, seas, loads, reference, left_out)
-    found = []
-    for rung in rungs:
-        if rung.power_mean is None:
-            found.append(rung)
-            continue
-        power, gain = errors.get((rung.design, rung.wave, rung.rung), Errors(Budget(), None))
-        if rung.gap:
-            power += Budget((Source("optimum not proven", 0.0, rung.power_mean * rung.gap / (1 - rung.gap)),))
-        low, high = power.interval(rung.power_mean)
-        rows = None if gain is None else gain.rows
-        found.append(rung._replace(low=low, high=high, power_error=power.rows, gain_error=rows))
+    spring, count = np.full(len(waves), given.stiffness), len(waves)
+
+    def with_damper(damping: float) -> Load:
+        dampers = np.full(count, damping)
+        return Load(dampers, spring, mean_power(port, waves, dampers, spring, given.efficiency))
+
+    together = waves[list(families)].sum(axis=0, keepdims=True)
+    one = with_damper(float(best_dampers(port, together, given.stiffness, given.efficiency).damping[0]))
+    best = best_dampers(port, waves, given.stiffness, given.efficiency).elementwise_best(one)
+    rungs = {} if given.damping is None else {"fixed": with_damper(given.damping)}
+    best = best.elementwise_best(rungs["fixed"]) if rungs else best
+    pairs = best_pairs(port, waves, best, given.efficiency)
+    return rungs | {"best_damper": best, "best_damper_all_seas": one, "best_spring_damper": pairs}
+
+
+def dragged_rungs(port: DraggedPort, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
+    """Return the same with quadratic drag, whose equivalent damper depends on the sea; see `linear_rungs`."""
+    spring, efficiency = given.stiffness, given.efficiency
+    one = under(port, waves, best_damper(port, waves[list(families)], spring, efficiency), spring, efficiency)
+    rungs = {} if given.damping is None else {"fixed": under(port, waves, given.damping, spring, efficiency)}
+    best, pairs = [], []
+    for i, here in enumerate(waves[:, None]):
+        known = [Load(*(v[[i]] for v in load)) for load in (one, *rungs.values())]
+        found = under(port, here, best_damper(port, here, spring, efficiency), spring, efficiency)
+        best.append(reduce(Load.elementwise_best, known, found))
+        pairs.append(best_pair(port, here, best[-1], efficiency))
+    best_of_each, best_pairs_of_each = (Load(*map(np.concatenate, zip(*some, strict=True))) for some in (best, pairs))
+    return rungs | {
+        "best_damper": best_of_each,
+        "best_damper_all_seas": one,
+        "best_spring_damper": best_pairs_of_each,
+    }
+
+
+def rungs_of(
+    ports: Mapping[str, PortInSeas],
+    seas: Mapping[str, Sea],
+    families: Sequence[int],
+    given: Mapping[str, Given],
+    time: float,
+    dragged: Mapping[str, DraggedPort] | None = None,
+) -> list[Rung]:
+    """Return the levels of every design in every sea, all but that within limits.
+
+    Parameters
+    ----------
+    ports : mapping design -> PortInSeas
+        In these seas.
+    seas : mapping wave label -> Sea
+        Without still water.
+    families : sequence of int
+        See `linear_rungs`.
+    given : mapping design -> Given
+    time : float
+        Length of the realisations whose peaks are reported [s].
+    dragged : mapping design -> DraggedPort, optional
+        Where there is drag; the matched power is without it.
+    """
+    found: list[Rung] = []
+    for design, (port, waves, places) in ports.items():
+        matched, drag = waves @ port.matched_power, dragged[design] if dragged else None
+        if drag is None:
+            loads = linear_rungs(port, waves, families, given[design])
+        else:
+            loads = dragged_rungs(drag, waves, families, given[design])
+        for i, (label, sea) in enumerate(seas.items()):
+            forces: list[ComplexArray] = []
+            strokes: list[ComplexArray] = []
+            for damping, stiffness, _ in loads.values():
+                own = damping[[i]], stiffness[[i]]
+                seen = port if drag is None else drag.beside(drag.settled(waves[[i]], *own)[0, 0])
+                impedance = seen.load(*own)
+                velocity = seen.velocity_under(impedance)
+                forces.append(np.asarray(impedance * velocity))
+                strokes.append(velocity / (-1j * port.omega))
+            forces.append(port.matched_force[None])
+            strokes.append((port.velocity - port.admittance * port.matched_force)[None] / (-1j * port.omega))
+            force, stroke = (np.concatenate(each)[:, places[i]] * sea.amplitude for each in (forces, strokes))
+            rms, peaks = np.sqrt(0.5 * np.sum(np.abs(force) ** 2, axis=1)), _peaks(sea, force, stroke, time)
+            for j, name in enumerate([*loads, "matched"]):
+                load = loads.get(name)
+                power = float(load.power[i] if load else matched[i])
+                share = power / float(matched[i]) if matched[i] > 0 else None
+                c, k = (float(load.damping[i]), float(load.stiffness[i])) if load and port.moves else (None, None)
+                sizes = (float(rms[j]), float(peaks[0, j]), float(peaks[1, j]))
+                found.append(Rung(design, label, name, c, k, power, share, *sizes, None))
     return found
+
+
+def _peaks(sea: Sea, force: ComplexArray, stroke: ComplexArray, time: float) -> FloatArray:
+    """Largest force and stroke over a realisation, (2, level), of phasors (level, component); of one wave its own."""
+    phasors = np.concatenate([force, stroke])
+    if len(sea.omega) < 2:
+        peaks = np.abs(phasors).sum(axis=1)
+    else:
+        count = int(np.ceil(INSTANTS * sea.omega.max() * time / (2 * np.pi))) + 1
+        peaks = np.abs(superposed(sea.omega, phasors.T, np.linspace(0.0, time, count))).max(axis=0)
+    return np.asarray(peaks.reshape(2, -1))
+
+
+# optima within limits -----------------------------------------------------------------------------------------------
 
 
 def constrained_rungs(
     study: LadderSpec | BodyLadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea]
 ) -> list[Rung]:
-    """Return the rung within the limits of the take-off of every design in every sea."""
-    pto, ds, rungs = study.pto, floating.linear.database, []
-    within = Limited(Limits(pto.force_limit, pto.stroke_limit), float(ds.omega[0]), band(study, ds)[1])
+    """Return the level within the limits of the take-off of every design in every sea."""
+    ds, limits = floating.linear.database, Limits(study.pto.force_limit, study.pto.stroke_limit)
+    of_force, rungs = (float(ds.omega[0]), band(study, ds)[1]), []
     for design, wave in product(study.designs, study.waves):
-        if wave.label not in seas:
-            continue
-        seen = partial(floating.towards(wave).extended_port, motions=floating.motions[design], direction=floating.port)
-        rungs.append(constrained_rung(design, wave.label, seas[wave.label], seen, within))
+        if wave.label in seas:
+            linear = floating.towards(wave)
+            port_at = partial(linear.extended_port, motions=floating.motions[design], direction=floating.port)
+            rungs.append(constrained_rung(design, wave.label, seas[wave.label], port_at, limits, of_force))
     return rungs
 
 
-def constrained_rung(design: str, label: str, sea: Sea, seen: Callable[[FloatArray], Port], within: Limited) -> Rung:
-    """Return the best force found within limits in a sea and how near it is to the bound of all, or why not.
+def constrained_rung(
+    design: str,
+    label: str,
+    sea: Sea,
+    port_at: Callable[[FloatArray], Port],
+    limits: Limits,
+    of_force: tuple[float, float],
+) -> Rung:
+    """Return the best force found within limits in a sea and how near it is to the bound of all forces, or why not.
 
     Parameters
     ----------
     design, label : str
     sea : Sea
-    seen : callable
+    port_at : callable
         Frequencies -> port of the design, also outside the band of the database.
-    within : Limited
+    limits : Limits
+    of_force : (float, float)
+        The band the force may be of [rad/s].
     """
-    named = (design, label, "constrained", None, None)
+    named = (design, label, CONSTRAINED, None, None)
     try:
-        harmonics = Harmonics.of_sea(sea.omega, within.lowest, within.highest)
+        harmonics = Harmonics.of_sea(sea.omega, *of_force)
         if harmonics.count > MOST_HARMONICS:
             raise ConfigError(
                 f"a force of {harmonics.count} harmonics has no optimum in reasonable time, needs at most "
                 f"{MOST_HARMONICS}; lower simulation.duration or hydro.omega_max"
             )
-        port = seen(harmonics.port_omega)
+        port = port_at(harmonics.port_omega)
         if not port.moves:
             return Rung(*named, 0.0, None, 0.0, 0.0, 0.0, 0.0, STILL)
-        best = optimum_in_sea(port, sea, harmonics, within.limits)
+        best = optimum_in_sea(port, sea, harmonics, limits)
     except VsbError as error:
         return Rung(*named, None, None, None, None, None, None, str(error))
     at = np.rint(sea.omega / harmonics.spacing - harmonics.first).astype(int)
     matched = sea.mean_of(port.matched_power[at])
-    proven = f"no force within the limits, of any harmonics, absorbs more than {best.bound:.4g} W"
-    note = f"{best.power:.4g} W found; {proven}"
+    note = f"{best.power:.4g} W found; no force within the limits, of any harmonics, absorbs more than "
+    note += f"{best.bound:.4g} W"
     if best.excess:
         note += f"; between the instants limits are exceeded by up to {100 * best.excess:.2g} %"
     return Rung(*named, best.power, best.power / matched, *best[4:7], best.gap, note)
 
 
 def constrained_checks(rungs: Sequence[Rung]) -> list[Check]:
-    """Return how far each optimum under limits is from its proof; in doubt where there is none."""
+    """Return how far each optimum within limits is from its proof; a doubt where there is none."""
     checks = []
-    for rung in (rung for rung in rungs if rung.rung == "constrained"):
+    for rung in (rung for rung in rungs if rung.rung == CONSTRAINED):
         where = {"design": rung.design, "wave": rung.wave}
         if rung.gap is None:
             checks.append(Check("constrained", 1.0, GAP, "-", "doubt", f"no optimum: {rung.note}", **where))
@@ -305,26 +305,122 @@ def constrained_checks(rungs: Sequence[Rung]) -> list[Check]:
     return checks
 
 
-def _phasors(
-    port: Port, at: IntArray, loads: Sequence[tuple[Port, Load]], sea: Sea
-) -> tuple[ComplexArray, ComplexArray]:
-    """Forces and displacements under loads at their ports and under the matched force, (load, component) [N], [m]."""
-    impedance = [seen.load(*load[:2]) for seen, load in loads]
-    velocity = [seen.velocity_under(z) for (seen, _), z in zip(loads, impedance, strict=True)]
-    forces = np.concatenate([*(z * v for z, v in zip(impedance, velocity, strict=True)), port.matched_force[None]])
-    velocities = np.concatenate([*velocity, (port.velocity - port.admittance * port.matched_force)[None]])
-    return forces[:, at] * sea.amplitude, (velocities / (-1j * port.omega))[:, at] * sea.amplitude
+# errors -------------------------------------------------------------------------------------------------------------
 
 
-def _peaks(sea: Sea, phasors: ComplexArray, time: float) -> FloatArray:
-    """Largest values of signals over a realisation, shape (signal,); of a regular wave its amplitude."""
-    if len(sea.omega) < 2:
-        return np.asarray(np.abs(phasors).sum(axis=1))
-    count = int(np.ceil(INSTANTS * sea.omega.max() * time / (2 * np.pi))) + 1
-    signals = superposed(sea.omega, phasors.T, np.linspace(0.0, time, count))
-    return np.asarray(np.abs(signals).max(axis=0))
+class _Slopes(NamedTuple):
+    """Derivatives of the powers of levels by the coefficients in one sea, by design and level, and their errors."""
+
+    powers: Mapping[tuple[str, str], Sensitivity]
+    errors: Sequence[CoefficientError]
+
+
+def with_errors(
+    rungs: Sequence[Rung],
+    floating: FloatingSystem,
+    seas: Sequence[tuple[Wave, Sea]],
+    reference: str | None,
+    left_out: xr.Dataset,
+) -> list[Rung]:
+    """Return levels with the error budgets of power and gain; those of an unknown power have none.
+
+    Parameters
+    ----------
+    rungs : sequence of Rung
+    floating : FloatingSystem
+    seas : sequence of (Wave, Sea)
+    reference : str or None
+        Design gains are over. All designs share one database: of a gain only what their errors do not have in common
+        is left.
+    left_out : xarray.Dataset
+        See `vsb.results.left_out.modes_left_out`.
+
+    Notes
+    -----
+    With quadratic drag errors are taken as without it: what is damped more feels them less.
+    """
+    budgets: dict[tuple[str, str, str], tuple[Budget, Budget | None]] = {}
+    known: dict[bytes, _Slopes] = {}
+    by_sea: dict[str, dict[tuple[str, str], Rung]] = {wave.label: {} for wave, _ in seas}
+    for rung in rungs:
+        if rung.power_mean is not None:
+            by_sea[rung.wave][rung.design, rung.rung] = rung
+    for wave, sea in seas:
+        here = by_sea[wave.label]
+        linear = {key: rung for key, rung in here.items() if rung.rung != CONSTRAINED}
+        loads = [(key, rung.damping, rung.stiffness) for key, rung in linear.items()]
+        key = repr((heading(wave), loads)).encode() + sea.omega.tobytes() + np.abs(sea.amplitude).tobytes()
+        if key not in known:  # realisations of a sea with the same amplitudes share them
+            known[key] = _slopes(floating, wave, sea, list(linear.values()))
+        slopes, errors = known[key]
+        for (design, name), rung in linear.items():
+            power, own = rung.power_mean or 0.0, slopes[design, name]
+            numbers = [Source.within(e.name, power * own.to(e), shared=True) for e in errors]
+            of_power = Budget((*numbers, *_by_modes(left_out, rung, "power", power)))
+            of_gain, base = None, linear.get((reference or "", name))
+            if base is not None and design != reference:
+                ratio = 100 * power / base.power_mean if base.power_mean else 0.0
+                difference = own - slopes[base.design, name]
+                numbers = [Source.within(e.name, ratio * difference.to(e), shared=True) for e in errors]
+                of_gain = Budget((*numbers, *_by_modes(left_out, rung, "gain", 1.0)))
+            budgets[design, wave.label, name] = (of_power, of_gain)
+        for (design, name), rung in here.items():
+            ends = [linear[end] for end in ((design, "best_damper"), (design, "matched")) if end in linear]
+            if name == CONSTRAINED and (ends := [end for end in ends if end.power_mean]):
+                budgets[design, wave.label, name] = _within_limits(rung, ends, budgets)
+    found = []
+    for rung in rungs:
+        if rung.power_mean is None:
+            found.append(rung)
+            continue
+        of_power, of_gain = budgets.get((rung.design, rung.wave, rung.rung), (Budget(), None))
+        if rung.gap:
+            of_power += Budget((Source("optimum not proven", 0.0, rung.power_mean * rung.gap / (1 - rung.gap)),))
+        low, high = of_power.interval(rung.power_mean)
+        gain_rows = None if of_gain is None else of_gain.rows
+        found.append(rung._replace(low=low, high=high, power_error=of_power.rows, gain_error=gain_rows))
+    return found
+
+
+def _slopes(floating: FloatingSystem, wave: Wave, sea: Sea, rungs: Sequence[Rung]) -> _Slopes:
+    """Derivatives of the powers of levels in a sea; the matched force is that of the conjugate impedance."""
+    linear, squares, found = floating.towards(wave), np.abs(sea.amplitude) ** 2, {}
+    for design, motions in floating.motions.items():
+        port = linear.port(sea.omega, motions, floating.port)
+        moved = linear.free_motion(sea.omega, motions, floating.port)
+        for rung in (rung for rung in rungs if rung.design == design):
+            load = np.conj(port.impedance)
+            if rung.damping is not None and rung.stiffness is not None:
+                load = port.load(rung.damping, rung.stiffness)
+            found[design, rung.rung] = sensitivity(sea.omega, moved, port, load, squares)
+    return _Slopes(found, coefficient_errors(linear, sea.omega))
+
+
+def _by_modes(left_out: xr.Dataset, rung: Rung, name: str, size: float) -> list[Source]:
+    """What modes left out may change of a `power` or a `gain`; nothing where it is not known, or zero."""
+    if name not in left_out:
+        return []
+    take_off = {"fixed": "given", "best_spring_damper": "optimal_spring"}.get(rung.rung, "optimal")
+    ends = left_out[name].sel(design=rung.design, wave=rung.wave, take_off=take_off)
+    low, high = (size * float(end) for end in ends)
+    return [Source(MODES, low, high)] if low or high else []
+
+
+def _within_limits(
+    rung: Rung, ends: Sequence[Rung], budgets: Mapping[tuple[str, str, str], tuple[Budget, Budget | None]]
+) -> tuple[Budget, Budget | None]:
+    """Budgets of an optimum within limits: relative to power the larger of those at the best damper and matched.
+
+    Where limits hardly bind the optimum is the matched force; where they bind most its power goes with |V0| alone,
+    to which the optimal damper is twice as sensitive.
+    """
+    known = [(end.power_mean or 0.0, *budgets[end.design, end.wave, end.rung]) for end in ends]
+    power, of_power, _ = max(known, key=lambda one: (one[1].high - one[1].low) / one[0])
+    gains = [of_gain for _, _, of_gain in known if of_gain is not None]
+    of_gain = max(gains, key=lambda budget: budget.high - budget.low) if gains else None
+    return of_power.scaled((rung.power_mean or 0.0) / power), of_gain
 
 
 def as_csv(rungs: Sequence[Rung]) -> str:
-    """Return the ladder as CSV; an empty cell is a quantity that does not exist, as of a port that cannot move."""
+    """Return the levels as CSV; an empty cell is a quantity that does not exist, as of a port that cannot move."""
     return csv_text(COLUMNS, ([getattr(rung, name) for name in COLUMNS] for rung in rungs), 12)

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import stdtrit
 
 from vsb.hydro.database import Check, check_at_most
-from vsb.results.power import apart, in_direction, power_response, velocity_response
+from vsb.results.comparison import in_direction, power_response, relative_difference, velocity_response
 from vsb.scenes.drag import LINEARISED
 from vsb.study.study import BaseStudy, Irregular, IrregularSea, Study
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -311,7 +311,7 @@ def statistical_checks(study: BaseStudy, lines: Sequence[Line]) -> list[Check]:
             limit = AGREEMENT_WITH_DRAG if isinstance(study, Study) and study.drag else AGREEMENT
             expected = line.power_linear_record
             text = f"relative difference of mean power from linear theory in the same waves, {plain(expected)} W"
-            difference = apart(line.power_mean, expected)
+            difference = relative_difference(line.power_mean, expected)
             checks.append(check_at_most("spectral_prediction", difference, limit, "-", text, doubt=True, **where))
     return checks
 

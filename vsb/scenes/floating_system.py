@@ -153,9 +153,10 @@ def body_motions(name: str, design: BodyDesign, labels: Sequence[str]) -> FloatA
 # seas ---------------------------------------------------------------------------------------------------------------
 
 
-def band(study: InSeas, ds: xr.Dataset) -> tuple[float, float]:
+def band(study: InSeas, ds: xr.Dataset | None) -> tuple[float, float]:
     """Return the band the components of a sea lie in [rad/s]: of a body what its database holds."""
     if isinstance(study, BodyStudy | OfDesigns):
+        assert ds is not None
         return float(ds.omega[0]), float(ds.omega[-1])
     return 0.0, study.hydro.omega_max
 

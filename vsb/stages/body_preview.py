@@ -15,7 +15,6 @@ from vsb.hydro.repairs import check_repairable
 from vsb.motion.bodies import LinearBody, direction_index
 from vsb.motion.frequency import allowed_part, compliance
 from vsb.results import ledger
-from vsb.results.body_ledger import seas_checks
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
 from vsb.scenes.floating_system import body_system, port_in_seas, study_sea
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
@@ -129,5 +128,5 @@ def body_summary(plan: BodyPlan) -> list[str]:
         )
     lines += [part for part in str(body.database.attrs.get("history", "")).split("; ") if part.startswith("left out")]
     doubts = [replace(check, name=f"hydro {check.name}") for check in checks if check.verdict != "ok"]
-    told = [*doubts, *ledger.angle_checks(study), *seas_checks(study, body.database)]
+    told = [*doubts, *ledger.angle_checks(study), *ledger.seas_checks(study, body.database)]
     return [*lines, *(check.line for check in told)]

@@ -7,20 +7,18 @@ from typing import Any, NamedTuple
 from vsb.hydro.database import Check, stored_checks
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
-from vsb.results.body_ledger import runs_checks, seas_checks
-from vsb.results.equal_tuning import (
+from vsb.results.gains import (
     Limited,
     Tuned,
     equal_tuning,
     fair_damping_checks,
+    linearisation,
     reference_power_checks,
+    with_intervals,
     within_limits,
 )
-from vsb.results.intervals import linearisation, with_intervals
 from vsb.results.ladder import Rung, constrained_checks
-from vsb.results.pauses import pause_checks
-from vsb.results.run_checks import Attributes, agreement_checks
-from vsb.results.verdicts import invalid_designs
+from vsb.results.run_checks import agreement_checks, latching_checks, sea_checks, transient_checks
 from vsb.scenes.floating_system import study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
@@ -47,7 +45,7 @@ def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) ->
     checks = [check for one in met for check in one.checks]
     if reference and isinstance(compared, Study):
         checks = [*ledger.shell_checks(compared, reference), *checks]
-    checks += [*ledger.angle_checks(compared), *ledger.transient_checks(runs, rows), *pause_checks(runs)]
+    checks += [*ledger.angle_checks(compared), *transient_checks(runs, rows), *latching_checks(runs)]
     lines: list[irregular.Line] = []
     tuned: list[Tuned] = []
     limited: list[Limited] = []
@@ -66,7 +64,7 @@ def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) ->
         checks += ledger.assumed_pressure_checks(compared, rows)
         rows = with_intervals(compared, rows, runs, (), None)
     checks = ledger.worst_first(checks)
-    invalid = invalid_designs(compared, checks)
+    invalid = ledger.invalid_designs(compared, checks)
     data = {
         "comparison": rows,
         "statistics": [line._asdict() for line in lines],
@@ -87,21 +85,15 @@ def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) ->
     record(files["manifest"], found.plan.study_id, list(texts))
 
 
-def of_the_water(found: Inputs, rows: list[comparison.Row], runs: Attributes) -> list[Check]:
+def of_the_water(found: Inputs, rows: list[comparison.Row], runs: comparison.Attributes) -> list[Check]:
     """Return the checks of linear hydrodynamics: waves, coefficients, radiation memory, time and frequency domain.
 
     Of a buoy also the limit of its power, and what a second solver says.
     """
     study, database = found.study, found.database
-    checks = ledger.radiation_checks(found.radiation, study.hydro.tolerance)
-    if isinstance(study, BodyStudy):
-        checks += seas_checks(study, database)
-    else:
-        checks = [ledger.limit_check(found.response), *checks]
-    for wave in study.waves:
-        if isinstance(study, Study):
-            checks += ledger.wave_checks(wave, study.water, study.hydro.omega_max)
-        checks += agreement_checks(study, wave, found.response, rows, runs)
+    checks = [] if isinstance(study, BodyStudy) else [ledger.limit_check(found.response)]
+    checks += ledger.radiation_checks(found.radiation, study.hydro.tolerance)
+    checks += [*ledger.seas_checks(study, database), *agreement_checks(study, found.response, rows, runs)]
     checks += [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
     return checks + (ledger.witness_checks(study, database, found.witness) if isinstance(study, Study) else [])
 
@@ -128,13 +120,9 @@ def in_a_sea(found: Inputs, basis: ModeBasis | None, wave: Wave) -> InASea:
         samples = {
             (d, label): irregular.sample(study, wave, d, run, waves, spectral, response) for d, run in runs.items()
         }
-    if basis and isinstance(study, Study):
-        checks = ledger.sea_checks(study, basis, wave, runs)
-    elif isinstance(study, BodyStudy):
-        checks = runs_checks(study, found.database, wave, runs)
     return InASea(
         comparison.comparison(study, wave, runs, waves),
-        checks,
+        sea_checks(study, wave, runs, basis, found.database if isinstance(study, BodyStudy) else None),
         {(design, label): run.attrs for design, run in runs.items()},
         samples,
     )

@@ -7,7 +7,7 @@ import xarray as xr
 from vsb.report.canvas import StudyData
 from vsb.report.figures import draw
 from vsb.report.svg import drawn
-from vsb.results.power import in_direction
+from vsb.results.comparison import in_direction
 from vsb.scenes.floating_system import AnyStudy
 from vsb.stages.inputs import Inputs
 from vsb.study.study import IrregularSea, StillWater, Study, Wave

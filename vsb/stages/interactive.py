@@ -12,8 +12,8 @@ import xarray as xr
 
 from vsb.report.band import lowest
 from vsb.report.living import Grid, LivingSea, study_data, thinned
+from vsb.results.comparison import in_direction
 from vsb.results.force_steps import SeenPort, force_steps
-from vsb.results.power import in_direction
 from vsb.results.statistics import families
 from vsb.scenes.floating_system import AnyStudy, FloatingSystem, band, floating_system
 from vsb.scenes.floating_system import towards as headed
@@ -41,7 +41,7 @@ def living_study(
     response : Dataset
         Its frequency response.
     limited : sequence of mapping
-        Of `vsb.results.equal_tuning.Limited`.
+        Of `vsb.results.gains.Limited`.
 
     Notes
     -----

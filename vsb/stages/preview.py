@@ -69,8 +69,8 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
     from vsb.results import ledger  # of no campaign: it reads all that runs in time
 
     checks = [*ledger.angle_checks(study), *ledger.shell_checks(study, reference_shell(study))]
-    for wave in study.waves if study.hydro.model != "assumed_pressure" else ():  # which uses the period alone
-        checks += ledger.wave_checks(wave, study.water, study.hydro.omega_max)
+    if study.hydro.model != "assumed_pressure":  # which uses the period alone
+        checks += ledger.seas_checks(study)
     return [*lines, *(check.line for check in checks)]
 
 

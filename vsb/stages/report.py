@@ -12,7 +12,7 @@ import yaml
 from vsb import __version__
 from vsb.report.page import Report, render
 from vsb.report.sketch import sketches
-from vsb.results.power import in_direction
+from vsb.results.comparison import in_direction
 from vsb.results.statistics import families
 from vsb.scenes.floating_system import AnyStudy
 from vsb.stages.animated import moving_study

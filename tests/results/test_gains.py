@@ -1,0 +1,208 @@
+"""Gains at equal tuning, within limits and in runs, and the budgets of their errors."""
+
+import json
+
+import pytest
+import xarray as xr
+from conftest import varied
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vsb.errors import VsbError
+from vsb.results.budget import Budget, Source, mean_budget
+from vsb.results.gains import (
+    equal_tuning,
+    fair_damping_checks,
+    linearisation,
+    reference_power_checks,
+    with_intervals,
+    within_limits,
+)
+from vsb.results.ladder import Rung
+from vsb.results.statistics import Line
+from vsb.study.take_off import Pto
+
+REGULAR = {"kind": "regular", "amplitude": 0.5, "period": 5.0}
+NOISE = {"kind": "jonswap", "hs": 1.0, "tp": 5.0, "realisations": 2}
+SIZES = st.floats(0.0, 1e6)
+SOURCES = st.builds(
+    lambda low, high, kind: Source("s", -low, high, kind), SIZES, SIZES, st.sampled_from(["bound", "statistic"])
+)
+
+# budgets ------------------------------------------------------------------------------------------------------------
+
+
+def test_bounds_add_linearly_and_statistics_in_quadrature():
+    sources = [Source("coefficients", -1.0, 2.0), Source.towards("modes left out", -4.0)]
+    sources += [Source.within("runs", 3.0, "statistic"), Source.within("seas", 4.0, "statistic")]
+    budget = Budget(tuple(sources))
+    assert (budget.low, budget.high) == (-10.0, 7.0)  # 1 + 4 + 5 and 2 + 0 + 5
+    assert budget.interval(50.0) == (40.0, 57.0)
+    assert budget.scaled(2.0).interval(0.0) == (-20.0, 14.0)
+
+
+@given(st.lists(SOURCES, max_size=6), st.floats(-1e6, 1e6))
+def test_more_sources_never_narrow_the_interval(sources, value):
+    budget = Budget(tuple(sources))
+    low, high = budget.interval(value)
+    assert low <= value <= high
+    wider = budget + Budget((Source.within("more", 1.0, "statistic"),))
+    assert wider.low <= budget.low
+    assert wider.high >= budget.high
+    assert Budget.of(json.loads(json.dumps(budget.rows))) == budget
+
+
+def test_bounds_stay_and_statistics_average_over_realisations():
+    one = Budget((Source.within("coefficients", 2.0), Source.within("runs", 4.0, "statistic")))
+    four = mean_budget([one] * 4)
+    assert [(source.low, source.high) for source in four.sources] == [(-2.0, 2.0), (-2.0, 2.0)]
+    for ends in ((0.1, 1.0), (-1.0, -0.1), (float("nan"), 0.0), (0.0, float("inf"))):
+        with pytest.raises(VsbError, match=r"error budget: x: received .* needs a finite range about zero"):
+            Source("x", *ends)
+
+
+# equal tuning -------------------------------------------------------------------------------------------------------
+
+
+def rung(design, wave, name, damping, power):
+    return Rung(design, wave, name, damping, 0.0, power, None, 0.0, 0.0, 0.0, None)
+
+
+@pytest.fixture
+def seas(seed):
+    return varied(seed, designs={"FSB": {"flexible": False}, "VSWEC": {}}, waves=[REGULAR, NOISE])
+
+
+@pytest.fixture
+def rungs(seas):
+    """Powers in the regular wave, and in two realisations of a sea."""
+    best = {"FSB": (800.0, 100.0, 300.0), "VSWEC": (720.0, 150.0, 250.0)}
+    fixed = {"FSB": (200.0, 96.0, 290.0), "VSWEC": (240.0, 140.0, 250.0)}
+    rows = []
+    for i, wave in enumerate(seas.waves):
+        for design in seas.designs:
+            rows.append(rung(design, wave.label, "fixed", 8000.0, fixed[design][i]))
+            rows.append(rung(design, wave.label, "best_damper", 1e4 * (i + 1), best[design][i]))
+            rows.append(rung(design, wave.label, "matched", None, 1e3))
+    return rows
+
+
+def test_gains_are_between_optimal_powers_of_all_realisations(seas, rungs):
+    rigid, shell, rigid_sea, shell_sea = equal_tuning(seas, rungs)
+    assert (rigid.best_gain_percent, rigid.share) == (0.0, 0.25)
+    assert (shell.best_gain_percent, shell.gain_percent) == (pytest.approx(-10.0), pytest.approx(20.0))
+    assert rigid_sea.sea == seas.waves[1].family
+    assert (rigid_sea.best_power, rigid_sea.power, rigid_sea.best_damping) == (200.0, 193.0, 2.5e4)
+    assert (shell_sea.best_gain_percent, shell_sea.damping) == (0.0, 8000.0)
+    tuned = equal_tuning(seas, [rung for rung in rungs if rung.rung != "fixed"])
+    assert {(line.power, line.gain_percent, line.share) for line in tuned} == {(None, None, None)}
+
+
+def test_power_lost_at_the_given_damper_is_reported(seas, rungs):
+    """Of dampers, not of take-offs that latch."""
+    lines = equal_tuning(seas, rungs)
+    checks = fair_damping_checks(lines, Pto(damping=8e3))
+    assert [check.verdict for check in checks] == ["doubt", "doubt", "ok", "ok"]
+    assert checks[0].value == 0.75
+    assert fair_damping_checks(lines, Pto(damping=8e3, law="latching", force_limit=300.0)) == []
+
+
+def test_constrained_optima_are_compared_where_known(seas, rungs):
+    swell, first, second = (wave.label for wave in seas.waves)
+    powers = {"FSB": (100.0, 50.0, 70.0), "VSWEC": (110.0, 66.0, 66.0)}
+    best = [
+        rung(design, wave, "constrained", None, power)
+        for design, all_powers in powers.items()
+        for wave, power in zip((swell, first, second), all_powers, strict=True)
+    ]
+    assert [(line.design, line.power, line.gain_percent) for line in within_limits(seas, rungs + best)] == [
+        ("FSB", 100.0, 0.0), ("VSWEC", 110.0, pytest.approx(10.0)), ("FSB", 60.0, 0.0), ("VSWEC", 66.0, pytest.approx(10.0)),
+    ]  # fmt: skip
+    unknown = [one._replace(power_mean=None) if (one.design, one.wave) == ("FSB", second) else one for one in best]
+    assert [(line.design, line.gain_percent) for line in within_limits(seas, unknown)][2:] == [("VSWEC", None)]
+
+
+def test_gain_over_a_negligible_reference_power_is_in_doubt(seas, rungs):
+    swell, sea = reference_power_checks(seas, rungs)
+    assert (swell.value, sea.value) == (1e3 / 800.0, 1e3 / 200.0)
+    assert (swell.wave, sea.wave, sea.verdict) == (seas.waves[0].label, seas.waves[1].family, "ok")
+    weak = [row._replace(power_mean=0.5) if row.rung == "best_damper" else row for row in rungs]
+    assert reference_power_checks(seas, weak)[0].verdict == "doubt"
+    assert reference_power_checks(varied(seas, designs={"A": {}, "B": {}}), rungs) == []
+
+
+# in runs ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def study(seed):
+    return varied(seed, designs={"FSB": {"flexible": False}, "A": {}}, waves=[REGULAR])
+
+
+@pytest.fixture
+def frequency(study):
+    """100 W of the rigid design, 80 W of the other in waves of 0.5 m."""
+    at = {"design": ["FSB", "A"], "omega": [study.waves[0].omega]}
+    return xr.Dataset({"absorbed_power": (("design", "omega"), [[400.0], [320.0]])}, at)
+
+
+def rows(study, powers):
+    label, base = study.waves[0].label, powers["FSB"]
+    return [
+        {"design": d, "wave": label, "power_mean": p, "power_gain_percent": 100 * (p / base - 1)}
+        for d, p in powers.items()
+    ]
+
+
+def runs(study, model, **more):
+    return {(d, study.waves[0].label): {"model": model, "energy_residual": 1e-9, **more} for d in study.designs}
+
+
+def levels(study, *sources):
+    label, at_best = study.waves[0].label, Budget((Source.within("c", 99.0),)).rows
+    given = rung("A", label, "fixed", 8e3, 80.0)._replace(gain_error=Budget(sources).rows)
+    best = rung("A", label, "best_damper", 8e3, 80.0)._replace(gain_error=at_best)
+    return [rung("FSB", label, "fixed", 8e3, 80.0), given, best]
+
+
+def test_interval_of_a_gain_adds_the_errors_of_both_runs(study, frequency):
+    """Runs that differ by 1 % and 2 % from the frequency domain: 3 % of the ratio."""
+    sources = Source.within("coefficients", 0.5), Source("modes left out", -3.0, 0.0)
+    powers, attrs = rows(study, {"FSB": 101.0, "A": 81.6}), runs(study, "linear")
+    rigid, shell = with_intervals(study, powers, attrs, levels(study, *sources), frequency)
+    assert (rigid["low"], rigid["high"]) == (0.0, 0.0)
+    gain = shell["power_gain_percent"]
+    assert gain - shell["low"] == pytest.approx(3.5 + 0.03 * (100 + gain))
+    assert shell["high"] - gain == pytest.approx(0.5 + 0.03 * (100 + gain))
+
+
+def test_interval_of_a_nonlinear_run_includes_its_energy_residual(study, frequency):
+    attrs = runs(study, "body_exact", power_error=0.01)
+    attrs["A", study.waves[0].label]["energy_residual"] = 0.02
+    _, shell = with_intervals(study, rows(study, {"FSB": 100.0, "A": 60.0}), attrs, levels(study), frequency)
+    assert shell["high"] - shell["power_gain_percent"] == pytest.approx((0.02 + 0.02) * 60, rel=1e-6)
+
+
+def test_linearisation_error_is_one_sided(study, frequency):
+    """-20 % by linear theory, -40 % in time at the same damper."""
+    powers = rows(study, {"FSB": 100.0, "A": 60.0})
+    found = linearisation(study, powers, runs(study, "body_exact"), frequency, [])
+    (key,) = found
+    assert key == ("A", study.waves[0].label)
+    assert (found[key].low, found[key].high) == (pytest.approx(-20.0), 0.0)
+    assert linearisation(study, powers, runs(study, "linear"), frequency, []) == {}
+
+
+def test_linearisation_error_in_irregular_seas_includes_the_sampling_error(study, frequency):
+    """For random amplitudes only; linear theory is that in the same waves."""
+    lines = [
+        Line("FSB", "noise", "random", 4, 40, 100.0, 95.0, 105.0, 90.0, 100.0, None, None, None),
+        Line("A", "noise", "random", 4, 40, 60.0, 55.0, 65.0, 50.0, 80.0, -40.0, -43.0, -37.0),
+    ]
+    for amplitudes, half in (("random", 3.0), ("fixed", 0.0)):
+        drawn = [line._replace(amplitudes=amplitudes) for line in lines]
+        found = linearisation(
+            study, rows(study, {"FSB": 100.0, "A": 80.0}), runs(study, "body_exact"), frequency, drawn
+        )
+        assert found["A", "noise"].low == pytest.approx(-20.0 - half)
+        assert found["A", "noise"].high == pytest.approx(half)
