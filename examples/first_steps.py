@@ -16,4 +16,4 @@ for design in designs:
     print(f"{design}: heave per wave amplitude {np.round(np.abs(heave.values), 3)} at {omega} rad/s")
     for damping, power in zip(dampings, results.port(design, omega).power(dampings), strict=True):
         print(f"  {damping:7.0f} N s/m takes {np.round(power / 1e3, 3)} kW/m^2")
-print(*(f"{row['design']}: {row['power_mean']:.0f} W" for row in results.comparison), results.report)
+print(results.comparison[["design", "power_mean", "damping"]], results.report)

@@ -11,7 +11,7 @@ import pytest
 HOME = Path(__file__).parent.parent
 ROOMS = (
     "errors", "tools", "study", "shell", "waves", "hydro", "motion", "integrators", "scenes", "results", "report",
-    "stages", "cli", "__main__",
+    "stages", "api", "cli", "__main__",
 )  # fmt: skip
 """Each imports only from itself and those before it."""
 TREES = {

@@ -58,7 +58,7 @@ def test_example_gives_the_numbers_of_the_response(example, results):
 
 
 def test_results_are_tables_series_and_scenes(results):
-    by_design = {row["design"]: row for row in results.comparison}
+    by_design = {row["design"]: row for row in results.comparison.to_dict("records")}
     assert by_design.keys() == results.study.designs.keys() == {"rigid", "flexible"}
     for design in results.study.designs:
         run = results.trajectory(design, "regular_A0.18_T3")
@@ -68,16 +68,18 @@ def test_results_are_tables_series_and_scenes(results):
         again, _, _ = vsb.simulate(scene.system, scene.sea, results.study.simulation, scene.spectrum)
         end = again.position[-1] @ scene.scene.motions.T
         assert run.position.values[-1] == pytest.approx(end[: run.sizes["dof"]], rel=1e-12)
-    assert results.statistics == []
-    assert {"buckling", "power_limit", "hydro haskind"} <= {check["name"] for check in results.checks}
-    rungs = {(row["design"], row["rung"]): row for row in results.ladder}
+    assert results.statistics.to_dict("records") == []
+    assert {"buckling", "power_limit", "hydro haskind"} <= {
+        check["name"] for check in results.checks.to_dict("records")
+    }
+    rungs = {(row["design"], row["rung"]): row for row in results.ladder.to_dict("records")}
     assert {rung for _, rung in rungs} == {"best_damper", "best_damper_all_seas", "best_spring_damper", "matched"}
     for design, row in by_design.items():  # no damper is given: every run has its own best one, of linear theory
         assert row["damping"] == pytest.approx(rungs[design, "best_damper"]["damping"], rel=1e-9)
         assert row["power_mean"] == pytest.approx(rungs[design, "best_damper"]["power_mean"], rel=5e-3)
         assert row["stiffness"] == 0.0
     assert results.response.attrs["take_off"] == "best_damping at each frequency"
-    assert rungs["rigid", "best_damper"]["gap"] is None
+    assert np.isnan(rungs["rigid", "best_damper"]["gap"])
     assert results.report.is_file()
     assert vsb.open_database(results.plan.database_path).identical(results.database)
 
@@ -109,3 +111,62 @@ def test_order_of_designs_does_not_matter(results):
     """Specifications sort them."""
     turned = results.study.model_copy(update={"designs": dict(reversed(results.study.designs.items()))})
     assert vsb.Results(turned).plan.ids == results.plan.ids
+
+
+def test_results_are_opened_by_their_folder_alone(example, monkeypatch):
+    monkeypatch.chdir(example["place"])
+    found, run = vsb.open("results/first_steps"), example["results"]
+    assert found.comparison.equals(run.comparison)
+    assert found.comparison.attrs["units"]["power_mean"] == "W"
+    assert "flexible, rigid" in repr(found)
+    assert "<table" in found._repr_html_()
+    with pytest.raises(DatabaseError, match="holds no results"):
+        vsb.open("results/hydro")
+
+
+def test_optimum_without_limits_is_the_matched_power(results):
+    matched = results.ladder.query("rung == 'matched' and design == 'flexible'").power_mean.item()
+    free = results.optimum("flexible")
+    assert free.power == pytest.approx(matched, rel=1e-9)
+    limited = results.optimum("flexible", force_limit=free.force_peak / 4)
+    assert limited.power <= limited.bound < free.power
+    assert limited.force_peak <= free.force_peak / 4 * (1 + 1e-9)
+
+
+def test_coulomb_damper_from_python_absorbs_its_force_times_the_path(results):
+    """A small friction force F at a harmonic motion of amplitude z absorbs 4 F z per period."""
+    force, wave = 50.0, results.study.waves[0]
+    scene = results.scene("rigid", pto=vsb.Pto(law="coulomb", force_limit=force, damping=8e3))
+    run, _, _ = vsb.simulate(scene.system, scene.sea, results.study.simulation, scene.spectrum)
+    heave = (run.position @ scene.scene.motions.T)[:, 0]
+    start = np.searchsorted(run.time, run.time[-1] - 5 * wave.period)
+    path = np.abs(np.diff(heave[start:])).sum()
+    speed = (run.velocity @ scene.scene.motions.T)[start:, 0]
+    assert force * path == pytest.approx(force * np.trapezoid(np.abs(speed), run.time[start:]), rel=1e-3)
+    free = abs(results.response.rao.sel(design="rigid", dof="Heave", omega=wave.omega)).item() * wave.amplitude
+    assert path > 4 * 5 * free  # less force than the damper's: the buoy moves more
+
+
+def test_year_of_seas_like_the_studys_wave(results):
+    """A scatter table with one cell: power is that of its spectrum by the port."""
+    climate = vsb.read_seas(HOME / "config" / "climate" / "PacWave-South_Oregon_Wave-Resource.csv", "jonswap")
+    year = results.year(climate, ("one", "each"))
+    assert (year.annual_mean_power.sel(tuning="each") >= year.annual_mean_power.sel(tuning="one")).all()
+    energy = vsb.annual_energy(year.capture_width_matrix[0, 0], year.flux_matrix, year.occurrence)
+    assert energy / 1e6 == pytest.approx(float(year.annual_energy[0, 0]), rel=1e-9)
+
+
+def test_figures_take_and_return_axes(results):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    _, ax = plt.subplots()
+    assert results.plot.rao(ax=ax) is ax
+    drawn = {line.get_label(): line.get_ydata() for line in ax.lines}
+    for design in results.study.designs:
+        assert drawn[design] == pytest.approx(abs(results.response.rao.sel(design=design, dof="Heave")).values)
+    for plot in (results.plot.rao_phase, results.plot.excitation, results.plot.power, results.plot.motion):
+        assert plot().get_ylabel()
+    assert results.plot.animate("flexible").new_frame_seq()
+    plt.close("all")

@@ -1,5 +1,12 @@
 """The public names, described in docs/api.md: `vsb/__init__.py` reads here where each is, type checkers what it is."""
 
+from vsb.api.campaign import Campaign as Campaign
+from vsb.api.opened import open as open
+from vsb.api.performance import annual_energy as annual_energy
+from vsb.api.performance import annual_energy_of_series as annual_energy_of_series
+from vsb.api.performance import power_matrix as power_matrix
+from vsb.api.results import Results as Results
+from vsb.api.results import run as run
 from vsb.errors import VsbError as VsbError
 from vsb.hydro.bodies.body import FlexibleBody as FlexibleBody
 from vsb.hydro.bodies.solver import BodyProblem as BodyProblem
@@ -11,8 +18,7 @@ from vsb.integrators.simulate import simulate as simulate
 from vsb.shell.deformed import DeformedShell as DeformedShell
 from vsb.shell.modes import ModeBasis as ModeBasis
 from vsb.shell.sphere import Shell as Shell
-from vsb.stages.make import run as run
-from vsb.stages.stored import Results as Results
+from vsb.stages.climate import read_seas as read_seas
 from vsb.study.body import load_body as load_body
 from vsb.study.study import Design as Design
 from vsb.study.study import Device as Device

@@ -12,13 +12,13 @@ import yaml
 from conftest import SMALL, SMALL_PLAN, told, varied
 
 import vsb
+from vsb.api.results import Results
 from vsb.cli import main
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.sources import read_source
 from vsb.results.ladder import study_ladder
 from vsb.scenes.build import TUNED, design_in_sea
 from vsb.stages import coefficients
-from vsb.stages.stored import Results
 from vsb.study.body import load_body
 from vsb.study.plan import plan_for
 
@@ -67,13 +67,13 @@ def test_response_equals_that_of_the_axisymmetric_chain(both):
 
 
 def test_control_levels_equal_those_of_the_axisymmetric_chain(both):
-    for own, body in zip(both[0].ladder, both[1].ladder, strict=True):
+    for own, body in zip(both[0].ladder.to_dict("records"), both[1].ladder.to_dict("records"), strict=True):
         assert [own[k] for k in ("design", "wave", "rung")] == [body[k] for k in ("design", "wave", "rung")]
         assert body["power_mean"] == pytest.approx(own["power_mean"], rel=2e-3)
 
 
 def test_motion_in_time_equals_that_of_the_axisymmetric_chain(both):
-    for own, body in zip(both[0].comparison, both[1].comparison, strict=True):
+    for own, body in zip(both[0].comparison.to_dict("records"), both[1].comparison.to_dict("records"), strict=True):
         for name in ("displacement_pp", "velocity_pp", "power_mean", "energy"):
             assert body[name] == pytest.approx(own[name], rel=5e-3), (own["design"], name)
         assert body["energy_residual"] < 1e-9
@@ -120,12 +120,14 @@ def test_damping_of_a_run_is_that_of_the_control_levels(finished, general, tunin
 
 
 def test_checks_of_a_body(both):
-    names = {check["name"] for check in both[1].checks}
+    names = {check["name"] for check in both[1].checks.to_dict("records")}
     assert {"energy_residual", "radiation_fit", "passivity", "steepness", "transient", "hydro rank_one"} <= names
     assert not names & {"heave", "buckling", "power_limit", "witness", "modes_left_out"}
-    failed = [check["name"] for check in both[1].checks if check["verdict"] == "fail"]
+    failed = [check["name"] for check in both[1].checks.to_dict("records") if check["verdict"] == "fail"]
     assert failed == [
-        check["name"] for check in both[0].checks if check["verdict"] == "fail" and check["name"] in names
+        check["name"]
+        for check in both[0].checks.to_dict("records")
+        if check["verdict"] == "fail" and check["name"] in names
     ]
 
 

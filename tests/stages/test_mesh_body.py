@@ -10,10 +10,10 @@ import yaml
 
 import vsb
 from examples.barge import Barge
+from vsb.api.results import Results
 from vsb.hydro.bodies.files import write_body
 from vsb.hydro.panels import rings as bem
 from vsb.stages.make import make
-from vsb.stages.stored import Results
 from vsb.study.body import load_body
 from vsb.study.plan import BodyPlan
 
@@ -70,26 +70,28 @@ def ladder(folder, name, **changes):
     located = study(folder, study=name, **changes)
     plan = BodyPlan(located.study, root=str(folder / "results"), files=located.files)
     make(plan, [plan.database_path, f"{plan.folder}/ladder.csv"])
-    return Results(located.study, str(folder / "results")).ladder
+    return Results(located.study, str(folder / "results")).ladder.to_dict("records")
 
 
 def test_study_of_a_mesh_from_panels_to_page(found):
-    assert {row["design"] for row in found.comparison} == {"rigid", "flexible", "hinged"}
-    for row in found.comparison:
+    assert {row["design"] for row in found.comparison.to_dict("records")} == {"rigid", "flexible", "hinged"}
+    for row in found.comparison.to_dict("records"):
         numbers = [row[name] for name in ("displacement_pp", "velocity_pp", "power_mean", "energy", "capture_width")]
         assert np.isfinite(numbers).all()
         assert row["power_mean"] > 0
     response = found.response
     for name in ("rao", "port_impedance", "port_velocity", "best_power", "matched_power", "best_damping"):
         assert np.isfinite(response[name].sel(design="hinged").values).all()
-    rungs = {(row["design"], row["rung"]): row["power_mean"] for row in found.ladder}
+    rungs = {(row["design"], row["rung"]): row["power_mean"] for row in found.ladder.to_dict("records")}
     for design in ("rigid", "flexible", "hinged"):
         powers = [rungs[design, rung] for rung in ("best_damper", "best_spring_damper", "matched")]
         assert 0 < powers[0] <= powers[1] * (1 + 1e-9) <= powers[2] * (1 + 2e-9)
-    for check in found.checks:
+    for check in found.checks.to_dict("records"):
         assert np.isfinite(check["value"])
         assert check["verdict"] != "fail"
-    assert {"hydro error_estimate", "hydro afloat", "rotation", "translation"} <= {c["name"] for c in found.checks}
+    assert {"hydro error_estimate", "hydro afloat", "rotation", "translation"} <= {
+        c["name"] for c in found.checks.to_dict("records")
+    }
     assert "Does the flexible body absorb more power than the rigid one?" in found.report.read_text()
     figures = {path.stem for path in (Path(found.folder) / "raft" / "figures").glob("*.svg")}
     assert figures == set(found.plan.figures)
@@ -97,8 +99,8 @@ def test_study_of_a_mesh_from_panels_to_page(found):
 
 @pytest.mark.parametrize("design", ["rigid", "flexible", "hinged"])
 def test_time_and_frequency_domain_agree_and_energy_is_conserved(found, design):
-    row = next(row for row in found.comparison if row["design"] == design)
-    best = next(r for r in found.ladder if (r["design"], r["rung"]) == (design, "best_damper"))
+    row = next(row for row in found.comparison.to_dict("records") if row["design"] == design)
+    best = next(r for r in found.ladder.to_dict("records") if (r["design"], r["rung"]) == (design, "best_damper"))
     assert row["power_mean"] == pytest.approx(best["power_mean"], rel=5e-3)
     assert row["energy_residual"] < 1e-9
     run = found.trajectory(design, found.study.waves[0].label)
@@ -107,7 +109,7 @@ def test_time_and_frequency_domain_agree_and_energy_is_conserved(found, design):
 
 def test_stiff_body_absorbs_the_power_of_the_rigid_one(folder, found):
     """The difference decreases with stiffness, to 1e-6 at a million times the stiffness."""
-    rigid = {row["rung"]: row["power_mean"] for row in found.ladder if row["design"] == "rigid"}
+    rigid = {row["rung"]: row["power_mean"] for row in found.ladder.to_dict("records") if row["design"] == "rigid"}
     before = np.inf
     for factor, apart in ((1e3, 1e-3), (1e6, 1e-6)):
         k = factor * float(BARGE.stiffness[2, 2])

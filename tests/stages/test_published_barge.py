@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import yaml
 
+from vsb.api.results import Results
 from vsb.hydro.formats.wamit import import_wamit
 from vsb.stages.make import make
-from vsb.stages.stored import Results
 from vsb.study.body import load_body
 from vsb.study.plan import BodyPlan
 
@@ -76,7 +76,7 @@ def test_response_with_wamits_stiffness_is_that_published_by_wamit(response):
 def test_bending_changes_the_power_at_the_bow(response):
     """Power increases along the control levels; in waves of 8 s bending changes the power by more than 2 %."""
     bow = {"Heave": 1.0, "Pitch": -40.0, **{f"Mode{n}": 1.0 for n in range(7, 11)}}
-    ladder = response(pto={"port": {"dofs": bow}}).ladder
+    ladder = response(pto={"port": {"dofs": bow}}).ladder.to_dict("records")
     powers = {(row["design"], row["rung"]): row["power_mean"] for row in ladder}
     for design in ("rigid", "flexible"):
         rungs = [powers[design, rung] for rung in ("best_damper", "best_spring_damper", "matched")]

@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 from conftest import varied
 
+from vsb.api.results import Results
 from vsb.errors import ConfigError, DatabaseError
-from vsb.stages.stored import Results
 from vsb.stages.trajectories import StoredRuns
 from vsb.study.plan import StudyPlan, trajectory_name
 from vsb.tools.files import save
@@ -20,15 +20,15 @@ def results(small):
 
 
 def test_tables_have_a_row_for_every_design_and_sea(results):
-    assert [row["design"] for row in results.comparison] == ["FSB", "VSWEC"]
-    assert results.statistics == []
-    verdicts = [check["verdict"] for check in results.checks]
+    assert [row["design"] for row in results.comparison.to_dict("records")] == ["FSB", "VSWEC"]
+    assert results.statistics.to_dict("records") == []
+    verdicts = [check["verdict"] for check in results.checks.to_dict("records")]
     assert verdicts == sorted(verdicts, key=("fail", "accepted", "doubt", "ok").index)
 
 
 def test_power_increases_along_the_control_levels(results):
     for design in results.study.designs:
-        power = {row["rung"]: row["power_mean"] for row in results.ladder if row["design"] == design}
+        power = {row["rung"]: row["power_mean"] for row in results.ladder.to_dict("records") if row["design"] == design}
         levels = [power[name] for name in ("fixed", "best_damper", "best_spring_damper", "matched")]
         assert all(low <= high * (1 + 1e-9) for low, high in itertools.pairwise(levels))
 

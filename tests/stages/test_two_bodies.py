@@ -11,11 +11,11 @@ import yaml
 from browser import evaluated
 
 import vsb
+from vsb.api.results import Results
 from vsb.hydro.formats.wamit import import_wamit
 from vsb.report import html
 from vsb.report.page import STILL
 from vsb.stages.make import make
-from vsb.stages.stored import Results
 from vsb.study.body import load_body
 from vsb.study.plan import BodyPlan
 from vsb.tools.files import load
@@ -81,7 +81,7 @@ def power(heaves):
 
 def rung(found, design, name):
     """Mean power of a control level [W]."""
-    return next(r["power_mean"] for r in found.ladder if (r["design"], r["rung"]) == (design, name))
+    return next(r["power_mean"] for r in found.ladder.to_dict("records") if (r["design"], r["rung"]) == (design, name))
 
 
 def test_power_is_that_of_the_equation_of_motion(rm3, theirs):
@@ -124,8 +124,8 @@ def test_power_between_two_bodies_reaches_the_limit_of_heave_radiation(rm3):
 
 
 def test_locked_bodies_absorb_nothing(rm3):
-    assert {row["power_mean"] for row in rm3.ladder if row["design"] == "locked"} == {0.0}
-    rows = {row["design"]: row for row in rm3.comparison}
+    assert {row["power_mean"] for row in rm3.ladder.to_dict("records") if row["design"] == "locked"} == {0.0}
+    rows = {row["design"]: row for row in rm3.comparison.to_dict("records")}
     moved = 100 * np.finfo(float).eps * 1.25  # the difference of two equal motions in waves of 1.25 m
     assert rows["locked"]["displacement_pp"] <= moved
     assert abs(rows["locked"]["power_mean"]) <= rows["rm3"]["power_mean"] * moved
@@ -133,7 +133,7 @@ def test_locked_bodies_absorb_nothing(rm3):
 
 
 def test_time_and_frequency_domain_agree_and_energy_is_conserved(rm3):
-    row = next(row for row in rm3.comparison if row["design"] == "rm3")
+    row = next(row for row in rm3.comparison.to_dict("records") if row["design"] == "rm3")
     assert row["power_mean"] == pytest.approx(rung(rm3, "rm3", "fixed"), rel=5e-3)
     assert row["energy_residual"] < 1e-9
     run = rm3.trajectory("rm3", "regular_A1.25_T8")
@@ -141,7 +141,7 @@ def test_time_and_frequency_domain_agree_and_energy_is_conserved(rm3):
 
 
 def test_repairs_are_reported_as_doubts(rm3):
-    ledger = {check["name"]: check for check in rm3.checks}
+    ledger = {check["name"]: check for check in rm3.checks.to_dict("records")}
     for name, largest in (("positive_damping", 2e-3), ("kramers_kronig", 3e-3)):
         check = ledger[f"hydro repaired {name}"]
         assert check["verdict"] == "doubt"

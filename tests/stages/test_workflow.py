@@ -208,7 +208,9 @@ def test_vsb_run_gives_the_same_files_as_the_workflow(folder, tmp_path, monkeypa
         assert contents(tmp_path / path) == contents(folder / path), path
     rows = csv.DictReader((folder / "results/base/comparison.csv").open())
     monkeypatch.chdir(tmp_path)
-    assert [row["power_mean"] for row in rows] == [f"{row['power_mean']:.10g}" for row in results.comparison]
+    assert [row["power_mean"] for row in rows] == [
+        f"{row['power_mean']:.10g}" for row in results.comparison.to_dict("records")
+    ]
 
 
 def test_formatting_of_the_study_file_reruns_nothing(folder):

@@ -35,8 +35,10 @@ def pair(request, run):
 def test_gain(agree, pair):
     """Each buoy at its own best damper."""
     own, results = pair
-    rows = {(r["design"], r["wave"]): r for r in results.ladder if r["rung"] == "best_damper"}
-    labels = [r["wave"] for r in results.ladder if r["design"] == "FSB" and r["rung"] == "best_damper"]
+    rows = {(r["design"], r["wave"]): r for r in results.ladder.to_dict("records") if r["rung"] == "best_damper"}
+    labels = [
+        r["wave"] for r in results.ladder.to_dict("records") if r["design"] == "FSB" and r["rung"] == "best_damper"
+    ]
     power = {d: np.array([rows[d, label]["power_mean"] for label in labels]) for d in ("FSB", "VSWEC")}
     wanted = np.array([[0.0025 * p.power() for p in own.ports(t)] for t in PERIODS]).T
     name = f"spheroid {own.height:.0f} m"

@@ -79,8 +79,8 @@ def test_gain(agree, run, basis, degree):
     waves = [{"kind": "regular", "amplitude": 0.1, "period": t} for t in periods]
     brief = {"duration": 40.0, "window": [32.0, 40.0]}
     results = run(f"{basis}{degree}", modes={"basis": basis, "degree": degree}, waves=waves, simulation=brief)
-    rows = {(r["design"], r["wave"], r["rung"]): r for r in results.ladder}
-    labels = list(dict.fromkeys(r["wave"] for r in results.ladder))
+    rows = {(r["design"], r["wave"], r["rung"]): r for r in results.ladder.to_dict("records")}
+    labels = list(dict.fromkeys(r["wave"] for r in results.ladder.to_dict("records")))
     shell, name = Shell(mass=17170.0), f"{basis} {degree}"
     at = {d: [rows[d, label, "best_damper"] for label in labels] for d in ("FSB", "VSWEC", "VSWEC90")}
     power = {d: np.array([row["power_mean"] for row in at[d]]) for d in at}

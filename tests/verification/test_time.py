@@ -28,7 +28,7 @@ def taken(run, name: str, period: float, amplitude: float, pto: dict, **sections
     """Row of the package's own run in the same wave, over whole periods after the transient."""
     wave = {"kind": "regular", "amplitude": amplitude, "period": period}
     times = {"duration": 32 * period, "window": [24 * period, 32 * period]}
-    return run(name, waves=[wave], pto=pto, simulation=times, **RIGID, **sections).comparison[0]
+    return run(name, waves=[wave], pto=pto, simulation=times, **RIGID, **sections).comparison.to_dict("records")[0]
 
 
 def test_free_decay(agree, run):

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from vsb.results.member import SAME_FOR_ALL
 from vsb.study.campaign import CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CampaignSpec
@@ -27,14 +28,15 @@ POWER, GAIN = (tuple(f"corrected_{name}" for name in names) for names in (POWER_
 
 
 def stacked(members: Sequence[xr.Dataset], ids: Sequence[str]) -> xr.Dataset:
-    """Return members along a dimension of their ids; how many seas a bin holds is the same for all."""
+    """Return members along a dimension of their ids; how often seas of a bin occur is the same for all."""
     first = members[0]
-    names = [name for name in first.data_vars if name != "count"]
+    names = [name for name in first.data_vars if name not in SAME_FOR_ALL]
     values = {
         name: ((MEMBER, *first.variables[name].dims), np.stack([one.variables[name].values for one in members]))
         for name in names
     }
-    return xr.Dataset({**values, "count": first["count"]}, coords={**first.coords, MEMBER: list(ids)})
+    same = {name: first[name] for name in SAME_FOR_ALL}
+    return xr.Dataset({**values, **same}, coords={**first.coords, MEMBER: list(ids)})
 
 
 def gathered(spec: CampaignSpec, batches: Sequence[xr.Dataset]) -> xr.Dataset:

@@ -37,6 +37,9 @@ MATRICES = (
     "damping", "power_matrix", "power_deviation", "capture_width_matrix", "capture_width_deviation", "beyond_validity",
 )  # fmt: skip
 
+SAME_FOR_ALL = ("count", "occurrence")
+"""What is said of the year alone."""
+
 
 def member(
     study: Study,
@@ -81,7 +84,8 @@ def member(
     reasons = np.array([words.get(design, "") for design in study.designs], dtype=object)
     told = {"viable": np.array([design not in rest.reasons for design in study.designs]), "reason": reasons}
     filled = {name: values for name, (_, values) in found.items()} | told | {"margin": np.array(rest.margin)}
-    return blank.copy(data=filled)
+    flux = bins_of(climate).mean(climate.flux(study.water))
+    return blank.copy(data=filled).assign(flux_matrix=(BINS, flux))
 
 
 def _plain(ds: xr.Dataset) -> Values:
@@ -104,12 +108,13 @@ def _blank(designs: tuple[str, ...], tunings: tuple[str, ...], climate: Climate,
     told = {name: (of, np.zeros([sizes[dim] for dim in of])) for name, of in TOLD.items()}
     at = {"design": list(designs), "tuning": list(tunings), "limit": list(LIMITS)}
     of_bins = {"hs": bins.hs_centres, "te": bins.te_centres}
-    return xr.Dataset({**values, "count": (BINS, bins.count), **told}, coords=at | of_bins)
+    year = {"count": (BINS, bins.count), "occurrence": (BINS, bins.share)}
+    return xr.Dataset({**values, **year, **told}, coords=at | of_bins)
 
 
 def _fill(found: Values, at: Labels, of: Values, here: Labels) -> None:
     """Put the values of some designs, and of some tunings, where they belong."""
-    for name in of.keys() & found.keys() - {"count"}:
+    for name in of.keys() & found.keys() - {*SAME_FOR_ALL, "flux_matrix"}:
         dims, values = of[name]
         places = [[at[dim].index(label) for label in here[dim]] for dim in BY if dim in dims]
         found[name][1][np.ix_(*places)] = values

@@ -1,11 +1,14 @@
 """The seas of a campaign's year, from the file it was planned with."""
 
+from pathlib import Path
+from typing import Literal
+
 from vsb.errors import ConfigError
 from vsb.study.specs import ClimateSpec
 from vsb.tools.bounded import open_regular, sha256_of
 from vsb.waves.climate import Climate
 from vsb.waves.ndbc import SWAN, read_ndbc, read_spectra
-from vsb.waves.scatter import read_scatter
+from vsb.waves.scatter import Spectrum, read_scatter
 
 NETCDF = (b"CDF", b"\x89HDF")
 """What netCDF files begin with."""
@@ -21,12 +24,35 @@ def read_climate(spec: ClimateSpec, path: str) -> Climate:
     """
     try:
         found = sha256_of(path)[:16]
-        with open_regular(path) as file:
-            begin = file.read(len(SWAN))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); needs the climate of the campaign") from None
     if found != spec.contents:
         raise ConfigError(f"{path}: changed since the run was planned; run vsb run CONFIG again")
-    if spec.form != "spectra":
-        return read_scatter(path, spec.form, spec.gamma or 1.0)
+    return read_seas(path, spec.form, spec.gamma or 1.0)
+
+
+def read_seas(path: str | Path, form: Spectrum | Literal["spectra"] = "spectra", gamma: float = 3.3) -> Climate:
+    """Read the seas of a year.
+
+    Parameters
+    ----------
+    path : str or Path
+        Measured spectra, or a scatter table of Hs and Te.
+    form : {'spectra', 'jonswap', 'pierson_moskowitz'}
+        What the file holds: spectra, or a table whose seas have spectra of this shape.
+    gamma : float
+        Peakedness of JONSWAP spectra of a table.
+
+    Raises
+    ------
+    ConfigError
+        If the file cannot be read, or holds something else.
+    """
+    if form != "spectra":
+        return read_scatter(path, form, gamma)
+    try:
+        with open_regular(path) as file:
+            begin = file.read(len(SWAN))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror}); needs a file of spectra") from None
     return read_spectra(path) if begin.startswith((*NETCDF, SWAN)) else read_ndbc(path)

@@ -2,24 +2,20 @@
 
 from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.planning import with_degree
 from vsb.stages.stage import STAGES
 from vsb.stages.verify import stale_products
-from vsb.study.body import LocatedBody
+from vsb.study.body import BodyStudy, LocatedBody
 from vsb.study.jobs import Job, blocks, jobs
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
 from vsb.study.study import Study
 from vsb.tools.files import check_folder
 
-if TYPE_CHECKING:
-    from vsb.stages.stored import Results
 
-
-def run(study: Study | LocatedBody, folder: str | Path = "results") -> "Results":
-    """Run a whole study in this process: files and numbers are those of `vsb run`, finished ones are kept.
+def run(study: Study | LocatedBody, folder: str | Path = "results") -> Study | BodyStudy:
+    """Run a whole study in this process and return it as it was run: files and numbers are those of `vsb run`.
 
     Parameters
     ----------
@@ -33,13 +29,11 @@ def run(study: Study | LocatedBody, folder: str | Path = "results") -> "Results"
     VsbError
         If the study cannot be run, a check of its hydrodynamics fails, or another run is at work in the folder.
     """
-    from vsb.stages.stored import Results
-
     plan = _checked(study, str(folder))
     check_folder(folder)
     with exclusive_lock(Path(plan.folder)):
         make(plan, plan.products, stale=stale_products(plan, dry=False))
-    return Results(plan.study, str(folder))
+    return plan.study
 
 
 def _checked(study: Study | LocatedBody, root: str) -> AnyPlan:

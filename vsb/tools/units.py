@@ -203,7 +203,7 @@ ATTRS: dict[str, Quantity] = {
     "capture_width_deviation": Quantity((*_YEAR, *_BINS), "m", "standard deviation of capture width within a bin"),
     "count": Quantity(_BINS, "1", "number of seas in a bin"),
     "occurrence": Quantity(_BINS, "1", "share of the year of a bin"),
-    "flux_matrix": Quantity(_BINS, "W/m", "mean energy flux in a bin, 0 where there is no sea"),
+    "flux_matrix": Quantity(("...", *_BINS), "W/m", "mean energy flux in a bin, 0 where there is no sea"),
     # trajectories
     "stroke": Quantity(("time",), "m", "displacement of the take-off's port"),
     "stroke_rate": Quantity(("time",), "m/s", "velocity of the take-off's port"),

@@ -1,0 +1,117 @@
+"""Results of a campaign: a year, or a sweep, as labelled arrays and a table."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import xarray as xr
+
+from vsb.api.performance import annual_energy
+from vsb.api.plots import CampaignPlots
+from vsb.errors import ConfigError
+from vsb.report.campaign_answer import closing_answer
+from vsb.tools.files import load
+
+
+@dataclass(frozen=True, repr=False)
+class Campaign:
+    """Results of a campaign in its folder, such as `results/year`.
+
+    Raises
+    ------
+    DatabaseError
+        By everything here: if `campaign.nc` is missing or damaged.
+    """
+
+    folder: str
+
+    @cached_property
+    def data(self) -> xr.Dataset:
+        """All results, with units: power, energy, gain, matrices over Hs and Te by design, tuning and varied key."""
+        return load(f"{self.folder}/campaign.nc")
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """A row per point, design and tuning."""
+        return pd.read_csv(f"{self.folder}/campaign.csv", keep_default_na=True)
+
+    @property
+    def name(self) -> str:
+        """Name of the campaign."""
+        return str(self.data.attrs["campaign"])
+
+    @property
+    def designs(self) -> list[str]:
+        """Names of the designs."""
+        return [str(name) for name in self.data.design.values]
+
+    @property
+    def tunings(self) -> list[str]:
+        """Tunings of the take-off."""
+        return [str(name) for name in self.data.tuning.values]
+
+    @property
+    def varied(self) -> list[str]:
+        """Dimensions of what is varied."""
+        return str(self.data.attrs["varied"]).split()
+
+    @property
+    def report(self) -> Path:
+        """Path of the report, to be opened in a browser."""
+        return Path(self.folder, "report.html")
+
+    @property
+    def plot(self) -> CampaignPlots:
+        """Figures: each method draws on matplotlib axes, given or new, and returns them."""
+        return CampaignPlots(self)
+
+    def at(self, **point: Any) -> xr.Dataset:
+        """Return the results at one point of what is varied, by default the first of each key.
+
+        Parameters
+        ----------
+        **point
+            Values by dimension, as `scale=4.0`; of numbers the nearest.
+
+        Raises
+        ------
+        ConfigError
+            If nothing of that name is varied.
+        """
+        data = self.data
+        if unknown := [name for name in point if name not in data.dims]:
+            raise ConfigError(f"{unknown[0]}: is not varied; needs one of {', '.join(self.varied) or 'nothing'}")
+        for name, value in point.items():
+            method = "nearest" if isinstance(value, int | float) else None
+            data = data.sel({name: value}, method=method)
+        return data.isel({name: 0 for name in self.varied if name in data.dims})
+
+    def maep(self, design: str, tuning: str | None = None, **point: Any) -> float:
+        """Return the mean annual energy production of a design by its capture width matrix [Wh], IEC TS 62600-100.
+
+        It differs from `annual_energy`, which sums the seas one by one, by what bins lose.
+        """
+        one = self.at(**point).sel(design=design, tuning=tuning or self.tunings[0])
+        return annual_energy(one.capture_width_matrix, one.flux_matrix, one.occurrence)
+
+    def __repr__(self) -> str:
+        """Say what was varied and the answer."""
+        ds = self.data
+        sizes = ", ".join(f"{ds.sizes[name]} of {name}" for name in self.varied if name in ds.sizes)
+        lines = [
+            f"<vsb.Campaign {self.name!r} in {self.folder}>",
+            f"climate: {ds.attrs['climate']}; designs: {', '.join(self.designs)}; tunings: {', '.join(self.tunings)}",
+            f"varied: {sizes or 'nothing'}",
+            closing_answer(ds).strip(),
+        ]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """Return the same with the table, for notebooks."""
+        head = "<br>".join(repr(self).replace("<", "&lt;").replace(">", "&gt;").splitlines())
+        columns = [*self.table.columns[: list(self.table.columns).index("tuning") + 1]]
+        columns += ["annual_mean_power", "annual_energy", "capture_width", "gain_percent"]
+        shown = self.table[[name for name in columns if name in self.table]]
+        return f"<p>{head}</p>{shown.to_html(index=False, float_format=lambda x: f'{x:.5g}')}"

@@ -1,0 +1,34 @@
+"""Open what a run left in a folder."""
+
+import json
+from pathlib import Path
+
+from vsb.api.campaign import Campaign
+from vsb.api.results import Results
+from vsb.errors import DatabaseError
+from vsb.study.body import is_body, located
+from vsb.study.study import parse
+
+
+def open(path: str | Path) -> Results | Campaign:
+    """Open the results of a study or of a campaign.
+
+    Parameters
+    ----------
+    path : str or Path
+        Its folder, such as `results/buoy` or `results/year`.
+
+    Raises
+    ------
+    DatabaseError
+        If the folder holds no results.
+    """
+    folder = Path(path)
+    if (folder / "campaign.nc").is_file():
+        return Campaign(str(folder))
+    text = folder / "study.json"
+    if not text.is_file():
+        raise DatabaseError(f"{folder}: holds no results; needs the folder of a study or campaign, as results/buoy")
+    raw = json.loads(text.read_text(encoding="utf-8"))
+    study = located(raw, str(text)).study if is_body(raw) else parse(raw, source=str(text))
+    return Results(study, str(folder.parent))

@@ -1,0 +1,288 @@
+"""Figures of opened results for notebooks and papers: matplotlib axes in, axes out; a design keeps its colour."""
+
+from typing import Any, Protocol
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.animation import FuncAnimation
+from matplotlib.axes import Axes
+
+from vsb.report.canvas import style
+from vsb.results.bins import HEIGHT, PERIOD
+from vsb.study.study import BaseStudy
+
+FRAMES_PER_PERIOD = 24
+PERIODS_SHOWN = 4
+SEEN = 1.7
+"""Half the width of the water in an animation, in half widths of the meridian."""
+
+
+class StudyResults(Protocol):
+    """What figures of a study are drawn from: `vsb.Results`."""
+
+    @property
+    def study(self) -> BaseStudy:
+        """The study."""
+
+    @property
+    def response(self) -> xr.Dataset:
+        """Frequency response."""
+
+    @property
+    def database(self) -> xr.Dataset:
+        """Hydro database."""
+
+    @property
+    def modes(self) -> xr.Dataset:
+        """Shapes of the shell modes."""
+
+    def trajectory(self, design: str, wave: str | None = None) -> xr.Dataset:
+        """Time series of a design in a sea."""
+
+    def period(self, wave: str | None = None) -> float:
+        """Period of a sea."""
+
+
+class CampaignResults(Protocol):
+    """What figures of a campaign are drawn from: `vsb.Campaign`."""
+
+    @property
+    def tunings(self) -> list[str]:
+        """Tunings of the take-off."""
+
+    def at(self, **point: Any) -> xr.Dataset:
+        """Results at one point of what is varied."""
+
+
+class StudyPlots:
+    """Figures of a study's results.
+
+    Parameters
+    ----------
+    results : StudyResults
+    """
+
+    def __init__(self, results: StudyResults) -> None:
+        self._results = results
+
+    def rao(self, dof: str = "Heave", ax: Axes | None = None) -> Axes:
+        """Draw the modulus of the response amplitude operator of a degree of freedom over frequency.
+
+        Its take-off is the given damper, or where none is given the optimal damping at each frequency.
+        """
+        rao = self._results.response.rao.sel(dof=dof)
+        return self._curves(abs(rao), f"|RAO| of {dof} [m/m]", ax)
+
+    def rao_phase(self, dof: str = "Heave", ax: Axes | None = None) -> Axes:
+        """Draw the phase of the response amplitude operator, by which the motion lags the wave crest at the axis."""
+        rao = self._results.response.rao.sel(dof=dof)
+        degrees = xr.apply_ufunc(np.degrees, xr.apply_ufunc(np.angle, rao))
+        return self._curves(degrees.where(abs(rao) > 0), f"phase of {dof} [degrees]", ax)
+
+    def excitation(self, dof: str = "Heave", direction: float = 0.0, ax: Axes | None = None) -> Axes:
+        """Draw modulus (solid) and phase (dashed, right axis) of the wave excitation of a degree of freedom.
+
+        Parameters
+        ----------
+        dof : str
+        direction : float [degrees]
+            The nearest direction of the hydro database is drawn.
+        ax : Axes, optional
+        """
+        axes = _axes(ax)
+        force = self._results.database.excitation_force.sel(influenced_dof=dof)
+        force = force.sel(wave_direction=np.deg2rad(direction), method="nearest")
+        axes.plot(force.omega, abs(force) / 1e3, color="black")
+        axes.set(xlabel="wave frequency [rad/s]", ylabel=f"|excitation| of {dof} [kN/m]")
+        phase = axes.twinx()
+        phase.plot(force.omega, np.degrees(np.angle(force)), color="black", linestyle="--")
+        phase.set_ylabel("phase [degrees]")
+        return axes
+
+    def power(self, at: str = "best", ax: Axes | None = None) -> Axes:
+        """Draw absorbed power over frequency.
+
+        Parameters
+        ----------
+        at : {'best', 'given'}
+            Optimal damping at each frequency, or the take-off of the study.
+        ax : Axes, optional
+        """
+        response = self._results.response
+        axes = self._curves(
+            (response.best_power if at == "best" else response.absorbed_power) / 1e3,
+            "absorbed power per amplitude² [kW/m²]",
+            ax,
+        )
+        limit = response.power_limit / 1e3
+        top = axes.get_ylim()[1]
+        axes.plot(limit.omega, limit, color="0.6", linewidth=3, alpha=0.6, label="limit", zorder=0)
+        axes.set_ylim(0, top)
+        axes.legend(frameon=False)
+        return axes
+
+    def motion(self, dof: str = "Heave", wave: str | None = None, ax: Axes | None = None) -> Axes:
+        """Draw the displacement of a degree of freedom in time, all designs that have it, in the study's window."""
+        axes, results = _axes(ax), self._results
+        start, end = results.study.simulation.window
+        for design in results.study.designs:
+            run = results.trajectory(design, wave)
+            if dof in run.dof.values:
+                run = run.sel(time=slice(start, end))
+                axes.plot(run.time, run.position.sel(dof=dof), **style(design, list(results.study.designs)))
+        axes.set(xlabel="time [s]", ylabel=f"{dof} [m, of rotations rad]")
+        axes.legend(frameon=False)
+        return axes
+
+    def animate(self, design: str, wave: str | None = None, magnify: float = 1.0) -> FuncAnimation:
+        """Return an animation of a buoy's meridian and the water at its axis, the last periods of the window.
+
+        Show it in a notebook with `IPython.display.HTML(animation.to_jshtml())`, or write it with `animation.save`.
+
+        Parameters
+        ----------
+        design, wave : str
+        magnify : float
+            Factor on the deformation of the shell, not on heave and waves.
+        """
+        results = self._results
+        modes, run = results.modes, results.trajectory(design, wave)
+        end = results.study.simulation.window[1]
+        first = results.study.simulation.window[0]
+        period = results.period(wave)
+        time = np.arange(max(first, end - PERIODS_SHOWN * period), end, period / FRAMES_PER_PERIOD)
+        at = run.interp(time=time)
+        radial, meridional = _deformed(modes, at.position, magnify)
+        theta = modes.colatitude.values
+        x = radial * np.sin(theta) + meridional * np.cos(theta)
+        z = modes.attrs["centre_height"] + radial * np.cos(theta) - meridional * np.sin(theta)
+        z = z + at.position.sel(dof="Heave").values[:, None]
+        figure, axes = plt.subplots()
+        width = SEEN * float(np.abs(x).max())
+        (hull,) = axes.plot([], [], **style(design, list(results.study.designs)))
+        (water,) = axes.plot([], [], color="#0072B2", linewidth=1)
+        axes.set(xlim=(-width, width), ylim=(-width, width), aspect="equal", xlabel="x [m]", ylabel="z [m]")
+
+        def draw(frame: int) -> tuple[Any, ...]:
+            hull.set_data([*x[frame], *-x[frame][::-1]], [*z[frame], *z[frame][::-1]])
+            water.set_data([-width, width], [float(at.elevation[frame])] * 2)
+            axes.set_title(f"{design}, t = {time[frame]:.2f} s")
+            return hull, water
+
+        return FuncAnimation(figure, draw, frames=len(time), interval=1e3 * period / FRAMES_PER_PERIOD)
+
+    def _curves(self, values: xr.DataArray, label: str, ax: Axes | None) -> Axes:
+        """Values of all designs over frequency."""
+        axes = _axes(ax)
+        designs = [str(name) for name in values.design.values]
+        for design in designs:
+            axes.plot(values.omega, values.sel(design=design), **style(design, designs))
+        axes.set(xlabel="wave frequency [rad/s]", ylabel=label)
+        axes.legend(frameon=False)
+        return axes
+
+
+class CampaignPlots:
+    """Figures of a campaign's results.
+
+    Parameters
+    ----------
+    campaign : CampaignResults
+    """
+
+    def __init__(self, campaign: CampaignResults) -> None:
+        self._campaign = campaign
+
+    def power_matrix(
+        self,
+        design: str,
+        tuning: str | None = None,
+        quantity: str = "power_matrix",
+        ax: Axes | None = None,
+        **point: Any,
+    ) -> Axes:
+        """Draw a matrix over Hs and Te with its numbers in the cells.
+
+        Parameters
+        ----------
+        design : str
+        tuning : str, optional
+            By default the first of the campaign.
+        quantity : str
+            `power_matrix` [kW in the figure], `capture_width_matrix` [m], `damping`.
+        ax : Axes, optional
+        **point
+            Values of what is varied, as `scale=4.0`; by default the first.
+        """
+        data = self._campaign.at(**point).sel(design=design, tuning=tuning or self._campaign.tunings[0])
+        values = data[quantity].where(data["count"] > 0)
+        factor, unit = (1e-3, "kW") if values.attrs.get("units") == "W" else (1.0, values.attrs.get("units", ""))
+        axes = _matrix(values * factor, f"{values.attrs.get('long_name', quantity)} [{unit}]", ax)
+        axes.set_title(design)
+        return axes
+
+    def scatter(self, ax: Axes | None = None) -> Axes:
+        """Draw how often seas of each Hs and Te occur in the year, in per cent, numbers in the cells."""
+        data = self._campaign.at()
+        share = 100 * data.occurrence if "occurrence" in data else 100 * data["count"] / data["count"].sum()
+        return _matrix(share.where(data["count"] > 0), "occurrence [%]", ax)
+
+    def power(self, tuning: str | None = None, ax: Axes | None = None, **point: Any) -> Axes:
+        """Draw annual mean power of the designs as bars [kW]."""
+        axes = _axes(ax)
+        data = self._campaign.at(**point).sel(tuning=tuning or self._campaign.tunings[0])
+        designs = [str(name) for name in data.design.values]
+        colours = [style(design, designs)["color"] for design in designs]
+        axes.bar(designs, data.annual_mean_power / 1e3, color=colours)
+        axes.set_ylabel("annual mean power [kW]")
+        return axes
+
+
+def _axes(ax: Axes | None) -> Axes:
+    """The axes given, or new ones."""
+    if ax is not None:
+        return ax
+    _, axes = plt.subplots(layout="constrained")
+    axes.grid(alpha=0.3)
+    return axes
+
+
+def _matrix(values: xr.DataArray, label: str, ax: Axes | None) -> Axes:
+    """Values over bins of Hs and Te as coloured cells with numbers."""
+    axes = _axes(ax)
+    values = values.transpose("hs", "te").dropna("hs", how="all").dropna("te", how="all")
+    image = axes.pcolormesh(_edges(values.te, PERIOD), _edges(values.hs, HEIGHT), values, cmap="viridis")
+    largest = float(values.max())
+    for hs in values.hs.values:
+        for te in values.te.values:
+            value = float(values.sel(hs=hs, te=te))
+            if np.isfinite(value):
+                colour = "black" if value > 0.6 * largest else "white"
+                axes.text(te, hs, f"{value:.3g}", ha="center", va="center", fontsize=6, color=colour)
+    axes.grid(visible=False)
+    axes.set(xlabel="energy period Te [s]", ylabel="significant wave height Hs [m]")
+    axes.figure.colorbar(image, ax=axes, label=label)
+    return axes
+
+
+def _edges(centres: xr.DataArray, width: float) -> np.ndarray:
+    """Edges of bins from their first to their last centre, gaps between them included."""
+    low, high = float(centres[0]), float(centres[-1])
+    return np.arange(low - width / 2, high + width, width)[: round((high - low) / width) + 2]
+
+
+def _deformed(modes: xr.Dataset, position: xr.DataArray, magnify: float) -> tuple[np.ndarray, np.ndarray]:
+    """Radius and meridional displacement of the shell over time, each shape (time, colatitude) [m]."""
+    moved = [str(label) for label in modes.mode.values if label in position.dof.values]
+    rest = modes.static_amplitude
+    amplitude = magnify * position.sel(dof=moved).values
+    shapes = modes.sel(mode=moved)
+    radial = modes.attrs["radius"] + (rest @ modes.radial).values + amplitude @ shapes.radial.values
+    meridional = (rest @ modes.meridional).values + amplitude @ shapes.meridional.values
+    for total, name in ((radial, "rest_radial"), (meridional, "rest_meridional")):
+        if name in modes:
+            total += modes[name].values
+    return np.broadcast_to(radial, (len(position), len(modes.colatitude))), np.broadcast_to(
+        meridional, (len(position), len(modes.colatitude))
+    )

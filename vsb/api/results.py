@@ -1,0 +1,291 @@
+"""Run a study from Python, and the results of a study as tables and labelled arrays, each read when asked for."""
+
+import csv
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+import xarray as xr
+
+from vsb.api.plots import StudyPlots
+from vsb.errors import ConfigError
+from vsb.hydro.database import load_database
+from vsb.motion.constrained import ConstrainedOptimum, optimum_in_sea
+from vsb.motion.force_bound import Harmonics, Limits
+from vsb.motion.port import Port
+from vsb.report.tuned import closing_line
+from vsb.results.year import Tuning, frequencies, year
+from vsb.scenes.build import DesignInSea, design_in_sea
+from vsb.scenes.floating_system import AnyStudy, FloatingSystem, band, floating_system, study_sea, towards
+from vsb.stages import make
+from vsb.stages.planning import with_degree
+from vsb.study.body import LocatedBody
+from vsb.study.plan import ResultsPlan, plan_for
+from vsb.study.study import Pto, StillWater, Study, Wave
+from vsb.tools.files import load
+from vsb.tools.stamps import read_text
+from vsb.waves.climate import Climate
+
+UNITS = {
+    "displacement_pp": "m", "velocity_pp": "m/s", "power_peak": "W", "power_mean": "W", "energy": "J",
+    "capture_width": "m", "energy_gain_percent": "%", "power_gain_percent": "%", "energy_residual": "1",
+    "damping": "N s/m", "stiffness": "N/m", "limit_fraction": "1", "force_rms": "N", "force_peak": "N",
+    "stroke_peak": "m", "gap": "1",
+}  # fmt: skip
+"""Units of the columns of tables, for a take-off that acts on a displacement; `low` and `high` bound the gain [%]."""
+
+
+def run(study: Study | LocatedBody, folder: str | Path = "results") -> "Results":
+    """Run a whole study in this process: files and numbers are those of `vsb run`, finished ones are kept.
+
+    Parameters
+    ----------
+    study : Study or LocatedBody
+        See `vsb.load`, `vsb.load_body`.
+    folder : str or Path
+        Folder of all results; studies in it share their hydrodynamics.
+
+    Raises
+    ------
+    VsbError
+        If the study cannot be run, a check of its hydrodynamics fails, or another run is at work in the folder.
+    """
+    return Results(make.run(study, folder), str(folder))
+
+
+@dataclass(frozen=True, repr=False)
+class Results:
+    """Results of a study: read when asked for, and refused if they are not what the study asks for.
+
+    Raises
+    ------
+    DatabaseError
+        By everything here: if a file is missing, damaged, or of another study.
+    ConfigError
+        If the study has no such design or sea, or its model no such result.
+    """
+
+    study: AnyStudy
+    folder: str = "results"  # of all results
+
+    @cached_property
+    def plan(self) -> ResultsPlan:
+        """Names and content ids of all files."""
+        return with_degree(plan_for(self.study, self.folder))
+
+    # tables ----------------------------------------------------------------------------------------------------------
+
+    @property
+    def comparison(self) -> pd.DataFrame:
+        """A row per design and sea; units of the columns in `attrs["units"]`."""
+        return self._table("comparison")
+
+    @property
+    def statistics(self) -> pd.DataFrame:
+        """A row per design and irregular sea, over its realisations."""
+        return self._table("statistics")
+
+    @property
+    def gains(self) -> pd.DataFrame:
+        """The gain of each design in each sea at optimal damping and at the given one, with intervals [%]."""
+        return self._table("equal_tuning")
+
+    @property
+    def checks(self) -> pd.DataFrame:
+        """The validity ledger, worst first."""
+        return self._table("checks")
+
+    @property
+    def ladder(self) -> pd.DataFrame:
+        """A row per design, sea and control level; NaN where a level has no such value."""
+        path = self._with_bem("tuning ladder", f"{self.plan.folder}/ladder.csv")
+        rows = csv.DictReader(read_text(path, self.plan.manifest, self.plan.ids[path]).splitlines())
+        words = ("design", "wave", "rung")
+        return _frame([{k: v if k in words else float(v or "nan") for k, v in row.items()} for row in rows])
+
+    # arrays ----------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def response(self) -> xr.Dataset:
+        """Response amplitude operators, ports, powers and wet natural frequencies of all designs."""
+        path = self._with_bem("frequency response", *self.plan.response_files.values())
+        return load(path, expected=self.plan.response_id)
+
+    @cached_property
+    def database(self) -> xr.Dataset:
+        """The hydro database: added mass, radiation damping and excitation by frequency."""
+        path = self._with_bem("hydro database", *self.plan.hydro_files.values())
+        return load_database(path, Path(path).stem)
+
+    @cached_property
+    def modes(self) -> xr.Dataset:
+        """Shapes of the shell modes along a meridian, and the amplitudes at rest."""
+        path = next(iter(self.plan.modes_files.values()), None)
+        if path is None:
+            raise ConfigError("body: has no shell modes; needs a study of a buoy")
+        return load(path, expected=self.plan.shape_ids[path])
+
+    def trajectory(self, design: str, wave: str | None = None) -> xr.Dataset:
+        """Return the time series of a design in a sea, named by its label; by default in the first."""
+        found = self._wave(wave)
+        path = self.plan.trajectory_path(self._design(design), found.label)
+        return load(path, expected=self.plan.trajectory_id(design, found))
+
+    # models ----------------------------------------------------------------------------------------------------------
+
+    def scene(self, design: str, wave: str | None = None, pto: Pto | None = None) -> DesignInSea:
+        """Return the scene of a design in a sea, for `vsb.simulate` and `vsb.harmonic_balance`.
+
+        Parameters
+        ----------
+        design, wave : str
+        pto : Pto, optional
+            Another take-off than the one simulated: any law, limit or damping.
+        """
+        spec = self.plan.simulation(self._design(design), self._wave(wave))
+        if pto is not None:
+            spec = spec.model_copy(update={"pto": pto})
+        return design_in_sea(spec, dict(self.plan.hydro_files))
+
+    def optimum(
+        self, design: str, wave: str | None = None, force_limit: float = np.inf, stroke_limit: float = np.inf
+    ) -> ConstrainedOptimum:
+        """Return the best force within limits in a sea: power, bound of every force, force and stroke by harmonic.
+
+        Parameters
+        ----------
+        design, wave : str
+        force_limit, stroke_limit : float [N], [m]
+
+        Raises
+        ------
+        StabilityError
+            If no force within its limit keeps the stroke limit.
+        """
+        found = self._wave(wave)
+        low, high = band(self.study, self.database)
+        sea = study_sea(self.study, found, self.database)
+        harmonics = Harmonics.of_sea(sea.omega, float(max(low, self.database.omega[0])), high)
+        motions, linear = self._floating.motions[self._design(design)], self._floating.towards(found)
+        port = linear.extended_port(harmonics.port_omega, motions, self._floating.port)
+        return optimum_in_sea(port, sea, harmonics, Limits(force_limit, stroke_limit))
+
+    def year(self, climate: Climate, tunings: Sequence[Tuning] = ("one", "each"), direction: float = 0.0) -> xr.Dataset:
+        """Return power, energy, dampers and matrices of all designs over a year, by linear theory.
+
+        Parameters
+        ----------
+        climate : Climate
+            See `vsb.read_seas`.
+        tunings : sequence of {'fixed', 'one', 'each'}
+            The damper as given, one optimal damper for the year, the optimal one in each sea.
+        direction : float [degrees]
+            All seas come from.
+        """
+        omega = frequencies(climate, float(self.database.omega[0]), band(self.study, self.database)[1])
+        ports = {design: self.port(design, omega, direction) for design in self.study.designs}
+        given = {design: damping for design in ports if (damping := self.study.pto.damper(design)) is not None}
+        return year(ports, climate, self.study.water, tunings, given, self.study.reference_design).dataset()
+
+    def period(self, wave: str | None = None) -> float:
+        """Return the period of a sea [s]: of an irregular one the peak period, of still water the record."""
+        found = self._wave(wave)
+        return self.study.simulation.duration if isinstance(found, StillWater) else 2 * np.pi / found.omega
+
+    def port(self, design: str, omega: npt.ArrayLike | None = None, direction: float = 0.0) -> Port:
+        """Return impedance and free velocity at the take-off of a design.
+
+        Parameters
+        ----------
+        design : str
+        omega : array_like, shape (omega,) [rad/s], optional
+            By default the frequencies of the database.
+        direction : float [degrees]
+            Of the waves.
+        """
+        motions, linear = self._floating.motions[self._design(design)], towards(self._floating.linear, direction)
+        at = linear.database.omega.values if omega is None else np.asarray(omega, dtype=float)
+        return linear.port(at, motions, self._floating.port)
+
+    # pages -----------------------------------------------------------------------------------------------------------
+
+    @property
+    def report(self) -> Path:
+        """Path of the report, to be opened in a browser."""
+        return Path(self.plan.folder, "report.html")
+
+    @property
+    def plot(self) -> StudyPlots:
+        """Figures: each method draws on matplotlib axes, given or new, and returns them."""
+        return StudyPlots(self)
+
+    def __repr__(self) -> str:
+        """Say what was compared, the answer, and what the ledger says."""
+        found = self._tables
+        answer = closing_line(found["equal_tuning"], self.study.reference_design, found["invalid"]).strip()
+        verdicts = pd.Series([check["verdict"] for check in found["checks"]]).value_counts()
+        seas = ", ".join(wave.label for wave in self.study.waves)
+        lines = [
+            f"<vsb.Results of study {self.study.study!r} in {self.plan.folder}>",
+            f"designs: {', '.join(self.study.designs)}; seas: {seas}",
+            answer or "no gain to state",
+            f"ledger: {', '.join(f'{count} {verdict}' for verdict, count in verdicts.items())}",
+        ]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """Return the same with the comparison as a table, for notebooks."""
+        head = "<br>".join(repr(self).replace("<", "&lt;").replace(">", "&gt;").splitlines())
+        return f"<p>{head}</p>{self.comparison.to_html(index=False, float_format=lambda x: f'{x:.5g}')}"
+
+    @cached_property
+    def _tables(self) -> dict[str, list[dict[str, Any]]]:
+        """Tables as rows."""
+        found: dict[str, list[dict[str, Any]]] = json.loads(
+            read_text(f"{self.plan.folder}/tables.json", self.plan.manifest, self.plan.study_id)
+        )
+        return found
+
+    def _table(self, name: str) -> pd.DataFrame:
+        """One of the tables."""
+        return _frame(self._tables[name])
+
+    @cached_property
+    def _floating(self) -> FloatingSystem:
+        """What floats."""
+        return floating_system(self.study, self._with_bem("port", *self.plan.hydro_files.values()))
+
+    def _with_bem(self, what: str, *paths: str) -> str:
+        """The first of the files that only a model with BEM has."""
+        if not self.study.needs_bem:
+            raise ConfigError(f"hydro.model: received {self.study.hydro.model!r}, which has no {what}; needs linear")
+        return paths[0]
+
+    def _design(self, name: str) -> str:
+        """A design there is."""
+        return _known("design", name, self.study.designs)
+
+    def _wave(self, label: str | None) -> Wave:
+        """A sea there is."""
+        waves = {wave.label: wave for wave in self.study.waves}
+        return waves[_known("wave", label or next(iter(waves)), waves)]
+
+
+def _frame(rows: list[dict[str, Any]]) -> pd.DataFrame:
+    """Rows as a table with units."""
+    found = pd.DataFrame(rows)
+    found.attrs["units"] = {name: UNITS[name] for name in found.columns if name in UNITS}
+    return found
+
+
+def _known(what: str, name: str, names: Iterable[str]) -> str:
+    """Check a name."""
+    if name not in (known := list(names)):
+        raise ConfigError(f"{what}: received {name!r}, needs one of {', '.join(known)}")
+    return name
