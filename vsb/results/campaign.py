@@ -35,7 +35,7 @@ def stacked(members: Sequence[xr.Dataset], ids: Sequence[str]) -> xr.Dataset:
         name: ((MEMBER, *first.variables[name].dims), np.stack([one.variables[name].values for one in members]))
         for name in names
     }
-    same = {name: first[name] for name in SAME_FOR_ALL}
+    same = {name: first[name] for name in SAME_FOR_ALL if name in first}
     return xr.Dataset({**values, **same}, coords={**first.coords, MEMBER: list(ids)})
 
 
