@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 from vsb.report.body_figures import degrees_of_freedom, port_motion
+from vsb.tools.ports import FORCE, MOMENT
 
 
 @pytest.fixture
@@ -21,15 +22,15 @@ def data():
             coords={"time": time, "dof": labels},
         )
     return SimpleNamespace(
-        designs=("rigid", "flexible"), runs=runs, window=(2.0, 9.0), periods={"swell": 6.3}, port="heave"
+        designs=("rigid", "flexible"), runs=runs, window=(2.0, 9.0), periods={"swell": 6.3}, port=FORCE
     )
 
 
 @pytest.mark.parametrize(
     ("port", "labels"),
     [
-        ({"dofs": {"Heave": 1.0}}, ["port's displacement [m]", "port's velocity [m/s]"]),
-        ({"dofs": {"aft__Pitch": 1.0}}, ["port's rotation [rad]", "port's velocity [rad/s]"]),
+        (FORCE, ["port's displacement [m]", "port's velocity [m/s]"]),
+        (MOMENT, ["port's rotation [rad]", "port's angular velocity [rad/s]"]),
     ],
 )
 def test_port_that_rotates_is_drawn_in_radians(data, port, labels):

@@ -103,7 +103,7 @@ def test_curve_over_damping_peaks_at_the_marked_optimum():
     np.testing.assert_allclose(curve.get_xdata(), DAMPERS)
     assert curve.get_xdata()[np.argmax(curve.get_ydata())] == pytest.approx(best.get_xdata()[0])
     assert best.get_ydata()[0] == 10.0
-    assert (ax.get_xscale(), ax.get_xlabel()) == ("log", "damper [N s/m]")
+    assert (ax.get_xscale(), ax.get_xlabel()) == ("log", "damping [N s/m]")
 
 
 def test_power_over_force_ends_at_the_optimal_damping():

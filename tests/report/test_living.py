@@ -26,6 +26,7 @@ from vsb.report.living import (
 from vsb.results.force_steps import ForceSteps
 from vsb.results.year import frequencies, year
 from vsb.study.study import Jonswap, PiersonMoskowitz, Water
+from vsb.tools.ports import FORCE
 from vsb.waves.seas import components, jonswap_spectrum
 
 TEMPLATES = Path(html.__file__).parent / "templates"
@@ -190,7 +191,7 @@ def page(data):
     head = ["design", "power"]
     body = [["B", "20"], ["A", "100"], ["C", "-3"]]
     return html.page(
-        "report.html.j2", living=as_script(data), kind="study", facts={}, head=head, body=body, details_head=head, details=body,
+        "report.html.j2", living=as_script(data), kind="study", port=FORCE, facts={}, head=head, body=body, details_head=head, details=body,
         below=(), parts_head=(), parts=(), more_failed=0, doubts=0, thing="buoy", flexible=True, buoys=None, still="", **values,
     )  # fmt: skip
 
@@ -237,7 +238,7 @@ def test_reader_drags_the_damper_and_the_table_follows(page, tmp_path):
     gain = 100 * (expected[1] / expected[0] - 1)
     assert float(found["sea"][1][4].replace("\N{MINUS SIGN}", "-")) == pytest.approx(gain, abs=0.051)
     assert found["within"], "a stored optimum is of the sea as it was"
-    assert found["tip"].startswith("damper [N s/m]: ")
+    assert found["tip"].startswith("damping [N s/m]: ")
     assert "FSB: " in found["tip"]
     assert found["sorted"] == ["-3", "20", "100"]
 

@@ -20,6 +20,7 @@ from vsb.report.page import (
     Report,
     band_statements,
     irregular_statements,
+    measures,
     published_table,
     render,
     sea_statements,
@@ -27,7 +28,8 @@ from vsb.report.page import (
     table,
     winning_bands,
 )
-from vsb.report.tuned import TUNING, tuning_table
+from vsb.report.tuned import tuning_head, tuning_table
+from vsb.tools.ports import FORCE
 
 OMEGA = np.linspace(0.5, 4.0, 351)
 
@@ -279,7 +281,7 @@ def test_tables_can_be_downloaded_as_they_stand():
         for name, data in re.findall(r'download="(\w+)\.csv" href="data:text/csv;charset=utf-8,([^"]*)"', page)
     }
     tables = {
-        "equal_tuning": (TUNING, tuning_table(SWELL)), "given_damper": table(rows), "energy": table(rows, DETAILS),
+        "equal_tuning": (tuning_head("N s/m"), tuning_table(SWELL)), "given_damper": table(rows, measures(FORCE, "buoy", "linear")), "energy": table(rows, DETAILS),
         "irregular_seas": (STATISTICS, statistics_table(given.statistics)),
         "published": (PUBLISHED_HEAD, published_table(study, rows)),
     }  # fmt: skip

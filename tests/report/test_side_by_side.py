@@ -87,7 +87,7 @@ def test_csv_keeps_all_digits():
 
 def test_table_as_text():
     assert as_text([RIGID, SHELL._replace(power_mean=1234.0, damping=None)]).splitlines() == [
-        "study  design  sea    tuning  power [W]  gain [%]  damper [N s/m]  width [m]",
-        "soft   FSB     wave1  each          100      +0.0            8000        1.5",
-        "soft   VSWEC   wave1  each         1234     -10.0               -       1.35",
+        "study  design  sea    tuning  power [W]  gain [%]  damping [N s/m]  width [m]",
+        "soft   FSB     wave1  each          100      +0.0             8000        1.5",
+        "soft   VSWEC   wave1  each         1234     -10.0                -       1.35",
     ]

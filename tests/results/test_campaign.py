@@ -12,7 +12,7 @@ from vsb.results.campaign import as_csv, damper, gathered, stacked
 from vsb.study.campaign import CONSTRAINED
 from vsb.study.campaign_plan import members
 from vsb.study.vary import MEMBER
-from vsb.tools.units import described
+from vsb.tools.variables import described
 
 
 @pytest.fixture

@@ -10,10 +10,10 @@ from examples.barge import box
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, at_centres
 from vsb.hydro.formats.capytaine import read_capytaine
+from vsb.hydro.variables import PAIR
 from vsb.scenes.body import check_water, chosen, complete_body, dry_database, with_entries, within_band
 from vsb.study.body import Body, BodyFile
 from vsb.study.sections import Water
-from vsb.tools.units import PAIR
 
 BODY = Body(database="sha256:0")
 

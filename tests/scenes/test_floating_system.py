@@ -10,6 +10,7 @@ from hydro.formats.test_capytaine import LABELS
 from motion.test_bodies import floating_body
 
 from vsb.errors import ConfigError
+from vsb.hydro.variables import PAIR
 from vsb.motion.port import LinearPto
 from vsb.motion.tuning import best_dampers, mean_power
 from vsb.scenes.floating_system import (
@@ -30,7 +31,6 @@ from vsb.study.body import BodyDesign, BodyStudy
 from vsb.study.reading import validated
 from vsb.study.waves import RegularWave, StillWater
 from vsb.tools import files
-from vsb.tools.units import PAIR
 from vsb.waves.seas import NO_WAVES, regular
 
 RIGID = ["Surge", "Heave", "Pitch", "Mode7"]

@@ -100,4 +100,4 @@ def test_units_of_a_volume_take_off(tmp_path, port):
     gather(one)
     found = load(one.data_path, expected=one.campaign_id)
     assert {name: found[name].attrs["units"] for name in UNITS} == {n: u[port == "volume"] for n, u in UNITS.items()}
-    assert found.attrs.get("port") == ("volume" if port == "volume" else None)
+    assert found.attrs["port_kind"] == ("pressure" if port == "volume" else "force")

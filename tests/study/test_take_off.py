@@ -6,7 +6,7 @@ from conftest import SEED, varied
 from vsb.errors import ConfigError
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load, parse
-from vsb.study.take_off import Pto, damper_unit
+from vsb.study.take_off import Pto, port_kind
 
 
 @pytest.fixture(scope="module")
@@ -133,13 +133,13 @@ def test_damping_of_a_run(seed):
 
 @pytest.mark.parametrize(
     ("port", "unit"),
-    [("heave", "N s/m"), ("surge", "N s/m"), ("pitch", "N m s"), ("volume", "Pa s/m³"), ({"colatitude": 90.0}, "N s/m"),
+    [("heave", "N s/m"), ("surge", "N s/m"), ("pitch", "N m s"), ("volume", "Pa s/m^3"), ({"colatitude": 90.0}, "N s/m"),
      ({"dofs": {"Pitch": 1.0}}, "N m s"), ({"dofs": {"float__Roll": 1.0, "spar__Pitch": -1.0}}, "N m s"),
      ({"dofs": {"float__Pitch": 1.0, "float__Heave": 2.0}}, "N s/m")],
     ids=str,
 )  # fmt: skip
 def test_unit_of_damping_follows_the_port(port, unit):
-    assert damper_unit(port) == damper_unit(Pto(port=port).port) == unit
+    assert port_kind(port).damping_unit == port_kind(Pto(port=port).port).damping_unit == unit
 
 
 def test_zero_damping_is_a_given_damping():

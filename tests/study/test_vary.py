@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from vsb.study.keys import KEYS
 from vsb.study.study import canonical
 from vsb.study.vary import _VARIED_IN, Vary, read_vary, unit
+from vsb.tools.ports import MOMENT, PRESSURE
 
 TAKEN = ("damping", "hs")
 
@@ -113,7 +114,7 @@ def test_errors_of_varied_keys(raw, message):
      ("device.radius", "m", "m", "m"), ("pto.efficiency", "1", "1", "1")]
 )  # fmt: skip
 def test_units_of_the_take_off_follow_the_port(key, force, pressure, moment):
-    assert (unit(key), unit(key, "volume"), unit(key, "pitch")) == (force, pressure, moment)
+    assert (unit(key), unit(key, PRESSURE), unit(key, MOMENT)) == (force, pressure, moment)
 
 
 def test_unit_of_a_key_follows_from_its_last_word():

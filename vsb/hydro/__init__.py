@@ -1,1 +1,3 @@
 """Hydro."""
+
+from vsb.hydro import variables as variables

@@ -11,11 +11,11 @@ import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.hydro.dofs import Displacement, displacements
+from vsb.hydro.variables import PAIR
 from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load, locked, save, write_text
-from vsb.tools.units import PAIR
 
 Verdict = Literal["ok", "doubt", "fail", "accepted"]
 SWEEP = "sweep"

@@ -14,9 +14,9 @@ from vsb.errors import DatabaseError
 from vsb.hydro.database import transformed
 from vsb.hydro.dofs import Displacement, displacements
 from vsb.hydro.quality import haskind_damping
+from vsb.hydro.variables import PAIR
 from vsb.shell.orders import OrderBasis, semi_normalisation
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
-from vsb.tools.units import PAIR
 
 ORDER = "azimuthal_order"
 """Variable of a database that says of which order m each degree of freedom is; without it all are of order 0.

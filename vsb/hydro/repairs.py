@@ -17,9 +17,9 @@ from vsb.errors import ConfigError
 from vsb.hydro.database import Check
 from vsb.hydro.formats.foreign import sizes
 from vsb.hydro.retardation import DampingSpectrum
+from vsb.hydro.variables import PAIR
 from vsb.study.quantities import is_rigid
 from vsb.tools.arrays import FloatArray
-from vsb.tools.units import PAIR
 
 LARGEST_CHANGE = {"positive_damping": 0.2, "kramers_kronig": 0.1}
 """Of damping, in terms of both motions' largest, and of added mass, in terms of both motions' own: more is no noise."""

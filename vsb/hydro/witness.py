@@ -24,10 +24,10 @@ from vsb.hydro.database import Check, displacements_of, in_modes, with_excitatio
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.shapes.family import ShapeFamily
 from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.variables import PAIR
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.tools.units import PAIR
 
 DEFORMATION = 0.05
 """Modal amplitude of the deformed shapes, in radii; halved until each crosses the water once, clear of the bottom."""

@@ -1,1 +1,3 @@
 """Motion."""
+
+from vsb.motion import variables as variables

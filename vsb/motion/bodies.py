@@ -20,6 +20,7 @@ from vsb.hydro.formats.modes import DRY, Structure, structure
 from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_lowest, sizes
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
+from vsb.hydro.variables import PAIR
 from vsb.motion.builders import take_off
 from vsb.motion.forces import Damper, Excitation, Force, RadiationMemory, Spring
 from vsb.motion.frequency import LinearMotion
@@ -27,7 +28,6 @@ from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.study.quantities import motion_of
 from vsb.tools.arrays import FloatArray
-from vsb.tools.units import PAIR
 from vsb.waves.seas import Sea
 
 _SAME_DIRECTION = 1e-6  # [rad]

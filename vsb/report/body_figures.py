@@ -4,13 +4,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vsb.report.canvas import StudyData, folded, grid_of_axes, legend_above, panels, style
-from vsb.study.take_off import at_port
+from vsb.tools.words import superscripts
 
 
 def port_motion(data: StudyData, wave: str) -> Figure:
     """Draw displacement and velocity of the take-off's port."""
-    moved = (at_port("port's displacement [m]", data.port), lambda run: run.stroke)
-    moves = (at_port("port's velocity [m/s]", data.port), lambda run: run.stroke_rate)
+    kind = data.port
+    moved = (f"port's {kind.motion} [{superscripts(kind.motion_unit)}]", lambda run: run.stroke)
+    moves = (f"port's {kind.rate} [{superscripts(kind.rate_unit)}]", lambda run: run.stroke_rate)
     return panels(data, wave, [moved, moves])
 
 

@@ -15,8 +15,8 @@ from vsb.report.canvas import grid_of_axes, legend_above, note, plain_numbers, s
 from vsb.results.bins import HEIGHT, PERIOD
 from vsb.results.campaign import damper
 from vsb.study.campaign import CONSTRAINED
-from vsb.study.take_off import at_port
-from vsb.tools.words import quantity
+from vsb.tools.ports import kind_of
+from vsb.tools.words import quantity, superscripts
 
 GAIN = "RdBu"
 """Colours of gains: blue more than the rigid design, red less."""
@@ -88,7 +88,9 @@ def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
                 )
         if "each" in ds.tuning.values:
             ax.axhline(float(at.annual_mean_power.sel(tuning="each")) / 1e3, color=line["color"], linewidth=0.8, ls=":")
-    ax.set(xscale="log", xlabel=at_port("damper [N s/m]", ds.attrs.get("port")), ylabel="mean power of the year [kW]")
+    ax.set(
+        xscale="log", xlabel=f"damping [{superscripts(kind_of(ds).damping_unit)}]", ylabel="mean power of the year [kW]"
+    )
     ax.set_ylim(bottom=0)
     legend_above(figure, ax)
     return figure
@@ -113,8 +115,8 @@ def pareto(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
             finite = within.annual_mean_power.notnull()
             force, power = within.force_rms[finite] / 1e3, within.annual_mean_power[finite] / 1e3
             ax.plot(force, power, "-s", color=line["color"], markerfacecolor="white", markersize=5, linewidth=0.8)
-    wide = CONSTRAINED in ds.tuning.values
-    ax.set(xlabel=at_port("rms force of the take-off [kN]", ds.attrs.get("port")), ylabel="mean power of the year [kW]")
+    wide, kind = CONSTRAINED in ds.tuning.values, kind_of(ds)
+    ax.set(xlabel=f"rms {kind.load} of the take-off [k{kind.load_unit}]", ylabel="mean power of the year [kW]")
     ax.set(xscale="log", yscale="log") if wide else ax.set(xlim=(0, None), ylim=(0, None))
     for axis in (ax.xaxis, ax.yaxis) if wide else ():
         plain_numbers(axis)

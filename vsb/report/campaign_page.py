@@ -29,7 +29,7 @@ from vsb.report.campaign_figures import is_mapped
 from vsb.report.html import captioned, page
 from vsb.report.living import as_script
 from vsb.study.campaign import CONSTRAINED
-from vsb.study.take_off import at_port
+from vsb.tools.ports import kind_of
 from vsb.tools.words import plain
 from vsb.waves.climate import PARTIAL
 
@@ -42,23 +42,13 @@ CAPTIONS = {
     "by more than a tenth of its radius).",
     "tuned_power": "Mean power of the year over one damper for all seas{at}; full: the best one, open: the given one, "
     "dotted: the best damper in each sea.",
-    "pareto": "Mean power of the year against the root mean square of the take-off's force{at}, over the damper up to "
+    "pareto": "Mean power of the year against the root mean square of the take-off's {load}{at}, over the damper up to "
     "the best one, without limits.{within}",
     "sweep": "Gain of annual energy over the rigid design, {tuned}{marks}.",
 }
 MAPPED = (
     ". Black: the line on which the shell buckles under its static load; hatched: the interval of the gain includes "
     "zero; grey: not viable"
-)
-HEAD = (
-    "point",
-    "design",
-    "tuning",
-    "energy [MWh/year]",
-    "capture width [m]",
-    "gain [%]",
-    "rms force [kN]",
-    "margin [-]",
 )
 MOST_ROWS = 24
 STILL = "Nothing is shown in motion here: no design is viable where the answer is told, or its take-off switches."
@@ -81,7 +71,7 @@ def render(report: CampaignReport) -> str:
     ds = report.data
     tuning, reference = leading(ds)
     said = whole_answer(ds, reference, tuning)
-    text = page(
+    return page(
         "campaign.html.j2",
         campaign=ds.attrs["campaign"],
         climate=ds.attrs["climate"],
@@ -94,7 +84,8 @@ def render(report: CampaignReport) -> str:
         living=as_script(report.living) if report.living else "",
         statements=statements(ds, reference, tuning),
         warnings=[*warnings(ds), *(f"Of the climate, {note}." for note in report.notes if PARTIAL in note)],
-        head=[*HEAD, *([f"gain by {MODELS[ds.attrs['verified_model']]} [%]"] if _has_runs(ds) else [])],
+        port=kind_of(ds),
+        head=[*head(ds), *([f"gain by {MODELS[ds.attrs['verified_model']]} [%]"] if _has_runs(ds) else [])],
         body=rows(ds),
         explained=f"Tunings: {'; '.join(f'{name}, {TUNED[name]}' for name in map(str, ds.tuning.values))}.",
         left_out=max(0, int(ds.annual_mean_power.size) - MOST_ROWS),
@@ -105,7 +96,6 @@ def render(report: CampaignReport) -> str:
             "Content id": ds.attrs["spec_id"],
         },
     )
-    return at_port(text, ds.attrs.get("port"))
 
 
 def captions(ds: xr.Dataset) -> dict[str, str]:
@@ -113,6 +103,7 @@ def captions(ds: xr.Dataset) -> dict[str, str]:
     tuning, reference = leading(ds)
     at = where(shown_member(ds, tuning, reference))
     words = {"tuned": TUNED[tuning], "at": f" at {at}" if at else ""}
+    words["load"] = kind_of(ds).load
     words["within"] = " Squares: the best force within each limit." if CONSTRAINED in ds.tuning.values else ""
     words["marks"] = MAPPED if is_mapped(ds) else "; shaded: its interval"
     if is_verified(ds, tuning):
@@ -213,6 +204,12 @@ def _warned_of_optima(ds: xr.Dataset) -> list[str]:
 def _shares(ds: xr.Dataset, limit: str, tuning: str) -> str:
     """Range of the shares of energy beyond a limit over designs and points."""
     return share_range(100 * ds.energy_beyond.sel(limit=limit, tuning=tuning))
+
+
+def head(ds: xr.Dataset) -> list[str]:
+    """Return the head of the table."""
+    known, kind = ["point", "design", "tuning", "energy [MWh/year]", "capture width [m]", "gain [%]"], kind_of(ds)
+    return [*known, f"rms {kind.load} [k{kind.load_unit}]", "margin [-]"]
 
 
 def rows(ds: xr.Dataset) -> list[list[str]]:

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from vsb.tools.arrays import FloatArray
+from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import plain
 
 WIDTH = 6.3
@@ -53,7 +54,7 @@ class StudyData:
     tuned: bool = False  # no damper is given
     limit: str = "limit λ/2π"  # what a capture width of a wavelength over 2 pi is called
     spectra: xr.DataArray = field(default_factory=xr.DataArray)  # of irregular seas (sea, omega) [m^2 s/rad]
-    port: Any = "heave"  # of the take-off, as `pto.port` says it
+    port: PortKind = FORCE
 
 
 def style(design: str, designs: Sequence[str]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import markupsafe
 from vsb.report.doubts import advice
 from vsb.study.plan import FIGURE_KINDS
 from vsb.tools.tables import csv_text
-from vsb.tools.words import short
+from vsb.tools.words import short, superscripts
 
 INLINE = 1_000_000
 """Most bytes of figures inside a page; further ones stand beside it."""
@@ -31,6 +31,7 @@ def page(template: str, **values: Any) -> str:
         "advice": advice,
         "filled": filled,
         "short": short,
+        "printed": superscripts,
         "kinds": FIGURE_KINDS,
         "scripts": SCRIPTS,
     }

@@ -19,6 +19,8 @@ from vsb.report.canvas import style
 from vsb.results.bins import bins_of
 from vsb.results.year import band_weights
 from vsb.tools.arrays import FloatArray
+from vsb.tools.ports import FORCE, PortKind
+from vsb.tools.words import superscripts
 from vsb.waves.climate import YEAR_HOURS, Climate
 
 if TYPE_CHECKING:
@@ -85,6 +87,7 @@ def study_data(
     reference: str | None,
     efficiency: float = 1.0,
     bound: str = "λ/2π",
+    kind: PortKind = FORCE,
 ) -> dict[str, Any]:
     """Return the data of a study's page.
 
@@ -103,10 +106,12 @@ def study_data(
         Of the take-off [-].
     bound : str
         The capture width of that limit.
+    kind : PortKind
     """
     designs = list(bands[0].ports)
     return {
         "kind": "study",
+        "port": _port_units(kind),
         "efficiency": efficiency,
         "designs": designs_data(designs, reference),
         "bands": [_grid_data(band) for band in bands],
@@ -142,7 +147,11 @@ def _grid_data(grid: Grid) -> dict[str, Any]:
 
 
 def year_data(
-    climate: Climate, points: Sequence[Mapping[str, Any]], designs: Sequence[str], reference: str | None
+    climate: Climate,
+    points: Sequence[Mapping[str, Any]],
+    designs: Sequence[str],
+    reference: str | None,
+    kind: PortKind = FORCE,
 ) -> dict[str, Any]:
     """Return the data of a campaign's page: mean spectra of the bins of a year, and ports of some of its points.
 
@@ -155,6 +164,7 @@ def year_data(
     designs : sequence of str
     reference : str or None
         The design gains are over.
+    kind : PortKind
 
     Notes
     -----
@@ -168,6 +178,7 @@ def year_data(
     row, column = np.unravel_index(bins.occupied, bins.shape)
     return {
         "kind": "year",
+        "port": _port_units(kind),
         "name": climate.name,
         "hours": YEAR_HOURS,
         "designs": designs_data(designs, reference),
@@ -177,6 +188,11 @@ def year_data(
         },
         "points": [_point_data(point, climate, designs) for point in points],
     }  # fmt: skip
+
+
+def _port_units(kind: PortKind) -> dict[str, str]:
+    """What scripts say of a port."""
+    return {"load": kind.load, "load_unit": kind.load_unit, "damping": superscripts(kind.damping_unit)}
 
 
 def _point_data(point: Mapping[str, Any], climate: Climate, designs: Sequence[str]) -> dict[str, Any]:

@@ -18,33 +18,21 @@ from vsb.report.tuned import (
     GIVEN,
     NO_BEST_DAMPER,
     PARTS,
-    TUNING,
     dampers_in_words,
     limited_statements,
     parts_table,
     shares_text,
     tuned_statements,
+    tuning_head,
     tuning_table,
 )
-from vsb.study.take_off import at_port
+from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
-from vsb.tools.words import multiple, plain, power, the_rigid
+from vsb.tools.ports import FORCE, PortKind
+from vsb.tools.words import multiple, plain, power, superscripts, the_rigid
 
-MEASURES = (
-    ("displacement_pp", "heave, peak to peak [m]", 1.0, ""),
-    ("velocity_pp", "velocity, peak to peak [m/s]", 1.0, ""),
-    ("power_peak", "peak power [W]", 1.0, ""),
-    ("power_mean", "mean power [W]", 1.0, ""),
-    ("capture_width", "capture width [m]", 1.0, ""),
-    ("damping", "damper [N s/m]", 1.0, ""),
-    ("power_gain_percent", "gain of mean power [%]", 1.0, "+.1f"),
-)
-BODY_MEASURES = (
-    ("displacement_pp", "port, peak to peak [m]", 1.0, ""),
-    ("velocity_pp", "port's velocity, peak to peak [m/s]", 1.0, ""),
-    *MEASURES[2:],
-)
-"""Of a body, whose take-off acts on a port of its own."""
+Measure = tuple[str, str, float, str]
+"""Column of the comparison, its head, factor to the unit shown, format."""
 DETAILS = (
     ("energy", "energy of the run [kJ]", 1e-3, ""),
     ("energy_gain_percent", "energy gain [%]", 1.0, "+.1f"),
@@ -167,6 +155,7 @@ def sea_statements(
     seas: dict[str, str],
     tuned: Sequence[dict[str, Any]] = (),
     where: str = GIVEN,
+    unit: str = FORCE.damping_unit,
 ) -> list[str]:
     """Return, for each sea, which design absorbs most in time, and how far the given damper is from its own best."""
     statements = []
@@ -185,7 +174,7 @@ def sea_statements(
         text += f"{plain(1e-3 * value)} kJ from the start" if still else f"{power(value)} on average"
         base = next((row for row in sea if row["design"] == reference), None)
         against = _against(sea, base, key) if base is not None else ""
-        statements.append(f"{text}{against}{shares_text(tuned, wave)}.")
+        statements.append(f"{text}{against}{shares_text(tuned, wave, unit)}.")
     return statements
 
 
@@ -195,6 +184,7 @@ def irregular_statements(
     seas: dict[str, str],
     tuned: Sequence[dict[str, Any]] = (),
     where: str = GIVEN,
+    unit: str = FORCE.damping_unit,
 ) -> list[str]:
     """Return, for each irregular sea, mean power in time and its gain with its interval."""
     statements = []
@@ -203,7 +193,7 @@ def irregular_statements(
         parts = [
             f"{line['design']} absorbs {power(float(line['power_mean']))}{_gain_text(line, reference)}" for line in sea
         ]
-        statements.append(f"{where}, in {seas[name]}, {', '.join(parts)}{shares_text(tuned, name)}.")
+        statements.append(f"{where}, in {seas[name]}, {', '.join(parts)}{shares_text(tuned, name, unit)}.")
     return statements
 
 
@@ -227,9 +217,27 @@ def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> s
     return f" (against {base['design']}: {', '.join(gains)})"
 
 
-def table(
-    rows: Sequence[dict[str, Any]], measures: Sequence[tuple[str, str, float, str]] = MEASURES
-) -> tuple[list[str], list[list[str]]]:
+def measures(kind: PortKind, thing: str, law: str) -> list[Measure]:
+    """Return the columns of the comparison table; of a body, motion is that of the port.
+
+    Coulomb friction has no damping: the one given is of the linear response alone.
+    """
+    motion = ("heave [m]", "heave velocity [m/s]")
+    if thing == "body":
+        motion = (f"port {kind.motion} [{kind.motion_unit}]", f"port {kind.rate} [{kind.rate_unit}]")
+    damping = ("damping", f"damping [{kind.damping_unit}]", 1.0, "")
+    return [
+        ("displacement_pp", superscripts(f"peak-to-peak {motion[0]}"), 1.0, ""),
+        ("velocity_pp", superscripts(f"peak-to-peak {motion[1]}"), 1.0, ""),
+        ("power_peak", "peak power [W]", 1.0, ""),
+        ("power_mean", "mean power [W]", 1.0, ""),
+        ("capture_width", "capture width [m]", 1.0, ""),
+        *([] if law == "coulomb" else [damping]),
+        ("power_gain_percent", "gain of mean power [%]", 1.0, "+.1f"),
+    ]
+
+
+def table(rows: Sequence[dict[str, Any]], measures: Sequence[Measure]) -> tuple[list[str], list[list[str]]]:
     """Return head and body of the comparison table as text; a quantity that does not exist is a dash."""
     body = []
     for row in rows:
@@ -309,22 +317,24 @@ def _answer(report: Report, in_seas: Sequence[str]) -> Answer:
 
 def render(report: Report) -> str:
     """Return the report as one HTML page with everything inside."""
-    head, body = table(report.rows, MEASURES if report.thing == "buoy" else BODY_MEASURES)
     pto = report.study["pto"]
+    kind, law = port_kind(pto.get("port")), pto.get("law", "linear")
+    unit = superscripts(kind.damping_unit)
+    head, body = table(report.rows, measures(kind, report.thing, law))
     details_head, details = table(report.rows, DETAILS)
     irregular, tuned, response = report.irregular, report.equal_tuning, report.response
     where, given = dampers_in_words(pto), pto.get("damping") is not None
+    at_damping = tuned if law in ("linear", "saturated") else ()  # else the power in time is not that of the damping
+    regular = [row for row in report.rows if row["wave"] not in irregular]
     in_seas = [
-        *sea_statements(
-            [row for row in report.rows if row["wave"] not in irregular], report.reference, report.seas, tuned, where
-        ),
-        *irregular_statements(report.statistics, report.reference, report.seas, tuned, where),
+        *sea_statements(regular, report.reference, report.seas, at_damping, where, unit),
+        *irregular_statements(report.statistics, report.reference, report.seas, at_damping, where, unit),
     ]
     failed, answer = warnings(report.checks), _answer(report, in_seas)
     limit = "" if response is None else str(response.attrs.get("limit", ""))
     compared = report.reference is not None and len({row["design"] for row in report.rows}) > 1
     told = captions(_neglected(report), given=given, body=report.thing == "body", limit=limit, compared=compared)
-    text = page(
+    return page(
         "report.html.j2",
         study=report.study["study"],
         thing=report.thing,
@@ -335,6 +345,7 @@ def render(report: Report) -> str:
         parts=parts_table(report.equal_tuning),
         sketches=report.sketches,
         kind="study",
+        port=kind,
         living=as_script(report.living) if report.living else "",
         buoys=in_motion(report.buoys),
         still="" if report.buoys else STILL,
@@ -347,7 +358,7 @@ def render(report: Report) -> str:
         best_bands=[] if response is None else band_statements(response.best_power, report.reference),
         bands=band_statements(response.absorbed_power, report.reference) if given and response is not None else [],
         dampers=where[0].lower() + where[1:],
-        tuning_head=TUNING,
+        tuning_head=tuning_head(unit),
         tuning=tuning_table(tuned),
         details_head=details_head,
         details=details,
@@ -366,4 +377,3 @@ def render(report: Report) -> str:
         passed=[check for check in report.checks if check["verdict"] == "ok"],
         facts=report.facts,
     )
-    return at_port(text, pto.get("port"))

@@ -10,8 +10,9 @@ from vsb.report.campaign_answer import TUNED
 from vsb.report.canvas import grid_of_axes, legend_above, style
 from vsb.report.html import page
 from vsb.report.svg import drawn
+from vsb.tools.ports import FORCE
 from vsb.tools.tables import csv_text
-from vsb.tools.words import plain
+from vsb.tools.words import plain, superscripts
 
 
 class Line(NamedTuple):
@@ -27,7 +28,7 @@ class Line(NamedTuple):
     damping: float | None  # in its unit
     capture_width: float | None  # [m]
     annual_energy: float | None  # [MWh]
-    damping_unit: str = "N s/m"  # of a take-off on the enclosed volume Pa s/m³
+    damping_unit: str = FORCE.damping_unit
 
 
 HEAD = (
@@ -68,7 +69,7 @@ def _table(lines: Sequence[Line]) -> list[list[str]]:
     cells = [list(HEAD), *([_cell(value, field) for field, value in line._asdict().items()] for line in lines)]
     if len(units := {line.damping_unit for line in lines}) == 1:
         cells = [row[:-1] for row in cells]
-        cells[0][HEAD.index("damper")] = f"damper [{units.pop()}]"
+        cells[0][HEAD.index("damper")] = f"damping [{superscripts(units.pop())}]"
     return cells
 
 

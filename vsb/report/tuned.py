@@ -5,7 +5,7 @@ from typing import Any
 
 from vsb.report.doubts import no_answer
 from vsb.report.headline import interval_text, valid_lines
-from vsb.study.take_off import PAUSE
+from vsb.study.take_off import PAUSE, port_kind
 from vsb.tools.words import against_rigid, plain, power, short, the_rigid, watts
 
 NO_BEST_DAMPER = (
@@ -15,15 +15,12 @@ NO_BEST_DAMPER = (
 GIVEN = "At the given damper"
 DAMPERS = {"fixed": GIVEN, "each": "In time, at their own best dampers", "one": "In time, at their best for all seas"}
 """`pto.tuning` -> which dampers simulated designs have."""
-TUNING = (
-    "design", "sea", "own optimal damper [N s/m]", "mean power [W]", "gain [%]", "interval of the gain",
-    "given damper [N s/m]", "mean power [W]", "gain [%]", "interval of the gain", "share of own best [%]",
-)  # fmt: skip
-"""Head of the table of designs at equal tuning."""
 
 
 def dampers_in_words(pto: dict[str, Any]) -> str:
     """Return which dampers simulated designs have, from the take-off of a study in canonical form."""
+    if pto.get("law") == "coulomb":
+        return f"With Coulomb friction of {short(pto['force_limit'])} {port_kind(pto.get('port')).load_unit}"
     words = DAMPERS[pto.get("tuning", "fixed")]
     if pto.get("law") in PAUSE:
         return f"{words}, {pto['law']}" if words == GIVEN else f"In time, {pto['law']}, with the damper that suits it"
@@ -82,12 +79,12 @@ def _gain(line: dict[str, Any], base: dict[str, Any]) -> str:
     return f"{against_rigid(line['best_gain_percent'], base['design'])} ({own} against {its} {unit})"
 
 
-def shares_text(lines: Sequence[dict[str, Any]], sea: str) -> str:
+def shares_text(lines: Sequence[dict[str, Any]], sea: str, unit: str) -> str:
     """Return what part of its own optimum each design reaches in a sea at the given damper; nothing if not known."""
     known = [line for line in lines if line["sea"] == sea and line["share"] is not None]
     if not known:
         return ""
-    dampers = " and ".join(dict.fromkeys(f"{line['damping']:g} N s/m" for line in known))
+    dampers = " and ".join(dict.fromkeys(f"{line['damping']:g} {unit}" for line in known))
     first, *others = (f"{100 * line['share']:.0f} %" for line in known)
     rest = "".join(f", {line['design']} {share}" for line, share in zip(known[1:], others, strict=True))
     return f"; at {dampers} {known[0]['design']} reaches {first} of its own best{rest}"
@@ -104,6 +101,13 @@ def parts_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
         for line in lines
         for source in line.get("errors", ())
     ]
+
+
+def tuning_head(unit: str) -> list[str]:
+    """Return the head of the table of designs at equal tuning, by the unit of damping."""
+    power = ["mean power [W]", "gain [%]", "interval of the gain"]
+    best = ["design", "sea", f"optimal damping [{unit}]", *power]
+    return [*best, f"given damping [{unit}]", *power, "share of optimum [%]"]
 
 
 def tuning_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:

@@ -1,1 +1,3 @@
 """Results."""
+
+from vsb.results import variables as variables

@@ -10,9 +10,10 @@ from vsb.results.member import SAME_FOR_ALL
 from vsb.study.campaign import CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CampaignSpec
-from vsb.study.take_off import turns
+from vsb.study.take_off import port_kind
 from vsb.study.vary import MEMBER, PORT, Vary, unit
 from vsb.tools.arrays import AnyArray, FloatArray
+from vsb.tools.ports import PortKind
 from vsb.tools.tables import csv_text
 
 BY = ("design", "tuning")
@@ -50,9 +51,9 @@ def gathered(spec: CampaignSpec, batches: Sequence[xr.Dataset]) -> xr.Dataset:
     """
     whole = xr.concat(batches, dim=MEMBER, data_vars="minimal", coords="minimal", compat="override")
     ordered = whole.sel(member=list(spec.members)).drop_vars(MEMBER)
-    names, port = spec.vary.dimensions(VARIABLES), _port(spec)
+    names, kind = spec.vary.dimensions(VARIABLES), _port_kind(spec)
     coordinates = {
-        name: (MEMBER if spec.vary.together else name, _values(values), {"units": unit(key, port), "long_name": key})
+        name: (MEMBER if spec.vary.together else name, _values(values), {"units": unit(key, kind), "long_name": key})
         for (key, name), values in zip(names.items(), spec.vary.lists, strict=True)
     }
     attrs = {"varied": " ".join(names.values()), **_told(spec)}
@@ -63,14 +64,12 @@ def _told(spec: CampaignSpec) -> dict[str, str]:
     """What a reader of the file must know of the campaign."""
     rigid = (name for name, design in spec.base["designs"].items() if not design["flexible"])
     names = {"campaign": spec.campaign, "study": spec.study, "climate": spec.climate_name}
-    port = {"port": _port(spec)} if _port(spec) else {}
-    return {**names, "reference": next(rigid, ""), "Conventions": "CF-1.8", **port}
+    return {**names, "reference": next(rigid, ""), "Conventions": "CF-1.8", "port_kind": _port_kind(spec).load}
 
 
-def _port(spec: CampaignSpec) -> str:
-    """Return `volume` or `pitch`, if the take-off of all members acts on such; else nothing: units are of forces."""
-    ports = spec.vary.values.get(PORT, (spec.base["pto"].get("port"),))
-    return "volume" if all(port == "volume" for port in ports) else "pitch" if all(map(turns, ports)) else ""
+def _port_kind(spec: CampaignSpec) -> PortKind:
+    """What the take-off acts with, the same at every point (`vsb.study.campaign`)."""
+    return port_kind(spec.vary.values.get(PORT, (spec.base["pto"].get("port"),))[0])
 
 
 def _values(values: Sequence[float | str]) -> AnyArray:

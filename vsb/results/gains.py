@@ -13,8 +13,8 @@ from vsb.results.ladder import Rung
 from vsb.results.statistics import Line
 from vsb.scenes.drag import LINEARISED
 from vsb.study.study import BaseStudy, IrregularSea
-from vsb.study.take_off import Pto, damper_unit
-from vsb.tools.words import plain
+from vsb.study.take_off import Pto, port_kind
+from vsb.tools.words import plain, superscripts
 
 LOST = 0.05
 """Part of its best damper's power that a design may lose before a comparison at the given damper is in doubt."""
@@ -145,7 +145,7 @@ def fair_damping_checks(lines: Sequence[Tuned], pto: Pto) -> list[Check]:
     """
     if pto.law not in ("linear", "saturated"):
         return []
-    checks, unit = [], damper_unit(pto.port)
+    checks, unit = [], superscripts(port_kind(pto.port).damping_unit)
     for line in lines:
         if line.share is None or line.power is None or line.damping is None or line.best_damping is None:
             continue

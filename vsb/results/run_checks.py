@@ -20,6 +20,7 @@ from vsb.shell.surface import largest_deformation, largest_displacement, largest
 from vsb.study.quantities import RIGID, ROTATIONS, body_of, motion_of
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.study import BaseStudy, RegularWave, Simulation, StillWater, Study, Wave
+from vsb.tools.ports import FORCE, MOMENT
 from vsb.tools.words import plain
 from vsb.waves.dispersion import wavenumber
 
@@ -214,6 +215,6 @@ def _dampers_in_words(study: BaseStudy, run: Any) -> str:
     names = list(study.drag.directions) if isinstance(study, Study) and study.drag else ["heave"]
     values = [plain(float(damper)) for damper in np.atleast_1d(run[DAMPERS])]
     if names == ["heave"]:
-        return f"{values[0]} N s/m"
-    units = ("N m s" if name.capitalize() in ROTATIONS else "N s/m" for name in names)
+        return f"{values[0]} {FORCE.damping_unit}"
+    units = ((MOMENT if name.capitalize() in ROTATIONS else FORCE).damping_unit for name in names)
     return " and ".join(f"{c} {unit} of {name}" for c, unit, name in zip(values, units, names, strict=True))

@@ -21,7 +21,7 @@ from vsb.motion.tuning import Take, best_damper_of_each, best_of_table, dampers
 from vsb.results.bins import Bins, bins_of
 from vsb.study.study import Water
 from vsb.tools.arrays import FloatArray, IntArray
-from vsb.tools.units import described
+from vsb.tools.variables import described
 from vsb.waves.climate import OUTSIDE, YEAR_HOURS, Climate
 from vsb.waves.scatter import climate_of_cells
 

@@ -13,12 +13,12 @@ from vsb.hydro.database import with_symmetrized
 from vsb.hydro.formats.foreign import sizes
 from vsb.hydro.formats.modes import DRY, structure, volume_of
 from vsb.hydro.repairs import with_symmetric_stiffness
+from vsb.hydro.variables import PAIR
 from vsb.motion.bodies import LinearBody, linear_body
 from vsb.study.body import Body, BodyFile, Matrix, Rows
 from vsb.study.quantities import is_rigid, of_bodies
 from vsb.study.sections import Water
 from vsb.tools.arrays import FloatArray
-from vsb.tools.units import PAIR
 
 _SAME_WATER = 1e-6
 FEWEST = 4

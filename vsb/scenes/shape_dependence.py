@@ -31,7 +31,7 @@ from vsb.shell.reference import ReferenceShell
 from vsb.study.study import RegularWave, StillWater, Study, canonical
 from vsb.study.take_off import Pto
 from vsb.tools.arrays import FloatArray
-from vsb.tools.units import described
+from vsb.tools.variables import described
 from vsb.waves.seas import Sea, sea
 
 SIZES = (0.00625, 0.0125, 0.025, 0.05, 0.1)

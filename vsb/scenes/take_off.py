@@ -14,7 +14,7 @@ from vsb.motion.scene import Scene
 from vsb.motion.tuning import best_dampers
 from vsb.scenes.floating_system import FloatingSystem, headings, port_in_seas
 from vsb.study.study import Wave
-from vsb.study.take_off import Law, Pto
+from vsb.study.take_off import Law, Pto, port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea
 
@@ -65,7 +65,8 @@ def tuned_take_off(
     if pto.tuning != "fixed":
         moving = [(wave, sea) for wave, sea in seas if sea.omega.size]
         if not moving:
-            raise ConfigError(f"pto.tuning: received {pto.tuning!r}, but nothing comes in; needs pto.damping in N s/m")
+            unit = port_kind(pto.port).damping_unit
+            raise ConfigError(f"pto.tuning: received {pto.tuning!r}, but nothing comes in; needs pto.damping in {unit}")
         seen = port_in_seas(floating, design, moving)
         if dragged:
             beside = dragged(floating, design, headings(moving))

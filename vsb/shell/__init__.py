@@ -1,1 +1,3 @@
 """Shell."""
+
+from vsb.shell import variables as variables

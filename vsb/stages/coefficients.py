@@ -14,13 +14,13 @@ from vsb.hydro.formats.foreign import LARGEST_UNAFLOAT, afloat_checks
 from vsb.hydro.formats.modes import volume_of
 from vsb.hydro.formats.sources import read_source, source_checks
 from vsb.hydro.repairs import repaired, told, with_symmetric_stiffness
+from vsb.hydro.variables import PAIR
 from vsb.motion.bodies import LinearBody
 from vsb.scenes.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
 from vsb.stages.stage import stamp
 from vsb.study.body import Body, BodyFile
 from vsb.study.quantities import of_bodies
 from vsb.study.specs import BodySpec
-from vsb.tools.units import PAIR
 
 _KEPT = (
     "displaced_volume",

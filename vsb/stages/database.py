@@ -10,6 +10,7 @@ from vsb import __version__
 from vsb.errors import DatabaseError
 from vsb.hydro import database, orders, quality
 from vsb.hydro.database import Check
+from vsb.hydro.variables import PAIR
 from vsb.scenes.directions import mooring_stiffness, order_bases, order_stiffness
 from vsb.scenes.rest import reference_shell
 from vsb.shell.orders import OrderBasis
@@ -18,7 +19,6 @@ from vsb.stages.stage import stamp
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.specs import DatabaseSpec
 from vsb.tools.files import load
-from vsb.tools.units import PAIR
 
 
 def run(spec: DatabaseSpec, blocks: str, out: str) -> None:

@@ -11,6 +11,7 @@ from vsb.results.comparison import in_direction
 from vsb.scenes.floating_system import AnyStudy
 from vsb.stages.inputs import Inputs
 from vsb.study.study import IrregularSea, StillWater, Study, Wave
+from vsb.study.take_off import port_kind
 from vsb.tools.stamps import record
 from vsb.waves.seas import spectrum
 
@@ -36,7 +37,7 @@ def run(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: st
         tuned=study.pto.damping is None,
         limit=f"limit {found.response.attrs.get('limit', 'λ/2π')}" if isinstance(study, Study) else "λ/2π",
         spectra=_spectra(study, found.plan.highest),
-        port=study.pto.port,
+        port=port_kind(study.pto.port),
     )
     written: list[str] = []
     with mpl.rc_context():  # the caller's own figures keep their looks

@@ -18,6 +18,7 @@ from vsb.results.statistics import families
 from vsb.scenes.floating_system import AnyStudy, FloatingSystem, band, floating_system
 from vsb.scenes.floating_system import towards as headed
 from vsb.study.study import Irregular, IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, StillWater, Study
+from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.waves.dispersion import group_velocity
 from vsb.waves.seas import components, jonswap_spectrum
@@ -66,7 +67,7 @@ def living_study(
     limit = np.interp(shown, response.omega.values, response.power_limit.values)
     bands, bound = [seen.grid(shown, towards) for towards in going], response.attrs.get("limit", "λ/2π")
     on = [seen.grid(*one) for one in grids]
-    return study_data(on, seas, bands, limit, study.reference_design, pto.efficiency, bound)
+    return study_data(on, seas, bands, limit, study.reference_design, pto.efficiency, bound, port_kind(pto.port))
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from vsb.stages.members import Swept, swept_shape
 from vsb.study.campaign_plan import members
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import Study
+from vsb.tools.ports import kind_of
 from vsb.waves.climate import Climate
 
 MOST = 6
@@ -48,7 +49,7 @@ def living_year(
     others = [place for place in places if place != shown] if len(places) <= MOST else []
     known = [_point(spec, ds, places.index(place), place, seas, root) for place in [shown, *others]]
     found = [one for one in known if one]
-    return year_data(seas, found, list(map(str, ds.design.values)), reference) if found else None
+    return year_data(seas, found, list(map(str, ds.design.values)), reference, kind_of(ds)) if found else None
 
 
 @dataclass(frozen=True)

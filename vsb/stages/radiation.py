@@ -10,11 +10,11 @@ from vsb.hydro.database import load_database
 from vsb.hydro.orders import order_groups
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
+from vsb.hydro.variables import PAIR
 from vsb.scenes.floating_system import stored_body
 from vsb.stages.stage import stamp
 from vsb.study.specs import BodyRadiationSpec, RadiationSpec
 from vsb.tools.files import save
-from vsb.tools.units import PAIR
 
 LONGEST = 60.0
 """Time the kernels of a body are shown for, times the end of its band [rad]."""

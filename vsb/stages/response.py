@@ -16,23 +16,13 @@ from vsb.scenes.floating_system import FloatingSystem, floating_system, towards
 from vsb.stages.stage import stamp
 from vsb.study.specs import BodyResponseSpec, ResponseSpec
 from vsb.study.study import canonical
-from vsb.study.take_off import Pto, turns
+from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
 from vsb.waves.dispersion import power_limit
 
 TAKE_OFF = {True: "best_damping at each frequency", False: "the given damping"}
 """Whether tuning decides -> under what `rao` and `absorbed_power` are."""
-
-
-def port_in_words(pto: Pto) -> str:
-    """Return what the take-off acts on; where that is no displacement, the volume or a rotation, with its units."""
-    units = ""
-    if pto.port == "volume":
-        units = ": pressure against volume flow, impedance in Pa s/m^3, velocity in m^2/s"
-    elif turns(pto.port):
-        units = ": moment against angular velocity, impedance in N m s, velocity in rad/s"
-    return canonical(pto.port).strip('"') + units
 
 
 AnySpec = ResponseSpec | BodyResponseSpec
@@ -62,7 +52,8 @@ def run(spec: ResponseSpec | BodyResponseSpec, database: str, out: str) -> None:
     waves = headings[0]
     if spec.directions:
         waves = xr.concat(headings, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(spec.directions))
-    told = {"take_off": TAKE_OFF[spec.pto.damping is None], "port": port_in_words(spec.pto)}
+    told = {"take_off": TAKE_OFF[spec.pto.damping is None], "port": canonical(spec.pto.port).strip('"')}
+    told["port_kind"] = port_kind(spec.pto.port).load
     reached = channels_reached(floating.port, floating.linear.orders) if isinstance(floating.linear, LinearBuoy) else 1
     if reached > 1:
         told["limit"] = f"{reached} λ/2π"

@@ -11,7 +11,7 @@ from vsb.stages.planning import plan_of
 from vsb.study.campaign import leading_tuning
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import AnyPlan
-from vsb.study.take_off import damper_unit
+from vsb.study.take_off import port_kind
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import read_text
 
@@ -35,7 +35,7 @@ def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
 def _of_study(plan: AnyPlan) -> Iterator[Line]:
     """Every design in every sea, at its own best damper; without BEM as it was run."""
     found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))
-    name, unit = plan.study.study, damper_unit(plan.study.pto.port)
+    name, unit = plan.study.study, port_kind(plan.study.pto.port).damping_unit
     for row in found["equal_tuning"]:
         numbers = (row["best_power"], row["best_gain_percent"], row["best_damping"])
         yield Line(name, "", row["design"], row["sea"], "each", *numbers, _width(found, row), None, unit)

@@ -19,11 +19,10 @@ from vsb.scenes.pause import SETTLED
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.shell.orders import OrderBasis, all_clamp_rows
 from vsb.shell.surface import enclosed_in_orders
-from vsb.stages.response import port_in_words
 from vsb.stages.stage import stamp
 from vsb.study.specs import BodySimulateSpec, SimulateSpec
 from vsb.study.study import RegularWave, StillWater
-from vsb.study.take_off import turns
+from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
 
@@ -50,7 +49,7 @@ def run(spec: SimulateSpec | BodySimulateSpec, out: str, database: str = "", rad
     intervals, seconds, steps, drifts = zip(*taken, strict=True)
     attrs = {"design": design, "wave": wave.label, "energy_residual": leg.balance.residual, "status": "completed"}
     attrs |= {"method": in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
-    attrs |= {"port": port_in_words(spec.pto)} if turns(spec.pto.port) else {}
+    attrs["port_kind"] = port_kind(spec.pto.port).load
     attrs |= {"seconds": sum(seconds), **notes, **stamp(spec, database, radiation)}
     if isinstance(wave, RegularWave):
         attrs |= _steady(system)

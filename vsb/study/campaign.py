@@ -14,7 +14,7 @@ from vsb.study.quantities import Count, Name, Number, Section
 from vsb.study.reading import read_yaml, validated
 from vsb.study.study import RESERVED_NAMES, Study, parse
 from vsb.study.study import load as load_study
-from vsb.study.take_off import damper_unit
+from vsb.study.take_off import port_kind
 from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary, scaled
 from vsb.tools.bounded import sha256_of
 
@@ -161,10 +161,11 @@ def read(raw: object, source: str) -> "LoadedCampaign":
         )
     if study.pto.damping is None and "fixed" in (campaign.tuning or ()):
         raise ConfigError(
-            f"{source}: tuning: received fixed, but {campaign.study} has no pto.damping; needs one in N s/m"
+            f"{source}: tuning: received fixed, but {campaign.study} has no pto.damping; needs one in "
+            f"{port_kind(study.pto.port).damping_unit}"
         )
     ports = {*campaign.vary.values.get(PORT, ())}
-    if len({damper_unit(port) for port in ports}) > 1:
+    if len({port_kind(port).load for port in ports}) > 1:
         alone = next(name for name in ("volume", "pitch") if name in ports)
         raise ConfigError(
             f"{source}: vary.{PORT}: received {', '.join(map(str, sorted(ports)))}, whose dampers and forces have "

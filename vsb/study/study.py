@@ -38,7 +38,7 @@ from vsb.study.sections import (
     Simulation,
     Water,
 )
-from vsb.study.take_off import Pto, Tuning, opens_chamber
+from vsb.study.take_off import Pto, Tuning, opens_chamber, port_kind
 from vsb.study.waves import (
     Irregular,
     IrregularSea,
@@ -137,7 +137,8 @@ class BaseStudy(Section):
         for i, wave in enumerate(self.waves):
             if self.tuning(wave) == "fixed" and self.pto.damping is None:
                 raise ConfigError(
-                    f"waves.{i} {wave.label}: no damper is best where nothing comes in; needs pto.damping in N s/m"
+                    f"waves.{i} {wave.label}: no damper is best where nothing comes in; needs pto.damping in "
+                    f"{port_kind(self.pto.port).damping_unit}"
                 )
 
     @property

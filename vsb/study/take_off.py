@@ -29,6 +29,7 @@ from vsb.study.quantities import (
     motion_of,
     within,
 )
+from vsb.tools.ports import FORCE, MOMENT, PRESSURE, PortKind
 from vsb.tools.words import shortened
 
 
@@ -136,41 +137,13 @@ Dampers = Annotated[
 """One damper for all designs, or one for each."""
 
 
-def turns(port: object) -> bool:
-    """Return whether a port, as `pto.port` says it, is a rotation alone, on which a moment acts."""
+def port_kind(port: object) -> PortKind:
+    """Return what a take-off acts with at a port, given as `pto.port` or its canonical form."""
     dofs = port.get("dofs", {}) if isinstance(port, dict) else getattr(port, "dofs", {})
-    return port == "pitch" or (bool(dofs) and all(motion_of(name) in ROTATIONS for name in dofs))
-
-
-def damper_unit(port: object) -> str:
-    """Return the unit of a damper at a port, as `pto.port` says it: force, pressure or moment over what it moves at."""
-    return "Pa s/m³" if port == "volume" else "N m s" if turns(port) else "N s/m"
-
-
-_AT_VOLUME = {
-    "N s/m": "Pa s/m³", "rms force of the take-off [kN]": "rms pressure of the take-off [kPa]",
-    "rms force [kN]": "rms pressure [kPa]", "limit of force [kN]": "limit of pressure [kPa]", "1e3)} kN": "1e3)} kPa",
-    "the take-off's force": "the take-off's pressure",
-}  # fmt: skip
-"""What is said of force and damper at a port that moves -> of pressure and damper at the volume."""
-
-
-_AT_ROTATION = {
-    "N s/m": "N m s", "rms force of the take-off [kN]": "rms moment of the take-off [kN m]",
-    "rms force [kN]": "rms moment [kN m]", "limit of force [kN]": "limit of moment [kN m]", "1e3)} kN": "1e3)} kN m",
-    "the take-off's force": "the take-off's moment", "port, peak to peak [m]": "port, peak to peak [rad]",
-    "port's velocity, peak to peak [m/s]": "port's velocity, peak to peak [rad/s]",
-    "port's displacement [m]": "port's rotation [rad]", "port's velocity [m/s]": "port's velocity [rad/s]",
-}  # fmt: skip
-"""Likewise of moment, damper and motion at a rotation."""
-
-
-def at_port(text: str, port: object) -> str:
-    """Return a text about a take-off, or a page with its scripts, in units of a port as `pto.port` says it."""
-    said = _AT_VOLUME if port == "volume" else _AT_ROTATION if turns(port) else {}
-    for force, other in said.items():
-        text = text.replace(force, other)
-    return text
+    if port == "volume":
+        return PRESSURE
+    turned = port == "pitch" or (bool(dofs) and all(motion_of(name) in ROTATIONS for name in dofs))
+    return MOMENT if turned else FORCE
 
 
 class Pto(Section):
@@ -246,13 +219,13 @@ class Pto(Section):
     @model_validator(mode="after")
     def _given(self) -> Self:
         if self.tuning == "fixed" and self.damping is None:
-            raise ValueError("damping: missing; tuning fixed needs one in N s/m")
+            raise ValueError(f"damping: missing; tuning fixed needs one in {port_kind(self.port).damping_unit}")
         return self
 
     @model_validator(mode="after")
     def _limited(self) -> Self:
         if self.law in NEED_A_LIMIT and math.isinf(self.force_limit):
-            raise ValueError(f"force_limit: missing; law {self.law} needs one in N")
+            raise ValueError(f"force_limit: missing; law {self.law} needs one in {port_kind(self.port).load_unit}")
         return self
 
     @model_serializer(mode="wrap")

@@ -12,6 +12,7 @@ from typing import Any, Self
 
 from vsb.study.keys import KEYS
 from vsb.study.quantities import Section
+from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import shortened
 
 FROUDE = {
@@ -99,14 +100,11 @@ _VARIED_IN = (
 """What those sections are made of, as `vsb.study.keys` names it."""
 UNITS = {name: key.unit for section in _VARIED_IN for name, key in KEYS[section].items() if key.unit not in ("", "-")}
 """Units of varied numbers by the last word of their key; others have none."""
-AT_VOLUME = {
-    "pto.damping": "Pa s/m^3", "pto.stiffness": "Pa/m^3", "pto.force_limit": "Pa", "pto.stroke_limit": "m^3"
+AT_PORT = {
+    "pto.damping": "damping_unit", "pto.stiffness": "stiffness_unit", "pto.force_limit": "load_unit",
+    "pto.stroke_limit": "motion_unit",
 }  # fmt: skip
-"""Units of keys of a take-off of the volume."""
-AT_ROTATION = {
-    "pto.damping": "N m s", "pto.stiffness": "N m", "pto.force_limit": "N m", "pto.stroke_limit": "rad"
-}  # fmt: skip
-"""Likewise of pitch."""
+"""Keys of a take-off whose units depend on its port: field of `PortKind`."""
 PORT = "pto.port"
 DAMPING = "pto.damping"
 _FORMS = "a list of values, {log: [first, last, count]} or {linear: [first, last, count]}"
@@ -132,11 +130,10 @@ _DIGITS = 12
 """Digits of values spaced evenly: those of a sweep and of its widening are the same."""
 
 
-def unit(key: str, port: str = "") -> str:
-    """Return the unit of a key, of a take-off's beside its port; a damper of one design has that of all."""
+def unit(key: str, kind: PortKind = FORCE) -> str:
+    """Return the unit of a key, of a take-off's at a kind of port; a damper of one design has that of all."""
     key = DAMPING if key.startswith(f"{DAMPING}.") else key
-    known = UNITS.get(key.rpartition(".")[2], "1")
-    return {"volume": AT_VOLUME, "pitch": AT_ROTATION}.get(port, {}).get(key, known)
+    return str(getattr(kind, AT_PORT[key])) if key in AT_PORT else UNITS.get(key.rpartition(".")[2], "1")
 
 
 class Vary(Section):

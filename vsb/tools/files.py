@@ -19,7 +19,7 @@ import psutil
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.arrays import AnyArray
 from vsb.tools.bounded import read_unpacked
-from vsb.tools.units import check_finite, described, merged, separated
+from vsb.tools.variables import check_finite, described
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -158,6 +158,38 @@ def save(ds: "xr.Dataset", path: str | Path, groups: "Mapping[str, xr.Dataset] |
         for name, group in stored.items():
             _write(group, str(temporary), mode="w" if name == ROOT else "a", group=name)
         seal(temporary)
+
+
+def separated(ds: "xr.Dataset") -> "xr.Dataset":
+    """Return the dataset with complex variables as reals on a dimension `complex` = re, im (capytaine's form)."""
+    import xarray as xr
+
+    out = ds.copy()
+    for name, variable in ds.data_vars.items():
+        if np.iscomplexobj(variable):
+            parts = xr.concat([variable.real, variable.imag], dim="complex").assign_coords(complex=["re", "im"])
+            out[name] = parts.assign_attrs(variable.attrs)
+    return out
+
+
+def merged(ds: "xr.Dataset") -> "xr.Dataset":
+    """Return the dataset with complex variables put together again: the inverse of `separated`.
+
+    Raises
+    ------
+    DatabaseError
+        If a dimension of that name holds anything but real and imaginary parts.
+    """
+    if "complex" not in ds.dims:
+        return ds
+    if sorted(labels := [str(label) for label in ds["complex"].values]) != ["im", "re"]:
+        raise DatabaseError(f"dimension complex: received {', '.join(labels)}, needs re, im")
+    parts = {
+        name: (v.sel(complex="re", drop=True) + 1j * v.sel(complex="im", drop=True)).assign_attrs(v.attrs)
+        for name, v in ds.data_vars.items()
+        if "complex" in v.dims
+    }
+    return ds.assign(parts).drop_vars("complex")
 
 
 def _write(ds: "xr.Dataset", path: str, mode: Literal["w", "a"], group: str) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from vsb.errors import DatabaseError
 from vsb.tools.arrays import AnyArray
 from vsb.tools.files import CHANGED, DELETE, atomic_write, check_stamp, seal_of, sealed
-from vsb.tools.units import check_finite
+from vsb.tools.variables import check_finite
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -33,6 +33,11 @@ def short(value: float) -> str:
     return plain(value, 3) if value == 0 or 1e-3 <= abs(value) < 1e6 else f"{value:.3g}"
 
 
+def superscripts(unit: str) -> str:
+    """Return a unit as it is printed: "m³" of "m^3", as files have it."""
+    return unit.replace("^2", "²").replace("^3", "³")
+
+
 def quantity(value: object, unit: str) -> str:
     """Return a value with its unit, `1` for none; a stiffness of a million pascal and more in MPa or GPa."""
     if not isinstance(value, float):

@@ -15,7 +15,7 @@ from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
 from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.hydro.formats.exchange import export
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
-from vsb.tools import files, units
+from vsb.tools import files, variables
 
 HALF_DIGIT = 5e-7  # of seven significant digits
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
@@ -33,7 +33,7 @@ def assembled(labels, omega, directions=(0.0,), *, added, damping, force, stiffn
         **more,
     }
     coords = {"omega": list(omega), "wave_direction": list(directions), **{dof: list(labels) for dof in PAIR}}
-    return units.described(xr.Dataset(data, coords).assign_attrs(WATER))
+    return variables.described(xr.Dataset(data, coords).assign_attrs(WATER))
 
 
 def random_database(modes=2, frequencies=4, headings=1, seed=0, spread=0.0):
@@ -58,7 +58,7 @@ def random_database(modes=2, frequencies=4, headings=1, seed=0, spread=0.0):
         stiffness=numbers(n, n),
         added_mass_inf=(PAIR, numbers(n, n)),
     )
-    return units.described(ds.assign(Froude_Krylov_force=wave(), diffraction_force=wave()))
+    return variables.described(ds.assign(Froude_Krylov_force=wave(), diffraction_force=wave()))
 
 
 def with_structure(ds, alpha=0.0, beta=0.0, heave_mass=4000.0):
@@ -71,7 +71,7 @@ def with_structure(ds, alpha=0.0, beta=0.0, heave_mass=4000.0):
     dry |= {"prestress_stiffness": prestress, "gas_stiffness": stiffness / 50}
     spec = json.dumps({"device": {"damping": {"alpha": alpha, "beta": beta}}})
     facts = {"radius": 2.0, "centre_height": 0.0, "spec": spec, "spec_id": "a" * 16, "quality": "[]"}
-    return units.described(ds.assign({name: (PAIR, m) for name, m in dry.items()}).assign_attrs(facts))
+    return variables.described(ds.assign({name: (PAIR, m) for name, m in dry.items()}).assign_attrs(facts))
 
 
 def written(folder, texts, name="buoy"):

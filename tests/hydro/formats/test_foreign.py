@@ -9,7 +9,7 @@ from vsb.hydro.formats import foreign
 from vsb.hydro.formats.foreign import BEMIO_WORDS, LEAST_SIZE, WAMIT_WORDS, causes, foreign_checks, sizes
 from vsb.hydro.formats.haskind import Haskind
 from vsb.hydro.quality import kinks
-from vsb.tools import units
+from vsb.tools import variables
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
@@ -53,7 +53,7 @@ def sound(labels=LABELS, headings=CIRCLE, *, omega=None, depth=np.inf, **facts):
     }
     attrs = {"water_density": RHO, "gravity": G, "water_depth": str(depth), "displaced_volume": 4000.0, **facts}
     coords = {"omega": omega, "wave_direction": headings, **{dof: list(labels) for dof in PAIR}}
-    return units.described(xr.Dataset(data, coords, attrs))
+    return variables.described(xr.Dataset(data, coords, attrs))
 
 
 def edited(ds, name, change):
@@ -540,7 +540,7 @@ def test_a_mode_that_moves_little_water_counts_by_itself():
     for name, power in (("added_mass", 1.0), ("added_mass_inf", 1.0), ("radiation_damping", 1.0)):
         ds = ds.assign({name: ds[name] * np.diag(little**power)})
     ds = ds.assign(excitation_force=ds.excitation_force * np.sqrt(little))
-    ds = units.described(ds.assign(hydrostatic_stiffness=ds.hydrostatic_stiffness / np.sqrt(30)))
+    ds = variables.described(ds.assign(hydrostatic_stiffness=ds.hydrostatic_stiffness / np.sqrt(30)))
     assert set(verdicts(ds).values()) == {"ok"}
     assert verdicts(_pushed(ds, 0.06))["haskind"] == "fail"
     assert verdicts(_lively(ds, 0.02))["positive_damping"] == "fail"
@@ -552,7 +552,7 @@ def test_motions_that_make_no_waves_at_all_do_no_harm():
     still = ds.assign(
         {n: ds[n] * np.outer(moving, moving) for n in ("added_mass", "added_mass_inf", "radiation_damping")}
     )
-    still = units.described(still.assign(excitation_force=ds.excitation_force * moving))
+    still = variables.described(still.assign(excitation_force=ds.excitation_force * moving))
     assert set(verdicts(still).values()) == {"ok"}
     with pytest.raises(DatabaseError, match="radiation damping is zero for all motions"):
         foreign_checks(still.assign(radiation_damping=0 * still.radiation_damping))

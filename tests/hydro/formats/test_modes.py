@@ -28,7 +28,7 @@ from vsb.hydro.formats.modes import (
 )
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.study.body import BodyFile
-from vsb.tools import files, units
+from vsb.tools import files, variables
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
@@ -67,7 +67,7 @@ def flexible(labels=LABELS, headings=(0.0,), *, omega=(0.5, 1.0, 1.5), dry=True,
         data |= {"structural_damping_matrix": (PAIR, np.diag(np.where(np.isin(labels, RIGID), 0.0, 3e4)))}
     attrs = {"water_density": RHO, "gravity": G, "water_depth": "inf", "separate_sweep": 0, "spec_id": "x", **FACTS}
     coords = {"omega": omega, "wave_direction": headings, **{dof: list(labels) for dof in PAIR}}
-    return units.described(xr.Dataset(data, coords, attrs))
+    return variables.described(xr.Dataset(data, coords, attrs))
 
 
 def written(folder, texts):

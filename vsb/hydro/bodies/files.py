@@ -21,10 +21,10 @@ from vsb.hydro.bodies.body import FlexibleBody, at_centres, at_vertices, check_v
 from vsb.hydro.bodies.clipping import FLAT, wetted, without_area
 from vsb.hydro.bodies.gdf import check_gravity, read_gdf
 from vsb.hydro.panels import rings as bem
+from vsb.hydro.variables import PAIR
 from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.bounded import bounded_reading
 from vsb.tools.files import atomic_write
-from vsb.tools.units import PAIR
 
 PANEL_FILES = {
     ".gdf": "gdf", ".pnl": "pnl", ".hst": "hst", ".mar": "mar", ".nemoh": "mar", ".hams": "pnl",

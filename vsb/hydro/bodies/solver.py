@@ -12,9 +12,9 @@ from scipy.spatial import cKDTree
 from vsb.hydro.bodies.body import PLANES, SYMMETRIES, FlexibleBody, detected_symmetry, joined
 from vsb.hydro.bodies.coarsening import coarser_body, coarser_panels
 from vsb.hydro.panels.rings import influence_blocks, panel_mesh
+from vsb.hydro.variables import PAIR
 from vsb.study.study import Water
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
-from vsb.tools.units import PAIR
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 _WAVE = ("omega", "wave_direction", "influenced_dof")

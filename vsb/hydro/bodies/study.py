@@ -48,6 +48,7 @@ from vsb.hydro.bodies.sweep import (
 )
 from vsb.hydro.database import ESTIMATE, Check, as_json, check_at_most, with_excitation, with_symmetrized
 from vsb.hydro.panels import rings as bem
+from vsb.hydro.variables import PAIR
 from vsb.study.blocks import panel_solver
 from vsb.study.body import PHYSICS, BodyFile
 from vsb.study.quantities import ROTATIONS, Section, canonical, content_id
@@ -55,7 +56,6 @@ from vsb.study.reading import read_yaml, validated
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.files import load, save
 from vsb.tools.stamps import check_output
-from vsb.tools.units import PAIR
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 Spec = dict[str, Any]

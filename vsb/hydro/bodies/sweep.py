@@ -17,9 +17,9 @@ from vsb.hydro.bodies.body import FlexibleBody
 from vsb.hydro.bodies.solver import unit_wave
 from vsb.hydro.database import ESTIMATE, with_excitation
 from vsb.hydro.sweep import FORCES, MOST_SOLVES, IncidentWave, apart, joined, on_grid
+from vsb.hydro.variables import PAIR
 from vsb.study.study import Water
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.tools.units import PAIR
 from vsb.waves.dispersion import wavenumber
 
 _LEAST_SIZE = 0.3

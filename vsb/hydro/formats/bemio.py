@@ -37,10 +37,11 @@ from vsb.hydro.formats.modes import (
     volume_of,
 )
 from vsb.hydro.retardation import DampingSpectrum
+from vsb.hydro.variables import PAIR
 from vsb.study.quantities import body_of
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.files import atomic_write
-from vsb.tools.units import ATTRS, PAIR
+from vsb.tools.variables import VARIABLES
 
 _FOLDERS = {"excitation_force": "", "Froude_Krylov_force": "froude-krylov/", "diffraction_force": "scattering/"}
 _WAVES, _BODY, _HYDRO = "/simulation_parameters/", "/body1/properties/", "/body1/hydro_coeffs/"
@@ -309,7 +310,7 @@ def _from_bemio(found: _Entries, source: str) -> xr.Dataset:
     for place, (name, by) in _MATRICES.items():
         inside = place.removeprefix("/body1/")
         if place.startswith(_HYDRO) or any(found.find(f"/{part.group}/{inside}") is not None for part in parts):
-            value = _matrix(found, parts, inside, len(omega) if "omega" in ATTRS[name].dims else 0)
+            value = _matrix(found, parts, inside, len(omega) if "omega" in VARIABLES[name].dims else 0)
             variables[name] = value * (1.0 if scaled else _divisor(by, rho, g, omega))
     for name, folder in _FOLDERS.items():
         if not folder or found.find(f"{_HYDRO}excitation/{folder}re") is not None:

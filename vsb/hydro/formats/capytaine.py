@@ -14,7 +14,8 @@ import xarray as xr
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.modes import WATER, assembled, readable, volume_of
 from vsb.tools.arrays import BoolArray, FloatArray
-from vsb.tools.units import ATTRS, merged
+from vsb.tools.files import merged
+from vsb.tools.variables import VARIABLES
 
 _WATER = ("rho", "g", "water_depth")
 _NEEDED = ("added_mass", "radiation_damping", "diffraction_force", "Froude_Krylov_force")
@@ -128,7 +129,7 @@ def _from_capytaine(ds: xr.Dataset, source: str) -> xr.Dataset:
     finite = ds.isel(omega=np.flatnonzero(kept & ~failed)).sortby("omega")
     variables: dict[str, Any] = {}
     for name in (*_NEEDED, *(name for name in _AT_REST if name in ds)):
-        values = finite[name].transpose(*ATTRS[name].dims).values
+        values = finite[name].transpose(*VARIABLES[name].dims).values
         if name in _AT_REST and not np.isfinite(values).all():
             history.append(f"left out: {name}, which holds NaN")
             continue
@@ -136,7 +137,7 @@ def _from_capytaine(ds: xr.Dataset, source: str) -> xr.Dataset:
     variables["excitation_force"] = variables["Froude_Krylov_force"] + variables["diffraction_force"]
     for name, limit in (("added_mass_inf", np.isinf(omega)), ("added_mass_zero", omega == 0)):
         if limit.any():
-            row = ds.added_mass.isel(omega=int(np.argmax(limit))).transpose(*ATTRS[name].dims).values
+            row = ds.added_mass.isel(omega=int(np.argmax(limit))).transpose(*VARIABLES[name].dims).values
             variables |= {name: row} if name == "added_mass_inf" or np.isfinite(row).all() else {}
     water = (float(ds.rho), float(ds.g), str(float(ds.water_depth)))
     attrs = dict(zip(WATER, water, strict=True), source="capytaine", history="; ".join(history))

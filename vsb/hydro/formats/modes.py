@@ -18,10 +18,11 @@ import xarray as xr
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.database import transformed
+from vsb.hydro.variables import PAIR
 from vsb.study.quantities import RIGID, ROTATIONS, is_rigid, of_bodies
 from vsb.tools.arrays import FloatArray
 from vsb.tools.bounded import bounded_reading
-from vsb.tools.units import ATTRS, PAIR, check_finite, described
+from vsb.tools.variables import VARIABLES, check_finite, described
 
 GENERALIZED = 7
 """Number of the first generalized mode."""
@@ -156,7 +157,7 @@ def assembled(source: str, axes: tuple[Any, Any, Any], variables: dict[str, Any]
     """Return arrays over labels, frequencies and headings [degrees] as a hydro database: units everywhere, no NaN."""
     labels, omega, headings = axes
     dofs = dict.fromkeys(PAIR, labels)
-    data = {name: (ATTRS[name].dims, values) for name, values in variables.items()}
+    data = {name: (VARIABLES[name].dims, values) for name, values in variables.items()}
     return checked(xr.Dataset(data, {"omega": omega, "wave_direction": np.radians(headings), **dofs}, attrs), source)
 
 

@@ -23,11 +23,11 @@ import xarray as xr
 from vsb.errors import ConfigError
 from vsb.hydro.database import displacements_of, in_modes, with_excitation
 from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.variables import PAIR
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import content_id
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.files import load, save
-from vsb.tools.units import PAIR
 
 COEFFICIENTS = {
     "added_mass": ("kg", "kg/m", "kg/m^2"),

@@ -8,8 +8,8 @@ import xarray as xr
 from vsb.errors import ConvergenceError
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.sweep import AdaptiveSweep, IncidentWave, crowded, on_grid, relative
+from vsb.hydro.variables import PAIR
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.tools.units import PAIR
 
 FEWEST_NODES = 16
 MOST_NODES = 128

@@ -113,7 +113,7 @@ class LivingStudy {
     const found = this.takes();
     const shown = this.damping ?? Math.max(...this.own);
     this.part("damper").value = Math.log(shown || 1);
-    this.part("damper-says").textContent = this.damping === null ? "each at its own best" : `${plain(this.damping)} N s/m`;
+    this.part("damper-says").textContent = this.damping === null ? "each at its own best" : `${plain(this.damping)} ${this.data.port.damping}`;
     this.part("period-says").textContent = this.tp === null ? "" : `${this.tp.toFixed(2)} s`;
     this.table(found);
     if (how === "limited") this.overLimit(found);
@@ -144,11 +144,11 @@ class LivingStudy {
     if (this.damping !== null) marks.unshift({ x: this.damping });
     const curves = this.curves.map((curve, i) => ({ ...this.data.designs[i], x: curve.x, y: curve.y.map((v) => v / 1e3) }));
     chart(this.part("over-damper"), {
-      x: { label: "damper [N s/m]", log: true, ...this.reach },
+      x: { label: `damping [${this.data.port.damping}]`, log: true, ...this.reach },
       y: { label: "mean power [kW]", low: 0, high: (1.08 * top) / 1e3 },
       curves,
       marks,
-      words: `Mean power over the damper: ${this.data.designs.map((d, i) => `${d.name} at most ${plain(Math.max(...this.curves[i].y))} W at ${plain(this.own[i])} N s/m`).join(", ")}`,
+      words: `Mean power over the damper: ${this.data.designs.map((d, i) => `${d.name} at most ${plain(Math.max(...this.curves[i].y))} W at ${plain(this.own[i])} ${this.data.port.damping}`).join(", ")}`,
     });
   }
 
@@ -158,18 +158,18 @@ class LivingStudy {
     const limit = limits[Number(this.part("limit").value)];
     const share = `${plain((100 * limit) / limits.at(-1))} % of what the best damper of ${of} needs`;
     const again = repeats === null ? "" : `; waves taken to repeat after ${plain(repeats)} s`;
-    this.part("limit-says").textContent = `${plain(limit / 1e3)} kN, ${share}${again}`;
+    this.part("limit-says").textContent = `${plain(limit / 1e3)} k${this.data.port.load_unit}, ${share}${again}`;
     const curves = powers.map((power, i) => {
       const known = [...power.keys()].filter((k) => power[k] !== null);
       return { ...this.data.designs[i], x: known.map((k) => limits[k] / 1e3), y: known.map((k) => power[k] / 1e3) };
     });
     const dots = found.map(({ power }, i) => ({ x: limit / 1e3, y: power / 1e3, colour: this.data.designs[i].colour, power }));
     chart(this.part("over-damper"), {
-      x: { label: "limit of force [kN]", log: true, low: limits[0] / 1e3, high: limits.at(-1) / 1e3 },
+      x: { label: `limit of ${this.data.port.load} [k${this.data.port.load_unit}]`, log: true, low: limits[0] / 1e3, high: limits.at(-1) / 1e3 },
       y: { label: "mean power [kW]", low: 0, high: Math.max(...curves.flatMap((curve) => curve.y), 1e-9) * 1.08 },
       curves: curves.filter((curve) => curve.x.length),
       marks: [{ x: limit / 1e3 }, ...dots.filter((dot) => dot.power !== null)],
-      words: `Mean power of the best force within a limit: ${curves.map((c) => `${c.name} at most ${plain(1e3 * Math.max(...c.y, 0))} W`).join(", ")} at ${plain(limits.at(-1) / 1e3)} kN`,
+      words: `Mean power of the best force within a limit: ${curves.map((c) => `${c.name} at most ${plain(1e3 * Math.max(...c.y, 0))} W`).join(", ")} at ${plain(limits.at(-1) / 1e3)} k${this.data.port.load_unit}`,
     });
   }
 

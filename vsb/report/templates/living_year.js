@@ -70,7 +70,7 @@ class LivingYear {
     const means = this.matrices.map((matrix) => matrix && dot(matrix, this.bins.share));
     const shown = this.damping ?? Math.max(...this.own);
     this.part("damper").value = Math.log(shown || 1);
-    this.part("damper-says").textContent = this.damping === null ? "each at its own best of the year" : `${plain(this.damping)} N s/m`;
+    this.part("damper-says").textContent = this.damping === null ? "each at its own best of the year" : `${plain(this.damping)} ${this.data.port.damping}`;
     this.table(used, means);
     this.overDamper(used, means);
     this.matrix();
@@ -98,11 +98,11 @@ class LivingYear {
     const marks = there.map(({ i, colour }) => ({ x: used[i], y: this.energy(means[i]), colour }));
     if (this.damping !== null) marks.unshift({ x: this.damping });
     chart(this.part("over-damper"), {
-      x: { label: "damper [N s/m]", log: true, ...this.reach },
+      x: { label: `damping [${this.data.port.damping}]`, log: true, ...this.reach },
       y: { label: "energy [MWh/year]", low: 0, high: 1.08 * top },
       curves: there.map((design) => ({ ...design, ...this.curves[design.i] })),
       marks: marks.filter((mark) => mark.x > 0),
-      words: `Energy of a year over the damper: ${there.map(({ name, i }) => `${name} at most ${plain(Math.max(...this.curves[i].y))} MWh at ${plain(this.own[i])} N s/m`).join(", ")}`,
+      words: `Energy of a year over the damper: ${there.map(({ name, i }) => `${name} at most ${plain(Math.max(...this.curves[i].y))} MWh at ${plain(this.own[i])} ${this.data.port.damping}`).join(", ")}`,
     });
   }
 

@@ -5,8 +5,11 @@ import pytest
 import xarray as xr
 from tools.test_files import rao
 
+import vsb.results.variables  # noqa: F401  (registers variables of all rooms)
 from vsb.errors import DatabaseError
-from vsb.tools.units import AT_ROTATION, AT_VOLUME, ATTRS, check_finite, described, merged, separated
+from vsb.tools.files import merged, separated
+from vsb.tools.ports import FORCE, KINDS, MOMENT
+from vsb.tools.variables import VARIABLES, check_finite, described
 
 
 def test_complex_numbers_are_stored_as_capytaine_does():
@@ -65,32 +68,36 @@ def test_gains_over_no_power_may_be_missing(gain, power):
 def test_dimensions_are_put_in_order():
     ds = rao(np.arange(6.0).reshape(1, 3, 2)).transpose("dof", "omega", "design")
     out = described(ds)
-    assert ("...", *out.rao.dims) == ATTRS["rao"].dims  # after any others, as of wave directions
+    assert ("...", *out.rao.dims) == VARIABLES["rao"].dims  # after any others, as of wave directions
     assert out.equals(rao(np.arange(6.0).reshape(1, 3, 2)))
     assert ds.rao.dims == ("dof", "omega", "design")  # the input stays
 
 
 def test_units_follow_the_port():
     found = xr.Dataset({"port_velocity": ("omega", [1.0]), "best_power": ("omega", [2.0])}).expand_dims("design")
-    units = {name: v.attrs["units"] for name, v in described(found.assign_attrs(port="volume: pressure")).items()}
-    assert units == {"port_velocity": "m^2/s", "best_power": "W/m^2"}
-    assert described(found.assign_attrs(port="heave")).port_velocity.attrs["units"] == "1/s"
-    assert all(unit != ATTRS[name].units for at in (AT_VOLUME, AT_ROTATION) for name, unit in at.items())
-    for port in ("pitch", '{"dofs":{"Roll":1.0}}: moment against angular velocity, impedance in N m s'):
-        assert described(found.assign_attrs(port=port)).port_velocity.attrs["units"] == "rad/(m s)"
+    for kind, unit in (("pressure", "m^2/s"), ("moment", "rad/(m s)"), ("force", "1/s")):
+        units = {name: v.attrs["units"] for name, v in described(found.assign_attrs(port_kind=kind)).items()}
+        assert units == {"port_velocity": unit, "best_power": "W/m^2"}
+    assert described(found).port_velocity.attrs["units"] == "1/s"
 
 
-def test_every_variable_has_a_unit_and_a_meaning():
-    for name, quantity in ATTRS.items():
-        assert quantity.units, name
-        assert quantity.long_name, name
-        assert len(set(quantity.dims)) == len(quantity.dims), name
+@pytest.mark.parametrize("kind", KINDS.values(), ids=list(KINDS))
+def test_units_of_a_port_are_consistent(kind):
+    """Load times rate is a power; damping and stiffness are load over rate and over motion."""
+    load, motion, rate = map(dimension, (kind.load_unit, kind.motion_unit, kind.rate_unit))
+    assert np.array_equal(load + rate, dimension("W"))
+    assert np.array_equal(motion - rate, dimension("s"))
+    assert np.array_equal(load - rate, dimension(kind.damping_unit))
+    assert np.array_equal(load - motion, dimension(kind.stiffness_unit))
+    assert np.array_equal(rate - dimension("m"), dimension(kind.rate_per_amplitude))
+    assert (kind is MOMENT) == ("rad" in kind.rate_unit)
 
 
 def dimension(units):
     """Powers of metre, kilogram and second of a unit without prefix, "kg/(m^2 s)", shape (3,)."""
+    units = units if isinstance(units, str) else units(FORCE)
     known = {"1": (0, 0, 0), "rad": (0, 0, 0), "m": (1, 0, 0), "kg": (0, 1, 0), "s": (0, 0, 1), "N": (1, 1, -2)}
-    known |= {"W": (2, 1, -3), "J": (2, 1, -2)}
+    known |= {"W": (2, 1, -3), "J": (2, 1, -2), "Pa": (-1, 1, -2)}
     over, _, under = units.partition("/")
     parts = [(part, sign) for text, sign in ((over, 1), (under, -1)) for part in text.strip("()").split()]
     powers = [(*part.partition("^")[::2], sign) for part, sign in parts]
@@ -120,16 +127,16 @@ def dimension(units):
     ],
 )
 def test_units_are_consistent_with_the_equations_of_motion(left, right):
-    both = (sum(dimension(ATTRS[name].units) for name in side.split()) for side in (left, right))
+    both = (sum(dimension(VARIABLES[name].units) for name in side.split()) for side in (left, right))
     assert np.array_equal(*both)
 
 
 def test_derivatives_by_the_shape_are_per_metre():
-    for name, quantity in ATTRS.items():
+    for name, quantity in VARIABLES.items():
         for end, order in (("_slope", 1), ("_curvature", 2)):
             base = "absorbed_power" if name == "power_slope" else name.removesuffix(end)
-            if name.endswith(end) and base in ATTRS:
-                apart = dimension(ATTRS[base].units) - dimension(quantity.units)
+            if name.endswith(end) and base in VARIABLES:
+                apart = dimension(VARIABLES[base].units) - dimension(quantity.units)
                 assert apart.tolist() == [order, 0, 0], name
 
 
@@ -160,7 +167,7 @@ def test_derivatives_by_the_shape_are_per_metre():
     ],
 )  # fmt: skip
 def test_units_of_annual_results_are_consistent(left, right):
-    both = (sum(dimension(ATTRS[name].units) for name in side.split()) for side in (left, right))
+    both = (sum(dimension(VARIABLES[name].units) for name in side.split()) for side in (left, right))
     assert np.array_equal(*both)
 
 
@@ -183,5 +190,5 @@ def test_varied_keys_keep_their_units():
     assert found.annual_energy.dims == ("hs", "device.radius", "design", "tuning")
     assert found.hs.attrs == {"units": "ft"}
     assert described(ds.assign_attrs(varied="device.radius")).hs.attrs["units"] == "m"
-    with pytest.raises(DatabaseError, match=r"variables \['device.radius'\] are not in ATTRS"):
+    with pytest.raises(DatabaseError, match=r"variables \['device.radius'\] are unknown"):
         described(ds.assign_attrs(varied="hs"))
