@@ -1,18 +1,23 @@
-"""The year within limits of force and stroke, bin by bin."""
+"""The year within limits of force and stroke, bin by bin, and as the tuning constrained of a member."""
 
-from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from conftest import varied
 from results.test_year import WATER, climate, port
+from scenes.test_ports import water
 
 from vsb.errors import ConfigError
 from vsb.motion.force_bound import Harmonics, Limits
-from vsb.results.bins import Bins
-from vsb.results.constrained_year import ConstrainedYear, affordable, constrained_year
-from vsb.results.year import year
+from vsb.results.constrained_year import ConstrainedYear, Optima, affordable, constrained_year, harmonics_of_year
+from vsb.results.member import member
+from vsb.results.validity import LIMITS as WAVE_LIMITS
+from vsb.results.year import Bins, year
+from vsb.scenes.ports import designs_in_waves
+from vsb.scenes.rest import reference_shell
+from vsb.study.campaign import CONSTRAINED
 
 SEAS = climate()
 HARMONICS = Harmonics(0.1, 2.0, 23)  # 0.2 to 2.4 rad/s
@@ -101,6 +106,7 @@ def test_optimal_damper_lies_between_scarce_force_and_the_matched_year():
     assert scarce.annual_mean_power.mean < damped < free.annual_mean_power.mean
 
 
+@pytest.mark.slow
 def test_interval_of_the_gain_covers_other_realisations():
     """Eight draws of phases in the same waves; the gap between powers and bounds is left out."""
     coarse, seas = Harmonics(0.1, 3.0, 18), climate(seas=4)
@@ -110,20 +116,12 @@ def test_interval_of_the_gain_covers_other_realisations():
         for seed in range(8)
     ]
     gains = np.array([b.gain(a) for a, b in pairs])
-    halves = [100 * (b.taken / a.bound - 1) - low for (a, b), low in zip(pairs, gains[:, 1], strict=True)]
-    others = [high - 100 * (b.bound / a.taken - 1) for (a, b), high in zip(pairs, gains[:, 2], strict=True)]
+    halves = [100 * (b.absorbed / a.bound - 1) - low for (a, b), low in zip(pairs, gains[:, 1], strict=True)]
+    others = [high - 100 * (b.bound / a.absorbed - 1) for (a, b), high in zip(pairs, gains[:, 2], strict=True)]
     assert halves == pytest.approx(others, rel=1e-6)
-    truth = 100 * (sum(b.taken for _, b in pairs) / sum(a.taken for a, _ in pairs) - 1)
+    truth = 100 * (sum(b.absorbed for _, b in pairs) / sum(a.absorbed for a, _ in pairs) - 1)
     assert np.count_nonzero(np.abs(gains[:, 0] - truth) <= halves) >= 7
     assert 1 < np.median(halves) / np.std(gains[:, 0]) < 6
-
-
-def test_port_that_does_not_move_absorbs_nothing():
-    still = replace(PORT, admittance=0 * PORT.admittance, velocity=0 * PORT.velocity)
-    found = limited(Limits(force=1e4), port=still)
-    assert found.annual_mean_power == (0, 0, 0)
-    assert within(Limits(force=1e4)).gain(found) is None
-    assert (found.force_rms, found.excess) == (0, 0)
 
 
 def taking(*bins):
@@ -166,3 +164,86 @@ def test_undecided_sea_keeps_its_bound():
     assert year_of.bound == pytest.approx(float(year_of.share @ bounds.mean(axis=1)))
     assert (year_of.undecided[none] > 0).any()
     assert not np.any(year_of.undecided[~none])
+
+
+LIMIT, SECONDS = 2e4, 0.05
+
+
+def optima_of(study, **changes):
+    return Optima(**{"water": lambda basis, omega: water(study, omega=omega), "seconds": SECONDS, "seed": 1} | changes)
+
+
+@pytest.fixture(scope="module")
+def study(seed):
+    return varied(
+        seed,
+        designs={"FSB": {"flexible": False}, "VSWEC": {}},
+        modes={"degree": 2},
+        pto={"damping": 8e3, "force_limit": LIMIT},
+        hydro={"omega_max": 8.0},
+    )
+
+
+@pytest.fixture(scope="module")
+def shared(study):
+    """Coefficients of the shape over all frequencies of the year."""
+    return water(study, omega=np.arange(0.1, 3.0, 0.01))
+
+
+@pytest.fixture(scope="module")
+def seas():
+    return climate(seas=6)
+
+
+@pytest.fixture(scope="module")
+def found(study, shared, seas):
+    return member(study, lambda basis: shared, seas, ("one", CONSTRAINED), optima_of(study))
+
+
+def test_member_equals_the_constrained_years_of_its_ports(study, shared, seas, found):
+    harmonics = harmonics_of_year(seas, float(shared.omega[0]), 8.0, SECONDS)
+    waves = designs_in_waves(study, reference_shell(study), water(study, omega=harmonics.port_omega))
+    years = {
+        design: constrained_year(one.port, seas, study.water, harmonics, Limits(LIMIT), SECONDS, 1)
+        for design, one in waves.items()
+    }
+    at = found.sel(tuning=CONSTRAINED)
+    for design, one in years.items():
+        here = at.sel(design=design)
+        assert float(here.annual_mean_power) == pytest.approx(one.annual_mean_power.mean, rel=1e-12)
+        assert float(here.annual_energy) == pytest.approx(one.annual_mean_power.mean * 8.766e-3, rel=1e-12)
+        flux = float(seas.flux(study.water) @ seas.hours)
+        assert float(here.capture_width) * flux == pytest.approx(one.annual_mean_power.mean, rel=1e-12)
+        assert 2 * float(here.quadrature_error) == pytest.approx(np.ptp(one.annual_mean_power[1:]), rel=1e-12)
+        assert float(here.force_rms) == pytest.approx(one.force_rms)
+        assert one.force_rms < LIMIT
+        np.testing.assert_allclose(here.power_matrix, one.power_matrix, rtol=1e-12)
+        assert float((here.power_matrix * one.bins.share).sum()) == pytest.approx(one.absorbed, rel=1e-12)
+        if design != "FSB":
+            mean, low, high = one.gain(years["FSB"])
+            assert float(here.gain_percent) == pytest.approx(mean, rel=1e-9)
+            assert float(here.gain_low) < low < high < float(here.gain_high)
+
+
+@pytest.mark.slow
+def test_soft_shell_is_marked_beyond_validity(study, shared, seas, found):
+    soft = varied(study, device={"young_modulus": 5e5}, pto={"stiffness": 1e5})
+    ds = optima_of(soft)(soft, reference_shell(soft), seas, float(shared.omega[0])).sel(tuning=CONSTRAINED)
+    ds = ds.assign_coords(limit=list(WAVE_LIMITS))
+    assert 0 < float(ds.energy_beyond.sel(design="VSWEC", limit="deformation")) <= 1
+    assert float(ds.energy_beyond.sel(design="FSB", limit="deformation")) == 0
+    assert bool((ds.energy_beyond_validity >= ds.energy_beyond.sel(limit="deformation") - 1e-12).all())
+
+
+@pytest.mark.slow
+def test_known_years_are_not_reused_for_other_limits(study, seas):
+    """Of one rigid design in one sea."""
+    rigid, kept = varied(study, designs={"FSB": {"flexible": False}}), None
+    powers = []
+    for pto in ({"force_limit": 1e4}, {"force_limit": 2e4}):
+        one = varied(rigid, pto=pto)
+        kept = kept or optima_of(one)
+        found, alone = (of(one, reference_shell(one), seas, 0.1) for of in (kept, optima_of(one)))
+        assert found.identical(alone)
+        powers.append(float(found.annual_mean_power.squeeze()))
+    assert len(kept.known) == len(set(powers)) == 2

@@ -6,7 +6,6 @@ import xarray as xr
 from conftest import SEED, varied
 
 from vsb.errors import ConvergenceError
-from vsb.results.in_time import check_audit
 from vsb.results.run_checks import (
     DAMPERS,
     LINEARISED,
@@ -20,6 +19,7 @@ from vsb.results.run_checks import (
     simplification_checks,
     transient_checks,
 )
+from vsb.results.verification import check_audit
 from vsb.scenes.build import TUNED
 from vsb.scenes.rest import study_basis
 from vsb.study.body import BodyStudy

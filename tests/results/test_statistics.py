@@ -86,6 +86,7 @@ def realisations(coarse):
     return records
 
 
+@pytest.mark.slow
 def test_intervals_have_their_nominal_coverage(realisations):
     """Records of 400 s in a Gaussian sea; the binomial deviation of 500 is 1 %."""
     cases = [statistics(study, samples) for study, samples in realisations("coulomb")]
@@ -104,6 +105,7 @@ def test_interval_narrows_with_the_root_of_the_realisations(coarse):
     assert four.power_high - four.power_mean == pytest.approx((one.power_high - one.power_mean) / 2, rel=0.05)
 
 
+@pytest.mark.slow
 def test_covariance_of_records_equals_that_of_many_records(realisations):
     records = [samples for _, samples in realisations("linear")]
     means = np.array([[one.batches.mean() for one in record.values()] for record in records])

@@ -7,7 +7,7 @@ from conftest import varied
 from results.test_year import climate
 from scenes.test_ports import water
 
-from vsb.results.validity import LIMITS, beyond_validity, motion_limits, motion_rms, wave_limits
+from vsb.results.validity import LIMITS, beyond_validity, motion_rms, wave_limits
 from vsb.results.year import band_weights, year
 from vsb.scenes.ports import POINTS, designs_in_waves
 from vsb.scenes.rest import reference_shell
@@ -27,13 +27,6 @@ def test_steep_and_breaking_seas_in_deep_water():
     assert breaking.largest == pytest.approx(1.86 * steep.largest / 0.142, rel=1e-9)
     assert steep.energy(np.array([1.0, 10.0, 20.0]), SEAS.hours) == pytest.approx(7.0 / 7.5)
     assert steep.energy(np.zeros(3), SEAS.hours) == 0.0
-
-
-def test_motions_beyond_their_limits():
-    heave, deformation = motion_limits({"heave": np.array([0.1, 0.2]), "deformation": np.array([0.05, 0.06])}, 2.0)
-    assert heave.seas.tolist() == [False, True]
-    assert deformation.seas.tolist() == [False, True]
-    assert heave.largest == pytest.approx(0.372)
 
 
 @pytest.fixture(scope="module")
@@ -70,14 +63,6 @@ def test_motions_under_individual_dampers_equal_a_loop_over_seas(shells):
         same = motion_rms(one, seas, np.full(12, 3e3), 2e4)
         for name, expected in zip(same, by_the_sea(one, seas, np.full(12, 3e3), 2e4), strict=True):
             np.testing.assert_allclose(same[name], expected, rtol=1e-12, err_msg=f"{design} {name}")
-
-
-def test_motion_of_the_heave_port_is_heave(shells):
-    _, waves, _ = shells
-    for one in waves.values():
-        rate = -1j * one.port.omega
-        np.testing.assert_allclose(rate * one.motion.heave[0], one.port.velocity, rtol=1e-12)
-        np.testing.assert_allclose(rate * one.motion.heave[1], one.port.admittance, rtol=1e-12)
 
 
 def test_clamped_point_does_not_move(shells):

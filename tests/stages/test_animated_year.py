@@ -13,7 +13,7 @@ from stages.test_members import folder  # noqa: F401
 
 from vsb.report.animation import PERIODS
 from vsb.report.campaign_answer import leading
-from vsb.results.bins import Bins
+from vsb.results.year import Bins
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.stages import animated_year as module

@@ -7,7 +7,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from vsb.errors import ConfigError
-from vsb.results.bins import Bins
+from vsb.results.year import Bins
 from vsb.waves.climate import YEAR_HOURS
 
 

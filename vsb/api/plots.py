@@ -9,7 +9,7 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 
 from vsb.report.canvas import style
-from vsb.results.bins import HEIGHT, PERIOD
+from vsb.results.year import HEIGHT, PERIOD
 from vsb.study.study import BaseStudy
 
 FRAMES_PER_PERIOD = 24

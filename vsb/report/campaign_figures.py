@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from vsb.report.campaign_answer import is_verified, shown_member, told_bounds, told_gain
 from vsb.report.canvas import grid_of_axes, legend_above, note, plain_numbers, style
-from vsb.results.bins import HEIGHT, PERIOD
 from vsb.results.campaign import damper
+from vsb.results.year import HEIGHT, PERIOD
 from vsb.study.campaign import CONSTRAINED
 from vsb.tools.ports import kind_of
 from vsb.tools.words import quantity, superscripts

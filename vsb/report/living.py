@@ -16,8 +16,7 @@ import numpy.typing as npt
 
 from vsb.motion.port import Port
 from vsb.report.canvas import style
-from vsb.results.bins import bins_of
-from vsb.results.year import band_weights
+from vsb.results.year import band_weights, bins_of
 from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import superscripts

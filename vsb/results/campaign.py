@@ -25,7 +25,7 @@ TABLE = (
 OF_OPTIMA = ("power_bound", "impossible_share")
 """Variables only the tuning `constrained` has."""
 POWER, GAIN = (tuple(f"corrected_{name}" for name in names) for names in (POWER_IN_TIME, GAIN_IN_TIME))
-"""What runs in time say of a year (`vsb.results.verified_year`)."""
+"""What runs in time say of a year (`vsb.results.verification`)."""
 
 
 def stacked(members: Sequence[xr.Dataset], ids: Sequence[str]) -> xr.Dataset:
@@ -103,7 +103,7 @@ def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Data
     ds : Dataset
         See `gathered`.
     runs : sequence of Dataset
-        See `vsb.results.verified_year`, in the order of the members; none of a campaign that verifies nothing.
+        See `vsb.results.verification`, in the order of the members; none of a campaign that verifies nothing.
     """
     if not runs:
         return ds

@@ -1,28 +1,38 @@
 """A site's year within limits of force and stroke: the optimum of the mean spectrum of each occupied bin.
 
-Bins are taken in the order of the energy flux they bring, as many as a budget of time allows; how many that is follows
-from the size of the programmes and no clock, so that an answer does not depend on how busy a machine is. The rest of
-the year is bracketed: nothing, and what the best force of all would take.
+Bins are solved in the order of the energy flux they bring, as many as a budget of time allows; how many follows from
+the size of the programmes and no clock, so that results do not depend on how busy a machine is. The rest of the year is
+bracketed between zero and the matched power.
 
-A bin is two realisations of its mean spectrum, phases drawn apart and the same for all designs: what they differ by
-says how well few waves know the mean, and how well they know the gain of one design over another.
+A bin is two realisations of its mean spectrum, with independent phases that are the same for all designs: their scatter
+says how well few waves know the mean, and the gain of one design over another.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from vsb.errors import ConfigError, StabilityError
+from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, sensitivity_of_forces
 from vsb.motion.constrained import ConstrainedOptimum, NoForceFoundError, constrained_optimum
 from vsb.motion.force_bound import Harmonics, Limits
-from vsb.motion.port import Port
-from vsb.results.bins import Bins, bins_of
-from vsb.results.verification import half_width
-from vsb.study.study import Water
+from vsb.motion.port import Port, PortMotion
+from vsb.results.member import OF_LIMITS
+from vsb.results.statistics import stratified_half_width
+from vsb.results.validity import LIMITS, motion_limits, wave_limits
+from vsb.results.year import Bins, bins_of
+from vsb.scenes.directions import order_bases
+from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
+from vsb.shell.modes import ModeBasis
+from vsb.shell.reference import ReferenceShell
+from vsb.study.campaign import CONSTRAINED
+from vsb.study.study import Study, Water
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from vsb.waves.climate import OUTSIDE, Climate
+from vsb.waves.climate import OUTSIDE, YEAR_HOURS, Climate
 
 SECONDS_PER_CUBE = 4e-9
 """Time of one optimum over the third power of its harmonics, on one core of a usual machine [s]."""
@@ -31,7 +41,9 @@ SECONDS_AT_LEAST = 5e-3
 REALISATIONS = 2
 """Realisations of each bin."""
 SHORTEST, LONGEST = 4.0, 32.0
-"""Periods a sea may be taken to repeat in, over the mean energy period of the year [-]."""
+"""Periods after which a sea may be taken to repeat, over the mean energy period of the year [-]."""
+KEPT = 32
+"""Years of rigid designs that are kept: members with other shells share them."""
 
 
 class Bracket(NamedTuple):
@@ -44,13 +56,13 @@ class Bracket(NamedTuple):
 
 @dataclass(frozen=True)
 class ConstrainedYear:
-    """Optima within limits of the bins that were reached."""
+    """Optima within limits of the bins that were solved."""
 
     bins: Bins
     solved: IntArray  # bins, by the energy flux they bring (bin,)
     amplitude: ComplexArray  # of the waves (bin, realisation, harmonic) [m]
-    optima: tuple[tuple[ConstrainedOptimum | None, ...], ...]  # (bin, realisation); none: no force keeps the stroke
-    matched: FloatArray  # mean power of the best force of all, of every bin (hs, te) [W]
+    optima: tuple[tuple[ConstrainedOptimum | None, ...], ...]  # (bin, realisation); None: no force keeps the stroke
+    matched: FloatArray  # matched power of every bin (hs, te) [W]
     flux_share: float  # of the year's energy flux in the bins solved [-]
     undecided: FloatArray | float = 0.0  # bounds where no force was found, but none is ruled out (bin, realisation) [W]
 
@@ -88,35 +100,35 @@ class ConstrainedYear:
         return float(self.share @ none.mean(axis=1))
 
     @property
-    def taken(self) -> float:
-        """Mean power of the year, nothing in the bins not reached [W]."""
+    def absorbed(self) -> float:
+        """Mean power of the year, zero in the bins not solved [W]."""
         return float(self.share @ self._each("power").mean(axis=1))
 
     @property
     def bound(self) -> float:
-        """What no force within the limits exceeds in these waves, nor any force in the bins not reached [W]."""
+        """Bound of every force within the limits in these waves, of any force in the bins not solved [W]."""
         left = float(np.sum((self.bins.share * self.matched)[~self.reached]))
         return float(self.share @ (self._each("bound") + self.undecided).mean(axis=1)) + left
 
     @property
     def _whole(self) -> float:
-        """The year over what is solved of it: bins not reached take the same part of the matched power."""
+        """The year over what is solved of it: other bins are taken to absorb the same part of the matched power."""
         could, left = (float(np.sum((self.bins.share * self.matched)[at])) for at in (self.reached, ~self.reached))
         return 1 + left / could if could else 1.0
 
     @property
     def annual_mean_power(self) -> Bracket:
         """Mean power of the year, its bracket widened by what the realisations leave open [W]."""
-        half = half_width(self._draws)
-        return Bracket(self.taken * self._whole, max(0.0, self.taken - half), self.bound + half)
+        half = stratified_half_width(self._draws)
+        return Bracket(self.absorbed * self._whole, max(0.0, self.absorbed - half), self.bound + half)
 
     @property
     def _draws(self) -> FloatArray:
-        """Draws whose mean is the power taken, two of each bin one after the other [W]."""
+        """Draws whose mean is the power absorbed, two of each bin one after the other [W]."""
         return np.asarray((len(self.share) * self.share[:, None] * self._each("power")).ravel())
 
     def gain(self, over: "ConstrainedYear") -> Bracket | None:
-        """Return the gain over another design in the same waves [%]; none over nothing.
+        """Return the gain over another design in the same waves [%]; None over no power.
 
         Its interval is that of differences within pairs of realisations, widened by what is not proved.
         """
@@ -124,8 +136,8 @@ class ConstrainedYear:
         if not base > 0:
             return None
         ratio = self.annual_mean_power.mean / base
-        half = half_width((self._draws - ratio * over._draws) / over.taken)
-        least, most = self.taken / over.bound - half, self.bound / over.taken + half
+        half = stratified_half_width((self._draws - ratio * over._draws) / over.absorbed)
+        least, most = self.absorbed / over.bound - half, self.bound / over.absorbed + half
         return Bracket(100 * (ratio - 1), 100 * (least - 1), 100 * (most - 1))
 
     @property
@@ -145,25 +157,25 @@ def affordable(harmonics: Harmonics, seconds: float) -> int:
     return max(1, int(seconds / (SECONDS_AT_LEAST + SECONDS_PER_CUBE * harmonics.count**3) / REALISATIONS))
 
 
-def harmonics_of_year(climate: Climate, lowest: float, highest: float, seconds: float) -> Harmonics:
-    """Return harmonics so near each other that a budget of time allows the optima of all bins of a year.
+def harmonics_of_year(climate: Climate, omega_min: float, omega_max: float, seconds: float) -> Harmonics:
+    """Return the most closely spaced harmonics with which a budget of time allows the optima of all bins of a year.
 
     Parameters
     ----------
     climate : Climate
-    lowest, highest : float [rad/s]
+    omega_min, omega_max : float [rad/s]
         The band the force may be of.
     seconds : float
         Budget of time [s].
     """
     bins = bins_of(climate)
     each = seconds / (REALISATIONS * len(bins.occupied)) - SECONDS_AT_LEAST
-    apart = np.cbrt(max(each, 0.0) / SECONDS_PER_CUBE) - 1  # of one harmonic more
+    intervals = np.cbrt(max(each, 0.0) / SECONDS_PER_CUBE) - 1
     te = float(climate.te @ climate.hours)
-    period = np.clip(2 * np.pi * apart / (highest - lowest), SHORTEST * te, LONGEST * te)
+    period = np.clip(2 * np.pi * intervals / (omega_max - omega_min), SHORTEST * te, LONGEST * te)
     spacing = float(2 * np.pi / period)
-    first = max(1, int(np.ceil(lowest / spacing - 1e-9)))
-    return Harmonics(spacing, float(first), int(highest / spacing + 1e-9) - first + 1)
+    first = max(1, int(np.ceil(omega_min / spacing - 1e-9)))
+    return Harmonics(spacing, float(first), int(omega_max / spacing + 1e-9) - first + 1)
 
 
 def constrained_year(
@@ -256,3 +268,176 @@ def _optimum(port: Port, harmonics: Harmonics, amplitude: ComplexArray, limits: 
         return max(0.0, error.bound)
     except StabilityError:
         return 0.0
+
+
+# of a member of a campaign -------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Optima:
+    """Computes the years of designs within limits; a rigid design that members have in common is solved once."""
+
+    water: Callable[[ModeBasis, FloatArray], ShapeWater]  # coefficients of the member's shape at frequencies
+    seconds: float  # budget of each design [s]
+    seed: int
+    known: dict[bytes, ConstrainedYear] = field(default_factory=dict)
+
+    def __call__(
+        self,
+        study: Study,
+        reference: ReferenceShell,
+        climate: Climate,
+        omega_min: float,
+        left_out: FloatArray | None = None,
+    ) -> xr.Dataset:
+        """Return the years of designs within the limits of their take-off.
+
+        Parameters
+        ----------
+        study : Study
+            Of viable designs alone.
+        reference : ReferenceShell
+        climate : Climate
+        omega_min : float [rad/s]
+            Lowest frequency at which coefficients and waves are known.
+        left_out : ndarray, shape (design, end) [percentage points], optional
+            As of `vsb.results.left_out.gain_of_year`.
+        """
+        harmonics = harmonics_of_year(climate, omega_min, study.hydro.omega_max, self.seconds)
+        waves = designs_in_waves(study, reference, self.water(reference.basis, harmonics.port_omega))
+        found = {design: self._year(study, design, one, climate, harmonics) for design, one in waves.items()}
+        water, families = self.water(reference.basis, harmonics.omega), order_bases(study, reference.basis)
+        errors = water.errors(reference.basis, families, study.water)
+        return constrained_dataset(study, found, waves, climate, errors, left_out)
+
+    def _year(
+        self, study: Study, design: str, waves: InWaves, climate: Climate, harmonics: Harmonics
+    ) -> ConstrainedYear:
+        """The year of one design."""
+        limits = Limits(study.pto.force_limit, study.pto.stroke_limit)
+        port, water = waves.port, study.water
+        given = np.array([*limits, water.density, water.depth, water.gravity])  # of the energy flux
+        key = port.velocity.tobytes() + port.admittance.tobytes() + given.tobytes()
+        if key in self.known:
+            return self.known[key]
+        one = constrained_year(port, climate, water, harmonics, limits, self.seconds, self.seed)
+        if not study.designs[design].flexible:
+            if len(self.known) == KEPT:
+                del self.known[next(iter(self.known))]
+            self.known[key] = one
+        return one
+
+
+def constrained_dataset(
+    study: Study,
+    years: Mapping[str, ConstrainedYear],
+    waves: Mapping[str, InWaves],
+    climate: Climate,
+    errors: Sequence[CoefficientError] = (),
+    left_out: FloatArray | None = None,
+) -> xr.Dataset:
+    """Return the years of designs within limits as other tunings have theirs, and how far they are proved.
+
+    Intervals of gains are of what is not proved, of few waves, of errors of the coefficients and of shell modes left
+    out (design, end) [percentage points].
+    """
+    flux, columns = climate.flux(study.water), {}
+    reference = study.reference_design
+    slopes = {} if reference is None else _slopes(years, waves)
+    for i, (design, one) in enumerate(years.items()):
+        mean, low, high = one.annual_mean_power
+        flux_of_bins, none = one.bins.mean(flux), np.zeros(one.bins.shape)
+        width = np.divide(one.power_matrix, flux_of_bins, out=none.copy(), where=flux_of_bins > 0)
+        column: dict[str, float | FloatArray] = {
+            "annual_mean_power": mean,
+            "annual_energy": mean * YEAR_HOURS / 1e6,
+            "capture_width": mean / float(flux @ climate.hours),
+            "force_rms": one.force_rms,
+            "quadrature_error": (high - low) / 2,
+            "power_matrix": one.power_matrix,
+            "capture_width_matrix": width,
+            "damping": none,
+            "power_deviation": none,
+            "capture_width_deviation": none,
+            "power_bound": one.bound,
+            "optimum_gap": 1 - one.absorbed / one.bound if one.bound > 0 else 0.0,
+            "optimum_share": one.flux_share,
+            "optimum_excess": one.excess,
+            "impossible_share": one.impossible,
+        }
+        column |= _beyond(study, one, waves[design].motion, climate)
+        if reference is not None and (gain := one.gain(years[reference])) is not None:
+            by_coefficients = sum((slopes[design] - slopes[reference]).to(error) for error in errors)
+            half = by_coefficients * (100 + gain.mean)
+            below, above = (0.0, 0.0) if left_out is None else left_out[i]
+            ends = (gain.low - half + below, gain.high + half + above) if design != reference else (0.0, 0.0)
+            column |= {"gain_percent": gain.mean, "gain_low": ends[0], "gain_high": ends[1]}
+        columns[design] = column
+    dims = {0: (), 1: ("limit",), 2: ("hs", "te")}
+    names = next(iter(columns.values()))
+    together = {name: np.stack([np.asarray(column[name]) for column in columns.values()]) for name in names}
+    ds = xr.Dataset(
+        {name: (("design", *dims[value.ndim - 1]), value) for name, value in together.items()},
+        coords={"design": list(years)},
+    )
+    of_tuning = [name for name in ds.data_vars if name not in OF_LIMITS]
+    return ds.assign({name: ds[name].expand_dims(tuning=[CONSTRAINED], axis=1) for name in of_tuning})
+
+
+def _forces(one: ConstrainedYear) -> ComplexArray:
+    """Optimal forces of the bins solved, (bin, realisation, harmonic) [N]; 0 where no force keeps the limits."""
+    zero = np.zeros(one.amplitude.shape[-1], dtype=complex)
+    return np.array([[found.force if found else zero for found in pair] for pair in one.optima])
+
+
+def _slopes(years: Mapping[str, ConstrainedYear], waves: Mapping[str, InWaves]) -> dict[str, Sensitivity]:
+    """Derivatives of the year's power by the coefficients, by design."""
+    slopes = {}
+    for design, one in years.items():
+        _, each, count = one.amplitude.shape
+        free, forced = (part[:count] for part in waves[design].moved)  # those beyond are of limits alone
+        slopes[design] = sensitivity_of_forces(
+            waves[design].port.omega[:count],
+            (free, forced),
+            one.amplitude.reshape(-1, count),
+            _forces(one).reshape(-1, count),
+            one.absorbed,
+            np.repeat(one.share, each) / each,
+        )
+    return slopes
+
+
+def _beyond(study: Study, one: ConstrainedYear, motion: PortMotion, climate: Climate) -> dict[str, float | FloatArray]:
+    """Which part of the seas of each bin lies beyond what is described, and their shares of the energy.
+
+    Steepness is that of every sea; the motion is that of the mean spectrum of a bin, which marks all of it.
+    """
+    bins = one.bins
+    shares = {limit.name: bins.mean(limit.seas.astype(float)) for limit in wave_limits(climate, study.water)}
+    steep = bins.mean(np.any([limit.seas for limit in wave_limits(climate, study.water)], axis=0).astype(float))
+    moved = {name: one.matrix(values) for name, values in _motion_rms(one, motion).items()}
+    for limit in motion_limits({name: v.ravel() for name, v in moved.items()}, study.device.radius):
+        shares[limit.name] = limit.seas.reshape(bins.shape).astype(float)
+    marked = np.where(shares["deformation"] > 0, 1.0, steep)
+    energy = bins.share * one.power_matrix
+    total = max(float(energy.sum()), np.finfo(float).tiny)
+    return {
+        "beyond_validity": marked,
+        "energy_beyond": np.array([float((energy * shares[name]).sum()) / total for name in LIMITS]),
+        "energy_beyond_validity": float((energy * marked).sum()) / total,
+    }
+
+
+def _motion_rms(one: ConstrainedYear, motion: PortMotion) -> dict[str, FloatArray]:
+    """Root mean squares of heave and shell in the bins solved, shape (bin,) [m]; 0 where no force keeps the limits."""
+    count = one.amplitude.shape[-1]  # harmonics of the band, the first frequencies of the motion
+    force = _forces(one)
+    held = np.array([[o is not None for o in pair] for pair in one.optima])[..., None]
+    waves = np.where(held, one.amplitude, 0.0)
+    heave = waves * motion.heave[0][:count] - force * motion.heave[1][:count]
+    variance = (np.abs(heave) ** 2).sum(axis=-1).mean(axis=1) / 2
+    largest = np.zeros(len(variance))
+    for free, forced in zip(*(np.moveaxis(part, 1, 0) for part in motion.shell), strict=True):  # points
+        both = waves[..., None, :] * free[..., :count] - force[..., None, :] * forced[..., :count]
+        largest = np.maximum(largest, (np.abs(both) ** 2).sum(axis=(-1, -2)).mean(axis=1) / 2)
+    return {"heave": np.sqrt(variance), "deformation": np.sqrt(largest)}

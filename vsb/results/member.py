@@ -1,18 +1,23 @@
-"""A member of a campaign: one study over a site's year, what is not viable of it included."""
+"""A member of a campaign: the designs of one study over a site's year under every tuning, gains and their intervals.
 
-from collections.abc import Callable, Sequence
+A rigid design does not depend on material and thickness: members share its year, computed once.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
 import xarray as xr
 
-from vsb.results.bins import bins_of
-from vsb.results.damped_years import BY, CURVES, TRIED, DampedYears, Values
+from vsb.motion.coefficient_errors import CoefficientError, sensitivity
+from vsb.motion.port import Port
 from vsb.results.left_out import gain_of_year
-from vsb.results.validity import LIMITS
+from vsb.results.validity import LIMITS, beyond_validity
+from vsb.results.year import DesignYear, Tuning, Year, best_for_all, bins_of, gain_percent, year
 from vsb.scenes.directions import order_bases
-from vsb.scenes.ports import ShapeWater, designs_in_waves
-from vsb.scenes.viability import viability
+from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
+from vsb.scenes.viability import viability, with_designs
 from vsb.shell.modes import ModeBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.study.campaign import CONSTRAINED, Tunings
@@ -20,25 +25,32 @@ from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.waves.climate import Climate
 
+Values = Mapping[str, tuple[tuple[str, ...], AnyArray]]
+"""Dimensions and values by name; a dataset is made of them only at the end, which takes as long as computing them."""
 Labels = dict[str, list[str]]
 YearsWithin = Callable[[Study, ReferenceShell, Climate, float, FloatArray | None], xr.Dataset]
-"""Of viable designs, their shape, the climate, from a frequency on [rad/s], and what modes left out may change of gains
-(`gain_of_year`), to their years within limits."""
-BINS = ("hs", "te")
+"""Viable designs, their shape, climate, lowest frequency [rad/s], `gain_of_year` -> their years within limits."""
+
+BY, BINS = ("design", "tuning"), ("hs", "te")
 OF_DESIGNS = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "force_rms",
     "practice_power", "quadrature_error", "energy_beyond_validity",
 )  # fmt: skip
-OF_LIMITS = ("power_bound", "optimum_gap", "optimum_share", "optimum_excess", "impossible_share")
-"""What is said of the optima of a design beside what every tuning has."""
-TOLD: dict[str, tuple[str, ...]] = {"viable": ("design",), "reason": ("design",), "margin": ()}
-"""What is said of every design, viable or not, and of the shell."""
 MATRICES = (
     "damping", "power_matrix", "power_deviation", "capture_width_matrix", "capture_width_deviation", "beyond_validity",
 )  # fmt: skip
+CURVES = ("tried_damping", "power_of_damping", "force_of_damping")
+OF_LIMITS = ("power_bound", "optimum_gap", "optimum_share", "optimum_excess", "impossible_share")
+"""Variables of designs that only optima within limits have."""
+OF_ALL: dict[str, tuple[str, ...]] = {"viable": ("design",), "reason": ("design",), "margin": ()}
+"""Variables of every design, viable or not, and of the shell."""
+TRIED = np.geomspace(1 / 30, 30, 61)
+"""Dampers the curves are computed at, over the best one for the year."""
+KEPT = 32
+"""Rigid designs whose years are kept."""
 
 SAME_FOR_ALL = ("count", "occurrence")
-"""What is said of the year alone."""
+"""Variables of the year alone."""
 
 
 def member(
@@ -49,23 +61,23 @@ def member(
     optima: YearsWithin | None = None,
     known: dict[bytes, Values] | None = None,
 ) -> xr.Dataset:
-    """Return what every design of a study takes of a year under every tuning; NaN of designs that are not viable.
+    """Return the year of every design of a study under every tuning; NaN of designs that are not viable.
 
     Parameters
     ----------
     study : Study
     water : callable
-        Of the modes, to the coefficients of its shape; not called where there is no shape at rest.
+        Modes -> the coefficients of its shape; not called where there is no shape at rest.
     climate : Climate
     tunings : sequence of {'fixed', 'one', 'each', 'constrained'}
     optima : callable, optional
-        What finds the years within limits, `vsb.results.constrained_member.Optima`; needed for `constrained`.
+        Computes the years within limits, `vsb.results.constrained_year.Optima`; needed for `constrained`.
     known : dict, optional
-        Rigid designs of the members before, which members of other shells share; added to.
+        Rigid designs of earlier members; added to.
     """
     rest = viability(study)
     blank = _blank(tuple(study.designs), tuple(tunings), climate, study.reference_design is not None)
-    found = {name: (dims, values.copy()) for name, (dims, values) in _plain(blank).items()}
+    found = {name: (dims, values.copy()) for name, (dims, values) in _values(blank).items()}
     at: Labels = {"design": list(study.designs), "tuning": list(tunings)}
     if rest.viable:
         some, reference = rest.viable
@@ -73,29 +85,32 @@ def member(
         damped = DampedYears(climate, [one for one in tunings if one != CONSTRAINED], {} if known is None else known)
         here: Labels = {"design": list(some.designs), "tuning": [*damped.tunings]}
         errors = shape.errors(reference.basis, order_bases(some, reference.basis), some.water)
-        compared = some.reference_design is not None
         waves = designs_in_waves(some, reference, shape)
-        left_out = gain_of_year(some, reference, shape, climate, waves) if compared else None
+        left_out = None
+        if some.reference_design is not None:
+            left_out = gain_of_year(some, reference, shape, climate, waves)
         _fill(found, at, damped(some, waves, errors, left_out), here)
         if optima:
             within = optima(some, reference, climate, float(shape.omega[0]), left_out)
-            _fill(found, at, _plain(within), here | {"tuning": [CONSTRAINED]})
+            _fill(found, at, _values(within), here | {"tuning": [CONSTRAINED]})
     words = {**rest.doubts, **rest.reasons}
-    reasons = np.array([words.get(design, "") for design in study.designs], dtype=object)
-    told = {"viable": np.array([design not in rest.reasons for design in study.designs]), "reason": reasons}
-    filled = {name: values for name, (_, values) in found.items()} | told | {"margin": np.array(rest.margin)}
+    filled = {name: values for name, (_, values) in found.items()} | {
+        "viable": np.array([design not in rest.reasons for design in study.designs]),
+        "reason": np.array([words.get(design, "") for design in study.designs], dtype=object),
+        "margin": np.array(rest.margin),
+    }
     flux = bins_of(climate).mean(climate.flux(study.water))
     return blank.copy(data=filled).assign(flux_matrix=(BINS, flux))
 
 
-def _plain(ds: xr.Dataset) -> Values:
-    """Dimensions and values of the data of a dataset."""
+def _values(ds: xr.Dataset) -> Values:
+    """Dimensions and values of the variables of a dataset."""
     return {str(name): (tuple(map(str, ds.variables[name].dims)), ds.variables[name].values) for name in ds.data_vars}
 
 
 @lru_cache(maxsize=4)
 def _blank(designs: tuple[str, ...], tunings: tuple[str, ...], climate: Climate, compared: bool) -> xr.Dataset:
-    """All variables without a value, and how many seas a bin holds: made once, for it takes as long as to fill it."""
+    """All variables without values, and how many seas a bin holds; made once, for it takes as long as to fill it."""
     bins = bins_of(climate)
     sizes = {"design": len(designs), "tuning": len(tunings), "limit": len(LIMITS), "damper": len(TRIED)}
     sizes |= dict(zip(BINS, bins.shape, strict=True))
@@ -105,16 +120,131 @@ def _blank(designs: tuple[str, ...], tunings: tuple[str, ...], climate: Climate,
     dims |= dict.fromkeys(OF_LIMITS if CONSTRAINED in tunings else (), ("design",))
     values: dict[str, tuple[tuple[str, ...], AnyArray]]
     values = {name: (of, np.full([sizes[dim] for dim in of], np.nan)) for name, of in dims.items()}
-    told = {name: (of, np.zeros([sizes[dim] for dim in of])) for name, of in TOLD.items()}
+    of_all = {name: (of, np.zeros([sizes[dim] for dim in of])) for name, of in OF_ALL.items()}
     at = {"design": list(designs), "tuning": list(tunings), "limit": list(LIMITS)}
     of_bins = {"hs": bins.hs_centres, "te": bins.te_centres}
-    year = {"count": (BINS, bins.count), "occurrence": (BINS, bins.share)}
-    return xr.Dataset({**values, **year, **told}, coords=at | of_bins)
+    of_year = {"count": (BINS, bins.count), "occurrence": (BINS, bins.share)}
+    return xr.Dataset({**values, **of_year, **of_all}, coords=at | of_bins)
 
 
 def _fill(found: Values, at: Labels, of: Values, here: Labels) -> None:
-    """Put the values of some designs, and of some tunings, where they belong."""
+    """Put the values of some designs, and of some tunings, in their places."""
     for name in of.keys() & found.keys() - {*SAME_FOR_ALL, "flux_matrix"}:
         dims, values = of[name]
         places = [[at[dim].index(label) for label in here[dim]] for dim in BY if dim in dims]
         found[name][1][np.ix_(*places)] = values
+
+
+def ports_year(study: Study, ports: Mapping[str, Port], climate: Climate, tunings: Sequence[Tuning]) -> Year:
+    """Return the year of the designs of a study from their ports."""
+    dampers = {design: study.pto.damper(design) for design in study.designs}
+    given = {design: damping for design, damping in dampers.items() if damping is not None}
+    return year(ports, climate, study.water, tunings, given, study.reference_design)
+
+
+@dataclass(frozen=True)
+class DampedYears:
+    """Years of designs under dampers, and their mean power over a damper that stays the same all year."""
+
+    climate: Climate
+    tunings: Sequence[Tuning]
+    known: dict[bytes, Values] = field(default_factory=dict)  # of rigid designs of earlier members
+
+    def __call__(
+        self,
+        study: Study,
+        waves: Mapping[str, InWaves],
+        errors: Sequence[CoefficientError] = (),
+        left_out: FloatArray | None = None,
+    ) -> Values:
+        """Return the results of some designs of a study in waves, each shape (design, ...), and their gains.
+
+        Parameters
+        ----------
+        study : Study
+        waves : mapping design -> InWaves
+        errors : sequence of CoefficientError
+            Shared by all designs; with quadrature over frequency they make the intervals of gains.
+        left_out : ndarray, shape (design, end) [percentage points], optional
+            As of `vsb.results.left_out.gain_of_year`, added to these intervals.
+        """
+        keys = {name: self._key(study, name, one) for name, one in waves.items() if not study.designs[name].flexible}
+        parts = {name: self.known[key] for name, key in keys.items() if key in self.known}
+        if new := {name: one for name, one in waves.items() if name not in parts}:
+            found = self._computed(with_designs(study, list(new)), new)
+            for i, name in enumerate(new):
+                of_designs = {k: (dims[1:], values[i]) for k, (dims, values) in found.items() if dims[0] == "design"}
+                parts[name] = {k: value for k, value in of_designs.items() if not k.startswith("gain")}
+        if len(self.known) > KEPT:
+            self.known.clear()
+        self.known.update({key: parts[name] for name, key in keys.items()})
+        some = [parts[name] for name in waves]
+        together: dict[str, tuple[tuple[str, ...], AnyArray]] = {
+            name: (("design", *dims), np.stack([part[name][1] for part in some])) for name, (dims, _) in some[0].items()
+        }
+        if study.reference_design is None or "annual_mean_power" not in together:
+            return together
+        return {**together, **self._gains(study, waves, together, errors, left_out)}
+
+    def _key(self, study: Study, design: str, waves: InWaves) -> bytes:
+        """All that the year of a rigid design depends on in one climate."""
+        parts = (waves.port.velocity, waves.port.admittance, *waves.motion.heave, *waves.motion.shell)
+        pto, water = study.pto, study.water  # which the energy flux and breaking depend on, the port does not
+        given = (pto.stiffness, pto.damper(design) or 0.0, study.device.radius)
+        return (
+            b"".join(part.tobytes() for part in parts)
+            + np.array([*given, water.density, water.depth, water.gravity]).tobytes()
+        )
+
+    def _computed(self, study: Study, waves: Mapping[str, InWaves]) -> Values:
+        """Results of designs that are not known yet."""
+        ports = {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}
+        if not self.tunings:
+            return self._curves(ports, None)
+        of = ports_year(study, ports, self.climate, self.tunings)
+        beyond = beyond_validity(of, waves, study.pto.stiffness, study.device.radius)
+        return {**of.values, **beyond, **self._curves(ports, of)}
+
+    def _curves(self, ports: Mapping[str, Port], of: Year | None) -> Values:
+        """Mean power of the year and rms force of dampers that stay the same, each shape (design, damper)."""
+        years = [DesignYear(port, self.climate) for port in ports.values()]
+        known = of.damping[:, of.tunings.index("one"), 0] if of and "one" in of.tunings else None
+        tried = np.outer(best_for_all(years) if known is None else known, TRIED)
+        power = np.array([one.annual(dampers) for one, dampers in zip(years, tried, strict=True)])
+        found = (tried, power, np.sqrt(tried * power))
+        return {name: (("design", "damper"), values) for name, values in zip(CURVES, found, strict=True)}
+
+    def _gains(
+        self,
+        study: Study,
+        waves: Mapping[str, InWaves],
+        found: Values,
+        errors: Sequence[CoefficientError],
+        left_out: FloatArray | None,
+    ) -> Values:
+        """Gains over the reference under the same tuning, and their intervals by all known errors.
+
+        What errors of the coefficients do to the ratio of powers is taken at the given damper, else at the best one
+        for the year, near which the best ones of most of its energy lie.
+        """
+        reference = list(waves).index(study.reference_design or "")
+        power, error = (np.asarray(found[name][1], dtype=float) for name in ("annual_mean_power", "quadrature_error"))
+        if (gain := gain_percent(power, reference)) is None:
+            return {}
+        best, by_coefficients = np.asarray(found["tried_damping"][1])[:, len(TRIED) // 2], np.zeros(power.shape)
+        for j, tuning in enumerate(self.tunings):
+            slopes = []
+            for (design, one), damping in zip(waves.items(), best, strict=True):
+                damper = float(study.pto.damper(design) or 0.0) if tuning == "fixed" else float(damping)
+                squares, load = DesignYear(one.port, self.climate).squares, one.port.load(damper, study.pto.stiffness)
+                slopes.append(sensitivity(one.port.omega, one.moved, one.port, load, squares))
+            by_coefficients[:, j] = [sum((one - slopes[reference]).to(each) for each in errors) for one in slopes]
+        quadrature = np.divide(error, power, out=np.zeros_like(power), where=power > 0)
+        width = (quadrature + quadrature[reference] + by_coefficients) * (100 + gain)
+        width[reference] *= 0.0
+        low, high = (np.zeros((len(waves), 2)) if left_out is None else left_out).T[:, :, None]
+        return {
+            "gain_percent": (BY, gain),
+            "gain_low": (BY, gain - width + low),
+            "gain_high": (BY, gain + width + high),
+        }

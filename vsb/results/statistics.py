@@ -207,6 +207,30 @@ def half_width(samples: FloatArray, alike: FloatArray, covariance: FloatArray) -
     return student(freedom * (variance / rest) ** 2 if rest > 0 else np.inf) * float(np.sqrt(variance))
 
 
+def stratified_variance(draws: FloatArray) -> tuple[float, float]:
+    """Return the variance of the mean of draws, two of each stratum one after the other, and its degrees of freedom.
+
+    Notes
+    -----
+    Satterthwaite's F = (sum v)^2/sum v^2 of S strata with one degree each is about (S + 2)/3 where all scatter alike:
+    3 F - 2 would be right there. But a storm that is not drawn is missing in mean and variance at once. Of 1000
+    campaigns each of ten models 5/2 F - 3/2 covered the truth in 93.1 to 96.2 % (12 seas, year of NDBC 46042).
+    Differences that begin above a threshold of height, power or steepness are covered in 87 to 95 % (gains in 91 to
+    97 %) while seas above it hold 7 to 26 % of the energy, in 83 to 94 % at 5 %, in 77 to 95 % at 3 %; drawn by energy
+    alone it was 55 to 92, 48 to 66 and 50 to 86 %.
+    """
+    parts = (draws[0::2] - draws[1::2]) ** 2 / len(draws) ** 2
+    squares = float(np.sum(parts**2))
+    effective = float(parts.sum()) ** 2 / squares if squares > 0 else 1.0
+    return float(parts.sum()), min(float(len(parts)), 2.5 * effective - 1.5)
+
+
+def stratified_half_width(draws: FloatArray) -> float:
+    """Return half the 95 % interval of the mean of draws; see `stratified_variance`."""
+    variance, freedom = stratified_variance(draws)
+    return student(freedom) * float(np.sqrt(variance))
+
+
 class _Records(NamedTuple):
     """One design in all realisations of a sea."""
 

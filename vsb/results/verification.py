@@ -1,6 +1,6 @@
-"""A linear year corrected by few runs in time of a better model: which seas to run, and what they say.
+"""A linear year corrected by few runs in time of a better model: which seas to run, the runs, and what they say.
 
-Seas are drawn by the energy linear theory takes of them, the high and the steep more often, two within each of strata
+Seas are drawn by the energy linear theory expects of them, the high and the steep more often, two within each of strata
 of equal chance. What counts is the difference of the better model to linear theory in the very same waves: it is small,
 and so is its scatter, while that of the power itself, from sea to sea and within a record, drops out.
 
@@ -13,19 +13,32 @@ is sum (x - y)^2/(4 S^2).
 A record is `RECORD` energy periods of its sea after a start-up of `STARTUP` or more, as long as motions remember.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Literal
 
 import numpy as np
-from scipy.special import gammaincinv
+import xarray as xr
+from scipy.interpolate import CubicSpline
 
-from vsb.errors import ConfigError
-from vsb.motion.port import Port
-from vsb.results.statistics import Estimate, linear_batches, student
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.hydro.statespace import RadiationModel
+from vsb.integrators.simulate import legs
+from vsb.motion.builders import body_exact_scene, linear_scene
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.port import LinearPto
+from vsb.motion.system import System
+from vsb.results.campaign import GAIN, POWER
+from vsb.results.run_checks import energy_check
+from vsb.results.statistics import Estimate, linear_batches, stratified_half_width
 from vsb.results.year import Year
+from vsb.scenes.pause import best_pause_in_sea, refined_pause, with_pause
+from vsb.scenes.take_off import with_take_off
+from vsb.shell.deformed import DeformedShell
 from vsb.study.study import Simulation
-from vsb.tools.arrays import FloatArray, IntArray
+from vsb.study.take_off import Pto
+from vsb.tools.arrays import AnyArray, FloatArray, IntArray
 from vsb.waves.seas import Sea
 
 FEWEST = 4
@@ -35,7 +48,13 @@ STARTUP, RECORD = 3.0, 10.0
 DECAYS = 5.0
 """Start-up in decay times of the slowest motion, where that is longer: a ten-thousandth of its power is left."""
 LONGEST = 100.0
-"""Energy periods of a start-up: what remembers longer cannot be verified."""
+"""Energy periods of a start-up: motions that decay more slowly cannot be verified."""
+Model = Literal["linear", "body_exact"]
+UNLIMITED = Pto()
+"""A take-off without limits: a spring and a damper."""
+
+
+# seas to run --------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -58,15 +77,15 @@ def contributions(year: Year, tuning: str) -> FloatArray:
     Raises
     ------
     ConfigError
-        If the tuning is not there, or no design takes power.
+        If the tuning is not there, or no design absorbs power.
     """
     if tuning not in year.tunings:
         raise ConfigError(f"verify: received the tuning {tuning!r}, needs one of {', '.join(year.tunings)}")
-    taken = year.power[:, year.tunings.index(tuning)] * year.climate.hours
-    totals = taken.sum(axis=1)
+    energy = year.power[:, year.tunings.index(tuning)] * year.climate.hours
+    totals = energy.sum(axis=1)
     if not totals.any():
-        raise ConfigError(f"verify: received designs that take no power under {tuning}, needs one that does")
-    return np.asarray((taken[totals > 0] / totals[totals > 0, None]).mean(axis=0))
+        raise ConfigError(f"verify: received designs that absorb no power under {tuning}, needs one that does")
+    return np.asarray((energy[totals > 0] / totals[totals > 0, None]).mean(axis=0))
 
 
 def chances(year: Year, tuning: str) -> FloatArray:
@@ -80,8 +99,8 @@ def chances(year: Year, tuning: str) -> FloatArray:
     Notes
     -----
     Half by energy, a quarter by energy times Hs^4, a quarter by energy times (Hs/Te^2)^4. What linear theory leaves out
-    grows with height or steepness, at first with its square, beyond a threshold faster: the chances that scatter least
-    are in proportion to the difference itself. No sea weighs more than twice what it does by energy alone.
+    grows with height or steepness, at first with its square, beyond a threshold faster: chances in proportion to the
+    difference itself scatter least. No sea weighs more than twice what it does by energy alone.
     """
     energy, seas = contributions(year, tuning), year.climate
     high, steep = (energy * grows for grows in (seas.hs**4, (seas.hs / seas.te**2) ** 4))
@@ -108,8 +127,8 @@ def drawn(share: FloatArray, hours: FloatArray, seas: int, seed: int) -> Sample:
 
     Notes
     -----
-    Seas lie in the order of the chance of an hour of them on a line of their chances, which is cut evenly: one on a cut
-    belongs to both sides, each with its part.
+    Seas are put in the order of their chance per hour on a line of their chances, which is cut evenly into strata; a
+    sea on a cut belongs to both sides, each with its part.
     """
     if seas < FEWEST or seas % 2:
         raise ConfigError(f"verify.seas: received {seas}, needs an even number of at least {FEWEST}")
@@ -122,12 +141,111 @@ def drawn(share: FloatArray, hours: FloatArray, seas: int, seed: int) -> Sample:
     return Sample(sea, random.integers(2**31, size=seas), hours[sea] / share[sea])
 
 
-class Correction(NamedTuple):
-    """What runs in time say about one design's year."""
+# runs ---------------------------------------------------------------------------------------------------------------
 
-    power: Estimate  # corrected annual mean power [W]
-    gain_percent: Estimate | None  # over the reference; none of itself, of nothing, or without one
-    fewer_hours: float  # times as many hours plain averaging needs at least, at odds of three to one [-]
+
+def record_of(te: float, decay: float, settings: Simulation) -> Simulation:
+    """Return the run in time of a sea: long enough in its periods, from rest.
+
+    Parameters
+    ----------
+    te : float
+        Energy period of the sea [s].
+    decay : float
+        Longest decay time of the motions it excites [s].
+    settings : Simulation
+        Tolerance and method.
+
+    Raises
+    ------
+    ConfigError
+        If the motions decay too slowly.
+    """
+    startup = max(STARTUP * te, DECAYS * decay)
+    if startup > LONGEST * te:
+        raise ConfigError(
+            f"verify: received motions that decay in {decay:.4g} s in a sea of Te {te:.3g} s, whose start-up no record "
+            f"outlasts; needs less than {LONGEST / DECAYS * te:.4g} s: device.damping or pto.damping"
+        )
+    end = startup + RECORD * te
+    return settings.model_copy(
+        update={"duration": end, "window": (startup, end), "initial_position": 0.0, "initial_velocity": 0.0}
+    )
+
+
+@dataclass(frozen=True)
+class DesignInTime:
+    """One design with its take-off, ready for any sea."""
+
+    buoy: LinearBuoy
+    shape: DeformedShell
+    radiation: RadiationModel
+    motions: FloatArray  # motions the design allows (dof, free)
+    take_off: LinearPto
+    pto: Pto = UNLIMITED  # its law and its limits in time
+
+    def with_damping(self, damping: float) -> "DesignInTime":
+        """Return the design with another damper [N s/m]."""
+        return replace(self, take_off=replace(self.take_off, damping=damping))
+
+    def decay_time(self, omega_max: float) -> float:
+        """Return the longest decay time 1/(zeta omega) of natural motions up to a frequency, beside the damper [s]."""
+        omega, ratio = replace(self.buoy, pto=self.take_off).natural_modes(self.motions)
+        return float(np.max(1 / (ratio * omega)[omega <= omega_max], initial=0.0))
+
+    def powers(self, sea: Sea, settings: Simulation, model: Model = "body_exact") -> tuple[float, float]:
+        """Return mean power over the window [W], by the model and by linear theory in the same waves.
+
+        Parameters
+        ----------
+        sea : Sea
+            A realisation, see `vsb.waves.climate.realised`.
+        settings : Simulation
+            Its window begins after the transient, which linear theory does not have.
+        model : {'body_exact', 'linear'}
+        """
+        direction, damping = self.take_off.direction(len(self.buoy.mass)), float(self.take_off.damping)
+        port = self.buoy.port(sea.omega, self.motions, direction).beside(float(self.take_off.stiffness))
+        velocity = port.velocity_under(port.load(damping)) * sea.amplitude
+        linear = float(linear_batches(sea.omega, velocity, damping, settings.window, 1)[0])
+        return self._run(sea, settings, model), linear
+
+    def _run(self, sea: Sea, settings: Simulation, model: Model) -> float:
+        """Mean power over the window by a run [W]; `ConvergenceError` if its energy audit fails."""
+        buoy = replace(self.buoy, pto=self.take_off)
+        scene = linear = linear_scene(buoy, self.radiation, sea, self.motions)
+        if model != "linear":
+            scene = body_exact_scene(buoy, self.shape, self.radiation, sea, self.motions)
+        scene = with_take_off(scene, self.pto, self.take_off)
+        if self.pto.pauses and scene.law:  # or nothing there moves
+            best = best_pause_in_sea(with_take_off(linear, self.pto, self.take_off), sea, settings)
+            scene = with_pause(scene, (best if model == "linear" else refined_pause(scene, best, sea, settings)).pause)
+        absorbed = []
+        for leg in legs(System.of(scene), sea, settings, buoy.spectrum):
+            absorbed.append((leg.motion.time, leg.energy["pto"]))
+        check_audit(settings, leg.balance.residual)
+        first = [0] + [1] * (len(absorbed) - 1)  # a leg begins where the one before ended
+        time, energy = (np.concatenate([one[k][i:] for one, i in zip(absorbed, first, strict=True)]) for k in (0, 1))
+        start, end = settings.window
+        return float(np.diff(CubicSpline(time, energy)([start, end]))[0] / (end - start))
+
+
+def check_audit(settings: Simulation, residual: float) -> None:
+    """Refuse the power of a run whose energy audit fails.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    check = energy_check(settings, residual)
+    if check.verdict == "fail":
+        raise ConvergenceError(
+            f"the energy audit fails: {residual:.1e} of the energy is missing, needs {check.limit:.0e}; lower "
+            "simulation.tolerance"
+        )
+
+
+# the corrected year -------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -150,7 +268,7 @@ class Verification:
 
     @property
     def corrected(self) -> FloatArray:
-        """Corrected annual mean power, shape (design,) [W]; what the draws say where linear theory takes nothing."""
+        """Corrected annual mean power, shape (design,) [W]; the mean of draws where linear theory absorbs nothing."""
         return np.asarray(self._scale * self._better.mean(axis=1))
 
     @property
@@ -165,7 +283,7 @@ class Verification:
 
     @property
     def _scale(self) -> FloatArray:
-        """Year by linear theory over what the draws say of it, shape (design,) [-]; 1 where nothing is taken."""
+        """Year by linear theory over its estimate from the draws, shape (design,) [-]; 1 where nothing is absorbed."""
         mean = self._linear.mean(axis=1)
         return np.asarray(np.divide(self.linear_year, mean, out=np.ones_like(mean), where=mean > 0))
 
@@ -174,33 +292,13 @@ class Verification:
         return _estimate(float(self.corrected[design]), self.differences[design])
 
     def gain(self, design: int, reference: int) -> Estimate | None:
-        """Return the gain of the corrected year over another design's and its interval [%]; nothing over nothing."""
+        """Return the gain of the corrected year over another design's and its interval [%]; None over no power."""
         base = float(self.corrected[reference])
         if design == reference or not base > 0:
             return None
         ratio = float(self.corrected[design]) / base
         left = self.differences[design] - ratio * self.differences[reference]
         return _estimate(100 * (ratio - 1), 100 * left / base)
-
-    def fewer_hours(self, design: int) -> float:
-        """Return how many times as many hours random seas of the better model, averaged, need for this variance.
-
-        The variance of few draws is itself uncertain: taken is the one that is not exceeded at odds of three to one.
-        """
-        factor = float(self.corrected[design]) / float(self.linear_year[design])
-        powers = self.linear_seas[design]
-        between = float(self.hours @ (powers - self.linear_year[design]) ** 2)
-        noise = (self.linear[design] - powers[self.sample.sea]) ** 2
-        within = float(np.mean(self.sample.weight * noise))
-        variance, freedom = _variance(self.differences[design])
-        rarely = 2 * float(gammaincinv(freedom / 2, 0.25))  # chi squared that is met in three of four
-        own = len(self.sample.sea) * variance * freedom / rarely
-        return factor**2 * (between + within) / own if own > 0 else np.inf
-
-    def correction(self, design: int, reference: int | None) -> Correction:
-        """Return all that is said about a design."""
-        gain = None if reference is None else self.gain(design, reference)
-        return Correction(self.power(design), gain, self.fewer_hours(design))
 
 
 def verified(year: Year, tuning: str, sample: Sample, better: FloatArray, linear: FloatArray) -> Verification:
@@ -232,73 +330,61 @@ def verified(year: Year, tuning: str, sample: Sample, better: FloatArray, linear
     return Verification(year.annual_mean_power[:, j], seas, year.climate.hours, sample, better, linear)
 
 
-def _variance(draws: FloatArray) -> tuple[float, float]:
-    """Variance of the mean of draws, two of each stratum, and its degrees of freedom.
-
-    Satterthwaite's F = (sum v)^2/sum v^2 of S strata with one degree each is about (S + 2)/3 where all scatter alike:
-    3 F - 2 would be right there. But a storm that is not drawn is missing in mean and variance at once. Of 1000
-    campaigns each of ten models 5/2 F - 3/2 covered the truth in 93.1 to 96.2 % (12 seas, year of NDBC 46042).
-    Differences that begin above a threshold of height, power or steepness are covered in 87 to 95 % (gains in 91 to
-    97 %) while seas above it hold 7 to 26 % of the energy, in 83 to 94 % at 5 %, in 77 to 95 % at 3 %; drawn by energy
-    alone it was 55 to 92, 48 to 66 and 50 to 86 %.
-    """
-    parts = (draws[0::2] - draws[1::2]) ** 2 / len(draws) ** 2
-    squares = float(np.sum(parts**2))
-    effective = float(parts.sum()) ** 2 / squares if squares > 0 else 1.0
-    return float(parts.sum()), min(float(len(parts)), 2.5 * effective - 1.5)
-
-
-def half_width(draws: FloatArray) -> float:
-    """Return half the interval of the mean of draws, two of each stratum one after the other."""
-    variance, freedom = _variance(draws)
-    return student(freedom) * float(np.sqrt(variance))
-
-
 def _estimate(mean: float, draws: FloatArray) -> Estimate:
     """An estimate with the interval its draws give."""
-    half = half_width(draws)
+    half = stratified_half_width(draws)
     return Estimate(mean, mean - half, mean + half)
 
 
-def record_of(te: float, decay: float, settings: Simulation) -> Simulation:
-    """Return the run in time of a sea: long enough in its periods, from rest.
-
-    Parameters
-    ----------
-    te : float
-        Energy period of the sea [s].
-    decay : float
-        Longest decay time of the motions it excites [s].
-    settings : Simulation
-        Tolerance and method.
+def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:
+    """Return the corrected year of every design under a tuning with its intervals, and the runs behind it.
 
     Raises
     ------
     ConfigError
-        If the motions remember for too long.
+        If the corrected power of the reference is not above 0, over which gains are.
     """
-    startup = max(STARTUP * te, DECAYS * decay)
-    if startup > LONGEST * te:
+    powers = [runs.power(i) for i in range(len(year.designs))]
+    values: dict[str, tuple[tuple[str, ...], AnyArray]] = {
+        name: (("design",), column) for name, column in zip(POWER, np.array(powers).T, strict=True)
+    }
+    if year.reference is not None:
+        gains = _gains(year, runs, year.tunings.index(tuning)).T
+        values |= {name: (("design",), column) for name, column in zip(GAIN, gains, strict=True)}
+    sea = runs.sample.sea
+    drawn = {"sea": sea, "seed": runs.sample.seed, "weight": runs.sample.weight}
+    drawn |= {"hs": year.climate.hs[sea], "te": year.climate.te[sea]}
+    values |= {f"drawn_{name}": (("draw",), column) for name, column in drawn.items()}
+    powers_of = {"run_power": runs.better, "linear_run_power": runs.linear, "drawn_power": runs.linear_seas[:, sea]}
+    values |= {name: (("design", "draw"), power) for name, power in powers_of.items()}
+    return xr.Dataset(values, coords={"design": list(year.designs)})
+
+
+def without_power(year: Year) -> xr.Dataset:
+    """Return the corrected year of designs that absorb nothing by linear theory, so that no sea is drawn."""
+    nothing = ("design", np.zeros(len(year.designs)))
+    missing = ("design", np.full(len(year.designs), np.nan))
+    values = dict.fromkeys(POWER, nothing) | (dict.fromkeys(GAIN, missing) if year.reference is not None else {})
+    return xr.Dataset(values, coords={"design": list(year.designs)})
+
+
+def _gains(year: Year, runs: Verification, tuning: int) -> FloatArray:
+    """Gains of all designs over the reference and their intervals, none of its own; NaN if it absorbs nothing."""
+    at = year.designs.index(str(year.reference))
+    if not year.annual_mean_power[at, tuning] > 0:
+        return np.full((len(year.designs), len(GAIN)), np.nan)
+    if not (base := float(runs.corrected[at])) > 0:
         raise ConfigError(
-            f"verify: received motions that decay in {decay:.4g} s in a sea of Te {te:.3g} s, whose start-up no record "
-            f"outlasts; needs less than {LONGEST / DECAYS * te:.4g} s: device.damping or pto.damping"
+            f"verify: received a corrected power of {base:.4g} W of the rigid {year.reference}; needs more than 0 W, "
+            "more seas or a longer simulation.window"
         )
-    end = startup + RECORD * te
-    return settings.model_copy(
-        update={"duration": end, "window": (startup, end), "initial_position": 0.0, "initial_velocity": 0.0}
-    )
+    return np.array([runs.gain(i, at) or Estimate(0.0, 0.0, 0.0) for i in range(len(year.designs))])
 
 
-def linear_power(port: Port, sea: Sea, damping: float, window: tuple[float, float]) -> float:
-    """Return the mean power of linear theory in a realisation over a window, after all transients [W].
-
-    Parameters
-    ----------
-    port : Port
-        At the frequencies of the sea.
-    sea : Sea
-    damping : float [N s/m]
-    window : tuple of float [s]
-    """
-    velocity = port.velocity_under(port.load(damping)) * sea.amplitude
-    return float(linear_batches(sea.omega, velocity, damping, window, 1)[0])
+def with_all_designs(found: xr.Dataset, designs: Sequence[str], reference: str | None) -> xr.Dataset:
+    """Return a dataset of viable designs extended to all designs, NaN where a design is not viable."""
+    names = (*POWER, *(GAIN if reference is not None else ()))
+    blank = xr.Dataset({name: ("design", np.full(len(designs), np.nan)) for name in names})
+    blank = blank.assign_coords(design=list(designs))
+    whole = blank.assign(found.reindex(design=list(designs)).data_vars)
+    return whole.assign(viable=("design", np.isin(designs, found.design.values)))

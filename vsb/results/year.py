@@ -1,9 +1,9 @@
-"""A site's year: what every design takes of every measured sea, under every tuning; matrices by IEC TS 62600-100.
+"""A site's year: power of every design in every measured sea under every tuning, and bins of Hs and Te.
 
 Mean power of one sea is int 2 S(w) P(w; c) dw, P the power of a damper c per squared wave amplitude. A spectrum is
-known as means over bands, so this is one product of the spectra with P integrated over each band. P goes on straight
-lines between the frequencies of a port: the weights are positive, the order is two, and the error is a third of what
-the answer changes by with every other frequency.
+known as means over bands, so this is one product of the spectra with P integrated over each band. P is interpolated
+linearly between the frequencies of a port: the weights are positive, the order is two, and the error is a third of what
+the answer changes by with every other frequency. Matrices over bins follow IEC TS 62600-100.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,7 +18,6 @@ import xarray as xr
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
 from vsb.motion.tuning import Take, best_damper_of_each, best_of_table, dampers
-from vsb.results.bins import Bins, bins_of
 from vsb.study.study import Water
 from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.variables import described
@@ -27,23 +26,108 @@ from vsb.waves.scatter import climate_of_cells
 
 Tuning = Literal["fixed", "one", "each"]
 TUNINGS: tuple[Tuning, ...] = ("fixed", "one", "each")
-"""As given; one best damper for the year; the best in each sea."""
+"""Given damper; one best damper for the year; the best in each sea."""
 PART = 0.005
 """Distance of the frequencies of a port, as a part of them: every band of a climate is cut evenly into such parts."""
 PRACTICE_GAMMA = 3.3
 """Peakedness of the JONSWAP seas at bin centres which usual practice puts in the place of spectra."""
 
 
-def frequencies(climate: Climate, lowest: float, highest: float) -> FloatArray:
-    """Return frequencies at which to take a port for a climate, ascending [rad/s].
+HEIGHT = 0.5
+"""Width of bins of significant wave height [m]."""
+PERIOD = 1.0
+"""Width of bins of energy period [s]."""
+
+
+@dataclass(frozen=True)
+class Bins:
+    """Half-open bins of IEC TS 62600-100: [0.5 i, 0.5 (i + 1)) m of Hs, [j, j + 1) s of Te, to the highest occupied."""
+
+    hs: FloatArray  # (sea,) [m]
+    te: FloatArray  # (sea,) [s]
+    hours: FloatArray  # share of the year of each sea (sea,) [-]
+
+    @cached_property
+    def _at(self) -> tuple[IntArray, IntArray]:
+        """Row and column of each sea."""
+        return np.floor(self.hs / HEIGHT).astype(np.intp), np.floor(self.te / PERIOD).astype(np.intp)
+
+    @cached_property
+    def shape(self) -> tuple[int, int]:
+        """Number of bins of height and of period."""
+        return int(self._at[0].max()) + 1, int(self._at[1].max()) + 1
+
+    @cached_property
+    def index(self) -> IntArray:
+        """Bin of each sea, rows one after the other, shape (sea,)."""
+        return np.asarray(self._at[0] * self.shape[1] + self._at[1])
+
+    @property
+    def hs_centres(self) -> FloatArray:
+        """Centres of the bins of height, shape (hs,) [m]."""
+        return np.asarray(HEIGHT * (np.arange(self.shape[0]) + 0.5))
+
+    @property
+    def te_centres(self) -> FloatArray:
+        """Centres of the bins of period, shape (te,) [s]."""
+        return np.asarray(PERIOD * (np.arange(self.shape[1]) + 0.5))
+
+    @cached_property
+    def count(self) -> IntArray:
+        """Number of seas, shape (hs, te)."""
+        return np.asarray(np.bincount(self.index, minlength=self.shape[0] * self.shape[1]).reshape(self.shape))
+
+    @cached_property
+    def share(self) -> FloatArray:
+        """Share of the year, shape (hs, te) [-]."""
+        return self.total(self.hours)
+
+    @cached_property
+    def occupied(self) -> IntArray:
+        """Bins that hold seas, as `index`, ascending, shape (bin,)."""
+        return np.asarray(np.flatnonzero(self.count))
+
+    @property
+    def centres(self) -> tuple[FloatArray, FloatArray]:
+        """Hs and Te at the centres of the occupied bins, each shape (bin,)."""
+        row, column = np.unravel_index(self.occupied, self.shape)
+        return self.hs_centres[row], self.te_centres[column]
+
+    def total(self, values: FloatArray) -> FloatArray:
+        """Return sums over the seas of each bin, shape (hs, te), of values, shape (sea,)."""
+        size = self.shape[0] * self.shape[1]
+        return np.asarray(np.bincount(self.index, values, minlength=size).reshape(self.shape))
+
+    def mean(self, values: FloatArray) -> FloatArray:
+        """Return means over the seas of each bin, weighted by their hours, shape (hs, te); 0 where there are none."""
+        return np.divide(self.total(self.hours * values), self.share, out=np.zeros(self.shape), where=self.share > 0)
+
+    def deviation(self, values: FloatArray) -> FloatArray:
+        """Return standard deviations within each bin, weighted by hours, shape (hs, te); 0 where there are none.
+
+        Notes
+        -----
+        Of the bin's own seas, N below the line: Formula D.5 of Edition 2.
+        """
+        return np.sqrt(self.mean((values - self.mean(values).ravel()[self.index]) ** 2))
+
+
+@lru_cache(maxsize=4)
+def bins_of(climate: Climate) -> Bins:
+    """Return the bins of the seas of a climate: all designs and members over it share them."""
+    return Bins(climate.hs, climate.te, climate.hours)
+
+
+def frequencies(climate: Climate, omega_min: float, omega_max: float) -> FloatArray:
+    """Return frequencies at which to compute a port for a climate, ascending [rad/s].
 
     Parameters
     ----------
     climate : Climate
-    lowest, highest : float [rad/s]
+    omega_min, omega_max : float [rad/s]
         The band the hydrodynamics are known in.
     """
-    edges = np.unique(np.clip(climate.edges, lowest, highest))
+    edges = np.unique(np.clip(climate.edges, omega_min, omega_max))
     parts = [
         np.linspace(a, b, int(np.ceil((b - a) / (PART * (a + b) / 2))), endpoint=False) for a, b in pairwise(edges)
     ]
@@ -81,7 +165,7 @@ def _band_weights(frequencies: bytes, limits: bytes) -> FloatArray:
 
 @dataclass(frozen=True)
 class DesignYear:
-    """One design over a climate: its port, and the weights of the port's frequencies in each band."""
+    """One design over a climate."""
 
     port: Port
     climate: Climate
@@ -104,8 +188,8 @@ class DesignYear:
         """Squared amplitudes of the year's mean spectrum at the frequencies of the port, shape (omega,) [m^2]."""
         return np.asarray(self.climate.mean_density @ self.weights)
 
-    def take(self, tuning: Tuning, damping: float | None) -> Take:
-        """Return what it takes under a tuning, `fixed` and `one` with a damper [N s/m].
+    def absorbed(self, tuning: Tuning, damping: float | None) -> Take:
+        """Return damper and absorbed power in each sea under a tuning, `fixed` and `one` with a damper [N s/m].
 
         Raises
         ------
@@ -129,22 +213,16 @@ class DesignYear:
 
 
 def gain_percent(power: FloatArray, reference: int) -> FloatArray | None:
-    """Return gains of mean powers over those of one of the designs, (design, tuning) [%].
+    """Return gains of mean powers (design, tuning) over those of one of the designs [%].
 
-    Under a tuning with which that design takes nothing they are missing, NaN; under all of them there are none.
+    NaN under a tuning with which that design absorbs nothing; None if that is so under all of them.
     """
     base = np.where(power[reference] > 0, power[reference], np.nan)
     return None if np.isnan(base).all() else np.asarray(100 * (power / base - 1))
 
 
 def best_for_all(years: Sequence[DesignYear]) -> FloatArray:
-    """Return the one damper that takes most over the year for each of some designs, shape (design,) [N s/m].
-
-    Parameters
-    ----------
-    years : sequence of DesignYear
-        Over one climate.
-    """
+    """Return the one damper that absorbs most over the year for each design, shape (design,) [N s/m]."""
     shared = all(np.array_equal(one.port.omega, years[0].port.omega) for one in years)
     together = [list(years)] if shared else [[one] for one in years]
     return np.concatenate([best_damper_of_each([one.port for one in some], some[0].squares) for some in together])
@@ -152,7 +230,7 @@ def best_for_all(years: Sequence[DesignYear]) -> FloatArray:
 
 @dataclass(frozen=True)
 class Year:
-    """What every design takes of a site's year under every tuning."""
+    """Power of every design in every sea of a site's year under every tuning."""
 
     climate: Climate
     water: Water
@@ -162,7 +240,7 @@ class Year:
     power: FloatArray  # (design, tuning, sea) [W]
     practice: FloatArray  # mean power of JONSWAP seas at the centres of the occupied bins (design, tuning) [W]
     quadrature_error: FloatArray  # of the mean power (design, tuning) [W]
-    reference: str | None = None  # design gains are over
+    reference: str | None = None  # design that gains are over
     notes: tuple[str, ...] = ()
 
     @cached_property
@@ -197,7 +275,7 @@ class Year:
 
     @property
     def gain_percent(self) -> FloatArray | None:
-        """Gain of the mean power over the reference under the same tuning, (design, tuning) [%]; none over nothing."""
+        """Gain of the mean power over the reference under the same tuning, (design, tuning) [%]; see `gain_percent`."""
         return gain_percent(self.annual_mean_power, self.designs.index(self.reference)) if self.reference else None
 
     def matrices(self, values: FloatArray, of: str = "mean") -> FloatArray:
@@ -266,7 +344,10 @@ def year(
         If `fixed` lacks a damper, or more than a hundredth of the waves lie beyond the frequencies of a port.
     """
     given = dict(dampings or {})
-    _check_given(ports, tunings, given)
+    if unknown := [tuning for tuning in tunings if tuning not in TUNINGS]:
+        raise ConfigError(f"tuning: received {unknown[0]!r}, needs one of {', '.join(TUNINGS)}")
+    if lacking := [design for design in ports if "fixed" in tunings and design not in given]:
+        raise ConfigError(f"tuning: received fixed without a damping of {lacking[0]}, needs pto.damping")
     outside = max(climate.variance_outside(port.omega[0], port.omega[-1]) for port in ports.values())
     if outside > OUTSIDE:
         low, high = (f(p.omega[k] for p in ports.values()) for f, k in ((max, 0), (min, -1)))
@@ -275,53 +356,40 @@ def year(
             f"which hydrodynamics are known in, needs at most {OUTSIDE:.0%}; raise hydro.omega_max"
         )
     here = [DesignYear(port, climate) for port in ports.values()]
-    rough, there = (
-        [one.coarser() for one in here],
-        [DesignYear(port, _practice(climate, PRACTICE_GAMMA)) for port in ports.values()],
-    )
-    fine, coarse = (_takes(ports, years, tunings, given) for years in (here, rough))
-    errors = [[_error(climate, *both) for both in zip(*rows, strict=True)] for rows in zip(fine, coarse, strict=True)]
-    practice = [
-        [_of_practice(one, tuning, take) for tuning, take in zip(tunings, takes, strict=True)]
-        for one, takes in zip(there, fine, strict=True)
+    fine, coarse = (_absorbed(ports, years, tunings, given) for years in (here, [one.coarser() for one in here]))
+    errors = [
+        [abs(float((take.power - rough.power) @ climate.hours)) / 3 for take, rough in zip(*rows, strict=True)]
+        for rows in zip(fine, coarse, strict=True)
     ]
+    practice = []
+    for port, takes in zip(ports.values(), fine, strict=True):
+        there = DesignYear(port, _practice(climate, PRACTICE_GAMMA))
+        powers = []
+        for tuning, take in zip(tunings, takes, strict=True):  # the same damper, or the best in each sea
+            absorbed = there.absorbed("each" if tuning == "each" else "fixed", float(take.damping[0])).power
+            powers.append(float(absorbed @ there.climate.hours))
+        practice.append(powers)
     damping, power = (np.array([[take[k] for take in takes] for takes in fine]) for k in (0, 1))
     notes = (*climate.notes, f"{outside:.3%} of the variance lies outside the frequencies solved and is not counted")
     names = (tuple(ports), tuple(tunings))
     return Year(climate, water, *names, damping, power, np.array(practice), np.array(errors), reference, notes)
 
 
-def _takes(
+def _absorbed(
     designs: Iterable[str], years: Sequence[DesignYear], tunings: Sequence[Tuning], given: Mapping[str, float]
 ) -> list[list[Take]]:
-    """What each design takes under each tuning."""
+    """Damper and power of each design under each tuning."""
     best = best_for_all(years) if "one" in tunings else np.zeros(len(years))
-    dampers = [{"fixed": given.get(design), "one": float(one)} for design, one in zip(designs, best, strict=True)]
-    return [[one.take(t, damper.get(t)) for t in tunings] for one, damper in zip(years, dampers, strict=True)]
-
-
-def _check_given(designs: Iterable[str], tunings: Sequence[str], given: Mapping[str, float]) -> None:
-    """Check that tunings are known and `fixed` has its dampers."""
-    if unknown := [tuning for tuning in tunings if tuning not in TUNINGS]:
-        raise ConfigError(f"tuning: received {unknown[0]!r}, needs one of {', '.join(TUNINGS)}")
-    if lacking := [design for design in designs if "fixed" in tunings and design not in given]:
-        raise ConfigError(f"tuning: received fixed without a damping of {lacking[0]}, needs pto.damping")
+    found = []
+    for design, one, damper in zip(designs, years, best, strict=True):
+        dampers = {"fixed": given.get(design), "one": float(damper)}
+        found.append([one.absorbed(tuning, dampers.get(tuning)) for tuning in tunings])
+    return found
 
 
 @lru_cache(maxsize=2)
 def _practice(climate: Climate, gamma: float) -> Climate:
-    """JONSWAP seas at the centres of the occupied bins."""
+    """JONSWAP seas at the centres of the occupied bins, as usual practice computes a year."""
     bins = bins_of(climate)
     share = bins.share.ravel()[bins.occupied]
     return climate_of_cells(*bins.centres, share, gamma, f"{climate.name}, JONSWAP at bin centres")
-
-
-def _of_practice(there: DesignYear, tuning: Tuning, take: Take) -> float:
-    """Mean power of a year of seas at bin centres under the tuning: the same damper, or each its own best one."""
-    at = there.take("each" if tuning == "each" else "fixed", float(take.damping[0]))
-    return float(at.power @ there.climate.hours)
-
-
-def _error(climate: Climate, take: Take, rough: Take) -> float:
-    """Error of the mean power by the quadrature: a third of what twice the step changes."""
-    return abs(float((take.power - rough.power) @ climate.hours)) / 3

@@ -10,7 +10,7 @@ from vsb.report.animation import PER_PERIOD, PERIODS, SEEN, frames_data, largest
 from vsb.report.campaign_answer import TUNED, shown_place, where
 from vsb.report.living import designs_data
 from vsb.report.shell_figures import round_factor
-from vsb.results.bins import Bins
+from vsb.results.year import Bins
 from vsb.scenes.directions import whole_labels
 from vsb.scenes.ports import designs_in_waves
 from vsb.stages.interactive_year import Point, sweep_point

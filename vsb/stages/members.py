@@ -66,7 +66,7 @@ class Work:
         """What finds the years of a member within limits, if they are asked for; only then what is compiled is read."""
         if not (given := self.spec.constrained):
             return None
-        from vsb.results.constrained_member import Optima
+        from vsb.results.constrained_year import Optima
 
         def water(basis: ModeBasis, omega: FloatArray) -> ShapeWater:
             return self.swept(one, basis).at(omega)

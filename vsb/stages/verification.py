@@ -8,10 +8,20 @@ import xarray as xr
 
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.motion.port import LinearPto
-from vsb.results.damped_years import ports_year
-from vsb.results.in_time import DesignInTime
-from vsb.results.verification import RECORD, STARTUP, Sample, chances, drawn, record_of, verified
-from vsb.results.verified_year import of_nothing, verified_dataset, with_lost
+from vsb.results.member import ports_year
+from vsb.results.verification import (
+    RECORD,
+    STARTUP,
+    DesignInTime,
+    Sample,
+    chances,
+    drawn,
+    record_of,
+    verified,
+    verified_dataset,
+    with_all_designs,
+    without_power,
+)
 from vsb.results.year import Year
 from vsb.scenes.build import radiation_model
 from vsb.scenes.floating_system import linear_buoy, rest_shape, study_port
@@ -37,7 +47,7 @@ def run(spec: VerificationSpec, climate: str, root: str, out: str) -> None:
     viable, found = viability(study).viable, xr.Dataset(coords={"design": []})
     if viable:
         found = _of_viable(spec, *viable, seas, root)
-    found = with_lost(found, list(study.designs), study.reference_design)
+    found = with_all_designs(found, list(study.designs), study.reference_design)
     save(found.assign_attrs(runs=_in_words(spec), model=spec.verify.model, **stamp(spec)), out)
 
 
@@ -56,7 +66,7 @@ def _of_viable(spec: VerificationSpec, study: Study, rest: ReferenceShell, seas:
     water = swept_shape(study, rest.basis, root).of_year(seas)
     year = ports_year(study, design_ports(study, rest, water), seas, (tuning,))
     if not year.annual_mean_power.any():
-        return of_nothing(year)
+        return without_power(year)
     sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
     better, linear = _powers(spec, year, sample, in_time(study, root))
     return verified_dataset(year, tuning, verified(year, tuning, sample, better, linear))
@@ -84,7 +94,7 @@ def _powers(
 
     @cache
     def decay_time(name: str, damping: float) -> float:
-        return designs[name].under(damping).decay_time(highest)
+        return designs[name].with_damping(damping).decay_time(highest)
 
     for j, (index, seed) in enumerate(zip(sample.sea, sample.seed, strict=True)):
         dampers = {name: float(year.damping[i, 0, index]) for i, name in enumerate(designs)}
@@ -95,7 +105,7 @@ def _powers(
             sea = realised(climate, int(index), settings.duration, int(seed), low, high)
             where = f"{name} in a sea of Hs {climate.hs[index]:.3g} m and Te {climate.te[index]:.3g} s"
             try:
-                found[:, i, j] = design.under(dampers[name]).powers(sea, settings, spec.verify.model)
+                found[:, i, j] = design.with_damping(dampers[name]).powers(sea, settings, spec.verify.model)
             except (ConvergenceError, StabilityError) as error:
                 raise type(error)(f"verify: {where}: {error}") from None
             print(f"{where}: {found[0, i, j]:.5g} W, {found[1, i, j]:.5g} W by linear theory", flush=True)
