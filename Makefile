@@ -11,9 +11,9 @@ study: $(READY) ## run the example study and its year, or others: make study [CO
 	@for one in $(CONFIG); do $(BIN)/vsb run $$one || exit; done
 
 benchmark: $(READY) ## error against seconds of every method: integrators on the paper's study, hydrodynamic coefficients
-	@$(BIN)/python -m benchmarks integrators config/paper.yaml results/paper
 	@$(BIN)/python -m benchmarks coefficients results/hydro_precision
 	@$(BIN)/python -m benchmarks time-domain config/few_modes.yaml results/time_precision
+	@$(BIN)/python -m benchmarks time-domain config/paper.yaml results/paper
 
 barge: $(READY) ## any body by the general route: a flexible barge
 	@$(BIN)/python -m examples.barge config/barge_convergence.yaml results/barge

@@ -22,17 +22,13 @@ class Command(NamedTuple):
 
 
 COMMANDS = {
-    "integrators": Command(
-        "Error against seconds of wet forces and integrators, on the designs of a study under assumed pressure.",
-        ("config", "folder"), load, "workprecision*",
-    ),
     "coefficients": Command(
         "Error against seconds and memory of coefficients by six methods: tables and a figure; takes minutes.",
         ("folder",), files="hydro_precision*",
         fails=lambda rows: any(row["status"].startswith("failed") for row in rows),
     ),
     "time-domain": Command(
-        "Error against seconds of every integrator and radiation model, cost against size: a table and two figures.",
+        "Error against seconds of every integrator and radiation model: a table and a figure.",
         ("config", "folder"), load, "time_*",
     ),
     "hard-cases": Command(
@@ -46,10 +42,6 @@ COMMANDS = {
     "cluster": Command(
         "A campaign on a Slurm of one node, killed and resumed: seconds, and whether bytes are the same; 1 if not.",
         ("folder",), fails=lambda rows: any(row.verdict.startswith("other") for row in rows),
-    ),
-    "kills": Command(
-        "So many runs of a campaign killed at random instants and resumed: the same bytes as undisturbed; 1 if not.",
-        ("count", "folder"), int, fails=lambda rows: any(row.verdict != "the same bytes" for row in rows),
     ),
     "damage": Command(
         "So many flipped bits, and half as many edits of JSON, in finished results: none is silent; 1 if one is.",

@@ -13,13 +13,11 @@ import sys
 import tempfile
 import time as clock
 import tracemalloc
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -41,8 +39,7 @@ COLUMNS = (
     "frequencies", "memory_mb", "status",
 )  # fmt: skip
 RATIO_COLUMNS = (
-    "baseline", "setting", "error", "seconds", "method", "seconds_at_equal_error", "times_faster",
-    "error_at_equal_seconds", "times_more_precise", "at_least",
+    "baseline", "setting", "error", "seconds", "method", "seconds_at_equal_error", "times_faster", "at_least",
 )  # fmt: skip
 DISPLACEMENTS = tuple(Displacement("radial", n) for n in range(7))
 KA = (0.2, 0.5, 1.0, 1.5)
@@ -56,6 +53,7 @@ MEMORY_LIMIT = 1.5e9
 """Of the matrices of one frequency [B]; with two planes capytaine 3.0 keeps those of every frequency."""
 ENOUGH = 2.0
 """Repeats end when they have taken as long [s]."""
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 ROWS = (6, 10, 20, 40, 80)
 NODES = (6, 8, 10, 12, 16, 24, 32)
 
@@ -213,28 +211,12 @@ def _child(sender: Connection, name: str, setting: int, green: str) -> None:
     sender.send(measure(name, setting, green))
 
 
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Processes started meanwhile have one thread, whatever computes in them."""
-    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-    before = {name: os.environ.get(name) for name in names}
-    os.environ.update(dict.fromkeys(names, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            os.environ.pop(name)
-            if value is not None:
-                os.environ[name] = value
-
-
 def _received(target: Callable[..., None], limit: float, *args: object) -> Row:
     """What a process of its own sends within its limit, or a status that says why it sent nothing."""
     context = multiprocessing.get_context("spawn")
     receiver, sender = context.Pipe(duplex=False)
     process = context.Process(target=target, args=(sender, *args), daemon=True)
-    with _one_thread():
-        process.start()
+    process.start()
     sender.close()
     try:
         if not receiver.poll(limit):
@@ -260,62 +242,30 @@ def attempt(name: str, setting: int, green: str, *, limit: float = TIME_LIMIT) -
 # ratios -------------------------------------------------------------------------------------------------------------
 
 
-class Curve(NamedTuple):
-    """The least error reached within some seconds, each shape (setting,), ever slower."""
+def seconds_at(rows: Sequence[Row], method: str, error: float) -> tuple[float, bool]:
+    """Return the seconds in which a method reaches an error, and whether its coarsest run is better already.
 
-    seconds: FloatArray
-    error: FloatArray
-
-    @classmethod
-    def of(cls, rows: Sequence[Row], method: str) -> "Curve":
-        """Curve of the completed runs of one method."""
-        done = [(r["seconds"], r["error"]) for r in rows if r["method"] == method and r.get("error") is not None]
-        points = np.array(sorted(done)).reshape(-1, 2)
-        return cls(points[:, 0], np.minimum.accumulate(points[:, 1]))
-
-    def seconds_at(self, error: float) -> tuple[float, bool]:
-        """Return the seconds an error takes, and whether it takes even less; infinite if no run reaches it."""
-        reached = np.flatnonzero(self.error <= error)
-        if not reached.size:
-            return np.inf, False
-        if (i := int(reached[0])) == 0:
-            return float(self.seconds[0]), bool(self.error[0] < error)
-        return _between(error, self.error[i - 1 : i + 1], self.seconds[i - 1 : i + 1]), False
-
-    def error_at(self, seconds: float) -> tuple[float, bool]:
-        """Return the error reached within some seconds, and whether even less would be; infinite if none is."""
-        within = np.flatnonzero(self.seconds <= seconds)
-        if not within.size:
-            return np.inf, False
-        if (i := int(within[-1])) == len(self.seconds) - 1:
-            return float(self.error[i]), bool(self.seconds[i] < seconds)
-        return _between(seconds, self.seconds[i : i + 2], self.error[i : i + 2]), False
-
-
-def _between(x: float, xs: FloatArray, ys: FloatArray) -> float:
-    """Interpolation between two points on logarithmic scales."""
-    return float(ys[0] * (ys[1] / ys[0]) ** (np.log(x / xs[0]) / np.log(xs[1] / xs[0])))
+    Interpolated on logarithmic scales between its runs, never extrapolated: infinite if no run reaches the error.
+    """
+    done = sorted((r["seconds"], r["error"]) for r in rows if r["method"] == method and r.get("error") is not None)
+    seconds, errors = np.log(np.array(done).reshape(-1, 2)).T
+    reached = np.flatnonzero(errors <= np.log(error))
+    if not reached.size:
+        return np.inf, False
+    if (i := int(reached[0])) == 0:
+        return float(np.exp(seconds[0])), bool(done[0][1] < error)
+    return float(np.exp(np.interp(np.log(error), errors[[i, i - 1]], seconds[[i, i - 1]]))), False
 
 
 def ratios(rows: Sequence[Row], baselines: Sequence[str] = (PLAIN, ROTATION)) -> list[Row]:
-    """Return how much faster at equal error, and more precise at equal seconds, methods are than every baseline run.
-
-    Interpolated on logarithmic scales, never extrapolated: where a method's coarsest run already beats the error, or
-    its finest run takes less than the seconds, the ratio is a least one and `at_least` names it; where no run of the
-    method reaches the error or is as fast, the ratio is zero.
-    """
+    """Return how much faster methods reach the error of every baseline run; `at_least`: or even more, see above."""
     table: list[Row] = []
     for base in (row for row in rows if row["method"] in baselines and row.get("error") is not None):
         for method in dict.fromkeys(row["method"] for row in rows if row["method"] != base["method"]):
-            curve = Curve.of(rows, method)
-            (seconds, faster), (error, finer) = curve.seconds_at(base["error"]), curve.error_at(base["seconds"])
-            table.append(
-                {key: base[key] for key in ("setting", "error", "seconds")}
-                | {"baseline": base["method"], "method": method, "seconds_at_equal_error": seconds}
-                | {"times_faster": base["seconds"] / seconds, "error_at_equal_seconds": error}
-                | {"times_more_precise": base["error"] / error}
-                | {"at_least": " ".join(n for n, bound in (("faster", faster), ("more precise", finer)) if bound)}
-            )
+            seconds, more = seconds_at(rows, method, base["error"])
+            row = {key: base[key] for key in ("setting", "error", "seconds")}
+            row |= {"baseline": base["method"], "method": method, "seconds_at_equal_error": seconds}
+            table.append(row | {"times_faster": base["seconds"] / seconds, "at_least": more})
     return table
 
 
@@ -345,6 +295,7 @@ def benchmark(folder: str | Path) -> list[Row]:
     list of Row
         The first table. A run that failed, was stopped or not tried has a status and no numbers.
     """
+    os.environ.update(dict.fromkeys(THREADS, "1"))  # of the processes that measure
     rows = []
     with tempfile.TemporaryDirectory() as green:
         bem.green_function(green)  # computes the table, once

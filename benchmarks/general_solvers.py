@@ -14,7 +14,6 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag
 
-from benchmarks.measure import Row
 from vsb.motion.system import Remainder, System, remainder
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
@@ -145,12 +144,6 @@ def best(run: Callable[[], Solution]) -> Solution:
     """Return the fastest of three runs; the first alone where it takes long."""
     first = run()
     return first if first.seconds > ENOUGH else min(first, run(), run(), key=lambda solution: solution.seconds)
-
-
-def measured_row(table: str, case: str, method: str, setting: float, found: Solution, errors: Row) -> Row:
-    """Return a row of the table."""
-    measured = {key: getattr(found, key) for key in ("seconds", "steps", "evaluations", "status")}
-    return {"table": table, "case": case, "method": method, "setting": setting, **errors, **measured}
 
 
 def _by_scipy(

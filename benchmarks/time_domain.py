@@ -1,100 +1,237 @@
-"""Work and precision in the time domain: error against seconds of every integrator and radiation model, in one run.
+"""Error against seconds of every integrator and radiation model, measured in one run.
 
-Four scenes of the flexible design, linear and body-exact, each in a regular wave and in an irregular sea; mean power in
-the steady state, with and without its transient; and seconds against modes, duration and memory states. Errors are
-true ones: of linear scenes against DOP853 at `FINEST`, of body-exact ones against exponential collocation at 1e-11,
-which DOP853 checks. A failure is a row that says why, and a cross in the figure. Seconds are of one core, the least of
-three runs, without compilation.
+Of a study with radiation (config/few_modes.yaml): four scenes of its first flexible design, linear and body-exact, each
+in a regular wave and in an irregular sea, from rest, and the mean power of the body-exact steady state. Of a study
+under assumed pressure (config/paper.yaml): every design, beside the published run times. Linear scenes are compared
+with DOP853 at `FINEST`, the others with exponential collocation at 1e-11, which DOP853 checks. A failed run is a row
+that says why, and a cross in the figure. Seconds are of one core, the least of three runs, without compilation.
 """
 
 import tempfile
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, NullFormatter
+from scipy.integrate import simpson
 
-from benchmarks.general_solvers import NOT_INSTALLED, SCIPY, SUNDIALS, Solution, best, measured_row
-from benchmarks.integrators import COLUMNS, EXPONENTIAL
-from benchmarks.integrators import STYLES as USUAL
+from benchmarks.general_solvers import NOT_INSTALLED, SCIPY, SUNDIALS, Equation, Solution, best, solved
+from benchmarks.hard_cases import hydro_files
 from benchmarks.measure import Row, as_csv, say
-from benchmarks.time_cases import (
-    CONVOLUTION,
-    MODELS,
-    PER_PERIOD,
-    PERIOD,
-    REGULAR,
-    SEAS,
-    STEPS,
-    STRIDES,
-    TIME_LIMIT,
-    Case,
-    case_of,
-    remembering,
-    scene_of,
-    varied,
-)
 from vsb.errors import ConfigError, VsbError
-from vsb.hydro.statespace import fit_order, truncated
-from vsb.integrators.exact import propagate
+from vsb.hydro.retardation import DampingSpectrum
+from vsb.hydro.statespace import RadiationModel, truncated
+from vsb.integrators.energy_preserving import fixed_step
+from vsb.integrators.exact import convolve, propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import steady_power
 from vsb.integrators.simulate import EXACT
-from vsb.motion.system import System
+from vsb.motion.forces import RadiationMemory
+from vsb.motion.system import Motion, System
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.scenes.automatic import absorbed
-from vsb.study.study import Study
+from vsb.scenes.build import SCENES, DesignInSea
+from vsb.study.plan import StudyPlan
+from vsb.study.study import RegularWave, Study, parse
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.tables import svg_text
 
+COLUMNS = (
+    "table", "case", "method", "setting", "error", "error_energy", "seconds", "steps", "evaluations",
+    "published_seconds", "ratio", "status",
+)  # fmt: skip
+EXPONENTIAL, CONVOLUTION, STEPS = "exponential Adams", "convolution", "structure-preserving"
 BALANCE = "harmonic balance"
 STYLES = {
-    **USUAL, EXACT: ("#D55E00", "d"), CONVOLUTION: ("#56B4E9", "X"), STEPS: ("#8C510A", "h"),
-    SUNDIALS: ("#882255", "<"), BALANCE: ("#117733", "p"),
+    EXPONENTIAL: ("#D55E00", "o"), EXACT: ("#D55E00", "d"), CONVOLUTION: ("#56B4E9", "X"), STEPS: ("#8C510A", "h"),
+    BALANCE: ("#117733", "p"), "RK45": ("#000000", "s"), "DOP853": ("#0072B2", "^"), "Radau": ("#009E73", "D"),
+    "BDF": ("#CC79A7", "v"), "LSODA": ("#E69F00", "P"), SUNDIALS: ("#882255", "<"),
 }  # fmt: skip
-"""Colour and marker of a method."""
+"""Colour and marker of a method; Okabe and Ito's palette."""
+PERIOD, PER_PERIOD = 2.5, 64
+"""Period of the regular wave [s], and instants per period at which motions are compared."""
+REGULAR, IRREGULAR = "regular wave", "irregular sea"
+SEAS = {
+    REGULAR: {"kind": "regular", "amplitude": 0.179, "period": PERIOD},
+    IRREGULAR: {"kind": "jonswap", "hs": 0.5, "tp": 4.0},
+}
+MODELS = {"linear": {"model": "linear"}, "body-exact": {"model": "body_exact"}}
 DURATION = 30.0
-"""Of the scenes whose error is measured [s]."""
-TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9)
-OURS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-BALANCED = (1e-3, 1e-5, 1e-7)
-"""Tolerances of harmonic balance; the converged mean power has a thousandth of the last."""
-PERIODS = (5, 10, 20, 40, 80)
-"""Of a motion whose last five tell its mean power."""
-PANELS = tuple(f"{model}, {sea}" for model in MODELS for sea in SEAS)
-POWER = "body-exact, mean power"
-DEGREES, DURATIONS, ORDERS = (2, 5, 10, 20), (10.0, 60.0, 600.0, 3600.0), (2, 6, 10, 14, 18, 22)
-"""Of the shell modes, of the motion [s], of the memory: what cost is measured against."""
-CARRYING = {"internal_pressure": 16.5e3}
-"""Pressure that carries a shell whose buckling modes are among those of `DEGREES` [Pa]."""
-SCALED = {"linear": (EXACT, CONVOLUTION, STEPS, "RK45", SUNDIALS), "body-exact": (EXPONENTIAL, STEPS, "RK45", SUNDIALS)}
-SCALED_TOLERANCE = 1e-6
-"""Of what has one; fixed steps are `PER_PERIOD` a period."""
-HOPELESS = 1.2
-"""Limits a run may be expected to take: as the one before by what is varied, or by its square for a convolution."""
-COSTS = {"modes": "shell modes", "duration": "duration [s]", "memory": "memory states"}
+"""Of the scenes with radiation [s]."""
+FINEST = 1e-13
+"""Tolerance of DOP853 for the converged solution of a linear scene."""
+TOLERANCES, ADAMS = (1e-3, 1e-5, 1e-7, 1e-9), (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+"""Of the general integrators, and of the exponential Adams method."""
+STRIDES = (8, 4, 2, 1, -2, -4)
+"""A fixed step is so many common instants, or (negative) such a fraction of one."""
+BALANCED, PERIODS = (1e-3, 1e-5, 1e-7), (5, 10, 20, 40, 80)
+"""Mean power: tolerances of harmonic balance, and lengths of a simulation whose last five periods are averaged."""
+TIME_LIMIT = 20.0
+"""Of one run [s]."""
+PUBLISHED_SECONDS, PUBLISHED_DURATION = {True: 2.4 * 3600, False: 2.11 * 60}, 60.0
+"""Run time of the paper's flexible and fixed buoys [s], "2.4 hours" and "2.11 minutes" with MATLAB's ode45 on a machine
+and at a tolerance it does not state, and the duration of the motion in its Table II [s]."""
 LEAST = 1e-16
-"""Errors are drawn no smaller."""
+"""Smaller errors are drawn here."""
 
 
-# error against seconds ----------------------------------------------------------------------------------------------
+# cases --------------------------------------------------------------------------------------------------------------
 
 
-def _attempts(case: Case) -> Iterator[tuple[str, float, Callable[[], Solution], int]]:
-    """Method, setting, run and stride of everything a scene is followed by."""
+@dataclass(frozen=True)
+class ModelKernel(DampingSpectrum):
+    """Kernel of the state space itself, so that a convolution differs by its own errors only."""
+
+    model: RadiationModel
+
+    def kernel(self, time: FloatArray) -> FloatArray:
+        """Return the kernel of the model."""
+        return self.model.kernel(time)
+
+
+@dataclass(frozen=True)
+class Case:
+    """The motion of one scene, compared at common instants."""
+
+    system: System
+    time: FloatArray  # common instants (time,) [s]
+    start: tuple[FloatArray, FloatArray]  # y and y'
+    spectrum: DampingSpectrum | None = None  # of the memory, for a convolution
+
+    @classmethod
+    def of(cls, scene: DesignInSea, duration: float, start: tuple[float, float] = (0.0, 0.0)) -> "Case":
+        """Return the motion of a scene from a heave and its velocity; the instants are a multiple of all strides."""
+        intervals = int(np.ceil(PER_PERIOD * duration / PERIOD / STRIDES[0]))
+        time = np.linspace(0.0, duration, STRIDES[0] * intervals + 1)
+        memory, kernel = scene.scene.memory, None
+        if scene.spectrum is not None and memory is not None:
+            kernel = ModelKernel(scene.spectrum.omega, scene.spectrum.damping, memory)
+        return cls(scene.system, time, scene.scene.start(*start), kernel)
+
+    @cached_property
+    def equation(self) -> Equation:
+        """The equation in plain coordinates, compiled."""
+        equation = Equation.of(self.system, self.start)
+        equation.rates(0.0, equation.first)
+        return equation
+
+    @cached_property
+    def reference(self) -> Solution:
+        """The converged solution."""
+        return self.general("DOP853", FINEST, 3 * TIME_LIMIT) if self.system.linear else self.exponential(1e-11)
+
+    def exponential(self, tolerance: float) -> Solution:
+        """Run the exponential Adams method."""
+        return self.ours(partial(integrate, self.system, self.time, self.start, tolerance))
+
+    def ours(self, run: Callable[[], Motion | tuple[Motion, int]], stride: int = 1) -> Solution:
+        """Run one of our integrators, which records every `stride`-th common instant, or fractions of them."""
+        begun, none = clock.perf_counter(), np.zeros(0)
+        try:
+            out = run()
+        except VsbError as error:
+            return Solution(none, none, clock.perf_counter() - begun, None, None, str(error))
+        motion, steps = out if isinstance(out, tuple) else (out, len(out.time) - 1)
+        seconds, every = clock.perf_counter() - begun, max(-stride, 1)
+        return Solution(motion.position[::every, 0], motion.velocity[::every, 0], seconds, steps, None)
+
+    def general(self, method: str, tolerance: float, limit: float = TIME_LIMIT) -> Solution:
+        """Run a general integrator."""
+        return solved(self.equation, method, tolerance, self.time, limit)
+
+    def stepped(self, method: str, stride: int) -> Solution:
+        """Run a method of fixed steps."""
+        count = (len(self.time) - 1) * max(-stride, 1) // max(stride, 1)
+        time = np.linspace(0.0, self.time[-1], count + 1)
+        if method == STEPS:
+            return self.ours(partial(fixed_step, self.system, time, self.start), stride)
+        assert self.spectrum is not None  # of a convolution
+        return self.ours(partial(convolve, self.system, self.spectrum, time, self.start), stride)
+
+    def errors(self, found: Solution, stride: int = 1) -> Row:
+        """Return the largest error of heave over its range, and that of the energy absorbed; none of a failed run."""
+        if not len(found.heave):
+            return {}
+        every = slice(None, None, max(stride, 1))
+        time, heave, velocity = self.time[every], self.reference.heave[every], self.reference.velocity[every]
+        exact, energy = (float(simpson(v**2, x=time)) for v in (velocity, found.velocity))
+        error = float(np.abs(found.heave - heave).max() / np.ptp(heave))
+        return {"error": error, "error_energy": abs(energy / exact - 1) if self.system.dampers()[0].any() else None}
+
+
+def scene_of(study: Study, folder: str | Path) -> DesignInSea:
+    """Return the scene of the only design in the only sea of a study; its hydro files are made in a folder."""
+    (design,), (wave,) = study.designs, study.waves
+    paths = hydro_files(study, folder)
+    one = StudyPlan(study).simulation(design, wave)
+    return SCENES[one.hydro.model](one, paths)
+
+
+def varied(study: Study, design: str, wave: dict[str, object], hydro: dict[str, object], duration: float) -> Study:
+    """Return a study of one design in one sea, for so long."""
+    data = study.model_dump()
+    data |= {"published": None, "designs": {design: data["designs"][design]}, "waves": [wave], "hydro": hydro}
+    data["simulation"] |= {"duration": duration, "window": [duration / 2, duration], "method": "auto"}
+    return parse(data, source=study.study)
+
+
+def radiating(study: Study, folder: str) -> Iterator[tuple[str, Case]]:
+    """Return the four scenes of the first flexible design, from rest.
+
+    Raises
+    ------
+    ConfigError
+        If no design is flexible, or the study needs panels.
+    """
+    design = next((name for name, one in study.designs.items() if one.flexible), None)
+    if study.uses_panels:
+        raise ConfigError("hydro: received a study of panels; needs hydro.solver: spectral, in deep enough water.")
+    if design is None:
+        raise ConfigError(f"designs: received only rigid ones, {', '.join(study.designs)}; needs a flexible one.")
+    given = {key: study.model_dump()["hydro"][key] for key in ("tolerance", "omega_max")}
+    for model, keys in MODELS.items():
+        for sea, wave in SEAS.items():
+            scene = scene_of(varied(study, design, wave, given | keys, DURATION), folder)
+            yield f"{model}, {sea}", Case.of(scene, DURATION)
+
+
+def under_pressure(study: Study, folder: str) -> Iterator[tuple[str, Case]]:
+    """Return every design of a study under assumed pressure, in its first regular wave and from its start."""
+    wave = next((wave for wave in study.waves if isinstance(wave, RegularWave)), None)
+    if wave is None:
+        raise ConfigError(f"waves: received {[wave.label for wave in study.waves]}; needs a regular wave")
+    settings, data = study.simulation, study.model_dump()["hydro"]
+    for design in study.designs:
+        scene = scene_of(varied(study, design, wave.model_dump(), data, settings.duration), folder)
+        yield design, Case.of(scene, settings.duration, (settings.initial_position, settings.initial_velocity))
+
+
+# measurement --------------------------------------------------------------------------------------------------------
+
+
+def row_of(table: str, case: str, method: str, setting: float, found: Solution, errors: Row) -> Row:
+    """Return a row of the table."""
+    measured = {key: getattr(found, key) for key in ("seconds", "steps", "evaluations", "status")}
+    return {"table": table, "case": case, "method": method, "setting": setting, **errors, **measured}
+
+
+def attempts(case: Case) -> Iterator[tuple[str, float, Callable[[], Solution], int]]:
+    """Return method, setting, run and stride of everything a scene is followed by.
+
+    The setting is a tolerance; of exact propagation the number of memory states; of fixed steps their number a period.
+    """
     system, scene = case.system, case.system.scene
     if not system.linear:
-        for tolerance in OURS:
+        for tolerance in ADAMS:
             yield EXPONENTIAL, tolerance, partial(case.exponential, tolerance), 1
     elif memory := scene.memory:
         for order in (*range(2, memory.order, 2), memory.order):
-            small = System.of(remembering(scene, truncated(memory, order)))
-            exact = partial(propagate, small, case.time, case.start)
+            forces = {**scene.forces, "radiation": RadiationMemory(truncated(memory, order))}
+            exact = partial(propagate, System.of(replace(scene, forces=forces)), case.time, case.start)
             yield EXACT, order, partial(case.ours, exact), 1
     for method in (STEPS, CONVOLUTION) if system.linear else (STEPS,):
         for stride in STRIDES:
@@ -106,31 +243,28 @@ def _attempts(case: Case) -> Iterator[tuple[str, float, Callable[[], Solution], 
 
 
 def integrator_rows(case: Case, name: str) -> list[Row]:
-    """Return error and seconds of every method on one scene, and the check of its reference.
-
-    The setting is a tolerance; of exact propagation the memory's states; of fixed steps their number in a period.
-    """
+    """Return error and seconds of every method on one scene, and the check of its reference by DOP853."""
     best(partial(case.stepped, STEPS, 1)), case.reference  # compile or load
     rows = [
-        measured_row("integrators", name, method, setting, found, case.errors(found, stride))
-        for method, setting, run, stride in _attempts(case)
+        row_of("integrators", name, method, setting, found, case.errors(found, stride))
+        for method, setting, run, stride in attempts(case)
         for found in (best(run),)
     ]
     check = case.general("DOP853", 1e-12, 3 * TIME_LIMIT)
-    return [*rows, measured_row("reference", name, "DOP853", 1e-12, check, case.errors(check))]
+    return [*rows, row_of("reference", name, "DOP853", 1e-12, check, case.errors(check))]
 
 
-def power_rows(system: System) -> list[Row]:
-    """Return error and seconds of the mean power in a regular wave: harmonic balance, and motions of many periods.
+def power_rows(system: System, name: str) -> list[Row]:
+    """Return error and seconds of the mean power in a regular wave: harmonic balance, and simulations of many periods.
 
-    The setting is a tolerance; of a motion, followed at 1e-6, its number of periods, of which the last five tell.
+    The setting is a tolerance; of a simulation, at 1e-6, its number of periods, of which the last five are averaged.
     """
-    exact, rows, period = steady_power(system, BALANCED[-1] / 1000), [], PERIOD
+    exact, rows = steady_power(system, BALANCED[-1] / 1000), []
 
     def mean(periods: int) -> float:
-        time = np.linspace(0.0, periods * period, PER_PERIOD * periods + 1)
+        time = np.linspace(0.0, periods * PERIOD, PER_PERIOD * periods + 1)
         motion, _ = integrate(system, time, system.scene.start(0.0, 0.0), 1e-6)
-        return absorbed(system, motion, time[-1] - 5 * period)
+        return absorbed(system, motion, time[-1] - 5 * PERIOD)
 
     runs: list[tuple[str, float, Callable[[], float]]] = [
         *((BALANCE, tol, partial(steady_power, system, tol)) for tol in BALANCED),
@@ -140,7 +274,7 @@ def power_rows(system: System) -> list[Row]:
         found: list[float] = []
         solution = best(partial(_timed, run, found))
         error = {"error": abs(found[-1] / exact - 1)} if found else {}
-        rows.append(measured_row("power", POWER, method, setting, solution, error))
+        rows.append(row_of("power", name, method, setting, solution, error))
     return rows
 
 
@@ -154,174 +288,75 @@ def _timed(run: Callable[[], float], found: list[float]) -> Solution:
     return Solution(none, none, clock.perf_counter() - begun, None, None, status)
 
 
-# cost ---------------------------------------------------------------------------------------------------------------
+def paper_row(study: Study, design: str, case: Case) -> Row:
+    """Return seconds and error at the study's tolerance, beside the published run time of the same duration.
 
-
-class Size(NamedTuple):
-    """One scene of a series whose cost is measured."""
-
-    table: str  # what is varied
-    setting: float
-    case: Case
-
-
-def series(study: Study, design: str, model: str, folder: str) -> Iterator[Size]:
-    """Return scenes of more and more modes, longer and longer ones, and of larger and larger memories."""
-    for degree in DEGREES:
-        larger = varied(study, design, model, REGULAR, 10.0, device=CARRYING, modes={"degree": degree})
-        scene = scene_of(larger, folder)
-        yield Size("modes", scene.scene.motions.shape[1] - 1, case_of(scene, 10.0))
-    scene = scene_of(varied(study, design, model, REGULAR, 10.0), folder)
-    for duration in DURATIONS:
-        yield Size("duration", duration, case_of(scene, duration))
-    spectrum = scene.spectrum
-    assert spectrum is not None  # of a database
-    richest = fit_order(spectrum, spectrum.omega, max(ORDERS))[0]
-    for order in ORDERS:
-        plain = remembering(scene.scene, truncated(richest, order))
-        yield Size("memory", order, case_of(scene._replace(scene=plain), 10.0))
-
-
-def _run(case: Case, method: str) -> Solution:
-    """A method at the settings whose cost is measured."""
-    if method in (STEPS, CONVOLUTION):
-        return case.stepped(method, 1)
-    if method == EXACT:
-        return case.ours(partial(propagate, case.system, case.time, case.start))
-    if method == EXPONENTIAL:
-        return case.exponential(SCALED_TOLERANCE)
-    return case.general(method, SCALED_TOLERANCE)
-
-
-def _not_tried(expected: float) -> Solution:
-    """In place of a run that would not end in time."""
-    return Solution(np.zeros(0), np.zeros(0), expected, None, None, f"not tried: {expected:.2g} s expected")
-
-
-def cost_rows(study: Study, design: str, model: str, folder: str) -> list[Row]:
-    """Return seconds against modes, duration and memory states; the setting is the number of them.
-
-    A scene so much larger than the one before that its run would not end in time is not tried: a row says so.
+    The ratio says how long a user waits; it does not compare two machines.
     """
-    rows: list[Row] = []
-    last: dict[tuple[str, str], tuple[float, float]] = {}
-    for table, setting, case in series(study, design, model, folder):
-        case.stepped(STEPS, STRIDES[0])  # compiles or loads
-        for method in SCALED[model]:
-            before, seconds = last.get((table, method), (setting, 0.0))
-            expected = seconds * (setting / before) ** (2 if method == CONVOLUTION else 1)
-            tried = expected <= HOPELESS * TIME_LIMIT
-            found = best(partial(_run, case, method)) if tried else _not_tried(expected)
-            last[table, method] = setting, found.seconds
-            one = measured_row(table, model, method, setting, found, {})
-            rows.append(one if tried else {**one, "seconds": None})
-    return rows
+    settings = study.simulation
+    found = best(partial(case.exponential, settings.tolerance))
+    row = row_of("paper", design, EXPONENTIAL, settings.tolerance, found, case.errors(found))
+    if settings.duration != PUBLISHED_DURATION:
+        return row
+    published = PUBLISHED_SECONDS[study.designs[design].flexible]
+    return {**row, "published_seconds": published, "ratio": published / found.seconds}
 
 
 # output -------------------------------------------------------------------------------------------------------------
 
 
-def _marked(ax: Axes, rows: Sequence[Row], x: str, y: str) -> None:
-    """A line for each method, and a cross for every run that failed, near the upper edge, a row for each method."""
-    ax.set_yscale("log")
-    for i, method in enumerate(dict.fromkeys(row["method"] for row in rows)):
-        colour, marker = STYLES[method]
-        mine = [row for row in rows if row["method"] == method and row["status"] != NOT_INSTALLED]
-        points = [(row[x], max(row[y], LEAST)) for row in mine if row["status"] == "completed"]
-        if points:
-            ax.plot(*zip(*points, strict=True), color=colour, marker=marker, markersize=4)
-        if lost := [row[x] for row in mine if row["status"] != "completed"]:
-            ax.plot(lost, [0.98 - 0.03 * i] * len(lost), "x", color=colour, transform=ax.get_xaxis_transform())
-
-
-def _decades(ax: Axes) -> None:
-    """A logarithmic axis of run times or durations from one power of ten to another."""
-    ax.set_xscale("log")
-    low, high = np.log10(ax.get_xlim())
-    ax.set_xlim(10 ** np.floor(low), 10 ** np.ceil(high))
-    ax.xaxis.set_minor_formatter(NullFormatter())
-
-
-def _legend(axes: Axes, rows: Sequence[Row]) -> None:
-    """Entries of all methods, for the legend, on one of the axes."""
-    for method in dict.fromkeys(row["method"] for row in rows):
-        axes.plot([], [], color=STYLES[method][0], marker=STYLES[method][1], markersize=4, label=method)
-    axes.plot([], [], "x", color="#555555", label="failed or not tried")
-
-
 def error_figure(rows: Sequence[Row]) -> Figure:
     """Draw error against seconds, a panel for each scene and one for mean power; crosses are runs that failed."""
-    figure, axes = grid_of_axes(5.6, 2, 3)
-    shown = [row for row in rows if row["table"] in ("integrators", "power")]
-    for ax, case in zip(axes.flat, (*PANELS[:2], POWER, *PANELS[2:]), strict=False):
-        _marked(ax, [row for row in shown if row["case"] == case], "seconds", "error")
-        _decades(ax)
-        ax.set_title(case, fontsize=9)
-    axes[1, 2].set_axis_off()
-    _legend(axes[0, 0], shown)
+    shown = [row for row in rows if row["table"] in ("integrators", "power") and row["status"] != NOT_INSTALLED]
+    panels = list(dict.fromkeys((row["case"], row["table"]) for row in shown))
+    lines = -(-len(panels) // 2)
+    figure, axes = grid_of_axes(0.9 + 2.3 * lines, lines, 2)
+    for ax in axes.flat[len(panels) :]:
+        ax.set_axis_off()
+    for ax, (case, table) in zip(axes.flat, panels, strict=False):
+        ax.set_title(f"{case}{', mean power' if table == 'power' else ''}", fontsize=9)
+        here = [row for row in shown if (row["case"], row["table"]) == (case, table)]
+        for i, method in enumerate(dict.fromkeys(row["method"] for row in here)):
+            colour, marker = STYLES[method]
+            done = [row for row in here if row["method"] == method and row["status"] == "completed"]
+            lost = [row["seconds"] for row in here if row["method"] == method and row["status"] != "completed"]
+            seconds, errors = [row["seconds"] for row in done], [max(row["error"], LEAST) for row in done]
+            ax.loglog(seconds, errors, color=colour, marker=marker, markersize=4)
+            ax.plot(lost, [0.98 - 0.03 * i] * len(lost), "x", color=colour, transform=ax.get_xaxis_transform())
+    for method in dict.fromkeys(row["method"] for row in shown):
+        axes[0, 0].plot([], [], color=STYLES[method][0], marker=STYLES[method][1], markersize=4, label=method)
+    axes[0, 0].plot([], [], "x", color="#555555", label="failed")
     legend_above(figure, axes[0, 0])
     figure.supxlabel("run time [s]", fontsize=9)
     figure.supylabel("largest error of heave over its range; of mean power, relative [-]", fontsize=9)
     return figure
 
 
-def cost_figure(rows: Sequence[Row]) -> Figure:
-    """Draw seconds against modes, duration and memory states, linear above body-exact."""
-    figure, axes = grid_of_axes(5.6, len(MODELS), len(COSTS), sharex="col", sharey=True)
-    shown = [row for row in rows if row["table"] in COSTS]
-    for i, model in enumerate(MODELS):
-        for j, (table, label) in enumerate(COSTS.items()):
-            chosen = [row for row in shown if (row["case"], row["table"]) == (model, table)]
-            _marked(axes[i, j], chosen, "setting", "seconds")
-            axes[i, j].set_title(model, fontsize=9)
-            axes[-1, j].set_xlabel(label)
-            if table == "duration":
-                _decades(axes[i, j])
-            else:
-                axes[i, j].xaxis.set_major_locator(MaxNLocator(integer=True))
-        axes[i, 0].set_ylabel("run time [s]")
-    _legend(axes[0, 0], shown)
-    legend_above(figure, axes[0, 0])
-    return figure
-
-
-def measured(study: Study, design: str, folder: str) -> list[Row]:
-    """Return all rows for one design of a study; its hydro files are made in a folder."""
+def measured(study: Study, folder: str) -> list[Row]:
+    """Return all rows of a study; its hydro files are made in a folder."""
     rows: list[Row] = []
-    for model in MODELS:
-        for sea in SEAS:
-            say(f"{model}, {sea}")
-            scene = scene_of(varied(study, design, model, sea, DURATION), folder)
-            rows += integrator_rows(case_of(scene, DURATION), f"{model}, {sea}")
-            if (model, sea) == ("body-exact", REGULAR):
-                rows += power_rows(scene.system)
-        say(f"{model}, cost")
-        rows += cost_rows(study, design, model, folder)
+    for name, case in (under_pressure if study.hydro.model == "assumed_pressure" else radiating)(study, folder):
+        say(f"{study.study}: {name}")
+        rows += integrator_rows(case, name)
+        if study.hydro.model == "assumed_pressure":
+            rows.append(paper_row(study, name, case))
+        elif name == f"body-exact, {REGULAR}":
+            rows += power_rows(case.system, name)
     return rows
 
 
 def benchmark(study: Study, folder: str | Path) -> list[Row]:
-    """Measure the first flexible design of a study; write `time_precision.csv`, `time_precision.svg`, `time_cost.svg`.
+    """Measure a study; write `time_precision.csv` and `time_precision.svg`.
 
     Parameters
     ----------
     study : Study
-        In deep water; of its sections only device, modes, water and take-off are read, and the tolerance of `hydro`.
+        With radiation (in deep water; only device, modes, water, take-off and the tolerance of `hydro` are used), or
+        under assumed pressure.
     folder : str or Path
-
-    Raises
-    ------
-    ConfigError
-        If no design is flexible.
     """
-    design = next((name for name, one in study.designs.items() if one.flexible), None)
-    if study.uses_panels:
-        raise ConfigError("hydro: received a study of panels; needs hydro.solver: spectral, in deep enough water.")
-    if design is None:
-        raise ConfigError(f"designs: received only rigid ones, {', '.join(study.designs)}; needs a flexible one.")
     with tempfile.TemporaryDirectory() as files:
-        rows = measured(study, design, files)
+        rows = measured(study, files)
     write_text(Path(folder) / "time_precision.csv", as_csv(rows, COLUMNS))
-    for name, draw in (("time_precision", error_figure), ("time_cost", cost_figure)):
-        write_text(Path(folder) / f"{name}.svg", svg_text(draw(rows)))
+    write_text(Path(folder) / "time_precision.svg", svg_text(error_figure(rows)))
     return rows

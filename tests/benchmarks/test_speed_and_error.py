@@ -1,18 +1,14 @@
-"""Errors that the benchmarks state beside their seconds: references, quadrature, integrators. No timings."""
+"""Errors that the benchmarks state beside their seconds: references, integrators. No timings."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import varied
+from conftest import springs, varied
 
 from benchmarks import coefficients as hp
-from benchmarks.general_solvers import Equation
-from benchmarks.integrators import EXPONENTIAL, SOLVERS, TOLERANCES, integrator_precision, plain_rates
-from benchmarks.quadrature import disc_force, disc_volume, gauss_force, quadrature_precision, scene_of_design
-from vsb.motion.system import System
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import rigid_basis
+from benchmarks import time_domain
+from benchmarks.time_domain import STEPS, under_pressure
 from vsb.study import study as config
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -20,17 +16,12 @@ CONFIG = Path(__file__).parents[2] / "config"
 
 @pytest.fixture(scope="module")
 def paper():
-    """The paper's study, two seconds of it."""
-    return varied(
-        config.load(CONFIG / "paper.yaml"), simulation={"duration": 2.0, "window": [1.0, 2.0]}, published=None
-    )
-
-
-@pytest.fixture(scope="module")
-def solved(green_folder):
-    """Name -> coefficients of the coarsest mesh."""
-    names = [name for name in hp.METHODS if name != hp.SPECTRAL]
-    return {n: hp.METHODS[n].solve(6, str(green_folder), [float(w) for w in np.sqrt(hp.KA)]) for n in names}
+    """Two seconds of the paper's shell, clamped at the top, under its assumed pressure."""
+    study = config.load(CONFIG / "paper.yaml")
+    designs = {"VSWEC0": study.designs["VSWEC0"].model_dump()}
+    short = varied(study, designs=designs, simulation={"duration": 2.0, "window": [1.0, 2.0]}, published=None)
+    ((_, case),) = under_pressure(short, "unused")
+    return case
 
 
 def test_reference_agrees_with_the_multipole_series_to_its_error(hemisphere):
@@ -43,12 +34,16 @@ def test_reference_agrees_with_the_multipole_series_to_its_error(hemisphere):
         assert np.abs(found - np.array(series)).max() < 1e-5 * np.abs(series).max()
 
 
-def test_capytaine_of_every_symmetry_and_the_rings_agree_to_round_off(solved):
-    """So their errors are one, and seconds and memory all that differs; 12 panels around alias the wave."""
-    plain = solved[hp.PLAIN]
-    for name in ("capytaine, two planes", hp.ROTATION, "rings"):
+def test_capytaine_of_every_symmetry_and_the_rings_agree_to_round_off(green_folder):
+    """So their errors are one, and only seconds and memory differ; 12 panels around alias the wave."""
+    omegas = [float(w) for w in np.sqrt(hp.KA[:2])]
+    plain, *others = (
+        hp.METHODS[name].solve(6, str(green_folder), omegas)
+        for name in (hp.PLAIN, "capytaine, two planes", hp.ROTATION, "rings")
+    )
+    for found in others:
         for quantity, limit in (("added_mass", 1e-12), ("radiation_damping", 1e-12), ("Froude_Krylov_force", 1e-9)):
-            value = solved[name][quantity].transpose(*plain[quantity].dims).values
+            value = found[quantity].transpose(*plain[quantity].dims).values
             assert np.abs(value - plain[quantity].values).max() < limit * np.abs(plain[quantity].values).max()
 
 
@@ -59,42 +54,47 @@ def test_spectral_error_falls_faster_than_any_power():
     assert found[2] < found[1] / 1000
 
 
-def test_right_hand_sides_are_one(paper):
-    scene = scene_of_design(paper, "VSWEC90")
-    n = scene.motions.shape[1]
-    state = 0.02 * np.random.default_rng(1).normal(size=2 * n)
-    fast, plain = (
-        Equation.of(System.of(scene), scene.start(0.0, 0.0)).rates(0.3, state),
-        plain_rates(scene, gauss_force, 40)(0.3, state),
-    )
-    assert np.abs(fast - plain).max() < 1e-12 * np.abs(fast).max()
-    discs = plain_rates(scene, disc_force, 20000)(0.3, state)
-    assert 1e-8 < np.abs(fast - discs).max() / np.abs(fast).max() < 1e-2
+def test_times_faster_are_interpolated_between_runs_and_never_beyond():
+    rows = [{"method": hp.PLAIN, "setting": 1, "error": 0.01, "seconds": 10.0}]
+    rows += [{"method": "rings", "setting": n, "error": 0.1**n, "seconds": 10.0 ** (n - 2)} for n in (1, 3)]
+    rows += [{"method": hp.SPECTRAL, "setting": 9, "error": 1e-9, "seconds": 0.5}]
+    rows += [{"method": "slow", "setting": 1, "error": 0.5, "seconds": 1.0}]
+    found = {row["method"]: (row["times_faster"], row["at_least"]) for row in hp.ratios(rows)}
+    assert found["rings"] == (pytest.approx(10.0), False)  # 1 s at an error of 0.01
+    assert found[hp.SPECTRAL] == (pytest.approx(20.0), True)
+    assert found["slow"] == (0.0, False)
 
 
-@pytest.mark.parametrize("height", [1.0, -1.2])
-def test_lower_and_upper_sums_of_discs_bracket_a_sphere_cap(paper, height):
-    depth = 2.0 - height
-    found = disc_volume(DeformedShell(rigid_basis(paper.device), height), 333)
-    assert found.lower < np.pi * depth**2 * (3 * 2.0 - depth) / 3 < found.upper
+def test_errors_of_integrators_fall_with_their_setting_and_the_reference_is_confirmed(paper):
+    runs = {
+        "exponential Adams": [(paper.exponential(tolerance), 1) for tolerance in (1e-4, 1e-6, 1e-8)],
+        "structure-preserving": [(paper.stepped(STEPS, stride), stride) for stride in (4, 1, -4)],
+        "RK45": [(paper.general("RK45", tolerance), 1) for tolerance in (1e-3, 1e-7)],
+        "Radau": [(paper.general("Radau", tolerance), 1) for tolerance in (1e-3, 1e-5)],
+    }
+    for method, found in runs.items():
+        errors = np.array([paper.errors(one, stride)["error"] for one, stride in found])
+        assert np.all(errors[1:] < errors[:-1] / 3), (method, errors)
+    assert paper.errors(paper.general("DOP853", 1e-12))["error"] < 1e-10
 
 
-def test_quadrature_is_exact_where_discs_are_of_first_order(paper):
-    rows = quadrature_precision(paper)
+def test_rows_and_figure_of_a_scene(paper, monkeypatch):
+    monkeypatch.setattr(time_domain, "SCIPY", ())
+    monkeypatch.setattr(time_domain, "ADAMS", (1e-3, 1e-5))
+    monkeypatch.setattr(time_domain, "STRIDES", (8,))
+    rows = time_domain.integrator_rows(paper, "VSWEC0")
+    assert {row["method"] for row in rows} == {"exponential Adams", STEPS, time_domain.SUNDIALS, "DOP853"}
+    assert {row["status"] for row in rows} <= {"completed", time_domain.NOT_INSTALLED}
+    figure = time_domain.error_figure(rows)
+    assert [ax.get_title() for ax in figure.axes if ax.axison] == ["VSWEC0"]
 
-    def force(method):
-        return [row for row in rows if (row["case"], row["method"]) == ("force", method)]
 
-    assert force("discs")[0]["order"] == pytest.approx(1.0, abs=0.05)
-    assert force("Gauss-Legendre")[-1]["error"] < 1e-13
-    assert force("exact kernel")[0]["error"] < 1e-13
-
-
-def test_errors_of_integrators_fall_with_the_tolerance_and_the_reference_is_confirmed(paper):
-    rows = integrator_precision(paper, "VSWEC0")
-    for method, tolerances in {EXPONENTIAL: TOLERANCES, **SOLVERS}.items():
-        found = np.array([r["error"] for r in rows if (r["method"], r["table"]) == (method, "integrators")])
-        assert len(found) == len(tolerances)
-        assert np.all(found[1:] < 1.05 * found[:-1]), (method, found)
-    (check,) = (row for row in rows if row["table"] == "reference")
-    assert check["error"] < 1e-10
+def test_right_hand_side_of_the_general_integrators_is_that_of_the_scene(paper):
+    scene, n = paper.system.scene, paper.system.scene.motions
+    state, free, time = 0.02 * np.random.default_rng(1).normal(size=2 * n.shape[1]), n.shape[1], 0.3
+    static, uniform, _ = scene.water.shell.forces((n @ state[:free])[None])
+    pressure = scene.water.assumed.amplitude * np.cos(scene.water.assumed.omega * time)
+    force = n.T @ (scene.water.specific_weight * static[0] + pressure * uniform[0] + scene.forces["weight"].value)
+    force -= springs(scene) @ state[:free] + scene.damping @ state[free:]
+    expected = np.concatenate([state[free:], np.linalg.solve(n.T @ scene.mass @ n, force)])
+    assert paper.equation.rates(time, state) == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
