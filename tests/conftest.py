@@ -29,8 +29,8 @@ from vsb.motion.forces import Spring
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import LinearPto
 from vsb.scenes.rest import reference_shell, study_basis
-from vsb.stages.mesh import mean_mesh
-from vsb.stages.spectral import spectral_problem
+from vsb.stages.panels import mean_mesh
+from vsb.stages.water import spectral_problem
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import SpectralSpec

@@ -146,9 +146,9 @@ def test_recipe_of_a_stage(seed, tmp_path, monkeypatch):
     made = recipe(
         "A stage", FloatingSpec=specs.FloatingSpec, write_text=write_text, record=record, content_id=content_id
     )
-    monkeypatch.setitem(sys.modules, "vsb.stages.draft", SimpleNamespace(run=made["run"]))
+    monkeypatch.setitem(sys.modules, "vsb.stages.draft", SimpleNamespace(run_draft=made["run_draft"]))
     stage, spec = (
-        Stage("draft", "how deep a buoy lies", made["DraftSpec"], ("out", "manifest")),
+        Stage("draft", "draft", "how deep a buoy lies", made["DraftSpec"], ("out", "manifest")),
         made["DraftSpec"](device=seed.device, water=seed.water),
     )
     out, manifest = str(tmp_path / "draft.txt"), str(tmp_path / "manifest.json")

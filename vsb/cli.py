@@ -120,18 +120,18 @@ def export(args: argparse.Namespace) -> int:
 
 def import_wamit(args: argparse.Namespace) -> int:
     """Read WAMIT's output, generalized modes included, into a hydro database with the verdict of its identities."""
-    from vsb.stages import exchange
+    from vsb.stages import coefficients
 
-    names = (*exchange.FACTS, "axisymmetric")
-    found = exchange.import_wamit(args.folder, args.name, args.out, **{name: getattr(args, name) for name in names})
+    names = (*coefficients.FACTS, "axisymmetric")
+    found = coefficients.import_wamit(args.folder, args.name, args.out, **{name: getattr(args, name) for name in names})
     return _imported(*found, args.out)
 
 
 def import_bemio(args: argparse.Namespace) -> int:
     """Read a BEMIO .h5 file of one body into a hydro database with the verdict of its identities."""
-    from vsb.stages import exchange
+    from vsb.stages import coefficients
 
-    return _imported(*exchange.import_bemio(args.file, args.out, axisymmetric=args.axisymmetric), args.out)
+    return _imported(*coefficients.import_bemio(args.file, args.out, axisymmetric=args.axisymmetric), args.out)
 
 
 def _imported(checks: "list[Check]", notes: list[str], causes: list[str], out: str) -> int:

@@ -8,7 +8,7 @@ from vsb.hydro.database import displacements_of, in_modes, with_excitation
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
-from vsb.stages.members import swept_shape
+from vsb.stages.campaign import swept_shape
 
 DENSITY, GRAVITY = 1025.0, 9.81
 SPHEROID = {

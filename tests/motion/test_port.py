@@ -19,7 +19,7 @@ from vsb.motion.port import LinearPto, Port, channels_reached, combination, line
 from vsb.motion.system import System
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell, enclosed
-from vsb.stages.spectral import spectral_problem
+from vsb.stages.water import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.study.take_off import BetweenPort, LinePort, ShellPort
 from vsb.waves.dispersion import power_limit

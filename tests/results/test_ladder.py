@@ -30,7 +30,7 @@ from vsb.results.ladder import (
 from vsb.scenes.floating_system import PortInSeas
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import rigid_sphere
-from vsb.stages.spectral import spectral_problem
+from vsb.stages.water import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.waves.seas import Sea
 

@@ -13,7 +13,7 @@ from vsb.results.year import band_weights
 from vsb.scenes.mode_convergence import DEGREES, MOST_FREQUENCIES, ModeConvergence, powers_of_ports, sampled
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
-from vsb.stages.members import swept_shape
+from vsb.stages.campaign import swept_shape
 from vsb.study.plan import StudyPlan
 from vsb.study.sections import Modes
 from vsb.waves.climate import Climate

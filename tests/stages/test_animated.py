@@ -9,8 +9,8 @@ from conftest import varied
 
 from vsb.report.animation import PER_PERIOD, PERIODS, in_motion
 from vsb.report.living import packed
-from vsb.stages.animated import SEAS, moving_study
-from vsb.stages.inputs import Inputs
+from vsb.stages.report import MOVING_SEAS, moving_study
+from vsb.stages.stored import Inputs
 from vsb.tools.files import load
 
 
@@ -29,7 +29,7 @@ def words(study):
 def test_animation_shows_the_motion_of_the_runs(small, moved):
     study = small.study
     assert [design["name"] for design in moved["designs"]] == list(study.designs)
-    assert [sea["words"] for sea in moved["seas"]] == [wave.description for wave in study.drawn_waves][:SEAS]
+    assert [sea["words"] for sea in moved["seas"]] == [wave.description for wave in study.drawn_waves][:MOVING_SEAS]
     (start, end), period = study.simulation.window, study.drawn_waves[0].period
     shown, sea = min(end - start, PERIODS * period), moved["seas"][0]
     assert (sea["start"], sea["step"] * (sea["frames"] - 1)) == pytest.approx((end - shown, shown))

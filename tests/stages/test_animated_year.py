@@ -16,10 +16,9 @@ from vsb.report.campaign_answer import leading
 from vsb.results.year import Bins
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
-from vsb.stages import animated_year as module
-from vsb.stages.animated_year import most_energetic, moving_year
+from vsb.stages import campaign_report as module
+from vsb.stages.campaign_report import Point, most_energetic, moving_year
 from vsb.stages.climate import read_climate
-from vsb.stages.interactive_year import Point
 from vsb.study.study import Water
 from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea

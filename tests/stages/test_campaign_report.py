@@ -44,7 +44,7 @@ def plan(tmp_path_factory):
 def answered(plan):
     """The files of an answer, as they are written."""
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    campaign_report.run(plan.campaign, plan.data_path, plan.loaded.climate_path, plan.root, *files)
+    campaign_report.run_campaign_report(plan.campaign, plan.data_path, plan.loaded.climate_path, plan.root, *files)
     paths = [f"{plan.folder}/report.html", *plan.figure_paths]
     return {path: Path(path).read_bytes() for path in paths}
 

@@ -8,7 +8,7 @@ from tests.hydro.formats.test_foreign import sound
 from vsb.errors import ConfigError
 from vsb.hydro.formats.bemio import bemio_entries, write_h5
 from vsb.hydro.formats.wamit import wamit_texts
-from vsb.stages.exchange import import_bemio, import_wamit
+from vsb.stages.coefficients import import_bemio, import_wamit
 from vsb.tools.files import load
 
 WATER = {"density": 1000.0, "gravity": 9.81, "length": 1.0, "depth": float("inf")}

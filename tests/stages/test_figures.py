@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from conftest import varied
 
-from vsb.stages import figures
+from vsb.stages import report
 from vsb.study.plan import FIGURE_KINDS, figure_names
 
 
@@ -28,7 +28,7 @@ def test_spectra_of_irregular_seas_have_their_significant_height(seed):
     waves = [{"kind": "jonswap", "hs": hs, "tp": tp} for hs, tp in ((1.0, 6.0), (3.0, 9.0))]
     others = [{"kind": "still"}, {"kind": "regular", "amplitude": 0.1, "period": 5.0}]
     study = varied(seed, waves=[others[0], *waves, others[1]])
-    found = figures._spectra(study, 20.0)
+    found = report._spectra(study, 20.0)
     assert list(found.sea.values) == [wave.description for wave in study.waves[1:3]]
     assert found.integrate("omega").values == pytest.approx([1 / 16, 9 / 16], rel=0.01)
-    assert figures._spectra(varied(seed, waves=others), 20.0).ndim == 0
+    assert report._spectra(varied(seed, waves=others), 20.0).ndim == 0

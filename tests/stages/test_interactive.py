@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 from vsb.report import html
 from vsb.results.force_steps import SHARES
-from vsb.stages.interactive import _integral, living_study
+from vsb.stages.report import _integral, living_study
 from vsb.study.study import RegularWave
 from vsb.tools.files import load
 

@@ -9,8 +9,8 @@ from stages.test_members import folder, planned, run  # noqa: F401
 
 from vsb.report import html
 from vsb.report.campaign_answer import leading
+from vsb.stages.campaign_report import living_year
 from vsb.stages.climate import read_climate
-from vsb.stages.interactive_year import living_year
 
 
 @pytest.fixture(scope="module")

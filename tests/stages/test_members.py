@@ -16,7 +16,7 @@ from vsb.motion.frequency import LinearBuoy
 from vsb.results.year import frequencies, year
 from vsb.scenes.floating_system import linear_buoy, study_port
 from vsb.scenes.rest import design_motions
-from vsb.stages import campaign, campaign_report, members
+from vsb.stages import campaign, campaign_report
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.stages.stage import STAGES
@@ -70,14 +70,14 @@ def told(stage, spec):
 
 def batches(plan):
     for name, spec in plan.batches.items():
-        members.run(
+        campaign.run_members(
             told("members", spec), plan.loaded.climate_path, f"{plan.folder}/members", plan.root, plan.batch_path(name)
         )
 
 
 def gather(plan):
     folders, files = (f"{plan.folder}/batches", f"{plan.folder}/verification"), (plan.data_path, plan.table_path)
-    campaign.run(told("campaign", plan.campaign), *folders, *files, plan.manifest)
+    campaign.run_campaign(told("campaign", plan.campaign), *folders, *files, plan.manifest)
 
 
 def computed(plan):
@@ -91,7 +91,7 @@ def run(plan):
     """Data of a campaign with its report."""
     found = computed(plan)
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    campaign_report.run(
+    campaign_report.run_campaign_report(
         told("campaign_report", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files
     )
     return found

@@ -9,7 +9,7 @@ from conftest import SEED, shipped, varied
 
 from vsb.hydro.panels import mesh as meshing
 from vsb.scenes.rest import reference_shell
-from vsb.stages import deformed, display, mesh
+from vsb.stages import panels, shell
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import SphereMesh
 from vsb.study.study import content_id, load
@@ -23,7 +23,7 @@ def spec(request):
 
 
 def test_mean_mesh_reaches_from_waterline_to_keel_and_has_a_lid(spec):
-    ds = mesh.mean_mesh(spec)
+    ds = panels.mean_mesh(spec)
     assert ds.meridian_height.values[0] == pytest.approx(0.0, abs=1e-9)
     assert (ds.meridian_radius.values[-1], ds.lid_radius.values[0]) == pytest.approx((0.0, 0.0), abs=1e-9)
     assert ds.lid_radius.values[-1] == pytest.approx(ds.meridian_radius.values[0], rel=1e-3)
@@ -31,7 +31,7 @@ def test_mean_mesh_reaches_from_waterline_to_keel_and_has_a_lid(spec):
 
 
 def test_mean_mesh_is_that_of_the_sphere_or_of_the_loaded_shell(spec):
-    ds = mesh.mean_mesh(spec, 2)
+    ds = panels.mean_mesh(spec, 2)
     if isinstance(spec, SphereMesh):
         rows, azimuth, lid = (-(-n // 2) for n in (spec.rows, spec.azimuth, spec.lid_rows))
         assert ds.identical(meshing.mean_mesh(spec.radius, spec.centre_height, rows, azimuth, lid))
@@ -58,7 +58,7 @@ def test_mean_mesh_is_that_of_the_sphere_or_of_the_loaded_shell(spec):
 def test_deformed_shapes_are_the_rest_shape_and_each_mode_to_either_side(name, changes):
     study = varied(load(shipped(name)), **changes)
     spec = StudyPlan(study).witness.meshes
-    rest, *moved = deformed.shapes(spec)
+    rest, *moved = panels.shapes(spec)
     assert [shape.name for shape in moved] == [f"{m}_{side}" for m in spec.deformed for side in ("minus", "plus")]
     keel = -rest.shell.meridian(np.array([np.pi])).z[0]
     assert keel == pytest.approx(reference_shell(study).keel_depth, rel=1e-12)
@@ -70,7 +70,7 @@ def test_deformed_shapes_are_the_rest_shape_and_each_mode_to_either_side(name, c
 
 def test_deformed_meshes_are_stored_by_name(tmp_path):
     spec = StudyPlan(varied(load(SEED), modes={"degree": 0})).witness.meshes
-    deformed.run(spec, str(tmp_path))
+    panels.run_deformed(spec, str(tmp_path))
     assert {path.name for path in tmp_path.iterdir()} == {"mean.nc", "Membrane0_minus.nc", "Membrane0_plus.nc"}
     minus = files.load(tmp_path / "Membrane0_minus.nc", expected=content_id(spec))
     assert (minus.attrs["deformed_by"], minus.attrs["amplitude"]) == ("Membrane0", pytest.approx(-0.1))
@@ -78,7 +78,7 @@ def test_deformed_meshes_are_stored_by_name(tmp_path):
 
 def test_viewable_shapes_are_written_and_stamped(seed, tmp_path):
     plan = StudyPlan(varied(seed, modes={"degree": 1}))
-    display.run(plan.display, str(tmp_path / "shapes"), str(tmp_path / "manifest.json"))
+    shell.run_display(plan.display, str(tmp_path / "shapes"), str(tmp_path / "manifest.json"))
     names = {path.rsplit("/")[-1] for path in plan.display_paths}
     assert {path.name for path in (tmp_path / "shapes").iterdir()} == names
     stamps = json.loads((tmp_path / "manifest.json").read_text())

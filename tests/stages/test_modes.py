@@ -6,14 +6,14 @@ from conftest import varied
 
 from vsb.scenes.directions import order_bases
 from vsb.scenes.rest import reference_shell, study_basis
-from vsb.stages import modes
+from vsb.stages import shell
 from vsb.study.plan import StudyPlan
 from vsb.tools.files import load
 
 
 def test_stored_modes_are_those_of_the_basis(seed, tmp_path):
     study = varied(seed, modes={"basis": "full", "degree": 4})
-    modes.run(StudyPlan(study).modes, str(tmp_path / "modes.nc"))
+    shell.run_modes(StudyPlan(study).modes, str(tmp_path / "modes.nc"))
     ds, basis = load(tmp_path / "modes.nc"), study_basis(study)
     assert tuple(ds.mode.values) == basis.labels[1:]
     assert (ds.colatitude.values[0], ds.colatitude.values[-1]) == (0.0, pytest.approx(np.pi))
@@ -28,7 +28,7 @@ def test_stored_modes_are_those_of_the_basis(seed, tmp_path):
 def test_modes_of_higher_azimuthal_orders(seed):
     """The static load is axisymmetric: modes of higher orders are not deflected."""
     study = varied(seed, modes={"degree": 3}, motion="planar", device={"centre_of_mass": -0.5, "ballast_inertia": 9e3})
-    ds = modes.shell_modes(study, reference_shell(study))
+    ds = shell.shell_modes(study, reference_shell(study))
     (family,) = (each for each in order_bases(study, study_basis(study)) if not each.odd)
     of_order = ds.isel(mode=ds.order.values == family.order)
     radial, meridional, _ = family.field(ds.colatitude.values)
@@ -42,7 +42,7 @@ def test_modes_of_higher_azimuthal_orders(seed):
 def test_rest_shape_of_a_spheroid(seed, tmp_path):
     """Displacement along e_r and e_phi from the point of the sphere to that of the meridian at the same angle."""
     study = varied(seed, device={"shape": {"spheroid": {"height": 3.0}}}, modes={"basis": "full", "degree": 3})
-    modes.run(StudyPlan(study).modes, str(tmp_path / "modes.nc"))
+    shell.run_modes(StudyPlan(study).modes, str(tmp_path / "modes.nc"))
     ds, r = load(tmp_path / "modes.nc"), study.device.radius
     phi = ds.colatitude.values
     out, along = r + ds.rest_radial.values, ds.rest_meridional.values

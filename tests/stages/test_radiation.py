@@ -7,7 +7,7 @@ import xarray as xr
 from vsb.hydro.database import load_database
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_radiation
-from vsb.stages import radiation
+from vsb.stages import frequency
 from vsb.study.study import content_id
 from vsb.tools.files import load
 
@@ -37,7 +37,7 @@ def test_least_damping_does_not_depend_on_units(size):
     damping = np.array([np.diag([2.0, 0.5, 0.0]), np.diag([4.0, 1.0, 0.0]), np.diag([3.0, -0.5, 0.0])])
     for units in ([1.0, 1e3, 1.0], [1e3, 1.0, 1.0]):  # what draws energy is the larger motion, or the smaller
         sized = damping * size * np.outer(units, units)
-        assert radiation.least_damping(DampingSpectrum(np.array([1.0, 2.0, 3.0]), sized), sized) == pytest.approx(-0.5)
+        assert frequency.least_damping(DampingSpectrum(np.array([1.0, 2.0, 3.0]), sized), sized) == pytest.approx(-0.5)
 
 
 def test_every_azimuthal_order_has_its_own_memory():
@@ -54,7 +54,7 @@ def test_every_azimuthal_order_has_its_own_memory():
         {"radiation_damping": (("omega", *pair), damping), "azimuthal_order": ("influenced_dof", [0, 1, 1, -1])},
         coords={"omega": omega, **dict.fromkeys(pair, labels)},
     )
-    found = radiation.fit_orders(ds, 1e-5)
+    found = frequency.fit_orders(ds, 1e-5)
     fits = [fit_radiation(DampingSpectrum(omega, one[:, None, None]), 1e-5) for one in (heave, surge)]
     assert len({error for _, error in fits}) == 2
     assert found.error == max(error for _, error in fits)

@@ -9,7 +9,7 @@ from conftest import varied
 from vsb.motion.port import LinearPto
 from vsb.report.band import gain_band
 from vsb.scenes.floating_system import floating_system
-from vsb.stages import response
+from vsb.stages import frequency
 from vsb.study.plan import StudyPlan
 from vsb.tools.files import load
 
@@ -42,7 +42,7 @@ def test_optimal_damping_is_the_impedance_modulus(ds):
 def test_optimal_damping_beside_a_spring(small, ds, tmp_path):
     """The damper sees Z + i k/omega: optimal is its modulus, power |V Z|^2 c/(2 |Z + i k/omega + c|^2)."""
     plan = StudyPlan(varied(small.study, pto={"stiffness": 4.0e4}))
-    response.run(plan.response, small.database_path, str(tmp_path / "sprung.nc"))
+    frequency.run_response(plan.response, small.database_path, str(tmp_path / "sprung.nc"))
     sprung = load(tmp_path / "sprung.nc")
     shared = np.intersect1d(sprung.omega, ds.omega)  # each has frequencies of its own at resonances and extremes
     assert len(shared) > 0.8 * ds.sizes["omega"]
@@ -67,7 +67,7 @@ def test_frequency_grid_resolves_resonances_and_extreme_gains(small, ds):
         shown = natural[natural < float(ds.omega[-1])]
         assert np.abs(ds.omega.values[:, None] - shown).min(axis=0).max() < 1e-9
     fine = np.linspace(*ds.omega.values[[0, -1]], 30 * ds.sizes["omega"])
-    powers = response.best_powers(small.response, floating, floating.linear, fine)
+    powers = frequency.best_powers(small.response, floating, floating.linear, fine)
     found, exact = ((100 * (p / p.sel(design="FSB") - 1)).where(gain_band(p, "FSB")) for p in (ds.best_power, powers))
     assert float(found.max()) == pytest.approx(float(exact.max()), abs=0.05)
     assert float(found.min()) == pytest.approx(float(exact.min()), abs=0.05)

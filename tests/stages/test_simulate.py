@@ -47,7 +47,7 @@ def test_run_in_legs_equals_run_in_one_piece(small, tmp_path, monkeypatch):
     """Every instant once, also where one leg ends and the next begins."""
     whole, short = stored(small, "VSWEC"), partial(simulate.legs, longest=100)
     monkeypatch.setattr(simulate, "legs", short)
-    simulate.run(small.simulation("VSWEC", WAVE), str(tmp_path / "run.nc"), **small.hydro_files)
+    simulate.run_simulate(small.simulation("VSWEC", WAVE), str(tmp_path / "run.nc"), **small.hydro_files)
     run = load(tmp_path / "run.nc", expected=small.trajectory_id("VSWEC", WAVE))
     np.testing.assert_allclose(run.time.values, whole.time.values, atol=1e-12)
     for name in whole.data_vars:
@@ -73,7 +73,7 @@ def test_volume_and_area_are_those_of_the_moving_shell(small):
 def test_clamped_shell_in_still_water_has_no_steady_power_and_no_drift(small, tmp_path):
     plan = StudyPlan(varied(small.study, designs={"C": {"clamp": 0}}, waves=[{"kind": "still"}]))
     (wave,) = plan.study.waves
-    simulate.run(plan.simulation("C", wave), str(tmp_path / "run.nc"), **small.hydro_files)
+    simulate.run_simulate(plan.simulation("C", wave), str(tmp_path / "run.nc"), **small.hydro_files)
     run = load(tmp_path / "run.nc", expected=plan.trajectory_id("C", wave))
     assert "steady_power" not in run.attrs
     assert run.attrs["constraint_drift"] < 1e-12
@@ -92,7 +92,7 @@ def test_steady_power_of_switching_laws(small, tmp_path, monkeypatch, law):
     simulation = {"duration": 100.0, "window": [75.0, 100.0], "initial_velocity": 0.0}
     plan = StudyPlan(varied(small.study, pto=pto, waves=waves, simulation=simulation))
     (wave,) = plan.study.waves
-    simulate.run(plan.simulation("FSB", wave), str(tmp_path / "run.nc"), **small.hydro_files)
+    simulate.run_simulate(plan.simulation("FSB", wave), str(tmp_path / "run.nc"), **small.hydro_files)
     run = load(tmp_path / "run.nc", expected=plan.trajectory_id("FSB", wave))
     assert LAWS[law] in run.attrs
     window = run.energy.sel(term="pto").interp(time=[75.0, 100.0]).values

@@ -11,7 +11,7 @@ from study.test_shape import OBLATE, raw
 from vsb.errors import DatabaseError
 from vsb.hydro.dofs import displacements
 from vsb.shell.deformed import rigid_sphere
-from vsb.stages import database, deformed, mesh, panels, spectral, witness
+from vsb.stages import panels, water
 from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import DatabaseSpec
@@ -23,7 +23,7 @@ from vsb.tools import files
 def test_spectral_problem_is_that_of_the_wetted_shape(name):
     study = load(shipped(name))
     plan = StudyPlan(study)
-    problem = spectral.spectral_problem(plan.sweep_blocks[0])
+    problem = water.spectral_problem(plan.sweep_blocks[0])
     assert tuple(d.label for d in problem.displacements) == plan.displacements()
     keel = problem.shell.meridian(np.array([np.pi])).z[0]
     sphere = rigid_sphere(study.device.radius, study.centre_height).meridian(np.array([np.pi])).z[0]
@@ -36,9 +36,7 @@ def test_spectral_problem_has_the_water_order_and_shape_of_its_block(order, labe
     study = load(SEED) if shape is None else parse(raw(shape, device={"mass": 9e3}))
     water = study.water.model_copy(update={"depth": 9.0, "density": 1010.0, "gravity": 9.7})
     block = StudyPlan(study).sweep_blocks[0]
-    problem = spectral.spectral_problem(
-        block.model_copy(update={"water": water, "order": order, "displacements": labels})
-    )
+    problem = water.spectral_problem(block.model_copy(update={"water": water, "order": order, "displacements": labels}))
     assert (problem.density, problem.gravity, problem.depth) == (1010.0, 9.7, 9.0)
     assert (problem.displacements, problem.order) == (displacements(labels, order), order)
     keel = problem.shell.meridian(np.array([np.pi])).z[0]
@@ -50,7 +48,7 @@ def test_spectral_problem_has_the_water_order_and_shape_of_its_block(order, labe
 def test_spectral_block_is_swept_or_solved_at_every_frequency(small, tmp_path, tabulated):
     plan = StudyPlan(varied(small.study, hydro={"omega": [1.0, 2.0]})) if tabulated else small
     spec = (plan.tabulated_blocks if tabulated else plan.sweep_blocks)[0]
-    spectral.run(spec, str(tmp_path / "block.nc"))
+    water.run_spectral(spec, str(tmp_path / "block.nc"))
     ds = files.load(tmp_path / "block.nc", expected=content_id(spec))
     assert tuple(ds.omega.values) == spec.omega
     assert (ds.attrs["solves"] < ds.attrs["frequencies"]) == (not tabulated)
@@ -65,10 +63,10 @@ def test_panel_block_agrees_with_the_spectral_solver_within_its_error_estimate(s
         (spec,) = StudyPlan(varied(seed, hydro=hydro, modes={"degree": 1})).tabulated_blocks
         out = tmp_path / f"{solver}.nc"
         if solver == "panels":
-            mesh.run(spec.mesh, str(tmp_path / "mean.nc"))
-            panels.run(spec, str(tmp_path / "mean.nc"), str(green_folder), str(out))
+            panels.run_mesh(spec.mesh, str(tmp_path / "mean.nc"))
+            panels.run_panels(spec, str(tmp_path / "mean.nc"), str(green_folder), str(out))
         else:
-            spectral.run(spec, str(out))
+            water.run_spectral(spec, str(out))
         found[solver] = files.load(out, expected=content_id(spec))
     for name in ("added_mass", "radiation_damping"):
         one, other = (found[solver][name].values for solver in found)
@@ -80,8 +78,8 @@ def test_both_solvers_agree_within_their_error_estimates(seed, green_folder, tmp
     """Of a rigid sphere on few rows."""
     spec = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}})).witness
     spec = spec.model_copy(update={"meshes": spec.meshes.model_copy(update={"rows": 16, "azimuth": 32})})
-    deformed.run(spec.meshes, str(tmp_path / "meshes"))
-    witness.run(spec, str(tmp_path / "meshes"), str(green_folder), str(tmp_path / "witness.nc"))
+    panels.run_deformed(spec.meshes, str(tmp_path / "meshes"))
+    panels.run_witness(spec, str(tmp_path / "meshes"), str(green_folder), str(tmp_path / "witness.nc"))
     ds = files.load(tmp_path / "witness.nc", expected=content_id(spec))
     assert tuple(ds.omega.values) == spec.omega
     assert (ds.witness_difference <= ds.witness_estimate.sum("solver")).all()
@@ -91,10 +89,10 @@ def test_both_solvers_agree_within_their_error_estimates(seed, green_folder, tmp
 def test_missing_or_foreign_block_is_refused(small, tmp_path):
     (name,) = small.database.sweep
     with pytest.raises(DatabaseError, match=rf"{name}.nc: file not found"):
-        database.run(small.database, str(tmp_path), str(tmp_path / "out.nc"))
+        water.run_database(small.database, str(tmp_path), str(tmp_path / "out.nc"))
     files.save(files.load(f"{small.block_folder}/{name}.nc").assign_attrs(spec_id="0" * 16), tmp_path / f"{name}.nc")
     with pytest.raises(DatabaseError, match=rf"{name}.nc: holds block 0+, needs {name}; delete it and run again"):
-        database.run(small.database, str(tmp_path), str(tmp_path / "out.nc"))
+        water.run_database(small.database, str(tmp_path), str(tmp_path / "out.nc"))
     assert not (tmp_path / "out.nc").exists()
 
 
@@ -106,10 +104,10 @@ def test_failed_check_stops_unless_accepted(small, tmp_path):
     files.save(block.assign(radiation_damping=1.3 * block.radiation_damping), tmp_path / f"{name}.nc")
     out = str(tmp_path / "db" / "out.nc")
     with pytest.raises(DatabaseError, match=r"hydro database: check '\w+' failed: .*list the name under hydro.accept"):
-        database.run(small.database, str(tmp_path), out)
+        water.run_database(small.database, str(tmp_path), out)
     assert not Path(out).exists()
     spec = DatabaseSpec(**{**small.database.model_dump(), "accept": ("haskind", "kramers_kronig")})
-    database.run(spec, str(tmp_path), out)
+    water.run_database(spec, str(tmp_path), out)
     assert "accepted" in files.load(out).attrs["quality"]
 
 

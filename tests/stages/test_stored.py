@@ -9,7 +9,7 @@ from conftest import varied
 
 from vsb.api.results import Results
 from vsb.errors import ConfigError, DatabaseError
-from vsb.stages.trajectories import StoredRuns
+from vsb.stages.stored import StoredRuns
 from vsb.study.plan import StudyPlan, trajectory_name
 from vsb.tools.files import save
 

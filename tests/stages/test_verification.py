@@ -41,7 +41,7 @@ def planned(folder, name="checked", vary=None, verify=None, tuning=("fixed", "on
 
 def simulated(plan):
     for name, spec in plan.verifications.items():
-        verification.run(
+        verification.run_verification(
             told("verification", spec), plan.loaded.climate_path, plan.root, plan.verification_path(name)
         )  # fmt: skip
     return [load(path, expected=name) for name, path in zip(plan.verifications, plan.verification_paths, strict=True)]
@@ -52,7 +52,7 @@ def run(plan):
     found = simulated(plan)
     gather(plan)
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
-    campaign_report.run(
+    campaign_report.run_campaign_report(
         told("campaign_report", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files
     )
     return found, load(plan.data_path, expected=plan.campaign_id)

@@ -166,7 +166,7 @@ def report_files():
 def test_stage_refuses_damaged_input(place, path, damage):
     damage(path)
     with pytest.raises(DatabaseError, match=rf"{path}: .*delete"):
-        report.run(PLAN.study, out="again.html", **report_files())
+        report.run_report(PLAN.study, out="again.html", **report_files())
     assert not Path("again.html").exists()
 
 
@@ -175,7 +175,7 @@ def test_radiation_model_of_another_study_is_refused(place):
     shutil.copy(PLAN.radiation_path, other)
     files = {"database": PLAN.database_path, "radiation": other}
     with pytest.raises(DatabaseError, match=rf"{other}: holds '\w+', needs '0+': stale or foreign"):
-        simulate.run(PLAN.simulation("FSB", WAVE), "out.nc", **files)
+        simulate.run_simulate(PLAN.simulation("FSB", WAVE), "out.nc", **files)
 
 
 def test_verify_checks_every_file_of_a_folder(place):

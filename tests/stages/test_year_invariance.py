@@ -5,7 +5,7 @@ import pytest
 import yaml
 from invariance import HEAVE, LENGTH, assert_close, factor, renamed, restated, usual
 
-from vsb.stages import members
+from vsb.stages import campaign
 from vsb.stages.stage import STAGES
 from vsb.study.campaign_plan import plan_of
 from vsb.study.study import canonical
@@ -38,7 +38,9 @@ def year(folder, raw, seas=SEAS, height=1.0):
     ((batch, spec),) = plan.batches.items()
     (stage,) = (each for each in STAGES if each.name == "members")
     root = str(folder / "results")
-    members.run(stage.read(canonical(spec)), plan.loaded.climate_path, f"{root}/members", root, f"{root}/{batch}.nc")
+    campaign.run_members(
+        stage.read(canonical(spec)), plan.loaded.climate_path, f"{root}/members", root, f"{root}/{batch}.nc"
+    )
     return load(f"{root}/{batch}.nc")
 
 

@@ -1,15 +1,179 @@
 """Rule campaign: all members of a campaign together, as netCDF and as a table."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
-from vsb.results.campaign import as_csv, gathered, with_verification
-from vsb.study.specs import CampaignSpec
-from vsb.study.study import canonical, content_id
+import numpy as np
+import xarray as xr
+
+from vsb.errors import DatabaseError
+from vsb.hydro import database, orders, quality
+from vsb.hydro.dofs import displacements
+from vsb.motion.frequency import LinearBuoy
+from vsb.motion.port import LinearPto
+from vsb.results.campaign import as_csv, gathered, stacked, with_verification
+from vsb.results.member import YearsWithin, member
+from vsb.results.year import frequencies
+from vsb.scenes.directions import order_bases
+from vsb.scenes.ports import ShapeWater
+from vsb.shell.modes import ModeBasis
+from vsb.shell.orders import OrderBasis
+from vsb.stages.climate import read_climate
+from vsb.stages.make import solve
+from vsb.study.blocks import COARSEST_SWEEP
+from vsb.study.campaign_plan import Member, members
+from vsb.study.plan import StudyPlan
+from vsb.study.specs import CampaignSpec, MembersSpec
+from vsb.study.study import Study, canonical, content_id
+from vsb.tools import packed
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load, save, write_text
 from vsb.tools.stamps import record
+from vsb.waves.climate import Climate
+
+STATED = ("error_estimate", "interpolation_error")
+"""Errors that blocks estimate of themselves."""
 
 
-def run(spec: CampaignSpec, batches: str, verifications: str, out: str, table: str, manifest: str) -> None:
+def run_members(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:
+    """Write the members of a batch, each to a file of its own as soon as it is finished, then all together."""
+    batch = members(spec.base, spec.points, spec.climate, spec.tuning, spec.constrained)
+    work = Work(read_climate(spec.climate, climate), spec, root)
+    found = [finished(Path(folder) / f"{one.id}{packed.SUFFIX}", one, work) for one in batch]
+    ids = [one.id for one in batch]
+    save(stacked(found, ids).assign_attrs(spec_id=content_id(ids)), out)
+
+
+@dataclass
+class Work:
+    """What the members of a batch have in common."""
+
+    climate: Climate
+    spec: MembersSpec
+    root: str
+    _shape: dict[tuple[str, ...], "Swept"] = field(default_factory=dict)  # of the last shape alone
+    _rigid: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs under dampers
+    _optima: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs within limits
+
+    def results(self, one: Member) -> xr.Dataset:
+        """Return the results of a member."""
+        water = partial(self.water, one)
+        return member(one.study, water, self.climate, self.spec.tuning, self._years_within(one), self._rigid)
+
+    def _years_within(self, one: Member) -> YearsWithin | None:
+        """What finds the years of a member within limits, if they are asked for; only then what is compiled is read."""
+        if not (given := self.spec.constrained):
+            return None
+        from vsb.results.constrained_year import Optima
+
+        def water(basis: ModeBasis, omega: FloatArray) -> ShapeWater:
+            return self.swept(one, basis).at(omega)
+
+        return Optima(water, given.seconds, given.seed, self._optima)
+
+    def water(self, one: Member, basis: ModeBasis) -> ShapeWater:
+        """Return the coefficients of the shape of a member at the frequencies of the climate."""
+        return self.swept(one, basis).of_year(self.climate)
+
+    def swept(self, one: Member, basis: ModeBasis) -> "Swept":
+        """Return the shape of a member, kept while members of the same shape follow."""
+        if one.spec.sweep not in self._shape:
+            self._shape = {one.spec.sweep: swept_shape(one.study, basis, self.root)}
+        return self._shape[one.spec.sweep]
+
+
+def finished(path: Path, one: Member, work: Work) -> xr.Dataset:
+    """Return the results of a member from its file, written now if it is not there or not what it should be."""
+    try:
+        return packed.load(path, expected=one.id)
+    except DatabaseError as error:
+        if path.exists():
+            print(f"{error} It is computed anew.")
+    found = work.results(one)
+    found.attrs |= {"spec": canonical(one.spec), "spec_id": one.id}
+    packed.save(found, path)
+    return found
+
+
+@dataclass
+class Swept:
+    """A shape whose coefficients are solved, to be had at any frequencies of the band."""
+
+    buoys: tuple[LinearBuoy, ...]  # in displacements, of azimuthal orders 0, 1, ...
+    _year: dict[str, ShapeWater] = field(default_factory=dict)  # at the frequencies of a climate
+
+    def at(self, omega: FloatArray) -> ShapeWater:
+        """Return the coefficients at frequencies; outside the band those of its nearest end."""
+        known = np.clip(omega, *self._band)
+        first, *others = (
+            ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(known))
+            for order, buoy in enumerate(self.buoys)
+        )
+        resolution, interpolation = self._stated
+        return replace(first, orders=tuple(others), resolution=resolution, interpolation=interpolation)
+
+    @property
+    def _stated(self) -> tuple[float, float]:
+        """Estimated relative errors of what is solved and of what is interpolated between [-]."""
+        attrs = [buoy.database.attrs for buoy in self.buoys]
+        resolution, interpolation = (max(float(each.get(name, 0.0)) for each in attrs) for name in STATED)
+        return resolution, interpolation
+
+    @property
+    def _band(self) -> tuple[float, float]:
+        """Lowest and highest frequency solved [rad/s]."""
+        first, last = self.buoys[0].database.omega.values[[0, -1]]
+        return float(first), float(last)
+
+    def of_year(self, climate: Climate) -> ShapeWater:
+        """Return the coefficients at the frequencies of a climate."""
+        if climate.name not in self._year:
+            self._year = {climate.name: self.at(frequencies(climate, *self._band))}
+        return self._year[climate.name]
+
+
+def swept_shape(study: Study, basis: ModeBasis, root: str) -> Swept:
+    """Return the coefficients of a shape, solved if they are not there.
+
+    Raises
+    ------
+    DatabaseError
+        If a check on them fails that the study does not accept.
+    """
+    plan = StudyPlan(study, root=root)
+    solve(plan)
+    families = order_bases(study, basis)
+    return Swept(tuple(_of_order(plan, basis, one) for one in (None, *families)))
+
+
+def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> LinearBuoy:
+    """The coefficients of one azimuthal order, judged; none of a family: of heave and axisymmetric modes."""
+    study, order, water = plan.study, family.order if family else 0, plan.study.water
+    paths = [plan.block_path(block) for block in plan.sweep_blocks if block.order == order]
+    blocks = [load(path, expected=Path(path).stem) for path in paths]
+    whole = database.with_excitation(database.merged_blocks(blocks))
+    _judge(study, blocks, orders.in_wet_modes(whole, family) if family else database.in_modes(whole, basis), order)
+    raw = database.with_symmetrized(whole)
+    if order:
+        raw = orders.with_haskind_damping(raw, order, water.depth, water.density, water.gravity)
+    raw = raw.assign_attrs({name: max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in STATED})
+    count = raw.sizes["influenced_dof"]
+    return LinearBuoy(raw, np.zeros((count, count)), LinearPto(0.0))
+
+
+def _judge(study: Study, blocks: Sequence[xr.Dataset], sweep: xr.Dataset, order: int) -> None:
+    """Judge coefficients as those of a database are."""
+    tolerance = study.hydro.tolerance
+    precision = min(1.0, tolerance / COARSEST_SWEEP) if not study.uses_panels else 1.0
+    checks = quality.estimate_checks([block.attrs for block in blocks], tolerance)
+    checks += quality.verdict(sweep, None, study.water, precision, order)
+    quality.judged(checks, study.hydro.accept)
+
+
+def run_campaign(spec: CampaignSpec, batches: str, verifications: str, out: str, table: str, manifest: str) -> None:
     """Write the results of a campaign from its batches and from what runs in time say."""
     found = gathered(spec, [load(Path(batches) / f"{batch}.nc", expected=batch) for batch in spec.batches])
     runs = [load(Path(verifications) / f"{one}.nc", expected=one) for one in spec.verifications]

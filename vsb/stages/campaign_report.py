@@ -1,29 +1,69 @@
 """Rule answer: figures and report of a campaign."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from vsb.report.campaign_answer import leading
+from vsb.report.animation import PER_PERIOD, PERIODS, SEEN, frames_data, largest_shell, shapes_data
+from vsb.report.campaign_answer import TUNED, leading, shown_place, where
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.campaign_page import CampaignReport, render
+from vsb.report.living import designs_data, year_data
 from vsb.report.sea_figures import year_spectra
+from vsb.report.shell_figures import round_factor
 from vsb.report.sketch import sketches
 from vsb.report.svg import Drawn, drawn
-from vsb.stages.animated_year import moving_year
+from vsb.results.year import Bins
+from vsb.scenes.directions import whole_labels
+from vsb.scenes.ports import design_ports, designs_in_waves
+from vsb.scenes.viability import viability
+from vsb.shell.reference import ReferenceShell
+from vsb.stages.campaign import Swept, swept_shape
 from vsb.stages.climate import read_climate
-from vsb.stages.interactive_year import living_year
+from vsb.stages.shell import shell_modes
+from vsb.study.campaign import CONSTRAINED
 from vsb.study.campaign_plan import figure_names, members
 from vsb.study.specs import CampaignSpec
-from vsb.study.study import content_id
+from vsb.study.study import Study, Water, content_id
 from vsb.tools.files import load, write_text
+from vsb.tools.ports import kind_of
 from vsb.tools.stamps import record
-from vsb.waves.climate import Climate
+from vsb.waves.climate import Climate, realised
+from vsb.waves.seas import Sea
+from vsb.waves.superposition import superposed
+
+FRAMES = PER_PERIOD * PERIODS
+"""Instants at which motions are summed; a page shows as many."""
 
 
-def run(spec: CampaignSpec, data: str, climate: str, root: str, figures: str, out: str, manifest: str) -> None:
+@dataclass(frozen=True)
+class Point:
+    """A point of a campaign whose take-off a page knows: what of it is viable, at rest, and the water it moves."""
+
+    study: Study  # of its viable designs
+    reference: ReferenceShell
+    swept: Swept
+
+
+def sweep_point(spec: CampaignSpec, index: int, root: str) -> Point | None:
+    """Return a point of a campaign; none if no design is viable, or its take-off switches."""
+    (one,) = members(spec.base, [spec.vary.points[index]], spec.climate, spec.tuning)
+    if one.study.pto.switches:
+        return None  # a damper of the page knows no limits
+    if (viable := viability(one.study).viable) is None:
+        return None
+    study, reference = viable
+    return Point(study, reference, swept_shape(one.study, reference.basis, root))
+
+
+def run_campaign_report(
+    spec: CampaignSpec, data: str, climate: str, root: str, figures: str, out: str, manifest: str
+) -> None:
     """Draw the figures of a campaign and write its report."""
     identity = content_id(spec)
     ds = load(data, expected=identity)
@@ -53,3 +93,114 @@ def _page(spec: CampaignSpec, ds: xr.Dataset, seas: Climate, root: str, svgs: Ma
     living, moving = (made(spec, ds, *leading(ds), seas, root) for made in (living_year, moving_year))
     first = members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)[0].study
     return render(CampaignReport(ds, svgs, living, sketches(first), moving, seas.notes))
+
+
+def moving_year(
+    spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, seas: Climate, root: str
+) -> dict[str, Any] | None:
+    """Return the motion of all viable designs in one sea of a campaign's year; none where no damper is known.
+
+    Parameters are those of `vsb.stages.campaign_report.living_year`.
+    """
+    place = shown_place(ds, tuning, reference)
+    index = int(np.ravel_multi_index(list(place.values()), ds.margin.shape)) if place else 0
+    point, one = sweep_point(spec, index, root), ds.isel(place)
+    told = next((name for name in (tuning, "one", "each", "fixed") if name in one.tuning and name != CONSTRAINED), None)
+    if point is None or told is None:
+        return None
+    sea, row, column = most_energetic(seas, point.study.water)
+    designs, period, radius = list(point.study.designs), float(seas.te[sea]), point.study.device.radius
+    damping = one.damping.sel(tuning=told, design=designs).isel(hs=row, te=column).values
+    band = point.swept.buoys[0].database.omega.values[[0, -1]]
+    if not np.isfinite(damping).all():
+        return None
+    waves = realised(seas, sea, PERIODS * period, 0, *map(float, band))
+    runs = _runs(point, dict(zip(designs, map(float, damping), strict=True)), waves, PERIODS * period)
+    modes = shell_modes(point.study, point.reference)
+    shell = list(map(str, modes.mode.values))
+    width = max(SEEN * radius, radius + max(float(abs(run.sel(dof="Heave")).max()) for run in runs.values()))
+    words = f"a sea of the bin that brings most energy (Hs {seas.hs[sea]:.2g} m, Te {period:.2g} s)"
+    at = f" at {text}" if (text := where(one)) else ""
+    span, largest = (0.0, PERIODS * period), max(largest_shell(run, shell) for run in runs.values())
+    return {
+        "designs": designs_data(designs, reference),
+        "width": width,
+        "factor": round_factor(largest, radius),
+        "shapes": shapes_data(modes),
+        "seas": [frames_data(words, runs, waves, span, period, width, point.study.water, shell)],
+        "told": f"In {words}: a realisation of its spectrum, by linear theory, {TUNED[told]}{at}.",
+    }
+
+
+def most_energetic(climate: Climate, water: Water) -> tuple[int, int, int]:
+    """Return a sea and the row and column of its bin: the bin that brings most energy, the sea nearest to its mean."""
+    bins, flux = Bins(climate.hs, climate.te, climate.hours), climate.flux(water)
+    energy = bins.total(flux * climate.hours)
+    best = int(energy.argmax())
+    inside = np.flatnonzero(bins.index == best)
+    mean = energy.ravel()[best] / bins.share.ravel()[best]
+    row, column = (int(i) for i in np.unravel_index(best, bins.shape))
+    return int(inside[np.abs(flux[inside] - mean).argmin()]), row, column
+
+
+def _runs(point: Point, dampers: Mapping[str, float], waves: Sea, duration: float) -> dict[str, xr.DataArray]:
+    """Positions of all designs in a sea by linear theory, those degrees of freedom alone that a design moves in."""
+    inside = designs_in_waves(point.study, point.reference, point.swept.at(waves.omega))
+    labels, spring = np.array(whole_labels(point.study, point.reference)), point.study.pto.stiffness
+    time = np.linspace(0.0, duration, FRAMES + 1)
+    found = {}
+    for design, damping in dampers.items():
+        moved = waves.amplitude[:, None] * inside[design].position(damping, spring)
+        free = moved.any(axis=0)
+        coords = {"time": time, "dof": labels[free]}
+        found[design] = xr.DataArray(superposed(waves.omega, moved[:, free], time), coords, ("time", "dof"))
+    return found
+
+
+MOST = 6
+"""Most points of a campaign a page computes with; of more, the one its figures show."""
+
+
+def living_year(
+    spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, seas: Climate, root: str
+) -> dict[str, Any] | None:
+    """Return the data of a campaign's page; none where no design is viable or the take-off switches.
+
+    Parameters
+    ----------
+    spec : CampaignSpec
+    ds : Dataset
+        Results of the campaign.
+    tuning : str
+        That the answer is told at.
+    reference : str or None
+        The design gains are over.
+    seas : Climate
+        Of the year.
+    root : str
+        Folder of all results.
+    """
+    points = [str(dim) for dim in ds.margin.dims]
+    shape = tuple(ds.sizes[dim] for dim in points)
+    shown = shown_place(ds, tuning, reference)
+    places = [dict(zip(points, map(int, place), strict=True)) for place in np.ndindex(shape)]
+    others = [place for place in places if place != shown] if len(places) <= MOST else []
+    known = [_point(spec, ds, places.index(place), place, seas, root) for place in [shown, *others]]
+    found = [one for one in known if one]
+    return year_data(seas, found, list(map(str, ds.design.values)), reference, kind_of(ds)) if found else None
+
+
+def _point(
+    spec: CampaignSpec, ds: xr.Dataset, index: int, place: Mapping[str, int], seas: Climate, root: str
+) -> dict[str, Any] | None:
+    """Words, ports, flux of the seas and given dampers of one point, if it can be looked at."""
+    point = sweep_point(spec, index, root)
+    if point is None:
+        return None
+    study = point.study
+    return {
+        "words": where(ds.isel(place)) or "the study",
+        "ports": design_ports(study, point.reference, point.swept.of_year(seas)),
+        "given": {design: study.pto.damper(design) for design in study.designs},
+        "flux": seas.flux(study.water),
+    }

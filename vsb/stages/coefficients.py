@@ -1,6 +1,7 @@
 """Rule coefficients: the hydro database of a body, solved of its mesh or read from files, its matrices with it."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import xarray as xr
@@ -10,8 +11,9 @@ from vsb.hydro import database, quality
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.study import solved
 from vsb.hydro.database import Check
+from vsb.hydro.formats import bemio, foreign, wamit
 from vsb.hydro.formats.foreign import LARGEST_UNAFLOAT, afloat_checks
-from vsb.hydro.formats.modes import volume_of
+from vsb.hydro.formats.modes import check_positive, volume_of
 from vsb.hydro.formats.sources import read_source, source_checks
 from vsb.hydro.repairs import repaired, told, with_symmetric_stiffness
 from vsb.hydro.variables import PAIR
@@ -21,6 +23,7 @@ from vsb.stages.stage import stamp
 from vsb.study.body import Body, BodyFile
 from vsb.study.quantities import of_bodies
 from vsb.study.specs import BodySpec
+from vsb.tools.files import save
 
 _KEPT = (
     "displaced_volume",
@@ -38,7 +41,7 @@ REMEDY = "use smaller panels or other frequencies, keep fewer of them (hydro.ome
 """What helps a body of which a check fails."""
 
 
-def run(spec: BodySpec, out: str, **files: str) -> None:
+def run_coefficients(spec: BodySpec, out: str, **files: str) -> None:
     """Solve or read the coefficients of a body, check them, and store them with its matrices.
 
     Raises
@@ -113,3 +116,32 @@ def store(spec: BodySpec, found: xr.Dataset, out: str) -> None:
     }
     ds.attrs = {}
     database.save_database(ds.assign_attrs(attrs), None, out)
+
+
+FACTS = {"density": "kg/m^3", "gravity": "m/s^2", "length": "m", "depth": "m"}
+"""What WAMIT's files do not say of a run, and its units."""
+Verdict = tuple[list[database.Check], list[str], list[str]]
+"""Checks, what was left out of the file or of the checks, and what to look at where a check does not hold."""
+
+
+def import_wamit(folder: str, name: str, out: str, *, axisymmetric: bool, **facts: float) -> Verdict:
+    """Read WAMIT's output into a database file and return the verdict on it; facts of the run as in `FACTS`."""
+    for option, unit in FACTS.items():
+        check_positive(f"--{option}", facts[option], unit, infinite=option == "depth")
+    ds = wamit.import_wamit(folder, name, labels=None, **facts)
+    return _store_foreign(ds, out, axisymmetric, foreign.WAMIT_WORDS)
+
+
+def import_bemio(path: str, out: str, *, axisymmetric: bool) -> Verdict:
+    """Read BEMIO's .h5 into a database file and return the verdict on it."""
+    return _store_foreign(bemio.read_bemio(path), out, axisymmetric, foreign.BEMIO_WORDS)
+
+
+def _store_foreign(ds: xr.Dataset, out: str, axisymmetric: bool, words: dict[str, str]) -> Verdict:
+    """Store a database of another code with the verdict of the identities that need no other data."""
+    checks, missing = foreign.foreign_checks(ds, axisymmetric=axisymmetric)
+    checks += with_symmetric_stiffness(ds)[1]
+    notes = [ds.attrs["history"], *missing]
+    attrs = {"quality": database.as_json(checks), "spec_id": Path(out).stem, "separate_sweep": 0}
+    save(ds.assign_attrs(**attrs, history="; ".join(notes)), out)
+    return checks, notes, [foreign.causes(check, words) for check in checks if check.verdict != "ok"]

@@ -22,7 +22,7 @@ from vsb.results.run_checks import agreement_checks, latching_checks, sea_checks
 from vsb.scenes.floating_system import study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
-from vsb.stages.inputs import Inputs
+from vsb.stages.stored import Inputs
 from vsb.study.body import BodyStudy
 from vsb.study.specs import BodyCompareSpec, CompareSpec
 from vsb.study.study import IrregularSea, Study, Wave, canonical
@@ -31,7 +31,7 @@ from vsb.tools.stamps import read_text, record
 from vsb.waves.seas import NO_WAVES, expected
 
 
-def run(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) -> None:
+def run_compare(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) -> None:
     """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form.
 
     Those are for people; what the report reads is one file of checked data, `tables`.

@@ -1,34 +1,283 @@
 """Rule report: the report of a study."""
 
+import itertools
 import json
+import math
 import time as clock
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+import xarray as xr
 import yaml
 
 from vsb import __version__
+from vsb.report.animation import PERIODS, SEEN, frames_data, largest_shell, shapes_data
+from vsb.report.band import lowest
+from vsb.report.canvas import StudyData
+from vsb.report.figures import draw
+from vsb.report.living import Grid, LivingSea, designs_data, study_data, thinned
 from vsb.report.page import Report, render
+from vsb.report.shell_figures import round_factor
 from vsb.report.sketch import sketches
+from vsb.report.svg import drawn
 from vsb.results.comparison import in_direction
+from vsb.results.force_steps import SeenPort, force_steps
 from vsb.results.statistics import families
-from vsb.scenes.floating_system import AnyStudy
-from vsb.stages.animated import moving_study
-from vsb.stages.inputs import Inputs
-from vsb.stages.interactive import living_study
+from vsb.scenes.floating_system import AnyStudy, FloatingSystem, band, floating_system, heading
+from vsb.scenes.floating_system import towards as headed
+from vsb.stages.stored import Inputs
 from vsb.study.blocks import no_witness
 from vsb.study.body import BodyStudy
 from vsb.study.plan import StudyPlan
-from vsb.study.study import StillWater, Study
+from vsb.study.study import Irregular, IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, StillWater, Study, Wave
+from vsb.study.take_off import port_kind
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
+from vsb.waves.dispersion import group_velocity
+from vsb.waves.seas import NO_WAVES, components, jonswap_spectrum, sea, spectrum
+
+FREQUENCIES = 2000
+"""At which spectra are drawn."""
+
+
+def run_figures(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: str) -> None:
+    """Draw and write all figures of a study into a folder: SVG, PDF, and their data as CSV."""
+    found = Inputs(study, trajectories, files)
+    data = StudyData(
+        designs=tuple(study.designs),
+        reference=study.reference_design,
+        wave_frequencies=tuple(wave.omega for wave in study.waves if not isinstance(wave, StillWater)),
+        periods={wave.label: _period(study, wave, found.response) for wave in study.waves},
+        window=study.simulation.window,
+        modes=found.modes,
+        database=found.database,
+        radiation=found.radiation,
+        response=in_direction(found.response, study.waves[0]),
+        runs=found.runs,
+        witness=found.witness,
+        tuned=study.pto.damping is None,
+        limit=f"limit {found.response.attrs.get('limit', 'λ/2π')}" if isinstance(study, Study) else "λ/2π",
+        spectra=_spectra(study, found.plan.highest),
+        port=port_kind(study.pto.port),
+    )
+    written: list[str] = []
+    with mpl.rc_context():  # the caller's own figures keep their looks
+        for name in found.plan.figures:
+            written += drawn(draw(name, data), name).write(out, name)
+    record(manifest, found.plan.study_id, written)
+
+
+def _spectra(study: AnyStudy, highest: float) -> xr.DataArray:
+    """Spectral density of each irregular sea, by its words, up to the highest frequency runs have components at."""
+    waves = [wave for wave in study.drawn_waves if isinstance(wave, IrregularSea)]
+    if not waves:
+        return xr.DataArray()
+    omega = np.geomspace(0.5 * min(wave.reach[0] for wave in waves), highest, FREQUENCIES)
+    coords = {"sea": [wave.description for wave in waves], "omega": omega}
+    return xr.DataArray([spectrum(wave, omega) for wave in waves], coords)
+
+
+def _period(study: AnyStudy, wave: Wave, response: xr.Dataset) -> float:
+    """Period of a sea, in still water of the slowest free motion [s]."""
+    return 2 * np.pi / (_slowest(study, response) if isinstance(wave, StillWater) else wave.omega)
+
+
+def _slowest(study: AnyStudy, response: xr.Dataset) -> float:
+    """Lowest natural frequency [rad/s]; without BEM that of heave, sqrt(rho g pi r_w^2/m); 1 of what drifts alone."""
+    if isinstance(study, Study) and not study.needs_bem:
+        return study.heave_frequency
+    return float(response.wet_natural_frequency.min()) if response.wet_natural_frequency.size else 1.0
+
+
+MOVING_SEAS = 4
+"""Most seas whose motion a page holds."""
+
+
+def moving_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) -> dict[str, Any]:
+    """Return the motion of all designs in the first seas of a study, its still water left out where there are waves.
+
+    Parameters
+    ----------
+    stored : Inputs
+    modes : Dataset
+        Of rule `modes`.
+    words : mapping
+        Every sea in words, by its label.
+    """
+    study = stored.study
+    assert isinstance(study, Study)  # a body has no shell to draw
+    waves = [wave for wave in study.drawn_waves if not isinstance(wave, StillWater)]
+    shown = waves or study.drawn_waves
+    width, shell = SEEN * study.device.radius, list(map(str, modes.mode.values))
+    seas, largest, duration = [], 0.0, study.simulation.duration
+    for wave in itertools.islice(shown, MOVING_SEAS):
+        runs = {design: stored.runs[design, wave.label].position for design in study.designs}
+        settled = slice(*study.simulation.window)
+        largest = max(largest, *(largest_shell(run.sel(time=settled), shell) for run in runs.values()))
+        moved = sea(wave, study.hydro.omega_max, duration) if study.needs_bem else NO_WAVES
+        period = duration / PERIODS if isinstance(wave, StillWater) else 2 * math.pi / wave.omega
+        towards = math.radians(heading(wave))
+        window, water = study.simulation.window, study.water
+        seas.append(frames_data(words[wave.label], runs, moved, window, period, width, water, shell, towards))
+    return {
+        "designs": designs_data(list(study.designs), study.reference_design),
+        "width": width,
+        "factor": round_factor(largest, study.device.radius),
+        "shapes": shapes_data(modes),
+        "seas": seas,
+    }
+
+
+MOST = 10_000
+"""Most numbers of components of a sea, times designs, that a page holds: those of longer runs are as many."""
+SEAS = 24
+"""Most seas a reader can choose from."""
+
+
+def living_study(
+    study: AnyStudy, database: str, response: xr.Dataset, limited: Sequence[Mapping[str, Any]]
+) -> dict[str, Any] | None:
+    """Return the data of a study's page; none where no damper's power is known, or a spring or drag loses some of it.
+
+    Parameters
+    ----------
+    study : Study or BodyStudy
+    database : str
+        Path of its hydro database.
+    response : Dataset
+        Its frequency response.
+    limited : sequence of mapping
+        Of `vsb.results.gains.Limited`.
+
+    Notes
+    -----
+    A port has a free velocity for every direction waves go to: seas share a grid if they share both.
+    """
+    pto = study.pto
+    dragged = isinstance(study, Study) and study.drag
+    if not study.needs_bem or dragged or pto.spring_costs:
+        return None
+    seen, waves = _Seen(study, floating_system(study, database)), _shown_seas(study)
+    if not waves:
+        return None
+    ds = seen.floating.linear.database
+    low, high, highest = float(ds.omega[0]), float(ds.omega[-1]), band(study, ds)[1]
+    grids: list[tuple[FloatArray, float]] = []
+    seas = [_sea(study, name, wave, (low, high), highest, limited, grids) for name, wave in waves.items()]
+    going = list(dict.fromkeys(wave.direction for wave in waves.values()))
+    seas = [replace(sea, band=going.index(wave.direction)) for sea, wave in zip(seas, waves.values(), strict=True)]
+    if pto.efficiency == 1:
+        seas = seen.with_steps(seas, list(waves.values()), (low, highest))
+    shown = _band(in_direction(response, study.waves[0]), max(lowest(low, high), low), high)
+    limit = np.interp(shown, response.omega.values, response.power_limit.values)
+    bands, bound = [seen.grid(shown, towards) for towards in going], response.attrs.get("limit", "λ/2π")
+    on = [seen.grid(*one) for one in grids]
+    return study_data(on, seas, bands, limit, study.reference_design, pto.efficiency, bound, port_kind(pto.port))
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """What the take-off of a study sees of all designs, in waves of any direction [degrees]."""
+
+    study: AnyStudy
+    floating: FloatingSystem
+
+    def ports(self, towards: float) -> dict[str, SeenPort]:
+        """Ports by design, to be had at any frequencies."""
+        linear, port = headed(self.floating.linear, towards), self.floating.port
+        motions = self.floating.motions
+        return {name: partial(linear.extended_port, motions=n, direction=port) for name, n in motions.items()}
+
+    def grid(self, omega: FloatArray, towards: float) -> Grid:
+        """Ports beside the spring, and what energy waves bring, at some frequencies."""
+        water, spring = self.study.water, self.study.pto.stiffness
+        speed = np.array([group_velocity(w, water.depth, water.gravity) for w in omega])
+        ports = {design: port(omega).beside(spring) for design, port in self.ports(towards).items()}
+        return Grid(omega, 0.5 * water.density * water.gravity * speed, ports)
+
+    def with_steps(
+        self, seas: Sequence[LivingSea], waves: Sequence[RegularWave | Irregular], within: tuple[float, float]
+    ) -> list[LivingSea]:
+        """Seas with optima at some limits of force, of forces within a band."""
+        study, stroke = self.study, self.study.pto.stroke_limit
+        steps = partial(force_steps, reference=study.reference_design, seas=len(seas), stroke=stroke, band=within)
+        pairs = zip(seas, waves, strict=True)
+        return [replace(sea, steps=steps(wave, self.ports(wave.direction))) for sea, wave in pairs]
+
+
+def _band(response: xr.Dataset, low: float, high: float) -> FloatArray:
+    """Frequencies of the curves over the band, up to where some design takes a hundredth of the most at its best."""
+    omega, power = response.omega.values, response.best_power.max("design").values
+    high = min(high, float(omega[power >= 0.01 * power.max()].max()))
+    inside = omega[(omega >= low) & (omega <= high)]
+    return np.asarray(inside[thinned(inside)])
+
+
+def _shown_seas(study: AnyStudy) -> dict[str, RegularWave | Irregular]:
+    """One wave of every sea by its name; none of still water."""
+    irregular = {waves[0].label: name for name, waves in families(study).items()}
+    drawn = (wave for wave in study.drawn_waves if not isinstance(wave, StillWater))
+    return {irregular.get(wave.label, wave.label): wave for wave in itertools.islice(drawn, SEAS)}
+
+
+def _sea(
+    study: AnyStudy,
+    name: str,
+    wave: RegularWave | Irregular,
+    known: tuple[float, float],
+    highest: float,
+    limited: Sequence[Mapping[str, Any]],
+    grids: list[tuple[FloatArray, float]],
+) -> LivingSea:
+    """A sea as a page needs it: its components where ports are known, on a grid that is added if it is new."""
+    given = {design: study.pto.damper(design) for design in study.designs}
+    within = {str(line["design"]): float(line["power"]) for line in limited if line["sea"] == name}
+    squares, jonswap = None, None
+    if isinstance(wave, IrregularSea):
+        duration = min(study.simulation.duration, _longest(len(study.designs), highest))
+        omega, amplitude = components(wave, highest, duration)
+        width = 2 * float(omega[0]) if isinstance(wave, Jonswap | PiersonMoskowitz) else 0.0
+        kept = (omega >= known[0]) & (omega <= known[1])
+        omega, squares = omega[kept], amplitude[kept] ** 2
+        if isinstance(wave, Jonswap | PiersonMoskowitz):
+            squares, jonswap = None, _jonswap(wave, width, known)
+    else:
+        omega, squares = np.array([wave.omega]), np.array([wave.amplitude**2])
+    same = (i for i, (on, to) in enumerate(grids) if to == wave.direction and np.array_equal(on, omega))
+    place = next(same, len(grids))
+    if place == len(grids):
+        grids.append((omega, wave.direction))
+    return LivingSea(wave.description, place, squares, jonswap, given, within)
+
+
+def _longest(designs: int, highest: float) -> float:
+    """Longest run whose components a page has room for [s], by how many designs there are and the highest frequency."""
+    return 2 * math.pi * MOST / (1.1 * highest * designs)
+
+
+def _jonswap(wave: Jonswap | PiersonMoskowitz, width: float, band: tuple[float, float]) -> dict[str, float]:
+    """Parameters of a spectrum, and peak periods between which it lies within a band of frequencies."""
+    gamma = wave.gamma if isinstance(wave, Jonswap) else 1.0
+    periods = 2 * math.pi / np.array(band)
+    own = {"hs": wave.hs, "tp": wave.tp, "gamma": gamma, "width": width, "integral": _integral(gamma)}
+    return own | {"shortest": min(wave.tp, 5 * float(periods[1])), "longest": max(wave.tp, 0.5 * float(periods[0]))}
+
+
+def _integral(gamma: float) -> float:
+    """Integral of x^-5 exp(-1.25 x^-4) bump over x, frequencies of a JONSWAP sea in terms of its peak's [-]."""
+    return math.exp(-1.25) * gamma / float(jonswap_spectrum(np.array([1.0]), 4.0, 2 * math.pi, gamma)[0])
+
 
 ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantaneous wet shell; no radiation"
 
 
-def run(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: str) -> None:
+def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: str) -> None:
     """Write the report of a study, from its checked results alone."""
     stored = Inputs(study, trajectories, files)
     study_id = stored.plan.study_id

@@ -30,7 +30,7 @@ UNSETTLED = 1e-3
 """Relative difference between the powers of late periods above which a motion does not repeat [-]."""
 
 
-def run(spec: SimulateSpec | BodySimulateSpec, out: str, database: str = "", radiation: str = "") -> None:
+def run_simulate(spec: SimulateSpec | BodySimulateSpec, out: str, database: str = "", radiation: str = "") -> None:
     """Simulate one design in one sea and write its trajectory."""
     (design,), (wave,) = spec.designs, spec.waves
     files = {"database": database, "radiation": radiation}

@@ -1,4 +1,4 @@
-"""The stages of the workflow: of one name are a rule, a command, a file of this folder and its function `run`."""
+"""The stages of the workflow: a rule and a command of one name, and the function `run_NAME` of a module here."""
 
 import importlib
 import json
@@ -16,9 +16,9 @@ from vsb.study.reading import one_line
 from vsb.study.specs import Spec
 from vsb.study.study import Study, canonical, result_id
 
-BEM_FILES = ("database", "radiation", "response", "witness")
+BEM_FILES = "database radiation response witness"
 """What a model without BEM does not have."""
-BODY_FILES = ("folder", "green", "mesh", "modes", "database", "wamit", "bemio")
+BODY_FILES = "folder green mesh modes database wamit bemio"
 """Where frequencies solved are kept and the Green function's table, and the files a body is read from."""
 
 
@@ -27,6 +27,7 @@ class Stage:
     """A stage: what it makes, the type of its specification, its files in and out; `optional` ones may be absent."""
 
     name: str
+    home: str  # its module in this folder, in which its function is run_NAME
     text: str
     spec: Any  # a type, or a union of types; None of a stage without specification
     files: tuple[str, ...]
@@ -34,9 +35,9 @@ class Stage:
 
     def run(self, files: Mapping[str, str | None], text: str) -> None:
         """Run the stage on files by option, with a specification as JSON; imports the science only now."""
-        module = importlib.import_module(f"vsb.stages.{self.name}")
+        run = getattr(importlib.import_module(f"vsb.stages.{self.home}"), f"run_{self.name}")
         named = {name: files[name] or "" for name in (*self.files, *self.optional)}
-        module.run(*([self.read(text)] if self.spec else []), **named)
+        run(*([self.read(text)] if self.spec else []), **named)
 
     def read(self, text: str) -> Any:
         """Return the specification of a text.
@@ -63,63 +64,49 @@ class Stage:
         )  # of the nearest type
 
 
-STAGES = (
-    Stage("modes", "shell modes", specs.ModesSpec, ("out",)),
-    Stage("display", "viewable deformed meshes", specs.DisplaySpec, ("out", "manifest")),
-    Stage("mesh", "mean wetted mesh", specs.SphereMesh | specs.LoadedMesh, ("out",)),
-    Stage("green", "Green-function table", None, ("folder", "out")),
-    Stage("deformed", "meshes of the mean and of deformed shells", specs.DeformedSpec, ("out",)),
-    Stage("witness", "two solvers on the mean and on deformed shells", specs.WitnessSpec, ("meshes", "green", "out")),
-    Stage("panels", "one block of frequencies by panels", specs.PanelsSpec, ("mesh", "green", "out")),
-    Stage("spectral", "one block of frequencies without panels", specs.SpectralSpec, ("out",)),
-    Stage("coefficients", "hydro database of a body, solved or read", specs.BodySpec, ("out",), BODY_FILES),
-    Stage("database", "hydro database from blocks", specs.DatabaseSpec, ("blocks", "out")),
-    Stage("radiation", "radiation model", specs.RadiationSpec | specs.BodyRadiationSpec, ("database", "out")),
-    Stage("response", "frequency response", specs.ResponseSpec | specs.BodyResponseSpec, ("database", "out")),
-    Stage(
-        "ladder",
-        "power under ever better take-offs",
-        specs.LadderSpec | specs.BodyLadderSpec,
-        ("database", "out", "rungs", "manifest"),
+_ROWS: tuple[tuple[str, str, str, Any, str, str], ...] = (
+    ("modes", "shell", "shell modes", specs.ModesSpec, "out", ""),
+    ("display", "shell", "viewable deformed meshes", specs.DisplaySpec, "out manifest", ""),
+    ("mesh", "panels", "mean wetted mesh", specs.SphereMesh | specs.LoadedMesh, "out", ""),
+    ("green", "panels", "Green-function table", None, "folder out", ""),
+    ("deformed", "panels", "meshes of the mean and of deformed shells", specs.DeformedSpec, "out", ""),
+    ("witness", "panels", "two solvers on the mean and on deformed shells", specs.WitnessSpec, "meshes green out", ""),
+    ("panels", "panels", "one block of frequencies by panels", specs.PanelsSpec, "mesh green out", ""),
+    ("spectral", "water", "one block of frequencies without panels", specs.SpectralSpec, "out", ""),
+    ("coefficients", "coefficients", "hydro database of a body, solved or read", specs.BodySpec, "out", BODY_FILES),
+    ("database", "water", "hydro database from blocks", specs.DatabaseSpec, "blocks out", ""),
+    ("radiation", "frequency", "radiation model", specs.RadiationSpec | specs.BodyRadiationSpec, "database out", ""),
+    ("response", "frequency", "frequency response", specs.ResponseSpec | specs.BodyResponseSpec, "database out", ""),
+    (
+        "ladder", "frequency", "power under ever better take-offs", specs.LadderSpec | specs.BodyLadderSpec,
+        "database out rungs manifest", "",
     ),
-    Stage("simulate", "one design in one sea", specs.SimulateSpec | specs.BodySimulateSpec, ("out",), BEM_FILES[:2]),
-    Stage(
-        "compare",
-        "comparison and validity",
-        specs.CompareSpec | specs.BodyCompareSpec,
-        ("trajectories", "out", "statistics", "validity", "study", "tables", "manifest"),
-        (*BEM_FILES, "rungs"),
+    (
+        "simulate", "simulate", "one design in one sea", specs.SimulateSpec | specs.BodySimulateSpec,
+        "out", "database radiation",
     ),
-    Stage(
-        "figures",
-        "all figures",
-        Study | BodyStudy,
-        ("trajectories", "out", "manifest"),
-        ("modes", *BEM_FILES),
+    (
+        "compare", "compare", "comparison and validity", specs.CompareSpec | specs.BodyCompareSpec,
+        "trajectories out statistics validity study tables manifest", f"{BEM_FILES} rungs",
     ),
-    Stage(
-        "report",
-        "HTML report",
-        Study | BodyStudy,
-        ("tables", "trajectories", "figures", "out", "manifest"),
-        ("modes", *BEM_FILES),
+    ("figures", "report", "all figures", Study | BodyStudy, "trajectories out manifest", f"modes {BEM_FILES}"),
+    (
+        "report", "report", "HTML report", Study | BodyStudy,
+        "tables trajectories figures out manifest", f"modes {BEM_FILES}",
     ),
-    Stage("members", "points of a campaign over the year", specs.MembersSpec, ("climate", "folder", "root", "out")),
-    Stage("verification", "seas of the year in time", specs.VerificationSpec, ("climate", "root", "out")),
-    Stage(
-        "campaign",
-        "a whole campaign",
-        specs.CampaignSpec,
-        ("batches", "verifications", "out", "table", "manifest"),
+    ("members", "campaign", "points of a campaign over the year", specs.MembersSpec, "climate folder root out", ""),
+    ("verification", "verification", "seas of the year in time", specs.VerificationSpec, "climate root out", ""),
+    ("campaign", "campaign", "a whole campaign", specs.CampaignSpec, "batches verifications out table manifest", ""),
+    (
+        "campaign_report", "campaign_report", "figures and report of a campaign", specs.CampaignSpec,
+        "data climate root figures out manifest", "",
     ),
-    Stage(
-        "campaign_report",
-        "figures and report of a campaign",
-        specs.CampaignSpec,
-        ("data", "climate", "root", "figures", "out", "manifest"),
-    ),
+)  # fmt: skip
+"""Name, module, what it makes, specification, files and optional files of each stage, in the order of the workflow."""
+STAGES = tuple(
+    Stage(name, home, text, spec, tuple(files.split()), tuple(optional.split()))
+    for name, home, text, spec, files, optional in _ROWS
 )
-"""In the order of the workflow."""
 
 
 def stamp(spec: Spec, *inputs: str) -> dict[str, str]:

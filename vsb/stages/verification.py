@@ -29,9 +29,9 @@ from vsb.scenes.ports import design_ports
 from vsb.scenes.rest import design_motions
 from vsb.scenes.viability import viability
 from vsb.shell.reference import ReferenceShell
+from vsb.stages.campaign import swept_shape
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
-from vsb.stages.members import swept_shape
 from vsb.stages.stage import stamp
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import VerificationSpec
@@ -41,7 +41,7 @@ from vsb.tools.files import save
 from vsb.waves.climate import Climate, realised
 
 
-def run(spec: VerificationSpec, climate: str, root: str, out: str) -> None:
+def run_verification(spec: VerificationSpec, climate: str, root: str, out: str) -> None:
     """Simulate the seas drawn from a member's year and write what they say about its designs that are viable."""
     study, seas = spec.simulated, read_climate(spec.climate, climate)
     viable, found = viability(study).viable, xr.Dataset(coords={"design": []})

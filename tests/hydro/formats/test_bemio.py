@@ -27,7 +27,7 @@ from vsb.hydro.formats.bemio import (
 )
 from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.hydro.retardation import DampingSpectrum
-from vsb.stages.exchange import import_bemio
+from vsb.stages.coefficients import import_bemio
 
 
 @pytest.fixture

@@ -1,6 +1,7 @@
-"""Rule database: blocks merged, expressed in the modes, checked, stored with their verdict."""
+"""Spectral solution of the water, and the hydro database made of solved blocks."""
 
 import json
+import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -10,18 +11,49 @@ from vsb import __version__
 from vsb.errors import DatabaseError
 from vsb.hydro import database, orders, quality
 from vsb.hydro.database import Check
+from vsb.hydro.dofs import displacements
+from vsb.hydro.spectral import solver
+from vsb.hydro.spectral.sweep import FEWEST_NODES, converged, converged_on_grid
 from vsb.hydro.variables import PAIR
 from vsb.scenes.directions import mooring_stiffness, order_bases, order_stiffness
 from vsb.scenes.rest import reference_shell
+from vsb.shell.deformed import rigid_buoy
 from vsb.shell.orders import OrderBasis
 from vsb.shell.reference import ReferenceShell
+from vsb.shell.sphere import Shell
 from vsb.stages.stage import stamp
 from vsb.study.blocks import COARSEST_SWEEP
-from vsb.study.specs import DatabaseSpec
-from vsb.tools.files import load
+from vsb.study.specs import DatabaseSpec, LoadedShape, SpectralSpec
+from vsb.tools.files import load, save
+
+FILM = 1e-4
+"""Thickness of a shell that moves as a whole, of no consequence, in radii."""
 
 
-def run(spec: DatabaseSpec, blocks: str, out: str) -> None:
+def run_spectral(spec: SpectralSpec, out: str) -> None:
+    """Solve one block of frequencies, as finely as the tolerance needs."""
+    begun = clock.perf_counter()
+    problem, omega = spectral_problem(spec), list(spec.omega)
+    if spec.interpolation:
+        solved = converged_on_grid(problem, omega, spec.tolerance, spec.interpolation)
+    else:
+        solved = converged(problem, omega, spec.tolerance)
+    save(solved.assign_attrs(**stamp(spec), seconds=clock.perf_counter() - begun), out)
+
+
+def spectral_problem(spec: SpectralSpec) -> solver.SpectralProblem:
+    """Return the problem of a block: the shape at rest and its displacements."""
+    shape, water = spec.shape, spec.water
+    if isinstance(shape, LoadedShape):
+        shell = reference_shell(shape).shape
+    else:
+        rest = shape.shape.meridian(shape.radius) if shape.shape else None
+        shell = rigid_buoy(Shell(shape.radius, FILM * shape.radius, 1.0, 0.0, 1.0, rest), shape.centre_height)
+    moved = displacements(spec.displacements, spec.order)
+    return solver.SpectralProblem(shell, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)
+
+
+def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:
     """Merge the blocks in a folder, express them in the modes, check them, and store them with their verdict.
 
     Raises

@@ -1,10 +1,11 @@
-"""Rule modes: the shell modes of a study."""
+"""Shell modes of a study, and meshes to look at."""
 
 from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
+from vsb.hydro.panels.mesh import display_shapes, write_wet_shell
 from vsb.scenes.directions import order_bases
 from vsb.scenes.rest import check_stable, reference_shell
 from vsb.shell.curve import curve
@@ -13,10 +14,11 @@ from vsb.shell.orders import OrderBasis
 from vsb.shell.reference import ReferenceShell
 from vsb.stages.stage import stamp
 from vsb.study.meridian import RestMeridian
-from vsb.study.specs import ModesSpec
-from vsb.study.study import Study
+from vsb.study.specs import DisplaySpec, ModesSpec
+from vsb.study.study import Study, content_id
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
+from vsb.tools.stamps import record
 
 COLATITUDES = np.linspace(0.0, np.pi, 181)
 REST = ("rest_radial", "rest_meridional")
@@ -25,7 +27,7 @@ ORDER = "order"
 """Azimuthal order of a mode; a study of heave alone has none but 0, and does not say so."""
 
 
-def run(spec: ModesSpec, out: str) -> None:
+def run_modes(spec: ModesSpec, out: str) -> None:
     """Write the shell modes of a study, after checking that every design has motions left."""
     reference = reference_shell(spec)
     check_stable(spec, reference)
@@ -77,3 +79,11 @@ def _shapes(
         },
         coords={"mode": [mode.label for mode in modes], "colatitude": COLATITUDES},
     )
+
+
+def run_display(spec: DisplaySpec, out: str, manifest: str) -> None:
+    """Write the mean wetted shell, and one deformed shell per mode and sign, into a folder."""
+    shapes = display_shapes(reference_shell(spec).shape)
+    for name, shape in shapes.items():
+        write_wet_shell(shape, f"{out}/{name}.vtu")
+    record(manifest, content_id(spec), [f"{out}/{name}.vtu" for name in shapes])

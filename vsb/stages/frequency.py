@@ -1,25 +1,118 @@
-"""Rule response: the frequency response of all designs."""
+"""Radiation memory, frequency response and tuning ladder of a study, from its hydro database."""
 
+import json
+import time as clock
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from vsb.hydro.database import load_database
+from vsb.hydro.orders import order_groups
+from vsb.hydro.retardation import DampingSpectrum
+from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
+from vsb.hydro.variables import PAIR
 from vsb.motion import frequency as response
 from vsb.motion.frequency import LinearBuoy, LinearMotion
 from vsb.motion.port import LinearPto, Port, channels_reached
 from vsb.report.band import with_extremes
-from vsb.scenes.floating_system import FloatingSystem, floating_system, towards
+from vsb.results.ladder import as_csv, study_ladder
+from vsb.scenes.floating_system import FloatingSystem, floating_system, stored_body, towards
 from vsb.stages.stage import stamp
-from vsb.study.specs import BodyResponseSpec, ResponseSpec
+from vsb.study.specs import BodyLadderSpec, BodyRadiationSpec, BodyResponseSpec, LadderSpec, RadiationSpec, ResponseSpec
 from vsb.study.study import canonical
 from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
-from vsb.tools.files import save
+from vsb.tools.files import save, write_text
+from vsb.tools.stamps import record
 from vsb.waves.dispersion import power_limit
+
+LONGEST = 60.0
+"""Time the kernels of a body are shown for, times the end of its band [rad]."""
+
+
+def run_radiation(spec: RadiationSpec | BodyRadiationSpec, database: str, out: str) -> None:
+    """Fit and store the passive state-space radiation model, with the kernels to compare."""
+    ds = load_database(database, spec.database)
+    spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
+    begun = clock.perf_counter()
+    own: dict[str, Any] = {}
+    repaired: dict[str, Any] = {}
+    if isinstance(spec, BodyRadiationSpec):
+        fit = stored_body(database).memory(spec.tolerance, limit=spec.added_mass_inf)
+        memory = Memory(fit.model, fit.error)
+        own, repaired = {"added_mass_inf": (PAIR, fit.added_mass_inf)}, {"history": fit.history}
+        repaired |= {"up_to": fit.up_to} if fit.up_to < np.inf else {}
+        longest = LONGEST / float(ds.omega[-1])
+    else:
+        memory = fit_orders(ds, spec.tolerance)
+        longest = 40 / float(np.sqrt(float(ds.attrs["gravity"]) / float(ds.attrs["radius"])))
+    model = memory.model
+    time = np.linspace(0.0, longest, 401)
+    labels = ds.influenced_dof.values
+    damping = model.damping(ds.omega.values)
+    channels = ("state",) if model.channel.ndim == 1 else ("state", "channel_of_order")
+    save(
+        xr.Dataset(
+            {
+                "state_matrix": (("state", "state_in"), model.state_matrix),
+                "input_matrix": (("state", "radiating_dof"), model.input_matrix),
+                "channel": (channels, model.channel),
+                "kernel": (("time", *PAIR), spectrum.kernel(time)),
+                "kernel_state_space": (("time", *PAIR), model.kernel(time)),
+                "damping_state_space": (("omega", *PAIR), damping),
+                **own,
+            },
+            coords={"time": time, "omega": ds.omega.values, "influenced_dof": labels, "radiating_dof": labels},
+            attrs={
+                **stamp(spec),
+                "order": model.order,
+                "fit_error": memory.error,
+                "passivity_margin": least_damping(spectrum, damping),
+                "seconds": clock.perf_counter() - begun,
+                **repaired,
+            },
+        ),
+        out,
+    )
+
+
+class Memory(NamedTuple):
+    """The radiation memory of all azimuthal orders."""
+
+    model: RadiationModel
+    error: float  # the largest of their fits [-]
+
+
+def fit_orders(ds: xr.Dataset, tolerance: float) -> Memory:
+    """Return the passive memory of a database, of each azimuthal order one of a single channel; see `fit_radiation`.
+
+    Motions that move no water, as pitch about a sphere's centre, are none of it.
+    """
+    omega, damping = ds.omega.values, ds.radiation_damping.values
+    models, errors, fits = [], [], {}
+    for order, group in order_groups(ds).items():
+        wet = group[np.einsum("wii->wi", damping[:, group[:, None], group]).any(axis=0)]
+        if order >= 0:
+            fits[order] = fit_radiation(DampingSpectrum(omega, damping[:, wet[:, None], wet]), tolerance)
+        model, error = fits[abs(order)]  # a sine's is that of its cosine
+        inputs = np.zeros((model.order, damping.shape[1]))
+        inputs[:, wet] = model.input_matrix
+        models.append(RadiationModel(model.state_matrix, inputs, model.channel))
+        errors.append(error)
+    return Memory(joined(models), max(errors))
+
+
+def least_damping(spectrum: DampingSpectrum, damping: np.ndarray) -> float:
+    """Return the least eigenvalue of a model's damping, (omega, dof, dof), each motion in terms of its largest [-]."""
+    scale = np.sqrt(np.einsum("wii->wi", spectrum.damping).max(axis=0))
+    scale = np.where(scale > 0, scale, 1.0)  # of what moves no water
+    return float(np.linalg.eigvalsh(damping / np.outer(scale, scale)).min())
+
 
 TAKE_OFF = {True: "best_damping at each frequency", False: "the given damping"}
 """Whether tuning decides -> under what `rao` and `absorbed_power` are."""
@@ -30,7 +123,7 @@ PARTS = 5
 """Steps of a response in one of the database."""
 
 
-def run(spec: ResponseSpec | BodyResponseSpec, database: str, out: str) -> None:
+def run_response(spec: ResponseSpec | BodyResponseSpec, database: str, out: str) -> None:
     """Write response amplitude operators, ports, powers, their limits, and wet natural frequencies of all designs.
 
     Best dampers are those beside the take-off's spring. Without a given damper `rao` and `absorbed_power` are at the
@@ -144,3 +237,11 @@ def natural(spec: AnySpec, floating: FloatingSystem) -> xr.Dataset:
         },
         coords={"wet_design": ("wet_mode", [design for design, *_ in wet])},
     )
+
+
+def run_ladder(spec: LadderSpec | BodyLadderSpec, database: str, out: str, rungs: str, manifest: str) -> None:
+    """Write the ladder of a study for people, and all its digits, with notes, for the stages after it."""
+    found = study_ladder(spec, database)
+    write_text(out, as_csv(found))
+    write_text(rungs, json.dumps([rung._asdict() for rung in found], indent=1, allow_nan=False) + "\n")
+    record(manifest, stamp(spec, database)["spec_id"], [out, rungs])
