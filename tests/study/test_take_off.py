@@ -149,5 +149,5 @@ def test_zero_damping_is_a_given_damping():
     assert not Pto(damping={"FSB": 5.0, "VSWEC": 1.0}).idle
     assert not Pto().idle
     assert Pto(damping=None).tuning == "each"
-    with pytest.raises(ValueError, match="damping: missing; tuning fixed needs one in N s/m"):
+    with pytest.raises(ConfigError, match="damping: missing; tuning fixed needs one in N s/m"):
         Pto(tuning="fixed", stiffness=5.0)

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from vsb.errors import ConfigError
 from vsb.study.study import canonical
 from vsb.study.waves import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
 
@@ -45,7 +46,7 @@ def test_memory_is_ten_periods_or_two_beats_of_the_band(band):
 def test_seeds_of_all_realisations_fit(seed, realisations):
     sea = {"kind": "jonswap", "hs": 1.0, "tp": 7.0, "realisations": realisations}
     assert Jonswap(**sea, seed=seed).seed == seed
-    with pytest.raises(ValueError, match=r"seed of 10 digits: needs at most 2\^32 - realisations"):
+    with pytest.raises(ConfigError, match=r"seed of 10 digits: needs at most 2\^32 - realisations"):
         Jonswap(**sea, seed=seed + 1)
 
 
@@ -53,7 +54,7 @@ def test_band_is_at_least_one_percent_wide():
     noise = {"kind": "white_noise", "hs": 1.0}
     assert WhiteNoise(**noise, band=(1.0, 1.01)).band == (1.0, 1.01)
     for band in ((1.0, 1.009), (1.0, 1.0), (1.0, 0.5)):
-        with pytest.raises(ValueError, match="needs the lowest frequency first, then one at least 1 % higher"):
+        with pytest.raises(ConfigError, match="needs the lowest frequency first, then one at least 1 % higher"):
             WhiteNoise(**noise, band=band)
 
 

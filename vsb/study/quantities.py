@@ -8,7 +8,7 @@ import json
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 from pydantic import (
     AfterValidator,
@@ -17,9 +17,13 @@ from pydantic import (
     ConfigDict,
     Field,
     GetJsonSchemaHandler,
+    ValidationError,
     WithJsonSchema,
 )
+from pydantic._internal._model_construction import ModelMetaclass  # the type of BaseModel
 from pydantic_core import CoreSchema
+
+from vsb.errors import ConfigError
 
 
 def number(value: object) -> object:
@@ -101,7 +105,21 @@ def _mass_or_draft(schema: dict[str, Any]) -> None:
     schema["properties"]["draft"] = {"type": "number", "exclusiveMinimum": 0}
 
 
-class Section(BaseModel):
+class _Reported(ModelMetaclass):
+    """Reports wrong values of a section made in Python as those of a file are: one line each, as `ConfigError`."""
+
+    def __call__(cls, *args: Any, **values: Any) -> Any:
+        """Make a section; pydantic itself makes those within a section without this call."""
+        try:
+            return super().__call__(*args, **values)
+        except ValidationError as error:
+            from vsb.study.reading import lines_of
+
+            lines = [f"{cls.__name__}: {line}" for line in lines_of(error, values, cast(type[BaseModel], cls))]
+            raise ConfigError(lines[0], lines) from None
+
+
+class Section(BaseModel, metaclass=_Reported):
     """A part of a study: unknown keys are errors, values never change."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)

@@ -323,6 +323,11 @@ def one_line(error: ValidationError, raw: object) -> str:
     return _told(found[0], error.title, raw) + _more(found)
 
 
+def lines_of(error: ValidationError, raw: object, model: type[BaseModel]) -> list[str]:
+    """Return all errors of a validation, a line each."""
+    return [_told(one, error.title, raw, model) for one in _ordered(error)]
+
+
 def _ordered(error: ValidationError) -> list[ErrorDetails]:
     """All mistakes, misspelt keys first; a check across sections may tell several, a line each."""
     found = [cast(ErrorDetails, {**one, "msg": text}) for one in error.errors() for text in _lines(one)]
