@@ -21,7 +21,7 @@ from vsb.hydro import database
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels import sweep as panelsweep
 from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.spectral import sweep as spectralsweep
+from vsb.hydro.spectral import solver as spectralsolver
 from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.audit import START, energies
 from vsb.integrators.simulate import Leg, recorded
@@ -207,7 +207,7 @@ def small(finished, monkeypatch) -> StudyPlan:
 def solved_block(spec, green_folder):
     """One BEM job, by the solver its spec names."""
     if isinstance(spec, SpectralSpec):
-        return spectralsweep.converged(spectral_problem(spec), list(spec.omega), spec.tolerance)
+        return spectralsolver.converged(spectral_problem(spec), list(spec.omega), spec.tolerance)
     return panelsweep.solve_block(spec, mean_mesh(spec.mesh), mean_mesh(spec.mesh, coarser=2), green_folder)
 
 

@@ -26,7 +26,7 @@ from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell, rigid_buoy, rigid_sphere
 from vsb.shell.modes import Mode, ModeBasis
 from vsb.shell.ritz import natural_modes
-from vsb.shell.sphere import Shell, natural_frequencies
+from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages.stage import Stage
 from vsb.study import specs
 from vsb.study.meridian import RestMeridian

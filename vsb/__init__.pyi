@@ -17,7 +17,7 @@ from vsb.integrators.harmonic_balance import harmonic_balance as harmonic_balanc
 from vsb.integrators.simulate import simulate as simulate
 from vsb.shell.deformed import DeformedShell as DeformedShell
 from vsb.shell.modes import ModeBasis as ModeBasis
-from vsb.shell.sphere import Shell as Shell
+from vsb.shell.shell import Shell as Shell
 from vsb.stages.climate import read_seas as read_seas
 from vsb.study.body import load_body as load_body
 from vsb.study.study import Design as Design

@@ -1,3 +1,5 @@
+"""Coefficients of motions that do not couple through the water, side by side."""
+
 import re
 
 import numpy as np
@@ -8,15 +10,15 @@ from vsb.errors import DatabaseError
 from vsb.hydro import database
 from vsb.hydro.database import (
     Check,
+    Coefficients,
     in_modes,
     load_database,
     merged_blocks,
     save_database,
     with_symmetrized,
 )
-from vsb.shell.deformed import DeformedShell
+from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.modes import mode_basis
-from vsb.shell.reference import ReferenceShell
 
 
 def block(omega, degrees=(0, 1, 2), seed=0):
@@ -31,12 +33,6 @@ def block(omega, degrees=(0, 1, 2), seed=0):
         },
         coords={"omega": list(omega), "influenced_dof": labels, "radiating_dof": labels},
     )
-
-
-def test_blocks_merge_in_any_order():
-    first, second, third = block([1.0, 2.0], seed=1), block([3.0, 4.0], seed=2), block([5.0], seed=3)
-    assert merged_blocks([second, first, third]).equals(merged_blocks([first, second, third]))
-    assert merged_blocks([third, second, first]).omega.values.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
 
 
 def test_repeated_frequencies_and_mixed_blocks_are_refused():
@@ -108,15 +104,6 @@ def test_a_database_under_a_wrong_name_is_refused(tmp_path):
         load_database(path, "c" * 16)
 
 
-@pytest.mark.parametrize("name", ["added_mass", "radiation_damping", "added_mass_inf", "added_mass_zero"])
-def test_every_matrix_of_the_water_is_symmetrized(name):
-    pair = ("influenced_dof", "radiating_dof")
-    skew = xr.DataArray([[1.0, 3.0], [2.0, 4.0]], {dim: ["a", "b"] for dim in pair}, pair)
-    even = with_symmetrized(xr.Dataset({name: skew, "inertia_matrix": skew}))
-    assert even[name].values.tolist() == [[1.0, 2.5], [2.5, 4.0]]
-    assert even.inertia_matrix.equals(skew)
-
-
 def test_what_is_no_database_is_said(tmp_path):
     block([1.0]).to_netcdf(tmp_path / "other.nc")
     with pytest.raises(DatabaseError, match=r"other.nc: holds no hydro database; needs one of results/hydro/db, or an"):
@@ -138,3 +125,23 @@ def test_structure_is_inertia_every_stiffness_by_name_and_the_scale_of_the_modes
     np.testing.assert_array_equal(found.reference_amplitude.values, rest)
     assert found.attrs == {"solver": "s"}
     assert found[list(bare)].equals(bare)
+
+
+def part(seed, count):
+    rng = np.random.default_rng(seed)
+    return Coefficients(
+        rng.normal(size=(4, count, count)), rng.normal(size=(4, count, count)), rng.normal(size=(4, count)) + 1j
+    )
+
+
+@pytest.mark.parametrize("size", [2, 3])
+def test_parts_are_blocks_with_nothing_between_them(size):
+    one, other = part(1, 2), part(2, size)
+    found = Coefficients.side_by_side([one, other])
+    for name in ("added_mass", "damping"):
+        whole = getattr(found, name)
+        np.testing.assert_array_equal(whole[:, :2, :2], getattr(one, name))
+        np.testing.assert_array_equal(whole[:, 2:, 2:], getattr(other, name))
+        assert not whole[:, :2, 2:].any()
+        assert not whole[:, 2:, :2].any()
+    np.testing.assert_array_equal(found.excitation, np.hstack([one.excitation, other.excitation]))

@@ -14,7 +14,6 @@ from vsb.hydro.orders import (
     order_shares,
     side_by_side,
     with_haskind_damping,
-    with_order_structure,
 )
 from vsb.hydro.quality import haskind_difference
 from vsb.hydro.spectral.solver import SpectralProblem
@@ -52,12 +51,6 @@ def test_surge_of_the_hemisphere_after_hulme_1982(ka, mass, damping):
     assert ds.added_mass.sel(surge).item() / displaced == pytest.approx(mass, abs=1.5e-4)
     if damping:
         assert ds.radiation_damping.sel(surge).item() / (displaced * omega) == pytest.approx(damping, abs=1.5e-4)
-
-
-def test_pitch_about_the_centre_of_a_sphere_moves_no_water():
-    ds = in_order_modes(solved(1, range(1, 4), [1.5, 3.0], height=0.4), basis(1))
-    for name in ("added_mass", "radiation_damping", "excitation_force"):
-        assert not ds[name].sel(influenced_dof="Pitch").values.any()
 
 
 def test_in_long_waves_surge_is_pushed_by_displaced_and_added_mass():
@@ -121,17 +114,6 @@ def test_side_by_side_nothing_is_between_orders_and_each_can_be_taken_out_again(
     assert {order: list(group) for order, group in order_groups(whole).items()} == {0: [0], 1: [1]}
     for order, part in enumerate(parts()):
         assert of_order(whole, order).equals(part)
-
-
-def test_structure_of_an_order_is_complete():
-    one = basis(2)
-    pair = ("influenced_dof", "radiating_dof")
-    bare = xr.Dataset({"added_mass_inf": (pair, np.eye(len(one.labels)))}, {dim: list(one.labels) for dim in pair})
-    ds = with_order_structure(bare, one, {"structural": one.stiffness})
-    np.testing.assert_array_equal(ds.inertia_matrix, one.inertia)
-    np.testing.assert_array_equal(ds.structural_stiffness, one.stiffness)
-    assert not ds.pole_radial_displacement.values.any()
-    assert not ds.reference_amplitude.values.any()
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

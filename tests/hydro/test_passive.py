@@ -14,10 +14,9 @@ from vsb.hydro.passive import (
     fit_passive,
     sizes,
 )
-from vsb.hydro.passivity import least_damping
-from vsb.hydro.realisation import StateSpace
+from vsb.hydro.realisation import StateSpace, least_damping
 from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import RadiationModel, truncated
+from vsb.hydro.statespace import RadiationModel
 
 OMEGA = np.linspace(0.05, 6.0, 80)
 
@@ -87,21 +86,6 @@ def test_poles_order_and_kernel_of_a_known_memory():
     assert fit.model.kernel(time)[0] == pytest.approx(true.input_matrix.T @ true.input_matrix, rel=1e-4)
 
 
-@pytest.mark.parametrize("count", [4, 7, 11])
-def test_a_memory_of_two_poles_and_their_conjugates_is_found_from_as_few_frequencies(count):
-    """Four are the fewest there may be."""
-    fit = fit_passive(samples(reciprocal(4, 2, 1, 0), np.linspace(0.3, 4.5, count)), 1e-4)
-    assert fit.error < 1e-4
-    assert fit.model.order == 4
-
-
-def test_a_memory_of_thirty_states_is_followed_to_a_hundred_millionth():
-    true, omega = reciprocal(30, 15, 1, 1, ring=0.5), np.linspace(0.05, 6.0, 200)
-    fit = fit_passive(samples(true, omega), 1e-8)
-    assert fit.error < 1e-8
-    assert 24 < fit.model.order <= 30
-
-
 def smooth(dof=3):
     """Samples of damping that no state space has: two channels, B = h h^T/2 summed, with its added mass."""
     omega = np.arange(1, 161) * 0.05
@@ -120,18 +104,6 @@ def test_error_falls_and_order_grows_with_the_tolerance():
     assert orders == sorted(orders)
     assert orders[0] < orders[-1]
     assert all(is_passive(fit.model) for fit in fits)
-
-
-def test_added_mass_and_damping_of_the_model_are_of_one_causal_function():
-    """Kramers and Kronig between both parts of K, by quadrature."""
-    fit = fit_passive(samples(reciprocal(8, 3, 2, 4)), 1e-3)
-    omega = np.linspace(0.0, 60.0, 6001)[1:]
-    spectrum = DampingSpectrum(omega, fit.model.damping(omega))
-    at = np.array([0.5, 1.5, 3.0])
-    expected = fit.model.transfer(at).imag
-    found = at[:, None, None] * spectrum.added_mass_difference(at)
-    uneven = 0.5 * (expected + expected.swapaxes(1, 2))
-    assert found == pytest.approx(uneven, abs=5e-3 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("noise", [1e-4, 1e-3, 5e-3])
@@ -239,14 +211,6 @@ class TestHardCases:
         assert is_passive(fit.model)
 
 
-def test_a_truncated_model_of_many_channels_is_passive():
-    model = reciprocal(12, 4, 3, 0)
-    short = truncated(model, 7)
-    assert short.order == 7
-    assert short.channel.shape == (7, 4)
-    assert is_passive(short)
-
-
 class TestRefused:
     def test_samples(self):
         good = samples(reciprocal(6, 2, 2, 0))
@@ -303,12 +267,3 @@ class TestRefused:
         monkeypatch.setattr(passive, "_STARTS", 0)
         with pytest.raises(ConvergenceError, match="received no start with"):
             fit_passive(samples(reciprocal(6, 2, 2, 0)), 1e-3)
-
-
-@pytest.mark.parametrize(("size", "groups"), [(1.1e-3, [[0, 2], [1]]), (0.9e-3, [[0], [1], [2]])])
-def test_motions_that_couple_in_any_phase_radiate_together(size, groups):
-    """A coupling is as large as its size over the band, though its real part changes sign and its mean is none."""
-    phase = np.exp(2j * np.pi * np.arange(12) / 12)
-    k = np.tile(np.eye(3, dtype=complex), (12, 1, 1))
-    k[:, 0, 2] = k[:, 2, 0] = size * phase
-    assert [group.tolist() for group in passive.coupled(k, 1e-3)] == groups

@@ -1,7 +1,10 @@
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from vsb.hydro.realisation import Balanced, StateSpace, _combined, rational_fit
+from vsb.errors import StabilityError
+from vsb.hydro.realisation import LEVEL, Balanced, StateSpace, crossings, least_damping, rational_fit
 
 OMEGA = np.linspace(0.05, 6.0, 80)
 
@@ -14,13 +17,6 @@ def oscillators(order, dof, seed):
     a = np.block([[np.zeros((half, half)), omega], [-omega, -damping @ damping.T / 2]])
     b = np.vstack([np.zeros_like(g), g])
     return StateSpace(a, b, b.T)
-
-
-def test_a_rational_function_is_found():
-    k = oscillators(8, 3, 0).transfer(OMEGA)
-    whole = rational_fit(OMEGA, k, 8)
-    assert whole.transfer(OMEGA) == pytest.approx(k, abs=1e-9)
-    assert len(whole.state_matrix) == 24
 
 
 def test_the_smallest_realisation_is_found():
@@ -54,27 +50,65 @@ def hankel_values(system):
     return np.sort(np.sqrt(np.linalg.eigvals(reached @ seen).real))[::-1]
 
 
-def uneven(order, dof, seed):
-    """A random stable state space whose K is not symmetric."""
+def dissipative(order, channels, dof, seed):
+    """A random passive state space."""
     rng = np.random.default_rng(seed)
-    one = oscillators(order, dof, seed)
-    return one._replace(output_matrix=rng.normal(size=(dof, order)))
+    skew, channel, g = (rng.normal(size=(order, n)) for n in (order, channels, dof))
+    return StateSpace(skew - skew.T - channel @ channel.T / 2, g, g.T)
 
 
-def test_balancing_tells_what_is_reached_from_what_is_seen():
-    """Gramians of the truncated space, by their equations, are both the diagonal of Hankel's values."""
-    whole = uneven(6, 2, 3)
-    balanced = Balanced.of(whole)
-    a, b, c = balanced.truncated(6)
-    assert balanced.truncated(6).transfer(OMEGA) == pytest.approx(whole.transfer(OMEGA), abs=1e-9)
-    hankel = np.diag(hankel_values(whole))
-    assert a @ hankel + hankel @ a.T == pytest.approx(-b @ b.T, abs=1e-8)
-    assert a.T @ hankel + hankel @ a == pytest.approx(-c.T @ c, abs=1e-8)
+@settings(max_examples=20)
+@given(st.integers(2, 10), st.integers(1, 4), st.integers(1, 4), st.integers(0, 10**6))
+def test_a_dissipative_state_space_is_proven_passive(order, channels, dof, seed):
+    system = dissipative(order, channels, dof, seed)
+    found = least_damping(system)
+    size = np.abs(system.transfer(np.abs(np.linalg.eigvals(system.state_matrix)))).max()
+    assert -1e-9 * size < found.value <= 0.0
+    assert -2 * LEVEL * size < found.bound < found.value
 
 
-@pytest.mark.parametrize("unit", [1e-13, 1e13])
-def test_a_function_is_found_in_any_units(unit):
-    """Of what is round-off beside the largest, too."""
-    k = oscillators(8, 3, 0).transfer(OMEGA)
-    assert _combined(unit * k.reshape(len(k), -1)).shape == _combined(k.reshape(len(k), -1)).shape
-    assert rational_fit(OMEGA, unit * k, 8).transfer(OMEGA) == pytest.approx(unit * k, abs=1e-9 * unit)
+@settings(max_examples=20)
+@given(st.floats(-3.0, 0.0), st.integers(0, 10**6))
+def test_the_least_damping_is_that_of_a_fine_grid(decade, seed):
+    system = dissipative(8, 2, 3, seed)
+    other = system.output_matrix + 10**decade * np.random.default_rng(seed + 1).normal(size=(3, 8))
+    system = system._replace(output_matrix=other)
+    found = least_damping(system)
+    near = found.omega * (1 + np.linspace(-1e-3, 1e-3, 2001)) if np.isfinite(found.omega) else np.zeros(1)
+    grid = np.concatenate([np.linspace(0.0, 40.0, 20001), near])
+    least = system.damping(grid).min()
+    assert found.bound < least
+    assert found.value == pytest.approx(min(least, 0.0), rel=2e-3, abs=1e-5)
+    if found.value < 0:
+        assert system.damping(np.array([found.omega]))[0] == pytest.approx(found.value)
+
+
+@pytest.mark.parametrize("width", [1e-4, 1e-6, 1e-8])
+def test_a_violation_between_samples_is_seen(width):
+    """A resonance narrower than the samples are apart draws energy: no sample tells."""
+    one, at = dissipative(6, 2, 2, 3), 2.005
+    a, b, c = one
+    ring = np.array([[-width * at, at], [-at, -width * at]])
+    wide = StateSpace(
+        np.block([[a, np.zeros((6, 2))], [np.zeros((2, 6)), ring]]),
+        np.vstack([b, [[1.0, 0.0], [0.0, 0.0]]]),
+        np.hstack([c, [[-30.0 * width, 0.0], [0.0, 0.0]]]),
+    )
+    samples = np.arange(0.0, 10.0, 0.01)
+    assert wide.damping(samples).min() > 0 < one.damping(np.array([at]))[0]
+    found = least_damping(wide)
+    assert found.omega == pytest.approx(at, rel=1e-3)
+    assert found.value == pytest.approx(wide.damping(np.array([at]))[0], rel=1e-2)
+    assert found.value < -0.5
+
+
+def test_the_level_is_crossed_where_it_is():
+    """K = 1/(s + 1) has damping 1/(1 + omega^2): -K crosses -1/5 at omega = 2."""
+    system = StateSpace(np.array([[-1.0]]), np.ones((1, 1)), -np.ones((1, 1)))
+    assert crossings(system, 0.2) == pytest.approx([2.0])
+    assert least_damping(system) == pytest.approx((-1.0, 0.0, -1.001), rel=1e-6)
+
+
+def test_an_unstable_state_matrix_is_refused():
+    with pytest.raises(StabilityError, match=r"received a pole with growth rate 0.5/s, needs a stable"):
+        least_damping(StateSpace(np.array([[0.5]]), np.ones((1, 1)), np.ones((1, 1))))

@@ -5,14 +5,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import StabilityError
-from vsb.hydro import statespace as radiation
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import (
     RadiationModel,
     _dissipative,
     fit_order,
     fit_radiation,
-    joined,
     vector_fit,
 )
 
@@ -37,15 +35,6 @@ def test_any_such_model_is_passive_with_one_channel(order, dof, seed):
     assert np.abs(hermitian.real - model.damping(omega)).max() < 1e-9 * scale
     assert eigenvalues.min() > -1e-9 * scale
     assert np.abs(eigenvalues[:, :-1]).max(initial=0.0) < 1e-9 * scale
-
-
-def test_kernel_is_the_impulse_response_of_the_transfer_function():
-    model = RadiationModel(
-        np.array([[-0.5, 1.0], [-1.0, 0.0]]), np.array([[1.0, 0.3], [0.2, -1.0]]), np.array([1.0, 0.0])
-    )
-    time = np.linspace(0.0, 60.0, 12001)
-    transform = np.trapezoid(model.kernel(time) * np.exp(-1j * 0.8 * time)[:, None, None], time, axis=0)
-    assert transform == pytest.approx(model.transfer(np.array([0.8]))[0], abs=1e-5)
 
 
 def test_vector_fitting_recovers_the_poles_of_a_rational_function():
@@ -116,27 +105,6 @@ def test_damping_that_draws_energy_is_refused(share, largest):
     damping = np.where(omega > 4.0, share * bump.max(), bump) if share > -1 else share * bump
     with pytest.raises(StabilityError, match=r"would draw energy from calm water"):
         fit_radiation(DampingSpectrum(omega, damping[:, None, None]), 1e-3)
-
-
-def test_memories_joined_act_side_by_side():
-    one = RadiationModel(np.array([[-0.5]]), np.array([[1.2, 0.4]]), np.ones(1))
-    other = RadiationModel(np.array([[-2.0]]), np.array([[0.0, 3.0]]), np.array([2.0]))
-    both, omega = joined([one, other]), np.array([0.3, 2.0])
-    assert both.order == 2
-    assert both.transfer(omega) == pytest.approx(one.transfer(omega) + other.transfer(omega))
-    assert both.damping(omega) == pytest.approx(one.damping(omega) + other.damping(omega))
-    assert joined([one]) is one
-
-
-def test_partial_fractions_are_the_states_of_their_matrix_driven_by_their_vector():
-    """(s - block)^-1 ones, real poles first, however many there are of either kind and in whatever order."""
-    poles = np.array([-0.3 + 2j, -0.7, -1.0 - 0.5j, -0.3 - 2j, -1.9, -1.0 + 0.5j])
-    s = 1j * np.array([0.2, 1.5, 4.0]) + 0.1
-    basis, block, ones = radiation.partial_fractions(s, poles)
-    assert basis.shape == (3, 6)
-    states = [np.linalg.solve(each * np.eye(6) - block, ones) for each in s]
-    np.testing.assert_allclose(basis, states, rtol=1e-12)
-    np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(block)), np.sort_complex(poles), rtol=1e-12)
 
 
 def test_the_memory_of_unlike_motions_is_theirs_in_their_own_units():

@@ -5,8 +5,7 @@ import pytest
 import xarray as xr
 
 from vsb.errors import ConfigError
-from vsb.hydro.passivity import least_damping
-from vsb.hydro.realisation import StateSpace
+from vsb.hydro.realisation import StateSpace, least_damping
 from vsb.integrators.simulate import simulate
 from vsb.motion.bodies import body_scene, linear_body
 from vsb.motion.system import System

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import database
-from vsb.hydro.spectral.sweep import converged_on_grid
+from vsb.hydro.spectral.solver import converged_on_grid
 from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.motion.builders import linear_scene

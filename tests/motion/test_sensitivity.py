@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vsb.hydro.coefficients import Coefficients
+from vsb.hydro.database import Coefficients
 from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, sensitivity, sensitivity_of_forces
 from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
 

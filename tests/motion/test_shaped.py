@@ -8,9 +8,8 @@ from scipy.special import j0
 from vsb.motion.froude_krylov import incident, rotated, wave_force
 from vsb.motion.wetted import ShapedWetShell, WetShell, wet_shell
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.mode import natural_shapes
-from vsb.shell.modes import ModeBasis, mode_basis
-from vsb.shell.sphere import Shell
+from vsb.shell.modes import ModeBasis, mode_basis, natural_shapes
+from vsb.shell.shell import Shell
 from vsb.study.meridian import RestMeridian, capsule, spheroid
 from vsb.waves.seas import Sea
 

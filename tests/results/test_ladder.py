@@ -13,8 +13,7 @@ from scipy.optimize import minimize, minimize_scalar
 
 from vsb.hydro import database
 from vsb.hydro.dofs import Displacement
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.hydro.spectral.sweep import converged_on_grid
+from vsb.hydro.spectral.solver import SpectralProblem, converged_on_grid
 from vsb.motion.constrained import REFINED
 from vsb.motion.force_bound import Limits
 from vsb.motion.frequency import LinearBuoy

@@ -18,7 +18,7 @@ from vsb.scenes.rest import reference_shell, study_basis
 from vsb.scenes.viability import static_modal_amplitude
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
-from vsb.shell.sphere import Shell
+from vsb.shell.shell import Shell
 from vsb.shell.surface import largest_strain
 from vsb.study.body import BodyStudy
 from vsb.study.device import Spheroid

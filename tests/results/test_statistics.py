@@ -19,8 +19,7 @@ from vsb.results.statistics import (
     statistics,
 )
 from vsb.scenes.build import TUNED
-from vsb.waves.seas import Sea, expected, sea
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import Sea, expected, sea, superposed
 
 DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}}
 

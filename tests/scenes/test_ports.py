@@ -5,7 +5,7 @@ import pytest
 from conftest import varied
 from scipy.linalg import block_diag
 
-from vsb.hydro.coefficients import Coefficients
+from vsb.hydro.database import Coefficients
 from vsb.hydro.dofs import displacements
 from vsb.motion.port import port_direction
 from vsb.scenes.directions import order_bases

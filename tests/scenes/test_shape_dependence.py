@@ -8,8 +8,7 @@ from conftest import varied
 
 from vsb.errors import ConfigError
 from vsb.hydro.database import with_structure
-from vsb.hydro.shapes.database import ShapeDatabase, measured_errors
-from vsb.hydro.shapes.family import ShapeFamily
+from vsb.hydro.shape_dependence import ShapeDatabase, ShapeFamily, measured_errors
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import LinearPto
 from vsb.scenes import shape_dependence as shapedependence

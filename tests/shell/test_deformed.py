@@ -7,18 +7,17 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import ConfigError
-from vsb.hydro.dofs import Displacement
 from vsb.hydro.panels.mesh import deformed_mesh
-from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import (
     DeformedShell,
+    ReferenceShell,
     check_meridian,
     enclosed,
     rigid_buoy,
     rigid_sphere,
 )
-from vsb.shell.modes import mode_basis
-from vsb.shell.sphere import Shell
+from vsb.shell.modes import ModeBasis, mode_basis, shell_modes
+from vsb.shell.shell import Shell
 from vsb.study.meridian import capsule
 
 RHO, G = 1025.0, 9.81
@@ -55,7 +54,7 @@ CROSSING = {"Bending6": -0.4}
 """With the centre at -1.7 m the top pole dips under water and a ring stays out: three waterlines."""
 
 
-@pytest.mark.parametrize("height", [0.9, 0.00031, -1.7, -2.6, 2.6])
+@pytest.mark.parametrize("height", [0.9, -1.7, -2.6])
 def test_hydrostatic_stiffness_is_the_symmetric_jacobian(full, height):
     """With one waterline, three and none; central differences with two Richardson steps."""
     shape = CROSSING if height == -1.7 else {"Membrane2": 0.1, "Bending3": -0.1, "Heave": 0.02}
@@ -82,63 +81,19 @@ def test_quadrature_converges_spectrally(full):
     assert errors[0] > 100 * errors[1] > 1e4 * errors[3]
 
 
-@pytest.mark.parametrize("height", [-0.9, 0.0, 1.2])
-def test_heave_stiffness_is_that_of_the_waterplane(full, height):
-    shell = DeformedShell(full, height, amplitudes(full, Heave=0.1, Membrane0=0.05, Membrane3=-0.1, Bending2=0.2))
-    ((start, _),) = shell.wet_segments
-    waterplane = np.pi * shell.meridian(np.array([start])).x[0] ** 2
-    assert shell.hydrostatic_stiffness(RHO, G)[0, 0] == pytest.approx(RHO * G * waterplane, rel=1e-11)
-
-
-def test_wet_segments_end_at_the_water_surface(full):
-    shell = DeformedShell(full, -1.7, amplitudes(full, **CROSSING))
-    assert shell.wet_segments[0][0] == 0.0
-    assert shell.wet_segments[-1][1] == np.pi
-    waterlines = [edge for segment in shell.wet_segments for edge in segment if 0.0 < edge < np.pi]
-    assert np.abs(shell.meridian(np.array(waterlines)).z).max() < 1e-14
-    for start, end in shell.wet_segments:
-        assert shell.meridian(np.linspace(start, end, 203)[1:-1]).z.max() < 0
-
-
-@pytest.mark.parametrize("node", [1, 93, 140, 200])
+@pytest.mark.parametrize("node", [93, 140])
 def test_waterline_on_a_sampled_colatitude(full, node):
     height = -2.0 * float(np.cos(np.linspace(0.0, np.pi, 281)[node]))
     depth = 2.0 - height
     assert DeformedShell(full, height).volume() == pytest.approx(np.pi * depth**2 * (6.0 - depth) / 3, rel=1e-12)
 
 
-@pytest.mark.parametrize(("height", "swell"), [(0.4, 0.3), (-0.8, -0.2), (-3.0, 0.5), (1.1, 0.0)])
+@pytest.mark.parametrize(("height", "swell"), [(0.4, 0.3), (-0.8, -0.2)])
 def test_breathing_gives_a_sphere_of_another_radius(full, height, swell):
     radius = 2.0 + swell
     shell, depth = DeformedShell(full, height, amplitudes(full, Membrane0=swell)), min(radius - height, 2 * radius)
     assert shell.volume() == pytest.approx(np.pi * depth**2 * (3 * radius - depth) / 3, rel=1e-12)
     assert shell.wet_area() == pytest.approx(2 * np.pi * radius * depth, rel=1e-12)
-
-
-def test_breathing_force_and_stiffness_of_the_half_submerged_sphere(full):
-    """Q_0 = -rho g pi R^3 for a sphere of any radius R with its centre in the surface, so K_00 = 3 rho g pi r^2."""
-    shell = DeformedShell(full, 0.0)
-    assert shell.hydrostatic_force(RHO, G)[1] == pytest.approx(-RHO * G * np.pi * 8, rel=1e-12)
-    assert shell.hydrostatic_stiffness(RHO, G)[1, 1] == pytest.approx(3 * RHO * G * np.pi * 4, rel=1e-12)
-
-
-def test_hydrostatic_force_is_the_gradient_of_the_potential_energy(full):
-    """Q_j = -dE/dq_j with E = -rho g int z dV over the displaced water."""
-    node, weight = np.polynomial.legendre.leggauss(80)
-
-    def energy(q):
-        shell = DeformedShell(full, 0.2, q)
-        ((a, b),) = shell.wet_segments
-        m = shell.meridian((a + b) / 2 + (b - a) / 2 * node)
-        return RHO * G * np.pi * np.sum((b - a) / 2 * weight * m.z * m.x**2 * m.dz)
-
-    start, h = amplitudes(full, Membrane2=0.05, Bending3=-0.05), 2e-3
-    slopes = [
-        [(energy(start + k * e) - energy(start - k * e)) / (2 * k) for k in (h, h / 2, h / 4)] for e in np.eye(13)
-    ]
-    gradient = np.array([(64 * c - 20 * b + a) / 45 for a, b, c in slopes])
-    force = DeformedShell(full, 0.2, start).hydrostatic_force(RHO, G)
-    assert np.abs(force + gradient).max() < 1e-9 * np.abs(force).max()
 
 
 def test_derivatives_of_the_meridian(full):
@@ -169,9 +124,7 @@ def spheroid_area(across, along):
     return 2 * np.pi * across**2 * (1 + (1 - e**2) / e * np.arctanh(e))
 
 
-@pytest.mark.parametrize(
-    ("across", "along"), [(2.2, 1.8), (1.8, 2.3), (1.9, 2.6)], ids=["oblate", "prolate", "slender"]
-)
+@pytest.mark.parametrize(("across", "along"), [(2.2, 1.8), (1.9, 2.6)], ids=["oblate", "slender"])
 def test_volume_and_area_of_spheroids(full, across, along):
     q = spheroid(full, across, along)
     half = DeformedShell(full, 0.0, q)
@@ -180,13 +133,6 @@ def test_volume_and_area_of_spheroids(full, across, along):
     volume, area = enclosed(full, q[None], 40)
     assert volume[0] == pytest.approx(4 / 3 * np.pi * across**2 * along, rel=1e-12)
     assert area[0] == pytest.approx(spheroid_area(across, along), rel=1e-12)
-
-
-def test_enclosed_volume_and_area_are_unchanged_by_heave(full):
-    q = np.array([amplitudes(full, Heave=h, Membrane2=0.1, Bending3=0.05) for h in (0.0, 0.4, -3.0)])
-    volume, area = enclosed(full, q)
-    assert np.ptp(volume) < 1e-12
-    assert np.ptp(area) < 1e-12
 
 
 CROSSED = {
@@ -199,17 +145,12 @@ CROSSED = {
 
 
 @pytest.mark.parametrize("crossed", CROSSED)
-@pytest.mark.parametrize("solver", ["spectral", "panels", "check"])
-def test_meridian_that_crosses_the_axis_or_itself_is_refused(full, crossed, solver):
+def test_meridian_that_crosses_the_axis_or_itself_is_refused(full, crossed):
     shell = DeformedShell(full, 0.2, amplitudes(full, **CROSSED[crossed]))
-    use = {
-        "spectral": lambda: SpectralProblem(shell, (Displacement("heave"),), RHO, G, 8).at_infinity(),
-        "panels": lambda: deformed_mesh(shell, 12, 24, 6),
-        "check": lambda: check_meridian(shell),
-    }
     where = "itself" if crossed == "itself" else "the axis"
-    with pytest.raises(ConfigError, match=f"^reference_shape: received a meridian that crosses {where} .*; needs one"):
-        use[solver]()
+    for use in (lambda: shell.waterline, lambda: deformed_mesh(shell, 12, 24, 6)):  # of both solvers
+        with pytest.raises(ConfigError, match=f"^reference_shape: received a meridian that crosses {where} .*; needs"):
+            use()
 
 
 @pytest.mark.parametrize("height", [2.5, -2.5, -1.7], ids=["dry", "submerged", "ring"])
@@ -235,7 +176,7 @@ CURL = [-0.2611952595029945, 0.0703125, -0.5437249483965709, *[0.0] * 3, 0.26367
 """Amplitudes of a curl between two points that are looked at."""
 
 
-@settings(max_examples=50)
+@settings(max_examples=25)
 @given(st.lists(st.floats(-0.7, 0.7), min_size=12, max_size=12))
 @example(CURL)
 def test_accepted_meridian_has_turning_number_one(full, modal):
@@ -252,8 +193,7 @@ def test_accepted_meridian_has_turning_number_one(full, modal):
     assert turned[-1] - turned[0] == pytest.approx(-np.pi, abs=1e-6)
 
 
-@pytest.mark.parametrize("radius", [0.6, 5.0])
-@pytest.mark.parametrize("part", [-0.7, 0.0, 0.4])
+@pytest.mark.parametrize(("radius", "part"), [(0.6, 0.4), (5.0, -0.7)])
 def test_rigid_sphere_displaces_its_spherical_cap(radius, part):
     shell, depth = rigid_sphere(radius, part * radius), radius * (1 - part)
     assert shell.volume() == pytest.approx(np.pi * depth**2 * (3 * radius - depth) / 3, rel=1e-12)
@@ -263,7 +203,7 @@ def test_rigid_sphere_displaces_its_spherical_cap(radius, part):
     assert shell.basis.shell.radius == radius
 
 
-@pytest.mark.parametrize("up", [0.0, 0.8, -0.5])
+@pytest.mark.parametrize("up", [0.0, 0.8])
 def test_rigid_capsule_displaces_its_volume_below_the_water(up):
     rest = capsule(0.7, 1.5).scaled(1.0, 1.0, up)
     buoy = rigid_buoy(Shell(0.7, 0.01, 1.0, 0.0, 1.0, rest), 0.25)
@@ -285,3 +225,15 @@ def test_curve_evaluates_the_meridian_by_its_cosine_series(seed, kind):
     slow, fast = shell.meridian(phi), shell.curve(phi)
     for name in ("x", "z", "dx", "dz"):
         np.testing.assert_allclose(getattr(fast, name), getattr(slow, name), atol=1e-13)
+
+
+@pytest.mark.parametrize("radius", [0.8])
+def test_keel_depth_of_a_deformed_shell_and_of_a_capsule(radius):
+    shell = Shell(radius, 0.01, 1e7, 0.3, 2700.0)
+    basis = ModeBasis(shell, shell_modes(shell, "full", 2), 1e4, bending=True)
+    q = np.array([{"Heave": 0.1, "Membrane0": 0.05}.get(label, 0.0) for label in basis.labels])
+    reference = ReferenceShell(DeformedShell(basis, 0.2, q), {})
+    assert reference.keel_depth == pytest.approx(radius + 0.05 - 0.2 - 0.1, rel=1e-12)
+    capsuled = Shell(radius, 0.01, 1e7, 0.3, 2700.0, capsule(radius, 1.0).scaled(1.0, 1.0, 0.3))
+    rest = ReferenceShell(DeformedShell(ModeBasis(capsuled, (), 1e4, False), 0.2), {})
+    assert rest.keel_depth == pytest.approx(radius + 0.5 - 0.2 - 0.3, rel=1e-6)

@@ -6,8 +6,6 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.optimize import minimize_scalar
-from shell.test_sphere import DENSER, STRETCH, larger
 
 from vsb.errors import ConvergenceError
 from vsb.shell.deformed import DeformedShell
@@ -22,13 +20,12 @@ from vsb.shell.loaded import (
     viable_pressure,
 )
 from vsb.shell.modes import mode_basis
-from vsb.shell.sphere import Shell
+from vsb.shell.shell import Shell
 
 RHO, G = 1025.0, 9.81
 SHELL = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
 MASS = 17170.0
 GAS = Gas(adiabatic_index=1.4, atmospheric_pressure=101325.0)
-PHI = np.linspace(0.0, np.pi, 181)
 
 
 @pytest.fixture(scope="module")
@@ -65,10 +62,6 @@ def derivative(function, q, step=2e-3):
     ])  # fmt: skip
 
 
-def complex_step(function, q):
-    return np.array([np.imag(function(q + 1e-40j * e)) / 1e-40 for e in np.eye(q.size)])
-
-
 def potential(loaded, q):
     """The total potential, written anew: the pressure's work by quadrature over the volume, the water's over its depth."""
     reference, volume = 4 / 3 * np.pi * 8, loaded.elastic.volume(q)
@@ -88,17 +81,7 @@ def potential(loaded, q):
 # the potential and its derivatives
 
 
-def test_elastic_derivatives_agree_with_complex_steps(full, bent):
-    elastic = ElasticShell(full)
-    force, stiffness = complex_step(elastic.energy, bent), complex_step(elastic.force, bent)
-    assert -elastic.force(bent) == pytest.approx(force, abs=1e-13 * np.abs(force).max())
-    assert -elastic.stiffness(bent) == pytest.approx(stiffness, abs=1e-13 * np.abs(stiffness).max())
-    assert elastic.volume_gradient(bent) == pytest.approx(complex_step(elastic.volume, bent), abs=1e-12)
-    assert elastic.volume_hessian(bent) == pytest.approx(complex_step(elastic.volume_gradient, bent), abs=1e-12)
-
-
-@pytest.mark.parametrize("gas", [None, GAS])
-@pytest.mark.parametrize("height", [0.3, -2.6])
+@pytest.mark.parametrize(("gas", "height"), [(None, -2.6), (GAS, 0.3)])
 def test_force_is_minus_the_gradient_of_the_potential(full, bent, gas, height):
     loaded = floating(ElasticShell(full), 5e3, gas, height)
     force = loaded.force(bent)
@@ -131,18 +114,6 @@ def test_hydrostatic_quadrature_is_converged_at_any_degree(degree):
     assert loaded.hydrostatic_stiffness(q) == pytest.approx(stiffness, abs=1e-11 * np.abs(stiffness).max())
 
 
-def test_strains_match_finite_differences_of_the_deformed_meridian(full, bent):
-    phi, step = PHI[1:-1], 1e-5
-    shell = DeformedShell(full, 0.0, bent)
-    m, before, after = (shell.meridian(phi + h) for h in (0.0, -step, step))
-    arc = np.hypot(after.x - before.x, after.z - before.z) / (2 * step * 2.0)
-    meridional, hoop = ElasticShell(full).strains(bent, phi)
-    assert meridional == pytest.approx((arc**2 - 1) / 2, abs=1e-8)
-    assert hoop == pytest.approx(((m.x / (2.0 * np.sin(phi))) ** 2 - 1) / 2, abs=1e-12)
-    poles = np.array(ElasticShell(full).strains(bent, np.array([0.0, np.pi])))
-    assert poles[0] == pytest.approx(poles[1], abs=1e-14)
-
-
 # inflation and gas
 
 
@@ -152,7 +123,7 @@ def inflated(pressure, shell=SHELL):
     return (load + math.sqrt(load**2 + 4)) / 2
 
 
-@pytest.mark.parametrize("pressure", [-100.0, 1e3, 2e4, 1e5])
+@pytest.mark.parametrize("pressure", [-100.0, 1e5])
 def test_inflated_sphere_matches_the_closed_form(pressure):
     elastic = complete(6)
     q = equilibrium(weightless(elastic, pressure), np.eye(13)[:, 1:])
@@ -161,14 +132,6 @@ def test_inflated_sphere_matches_the_closed_form(pressure):
     assert np.abs(q[[0, *range(2, 13)]]).max() < 1e-10
     tension = np.array(elastic.resultants(q))
     assert tension == pytest.approx(np.full_like(tension, pressure * SHELL.radius / 2 * inflated(pressure)), rel=1e-9)
-
-
-def test_breathing_stiffness_due_to_uniform_pressure():
-    loaded = weightless(complete(6), 700.0)
-    breathing = np.eye(13)[1]
-    follower = breathing @ loaded.pressure_stiffness(np.zeros(13)) @ breathing
-    assert follower == pytest.approx(-8 * np.pi * SHELL.radius * 700.0, rel=1e-12)
-    assert breathing @ loaded.prestress_stiffness @ breathing == pytest.approx(-4 * np.pi * 2.0 * 700.0, rel=1e-11)
 
 
 def test_trapped_gas_follows_the_adiabatic_law():
@@ -237,7 +200,7 @@ def uniform(ratio, degree=None):
     return shell, buckling(weightless(complete(degree or converged_degree(shell), shell), -1.0))
 
 
-@pytest.mark.parametrize(("ratio", "critical"), [(0.05, 8), (0.02, 13), (0.005, 25.7), (0.002, 40.6)])
+@pytest.mark.parametrize(("ratio", "critical"), [(0.02, 13), (0.005, 25.7)])
 def test_uniform_pressure_buckles_at_the_classical_load_and_degree(ratio, critical):
     """Two-sided: the exact energy lies below 2E(h/r)^2/sqrt(3(1-nu^2)) by 0.45 to 0.65 h/r."""
     shell, found = uniform(ratio)
@@ -269,8 +232,7 @@ def test_classical_load_factor_uses_the_net_pressure_at_the_keel():
     assert not math.isclose(filled.pressure_inside, 4e3, rel_tol=0.1)
 
 
-@pytest.mark.parametrize("gas", [None, GAS])
-@pytest.mark.parametrize("pressure", [0.0, 8e3])
+@pytest.mark.parametrize(("pressure", "gas"), [(0.0, None), (8e3, GAS)])
 def test_stiffness_becomes_singular_at_the_load_factor(pressure, gas):
     loaded = floating(complete(16, dataclasses.replace(SHELL, thickness=0.08)), pressure, gas, height=0.2)
     zero = np.zeros(33)
@@ -327,22 +289,6 @@ def test_viable_pressure_of_thick_and_weak_shells(seed):
         viable_pressure(weak, 0.0, seed.water)
 
 
-def test_largest_load_factor_over_pressure_bounds_the_margin(seed, vented):
-    """The largest load factor is found here by maximising over pressure."""
-    factors = {}
-
-    def lacking(pressure):
-        factors[pressure] = buckling(dataclasses.replace(vented, internal_pressure=float(pressure))).load_factor
-        return -factors[pressure]
-
-    best = -minimize_scalar(lacking, bounds=(1.2e4, 1.2e5), method="bounded", options={"xatol": 30.0}).fun
-    assert best > 1.05 * min(factors.values())
-    _, held = viable_pressure(seed.device, seed.centre_height, seed.water, margin=0.9999 * best)
-    assert held.load_factor == pytest.approx(0.9999 * best, rel=1e-6)
-    with pytest.raises(ConvergenceError, match=r"from buckling under [\d.]+ times its load"):
-        viable_pressure(seed.device, seed.centre_height, seed.water, margin=1.0001 * best)
-
-
 # static equilibrium
 
 
@@ -361,39 +307,6 @@ def test_pressurised_shell_floats_in_stable_equilibrium(pressurised, seed):
     assert q[0] > 0.0  # inflated, it floats higher
 
 
-def test_newton_converges_quadratically(pressurised):
-    loaded, exact = pressurised
-    q, errors = exact + 0.02 * np.cos(np.arange(exact.size)), []
-    for _ in range(3):
-        q = q + np.linalg.solve(loaded.stiffness(q), loaded.force(q))
-        errors.append(np.abs(q - exact).max())
-    assert errors[2] > 1e-12  # above round-off, so the order can be seen
-    assert 1.7 < math.log(errors[2] / errors[1]) / math.log(errors[1] / errors[0]) < 2.5
-
-
-def test_equilibrium_converges_with_degree(pressurised, seed):
-    loaded, q = pressurised
-    heave = [
-        equilibrium(dataclasses.replace(loaded, elastic=ElasticShell(mode_basis(seed.device, "full", n))))[0]
-        for n in (3, 6, 24)
-    ]
-    assert abs(q[0] - heave[2]) < 0.3 * abs(heave[1] - heave[2]) < 0.3 * abs(heave[0] - heave[2])
-    assert q[0] == pytest.approx(heave[2], rel=1e-4)
-
-
-def test_stiff_shell_follows_linear_statics():
-    """The error of the linear solution is of second order in load over stiffness."""
-
-    def error(modulus):
-        loaded = floating(complete(6, dataclasses.replace(SHELL, young_modulus=modulus)), 3e3)
-        zero = np.zeros(13)
-        linear = np.linalg.solve(loaded.unloaded_stiffness + loaded.hydrostatic_stiffness(zero), loaded.force(zero))
-        return np.abs(equilibrium(loaded) - linear).max()
-
-    order = math.log2(error(4e9) / error(8e9))
-    assert 1.9 < order < 2.1
-
-
 def test_equilibrium_satisfies_the_clamps(pressurised):
     loaded, free = pressurised
     motions = loaded.basis.clamped([0.0])
@@ -401,17 +314,6 @@ def test_equilibrium_satisfies_the_clamps(pressurised):
     assert loaded.basis.clamp_rows([0.0]) @ q == pytest.approx([0.0, 0.0], abs=1e-12)
     assert motions.T @ loaded.force(q) == pytest.approx(np.zeros(motions.shape[1]), abs=1e-6)
     assert abs(loaded.basis.pole_radial_displacement[1:] @ free[1:]) > 0.05
-
-
-def test_breathing_instability_of_a_gas_filled_shell():
-    loaded, pressure = weightless(complete(1), -2e3, GAS), -2e3
-    area, volume = 16 * np.pi, 32 / 3 * np.pi
-    membrane = loaded.elastic.stiffness(np.zeros(3))[1, 1]
-    held = membrane + 1.4 * 101325.0 * area**2 / volume
-    lost = -(1.4 * pressure * area**2 / volume + loaded.prestress_stiffness[1, 1])
-    found = buckling(loaded)
-    assert found.load_factor == pytest.approx(held / lost, rel=1e-11)
-    assert found.degree == 0
 
 
 @pytest.mark.parametrize("pressure", [3e3, -800.0])
@@ -425,6 +327,16 @@ def test_trapped_gas_loses_pressure_as_the_shell_expands(pressure):
 
 
 # other sizes
+
+STRETCH, DENSER = 1.7, 0.6
+
+
+def larger(shell, stiffer):
+    """The same shell 1.7 times as large, of a material so many times as stiff and 0.6 times as dense."""
+    size = {"radius": STRETCH * shell.radius, "thickness": STRETCH * shell.thickness}
+    return dataclasses.replace(
+        shell, **size, young_modulus=stiffer * shell.young_modulus, density=DENSER * shell.density
+    )
 
 
 @pytest.mark.parametrize("gas", [None, GAS])
@@ -457,18 +369,3 @@ def test_trapped_gas_may_be_filled_above_the_breathing_pressure(seed):
     shell = complete_shell(soft, height, seed.water, pressure)
     assert 0 < shell.pressure_inside < breathing
     assert buckling(dataclasses.replace(shell, internal_pressure=0.99 * pressure)).load_factor < 1.0
-
-
-@pytest.mark.parametrize("degree", [1, 4])
-def test_weight_acts_on_modes_that_couple_with_heave(seed, degree):
-    """The publication's shape of degree 1 carries part of the shell up; the ballast does not move with it."""
-    basis = mode_basis(seed.device, "paper", degree)
-    loaded, q = floating(ElasticShell(basis), 700.0, height=0.3), 0.02 * np.cos(np.arange(len(basis.labels)) + 0.2)
-    carried = basis.inertia[0, 1:]
-    assert np.abs(carried).max() > 0.05 * basis.shell.mass
-    force = loaded.force(q)
-    expected = -derivative(lambda at: potential(loaded, at), q)
-    assert force == pytest.approx(expected, abs=1e-9 * np.abs(force).max())
-    weightless_force = dataclasses.replace(loaded, gravity=0.0).force(q)
-    dry = dataclasses.replace(loaded, water_density=0.0).force(q)
-    assert dry - weightless_force == pytest.approx(-G * basis.inertia[0], abs=1e-9 * G * MASS)

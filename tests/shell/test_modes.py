@@ -1,31 +1,30 @@
 """Axisymmetric shell modes: Table I of the publication, energy integrals, clamps, other meridians."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import eigh
-from shell.test_legendre import fourier
-from shell.test_sphere import LOWER, TABLE_I
+from shell.test_shell import LOWER, TABLE_I
 
 from vsb.errors import ConfigError
 from vsb.scenes.rest import design_motions, study_basis
+from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import (
     ModeBasis,
-    bending_block,
     check_rank,
     mass_block,
     membrane_block,
     mode_basis,
+    natural_shapes,
     paper_ratio,
     shell_modes,
+    strain_shapes,
 )
 from vsb.shell.ritz import natural_modes
-from vsb.shell.sphere import Shell, natural_frequencies
-from vsb.study.meridian import capsule
+from vsb.shell.shell import Shell, natural_frequencies
+from vsb.study.meridian import RestMeridian, capsule, spheroid
 
 PAPER_RITZ = [51.434449987, 62.153777189, 86.525263883, 115.855327968, 146.580164630, 177.820039783, 209.298426663]
 
@@ -56,27 +55,6 @@ def test_dry_frequencies_match_the_closed_form_up_to_high_degree(seed, ratio):
     assert np.sqrt(values) == pytest.approx(np.sort([*membrane, *bending]), rel=1e-10)
 
 
-@pytest.mark.parametrize("ratio", [1e-3, 0.09])
-@pytest.mark.parametrize("degree", [2, 13, 80])
-def test_energy_blocks_are_integrals_of_strain_and_curvature(degree, ratio):
-    """P_n by Fourier series: exact derivatives, no shared code."""
-    shell, r = Shell(2.0, 2.0 * ratio, 10e6, 0.3, 2700.0), 2.0
-    node, weight = np.polynomial.legendre.leggauss(128)  # of cos(phi); exact up to degree 255
-    p, dp, ddp = fourier(degree, np.arccos(node))
-    cot, nu = node / np.sqrt(1 - node**2), shell.poisson_ratio
-
-    def energy(pairs):
-        forms = [[a * c + b * d + nu * (a * d + b * c) for c, d in pairs] for a, b in pairs]
-        return 2 * np.pi * r**2 * np.array(forms) @ weight
-
-    strains = energy([(p / r, p / r), (ddp / r, cot * dp / r)])
-    curvatures = energy([(-ddp / r**2, -cot * dp / r**2), (ddp / r**2, cot * dp / r**2)])
-    assert membrane_block(shell, degree) == pytest.approx(shell.membrane_stiffness * strains, rel=1e-11)
-    assert bending_block(shell, degree) == pytest.approx(shell.bending_stiffness * curvatures, rel=1e-11)
-    areal = 2 * np.pi * shell.density * shell.thickness * r**2
-    assert np.diag(mass_block(shell, degree)) == pytest.approx(areal * np.array([p**2, dp**2]) @ weight, rel=1e-11)
-
-
 @pytest.mark.parametrize(
     ("degree", "published"), [(0, [5.936208]), (2, [5.178951, 73.952054]), (3, [6.452965, 107.664566])]
 )
@@ -90,17 +68,6 @@ def test_published_membrane_frequencies_under_water(degree, published):
     assert found == pytest.approx(published, abs=6e-7)
 
 
-def test_rigid_heave_has_no_strain_and_is_orthogonal_to_degree_one(seed):
-    rigid = np.ones(2)
-    shell = basis_of(seed, "full").shell
-    for block in (membrane_block(shell, 1), bending_block(shell, 1)):
-        assert np.abs(block @ rigid).max() < 1e-12 * np.abs(block).max()
-    coupling = {name: basis_of(seed, name).inertia[0, 2] / shell.mass for name in ("membrane", "full", "paper")}
-    assert abs(coupling["membrane"]) < 1e-14
-    assert abs(coupling["full"]) < 1e-14
-    assert abs(coupling["paper"]) > 0.1  # the slipped shape is not orthogonal
-
-
 @pytest.mark.parametrize("name", ["paper", "membrane", "full"])
 def test_largest_displacement_of_every_mode_is_one(seed, name):
     phi = np.linspace(0, np.pi, 20001)
@@ -109,13 +76,6 @@ def test_largest_displacement_of_every_mode_is_one(seed, name):
     assert np.all(largest < 1 + 1e-12)
     assert np.all(largest > 1 - (12 * phi[1]) ** 2 / 8)  # a maximum between two samples
     assert np.all(radial[:, 0] > 0)
-
-
-def test_derivative_of_the_shapes(seed):
-    basis, phi, h = basis_of(seed, "full", 20), np.linspace(0.0, np.pi, 41), 1e-5
-    for order in (0, 1):
-        ahead, behind = basis.displacement(phi + h)[order], basis.displacement(phi - h)[order]
-        assert basis.displacement(phi, derivative=1)[order] == pytest.approx((ahead - behind) / (2 * h), abs=2e-6)
 
 
 def test_clamps_that_leave_nothing_free_are_refused(seed):
@@ -132,13 +92,6 @@ def test_rigid_study_has_only_heave(seed):
     assert basis.labels == ("Heave",)
     assert basis.inertia == pytest.approx(np.array([[17170.0]]))
     assert design_motions(study, basis, "FSB").shape == (1, 1)
-
-
-def test_branches_of_a_degree_are_orthogonal_in_mass_and_stiffness(seed):
-    basis = basis_of(seed, "full")
-    for matrix in (basis.inertia[1:, 1:], basis.stiffness[1:, 1:]):
-        scale = np.sqrt(np.outer(np.diag(matrix), np.diag(matrix)))
-        assert np.abs(matrix / scale - np.eye(12)).max() < 1e-11
 
 
 @pytest.mark.parametrize("name", ["paper", "membrane", "full"])
@@ -193,27 +146,14 @@ def test_modes_of_a_capsule_are_orthogonal_with_its_natural_frequencies():
     assert basis.pole_radial_displacement == pytest.approx(basis.displacement(np.array([0.0]))[0][:, 0])
 
 
-@pytest.mark.parametrize("meridian", [None, capsule(2.0, 1.0)], ids=["sphere", "capsule"])
-def test_stiffness_is_linear_plus_cubic_in_thickness(meridian):
-    """K = h K_membrane + h^3 K_bending."""
-    thin, thick = (Shell(2.0, h, 10e6, 0.3, 2700.0, meridian) for h in (0.01, 0.02))
-    whole = [ModeBasis(shell, shell_modes(thin, "full", 4), 3e4, bending=True) for shell in (thin, thick)]
-    alone = [replace(basis, bending=False) for basis in whole]
-    largest = whole[0].stiffness.max()
-    np.testing.assert_allclose(alone[1].stiffness, 2 * alone[0].stiffness, rtol=1e-10, atol=1e-12 * largest)
-    bent = [basis.stiffness - without.stiffness for basis, without in zip(whole, alone, strict=True)]
-    assert np.linalg.eigvalsh(bent[0][1:, 1:])[-1] > 1e-6 * largest
-    np.testing.assert_allclose(bent[1], 8 * bent[0], rtol=1e-7, atol=1e-12 * largest)
-
-
 @pytest.mark.parametrize("basis", ["paper", "membrane"])
 def test_branches_exist_on_the_sphere_only(basis):
     with pytest.raises(ConfigError, match=rf"modes.basis: received '{basis}', but on another shape than the sphere"):
         shell_modes(CAPSULE, basis, 4)
 
 
-@pytest.mark.parametrize("nu", [-0.3, 0.0, 0.3, 0.45])
-@pytest.mark.parametrize("degree", [1, 2, 5, 12])
+@pytest.mark.parametrize("nu", [-0.3, 0.45])
+@pytest.mark.parametrize("degree", [1, 5])
 def test_published_amplitude_ratio_follows_from_its_slip(nu, degree):
     """(1 - nu^2) x^2 - (n(n+1) + 1 + 3 nu) x + n(n+1) - 2 = 0 (Baker 1961); the publication uses its larger root as Omega^2."""
     m = degree * (degree + 1)
@@ -229,6 +169,43 @@ def test_rank_of_constraints_does_not_depend_on_their_scale(scale):
     one, other = np.array([1.0, 2.0, 0.0, 1.0]), np.array([0.0, 1.0, 1.0, 3.0])
     assert check_rank(scale * np.array([one, other, 2 * one])) == 2
     assert check_rank(scale * np.array([one, one + 1e-3 * other])) == 2
-    with pytest.raises(ConfigError, match="so near each other that it cannot be decided"):
+    with pytest.raises(ConfigError, match="received clamps closer than the basis resolves"):
         check_rank(scale * np.array([one, one + 1e-9 * other]))
     assert (check_rank(np.zeros((2, 4))), check_rank(np.zeros((0, 4)))) == (0, 0)
+
+
+OBLATE = Shell(2.0, 0.01, 10e6, 0.3, 2700.0, spheroid(2.0, 3.0))
+
+
+def test_natural_shapes_are_normalised_and_ordered_by_frequency():
+    modes = natural_shapes(OBLATE, 6)
+    basis = ModeBasis(OBLATE, modes, 3000.0, bending=True)
+    v, u = basis.displacement(np.linspace(0.0, np.pi, 4001))
+    assert [mode.label for mode in modes] == [f"Shell{i}" for i in range(1, 13)]
+    assert np.hypot(v, u).max(axis=1) == pytest.approx(1.0, abs=1e-5)
+    assert (v[:, 0] > 0).all()
+    assert (np.diff(basis.dry_frequencies) > 0).all()
+    assert sorted(mode.parts[0][0] for mode in modes[:3]) == [2, 3, 4]  # as of a sphere's lower branch
+
+
+EGG = RestMeridian((2.0,), (0.3, 2.2, 0.1, 0.05))  # unlike above and below
+SHELLS = [
+    Shell(body.radius if body else 1.7, 0.01, 10e6, 0.3, 2700.0, body)
+    for body in (None, spheroid(2.0, 3.0), capsule(0.8, 1.0), EGG)
+]
+PHI = np.linspace(0.1, 3.0, 9)
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_strains_match_differences_of_the_deformed_meridian(shell):
+    """Changes of lengths, radii and angles by central differences."""
+    basis = ModeBasis(shell, natural_shapes(shell, 5), 3000.0, bending=True)
+    rest = DeformedShell(basis, 0.0).meridian(PHI)
+    for dof, (e, t, b) in enumerate(zip(*strain_shapes(basis, PHI), strict=True)):
+        q = 1e-6 * np.eye(len(basis.labels))[dof]
+        there, back = (DeformedShell(basis, 0.0, sign * q).meridian(PHI) for sign in (1, -1))
+        lengths = [np.log(np.hypot(m.dx, m.dz)) for m in (there, back)]
+        angles = [np.arctan2(m.dz * rest.dx - m.dx * rest.dz, m.dx * rest.dx + m.dz * rest.dz) for m in (there, back)]
+        assert (lengths[0] - lengths[1]) / 2e-6 == pytest.approx(e, abs=1e-7)
+        assert (np.log(there.x) - np.log(back.x)) / 2e-6 == pytest.approx(t, abs=1e-7)
+        assert (angles[0] - angles[1]) / 2e-6 == pytest.approx(b, abs=1e-7)

@@ -1,26 +1,31 @@
-"""Shapes of azimuthal order m >= 1: energies equal those of m = 0, hydrostatics as derivatives of forces, clamps."""
+"""Shapes of azimuthal order m >= 1: energies, hydrostatics, clamps, prestress, enclosed volume, largest deformation."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import assoc_legendre_p
-from shell.test_sphere import DENSER, STIFFER, STRETCH, larger
 
 from vsb.errors import ConfigError
+from vsb.shell.deformed import enclosed
+from vsb.shell.elastic import ElasticShell
+from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import mode_basis
 from vsb.shell.orders import (
     Ballast,
     OrderBasis,
     ballast_of,
+    geometric_stiffness,
     order_basis,
+    prestress_stiffness,
     semi_normalisation,
     semi_normalised,
+    volume_hessian,
     yaw,
 )
-from vsb.study.study import Device
+from vsb.shell.surface import enclosed_in_orders, largest_deformation
+from vsb.study.device import Device, Gas
 
 DEVICE = Device(
     radius=2.0, thickness=0.02, young_modulus=3e7, poisson_ratio=0.3, density=2700.0, mass=17170.0,
@@ -28,17 +33,10 @@ DEVICE = Device(
 )  # fmt: skip
 BALLAST = Ballast(17170.0, -0.4, 3000.0)
 RHO, G, HEIGHT = 1025.0, 9.81, 0.15
-KINDS = ("paper", "membrane", "full")
 
 
 def at_order(order, basis="full", degree=4) -> OrderBasis:
     return order_basis(mode_basis(DEVICE, basis, degree), order, BALLAST)
-
-
-@pytest.mark.parametrize(("n", "m"), [(1, 1), (2, 1), (2, 2), (5, 3), (6, 6)])
-def test_semi_normalised_functions_have_the_norm_of_order_zero(n, m):
-    norm, _ = quad(lambda phi: semi_normalised(n, m, np.array([phi]))[0, 0] ** 2 * np.sin(phi), 0, np.pi)
-    assert norm / 4 == pytest.approx(1 / (2 * n + 1), rel=1e-12)  # int cos^2(m theta) is half that of m = 0
 
 
 def test_semi_normalised_functions_match_scipy_and_finite_differences():
@@ -57,8 +55,8 @@ def test_semi_normalised_functions_match_scipy_and_finite_differences():
     np.testing.assert_allclose(ours, semi_normalisation(8, 5) * scipys, rtol=1e-12)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("kind", ["paper", "full"])
+@pytest.mark.parametrize("order", [1, 3])
 def test_energies_do_not_depend_on_the_order(order, kind):
     """The closed sphere's modes are degenerate in m."""
     ring = mode_basis(DEVICE, kind, 4)
@@ -71,7 +69,7 @@ def test_energies_do_not_depend_on_the_order(order, kind):
         np.testing.assert_allclose(own, zero, rtol=1e-12, atol=1e-12 * np.abs(zero).max())
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("order", [1, 2])
 def test_mass_and_elastic_energy_are_integrals_over_the_surface(order):
     """Strains by differentiation in space, without bending."""
     basis = order_basis(mode_basis(DEVICE, "membrane", 3), order, BALLAST)
@@ -137,16 +135,8 @@ def force(basis, q):
     return total * 2 * np.pi / len(azimuths)
 
 
-def test_hydrostatic_stiffness_is_the_derivative_of_the_force():
-    basis = order_basis(mode_basis(DEVICE, "full", 2), 2, BALLAST)
-    found, h = basis.hydrostatic_stiffness(HEIGHT, RHO, G), 1e-4
-    steps = [(force(basis, h * e) - force(basis, -h * e)) / (2 * h) for e in np.eye(len(basis.labels))]
-    np.testing.assert_allclose(found, -np.transpose(steps), atol=2e-6 * np.abs(found).max())
-    np.testing.assert_allclose(found, found.T, atol=1e-12 * np.abs(found).max())
-
-
 @pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("clamps", [(90.0,), (60.0, 60.0), (0.0, 120.0)])
+@pytest.mark.parametrize("clamps", [(60.0, 60.0), (0.0, 120.0)])
 def test_clamped_shell_does_not_move_at_its_clamps(order, clamps):
     basis = order_basis(mode_basis(DEVICE, "full", 6), order, BALLAST)
     at = np.deg2rad(clamps)
@@ -183,7 +173,7 @@ def test_pitch_needs_centre_of_mass_and_ballast_inertia():
 
 
 def potential(basis, amplitudes, points=40):
-    """Energy of a deformed and then rotated shell of order 1, its ballast and the displaced water [J].
+    """Energy of a deformed and, in order 1, then rotated shell, its ballast and the displaced water [J].
 
     Water at rest: -rho g int z over the wetted volume, by the divergence theorem -rho g int z^2/2 n_z over its surface.
     """
@@ -192,13 +182,15 @@ def potential(basis, amplitudes, points=40):
     phi = np.concatenate([low / 2 * (1 + node), low + (np.pi - low) / 2 * (1 + node)])
     dphi = np.concatenate([low / 2 * weight, (np.pi - low) / 2 * weight])
     azimuth = np.linspace(0.0, 2 * np.pi, points, endpoint=False)
-    surge, turn, bent = *amplitudes[:2], np.concatenate([[0.0, 0.0], amplitudes[2:]])
+    rigid, m = basis.rigid, basis.order
+    surge, turn = amplitudes[:2] if rigid else (0.0, 0.0)
+    bent = np.concatenate([np.zeros(rigid), amplitudes[rigid:]])
 
     def place(phi, azimuth):
         """Where the points of the shell are, (3, phi, azimuth)."""
-        cos, sin = np.cos(azimuth), np.sin(azimuth)
+        cos, sin, around = np.cos(azimuth), np.sin(azimuth), np.cos(m * azimuth)
         v, u, w = (bent @ part for part in basis.field(phi))
-        v, u, w = 2.0 + np.outer(v, cos), np.outer(u, cos), np.outer(w, sin)
+        v, u, w = 2.0 + np.outer(v, around), np.outer(u, around), np.outer(w, np.sin(m * azimuth))
         s, c = np.sin(phi)[:, None], np.cos(phi)[:, None]
         x, y, z = (v * s + u * c) * cos - w * sin, (v * s + u * c) * sin + w * cos, v * c - u * s
         return np.array([surge + np.cos(turn) * x + np.sin(turn) * z, y, HEIGHT - np.sin(turn) * x + np.cos(turn) * z])
@@ -213,9 +205,10 @@ def potential(basis, amplitudes, points=40):
     return water + G * (shell + BALLAST.total_mass * BALLAST.centre_of_mass * np.cos(turn))
 
 
-def test_stiffness_of_water_and_weight_is_the_second_derivative_of_their_energy():
+@pytest.mark.parametrize("order", [1, 2])
+def test_stiffness_of_water_and_weight_is_the_second_derivative_of_their_energy(order):
     """Over surge, pitch and shapes, with a heavy shell."""
-    heavy = replace(at_order(1, degree=2), shell=replace(at_order(1).shell, density=20000.0))
+    heavy = replace(at_order(order, degree=2), shell=replace(at_order(1).shell, density=20000.0))
     stiffness, size = heavy.hydrostatic_stiffness(HEIGHT, RHO, G), len(heavy.labels)
     step = 0.02 * np.eye(size)
     for i, j in zip(*np.triu_indices(size), strict=True):
@@ -244,36 +237,6 @@ def test_odd_family_is_the_even_one_rotated_by_a_quarter_turn(order):
         assert np.abs(water[0][1, 2:]).max() > 1.0
 
 
-@pytest.mark.parametrize("odd", [False, True])
-@pytest.mark.parametrize("order", [1, 2])
-def test_matrices_scale_with_size(order, odd):
-    small = order_basis(mode_basis(DEVICE, "full", 3), order, Ballast(17170.0, 0.3, 3000.0))
-    big = Ballast(17170.0 * DENSER * STRETCH**3, 0.3 * STRETCH, 3000.0 * DENSER * STRETCH**5)
-    large = replace(small, shell=larger(small.shell), ballast=big, alpha=0.3, beta=2e-3)
-    small, large = (each.turned() if odd else each for each in (small, large))
-    size = np.ones(len(small.labels))
-    size[1 : small.rigid] = STRETCH
-    size = np.outer(size, size)
-    mass, stiffness = DENSER * STRETCH**3 * size * small.inertia, STIFFER * STRETCH * size * small.stiffness
-    damping = 0.3 * mass + 2e-3 * stiffness
-    damping[: small.rigid] = damping[:, : small.rigid] = 0.0
-    water = DENSER * STRETCH**2 * size * small.hydrostatic_stiffness(HEIGHT, RHO, G)
-    for found, expected in (
-        (large.inertia, mass),
-        (large.stiffness, stiffness),
-        (large.damping, damping),
-        (large.hydrostatic_stiffness(STRETCH * HEIGHT, DENSER * RHO, G), water),
-    ):
-        np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-11 * np.abs(expected).max())
-    slower = np.sqrt(STIFFER / DENSER) / STRETCH
-    np.testing.assert_allclose(large.dry_frequencies, slower * small.dry_frequencies, rtol=1e-11)
-    phi = np.array([0.0, 0.4, 1.7, np.pi])
-    for derivative in (0, 1):
-        for found, expected in zip(large.field(phi, derivative), small.field(phi, derivative), strict=True):
-            expected[1 : small.rigid] *= STRETCH
-            np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-14)
-
-
 def test_centre_of_mass_above_and_below_the_centre():
     """The coupling with surge changes sign, the hydrostatic pitch stiffness becomes negative, the inertia stays."""
     above, below = (order_basis(mode_basis(DEVICE, "full", 2), 1, Ballast(9000.0, at, 500.0)) for at in (0.4, -0.4))
@@ -286,16 +249,152 @@ def test_centre_of_mass_above_and_below_the_centre():
     np.testing.assert_array_equal(above.inertia[2:, 2:], below.inertia[2:, 2:])
 
 
-@pytest.mark.parametrize("odd", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
-def test_rigid_motions_have_neither_stiffness_nor_damping(kind, odd):
-    """The publication's shape of degree 1 still has momentum along surge."""
-    basis = order_basis(mode_basis(DEVICE, kind, 3), 1, BALLAST)
-    basis = basis.turned() if odd else basis
-    for matrix in (basis.stiffness, basis.damping):
-        assert not matrix[:2].any()
-        assert not matrix[:, :2].any()
-        assert np.diag(matrix)[2:].all()
-    coupled = abs(basis.inertia[0, 2]) / basis.shell.mass
-    assert coupled > 0.01 if kind == "paper" else coupled < 1e-12
-    np.testing.assert_allclose(basis.inertia, basis.inertia.T, rtol=1e-14, atol=1e-12)
+SMALL = Device(radius=1.5, thickness=0.01, young_modulus=1e8, poisson_ratio=0.3, density=2700.0, mass=17170.0)
+SMALL_BASIS = mode_basis(SMALL, "full", 4)
+SMALL_ORDERS = [order_basis(SMALL_BASIS, order, BALLAST) for order in (1, 2, 3)]
+SMALL_SHELL = ElasticShell(SMALL_BASIS)
+
+
+def by_shape(basis, matrix):
+    """A matrix over (V, U) of a pair of modes of one degree, from that over the modes."""
+    of = {}
+    for degree in {mode.degree for mode in basis.modes}:
+        at = [i for i, mode in enumerate(basis.modes) if mode.degree == degree]
+        shapes = np.array([[basis.modes[i].radial, basis.modes[i].meridional] for i in at])
+        if len(at) == 2:
+            own = matrix[-len(basis.modes) :, -len(basis.modes) :][np.ix_(at, at)]
+            of[degree] = np.linalg.inv(shapes) @ own @ np.linalg.inv(shapes).T
+    return of
+
+
+def test_hessian_is_that_of_the_enclosed_volume():
+    """By differences, with two modes of different degrees."""
+    labels = [*SMALL_BASIS.labels, *(label for basis in SMALL_ORDERS for label in basis.labels)]
+    basis, step = SMALL_ORDERS[1], 1e-3
+    q = np.array([{"Membrane2c2": 1.0, "Bending3c2": -0.7}.get(label, 0.0) for label in labels]) * step
+    still, one, other = (enclosed_in_orders(SMALL_BASIS, SMALL_ORDERS, s * q[None])[0][0] for s in (0, 1, -1))
+    own = np.array([{"Membrane2c2": 1.0, "Bending3c2": -0.7}.get(label, 0.0) for label in basis.labels])
+    assert (one - 2 * still + other) / step**2 == pytest.approx(own @ volume_hessian(basis) @ own, rel=1e-5)
+
+
+def test_varying_tension_works_on_the_second_order_strain():
+    """Half the squared gradient of the displacement along phi and theta, by differences around the sphere."""
+    basis = SMALL_ORDERS[1]
+    colatitude, area = SMALL_SHELL.rings
+    meridional, hoop = 3.0 + np.cos(colatitude), 2.0 - np.cos(colatitude) ** 2
+    j, h, count = basis.labels.index("Bending3c2"), 1e-5, 64
+    theta = 2 * np.pi * np.arange(count) / count
+
+    def place(phi, theta):
+        """Displacement in Cartesian coordinates, (3, phi, theta)."""
+        v, u, w = (part[j][:, None] for part in basis.field(phi))
+        cos, sin = np.cos(2 * theta), np.sin(2 * theta)
+        r = np.array(
+            [
+                np.outer(np.sin(phi), np.cos(theta)),
+                np.outer(np.sin(phi), np.sin(theta)),
+                np.outer(np.cos(phi), 1 + 0 * theta),
+            ]
+        )
+        e = np.array(
+            [
+                np.outer(np.cos(phi), np.cos(theta)),
+                np.outer(np.cos(phi), np.sin(theta)),
+                np.outer(-np.sin(phi), 1 + 0 * theta),
+            ]
+        )
+        a = np.array([np.outer(1 + 0 * phi, -np.sin(theta)), np.outer(1 + 0 * phi, np.cos(theta)), 0 * r[2]])
+        return v * cos * r + u * cos * e + w * sin * a
+
+    along = (place(colatitude + h, theta) - place(colatitude - h, theta)) / (2 * h * SMALL.radius)
+    around = (place(colatitude, theta + h) - place(colatitude, theta - h)) / (
+        2 * h * SMALL.radius * np.sin(colatitude)[:, None]
+    )
+    squares = [(part**2).sum(axis=0).mean(axis=1) for part in (along, around)]
+    expected = area @ (meridional * squares[0] + hoop * squares[1])
+    assert geometric_stiffness(basis, colatitude, area, meridional, hoop)[j, j] == pytest.approx(expected, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("basis", "gas"),
+    [(SMALL_ORDERS[0].turned(), None), (SMALL_ORDERS[1], Gas(adiabatic_index=1.4))],
+    ids=["order -1", "order 2 with gas"],
+)
+def test_additional_pressure_stiffens_all_orders_alike(basis, gas):
+    """Around a floating shell: nothing for rigid motions, for shapes that of m = 0 of their degree; a gas expands first."""
+    vented, tight = (LoadedShell(SMALL_SHELL, 0.0, 1025.0, 9.81, pressure, gas) for pressure in (0.0, 1e5))
+    loose, held = (prestress_stiffness(basis, shell) for shell in (vented, tight))
+    assert not held[: basis.rigid].any()
+    assert loose[basis.rigid :].any()  # by the water
+    np.testing.assert_allclose(held, held.T, atol=1e-9 * np.abs(held).max())
+    of_axis = by_shape(SMALL_BASIS, tight.prestress_stiffness - vented.prestress_stiffness)
+    for degree, block in by_shape(basis, held - loose).items():
+        np.testing.assert_allclose(block, of_axis[degree], rtol=1e-7, atol=1e-6 * np.abs(block).max())
+
+
+RING = mode_basis(DEVICE, "full", 3)
+ORDERS = [order_basis(RING, order, BALLAST) for order in (1, 2)]
+LABELS = [*RING.labels, *(label for basis in ORDERS for label in basis.labels)]
+
+
+def moved(**amplitudes):
+    return np.array([amplitudes.get(label, 0.0) for label in LABELS])
+
+
+def test_axisymmetric_shapes_enclose_what_their_meridian_does():
+    q = np.random.default_rng(1).normal(size=(3, len(RING.labels))) * 0.1
+    volume, area = enclosed_in_orders(RING, ORDERS, np.pad(q, ((0, 0), (0, len(LABELS) - q.shape[1]))))
+    expected = enclosed(RING, q)
+    np.testing.assert_allclose(volume, expected[0], rtol=1e-12)
+    np.testing.assert_allclose(area, expected[1], rtol=1e-9)
+
+
+def test_rigid_motions_change_neither_volume_nor_area():
+    still, tilted = (enclosed_in_orders(RING, ORDERS, q[None]) for q in (moved(), moved(Heave=1, Surge=3, Pitch=0.3)))
+    np.testing.assert_array_equal(still, tilted)
+    assert still[0][0] == pytest.approx(4 / 3 * np.pi * 8, rel=1e-13)
+    assert still[1][0] == pytest.approx(16 * np.pi, rel=1e-12)
+
+
+def test_volume_and_area_are_unchanged_by_rotation():
+    """x^2 + y^2 - 2 z^2 rotated about y: a radial shape of order 0 becomes one of orders 0 and 2."""
+    radial = order_basis(RING, 2, Ballast(1.0, 0.0, 0.0))
+    upright = {"Membrane2": 0.2}
+    scale = RING.shapes[3].radial / radial.modes[0].radial  # amplitudes of S_2^m by those of P_2
+    side = {"Membrane2": -0.1, "Membrane2c2": 0.2 * np.sqrt(3) / 2 * scale}
+    found = [enclosed_in_orders(RING, ORDERS, moved(**q)[None]) for q in (upright, side)]
+    np.testing.assert_allclose(found[0][0], found[1][0], rtol=1e-12)
+    np.testing.assert_allclose(found[0][1], found[1][1], rtol=1e-6)
+    lying = [largest_deformation(RING, ORDERS, moved(**q)) for q in (upright, side)]
+    np.testing.assert_allclose(lying[0], lying[1], rtol=2e-2)  # looked for on a grid; all around by order two
+
+
+def test_largest_displacement_of_a_mode_is_its_amplitude():
+    """Surge, pitch and heave deform nothing."""
+    for label in ("Membrane2", "Membrane3c1", "Membrane3c2", "Bending2c1"):
+        displacement, strain = largest_deformation(RING, ORDERS, moved(Surge=1.0, Pitch=0.5, Heave=2.0, **{label: 0.1}))
+        assert displacement == pytest.approx(0.1, rel=2e-3)
+        assert 0.01 < strain < 1.0
+    assert largest_deformation(RING, ORDERS, moved(Surge=1.0, Pitch=0.5)) == (0.0, 0.0)
+
+
+def test_breathing_strain_is_uniform():
+    assert largest_deformation(RING, ORDERS, moved(Membrane0=0.1)) == (pytest.approx(0.1), pytest.approx(0.05))
+
+
+def test_odd_shapes_are_the_even_ones_rotated():
+    both = [each for one in ORDERS for each in (one, one.turned())] + [yaw(RING, ORDERS[0].ballast)]
+    labels = [*RING.labels, *(label for basis in both for label in basis.labels)]
+    values = {"Membrane0": 0.05, "Membrane2": 0.1, "Membrane2c1": 0.12, "Bending3c1": 0.03}
+    turned = {label.replace("c1", "s1"): value for label, value in values.items()} | {
+        "Sway": 1.0,
+        "Roll": 0.2,
+        "Yaw": 3.0,
+    }
+    even, odd = (np.array([q.get(label, 0.0) for label in labels]) for q in (values, turned))
+    for of in (enclosed_in_orders, largest_deformation):
+        one, other = (of(RING, both, q[None] if of is enclosed_in_orders else q) for q in (even, odd))
+        np.testing.assert_allclose(other, one, rtol=1e-3 if of is largest_deformation else 1e-12)
+    both_sides = {"Membrane2c1": 0.1, "Membrane2s1": 0.1}  # one of sqrt(2) on the diagonal
+    diagonal = np.array([both_sides.get(label, 0.0) for label in labels])
+    assert largest_deformation(RING, both, diagonal)[0] == pytest.approx(0.1 * np.sqrt(2), rel=2e-3)

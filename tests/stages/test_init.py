@@ -5,7 +5,7 @@ from conftest import EXAMPLE
 
 from vsb.cli import main
 from vsb.errors import ConfigError
-from vsb.shell.sphere import Shell, natural_frequencies
+from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages.init import init
 from vsb.study.study import load
 

@@ -9,7 +9,7 @@ from conftest import SMALL_PLAN, varied
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.shell.modes import mode_basis
-from vsb.shell.sphere import Shell, natural_frequencies
+from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages import preview
 from vsb.study.plan import StudyPlan
 

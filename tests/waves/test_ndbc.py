@@ -34,12 +34,6 @@ def test_shipped_year():
     assert float(climate.flux(Water()) @ climate.hours) == pytest.approx(26.5e3, rel=1e-3)
 
 
-def test_height_and_period_of_density_per_hertz(written):
-    climate = read_ndbc(written(TEXT))
-    assert climate.hs == pytest.approx(4 * np.sqrt(0.05 * np.array([3.5, 4.25])), rel=1e-14)
-    assert climate.te[0] == pytest.approx((1 / 0.05 + 2 / 0.10 + 0.5 / 0.15) / 3.5, rel=1e-14)
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -74,7 +68,6 @@ def test_records_left_out_are_noted(written):
     ("text", "message"),
     [
         ("", "received 0 lines, needs a header"),
-        ("hello\nworld\n", "line 1: received 'hello', needs YY MM DD hh"),
         ("YY MM DD hh hello\n96 01 01 00 1\n", "line 1: received 'hello', needs a number"),
         ("#YY MM DD hh mm WDIR WSPD WVHT\n#yr\n20 01 01 00 00 9 2 1\n", "received the buoy's meteorological data"),
         (HEADER + ROWS + HEADER.replace(".050", ".040") + ROWS, "line 4: received another header, needs one set"),
@@ -84,7 +77,6 @@ def test_records_left_out_are_noted(written):
             "line 6: received 5 columns, needs 7 as the hea",
         ),
         (TEXT + "96 01 01 02 1.0 x 2\n", "line 4: received 'x', needs a number"),
-        (TEXT + "96 01 01 02 1.0 nan 2\n", "line 4: received nan, needs a number of 0 or more"),
         (TEXT + "96 01 01 02 1.0 -1 2\n", "line 4: received -1, needs a number of 0 or more"),
         (TEXT + "96 13 01 02 1.0 1 2\n", "line 4: received the date '96 13 01 02', needs YY MM DD"),
         (HEADER + "96 01 01 00 999 999 999\n", "received 1 records, none with a spectrum"),
@@ -163,10 +155,6 @@ def test_netcdf_calendar(tmp_path):
             "directions 20 to 160 degrees apart, needs equal dist",
         ),
         (spectra(efth="m2/Hz/rad"), "received efth in 'm2/Hz/rad', needs m2/Hz/degree"),
-        (spectra(freq="s"), "received freq in 's', needs Hz"),
-        (spectra().isel(freq=slice(None, None, -1)), "needs time and ascending freq"),
-        (spectra().isel(time=0), "needs time and ascending freq"),
-        (spectra().assign_coords(freq=BANDS - BANDS[0]), "needs time and ascending freq above 0 Hz"),
         (spectra().isel(time=[]), "s.nc: received no record along time, needs one or more$"),
         (
             spectra().assign_coords(time=[0.0, 0.04]),
@@ -183,16 +171,12 @@ def test_netcdf_errors_are_one_line(tmp_path, changed, message):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("damage", ["records", "scale"])
-def test_what_a_netcdf_file_announces_is_not_believed(tmp_path, damage):
+def test_netcdf_file_that_announces_more_than_it_holds_is_refused(tmp_path):
     with netCDF4.Dataset(tmp_path / "a.nc", "w") as file:
-        file.createDimension("time", 2_000_000_000 if damage == "records" else 2)
+        file.createDimension("time", 2_000_000_000)
         file.createDimension("freq", 2)
         file.createVariable("freq", "f8", ("freq",))[:] = [0.1, 0.2]
-        efth = file.createVariable("efth", "f8", ("time", "freq"), chunksizes=(1, 2))
-        if damage == "scale":
-            efth[:] = 1.0
-            efth.scale_factor = "x"
+        file.createVariable("efth", "f8", ("time", "freq"), chunksizes=(1, 2))
     with pytest.raises(ConfigError, match=r"a.nc: cannot be read as netCDF"):
         read_spectra(tmp_path / "a.nc")
 

@@ -105,20 +105,9 @@ def test_sum_of_occurrences_is_noted(written, text, note):
     assert read_scatter(written(text)).notes[0] == f"2 occupied cells of Hs and Te, which sum to {note}"
 
 
-def test_empty_cells_are_noted(written):
-    climate = read_scatter(written("Hs/Tp,6.5,7.5\n0.25,10,20\n0.75,,70\n"), "pierson_moskowitz")
-    assert climate.notes[1:] == ("1 empty cells read as none", "Pierson-Moskowitz spectra")
-
-
 @pytest.mark.parametrize("text", ["6-9", "6 \u2013 9", "6 to 9", "6..9", "6.0-9,0", "7,5"])
 def test_bin_is_given_by_its_centre_or_its_ends(written, text):
     assert read_table(written(f"Hs;Te;n\n0.25;{text};1\n")).period.tolist() == [7.5]
-
-
-def test_bands_reach_from_below_the_longest_peak_to_ten_times_the_shortest():
-    climate = climate_of_cells(np.array([2.0, 1.0]), np.array([9.0, 5.0]), np.array([0.5, 0.5]), 1.0, "two")
-    peaks = 2 * np.pi / np.array([9.0, 5.0]) * energy_over_peak_period(1.0)
-    assert climate.omega[[0, -1]] == pytest.approx([0.45 * peaks[0], 10 * peaks[1]])
 
 
 def test_energy_over_peak_period():
@@ -139,11 +128,6 @@ def test_bands_hold_the_variance_of_the_spectrum(gamma):
     assert 4 * np.sqrt(climate.variance) == pytest.approx(climate.hs, rel=2e-4)
 
 
-def test_pierson_moskowitz_is_jonswap_without_peak_enhancement(written):
-    path = written("Hs/Tp,8\n1.25,100\n")
-    assert read_scatter(path, "pierson_moskowitz").density == pytest.approx(read_scatter(path, gamma=1.0).density)
-
-
 @pytest.mark.parametrize("kind", ["te", "tp"])
 @pytest.mark.parametrize("gamma", [1.0, 3.3])
 def test_every_cell_is_a_sea_with_its_own_height_and_period(written, kind, gamma):
@@ -156,14 +140,6 @@ def test_every_cell_is_a_sea_with_its_own_height_and_period(written, kind, gamma
     np.testing.assert_allclose(climate.hours, [0.5, 0.2, 0.3], rtol=1e-12)
     np.testing.assert_allclose(4 * np.sqrt(climate.variance), climate.hs, rtol=1e-3)
     np.testing.assert_allclose(climate.omega[climate.density.argmax(axis=1)], 2 * np.pi * ratio / te, rtol=0.025)
-
-
-@pytest.mark.parametrize("cell", ["(" * 120_000 + "/Te", "Hs/" + "[" * 120_000, "1" + "." * 120_000])
-def test_a_cell_of_any_length_is_read_in_no_time(written, cell):
-    for text in (f"{cell},6.5\n0.25,100\n", f"Hs/Te,{cell}\n0.25,100\n"):
-        with pytest.raises(ConfigError) as error:
-            read_table(written(text))
-        assert len(str(error.value)) < 500
 
 
 def test_records_in_the_place_of_bins_are_refused(written):

@@ -4,24 +4,50 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
 from vsb.hydro.dofs import Displacement, displacements
 from vsb.hydro.variables import PAIR
+from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
-from vsb.shell.reference import ReferenceShell
-from vsb.tools.arrays import FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.files import load, locked, save, write_text
+
+
+class Coefficients(NamedTuple):
+    """Hydrodynamic coefficients at any frequencies."""
+
+    added_mass: FloatArray  # (omega, dof, dof) [kg]
+    damping: FloatArray  # (omega, dof, dof) [kg/s]
+    excitation: ComplexArray  # (omega, dof) [N/m]
+
+    @classmethod
+    def side_by_side(cls, parts: Sequence["Coefficients"]) -> "Coefficients":
+        """Return coefficients of motions that do not couple through the water, as those of azimuthal orders."""
+        if len(parts) == 1:
+            return parts[0]
+        return cls(
+            _blocks([part.added_mass for part in parts]),
+            _blocks([part.damping for part in parts]),
+            np.concatenate([part.excitation for part in parts], axis=1),
+        )
+
+
+def _blocks(matrices: Sequence[FloatArray]) -> FloatArray:
+    """Matrices over frequency as blocks of one, (omega, dof, dof)."""
+    return np.array([block_diag(*at) for at in zip(*matrices, strict=True)])
+
 
 Verdict = Literal["ok", "doubt", "fail", "accepted"]
 SWEEP = "sweep"
-"""Group that holds the full frequency sweep when the study tabulates frequencies of its own."""
+"""Group of the full frequency sweep when the study tabulates frequencies of its own."""
 ESTIMATE = "error"
-"""Dimension, and end of names, of the signed errors of coefficients by each way to estimate them."""
+"""Dimension and suffix of names of the signed errors of coefficients by each way to estimate them."""
 
 
 INVALIDATING: dict[str, Literal["flexible", "all"]] = {
@@ -36,9 +62,9 @@ INVALIDATING: dict[str, Literal["flexible", "all"]] = {
     "power_limit": "all",
     "assumed_pressure": "all",
 }
-"""Checks whose failure makes a result invalid, and of which designs where a check names none.
+"""Checks whose failure makes a result invalid, and the designs concerned where a check names none.
 
-A failure that the study accepts is one all the same: numbers are computed, but they are no answer.
+An accepted failure is still a failure: numbers are computed, but they are no answer.
 """
 
 
@@ -57,13 +83,13 @@ class Check:
 
     @property
     def invalidates(self) -> Literal["flexible", "all"] | None:
-        """Which designs are not valid if it names none; None if it holds, or leaves results valid."""
+        """Designs made invalid where the check names none; None if it passes, or leaves results valid."""
         failed = self.verdict in ("fail", "accepted")
         return INVALIDATING.get(self.name.removeprefix("hydro ")) if failed else None
 
     @property
     def line(self) -> str:
-        """The check as commands print it."""
+        """The check as printed by commands."""
         return f"{self.verdict:12} {self.name} = {self.value:.3g} (limit {self.limit:g}): {self.explanation}"
 
 
@@ -78,7 +104,7 @@ def check_at_most(
     design: str = "",
     wave: str = "",
 ) -> Check:
-    """Return a check that passes if value <= limit; else it fails, or with `doubt` is a doubt up to five times that."""
+    """Return a check that passes if value <= limit; else it fails, or with `doubt` is a doubt up to 5 limit."""
     verdict: Verdict = "ok" if value <= limit else "doubt" if doubt and value <= 5 * limit else "fail"
     return Check(name, float(value), float(limit), unit, verdict, explanation, design, wave)
 
@@ -107,7 +133,7 @@ def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def displacements_of(basis: ModeBasis) -> tuple[Displacement, ...]:
-    """Return the radial and meridional displacements heave and modes are made of, all their parts."""
+    """Return the radial and meridional displacements that heave and modes consist of."""
     degrees = sorted({degree for mode in basis.shapes for degree, _, _ in mode.parts})
     return (*(Displacement("radial", n) for n in degrees), *(Displacement("meridional", n) for n in degrees if n))
 
@@ -115,8 +141,8 @@ def displacements_of(basis: ModeBasis) -> tuple[Displacement, ...]:
 def in_modes(raw: xr.Dataset, basis: ModeBasis) -> xr.Dataset:
     """Return coefficients of radial and meridional displacements as coefficients of heave and modes.
 
-    BEM is linear in them, so on one shape every basis, every design and every material shares one BEM run. Where no
-    meridional displacement was solved for, on the undeformed sphere, they move no water.
+    BEM is linear in them, so on one shape every basis, design and material shares one BEM run. Meridional displacements
+    that were not solved for, on the undeformed sphere, move no water.
     """
     return transformed(raw, shares(displacements(raw.influenced_dof.values), basis), basis.labels)
 
@@ -127,7 +153,7 @@ def transformed(raw: xr.Dataset, transform: FloatArray, labels: Sequence[str]) -
 
 
 def shares(solved: Sequence[Displacement], basis: ModeBasis) -> FloatArray:
-    """Return of which displacements heave and modes are made, shape (dof, displacement) [-].
+    """Return the displacements that heave and modes consist of, shape (dof, displacement) [-].
 
     Raises
     ------
@@ -148,7 +174,7 @@ def shares(solved: Sequence[Displacement], basis: ModeBasis) -> FloatArray:
 
 
 def _transformed(data: xr.DataArray, transform: FloatArray, labels: list[str]) -> xr.DataArray:
-    """T data T^T over the degrees of freedom data has, which come last."""
+    """T data T^T over the degrees of freedom of the data, which come last."""
     values = data.values @ transform.T
     names = [dim for dim in PAIR if dim in data.dims]
     if len(names) == 2:
@@ -186,7 +212,7 @@ def with_structure(ds: xr.Dataset, reference: ReferenceShell) -> xr.Dataset:
 
 
 def as_json(checks: Sequence[Check]) -> str:
-    """Return checks as JSON text, the form in which a verdict is stored with its database."""
+    """Return checks as JSON text, as a verdict is stored with its database."""
     return json.dumps([asdict(check) for check in checks], allow_nan=False)
 
 
@@ -207,12 +233,12 @@ def open_database(path: str | Path) -> xr.Dataset:
 
 
 def load_database(path: str | Path, expected_id: str) -> xr.Dataset:
-    """Return the frequency sweep of a stored database after checking that it is the one expected.
+    """Return the frequency sweep of a stored database after checking its id.
 
     Raises
     ------
     DatabaseError
-        If the file is unreadable, foreign, or holds another spec than its name says.
+        If the file is unreadable, no database, or holds another spec than its name says.
     """
     ds = load(path)
     found = ds.attrs.get("spec_id")
@@ -224,7 +250,7 @@ def load_database(path: str | Path, expected_id: str) -> xr.Dataset:
 
 
 def _sweep(ds: xr.Dataset, path: str | Path) -> xr.Dataset:
-    """The frequency sweep of a file: in a group of its own if other frequencies are tabulated."""
+    """Frequency sweep of a file: in a group of its own if other frequencies are tabulated."""
     if "separate_sweep" not in ds.attrs:
         raise DatabaseError(f"{path}: holds no hydro database; needs one of results/hydro/db, or an imported one.")
     if not ds.attrs["separate_sweep"]:
@@ -241,7 +267,7 @@ def save_database(tabulated: xr.Dataset, sweep: xr.Dataset | None, path: str | P
 
 
 def write_index(folder: Path) -> None:
-    """Rewrite INDEX.tsv beside the database folder from the files that are there."""
+    """Rewrite INDEX.tsv beside the database folder from the files in it."""
     with locked(folder / ".index.lock"):
         write_text(folder.parent / "INDEX.tsv", index_text(folder))
 
@@ -254,7 +280,7 @@ def index_text(folder: Path) -> str:
 
 
 def _index_line(path: Path) -> str:
-    """One line of the index, read from the file itself; a file of others is listed as such."""
+    """One line of the index, read from the file; a file of another kind is listed as unreadable."""
     try:
         ds = load(path)
         a = ds.attrs

@@ -1,6 +1,9 @@
-"""Degrees of freedom of a body of revolution, as values: rigid motions and the shell's shapes, of one azimuthal order.
+"""Degrees of freedom of a body of revolution: rigid motions and shell shapes of one azimuthal order m.
 
-On disk, and in content ids, they are labels: `Displacement.label` writes them, `displacements` alone reads them.
+Surge, pitch and shell shapes go with cos(m theta). On a body of revolution orders do not mix, neither in the shell nor
+in the water: each is a problem of its own, and of a wave it sees one component of
+e^{ikx} = sum_m (2 - delta_m0) i^m J_m(kR) cos(m theta). On disk, and in content ids, degrees of freedom are labels:
+`Displacement.label` writes them, `displacements` alone reads them.
 """
 
 import re
@@ -9,11 +12,57 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
+from scipy.special import assoc_legendre_p, j0, j1, jv
 
 from vsb.errors import ConfigError
-from vsb.hydro.azimuthal import legendre_function
+from vsb.shell.shell import legendre
 from vsb.study.quantities import is_rigid
-from vsb.tools.arrays import FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
+
+
+def legendre_function(degree: int, order: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return P_n^m(cos phi), without Condon and Shortley's sign: P_1^1 = sin phi, and its derivative by phi.
+
+    Parameters
+    ----------
+    degree, order : int
+    colatitude : ndarray, shape (point,) [rad]
+        Strictly between the poles for m > 0.
+    """
+    if order == 0:
+        p, dp, _ = legendre(degree, colatitude)
+        return p[degree], dp[degree]
+    p, by_cos = (-1.0) ** order * assoc_legendre_p(degree, order, np.cos(colatitude), diff_n=1)
+    return np.asarray(p), np.asarray(-np.sin(colatitude) * by_cos)
+
+
+def wave_around(order: int, points: int, kx: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Return the component of order m > 0 of exp(i kx cos theta) over points around a circle, and its rise by kx.
+
+    2 i^m J_m(kx) and its derivative for many points; with few points aliased as the panels' solution is.
+
+    Parameters
+    ----------
+    order, points : int
+    kx : ndarray, shape (circle,)
+        Wavenumber times radius.
+    """
+    theta = 2 * np.pi * np.arange(points) / points
+    weight, wave = 2 / points * np.cos(order * theta), np.exp(1j * np.outer(kx, np.cos(theta)))
+    return np.asarray(wave @ weight), np.asarray(wave @ (1j * np.cos(theta) * weight))
+
+
+def multiplicity(order: int) -> int:
+    """Return Neumann's factor 2 - delta_m0 of an azimuthal order; int cos^2(m theta) d theta is 2 pi over it."""
+    return 2 if order else 1
+
+
+def bessel(order: int, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return Bessel's J_m(x) and J_{m-1}(x), each of the shape of x [-]; J_m' = J_{m-1} - m J_m/x."""
+    if order == 0:
+        return j0(x), -j1(x)
+    return (j1(x), j0(x)) if order == 1 else (jv(order, x), jv(order - 1, x))
+
 
 Kind = Literal["radial", "meridional", "surge", "heave", "pitch"]
 _ORDER = {"surge": 1, "heave": 0, "pitch": 1}
@@ -25,7 +74,7 @@ _NEEDED = (
 
 @dataclass(frozen=True, slots=True)
 class Displacement:
-    """What the points of a shell do per unit amplitude, going with cos(m theta) around it; checked when made.
+    """Displacement of the points of a shell per unit amplitude, going with cos(m theta) around it; checked when made.
 
     Shapes of the shell are P_n^m(cos phi) along e_r (radial) and its derivative by phi along e_phi (meridional), phi
     the colatitude on the undeformed sphere. Rigid motions are surge along x, heave along z, and pitch about the y axis
@@ -37,7 +86,7 @@ class Displacement:
     order: int = 0  # m
 
     def __post_init__(self) -> None:
-        """Refuse what is no displacement, or none of this order."""
+        """Refuse unknown kinds, and kinds that this order does not have."""
         if self.kind not in get_args(Kind):
             raise ConfigError(f"displacements: received kind {self.kind!r}; needs one of {', '.join(get_args(Kind))}")
         least = max(self.order, 1 if self.kind == "meridional" else 0)
@@ -48,7 +97,7 @@ class Displacement:
 
     @property
     def rigid(self) -> bool:
-        """Whether the shell moves as a whole, else in a shape of its own."""
+        """Whether the shell moves as a whole, else in a shell shape."""
         return self.kind in _ORDER
 
     @property
@@ -79,9 +128,9 @@ def displacements(labels: Iterable[str], order: int = 0) -> tuple[Displacement, 
 
 
 def flexible(labels: Iterable[str], motions: FloatArray | None = None) -> bool:
-    """Return whether any of the degrees of freedom labelled is a shape of its own, no rigid motion.
+    """Return whether any of the labelled degrees of freedom is a shell shape, no rigid motion.
 
-    Of those that `motions`, shape (dof, free), move, where they are given.
+    Where `motions`, shape (dof, free), are given, only of those that they move.
     """
     names = [str(label) for label in labels]
     moved = names if motions is None else [name for name, row in zip(names, motions, strict=True) if row.any()]
@@ -94,7 +143,7 @@ def azimuthal_order(moved: Sequence[Displacement]) -> int:
     Raises
     ------
     ConfigError
-        If there are none, some are not values, some are the same, or orders mix: each is a problem of its own.
+        If there are none, or values of another type, duplicates or several orders.
     """
     if names := [each for each in moved if not isinstance(each, Displacement)]:
         raise ConfigError(f"displacements: received {names[0]!r}; needs values such as Displacement('radial', 3)")

@@ -19,14 +19,14 @@ from vsb.shell.orders import OrderBasis, semi_normalisation
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 ORDER = "azimuthal_order"
-"""Variable of a database that says of which order m each degree of freedom is; without it all are of order 0.
+"""Variable of a database with the order m of each degree of freedom; without it all are of order 0.
 
-Negative where it goes with sin(m theta), as real spherical harmonics are numbered: a channel of its own.
+Negative for motions that go with sin(m theta), as real spherical harmonics are numbered: a separate channel.
 """
 
 
 def order_shares(solved: Sequence[Displacement], basis: OrderBasis) -> FloatArray:
-    """Return of which displacements of the undeformed sphere a basis is made, shape (dof, displacement) [-].
+    """Return the displacements of the undeformed sphere that a basis consists of, shape (dof, displacement) [-].
 
     Meridional ones, along the surface, move no water; nor does pitch, about the sphere's centre.
 
@@ -55,7 +55,7 @@ def in_order_modes(raw: xr.Dataset, basis: OrderBasis) -> xr.Dataset:
 
 
 def in_wet_modes(raw: xr.Dataset, basis: OrderBasis) -> xr.Dataset:
-    """Return the same without what moves no water, as pitch about a sphere's centre does not."""
+    """Return the same without pitch, which about a sphere's centre moves no water."""
     moved = in_order_modes(raw, basis)
     still = [label for label in basis.labels if label == "Pitch"]
     return moved.drop_sel(influenced_dof=still, radiating_dof=still)
@@ -64,8 +64,8 @@ def in_wet_modes(raw: xr.Dataset, basis: OrderBasis) -> xr.Dataset:
 def with_haskind_damping(ds: xr.Dataset, order: int, depth: float, density: float, gravity: float) -> xr.Dataset:
     """Return the dataset with the damping its excitation implies, the repair recorded in `history`.
 
-    What a motion of order m >= 1 radiates falls as a high power of frequency, below the errors of what is solved and
-    interpolated, which may be negative there; the check `haskind` bounds the change.
+    Radiation of order m >= 1 vanishes as a high power of frequency, below the errors of solver and interpolation, which
+    may be negative; the check `haskind` bounds the change.
     """
     damping = haskind_damping(ds, depth, density, gravity, order).real
     history = f"{ds.attrs.get('history', '')}; damping of order {order} from excitation (Haskind)".lstrip("; ")
@@ -73,7 +73,7 @@ def with_haskind_damping(ds: xr.Dataset, order: int, depth: float, density: floa
 
 
 def heading_share(order: int, direction: float) -> float:
-    """Return what waves going to a direction [rad] excite of an order, over what excites it most [-].
+    """Return the excitation of an order by waves going to a direction [rad], relative to the largest [-].
 
     cos m(theta - beta) = cos(m theta) cos(m beta) + sin(m theta) sin(m beta); negative orders go with the sine.
     """
@@ -86,12 +86,12 @@ def own_heading(order: int) -> float:
 
 
 def headings(orders: Sequence[int]) -> list[float]:
-    """Return the directions that tell all of the excitation of orders, 0 first [rad]."""
+    """Return directions from which the excitation of orders follows for all others, ascending [rad]."""
     return sorted({own_heading(order) for order in orders} | {0.0})
 
 
 def in_headings(ds: xr.Dataset, order: int, directions: Sequence[float]) -> xr.Dataset:
-    """Return coefficients of an order, excited by the waves that do so most, in waves of directions [rad]."""
+    """Return coefficients of an order, known for the direction of largest excitation, in waves of directions [rad]."""
     share = xr.DataArray([heading_share(order, at) for at in directions], dims="wave_direction")
     turned = {
         name: (data.isel(wave_direction=0, drop=True) * share).transpose(*data.dims)
@@ -102,7 +102,7 @@ def in_headings(ds: xr.Dataset, order: int, directions: Sequence[float]) -> xr.D
 
 
 def renamed(ds: xr.Dataset, labels: Sequence[str]) -> xr.Dataset:
-    """Return coefficients under other names of their degrees of freedom."""
+    """Return coefficients with other names of their degrees of freedom."""
     return ds.assign_coords({dim: list(labels) for dim in PAIR})
 
 
@@ -113,7 +113,7 @@ def still_part(like: xr.Dataset, basis: OrderBasis) -> xr.Dataset:
 
 
 def side_by_side(parts: Sequence[xr.Dataset], orders: Sequence[int]) -> xr.Dataset:
-    """Return datasets of several orders as one, nothing between them.
+    """Return datasets of several orders as one, without coupling.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def orders_of(ds: xr.Dataset) -> IntArray:
 
 
 def own_headings(ds: xr.Dataset) -> IntArray:
-    """Return which of a database's directions excites each degree of freedom most, shape (dof,)."""
+    """Return the index of the direction that excites each degree of freedom most, shape (dof,)."""
     own = np.array([own_heading(int(order)) for order in orders_of(ds)])
     if not own.any():
         return np.zeros(len(own), dtype=np.intp)
@@ -157,7 +157,7 @@ def own_headings(ds: xr.Dataset) -> IntArray:
 
 
 def most_exciting(ds: xr.Dataset, name: str) -> ComplexArray:
-    """Return a force of a database in the waves that excite each degree of freedom most, shape (omega, dof) [N/m]."""
+    """Return a force in the waves that excite each degree of freedom most, shape (omega, dof) [N/m]."""
     found: ComplexArray = ds[name].values[:, own_headings(ds), np.arange(ds.sizes["influenced_dof"])]
     return found
 
@@ -168,7 +168,7 @@ def heading_shares(orders: IntArray, direction: float) -> FloatArray:
 
 
 def order_groups(ds: xr.Dataset) -> dict[int, IntArray]:
-    """Return the numbers of the degrees of freedom of each azimuthal order, in ascending order, sines after cosines."""
+    """Return the indices of the degrees of freedom of each azimuthal order, ascending, sines after cosines."""
     orders = orders_of(ds)
     return {int(m): np.flatnonzero(orders == m) for m in sorted(np.unique(orders), key=lambda m: (abs(m), -m))}
 
@@ -182,10 +182,7 @@ def of_order(ds: xr.Dataset, order: int) -> xr.Dataset:
 
 def with_order_structure(ds: xr.Dataset, basis: OrderBasis, stiffness: Mapping[str, FloatArray]) -> xr.Dataset:
     """Return the dataset of an order with inertia and stiffness by name; as of `vsb.hydro.database.with_structure`."""
-    nothing = (
-        "influenced_dof",
-        np.zeros(len(basis.labels)),
-    )  # orders m >= 1 neither move the pole radially nor rest bent
+    nothing = ("influenced_dof", np.zeros(len(basis.labels)))  # no radial motion of the pole, no shape at rest
     matrices = {f"{name}_stiffness": (PAIR, matrix) for name, matrix in stiffness.items()}
     return ds.assign(matrices).assign(
         inertia_matrix=(PAIR, basis.inertia), pole_radial_displacement=nothing, reference_amplitude=nothing

@@ -4,7 +4,7 @@
    squares; balanced truncation to as few states as the tolerance allows: (A, G, C), stable, perhaps not passive.
 2. All passive K with the same A and G have C = G^T P, A^T P + P A = -F F^T for some F (positive-real lemma; F needs as
    many columns as there are motions). F starts from Riccati's equation of K + epsilon, which is passive, and least
-   squares bring K back to the samples: what comes out is passive whatever F is.
+   squares bring K back to the samples: the result is passive whatever F is.
 3. In coordinates in which P = 1 that is a `RadiationModel`.
 
 K(0+) = G^T P G, added mass and damping come from one K: they are consistent by construction.
@@ -20,8 +20,7 @@ from scipy.linalg import block_diag, eigh, solve_continuous_are
 from scipy.sparse.csgraph import connected_components
 
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
-from vsb.hydro.passivity import least_damping
-from vsb.hydro.realisation import Balanced, StateSpace, rational_fit
+from vsb.hydro.realisation import Balanced, StateSpace, least_damping, rational_fit
 from vsb.hydro.statespace import UNUSABLE, RadiationModel, partial_fractions, truncated
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.least_squares import levenberg_marquardt
@@ -30,17 +29,17 @@ Limit = Literal["given", "fitted"]
 POLES = (4, 6, 8, 10, 12, 14, 16, 20, 24, 30)
 """Numbers of common poles tried, one after the other."""
 _ABOVE = np.array([-0.3 + 1.2j, -0.6 + 1.8j])
-"""Poles above the band, in terms of its end: what the samples leave open there is chosen so that K is passive."""
-_UNEVEN = 1e-6  # asymmetry, in terms of the largest entry, that is round-off
-_REST = 0.1  # of the tolerance: what may be left out, of couplings and of combinations of motions
-_FREE = 0.5  # of the tolerance: error of the rational functions before they are passive
-_REDUCED = 0.7  # of the tolerance: error of them with fewer states
+"""Poles above the band, relative to its end: the samples leave K open there, and it is chosen passive."""
+_UNEVEN = 1e-6  # asymmetry taken as round-off, relative to the largest entry
+_REST = 0.1  # of the tolerance: couplings and combinations of motions below it are left out
+_FREE = 0.5  # of the tolerance: error of the rational functions before they are made passive
+_REDUCED = 0.7  # of the tolerance: their error with fewer states
 _STARTS = 12  # values of epsilon, each four times the one before
-_SHORTER = 1.02  # error of fewer states, in terms of that of all of them, where the tolerance is not met
-_PARTS = (1.0, 0.85, 0.7, 0.55, 0.4)  # of the samples, the lowest, fitted one after the other until one is good
+_SHORTER = 1.02  # error of fewer states, relative to that of all, where the tolerance is not met
+_PARTS = (1.0, 0.85, 0.7, 0.55, 0.4)  # parts of the samples, from the lowest on, fitted until one succeeds
 FEWEST = 10
-"""Samples that are fitted where not all can be."""
-_EMPTY = 1e-12  # of the largest energy of a state: it stores none
+"""Least number of samples fitted where not all can be."""
+_EMPTY = 1e-12  # of the largest energy of a state: states below it store none
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,7 @@ class RadiationSamples:
     size: FloatArray  # s (dof,) [kg^0.5/s^0.5]: K_ij is measured in s_i s_j; see `sizes`
 
     def __post_init__(self) -> None:
-        """Refuse what is no radiation."""
+        """Check shapes, values and symmetry."""
         count, dof = len(self.omega), len(self.size)
         if not (np.isfinite(self.size).all() and (self.size > 0).all()):
             raise DatabaseError("size: received values that are not positive, needs one above 0 for each motion.")
@@ -88,16 +87,16 @@ class RadiationSamples:
 
 
 def sizes(omega: FloatArray, damping: FloatArray, inertia: FloatArray, least: float = 1e-4) -> FloatArray:
-    """Return what K is measured in, roots of each motion's largest damping, shape (dof,) [kg^0.5/s^0.5].
+    """Return the scale of each motion, the root of its largest damping, shape (dof,) [kg^0.5/s^0.5].
 
     Parameters
     ----------
     omega : ndarray, shape (omega,) [rad/s]
     damping : ndarray, shape (omega, dof, dof) [kg/s]
     inertia : ndarray, shape (dof,) [kg]
-        Of each motion, the water's share included: yaw of a round body radiates nothing but round-off.
+        Of each motion, added mass included: yaw of a round body radiates nothing but round-off.
     least : float
-        Least damping that counts, in terms of inertia times the frequency of the largest [-].
+        Least scale, relative to inertia times the frequency of the largest damping [-].
     """
     own = np.einsum("wii->wi", damping)
     floor = least * omega[np.abs(own).argmax(axis=0)] * np.abs(inertia)
@@ -106,36 +105,36 @@ def sizes(omega: FloatArray, damping: FloatArray, inertia: FloatArray, least: fl
 
 
 class PassiveFit(NamedTuple):
-    """A passive radiation model, how far it is from the samples, and what it took to make it passive."""
+    """A passive radiation model, its error, and the change that made it passive."""
 
     model: RadiationModel
-    error: float  # largest rms over the samples of an entry of K, in terms of its size [-]
+    error: float  # largest rms over the samples of an entry of K, relative to its size [-]
     sampled: float  # least eigenvalue of the damping sampled, never positive [-]
-    drawn: float  # of the rational functions over all frequencies, before they were made passive [-]
-    changed: float  # largest rms change of an entry by that [-]
-    added_mass_inf: FloatArray  # that given, or that fitted (dof, dof) [kg]
-    shifted: float = 0.0  # largest change of it by the fit, in terms of the inertia of both motions [-]
+    drawn: float  # least eigenvalue of the rational functions over all frequencies, before they were made passive [-]
+    changed: float  # largest rms change of an entry by making them passive [-]
+    added_mass_inf: FloatArray  # given or fitted (dof, dof) [kg]
+    shifted: float = 0.0  # largest change of it by the fit, relative to the inertia of both motions [-]
     up_to: float = np.inf  # frequency above which no passive memory follows the samples [rad/s]
 
     @property
     def history(self) -> str:
-        """What was repaired, in words; empty if nothing was."""
-        told = []
+        """Repairs in words; empty if there were none."""
+        found = []
         if self.sampled < 0:
-            told.append(f"least eigenvalue of the damping given {self.sampled:.1e}")
+            found.append(f"least eigenvalue of the damping given {self.sampled:.1e}")
         if self.drawn < 0:
-            told.append(f"of its rational fit {self.drawn:.1e}, made passive by a change of {self.changed:.1e}")
+            found.append(f"of its rational fit {self.drawn:.1e}, made passive by a change of {self.changed:.1e}")
         if self.shifted:
-            told.append(f"added mass at infinite frequency fitted, a change of {self.shifted:.1e} of the diagonal's")
+            found.append(f"added mass at infinite frequency fitted, a change of {self.shifted:.1e} of the diagonal's")
         if self.up_to < np.inf:
-            told.append(f"fitted up to {self.up_to:.4g} rad/s, above which no passive memory follows the coefficients")
-        return f"radiation memory, in terms of each motion's largest damping: {', '.join(told)}" if told else ""
+            found.append(f"fitted up to {self.up_to:.4g} rad/s, above which no passive memory follows the coefficients")
+        return f"radiation memory, in terms of each motion's largest damping: {', '.join(found)}" if found else ""
 
 
 def fit_lowest(samples: RadiationSamples, tolerance: float, *, limit: Limit = "given") -> PassiveFit:
-    """Return the passive model of all samples, or where there is none, of the lowest ones that have one.
+    """Return the passive model of all samples, or, if that fails, of the samples below a lower frequency.
 
-    Irregular frequencies and noise, which no passive memory follows, lie at the end of a band; as `fit_passive`.
+    Irregular frequencies and noise, which no passive memory follows, lie at the end of a band. See `fit_passive`.
     """
     failure: ConvergenceError | StabilityError | None = None
     for share in _PARTS:
@@ -165,10 +164,10 @@ def fit_passive(samples: RadiationSamples, tolerance: float, *, limit: Limit = "
     ----------
     samples : RadiationSamples
     tolerance : float
-        Largest rms over the samples of an entry of K, in terms of its size [-].
+        Largest rms over the samples of an entry of K, relative to its size [-].
     limit : "given" or "fitted"
-        Added mass at infinite frequency. A mesh gives it another error than finite frequencies: where no passive K is
-        as near to both as wanted, fitted it is what suits the samples.
+        Added mass at infinite frequency. Its mesh error differs from that at finite frequencies: where no passive K
+        is near enough to both, it can be fitted to the samples.
 
     Raises
     ------
@@ -215,7 +214,7 @@ def entry_error(difference: ComplexArray) -> float:
 
 
 def coupled(k: ComplexArray, least: float) -> list[IntArray]:
-    """Return groups of motions that radiate together, each an array of their numbers: what couples others is less."""
+    """Return groups of motions that radiate together, each an array of indices; other couplings are below `least`."""
     graph = np.sqrt((np.abs(k) ** 2).mean(axis=0)) > least
     count, group = connected_components(graph, directed=False)
     return [np.flatnonzero(group == i) for i in range(count)]
@@ -232,7 +231,7 @@ class _Part(NamedTuple):
 
 
 def _fit_limit(omega: FloatArray, k: ComplexArray, tolerance: float) -> _Part:
-    """Passive fit and its limit: once to find the limit, once more with the poles of what is left."""
+    """Passive fit with a fitted limit: once to find the limit, once more with the poles of the remainder."""
     first = _fit_block(omega, k, tolerance, "fitted")
     second = _fit_block(omega, k - 1j * omega[:, None, None] * first.shift, tolerance, "fitted")
     return second._replace(shift=first.shift + second.shift) if second.error < first.error else first
@@ -265,13 +264,13 @@ def _fit_block(omega: FloatArray, k: ComplexArray, tolerance: float, limit: Limi
 
 
 def limit_shift(omega: FloatArray, missed: ComplexArray) -> FloatArray:
-    """Return the symmetric D that brings i omega D nearest to what is missed, (omega, dof, dof) -> (dof, dof)."""
+    """Return the symmetric D for which i omega D is nearest to a misfit, (omega, dof, dof) -> (dof, dof)."""
     shift = np.einsum("w,wij->ij", omega, missed.imag) / (omega @ omega)
     return np.asarray(0.5 * (shift + shift.T))
 
 
 def _widened(a: FloatArray, b: FloatArray, poles: ComplexArray) -> tuple[FloatArray, FloatArray]:
-    """State and input matrix with further poles, reached by all motions: passive K needs freedom above the band."""
+    """State and input matrix with further poles driven by all motions: passive K needs freedom above the band."""
     dof = b.shape[1]
     _, block, ones = partial_fractions(np.zeros(1, dtype=complex), np.concatenate([poles, poles.conj()]))
     return block_diag(a, np.kron(block, np.eye(dof))), np.vstack([b, np.kron(ones[:, None], np.eye(dof))])
@@ -310,7 +309,7 @@ def _candidates(omega: FloatArray, k: ComplexArray, tolerance: float) -> Iterato
             yield from _reductions(omega, k, whole, tolerance)
         if idle == 2:
             break
-    if best[0] > _FREE * tolerance:  # noise, or what no rational function is: as good as it gets
+    if best[0] > _FREE * tolerance:  # noise, or no rational function: the best there is
         yield from _reductions(omega, k, rational_fit(omega, k, best[1]), max(tolerance, 1.5 * best[0]))
 
 
@@ -330,7 +329,7 @@ def _reductions(omega: FloatArray, k: ComplexArray, whole: StateSpace, tolerance
 
 
 class _PassiveOutputs:
-    """Outputs C = B^T P with A^T P + P A = -F F^T, in the eigenvectors of A: all that make K passive."""
+    """All outputs that make K passive, C = B^T P with A^T P + P A = -F F^T, in the eigenvectors of A."""
 
     def __init__(self, a: FloatArray, b: FloatArray) -> None:
         """A stable and diagonalisable."""
@@ -367,7 +366,7 @@ class _PassiveOutputs:
     ) -> FloatArray:
         """Return F of the K nearest to that sampled, or as near as `enough` (rms), from a start, shape (state, dof).
 
-        With a fitted limit, what i omega D can make good with a matrix D does not count.
+        With a fitted limit, misfits of the form i omega D with a matrix D do not count.
         """
         inside = 1 / (1j * omega[:, None] - self.poles)
         states = np.einsum("mn,wn,nj->wjm", self.vectors, inside, self.inverse @ self.b, optimize=True)
@@ -390,7 +389,7 @@ class _PassiveOutputs:
 
     @cached_property
     def _sides(self) -> tuple[ComplexArray, ComplexArray]:
-        """What the conjugate of F and F itself are multiplied by in C, (dof, state, state) and (state, state, dof)."""
+        """Factors of conj(F) and of F in C, (dof, state, state) and (state, state, dof)."""
         one = np.einsum("ai,ij,ci->ajc", self.reads, self.cauchy, self.vectors.conj())
         return one, np.einsum("jb,ij,cj->ibc", self.inverse, self.cauchy, self.vectors)
 
@@ -411,13 +410,13 @@ class _PassiveOutputs:
 
 
 def _without_rate(omega: FloatArray, values: ComplexArray) -> ComplexArray:
-    """Values less their part along i omega, which shift of added mass would be, shape (omega, ...)."""
+    """Values less their part along i omega, which a shift of added mass accounts for, shape (omega, ...)."""
     part = np.einsum("w,w...->...", omega, values.imag) / (omega @ omega)
     return np.asarray(values - 1j * omega[:, None, None] * part)
 
 
 def _scaled(size: FloatArray, groups: Sequence[IntArray], models: Sequence[RadiationModel | None]) -> RadiationModel:
-    """One model of all groups of motions, in their own units."""
+    """One model of all groups of motions, in physical units."""
     parts = [(group, model) for group, model in zip(groups, models, strict=True) if model]
     inputs = [model.input_matrix @ np.eye(len(size))[group] * size for group, model in parts]
     return RadiationModel(

@@ -1,6 +1,6 @@
-"""Verdict on a hydro database: identities that hold whatever the mesh, and how far the numbers are from them.
+"""Verdict on a hydro database: identities that hold for any mesh, and how far the numbers are from them.
 
-Coefficients of unlike modes are compared after scaling every degree of freedom to a largest damping of one.
+Coefficients of different modes are compared after scaling the largest damping of every degree of freedom to one.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import DatabaseError
-from vsb.hydro.azimuthal import multiplicity
 from vsb.hydro.database import Check, check_at_most
+from vsb.hydro.dofs import multiplicity
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.sweep import joined
 from vsb.study.sections import Water
@@ -20,7 +20,7 @@ from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 LARGEST_LIMIT_DIFFERENCE = 0.02
-"""Of added mass at infinite frequency from its extrapolation, as of the Kramers-Kronig relation."""
+"""Largest difference of added mass at infinite frequency from its extrapolation, as for Kramers-Kronig."""
 
 _DOUBTS = ("error_estimate", "limit_difference")
 _LOWER = "lower hydro.tolerance or raise hydro.rows, change hydro.omega_max, deepen water the keel hardly clears"
@@ -76,9 +76,10 @@ def second_channel(ds: xr.Dataset, scale: FloatArray | None = None) -> float:
 
 
 def haskind_damping(ds: xr.Dataset, depth: float, density: float, gravity: float, order: int = 0) -> ComplexArray:
-    """Return Haskind's damping k X X^H/(4 rho g v_g) from the excitation, shape (omega, dof, dof) [kg/s].
+    """Return Haskind's damping from the excitation by waves to +x, real but for errors, (omega, dof, dof) [kg/s].
 
-    Half of it for motions of an azimuthal order m >= 1, which waves from other directions excite by cos(m beta).
+    B = k/(8 pi rho g v_g) int X X^H d beta over the directions beta, where X goes with cos(m beta): for order m = 0
+    k X X^H/(4 rho g v_g), for m >= 1 half of that.
     """
     x = ds.excitation_force.values[:, 0, :]
     flux = 4 * multiplicity(order) * density * gravity
@@ -95,7 +96,7 @@ def haskind_difference(ds: xr.Dataset, depth: float, density: float, gravity: fl
 def kinks(omega: FloatArray, values: FloatArray) -> FloatArray:
     """Return the distances of values from the cubic through their four neighbours in frequency, (omega - 4, ...).
 
-    An irregular frequency is a spike a few hundredths of a rad/s wide: it stands out of its neighbours.
+    An irregular frequency is a spike a few hundredths of a rad/s wide that its neighbours do not have.
     """
     place = np.array([0, 1, 3, 4])
     windows = np.lib.stride_tricks.sliding_window_view(omega, 5)
@@ -130,11 +131,11 @@ def added_mass_difference(ds: xr.Dataset) -> float:
 
 def identity_check(name: str, value: float, limit: float, precision: float, explanation: str) -> Check:
     """Return the check of an identity: ok to a fraction `precision` of its limit, a failure above all of it."""
-    strict = check_at_most(name, value, precision * limit, "-", explanation)
     held = check_at_most(name, value, limit, "-", explanation)
-    if held.verdict == "fail" or strict.verdict == "ok":
-        return held if held.verdict == "fail" else strict
-    return replace(strict, verdict="doubt")
+    if held.verdict == "fail":
+        return held
+    strict = check_at_most(name, value, precision * limit, "-", explanation)
+    return strict if strict.verdict == "ok" else replace(strict, verdict="doubt")
 
 
 def pointwise_checks(ds: xr.Dataset, water: Water, precision: float = 1.0, order: int = 0) -> list[Check]:
@@ -163,8 +164,8 @@ def sweep_checks(sweep: xr.Dataset, precision: float = 1.0) -> list[Check]:
 def estimate_checks(blocks: Sequence[Mapping[str, Any]], tolerance: float) -> list[Check]:
     """Return the checks of the errors solver and sweep estimate of themselves, from the blocks' attributes.
 
-    A tolerance that the solver itself does not reach, as panels may not, is a doubt: the estimate is what there is. So
-    is a band that says too little of what is outside: the limits used are those solved.
+    A tolerance that the solver does not reach, as may happen with panels, is a doubt. So is a band from which the
+    limits cannot be extrapolated: those used are solved directly.
     """
     solves, frequencies = (sum(int(attrs.get(key, 0)) for attrs in blocks) for key in ("solves", "frequencies"))
     meaning = {
@@ -187,7 +188,7 @@ def judged(checks: Sequence[Check], accept: Sequence[str], remedy: str = _LOWER)
     checks : sequence of Check
     accept : sequence of str
     remedy : str
-        What helps where a check has no advice of its own; of a buoy if not given.
+        Remedy where a check has no advice of its own; that of a buoy if not given.
 
     Raises
     ------

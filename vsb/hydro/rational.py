@@ -22,9 +22,9 @@ from vsb.errors import ConvergenceError
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 _COLUMNS = 12
-"""Combinations of columns the weights are found from; the values of all are interpolated."""
+"""Combinations of columns that the weights are found from; all columns are interpolated."""
 FEWEST_SAMPLES = 4
-"""Samples from which on three interpolants can be compared."""
+"""Least number of samples for which three interpolants can be compared."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Rational:
     def spurious(self, grid: FloatArray) -> bool:
         """Return whether a pole hides between neighbours of an ascending grid of real frequencies.
 
-        Such a pole is nearer to the real axis than the grid is fine, so that no value on the grid need betray it: a
+        Such a pole is nearer to the real axis than the grid is fine, so that no value on the grid need reveal it: a
         doublet of pole and zero made of round-off or noise. Poles of floating bodies lie deep below the axis.
         """
         inside = (self.poles.real > grid[0]) & (self.poles.real < grid[-1])
@@ -118,7 +118,7 @@ def interpolants(omega: FloatArray, values: ComplexArray, size: FloatArray) -> l
     return found
 
 
-class Settled(NamedTuple):
+class Selected(NamedTuple):
     """The interpolant its neighbours agree with best."""
 
     rational: Rational
@@ -126,9 +126,9 @@ class Settled(NamedTuple):
     error: float  # estimated largest on the grid: the largest doubt, or misfit at a sample; inf if a pole hides there
 
 
-def settled(
+def selected(
     omega: FloatArray, values: ComplexArray, size: FloatArray, grid: FloatArray, on_grid: FloatArray
-) -> Settled:
+) -> Selected:
     """Return the interpolant that one support point more or less changes least on a grid, and by how much.
 
     Too few support points miss features, too many fit noise with doublets of poles and zeros; in between neighbours
@@ -163,5 +163,5 @@ def settled(
     order = [int(i) for i in np.argsort(errors, kind="stable")]
     for i in order:
         if not found[i + 1].spurious(grid):
-            return Settled(found[i + 1], doubts[i], errors[i])
-    return Settled(found[order[0] + 1], doubts[order[0]], np.inf)
+            return Selected(found[i + 1], doubts[i], errors[i])
+    return Selected(found[order[0] + 1], doubts[order[0]], np.inf)

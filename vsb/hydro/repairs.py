@@ -1,9 +1,9 @@
-"""Repairs of coefficients that a study asks for by the name of the check they mend: visible, bounded, recorded.
+"""Repairs of coefficients that a study requests by the name of the check that failed: bounded and recorded.
 
-Noise of panels, of single precision, of solvers that iterate, makes damping slightly negative and added mass other than
-what follows from damping. A motion's whole added mass may be right to four digits and its memory, what of it depends on
-frequency, to two. Nothing is repaired that was not asked for, and nothing that is more than noise, but for the
-stiffness of still water, whose symmetry is no matter of precision.
+Noise of panels, of single precision and of iterative solvers makes damping slightly negative and added mass
+inconsistent with damping. A motion's added mass may be right to four digits and its memory, the part that depends on
+frequency, to two. Repairs are made only on request and only within the size of noise; the stiffness of still water
+alone is always made symmetric, for its asymmetry is no matter of precision.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,10 +22,10 @@ from vsb.study.quantities import is_rigid
 from vsb.tools.arrays import FloatArray
 
 LARGEST_CHANGE = {"positive_damping": 0.2, "kramers_kronig": 0.1}
-"""Of damping, in terms of both motions' largest, and of added mass, in terms of both motions' own: more is no noise."""
-_LEAST = 1e-12  # eigenvalue in place of a negative one, in terms of the motions' largest damping
+"""Largest change of damping, relative to both motions' largest, and of added mass, relative to both motions' own."""
+_LEAST = 1e-12  # eigenvalue that replaces a negative one, relative to the motions' largest damping
 _ROUNDS = 100
-_EVEN, _UNEVEN = 1e-6, 0.02  # asymmetry that is round-off, and that is a doubt, in terms of both motions' largest
+_EVEN, _UNEVEN = 1e-6, 0.02  # asymmetry taken as round-off, and from which on it is a doubt, relative
 _BETWEEN = np.arange(1, 8) / 8  # places between two frequencies
 FEWEST = 10
 """Frequencies that a transform of damping needs."""
@@ -34,9 +34,9 @@ FEWEST = 10
 def with_passive_damping(ds: xr.Dataset) -> xr.Dataset:
     """Return a database whose damping draws no energy from calm water, and the repair in its history.
 
-    At every frequency the damping of least distance without an eigenvalue below a floor (Higham 1988), the distance
-    between matrices measured in the motions' largest damping. The floor is round-off, and more around frequencies
-    between which a cubic spline would draw energy: motions are asked for there, too. What moves no water goes on so.
+    At every frequency the nearest damping without an eigenvalue below a floor (Higham 1988), with distances measured in
+    the motions' largest damping. The floor is round-off, and more around frequencies between which a cubic spline
+    would draw energy. Motions that move no water remain without damping.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def with_passive_damping(ds: xr.Dataset) -> xr.Dataset:
             f"{omega[-1]:.4g} rad/s; needs smaller steps of frequency, or a lower hydro.omega_max"
         )
     mended = np.where(np.outer(size.wet, size.wet), damping, 0.0)
-    mended[np.ix_(changed, wet, wet)] = kept[changed] * scale  # the others stay as they are, to the last bit
+    mended[np.ix_(changed, wet, wet)] = kept[changed] * scale  # the others stay as they are
     count = f"{np.count_nonzero(changed)} of {len(omega)} frequencies"
     mended_at = ds.assign(radiation_damping=(("omega", *PAIR), mended))
     return _with_history(mended_at, f"damping made positive definite at {count}")
@@ -84,7 +84,7 @@ def _assembled(vectors: FloatArray, values: FloatArray) -> FloatArray:
 def with_causal_added_mass(ds: xr.Dataset) -> xr.Dataset:
     """Return a database whose added mass follows from its damping (Kramers, Kronig), and the repair in its history.
 
-    Added mass at infinite frequency is the median over the band of what damping leaves of the added mass.
+    Added mass at infinite frequency is the median over the band of added mass less what follows from damping.
 
     Raises
     ------
@@ -99,9 +99,9 @@ def with_causal_added_mass(ds: xr.Dataset) -> xr.Dataset:
     return _with_history(ds.assign(made), "added mass made that of the damping by Kramers and Kronig")
 
 
-def _with_history(ds: xr.Dataset, told: str) -> xr.Dataset:
-    """A database with one more line of history."""
-    return ds.assign_attrs(history=f"{ds.attrs.get('history', '')}; {told}".lstrip("; "))
+def _with_history(ds: xr.Dataset, entry: str) -> xr.Dataset:
+    """Database with one more entry in its history."""
+    return ds.assign_attrs(history=f"{ds.attrs.get('history', '')}; {entry}".lstrip("; "))
 
 
 def with_symmetric_stiffness(ds: xr.Dataset) -> tuple[xr.Dataset, list[Check]]:
@@ -109,9 +109,9 @@ def with_symmetric_stiffness(ds: xr.Dataset) -> tuple[xr.Dataset, list[Check]]:
 
     Notes
     -----
-    WAMIT's is C_ij = rho g int psi_j.n (w_i + z div psi_i) dS (Newman 1994). With a rigid motion i that is exact, but
-    for weight. Its transpose lacks what the load at rest does in the bending body: shifted along still water, WAMIT's
-    barge would bend. So rows of rigid motions count, and means where both are generalized.
+    WAMIT's is C_ij = rho g int psi_j.n (w_i + z div psi_i) dS (Newman 1994). For a rigid motion i that is exact, but
+    for weight. Its transpose lacks the work of the load at rest in the bending body: surging in still water, WAMIT's
+    barge would bend. So the rows of rigid motions are kept, and means taken where both modes are generalized.
     """
     c = ds.hydrostatic_stiffness.values
     labels = list(map(str, ds.influenced_dof.values))
@@ -129,10 +129,13 @@ def with_symmetric_stiffness(ds: xr.Dataset) -> tuple[xr.Dataset, list[Check]]:
     return _with_history(mended, "hydrostatic stiffness made symmetric"), [check]
 
 
-_REPAIRS: dict[str, tuple[Callable[[xr.Dataset], xr.Dataset], str, str]] = {
-    "positive_damping": (with_passive_damping, "radiation_damping", "damping, in terms of both motions' largest"),
-    "kramers_kronig": (with_causal_added_mass, "added_mass", "added mass, in terms of both motions' own"),
-}
+_REPAIRS: dict[str, tuple[Callable[[xr.Dataset], xr.Dataset], str, str, str]] = {
+    "positive_damping": (
+        with_passive_damping, "radiation_damping", "damping", "damping, in terms of both motions' largest"
+    ),
+    "kramers_kronig": (with_causal_added_mass, "added_mass", "added_mass", "added mass, in terms of both motions' own"),
+}  # fmt: skip
+"""Repair by the check's name: function, variable, its measure among `sizes`, and what changes in words."""
 
 
 def check_repairable(names: Sequence[str], omega: FloatArray) -> None:
@@ -151,10 +154,10 @@ def repaired(ds: xr.Dataset, names: Sequence[str]) -> tuple[xr.Dataset, list[Che
     """
     checks = []
     for name in [name for name in _REPAIRS if name in names]:
-        repair, variable, what = _REPAIRS[name]
+        repair, variable, measure, what = _REPAIRS[name]
         size = sizes(ds)
         mended = repair(ds)
-        change = _change(ds[variable].values, mended[variable].values, getattr(size, _MEASURE[variable]))
+        change = _change(ds[variable].values, mended[variable].values, getattr(size, measure))
         at = f"most at {float(ds.omega.values[change.argmax()]):.4g} rad/s"
         largest, limit = float(change.max()), LARGEST_CHANGE[name]
         if largest > limit:
@@ -167,17 +170,14 @@ def repaired(ds: xr.Dataset, names: Sequence[str]) -> tuple[xr.Dataset, list[Che
     return ds, checks
 
 
-def told(checks: Sequence[Check], names: Sequence[str]) -> list[Check]:
-    """Return the checks of what came, failures of those repaired as doubts: what is used is no longer what failed."""
+def failures_as_doubts(checks: Sequence[Check], names: Sequence[str]) -> list[Check]:
+    """Return checks of the original coefficients, failures of those repaired as doubts: what failed is not used."""
     return [
         replace(check, verdict="doubt", explanation=f"{check.explanation}; repaired")
         if check.verdict == "fail" and check.name in names
         else check
         for check in checks
     ]
-
-
-_MEASURE = {"radiation_damping": "damping", "added_mass": "added_mass"}
 
 
 def _change(before: FloatArray, after: FloatArray, size: FloatArray) -> FloatArray:

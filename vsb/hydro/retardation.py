@@ -26,7 +26,7 @@ class DampingSpectrum:
     damping: FloatArray  # (omega, dof, dof) [kg/s]
 
     def __post_init__(self) -> None:
-        """Check that there is nothing but numbers."""
+        """Check that all values are finite."""
         if not (np.isfinite(self.omega).all() and np.isfinite(self.damping).all()):
             raise DatabaseError("radiation damping: received NaN or infinite values; solve these frequencies again.")
 
@@ -48,7 +48,7 @@ class DampingSpectrum:
 
     @property
     def _tail(self) -> FloatArray:
-        """Damping at the end of the band, from where it falls as omega^-3."""
+        """Damping at the end of the band, beyond which it falls as omega^-3."""
         end: FloatArray = self.damping[-1]
         return end
 

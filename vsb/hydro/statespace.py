@@ -21,9 +21,9 @@ from vsb.tools.arrays import ComplexArray, FloatArray
 
 ORDERS = (6, 10, 14, 18, 22)
 UNUSABLE = 0.02
-"""Error of a radiation model that cannot be reported away [-]."""
+"""Error from which on a radiation model is not usable [-]."""
 _DELAYS = (0.0, 0.5, 1.0, 1.5, 2.0)  # starting phases of the channel, in units of the time scale of the body
-_POLISHED = 2  # starts that are polished, best first
+_POLISHED = 2  # number of starts that are polished, best first
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class RadiationModel:
 
 
 def joined(models: Sequence[RadiationModel]) -> RadiationModel:
-    """Return several memories as one, the states of each after those of the one before it."""
+    """Return several memories as one, with their states one after the other."""
     if len(models) == 1:
         return models[0]
     channels = [model.channel.reshape(model.order, -1) for model in models]
@@ -93,7 +93,7 @@ def _resolvent(a: FloatArray, omega: FloatArray) -> ComplexArray:
 
 
 def truncated(model: RadiationModel, order: int) -> RadiationModel:
-    """Return the model's balanced truncation to `order` states: passive whatever is cut.
+    """Return the model's balanced truncation to `order` states, which is passive.
 
     Notes
     -----
@@ -123,7 +123,7 @@ def vector_fit(omega: FloatArray, values: ComplexArray, order: int, iterations: 
     Notes
     -----
     Gustavsen & Semlyen's vector fitting without direct term, with the compressed least squares of Deschrijver et al.;
-    poles that wander into the right half plane are reflected.
+    poles in the right half plane are reflected.
     """
     s = 1j * omega
     start = np.geomspace(0.1, 0.7, order // 2) * omega.max() / 2
@@ -265,8 +265,8 @@ def fit_radiation(spectrum: DampingSpectrum, tolerance: float) -> tuple[Radiatio
     spectrum : DampingSpectrum
     tolerance : float
         Largest rms error over frequency of K(i omega), each mode relative to its largest damping [-]. Once two larger
-        orders gain less than a tenth, what remains is the mesh error of the damping itself, which no passive model
-        should fit; the validity ledger reports it.
+        orders gain less than a tenth, the rest is the mesh error of the damping itself, which no passive model should
+        fit; the validity ledger reports it.
 
     Raises
     ------

@@ -1,9 +1,9 @@
-"""Hydrodynamic coefficients over a band of frequencies, solved as often as a tolerance asks.
+"""Hydrodynamic coefficients over a band of frequencies from as few solves as a tolerance allows.
 
 Two families of functions are interpolated, each with common poles: A + iB/omega, whose poles lie deep below the real
-axis, and the excitation X. Waves are felt where they meet the waterline, of radius R, so X turns by k R over the band;
-turned back it is as smooth as the radiated far field that it is by Haskind's relation. Froude-Krylov forces, which
-oscillate with both signs of k R, need no solving; diffraction is the rest of X.
+axis, and the excitation X. Waves act where they meet the waterline, of radius R, so the phase of X turns by k R over
+the band; turned back X is as smooth as the radiated far field, which it is by Haskind's relation. Froude-Krylov forces,
+which oscillate with both signs of k R, need no solving; diffraction is the rest of X.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,13 +16,13 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
-from vsb.hydro.rational import Rational, Settled, settled
+from vsb.hydro.rational import Rational, Selected, selected
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 FIRST_SOLVES = 7
 """Frequencies solved before any interpolation."""
 MOST_SOLVES = 40
-"""Beyond, or beyond half the frequencies, coefficients are held to be too rough to be interpolated."""
+"""With more solves than this, or than half the frequencies, coefficients count as too rough to be interpolated."""
 FORCES = ("Froude_Krylov_force", "diffraction_force")
 
 _TURNING = 2.0
@@ -32,7 +32,7 @@ Solve = Callable[[list[float]], xr.Dataset]
 
 
 class IncidentWave(NamedTuple):
-    """What is known of excitation without solving."""
+    """Parts of the excitation known without solving."""
 
     phase: Callable[[FloatArray], FloatArray]
     """Phase k R of the wave from axis to waterline, of frequencies [rad/s], shape (omega,) [rad]."""
@@ -70,12 +70,12 @@ def apart(one: npt.NDArray[np.inexact[Any]], other: npt.NDArray[np.inexact[Any]]
 
 
 def relative(difference: ComplexArray | FloatArray, value: ComplexArray | FloatArray) -> float:
-    """Return the largest difference in terms of the largest value; of motions that move no water as it is."""
+    """Return the largest difference relative to the largest value; as it is if all values are zero."""
     return float(np.abs(difference).max() / (np.abs(value).max() or 1.0))
 
 
 def coefficients(ds: xr.Dataset) -> tuple[FloatArray, FloatArray, ComplexArray]:
-    """Return added mass, damping and excitation, each shape (omega, entry): what errors are told of."""
+    """Return added mass, damping and excitation, each shape (omega, entry)."""
     a, b = _rows(ds, "added_mass").real, _rows(ds, "radiation_damping").real
     return a, b, np.asarray(sum(_rows(ds, name) for name in FORCES))
 
@@ -87,7 +87,7 @@ def largest(*parts: xr.Dataset) -> tuple[float, ...]:
 
 
 def _families(ds: xr.Dataset, incident: IncidentWave, elsewhere: Sequence[xr.Dataset]) -> tuple[_Family, _Family]:
-    """Radiation, an error of A in terms of the largest A, of B of the largest B; and excitation, of the largest X."""
+    """Radiation, errors of A relative to the largest A and of B to the largest B; and excitation, to the largest X."""
     omega = ds.omega.values
     of_a, of_b, of_x = (1 / size for size in largest(ds, *elsewhere))
     a, b, x = coefficients(ds)
@@ -156,8 +156,8 @@ def crowded(count: int) -> list[int]:
     return [int(i) for i in np.unique(np.rint(ends * (count - 1)).astype(int))]
 
 
-def _doubtful(fits: Sequence[Settled], solved: Sequence[int]) -> list[int]:
-    """Indices where the interpolants are in doubt most, one for each, the worse one first, unless neighbours."""
+def _doubtful(fits: Sequence[Selected], solved: Sequence[int]) -> list[int]:
+    """Indices of the largest doubt of each interpolant, the worse one first, unless they are neighbours."""
     chosen: list[int] = []
     for fit in sorted(fits, key=lambda f: -f.error):
         doubt = fit.doubt.copy()
@@ -168,8 +168,8 @@ def _doubtful(fits: Sequence[Settled], solved: Sequence[int]) -> list[int]:
     return chosen
 
 
-def _surprise(fits: Sequence[Settled], families: Sequence[_Family], omega: FloatArray, new: int) -> float:
-    """How far interpolants were off at the last `new` frequencies, which they were made without."""
+def _surprise(fits: Sequence[Selected], families: Sequence[_Family], omega: FloatArray, new: int) -> float:
+    """Largest misfit of the interpolants at the last `new` frequencies, which they were made without."""
     at = omega[-new:]
     missed = [
         np.abs(f.rational(at) - family.values[-new:]).max(axis=1) * family.scale(at)
@@ -186,16 +186,16 @@ def _sampled(
     elsewhere: Sequence[xr.Dataset],
     most: int | None = None,
 ) -> AdaptiveSweep:
-    """Sweep until the estimated error is below the tolerance twice in a row, or it is no use to go on."""
+    """Sweep until the estimated error is below the tolerance twice in a row, or too many frequencies are solved."""
     grid = np.asarray(frequencies, dtype=float)
     most = min(MOST_SOLVES, len(grid) // 2) if most is None else min(most, len(grid))
     solved, new = crowded(len(grid)), 0
     ds = solve([frequencies[i] for i in solved])
-    fits: list[Settled] = []
+    fits: list[Selected] = []
     while True:
         families, omega = _families(ds, incident, elsewhere), ds.omega.values
         error = max(_surprise(fits, families, omega, new), *(fit.error for fit in fits)) if fits else np.inf
-        fits = [settled(omega, f.values, f.scale(omega), grid, f.scale(grid)) for f in families]
+        fits = [selected(omega, f.values, f.scale(omega), grid, f.scale(grid)) for f in families]
         error = max(error, *(fit.error for fit in fits))
         if error <= tolerance or len(solved) + 2 > most:
             return AdaptiveSweep(ds.sortby("omega"), fits[0].rational, fits[1].rational, incident, error)
@@ -244,26 +244,26 @@ def on_grid(
     elsewhere: Sequence[xr.Dataset] = (),
     most: int | None = None,
 ) -> GridSweep:
-    """Return coefficients over a band from as few solves as a tolerance needs, none of them twice.
+    """Return coefficients over a band from as few solves as a tolerance needs, each frequency at most once.
 
-    After every one or two solves, where the interpolants are in doubt most, both families are interpolated anew. The
-    estimated error is the largest of what one support point more or less changes on the frequencies given, what the
-    interpolants before were off at the frequencies solved last, and the misfit at those solved.
+    After every one or two solves, at the largest doubts, both families are interpolated again. The estimated error is
+    the largest of the change by one support point more or less on the frequencies given, the misfit of the previous
+    interpolants at the frequencies solved last, and the misfit at those solved.
 
-    Coefficients too rough to be interpolated to the tolerance from `most` solves (None: `MOST_SOLVES`, or half the
-    frequencies), as with noise above it, and too few frequencies, are all solved.
+    All frequencies are solved if they are few, or if coefficients are too rough to be interpolated to the tolerance
+    from `most` solves (None: `MOST_SOLVES`, or half the frequencies), as with noise above the tolerance.
 
     Parameters
     ----------
     solve : callable
         Coefficients at given frequencies, a dataset as of `vsb.hydro.spectral.solver.SpectralProblem.solve`.
     frequencies : sequence of float [rad/s]
-        Ascending, the band; finer than the coefficients vary. Only these are solved.
+        Ascending, the band; spaced more finely than the coefficients vary. Only these are solved.
     tolerance : float [-]
         Of added mass, damping and excitation, relative to the band's largest entry of each.
     incident : IncidentWave
     elsewhere : sequence of xarray.Dataset
-        Coefficients outside these frequencies whose entries count among the largest: theirs are part of a wider band.
+        Coefficients at other frequencies of the same band, which count for its largest entries.
     most : int, optional
     """
     if len(frequencies) < 2 * FIRST_SOLVES:

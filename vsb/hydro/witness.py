@@ -1,9 +1,9 @@
-"""A second solver on the mean and on deformed shapes: how far two solvers are apart, and what their errors allow.
+"""Cross-check of two solvers on the mean and on deformed shapes: their differences against their estimated errors.
 
-Panels and the spectral solver share nothing but the shape: not Green's function, nor surface, nor equation. Each
-solves every shape twice, as finely as its result is and more coarsely. Differences and estimated errors are told by
-shape, frequency and coefficient, in terms of the coefficient's largest entry there. So are those of derivatives by a
-mode's amplitude, f': the spectral solver's, from its family of shapes, against central differences of the panels' f,
+Panels and the spectral solver share nothing but the shape: neither Green's function nor surface nor equation. Each
+solves every shape twice, once more coarsely. Differences and estimated errors are given by shape, frequency and
+coefficient, relative to the coefficient's largest entry there. So are those of derivatives by a mode's amplitude, f':
+the spectral solver's, from its family of shapes, against central differences of the panels' f,
 
     (f(h) - f(-h))/2h = f' + h^2 f'''/6 + O(h^4).
 
@@ -22,7 +22,7 @@ from scipy.interpolate import CubicSpline
 from vsb.errors import ConfigError
 from vsb.hydro.database import Check, displacements_of, in_modes, with_excitation
 from vsb.hydro.quality import haskind_damping
-from vsb.hydro.shapes.family import ShapeFamily
+from vsb.hydro.shape_dependence import ShapeFamily
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.variables import PAIR
 from vsb.shell.deformed import DeformedShell
@@ -33,14 +33,14 @@ DEFORMATION = 0.05
 """Modal amplitude of the deformed shapes, in radii; halved until each crosses the water once, clear of the bottom."""
 LEAST_DEFORMATION = 1e-3
 NODES, FEWER_NODES = 24, 18
-"""Points of the spectral solver, and of the run that tells its error: 1e-5 or less on all shapes of twelve modes."""
+"""Points of the spectral solver, and of the coarser run: its error is 1e-5 or less on all shapes of twelve modes."""
 COEFFICIENTS = ("added_mass", "radiation_damping", "excitation_force")
 SOLVERS = {"panels": "panels", "spectral": "the spectral solver"}
-"""And what they are called."""
+"""The solvers and their names in explanations."""
 
 
 class Waves(NamedTuple):
-    """Water, and the frequencies the solvers meet at."""
+    """Water, and the frequencies that the solvers are compared at."""
 
     omegas: tuple[float, ...]  # [rad/s]
     density: float  # [kg/m^3]
@@ -57,7 +57,7 @@ class Deformed(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Of its files and in tables: mean, <mode>_minus or <mode>_plus."""
+        """Name in files and tables: mean, <mode>_minus or <mode>_plus."""
         return f"{self.mode}_{'plus' if self.amplitude > 0 else 'minus'}" if self.mode else "mean"
 
 
@@ -100,22 +100,22 @@ def _keel(shell: DeformedShell) -> float:
 
 
 class Versions(NamedTuple):
-    """Coefficients of heave and modes by one solver, and what tells how far they may be off."""
+    """Coefficients of heave and modes by one solver, and versions that show their error."""
 
     fine: xr.Dataset
     coarse: xr.Dataset  # on half the rows, or from three quarters of the points
-    implied: xr.Dataset  # the fine ones as symmetry and Haskind's relation have them
+    implied: xr.Dataset  # the fine ones as implied by symmetry and Haskind's relation
 
 
 class Runs(NamedTuple):
-    """What one solver says of one shape, and the time it took [s]."""
+    """Coefficients of one shape by one solver, and the time it took [s]."""
 
     found: Versions
     seconds: float
 
 
 def runs(solve: Callable[[], xr.Dataset], coarsely: Callable[[], xr.Dataset], basis: ModeBasis, waves: Waves) -> Runs:
-    """Return what a solver of displacements says, from a run and a coarser one."""
+    """Return the coefficients of heave and modes by a solver of displacements, from a run and a coarser one."""
     begun = clock.perf_counter()
     fine, coarse = (with_excitation(in_modes(run(), basis))[list(COEFFICIENTS)] for run in (solve, coarsely))
     damping = haskind_damping(fine, waves.depth, waves.density, waves.gravity)
@@ -125,7 +125,7 @@ def runs(solve: Callable[[], xr.Dataset], coarsely: Callable[[], xr.Dataset], ba
 
 
 def spectral_runs(shell: DeformedShell, basis: ModeBasis, waves: Waves) -> Runs:
-    """Return what the spectral solver says of a shape."""
+    """Return the coefficients of a shape by the spectral solver."""
     fine, coarse = (
         SpectralProblem(shell, displacements_of(basis), waves.density, waves.gravity, nodes, depth=waves.depth)
         for nodes in (NODES, FEWER_NODES)
@@ -150,11 +150,11 @@ def differences(one: xr.Dataset, other: xr.Dataset, size: xr.Dataset) -> FloatAr
 
 
 def error_estimate(found: Versions, size: xr.Dataset, depth: float) -> FloatArray:
-    """Return the errors a solver estimates of its finer run at any of the frequencies, shape (coefficient,) [-].
+    """Return the estimated errors of a solver's finer run over all frequencies, shape (coefficient,) [-].
 
-    The most a coarser run changes in any coefficient, for one alone may happen not to change; plus what both runs have
-    wrong: of added mass what symmetry misses, of damping and excitation what Haskind's relation does. Where that comes
-    from a Green function that is itself approximate, as of finite depth, it is added mass's, too.
+    The largest change of any coefficient by the coarser run, for a single one may happen not to change; plus the error
+    common to both runs: asymmetry of added mass, and for damping and excitation the misfit of Haskind's relation. In
+    finite depth, where the Green function itself is approximate, that misfit counts for added mass, too.
     """
     fine, coarse, implied = found
     asymmetry, haskind, _ = differences(fine, implied, size).max(axis=0)
@@ -163,7 +163,7 @@ def error_estimate(found: Versions, size: xr.Dataset, depth: float) -> FloatArra
 
 
 def compared(shapes: Sequence[Deformed], panels: Sequence[Runs], spectral: Sequence[Runs], waves: Waves) -> xr.Dataset:
-    """Return what both solvers say of every shape, how far they are apart, and the errors each estimates of itself.
+    """Return the coefficients of every shape by both solvers, their differences, and the estimated errors of each.
 
     Returns
     -------
@@ -176,11 +176,11 @@ def compared(shapes: Sequence[Deformed], panels: Sequence[Runs], spectral: Seque
     solved = xr.concat([xr.concat([each.found.fine for each in by[solver]], "shape") for solver in SOLVERS], "solver")
     apart = [differences(p.found.fine, s.found.fine, s.found.fine) for p, s in zip(panels, spectral, strict=True)]
     estimates = [[error_estimate(r.found, r.found.fine, waves.depth) for r in by[s]] for s in SOLVERS]
-    where, told = ("shape", "omega", "coefficient"), ("solver", "shape")
+    where, runs_of = ("shape", "omega", "coefficient"), ("solver", "shape")
     return solved.rename({name: f"shape_{name}" for name in COEFFICIENTS}).assign(
         witness_difference=(where, apart),
-        witness_estimate=((*told, "coefficient"), estimates),
-        witness_seconds=(told, [[each.seconds for each in by[s]] for s in SOLVERS]),
+        witness_estimate=((*runs_of, "coefficient"), estimates),
+        witness_seconds=(runs_of, [[each.seconds for each in by[s]] for s in SOLVERS]),
         deformation_amplitude=("shape", [each.amplitude for each in shapes]),
         solver=list(SOLVERS),
         shape=[each.name for each in shapes],
@@ -189,7 +189,7 @@ def compared(shapes: Sequence[Deformed], panels: Sequence[Runs], spectral: Seque
 
 
 def derivatives(shapes: Sequence[Deformed], panels: Sequence[Runs], basis: ModeBasis, waves: Waves) -> xr.Dataset:
-    """Return derivatives of the coefficients by every mode's amplitude, and how far the panels' are from them.
+    """Return derivatives of the coefficients by every mode's amplitude, and the distance of the panels' from them.
 
     Returns
     -------
@@ -197,7 +197,7 @@ def derivatives(shapes: Sequence[Deformed], panels: Sequence[Runs], basis: ModeB
         `<coefficient>_slope` (shape_dof, omega, ...) of the spectral solver; `slope_difference` (shape_dof, omega,
         coefficient) from it of the panels' central differences less their known term of third order; `slope_estimate`
         (shape_dof, coefficient), `error_estimate` of these differences and about the next term, the square of that of
-        third order; in terms of the slope's largest entry [-]. Empty but in deep water, the only one the family knows.
+        third order; relative to the slope's largest entry [-]. Empty in finite depth, which the family does not treat.
     """
     if np.isfinite(waves.depth) or len(shapes) == 1:
         return xr.Dataset()
@@ -217,7 +217,7 @@ def derivatives(shapes: Sequence[Deformed], panels: Sequence[Runs], basis: ModeB
 def _derivative(
     family: ShapeFamily, low: Deformed, sides: tuple[Runs, Runs], basis: ModeBasis
 ) -> tuple[xr.Dataset, FloatArray, FloatArray]:
-    """Derivative by one mode, how far the panels' central difference is from it, and what is to be expected of that."""
+    """Derivative by one mode, the distance of the panels' central difference from it, and the expected distance."""
     dofs = {dim: list(basis.labels) for dim in PAIR}
     line = family.along(np.eye(len(family.labels))[family.labels.index(low.mode)], levels=2)
     (minus, plus), h = (each.found for each in sides), -low.amplitude
@@ -229,7 +229,7 @@ def _derivative(
 
 
 def witness_checks(ds: xr.Dataset) -> list[Check]:
-    """Return whether two solvers agree within both estimates: on all shapes, and in derivatives by the shape."""
+    """Return checks that two solvers agree within both estimates, on all shapes and in derivatives by the shape."""
     errors = {words: ds.witness_estimate.sel(solver=solver) for solver, words in SOLVERS.items()}
     what = f"panels and spectral solver on {ds.sizes['shape']} shapes at {ds.sizes['omega']} frequencies"
     checks = [_agreement("witness", what, ds.witness_difference, errors)]
@@ -240,31 +240,31 @@ def witness_checks(ds: xr.Dataset) -> list[Check]:
 
 
 def _agreement(name: str, what: str, apart: xr.DataArray, errors: dict[str, xr.DataArray]) -> Check:
-    """Check of differences against the errors that are to be expected, in doubt beyond their sum."""
+    """Check of differences against estimated errors, a doubt beyond their sum."""
     share = apart / sum(errors.values())
     worst = share.isel({str(dim): int(i) for dim, i in share.argmax(...).items()})
     at = {str(dim): worst.coords[dim].item() for dim in share.dims}
-    told = {who: float(error.sel({str(dim): at[str(dim)] for dim in error.dims})) for who, error in errors.items()}
+    estimates = {who: float(e.sel({str(dim): at[str(dim)] for dim in e.dims})) for who, e in errors.items()}
     place = [str(at[dim]) for dim in ("shape", "shape_dof") if dim in at]
     text = (
         f"{what}: {float(apart.sel(at)):.1e} of the largest entry apart in "
         f"{', '.join([str(at['coefficient']).replace('_', ' '), *place])} at {at['omega']:.3g} rad/s, for estimated "
-        "errors of " + " and ".join(f"{error:.1e} ({who})" for who, error in told.items())
+        "errors of " + " and ".join(f"{error:.1e} ({who})" for who, error in estimates.items())
     )
     return Check(name, float(worst), 1.0, "-", "ok" if float(worst) <= 1 else "doubt", text)
 
 
 def database_checks(ds: xr.Dataset, database: xr.Dataset, error: float) -> list[Check]:
-    """Return whether a hydro database agrees with the solver it is not from, on the mean shape within its band.
+    """Return checks that a hydro database agrees with the other solver, on the mean shape within its band.
 
     Parameters
     ----------
     ds : xarray.Dataset
         As of `compared`.
     database : xarray.Dataset
-        Its sweep; between its frequencies splines are taken, as everywhere.
+        Its sweep, interpolated by splines as everywhere.
     error : float
-        What the database estimates of itself, relative to the band's largest entries [-].
+        Estimated error of the database, relative to the band's largest entries [-].
     """
     first, last = database.omega.values[[0, -1]]
     omega = [w for w in ds.omega.values if first <= w <= last]

@@ -9,7 +9,7 @@ from vsb.errors import StabilityError
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.motion.system import Motion, System
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import superposed
 
 SERIES = 16  # terms of exp(X), |X| <= 1/2
 GONE = 1e-30

@@ -27,7 +27,7 @@ from vsb.integrators.energy_preserving import STALLED, Step, added, settled
 from vsb.integrators.exact import SERIES, steady_state, transition
 from vsb.motion.system import Remainder, System
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import superposed
 
 AHEAD = 128
 """Instants looked ahead at a time, at most."""

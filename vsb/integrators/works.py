@@ -16,7 +16,7 @@ import numpy as np
 from vsb.integrators.phases import Phase
 from vsb.motion.system import System
 from vsb.tools.arrays import BoolArray, FloatArray
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import superposed
 
 TERMS = ("wave", "pto", "structural", "radiated")
 AT_ONCE = 512

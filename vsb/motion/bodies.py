@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh, null_space
 
 from vsb.errors import ConfigError, DatabaseError, StabilityError
-from vsb.hydro.coefficients import Coefficients
+from vsb.hydro.database import Coefficients
 from vsb.hydro.formats.modes import DRY, Structure, structure
 from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_lowest, sizes
 from vsb.hydro.retardation import DampingSpectrum

@@ -24,8 +24,7 @@ from vsb.motion.froude_krylov import Incident, incident
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene, resting
 from vsb.motion.wetted import wet_shell
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.reference import ReferenceShell
+from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea
 

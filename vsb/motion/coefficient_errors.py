@@ -12,8 +12,7 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.ndimage import maximum_filter1d
 
-from vsb.hydro.coefficients import Coefficients
-from vsb.hydro.database import ESTIMATE, stored_checks
+from vsb.hydro.database import ESTIMATE, Coefficients, stored_checks
 from vsb.hydro.orders import order_groups
 from vsb.motion.frequency import LinearBuoy, LinearMotion
 from vsb.motion.port import Port

@@ -20,7 +20,7 @@ from vsb.hydro.statespace import RadiationModel
 from vsb.motion.froude_krylov import Incident, wave_forces
 from vsb.motion.wetted import WetShell
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import superposed
 
 EXCITING = ("excitation", "froude_krylov", "diffraction")
 """Names of what waves, or a pressure in their place, do to a buoy."""

@@ -16,7 +16,7 @@ from scipy.linalg import eigh, null_space
 from scipy.optimize import brentq
 
 from vsb.errors import DatabaseError, StabilityError
-from vsb.hydro.coefficients import Coefficients
+from vsb.hydro.database import Coefficients
 from vsb.hydro.orders import heading_shares, most_exciting, order_groups, orders_of, own_headings
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.motion.channel import Channel

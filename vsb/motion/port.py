@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.azimuthal import multiplicity
+from vsb.hydro.dofs import multiplicity
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.orders import OrderBasis

@@ -22,8 +22,7 @@ from vsb.motion.scene import Scene
 from vsb.motion.wetted import Shape, wet_force
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
-from vsb.waves.seas import NO_WAVES
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import NO_WAVES, superposed
 
 
 @dataclass(frozen=True)

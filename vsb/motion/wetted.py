@@ -18,8 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from vsb.shell.mode import Mode
-from vsb.shell.modes import ModeBasis
+from vsb.shell.modes import Mode, ModeBasis
 from vsb.study.meridian import RestMeridian
 from vsb.tools.arrays import FloatArray
 from vsb.tools.compiled import njit

@@ -10,8 +10,7 @@ from vsb.report.living import as_script, packed
 from vsb.study.study import Water
 from vsb.tools.arrays import FloatArray
 from vsb.waves.dispersion import wavenumber
-from vsb.waves.seas import Sea
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import Sea, superposed
 
 PER_PERIOD = 24
 """Frames of a period: heave and shell move smoothly with it."""

@@ -27,8 +27,8 @@ from vsb.results.validity import LIMITS, motion_limits, wave_limits
 from vsb.results.year import Bins, bins_of
 from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
+from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
-from vsb.shell.reference import ReferenceShell
 from vsb.study.campaign import CONSTRAINED
 from vsb.study.study import Study, Water
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray

@@ -37,8 +37,7 @@ from vsb.study.specs import BodyLadderSpec, LadderSpec
 from vsb.study.study import IrregularSea, StillWater, Wave
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
-from vsb.waves.seas import Sea, expected
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import Sea, expected, superposed
 
 CONSTRAINED = "constrained"
 RUNGS = ("fixed", "best_damper", "best_damper_all_seas", "best_spring_damper", CONSTRAINED, "matched")

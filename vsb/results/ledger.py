@@ -24,9 +24,9 @@ from vsb.scenes.floating_system import band
 from vsb.scenes.mode_convergence import knows_port
 from vsb.scenes.rest import carries_load, computed_buckling
 from vsb.scenes.viability import DOUBTED_STRAIN, static_modal_amplitude, static_strain
+from vsb.shell.deformed import ReferenceShell
 from vsb.shell.loaded import viable_pressure
-from vsb.shell.reference import ReferenceShell
-from vsb.shell.sphere import Shell
+from vsb.shell.shell import Shell
 from vsb.shell.surface import largest_displacement
 from vsb.study.blocks import no_witness
 from vsb.study.body import BodyStudy

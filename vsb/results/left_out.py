@@ -17,7 +17,7 @@ from vsb.scenes.mode_convergence import (
     powers_of_ports,
 )
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
-from vsb.shell.reference import ReferenceShell
+from vsb.shell.deformed import ReferenceShell
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import LadderSpec
 from vsb.study.study import Study, Wave

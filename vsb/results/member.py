@@ -18,8 +18,8 @@ from vsb.results.year import DesignYear, Tuning, Year, best_for_all, bins_of, ga
 from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.scenes.viability import viability, with_designs
+from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
-from vsb.shell.reference import ReferenceShell
 from vsb.study.campaign import CONSTRAINED, Tunings
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray

@@ -22,8 +22,7 @@ from vsb.study.study import BaseStudy, Irregular, IrregularSea, Study
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.tools.words import plain
-from vsb.waves.seas import Sea
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import Sea, superposed
 
 FEWEST_BATCHES = 6
 CONFIDENCE = 0.95

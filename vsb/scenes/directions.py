@@ -5,12 +5,11 @@ from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
 from vsb.motion.frequency import drifting_motions, softest
+from vsb.shell.deformed import ReferenceShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import ModeBasis
-from vsb.shell.order_prestress import prestress_stiffness
-from vsb.shell.orders import OrderBasis, ballast_of, order_basis, yaw
-from vsb.shell.reference import ReferenceShell
+from vsb.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw
 from vsb.study.directions import RIGID
 from vsb.study.specs import AtRest, DesignsSpec, RestSpec
 from vsb.study.study import Study

@@ -13,11 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.errors import ConvergenceError
-from vsb.hydro.coefficients import Coefficients
-from vsb.hydro.database import with_excitation
+from vsb.hydro.database import Coefficients, with_excitation
 from vsb.hydro.dofs import Displacement
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.hydro.spectral.sweep import FEWEST_NODES, incident_wave, resolved
+from vsb.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, incident_wave, resolved
 from vsb.hydro.sweep import on_grid
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, best_pairs, mean_power

@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.hydro.coefficients import Coefficients
-from vsb.hydro.database import shares
+from vsb.hydro.database import Coefficients, shares
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.orders import order_shares
 from vsb.motion.channel import channelled
@@ -17,9 +16,9 @@ from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
 from vsb.motion.port import Port, PortMotion, port_direction
 from vsb.scenes.directions import order_bases, side_by_side, whole_stiffness
 from vsb.scenes.rest import design_motions, motions_to_degree, seen_by_take_off
+from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
-from vsb.shell.reference import ReferenceShell
 from vsb.study.study import Study, Water
 from vsb.tools.arrays import ComplexArray, FloatArray
 

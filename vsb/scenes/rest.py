@@ -17,11 +17,10 @@ from vsb.scenes.directions import (
     whole_labels,
     whole_stiffness,
 )
-from vsb.shell.deformed import DeformedShell
+from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
-from vsb.shell.reference import ReferenceShell
 from vsb.study.specs import AtRest, Designed
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray

@@ -18,16 +18,14 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.hydro.coefficients import Coefficients
-from vsb.hydro.database import with_structure
-from vsb.hydro.shapes.database import ShapeDatabase, shape_database
-from vsb.hydro.shapes.family import ShapeFamily
+from vsb.hydro.database import Coefficients, with_structure
+from vsb.hydro.shape_dependence import ShapeDatabase, ShapeFamily, shape_database
 from vsb.motion.frequency import LinearBuoy, dynamic_stiffness
 from vsb.motion.port import LinearPto
 from vsb.scenes.directions import loaded_shell
 from vsb.scenes.rest import design_motions, reference_shell
+from vsb.shell.deformed import ReferenceShell
 from vsb.shell.loaded import equilibrium
-from vsb.shell.reference import ReferenceShell
 from vsb.study.study import RegularWave, StillWater, Study, canonical
 from vsb.study.take_off import Pto
 from vsb.tools.arrays import FloatArray

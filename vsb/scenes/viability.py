@@ -12,9 +12,9 @@ from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.port import LinearPto, port_direction
 from vsb.scenes.directions import check_upright, loaded_shell, order_bases
 from vsb.scenes.rest import computed_buckling, design_stiffness, reference_shell, seen_by_take_off
+from vsb.shell.deformed import ReferenceShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.modes import ModeBasis
-from vsb.shell.reference import ReferenceShell
 from vsb.study.study import Study, canonical, parse
 from vsb.tools.arrays import FloatArray
 

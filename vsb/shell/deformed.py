@@ -1,7 +1,7 @@
 """The deformed shell in water: waterline, wet quadrature, volume, area, hydrostatic force and its exact Jacobian."""
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from vsb.errors import ConfigError
 from vsb.shell.modes import ModeBasis
-from vsb.shell.sphere import Shell
+from vsb.shell.shell import Curve, Shell
 from vsb.tools.arrays import FloatArray
 
 
@@ -29,19 +29,10 @@ class Meridian(NamedTuple):
     dshape_z: FloatArray
 
 
-class Curve(NamedTuple):
-    """Points of a deformed meridian alone: radius x and height z [m], their derivatives by colatitude."""
-
-    x: FloatArray  # (point,)
-    z: FloatArray
-    dx: FloatArray
-    dz: FloatArray
-
-
 _FINER = 15
-"""Points that a curl is looked for at, between two of the grid."""
+"""Subdivisions of the grid for finding curls."""
 AT_ONCE = 512
-"""Points at which shapes are tabulated at one time: of thousands of shapes these are some 100 MB."""
+"""Points at which shapes are tabulated at a time: for thousands of shapes some 100 MB."""
 
 
 @cache
@@ -100,7 +91,7 @@ class DeformedShell:
         return radial, legder(radial), first, legder(first)
 
     def curve(self, colatitude: FloatArray) -> Curve:
-        """Return `meridian` without the shapes of the modes: one sum over degrees, however many modes there are."""
+        """Return `meridian` without the shapes of the modes: one sum over degrees for any number of modes."""
         at, sin, cos = self.basis.shell.at_rest(colatitude), np.sin(colatitude), np.cos(colatitude)
         v, slope, first, second = (legval(cos, series) for series in self._series)
         u, dv, du = -sin * first, -sin * slope, sin**2 * second - cos * first
@@ -113,7 +104,7 @@ class DeformedShell:
 
     @cached_property
     def _grid(self) -> FloatArray:
-        """Colatitudes fine enough for the turns of the highest degree, pole to pole, shape (point,) [rad]."""
+        """Colatitudes that resolve the highest degree, pole to pole, shape (point,) [rad]."""
         return np.linspace(0.0, np.pi, 40 * (self.basis.turns + 1) + 1)
 
     @cached_property
@@ -129,7 +120,7 @@ class DeformedShell:
         Raises
         ------
         ConfigError
-            If the meridian crosses the axis or itself, or the keel alone is not what is below one waterline.
+            If the meridian crosses the axis or itself, or there is not one waterline with the keel below it.
         """
         check_meridian(self)
         wet = self.wet_segments
@@ -207,9 +198,9 @@ class DeformedShell:
 
 
 def check_meridian(shell: DeformedShell) -> None:
-    """Raise `ConfigError` if a meridian crosses the axis or itself: it bounds no body that integrals could be over.
+    """Raise `ConfigError` if a meridian crosses the axis or itself, and so bounds no body.
 
-    Seen at 40 points per degree, and by the slope at the poles.
+    Checked at 40 points per degree, and by the slope at the poles.
     """
     if not np.isfinite([shell.centre_height, *shell.modal_amplitude]).all():
         raise ConfigError("reference_shape: received a shape with NaN or infinite amplitudes; needs finite ones")
@@ -225,7 +216,7 @@ def check_meridian(shell: DeformedShell) -> None:
         )
     x[0] = x[-1] = 0.0
     if (x[1:] * z[:-1] > x[:-1] * z[1:]).all():
-        return  # seen whole from the centre
+        return  # star-shaped about the centre
     if crossing := _crossing(x, z) or _curl(shell):
         a, b = (phi[i] for i in crossing)
         raise ConfigError(
@@ -235,7 +226,7 @@ def check_meridian(shell: DeformedShell) -> None:
 
 
 def _curl(shell: DeformedShell) -> tuple[int, int] | None:
-    """Numbers of two neighbours on the grid between which a curl lies that it does not see; none if there is none.
+    """Indices of two neighbours on the grid that enclose a curl the grid does not resolve; None if there is none.
 
     The tangent of a meridian that does not cross itself turns by half a circle in all (Hopf).
     """
@@ -249,7 +240,7 @@ def _curl(shell: DeformedShell) -> tuple[int, int] | None:
 
 
 def _crossing(x: FloatArray, z: FloatArray) -> tuple[int, int] | None:
-    """Numbers of two sides of an open polygon that meet but are no neighbours, the first there are."""
+    """Indices of the first two sides of an open polygon that meet but are no neighbours."""
     a, b = np.column_stack([x, z])[:-1], np.column_stack([x, z])[1:]
     low, high = np.minimum(a, b), np.maximum(a, b)
 
@@ -296,10 +287,38 @@ def enclosed(basis: ModeBasis, modal_amplitude: FloatArray, points: int = 0) -> 
 
 
 def rigid_sphere(radius: float, centre_height: float) -> DeformedShell:
-    """Return an undeformed sphere in the water; its material is of no consequence."""
+    """Return an undeformed sphere in the water, of any material."""
     return rigid_buoy(Shell(radius, 0.01 * radius, 1.0, 0.0, 1.0), centre_height)
 
 
 def rigid_buoy(shell: Shell, centre_height: float) -> DeformedShell:
     """Return an undeformed shell in the water, that moves as a whole."""
     return DeformedShell(ModeBasis(shell, (), 1.0, bending=False), centre_height, np.zeros(1))
+
+
+@dataclass(frozen=True)
+class ReferenceShell:
+    """Shape at rest and the stiffness about it; motions are measured from there."""
+
+    shape: DeformedShell
+    stiffness: Mapping[str, FloatArray]  # structural, hydrostatic, and where there are: prestress, gas (dof, dof) [N/m]
+
+    @property
+    def basis(self) -> ModeBasis:
+        """Heave and shell modes."""
+        return self.shape.basis
+
+    @property
+    def total(self) -> FloatArray:
+        """Sum of the stiffness, shape (dof, dof) [N/m]."""
+        return np.asarray(sum(self.stiffness.values()))
+
+    @property
+    def modal_amplitude(self) -> FloatArray:
+        """Heave and modal amplitudes of the shape at rest, shape (dof,) [m]; zero if undeformed."""
+        return self.shape.modal_amplitude
+
+    @property
+    def keel_depth(self) -> float:
+        """Depth of the keel below still water [m]."""
+        return -float(self.shape.meridian(np.array([np.pi])).z[0])

@@ -8,9 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.shell.deformed import DeformedShell, Meridian, gauss_rule
-from vsb.shell.modes import ModeBasis, bending_block
-from vsb.shell.sphere import Shell
-from vsb.shell.strain import strain_shapes
+from vsb.shell.modes import ModeBasis, bending_block, strain_shapes
+from vsb.shell.shell import Shell
 from vsb.tools.arrays import FloatArray
 
 
@@ -26,7 +25,7 @@ class Tables(NamedTuple):
 
 @lru_cache(maxsize=16)
 def _tables(basis: ModeBasis, points: int) -> Tables:
-    """Shapes at so many quadrature points, once for all materials; not to be written to."""
+    """Shapes at a number of quadrature points, cached for all materials; not to be written to."""
     cos, weight = gauss_rule(points)
     colatitude, area = np.arccos(cos), 2 * np.pi * basis.shell.radius**2 * weight
     if basis.shell.rest is not None:

@@ -15,10 +15,8 @@ from scipy.optimize import brentq, minimize_scalar
 from vsb.errors import ConvergenceError
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell, converged_degree
-from vsb.shell.mode import Mode
-from vsb.shell.modes import ModeBasis
-from vsb.shell.sphere import Shell
-from vsb.shell.strain import strain_shapes
+from vsb.shell.modes import Mode, ModeBasis, strain_shapes
+from vsb.shell.shell import Shell
 from vsb.study.study import Device, Gas, Water
 from vsb.tools.arrays import FloatArray
 
@@ -55,7 +53,7 @@ class LoadedShell:
         return float((outside + self.internal_pressure) * (reference / self.elastic.volume(q)) ** index - outside)
 
     def _water(self, q: FloatArray) -> tuple[DeformedShell, int]:
-        """The shell in the water, and points per wet arc that resolve the 4N+3 waves per turn of the integrands."""
+        """The shell in the water, and the points per wet arc that resolve integrands of degree 4N+3."""
         return DeformedShell(self.basis, self.centre_height, q), 4 * self.basis.highest_degree + 40
 
     def force(self, q: FloatArray) -> FloatArray:
@@ -80,7 +78,7 @@ class LoadedShell:
         return self._hydrostatics(q)[1]
 
     def _hydrostatics(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Force and stiffness of the water, about the undeformed shell those of its shapes alone."""
+        """Force and stiffness of the water; those of the undeformed shell depend on its shapes alone and are cached."""
         if not q.any():
             weight, (force, stiffness) = self.water_density * self.gravity, _undeformed(self._of_shapes)
             return weight * force, weight * stiffness
@@ -90,7 +88,7 @@ class LoadedShell:
 
     @property
     def _of_shapes(self) -> "LoadedShell":
-        """The same shapes of no material and with no contents, in water of unit weight."""
+        """The same shapes of a dummy material, empty, in water of unit weight."""
         return LoadedShell(ElasticShell(self.basis.immaterial), self.centre_height, 1.0, 1.0)
 
     def stiffness(self, q: FloatArray) -> FloatArray:
@@ -98,7 +96,7 @@ class LoadedShell:
         return self.force_and_stiffness(q)[1]
 
     def force_and_stiffness(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return `force` and `stiffness`: most of the work is the meridian in the water, which both are sums over."""
+        """Return `force` and `stiffness`, which share the meridian in the water."""
         water, stiffness = self._hydrostatics(q)
         pressure = self.pressure(q) * self.elastic.volume_gradient(q)
         force = self.elastic.force(q) + pressure + water - self.gravity * self.basis.inertia[0]
@@ -149,7 +147,7 @@ class LoadedShell:
 
 @lru_cache(maxsize=128)
 def _undeformed(shell: LoadedShell) -> tuple[FloatArray, FloatArray]:
-    """Force and stiffness of the water about an undeformed shell, once for all materials; not to be written to."""
+    """Force and stiffness of the water about an undeformed shell, cached for all materials; not to be written to."""
     water, points = shell._water(np.zeros(len(shell.basis.labels)))
     force, stiffness = water.hydrostatics(shell.water_density, shell.gravity, points)
     found = force, (stiffness + stiffness.T) / 2
@@ -213,7 +211,7 @@ def _newton(loaded: LoadedShell, n: FloatArray, q: FloatArray) -> FloatArray | N
 
 
 def _buckled(loaded: LoadedShell, n: FloatArray, q: FloatArray, reached: float) -> str:
-    """Say at which load and into which shape the shell buckles: the softest motion of the last stable state."""
+    """Message with the load and shape at which the shell buckles: the softest motion of the last stable state."""
     stiffness, unloaded = loaded.scaled(max(reached, 1e-3)).stiffness(q), loaded.unloaded_stiffness.copy()
     unloaded[0, 0] = stiffness[0, 0]  # heave has no elastic stiffness to lose
     softest = n @ eigh(n.T @ stiffness @ n, n.T @ unloaded @ n, subset_by_index=[0, 0])[1][:, 0]
@@ -268,10 +266,10 @@ def complete_shell(device: Device, centre_height: float, water: Water, internal_
 def viable_pressure(device: Device, centre_height: float, water: Water, margin: float = 1.0) -> tuple[float, Buckling]:
     """Return the least internal pressure [Pa, gauge] with a buckling load factor of at least `margin`, and the latter.
 
-    K_0 + margin K_1(p) is linear in p, so its least eigenvalue is concave: above its maximum more pressure is of no
-    use, below it the root is unique; raises `ConvergenceError` if no pressure will do. Of trapped gas it is that of the
-    undeformed volume, of which the expanding shell takes a part away. Imperfect shells buckle earlier than computed:
-    ask for a margin.
+    K_0 + margin K_1(p) is linear in p, so its least eigenvalue is concave: above its maximum more pressure does not
+    help, below it the root is unique; raises `ConvergenceError` if no pressure suffices. For trapped gas it is the
+    pressure at the undeformed volume, which falls as the shell expands. Imperfect shells buckle earlier than computed:
+    use a margin.
     """
     empty = complete_shell(device, centre_height, water, 0.0)
     elastic, load = _pencil(empty)

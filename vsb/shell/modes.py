@@ -2,30 +2,93 @@
 
 Every shape of the sphere is one Legendre degree n: radial displacement v = V P_n(cos phi), meridional u = U dP_n/dphi.
 Rigid heave is the shape n = 1, V = U = 1. Degrees are orthogonal, so mass and energy are closed-form 2 x 2 blocks per
-degree. On another meridian the natural modes hold all degrees, and both come from quadrature (`vsb.shell.ritz`).
+degree. On another meridian each natural mode has all degrees, and both come from quadrature (`vsb.shell.ritz`).
 """
 
-from collections.abc import Iterable
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.linalg import eigh, svd
+from scipy.optimize import minimize_scalar
 
 from vsb.errors import ConfigError
-from vsb.shell.legendre import legendre
-from vsb.shell.mode import Mode, natural_shapes, scaled
-from vsb.shell.ritz import matrices
-from vsb.shell.sphere import Shell, frequency_parameter
+from vsb.shell.ritz import matrices, natural_modes, strains
+from vsb.shell.shell import Shell, frequency_parameter, legendre
 from vsb.study.sections import Basis
 from vsb.study.study import Device
 from vsb.tools.arrays import FloatArray
 
+
+@dataclass(frozen=True)
+class Mode:
+    """One shape: v = radial P_n, u = meridional dP_n/dphi, scaled to max|displacement| = 1 (C5)."""
+
+    label: str
+    degree: int
+    radial: float
+    meridional: float
+    others: tuple[tuple[int, float, float], ...] = ()  # degrees, radial and meridional, beside; on other meridians
+
+    @property
+    def parts(self) -> tuple[tuple[int, float, float], ...]:
+        """Degree, radial and meridional amplitude of all parts."""
+        return ((self.degree, self.radial, self.meridional), *self.others)
+
+
+def scaled(label: str, degree: int, radial: float, meridional: float) -> Mode:
+    """Return a shape of one degree scaled to max|displacement| = 1, radial at the top pole positive."""
+
+    def displacement(phi: FloatArray) -> FloatArray:
+        p, dp, _ = legendre(degree, np.atleast_1d(phi))
+        return np.asarray(np.hypot(radial * p[degree], meridional * dp[degree]))
+
+    largest = largest_along(displacement, degree)
+    scale = np.copysign(1.0, radial) / largest
+    return Mode(label, degree, radial * scale, meridional * scale)
+
+
+def largest_along(displacement: Callable[[FloatArray], FloatArray], degree: int) -> float:
+    """Return the largest displacement along the meridian of a shape that turns as a degree does."""
+    grid = np.linspace(0.0, np.pi, 20 * degree + 3)
+    peak = grid[np.argmax(displacement(grid))]
+    step = grid[1]
+    refined = minimize_scalar(
+        lambda phi: -float(displacement(phi)[0]), bounds=(peak - step, peak + step), options={"xatol": 1e-12}
+    )
+    return max(-float(refined.fun), float(displacement(np.array(peak))[0]))
+
+
+def natural_shapes(shell: Shell, degree: int) -> tuple[Mode, ...]:
+    """Return the natural modes of a shell of another meridian, by ascending frequency, from `Shell1` on."""
+    shapes = natural_modes(shell, max(1, degree)).shapes.T
+    return tuple(_natural_shape(f"Shell{i}", shape) for i, shape in enumerate(shapes, 1))
+
+
+def _natural_shape(label: str, shape: FloatArray) -> Mode:
+    """A mode of all degrees scaled to max|displacement| = 1, the largest radial amplitude at a pole positive."""
+    highest = len(shape) // 2
+    radial, meridional = shape[: highest + 1], np.concatenate([[0.0], shape[highest + 1 :]])
+
+    def displacement(phi: FloatArray) -> FloatArray:
+        p, dp, _ = legendre(highest, np.atleast_1d(phi))
+        return np.asarray(np.hypot(radial @ p, meridional @ dp))
+
+    largest = largest_along(displacement, highest)
+    at_poles = np.array([radial.sum(), radial @ (-1.0) ** np.arange(highest + 1)])
+    scale = np.copysign(1.0, at_poles[0] if abs(at_poles[0]) > 1e-6 * largest else at_poles[1]) / largest
+    parts = [(n, scale * float(v), scale * float(u)) for n, (v, u) in enumerate(zip(radial, meridional, strict=True))]
+    leading = max(parts, key=lambda part: math.hypot(part[1], math.sqrt(part[0] * (part[0] + 1)) * part[2]))
+    return Mode(label, *leading, tuple(part for part in parts if part is not leading))
+
+
 HEAVE = "Heave"
 SAME = 1e-12
-"""A singular value of the constraint below this part of the largest is zero: a repeated clamp, a pole's row [-]."""
+"""Singular values of the constraint below this, relative to the largest, are zero: repeated clamps, poles [-]."""
 DISTINCT = 1e-8
-"""Above this part it is a constraint of its own; its direction then keeps eight digits [-]."""
+"""Singular values above this are independent constraints; their direction then keeps eight digits [-]."""
 
 
 def membrane_block(shell: Shell, degree: int) -> FloatArray:
@@ -94,7 +157,7 @@ class ModeBasis:
 
     @property
     def turns(self) -> int:
-        """Degree whose turns the deformed meridian may have: the shapes' and, beyond the sphere's, its own."""
+        """Highest degree of the deformed meridian: the shapes' and, other than for the sphere, its own."""
         return self.highest_degree + (len(self.shell.rest.axial) - 2 if self.shell.rest else 0)
 
     @cached_property
@@ -210,14 +273,14 @@ class ModeBasis:
 
         Notes
         -----
-        Null space of `clamp_rows` by singular values: repeated and zero rows are harmless. With it q = N y the
-        constraint holds at all times by construction: no multipliers, no drift. Not to be written to.
+        Null space of `clamp_rows` by singular values: repeated and zero rows are harmless. With q = N y the constraint
+        holds at all times by construction: no multipliers, no drift. Not to be written to.
         """
         return _allowed(self.immaterial, tuple(colatitudes))
 
     @cached_property
     def immaterial(self) -> "ModeBasis":
-        """The same shapes of a wall of no consequence: what follows from them alone is found once for all."""
+        """The same shapes of a dummy material: quantities that depend on shapes alone are cached by this basis."""
         shell = replace(self.shell, thickness=1e-9 * self.shell.radius, young_modulus=1.0, density=1.0)
         return replace(self, shell=shell, total_mass=1.0, alpha=0.0, beta=0.0)
 
@@ -246,8 +309,8 @@ def check_rank(rows: FloatArray) -> int:
     Raises
     ------
     ConfigError
-        If a singular value lies between `SAME` and `DISTINCT` of the largest: clamps so near each other that round-off
-        decides whether they are one or two.
+        If a singular value lies between `SAME` and `DISTINCT` of the largest: clamps so close that round-off decides
+        whether they are one or two.
 
     Notes
     -----
@@ -258,7 +321,7 @@ def check_rank(rows: FloatArray) -> int:
     relative = singular / (singular.max(initial=0.0) or 1.0)
     if (doubtful := relative[(relative > SAME) & (relative < DISTINCT)]).size:
         raise ConfigError(
-            f"clamp: received clamps so near each other that it cannot be decided whether they are one or several "
+            f"clamp: received clamps closer than the basis resolves "
             f"(relative singular value {doubtful.max():.1e}; needs more than {DISTINCT:g}, or less than {SAME:g} for "
             f"the same clamp twice); move them apart, drop one, or raise modes.degree"
         )
@@ -317,9 +380,9 @@ def mode_basis(device: Device, basis: Basis, degree: int) -> ModeBasis:
 
 
 def shell_modes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
-    """Return the shapes of a shell, all membrane modes, then all bending modes; stiffness and density are of no matter.
+    """Return the shapes of a shell, all membrane modes, then all bending modes, whatever its stiffness and density.
 
-    Mass and stiffness scale with them, so shapes follow from Poisson's ratio and thickness over radius alone.
+    Mass and stiffness scale with these, so shapes follow from Poisson's ratio and thickness over radius alone.
     """
     return _shapes(replace(shell, young_modulus=1.0, density=1.0), basis, degree)
 
@@ -341,3 +404,20 @@ def _shapes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
 def rigid_basis(device: Device) -> ModeBasis:
     """Return the basis of a study without a flexible design: heave alone."""
     return ModeBasis(Shell.of(device), (), device.mass, bending=False)
+
+
+def strain_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return linear meridional and hoop strain and rotation per unit amplitude, each shape (dof, point) [1/m].
+
+    e_phi = (u' + v)/r, e_theta = (u cot phi + v)/r, beta = (v' - u)/r. By Legendre's equation
+    u cot phi = -n(n+1) U P_n - u', which holds at the poles too and makes all three exactly zero for rigid heave. On
+    another meridian, between its poles, those of `vsb.shell.ritz`.
+    """
+    if basis.shell.rest is not None:
+        found, shapes = strains(basis.shell.rest, basis.highest_degree, colatitude), basis.displacements
+        return shapes @ found.meridional, shapes @ found.hoop, shapes @ found.rotation
+    p, dp, ddp = (table[list(basis.degrees)] for table in legendre(basis.highest_degree, colatitude))
+    radial, meridional = np.array([[mode.radial, mode.meridional] for mode in basis.shapes]).T[:, :, None]
+    n, r = np.array(basis.degrees)[:, None], basis.shell.radius
+    hoop = (radial - n * (n + 1) * meridional) * p - meridional * ddp
+    return (radial * p + meridional * ddp) / r, hoop / r, (radial - meridional) * dp / r

@@ -10,6 +10,10 @@ semi-normalised function, sqrt(2 (n-m)!/(n+m)!) P_n^m. A closed sphere looks the
 its energies are those of m = 0, degree by degree. Surge is n = 1, V = U = 1. Pitch, about the sphere's centre, is no
 gradient; shapes of its kind, which twist the shell and move no water, are left out: neither strain nor inertia couples
 them to these.
+
+Prestress of the sphere for m >= 1: the membrane forces of the load at rest do work on the second-order part of Green's
+strains, half the squared gradient of the displacement along each line of the surface, and the internal pressure on the
+second-order part of the volume. Neither depends on the buoy's attitude, so rigid motions have none.
 """
 
 import re
@@ -21,19 +25,21 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag, svd
-from scipy.optimize import minimize_scalar
 
 from vsb.errors import ConfigError
-from vsb.shell.mode import Mode
+from vsb.shell.deformed import gauss_rule
+from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import (
     SAME,
+    Mode,
     ModeBasis,
     bending_block,
     check_rank,
+    largest_along,
     mass_block,
     membrane_block,
 )
-from vsb.shell.sphere import Shell
+from vsb.shell.shell import Shell
 from vsb.study.device import Device
 from vsb.tools.arrays import FloatArray
 
@@ -90,12 +96,12 @@ class Ballast(NamedTuple):
 
 
 def ballast_of(device: Device) -> Ballast:
-    """Return how a device is balanced.
+    """Return mass and balance of a device.
 
     Raises
     ------
     ConfigError
-        If the device does not say.
+        If the device does not give them.
     """
     if device.centre_of_mass is None or device.ballast_inertia is None:
         raise ConfigError("device: received no centre_of_mass or no ballast_inertia; pitch needs both.")
@@ -137,7 +143,7 @@ class OrderBasis:
 
     @property
     def _signs(self) -> FloatArray:
-        """What turns the rigid motions with the shapes: pitch turned by 90 degrees is roll the other way."""
+        """Signs that turn rigid motions with the shapes: pitch turned by 90 degrees is negative roll."""
         signs = np.ones(len(self.labels))
         signs[1 : self.rigid] = -1.0 if self.odd else 1.0
         return signs
@@ -149,7 +155,7 @@ class OrderBasis:
 
     @cached_property
     def _shapes(self) -> tuple[Mode, ...]:
-        """All but pitch: of order 1 surge, then the modes."""
+        """All shapes but pitch: in order 1 surge, then the modes."""
         return (Mode("Surge", 1, 1.0, 1.0), *self.modes) if self.rigid else self.modes
 
     def _with_pitch(self, matrix: FloatArray, row: FloatArray) -> FloatArray:
@@ -240,9 +246,9 @@ class OrderBasis:
         Notes
         -----
         Minus the Jacobian of Q_j = rho g int z N.psi_j, N = r_phi x r_theta, as of `DeformedShell`: height, and what
-        turns and stretches N. Shapes turn with the buoy, d(psi_j)/d(pitch) = e_y x psi_j: what the load at rest does
-        along that is stiffness, too, so the whole is the Hessian of a potential. A sphere that turns about its centre
-        moves no water: of pitch alone the weight's -m g z_G is left.
+        turns and stretches N. Shapes turn with the buoy, d(psi_j)/d(pitch) = e_y x psi_j: the work of the load at rest
+        along that is stiffness, too, so the sum is the Hessian of a potential. A sphere that turns about its centre
+        moves no water: pitch alone has only the weight's -m g z_G.
         """
         if self.odd:
             even = replace(self, odd=False).hydrostatic_stiffness(centre_height, density, gravity)
@@ -303,11 +309,11 @@ class OrderBasis:
 
 @dataclass(frozen=True)
 class Yaw(OrderBasis):
-    """The turn of a buoy about its axis: it moves no water, strains nothing, and only a mooring may hold it."""
+    """Rotation of a buoy about its axis: it moves no water and strains nothing; only a mooring may hold it."""
 
     @property
     def rigid(self) -> int:
-        """It is all there is."""
+        """The only degree of freedom."""
         return 1
 
     @property
@@ -343,21 +349,17 @@ def yaw(basis: ModeBasis, ballast: Ballast) -> Yaw:
 def _scaled(mode: Mode, order: int) -> Mode:
     """An axisymmetric mode's shape at another order, scaled to max|displacement| = 1, V positive."""
 
-    def largest(phi: FloatArray) -> FloatArray:
+    def displacement(phi: FloatArray) -> FloatArray:
         s, ds, _, around, _ = semi_normalised(mode.degree, order, np.atleast_1d(phi))
         v, u, w = mode.radial * s, mode.meridional * ds, order * mode.meridional * around
         return np.asarray(np.sqrt(np.maximum(v**2 + u**2, w**2)))
 
-    grid = np.linspace(0.0, np.pi, 40 * mode.degree + 3)
-    peak = int(np.argmax(largest(grid)))
-    bounds = (float(grid[max(peak - 1, 0)]), float(grid[min(peak + 1, len(grid) - 1)]))
-    refined = minimize_scalar(lambda phi: -float(largest(np.array([phi]))[0]), bounds=bounds, options={"xatol": 1e-12})
-    scale = np.copysign(1.0, mode.radial) / max(-float(refined.fun), float(largest(grid)[peak]))
+    scale = np.copysign(1.0, mode.radial) / largest_along(displacement, mode.degree)
     return Mode(f"{mode.label}c{order}", mode.degree, mode.radial * scale, mode.meridional * scale)
 
 
 def goes_with_sine(label: str) -> bool:
-    """Return whether a mode of a label is one of the odd family, as Membrane3s2."""
+    """Return whether the label is that of a mode of the odd family, such as Membrane3s2."""
     return re.search(r"\d+s\d+$", label) is not None
 
 
@@ -374,3 +376,59 @@ def all_clamp_rows(clamps: Iterable[float], basis: ModeBasis, orders: Iterable[O
     """Return the constraint matrix of clamps [degrees] over the degrees of freedom of all orders, (row, dof) [-]."""
     at = np.deg2rad(list(clamps))
     return np.asarray(block_diag(basis.clamp_rows(at), *(order.clamp_rows(at) for order in orders)))
+
+
+def geometric_stiffness(
+    basis: OrderBasis, colatitude: FloatArray, area: FloatArray, meridional: FloatArray, hoop: FloatArray
+) -> FloatArray:
+    """Return int [N_phi |d u/d phi|^2 + N_theta |d u/d theta|^2/sin^2(phi)]/r^2 dA, shape (dof, dof) [N/m].
+
+    Parameters
+    ----------
+    basis : OrderBasis
+    colatitude, area : ndarray, shape (point,)
+        Quadrature points [rad], and the area of the ring of each [m^2].
+    meridional, hoop : ndarray, shape (point,)
+        Membrane forces N_phi and N_theta, the same around [N/m].
+
+    Notes
+    -----
+    The gradient of v e_r + u e_phi + w e_theta, v and u with cos(m theta), w with sin(m theta); either is a half on
+    average around. For m = 0 the same are strains and rotation of `ElasticShell.geometric_stiffness`.
+    """
+    r, m, sin, cos = basis.shell.radius, basis.order, np.sin(colatitude), np.cos(colatitude)
+    (v, u, w), (dv, du, dw) = basis.field(colatitude), basis.field(colatitude, derivative=1)
+    along = (dv - u, du + v, dw)
+    around = (-m * v - w * sin, -m * u - w * cos, m * w + v * sin + u * cos)
+    by_phi, by_theta = area * meridional / (2 * r**2), area * hoop / (2 * (r * sin) ** 2)
+    found = sum((by_phi * one) @ one.T for one in along) + sum((by_theta * one) @ one.T for one in around)
+    return _of_shapes(basis, np.asarray(found))
+
+
+def volume_hessian(basis: OrderBasis) -> FloatArray:
+    """Return d2V/dq_j dq_k of the volume enclosed, int psi_j.dN_k with N = r_phi x r_theta, shape (dof, dof) [m]."""
+    cosine, weight = gauss_rule(2 * max(mode.degree for mode in basis.modes) + 2)
+    phi = np.arccos(cosine)
+    r, m, sin, cos, dphi = basis.shell.radius, basis.order, np.sin(phi), cosine, weight / np.sin(phi)
+    (v, u, w), (dv, du, _) = basis.field(phi), basis.field(phi, derivative=1)
+    normal = (sin * (du + v) + v * sin + u * cos + m * w, -sin * (dv - u), m * v + w * sin)  # dN/(r d amplitude)
+    found = sum((one * dphi) @ changed.T for one, changed in zip((v, u, w), normal, strict=True))
+    return _of_shapes(basis, np.pi * r * np.asarray(found))
+
+
+def prestress_stiffness(basis: OrderBasis, loaded: LoadedShell) -> FloatArray:
+    """Return the prestress of shapes of an order about the undeformed sphere, shape (dof, dof) [N/m].
+
+    As `LoadedShell.prestress_stiffness` of axisymmetric ones, whose load it is; zero of rigid motions.
+    """
+    if not basis.modes:
+        return np.zeros((len(basis.labels),) * 2)
+    colatitude, area = loaded.elastic.rings
+    forces = loaded.linear_resultants(colatitude)
+    return geometric_stiffness(basis, colatitude, area, *forces) - loaded.pressure_inside * volume_hessian(basis)
+
+
+def _of_shapes(basis: OrderBasis, matrix: FloatArray) -> FloatArray:
+    """A matrix with exact zeros where rigid motions take part."""
+    matrix[: basis.rigid, :] = matrix[:, : basis.rigid] = 0.0
+    return matrix

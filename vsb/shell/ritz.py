@@ -21,14 +21,12 @@ import numpy as np
 from scipy.linalg import eigh
 
 from vsb.errors import ConvergenceError
-from vsb.shell.curve import bend, curve
-from vsb.shell.legendre import legendre
-from vsb.shell.sphere import Shell
+from vsb.shell.shell import Shell, bend, curve, legendre
 from vsb.study.meridian import RestMeridian
 from vsb.tools.arrays import FloatArray
 
 CONVERGED = 1e-11
-"""Change of a matrix, in terms of its diagonal, below which more points of quadrature say nothing new.
+"""Relative change of a matrix at which its quadrature is converged.
 
 Round-off of sums over the thousand points and more that long capsules need is 1e-12 to 4e-12.
 """
@@ -48,7 +46,7 @@ class Strains:
 
 
 def strains(meridian: RestMeridian, degree: int, phi: FloatArray) -> Strains:
-    """Return what radial displacements of degrees 0..degree and meridional ones of 1..degree do to a shell.
+    """Return the strains of a shell by radial displacements of degrees 0..degree and meridional ones of 1..degree.
 
     Parameters
     ----------
@@ -169,16 +167,11 @@ def natural_modes(shell: Shell, degree: int) -> NaturalModes:
 
     Notes
     -----
-    K s = omega^2 M s among displacements that are orthogonal to rigid heave. What the bending adds and the membrane
-    resists differs by (h/r)^2; both are solved together in units of the mass.
+    K s = omega^2 M s among displacements that are orthogonal to rigid heave. Membrane and bending stiffness differ by
+    (h/r)^2; both are solved together in units of the mass.
     """
-    mass, membrane, bending = matrices(_of_unit_stiffness(shell), degree)
+    mass, membrane, bending = matrices(replace(shell, young_modulus=1.0, density=1.0), degree)  # the modes are the same
     held = np.linalg.qr(np.column_stack([mass @ heave(degree), np.eye(len(mass))]))[0][:, 1:]
     squares, shapes = eigh(held.T @ (membrane + bending) @ held, held.T @ mass @ held)
     scale = np.sqrt(shell.young_modulus / shell.density)
     return NaturalModes(scale * np.sqrt(np.maximum(squares, 0.0)), held @ shapes)
-
-
-def _of_unit_stiffness(shell: Shell) -> Shell:
-    """The shell of a material of unit stiffness and density, whose modes are the same."""
-    return replace(shell, young_modulus=1.0, density=1.0)

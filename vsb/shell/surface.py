@@ -5,9 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.shell.modes import ModeBasis
+from vsb.shell.modes import ModeBasis, strain_shapes
 from vsb.shell.orders import OrderBasis
-from vsb.shell.strain import strain_shapes
 from vsb.tools.arrays import FloatArray
 
 AT_ONCE = 4096

@@ -22,7 +22,7 @@ from vsb.results.year import Bins
 from vsb.scenes.directions import whole_labels
 from vsb.scenes.ports import design_ports, designs_in_waves
 from vsb.scenes.viability import viability
-from vsb.shell.reference import ReferenceShell
+from vsb.shell.deformed import ReferenceShell
 from vsb.stages.campaign import Swept, swept_shape
 from vsb.stages.climate import read_climate
 from vsb.stages.shell import shell_modes
@@ -34,8 +34,7 @@ from vsb.tools.files import load, write_text
 from vsb.tools.ports import kind_of
 from vsb.tools.stamps import record
 from vsb.waves.climate import Climate, realised
-from vsb.waves.seas import Sea
-from vsb.waves.superposition import superposed
+from vsb.waves.seas import Sea, superposed
 
 FRAMES = PER_PERIOD * PERIODS
 """Instants at which motions are summed; a page shows as many."""

@@ -15,7 +15,7 @@ from vsb.hydro.formats import bemio, foreign, wamit
 from vsb.hydro.formats.foreign import LARGEST_UNAFLOAT, afloat_checks
 from vsb.hydro.formats.modes import check_positive, volume_of
 from vsb.hydro.formats.sources import read_source, source_checks
-from vsb.hydro.repairs import repaired, told, with_symmetric_stiffness
+from vsb.hydro.repairs import failures_as_doubts, repaired, with_symmetric_stiffness
 from vsb.hydro.variables import PAIR
 from vsb.motion.bodies import LinearBody
 from vsb.scenes.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
@@ -86,7 +86,8 @@ def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
     checks = [*known, *symmetry]  # of what is kept, whatever is stored of all
     mended, repairs = repaired(body.database, spec.repair)
     ds = mended.assign(structural_damping_matrix=(PAIR, body.structural_damping))
-    return Judged(body, ds, quality.judged([*told(checks, spec.repair), *repairs], spec.accept, REMEDY), unseen)
+    checks = [*failures_as_doubts(checks, spec.repair), *repairs]
+    return Judged(body, ds, quality.judged(checks, spec.accept, REMEDY), unseen)
 
 
 def of_own_mass(checks: Sequence[Check], given: Body, body: LinearBody) -> list[Check]:

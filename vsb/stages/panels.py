@@ -15,7 +15,7 @@ from vsb.hydro.witness import Deformed, Waves, compared, deformed_shapes, deriva
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.shell.modes import ModeBasis, shell_modes
-from vsb.shell.sphere import Shell
+from vsb.shell.shell import Shell
 from vsb.stages.stage import stamp
 from vsb.study.blocks import degree
 from vsb.study.specs import DeformedSpec, LoadedMesh, LoadedShape, PanelsSpec, Shapes, SphereMesh, WitnessSpec

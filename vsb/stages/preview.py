@@ -8,7 +8,7 @@ from vsb.hydro import database
 from vsb.scenes.rest import check_rests, check_spring, check_stable, reference_shell, seen_by_take_off
 from vsb.shell.modes import mode_basis
 from vsb.shell.ritz import natural_modes
-from vsb.shell.sphere import Shell, natural_frequencies
+from vsb.shell.shell import Shell, natural_frequencies
 from vsb.study.blocks import BlockSpec, no_witness
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import PanelsSpec

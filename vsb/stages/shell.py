@@ -8,10 +8,10 @@ import xarray as xr
 from vsb.hydro.panels.mesh import display_shapes, write_wet_shell
 from vsb.scenes.directions import order_bases
 from vsb.scenes.rest import check_stable, reference_shell
-from vsb.shell.curve import curve
-from vsb.shell.mode import Mode
+from vsb.shell.deformed import ReferenceShell
+from vsb.shell.modes import Mode
 from vsb.shell.orders import OrderBasis
-from vsb.shell.reference import ReferenceShell
+from vsb.shell.shell import curve
 from vsb.stages.stage import stamp
 from vsb.study.meridian import RestMeridian
 from vsb.study.specs import DisplaySpec, ModesSpec

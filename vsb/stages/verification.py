@@ -28,7 +28,7 @@ from vsb.scenes.floating_system import linear_buoy, rest_shape, study_port
 from vsb.scenes.ports import design_ports
 from vsb.scenes.rest import design_motions
 from vsb.scenes.viability import viability
-from vsb.shell.reference import ReferenceShell
+from vsb.shell.deformed import ReferenceShell
 from vsb.stages.campaign import swept_shape
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make

@@ -12,15 +12,13 @@ from vsb.errors import DatabaseError
 from vsb.hydro import database, orders, quality
 from vsb.hydro.database import Check
 from vsb.hydro.dofs import displacements
-from vsb.hydro.spectral import solver
-from vsb.hydro.spectral.sweep import FEWEST_NODES, converged, converged_on_grid
+from vsb.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, converged, converged_on_grid
 from vsb.hydro.variables import PAIR
 from vsb.scenes.directions import mooring_stiffness, order_bases, order_stiffness
 from vsb.scenes.rest import reference_shell
-from vsb.shell.deformed import rigid_buoy
+from vsb.shell.deformed import ReferenceShell, rigid_buoy
 from vsb.shell.orders import OrderBasis
-from vsb.shell.reference import ReferenceShell
-from vsb.shell.sphere import Shell
+from vsb.shell.shell import Shell
 from vsb.stages.stage import stamp
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.specs import DatabaseSpec, LoadedShape, SpectralSpec
@@ -41,7 +39,7 @@ def run_spectral(spec: SpectralSpec, out: str) -> None:
     save(solved.assign_attrs(**stamp(spec), seconds=clock.perf_counter() - begun), out)
 
 
-def spectral_problem(spec: SpectralSpec) -> solver.SpectralProblem:
+def spectral_problem(spec: SpectralSpec) -> SpectralProblem:
     """Return the problem of a block: the shape at rest and its displacements."""
     shape, water = spec.shape, spec.water
     if isinstance(shape, LoadedShape):
@@ -50,7 +48,7 @@ def spectral_problem(spec: SpectralSpec) -> solver.SpectralProblem:
         rest = shape.shape.meridian(shape.radius) if shape.shape else None
         shell = rigid_buoy(Shell(shape.radius, FILM * shape.radius, 1.0, 0.0, 1.0, rest), shape.centre_height)
     moved = displacements(spec.displacements, spec.order)
-    return solver.SpectralProblem(shell, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)
+    return SpectralProblem(shell, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)
 
 
 def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:

@@ -16,7 +16,7 @@ from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.panels.mesh import graded_colatitudes, polygon_radius, revolved
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import Mode, ModeBasis, legendre
-from vsb.shell.sphere import Shell
+from vsb.shell.shell import Shell
 
 LENGTH, BEAM, DRAUGHT = 6.0, 4.0, 2.0
 CENTRE_OF_MASS = np.array([0.0, 0.0, 0.3])

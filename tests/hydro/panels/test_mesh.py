@@ -19,27 +19,6 @@ def panel_area(vertices, faces):
     return 0.5 * np.linalg.norm(np.cross(c - a, d - b), axis=1)
 
 
-def test_polygon_of_the_circles_area():
-    n = 12
-    corner = polygon_radius(n)
-    assert 0.5 * n * corner**2 * np.sin(2 * np.pi / n) == pytest.approx(np.pi)
-
-
-def test_rows_start_at_the_waterline_and_are_finest_there():
-    phi = graded_colatitudes(1.6, 20)
-    assert (phi[0], phi[-1]) == pytest.approx((1.6, np.pi))
-    assert np.all(np.diff(phi, 2) > 0)
-
-
-@pytest.mark.parametrize("height", [-0.5, 0.0, 0.8])
-def test_mean_mesh_ends_on_the_surface_and_the_axis(height):
-    mesh = mean_mesh(2.0, height, 30, 60, 9)
-    assert mesh.meridian_height.values[0] == 0.0
-    assert mesh.meridian_radius.values[-1] == 0.0
-    assert mesh.meridian_radius.values[0] == mesh.lid_radius.values[-1]
-    assert mesh.meridian_height.values[-1] == pytest.approx(height - 2.0)
-
-
 def test_area_of_the_viewable_mesh_converges_at_second_order(seed, tmp_path):
     shell = DeformedShell(mode_basis(seed.device, "full", 4), 0.3, np.array([0.0, 0.1, 0, 0.05, 0, 0, -0.1, 0, 0]))
     rows, errors = [8, 16, 32, 64], []
@@ -71,30 +50,6 @@ def test_area_and_volume_of_the_mean_mesh_converge_at_second_order(height):
         errors.append(np.abs(found / exact - 1))
     slopes = -np.diff(np.log(errors), axis=0) / np.diff(np.log(rows))[:, None]
     assert np.all(np.abs(slopes - 2.0) < 0.1), slopes
-
-
-@pytest.mark.parametrize("azimuth", [3, 8, 80])
-def test_every_section_of_the_mesh_keeps_the_area_of_its_circle(azimuth):
-    mesh = mean_mesh(2.0, 0.3, 12, azimuth, 5)
-    vertices, _ = revolved(mesh.meridian_radius.values, mesh.meridian_height.values, azimuth)
-    x, y = vertices[:azimuth, 0], vertices[:azimuth, 1]
-    shoelace = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
-    assert shoelace == pytest.approx(np.pi * (4.0 - 0.09), rel=1e-12)
-
-
-def test_normals_point_into_the_water():
-    mesh = mean_mesh(2.0, 0.0, 10, 20, 5)
-    vertices, faces = revolved(mesh.meridian_radius.values, mesh.meridian_height.values, 20)
-    a, b, c, d = (vertices[faces[:, i]] for i in range(4))
-    normals, centres = np.cross(c - a, d - b), (a + b + c + d) / 4
-    assert np.all(np.einsum("ij,ij->i", normals, centres) > 0)
-
-
-def test_lid_covers_the_waterplane_in_equal_rows():
-    mesh = mean_mesh(2.0, -0.5, 30, 60, 9)
-    assert np.diff(mesh.lid_radius.values) == pytest.approx(np.full(9, mesh.lid_radius.values[-1] / 9), rel=1e-12)
-    assert mesh.lid_radius.values[-1] == pytest.approx(polygon_radius(60) * np.sqrt(4.0 - 0.25), rel=1e-14)
-    assert mesh.attrs["azimuth"] == 60
 
 
 @pytest.mark.parametrize("height", [-0.5, 0.0, 0.8])

@@ -3,17 +3,15 @@ import os
 import shutil
 import subprocess
 import sys
-from math import factorial
 from pathlib import Path
 
 import capytaine as cpt
 import numpy as np
 import pytest
-from scipy.special import eval_legendre, legendre_p_all
+from scipy.special import legendre_p_all
 
 from vsb.errors import DatabaseError
 from vsb.hydro import dofs
-from vsb.hydro.bodies.solver import unit_wave, unit_wave_slope
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.panels.mesh import mean_mesh
 from vsb.hydro.spectral.solver import SpectralProblem
@@ -80,23 +78,6 @@ def test_a_table_that_is_not_the_one_written_is_one_line(green_folder, tmp_path,
         bem.green_function(place)
 
 
-def test_rings_equal_capytaines_full_solution_to_round_off(green):
-    azimuth, ka = 12, 1.3
-    rings = bem.ring_mesh(mean_mesh(1.0, 0.0, 6, azimuth, 3), with_lid=False)
-    wedge = rings.wedge
-    full = cpt.Mesh.join_meshes(*[wedge.rotated_z(2 * np.pi * i / azimuth) for i in range(azimuth)])
-    assert full.nb_faces == azimuth * rings.rows
-    mu = full.faces_centers[:, 2] / np.linalg.norm(full.faces_centers, axis=1)
-    velocity = eval_legendre(2, mu)
-    body = cpt.FloatingBody(mesh=full, dofs={"P2": velocity[:, None] * full.faces_normals}, name="ring test")
-    problem = cpt.RadiationProblem(body=body, radiating_dof="P2", wavenumber=ka, rho=1.0, g=1.0)
-    result = cpt.BEMSolver(green_function=green, method="indirect").solve(problem)
-    s, d = bem.ring_matrices(green, rings, ka)
-    force = -rings.areas * velocity[: rings.rows] @ (s @ np.linalg.solve(d, velocity[: rings.rows]))
-    assert force.real == pytest.approx(result.added_masses["P2"], rel=1e-10)
-    assert np.sqrt(ka) * force.imag == pytest.approx(result.radiation_dampings["P2"], rel=1e-10)
-
-
 def test_coefficients_of_the_hemisphere_at_the_default_resolution(green, hemisphere):
     ka = [k for k in hemisphere["Ka"] if k <= 6]
     result = unit_problem(green, 40).solve([float(np.sqrt(k)) for k in ka])
@@ -133,11 +114,6 @@ def test_flat_panels_converge_at_first_order_and_the_flux_correction_at_second(g
     assert corrected[-1] < flat[-1] / 10
 
 
-def test_added_mass_at_infinite_frequency(green, hemisphere):
-    exact = np.array(hemisphere["added_mass_infinite_frequency"])
-    assert np.abs(unit_problem(green, 40).at_infinity() - exact).max() < 1e-3 * np.abs(exact).max()
-
-
 def test_damping_is_smooth_across_irregular_frequencies_and_the_lids_own_band(green):
     for band in (np.linspace(1.15, 1.40, 11), np.linspace(2.45, 2.67, 11)):  # lid with upward normals; Ka = 2.5573
         damping = unit_problem(green, 20, degrees=(0, 1)).solve([float(np.sqrt(k)) for k in band]).radiation_damping
@@ -146,57 +122,10 @@ def test_damping_is_smooth_across_irregular_frequencies_and_the_lids_own_band(gr
             assert np.abs(np.diff(b, 3)).max() < 2e-4 * b.max(), band
 
 
-def test_without_lid_the_irregular_frequency_is_there(green):
-    problem = unit_problem(green, 20, degrees=(1,))
-    rings = bem.ring_mesh(problem.mesh, with_lid=False)
-    conditions = [np.linalg.cond(bem.ring_matrices(green, rings, k)[1]) for k in (2.3, 2.5573, 2.8)]
-    assert conditions[1] > 5 * max(conditions[0], conditions[2])
-
-
-def test_lid_covers_the_waterplane_and_faces_down(green):
-    rings = bem.ring_mesh(mean_mesh(2.0, 0.5, 10, 20, 7))
-    lid = slice(rings.body_rows, None)
-    assert rings.azimuth * rings.wedge.faces_areas[lid].sum() == pytest.approx(np.pi * (2.0**2 - 0.5**2), rel=1e-12)
-    assert np.all(rings.wedge.faces_normals[lid, 2] < 0)
-    assert np.all(rings.wedge.faces_normals[: rings.body_rows, 2] < 0)
-
-
-@pytest.mark.parametrize("ka", [0.3, 1.0, 3.0])
-def test_haskind_rank_one_and_common_phase(green, ka):
-    omega = float(np.sqrt(ka))
-    result = unit_problem(green, 40).solve([omega])
-    x = (result.Froude_Krylov_force + result.diffraction_force).values[0, 0]
-    b = result.radiation_damping.values[0]
-    haskind = ka * np.outer(x, x.conj()) / (4 * group_velocity(omega, np.inf, 1.0))
-    assert np.abs(haskind - b).max() < 1e-3 * b.max()
-    eigenvalues = np.sort(np.abs(np.linalg.eigvalsh(b + b.T)))
-    assert eigenvalues[-2] < 1e-3 * eigenvalues[-1]
-
-
-def test_finite_depth_tends_to_deep_water(green):
-    deep = unit_problem(green, 10, degrees=(1,)).solve([1.0])
-    differences = [
-        abs(unit_problem(green, 10, degrees=(1,), depth=depth).solve([1.0]).added_mass.item() - deep.added_mass.item())
-        for depth in (3.0, 8.0, 30.0)
-    ]
-    assert differences[0] > differences[1] > differences[2]
-    assert differences[2] < 1e-3 * deep.added_mass.item()
-
-
 def test_added_mass_at_infinite_frequency_in_finite_depth(green):
     deep, near, far = (unit_problem(green, 20, degrees=(1,), depth=d).at_infinity().item() for d in (np.inf, 2.0, 40.0))
     assert far == pytest.approx(deep, rel=1e-3)
     assert near > 1.01 * deep  # the bottom confines the flow
-
-
-def test_haskind_holds_in_finite_depth(green):
-    omega, depth = 1.0, 3.0
-    problem = unit_problem(green, 20, degrees=(0, 1), depth=depth)
-    result = problem.solve([omega])
-    x = (result.Froude_Krylov_force + result.diffraction_force).values[0, 0]
-    k = bem.wavenumber(omega, depth, 1.0)
-    haskind = k * np.abs(x) ** 2 / (4 * group_velocity(omega, depth, 1.0))
-    assert haskind == pytest.approx(np.diag(result.radiation_damping.values[0]), rel=2e-2)
 
 
 def order_problem(green, rows, displacements, order, *, azimuth=None, depth=np.inf):
@@ -263,30 +192,6 @@ def test_every_order_equals_capytaines_full_solution_to_round_off(green, order, 
         assert np.abs(ours[name].values - expected).max() < 1e-11 * size, name
 
 
-def exact_at_infinity(n, m):
-    """Added mass of P_n^m, n - m odd: one multipole, pi (n + m)!/((n - m)! (2n + 1)(n + 1)); orders m > 0."""
-    return np.pi * factorial(n + m) / (factorial(n - m) * (2 * n + 1) * (n + 1))
-
-
-@pytest.mark.parametrize(("degree", "order"), [(2, 1), (4, 3)])
-def test_flux_correction_takes_most_of_the_first_order_error_from_every_order(green, degree, order):
-    rows = np.array([20, 28, 40, 56])
-    meshes = [mean_mesh(1.0, 0.0, n, 2 * n, 1) for n in rows]
-    plain, corrected = (
-        [
-            kind(green, mesh, (dofs.Displacement("radial", degree, order),), 1.0, np.inf, 1.0).at_infinity().item()
-            for mesh in meshes
-        ]
-        / np.array(exact_at_infinity(degree, order))
-        - 1
-        for kind in (Plain, bem.AxisymmetricProblem)
-    )
-    slopes = -np.diff(np.log(plain)) / np.diff(np.log(rows))
-    assert np.all(np.abs(slopes - 1.0) < 0.22), slopes
-    assert np.all(np.abs(corrected[1:]) < plain[1:] / 7), (plain, corrected)
-    assert np.all(np.abs(corrected[-2:]) < plain[-2:] / 10), (plain, corrected)
-
-
 def surge_at_infinity():
     """Multipoles P_n^1, n even: pi sum <sin, P_n^1>^2/((n + 1) N_n), N_n = n (n + 1)/(2n + 1), over the half sphere."""
     node, weight = np.polynomial.legendre.leggauss(400)
@@ -332,55 +237,6 @@ def test_every_order_converges_to_the_solver_without_panels(green, order, names)
     slopes = np.log(np.array(errors[0]) / errors[-1]) / np.log(2.8)
     assert np.all((slopes > 1.5) & (slopes < 2.2)), slopes
     assert np.max(errors[-1]) < 6e-3, errors
-
-
-def patch_of_panels():
-    """Three unequal rectangles in the quarter x, y > 0, under water; vertices and faces."""
-    right = [[1.0, 0.2, -0.2], [1.0, 0.9, -0.2], [1.0, 0.9, -0.8], [1.0, 0.2, -0.8]]
-    under = [[0.3, 0.3, -1.0], [0.9, 0.3, -1.0], [0.9, 0.8, -1.0], [0.3, 0.8, -1.0]]
-    behind = [[0.2, 1.1, -0.3], [0.7, 1.1, -0.3], [0.7, 1.1, -0.6], [0.2, 1.1, -0.6]]
-    return np.array([*right, *under, *behind]), np.arange(12).reshape(3, 4)
-
-
-@pytest.mark.parametrize("planes", [(), ("xOz",), ("yOz",), ("xOz", "yOz")])
-def test_a_mesh_is_mirrored_in_every_plane_it_says_and_nothing_is_reordered(planes):
-    vertices, faces = patch_of_panels()
-    mesh = bem.panel_mesh(vertices, faces, planes)
-    centres = mesh.faces_centers if not planes else mesh.merged().faces_centers
-    own = bem.panel_mesh(vertices, faces).faces_centers
-    assert len(centres) == 3 * 2 ** len(planes)
-    np.testing.assert_allclose(own, vertices[faces].mean(axis=1))
-    np.testing.assert_allclose(centres[:3], own)
-    signs = {(1.0, 1.0)}
-    for plane in planes:
-        signs |= {(sx * (-1.0 if plane == "yOz" else 1.0), sy * (-1.0 if plane == "xOz" else 1.0)) for sx, sy in signs}
-    expected = np.concatenate([own * [*sign, 1.0] for sign in signs])
-    assert sorted(map(tuple, centres.round(9))) == sorted(map(tuple, expected.round(9)))
-
-
-@pytest.mark.parametrize("depth", [np.inf, 2.5])
-@pytest.mark.parametrize(("order", "names"), [(0, ("Heave",)), (1, ("Surge",)), (3, ("Radial3",))])
-def test_of_an_undisturbed_wave_rings_see_what_panels_around_see_of_their_order(depth, order, names):
-    """Potential and normal velocity, by the wave over general panels; of order 0 the mean, by more points around."""
-    problem = bem.AxisymmetricProblem(
-        "green", mean_mesh(1.5, 0.2, 4, 12, 0), dofs.displacements(names, order), 7.0, depth, 2.0
-    )
-    rings, omega, ahead = problem.body, 1.6, np.zeros(1)
-    theta = 2 * np.pi * np.arange(12 if order else 96) / (12 if order else 96)
-    weight = (2 if order else 1) * np.cos(order * theta) / len(theta)
-    k, (x, z) = bem.wavenumber(omega, depth, 2.0), rings.centres
-    n_x, _, n_z = rings.wedge.faces_normals.T
-
-    def around(radial, upright):
-        return np.array(
-            [[r * np.cos(theta), r * np.sin(theta), 0 * theta + u] for r, u in zip(radial, upright, strict=True)]
-        )
-
-    at, normals = around(x, z).swapaxes(1, 2).reshape(-1, 3), around(n_x, n_z).swapaxes(1, 2).reshape(-1, 3)
-    expected = unit_wave(at, k, depth, ahead), unit_wave_slope(at, normals, k, depth, ahead)
-    for found, wave in zip(problem.incident(rings, omega), expected, strict=True):
-        whole = -1j * 2.0 / omega * wave.reshape(len(x), len(theta)) @ weight
-        np.testing.assert_allclose(found, whole, rtol=1e-9, atol=1e-12 * np.abs(whole).max())
 
 
 def test_no_home_folder_is_needed():

@@ -4,15 +4,18 @@ import math
 
 import numpy as np
 import pytest
+from conftest import varied
 
-from vsb.hydro.database import in_modes, with_excitation
-from vsb.hydro.dofs import Displacement, displacements
+from vsb.hydro.database import displacements_of, in_modes, with_excitation
+from vsb.hydro.dofs import displacements
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.scenes.ports import designs_in_waves
+from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.mode import Mode, natural_shapes
-from vsb.shell.modes import ModeBasis
-from vsb.shell.sphere import Shell
+from vsb.shell.modes import Mode, ModeBasis, natural_shapes
+from vsb.shell.shell import Shell
+from vsb.stages.campaign import swept_shape
 from vsb.study.meridian import capsule, spheroid, through
 
 DENSITY, GRAVITY = 1025.0, 9.81
@@ -88,14 +91,6 @@ def test_shell_modes_radiate_as_reciprocity_and_haskind_say(body):
     assert np.abs(found.radiation_damping.values - implied).max() < 1e-8 * np.abs(implied).max()
 
 
-def test_heave_is_the_shape_of_degree_one():
-    body = BODIES[0]
-    asked = (Displacement("heave"), Displacement("radial", 1), Displacement("meridional", 1))
-    problem = SpectralProblem(body, asked, DENSITY, GRAVITY, 32)
-    heave, radial, meridional = problem.velocities
-    assert radial + meridional == pytest.approx(heave, abs=1e-13)
-
-
 @pytest.mark.parametrize("body", BODIES)
 def test_hydrostatic_stiffness_is_the_slope_of_the_force(body):
     q, h = np.zeros(len(body.basis.labels)), 1e-5
@@ -111,12 +106,53 @@ def test_hydrostatic_stiffness_is_the_slope_of_the_force(body):
         assert -(forces[0] - forces[1]) / (2 * h) == pytest.approx(stiffness[:, j], abs=1e-6 * np.abs(stiffness).max())
 
 
-@pytest.mark.parametrize("body", BODIES)
-def test_heave_weighs_and_holds_as_archimedes_says(body):
-    meridian = body.basis.shell.meridian
-    below = meridian.volume_below(-body.centre_height)
-    assert body.volume() == pytest.approx(below, rel=1e-9)
-    assert body.hydrostatic_force(DENSITY, GRAVITY)[0] == pytest.approx(DENSITY * GRAVITY * below, rel=1e-9)
-    radius = float(body.meridian(np.array([body.waterline])).x[0])
-    plane = DENSITY * GRAVITY * math.pi * radius**2
-    assert body.hydrostatic_stiffness(DENSITY, GRAVITY)[0, 0] == pytest.approx(plane, rel=1e-9)
+SPHEROID = {
+    "device": {"shape": {"spheroid": {"height": 3.0}}, "young_modulus": 3e7, "mass": 12880.529879718},
+    "designs": {"FSB": {"flexible": False}, "VSWEC": {}},
+}
+SHAPES = [
+    SPHEROID["device"],
+    {"shape": {"capsule": {"length": 3.0}}, "mass": 30000.0},
+    {"shape": {"profile": [[0.0, 2.0], [1.0, 1.8], [1.9, 0.4], [1.6, -0.9], [0.0, -1.7]]}, "mass": 9000.0},
+]
+
+
+@pytest.mark.parametrize("device", SHAPES, ids=["spheroid", "capsule", "profile"])
+def test_in_long_waves_the_force_on_a_mode_is_that_of_raised_water(seed, device):
+    """X of a mode tends to -rho g int n.psi dS over the wet surface, integrated here on its own quadrature."""
+    study = varied(seed, device=device, modes={"basis": "full", "degree": 7}, hydro={"witness": "none"})
+    shell = reference_shell(study).shape
+    basis, omega = shell.basis, 0.02
+    problem = SpectralProblem(shell, displacements_of(basis), DENSITY, GRAVITY, 32)
+    found = with_excitation(in_modes(problem.solve([omega]), basis)).excitation_force.values[0, 0]
+    node, weight = np.polynomial.legendre.leggauss(400)
+    half = (np.pi - shell.waterline) / 2
+    phi, weight = shell.waterline + half * (node + 1), half * weight
+    at = basis.shell.at_rest(phi)
+    v, u = basis.displacement(phi)
+    along_x, along_z = v * np.sin(phi) + u * np.cos(phi), v * np.cos(phi) - u * np.sin(phi)
+    expected = -DENSITY * GRAVITY * 2 * np.pi * ((-at.dz * along_x + at.dx * along_z) * at.x * weight).sum(axis=1)
+    np.testing.assert_allclose(found.real, expected, atol=1e-3 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(
+    ("degree", "expected"), [(10, [-4.745, -2.833, 0.761, -1.948]), (16, [-4.955, -3.005, 0.754, -2.109])]
+)
+def test_gains_of_a_flexible_spheroid_are_those_of_an_independent_computation(seed, tmp_path, degree, expected):
+    """Own Ritz solution of the shell and multipoles by least squares on its meridian, sharing no code; at |Z| each."""
+    study = varied(seed, **SPHEROID, modes={"basis": "full", "degree": degree}, hydro={"witness": "none"})
+    omega = 2 * np.pi / np.array([6.0, 4.0, 3.0, 2.5])
+    reference = reference_shell(study)
+    seen = designs_in_waves(study, reference, swept_shape(study, reference.basis, str(tmp_path)).at(omega))
+    gain = 100 * (seen["VSWEC"].port.best_power / seen["FSB"].port.best_power - 1)
+    np.testing.assert_allclose(gain, expected, atol=2e-3)
+
+
+@pytest.mark.parametrize("length", [12.0, 20.0])
+def test_long_capsules_have_modes(seed, length):
+    study = varied(
+        seed, device={"shape": {"capsule": {"length": length}}, "mass": 5e4}, modes={"basis": "full", "degree": 6}
+    )
+    basis = reference_shell(study).basis
+    assert np.all(np.linalg.eigvalsh(basis.inertia) > 0)
+    assert np.all(np.diff(basis.dry_frequencies) >= 0)

@@ -12,7 +12,7 @@ from vsb.tools.arrays import FloatArray
 from vsb.tools.files import atomic_write
 
 DISPLAY_AMPLITUDE = 0.1
-"""Modal amplitude of the viewable deformed meshes, in radii or, where less, double drafts: every shape stays wet."""
+"""Modal amplitude of the deformed meshes for display, in radii or, where less, double drafts: all shapes stay wet."""
 
 
 def graded_colatitudes(waterline: float, rows: int, keel: float = np.pi) -> FloatArray:
@@ -99,7 +99,7 @@ def revolved(x: FloatArray, z: FloatArray, azimuth: int) -> tuple[FloatArray, Fl
 def write_wet_shell(shell: DeformedShell, path: str | Path, rows: int = 40, azimuth: int = 80) -> None:
     """Write the wetted part of a (deformed) shell as quadrilaterals to any format meshio knows.
 
-    Every wet segment becomes its own band of rows, so a shell that crosses the water more than once stays readable.
+    Each wet segment is a band of rows, so shells with several waterlines are written, too.
     """
     points: list[FloatArray] = []
     faces: list[FloatArray] = []

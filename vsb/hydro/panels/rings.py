@@ -2,7 +2,7 @@
 
 The only module that imports capytaine. For axisymmetric motions the unknowns are rings, not panels: the influence of a
 ring is the sum over its panels, so an N-row mesh of any azimuthal fineness costs one N x N system per frequency. The
-matrices are capytaine's own; summed with its own diagonal they reproduce capytaine's full solution to round-off. The
+matrices are capytaine's; summed with its diagonal they reproduce capytaine's full solution to round-off. The
 same holds for every azimuthal order m, where strengths go with cos(m theta): surge and pitch have m = 1.
 """
 
@@ -20,8 +20,7 @@ import xarray as xr
 from scipy.special import j0, j1
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.azimuthal import wave_around
-from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities
+from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities, wave_around
 from vsb.hydro.sweep import IncidentWave
 from vsb.study.blocks import panel_solver
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
@@ -31,7 +30,7 @@ from vsb.waves.dispersion import wavenumber
 
 try:
     import capytaine as cpt
-except OSError:  # it makes a folder for its own tables in the home folder, which may not be writable, and is not used
+except OSError:  # it makes a folder for tables in the home folder, which may not be writable and is not used
     os.environ["CAPYTAINE_CACHE_DIR"] = str(Path(tempfile.gettempdir(), f"capytaine-{os.getuid()}"))
     import capytaine as cpt
 
@@ -42,17 +41,17 @@ _LARGEST_DEPTH_IN_WAVENUMBERS = 9e4  # the finite-depth Green function has no in
 def green_function(folder: str | Path) -> cpt.Delhommeau:
     """Return capytaine's Green function; its table (16 s to compute) is read from or written to `folder`.
 
-    The table stands with its checksum in a manifest of the folder; one of before that can be read is put into it.
+    A manifest in the folder holds the table's checksum; a readable table without an entry is added to it.
 
     Raises
     ------
     DatabaseError
-        If the table is not the one that was written.
+        If the table has changed since it was written.
 
     Notes
     -----
-    In finite depth the older Prony decomposition is taken: at kd = 50, where the bottom is not felt, it gives the
-    damping of deep water to 0.3 %, capytaine 3.0's default one is 15 % off and turns heave damping negative.
+    In finite depth the older Prony decomposition is used: at kd = 50, without influence of the bottom, it gives the
+    damping of deep water to 0.3 %, while capytaine 3.0's default is 15 % off and makes heave damping negative.
     """
     place, manifest = Path(folder), Path(folder, MANIFEST)
     place.mkdir(parents=True, exist_ok=True)
@@ -71,7 +70,7 @@ def green_function(folder: str | Path) -> cpt.Delhommeau:
 
 
 def stored_green_function(folder: str | Path) -> cpt.Delhommeau:
-    """Return `green_function`, its table computed once: one half written, or of another run, is in nobody's way."""
+    """Return `green_function`, its table computed in a temporary folder that is renamed, safe for concurrent runs."""
     place = Path(folder)
     if not place.is_dir():
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -81,18 +80,18 @@ def stored_green_function(folder: str | Path) -> cpt.Delhommeau:
             try:
                 Path(partial).replace(place)
             except OSError:
-                if not place.is_dir():  # else another run was faster
+                if not place.is_dir():  # otherwise a concurrent run has finished first
                     raise
     return green_function(place)
 
 
 @dataclass(frozen=True)
 class RingMesh:
-    """One wedge of panels, body rows first, lid rows after, and the half circle of copies whose sum is a ring."""
+    """One wedge of panels, body rows before lid rows, and the half circle of copies whose sum is a ring."""
 
     wedge: cpt.Mesh
     copies: cpt.Mesh
-    weights: FloatArray  # how often each copy counts: its mirror image acts alike
+    weights: FloatArray  # 2 for copies with a mirror image, else 1
     body_rows: int
     azimuth: int
 
@@ -177,7 +176,7 @@ def ring_matrices(
 
 
 def flux_correction(green: cpt.Delhommeau, rings: RingMesh) -> FloatArray:
-    """Return what the diagonal of D lacks because panels are flat, shape (row,); zero on the lid.
+    """Return the correction of the diagonal of D for the flatness of panels, shape (row,); zero on the lid.
 
     Notes
     -----
@@ -186,8 +185,8 @@ def flux_correction(green: cpt.Delhommeau, rings: RingMesh) -> FloatArray:
     of body and mirror image, the flux of any source on it is half its strength, so sum_i a_i D_ij = a_j for
     G = -(1/r + 1/r')/(4 pi). Setting the diagonal to satisfy it takes away nearly all of the first-order
     error: 40 rows on the hemisphere go from 1.2 % to 0.05 % error in added mass (Ka = 1, modes P_0..P_6), at second
-    order down to 0.05 %. What neighbouring panels miss of each other stays, a thirtieth of the first-order error.
-    What is missing is local, so it serves every azimuthal order: surge of 40 rows at infinite frequency goes from 1.9 %
+    order down to 0.05 %. The error of neighbouring panels remains, a thirtieth of the first-order error. The
+    correction is local, so it serves every azimuthal order: surge of 40 rows at infinite frequency goes from 1.9 %
     to 0.03 %, P_4^3 from 1.9 % to 0.2 %.
     """
     _, d = ring_matrices(green, rings, 0.0)
@@ -213,7 +212,7 @@ class AxisymmetricProblem:
     gravity: float
 
     def __post_init__(self) -> None:
-        """Refuse displacements of no order or of several."""
+        """Check that the displacements have one order."""
         azimuthal_order(self.displacements)
 
     @cached_property
@@ -248,12 +247,12 @@ class AxisymmetricProblem:
         return -self.density * self.velocities * self.body.areas / (2 if self.order else 1)
 
     def correction(self, rings: RingMesh) -> FloatArray:
-        """What the diagonal of D lacks, shape (row,); see `flux_correction`."""
+        """Correction of the diagonal of D, shape (row,); see `flux_correction`."""
         return flux_correction(self.green, rings)
 
     @cached_property
     def _with_lid(self) -> tuple[RingMesh, FloatArray]:
-        """All rings, and what the diagonal of D lacks on them."""
+        """All rings, and the correction of their diagonal of D."""
         rings = ring_mesh(self.mesh)
         return rings, self.correction(rings)
 
@@ -264,7 +263,7 @@ class AxisymmetricProblem:
 
     @property
     def incident_wave(self) -> IncidentWave:
-        """What is known of excitation without solving."""
+        """Parts of the excitation known without solving."""
 
         def phase(omega: FloatArray) -> FloatArray:
             return self.waterline * np.array([wavenumber(w, self.depth, self.gravity) for w in omega])
@@ -340,7 +339,7 @@ class AxisymmetricProblem:
 
 
 def capytaine_solution(problem: AxisymmetricProblem, omegas: list[float], symmetry: str = "none") -> xr.Dataset:
-    """Solve an axisymmetric problem without lid by capytaine's own solver, every panel an unknown: what rings save.
+    """Solve an axisymmetric problem without lid by capytaine's solver with all panels as unknowns, for comparison.
 
     `symmetry` is none, planes (two of them; needs a multiple of four panels around) or rotation. The attribute seconds
     is of matrices, linear systems and products alone, by capytaine's own timer.

@@ -1,4 +1,4 @@
-"""A block of frequencies by rings of panels, on two meshes: coefficients, and how far they may be off."""
+"""A block of frequencies by rings of panels on two meshes: coefficients and their estimated error."""
 
 import math
 from dataclasses import dataclass
@@ -19,20 +19,20 @@ from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS
 from vsb.study.specs import PanelsSpec
 
 STRONGEST_KA = 0.5
-"""k R of a wave near which damping is largest: a block of high frequencies measures its errors by that, too."""
+"""k R near which damping is largest; errors of a block of high frequencies are relative to that damping, too."""
 
 
 @dataclass(frozen=True)
 class TwoMeshes:
     """A problem on the mesh asked for and on one of half its rows, half around and on the lid.
 
-    Errors are told in terms of the largest entry of those solved and of those at `STRONGEST_KA`.
+    Errors are relative to the largest entry of those solved and of those at `STRONGEST_KA`.
 
     Notes
     -----
-    Panels are of an order between one and two, so on the fine mesh the error is at most what half the rows change; what
-    both meshes have wrong, a lid too near to resonance and a Green function of finite depth, shows in Haskind's
-    relation. The estimate adds up both. Measured against the spectral solver (docs/decisions/0001).
+    Panels are of an order between one and two, so the error on the fine mesh is at most the change by half the rows.
+    Errors common to both meshes, of a lid near resonance and of the Green function of finite depth, show in Haskind's
+    relation. The estimate is the sum of both. Measured against the spectral solver (docs/decisions/0001).
     """
 
     fine: AxisymmetricProblem
@@ -109,7 +109,7 @@ def solve_block(spec: PanelsSpec, fine: xr.Dataset, coarse: xr.Dataset, green_fo
 def witness_runs(
     green_folder: str | Path, meshes: tuple[xr.Dataset, xr.Dataset], basis: ModeBasis, waves: Waves
 ) -> Runs:
-    """Return what panels say of a shape on two meshes, the finer one first."""
+    """Return the panels' coefficients of a shape on two meshes, the finer one first."""
     green = green_function(green_folder)
     fine, coarse = (
         AxisymmetricProblem(green, mesh, displacements_of(basis), waves.density, waves.depth, waves.gravity)

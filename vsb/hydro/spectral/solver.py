@@ -2,13 +2,15 @@
 
 Motions and potentials vary like cos(m theta): heave and axisymmetric shapes for m = 0, surge and pitch for m = 1. With
 K = omega^2/g, phasors exp(-i omega t), n out of the body and Green's function G = 1/r + 1/r' + waves integrated over
-the azimuth (`ringsource.py`, `wavepart.py`, in finite depth `finitedepth.py`), on the meridian
+the azimuth (`meridian.py`, `green.py`), on the meridian
 
     2 pi phi(x) - int phi dG/dn' dS' = -int G w dS'      (radiation by the normal velocity w)
                                      = 4 pi phi_I(x)     (total potential of incident wave and fixed body)
 
 and the same without 2 pi phi at points inside the body, which pins down what the surface alone leaves open at the
 eigenfrequencies of the water inside ("irregular frequencies").
+
+Over a band, points and frequencies are as few as the tolerances allow (`converged`, `converged_on_grid`).
 """
 
 from collections.abc import Iterator
@@ -18,18 +20,20 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
-from vsb.errors import ConfigError
-from vsb.hydro.azimuthal import bessel, multiplicity
-from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities
-from vsb.hydro.spectral.deepwater import WavePart
-from vsb.hydro.spectral.finitedepth import FiniteDepthWavePart, wave_profile
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.hydro.database import with_excitation
+from vsb.hydro.dofs import Displacement, azimuthal_order, bessel, multiplicity, normal_velocities
+from vsb.hydro.quality import haskind_damping
+from vsb.hydro.spectral.green import FiniteDepthWavePart, WavePart, wave_profile
 from vsb.hydro.spectral.meridian import WetMeridian
+from vsb.hydro.sweep import AdaptiveSweep, IncidentWave, crowded, on_grid, relative
+from vsb.hydro.variables import PAIR
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.waves.dispersion import group_velocity, wavenumber
+from vsb.waves.dispersion import wavenumber
 
 _COARSER = 0.75
-"""Resolution of the run that estimates the error."""
+"""Relative number of points of the coarser run that the error is estimated from."""
 
 
 @dataclass(frozen=True)
@@ -137,33 +141,16 @@ class SpectralProblem:
         radiated, total = potential[:, :-1], self.gravity * potential[:, -1]
         return radiated.real, omega * radiated.imag, froude_krylov[None], (total - froude_krylov)[None]
 
-    def haskind(self, omegas: list[float], force: ComplexArray) -> ComplexArray:
-        """Return the damping that excitation implies, real but for errors, (omega, displacement, displacement) [kg/s].
-
-        Parameters
-        ----------
-        omegas : list of float [rad/s]
-        force : ndarray, shape (omega, displacement) [N/m]
-            Of the wave to +x.
-
-        Notes
-        -----
-        B = k/(8 pi rho g v_g) int X X^H d beta over the directions, of which X sees cos(m beta).
-        """
-        velocity = np.array([group_velocity(omega, self.depth, self.gravity) for omega in omegas])
-        flux = 4 * multiplicity(self.order) * self.density * self.gravity * velocity
-        scale = self.wavenumbers(omegas) / flux
-        return np.asarray(scale[:, None, None] * force[:, :, None] * force[:, None, :].conj())
-
     def error_estimate(self, omegas: list[float]) -> xr.Dataset:
         """Return estimates of the errors of a run, relative to the largest entry at each frequency.
 
         Twice the largest difference from a run with three quarters of the points, whose own error is the larger one;
-        for damping and excitation also that from `haskind`: what both have wrong.
+        for damping and excitation plus the misfit of Haskind's relation, an error common to both runs.
         """
-        runs = [p.solve(omegas) for p in (replace(self, nodes=int(_COARSER * self.nodes)), self)]
-        forces = [(ds.Froude_Krylov_force + ds.diffraction_force).values[:, 0] for ds in runs]
-        missed = _relative(self.haskind(omegas, forces[1]), runs[1].radiation_damping.values)
+        runs = [with_excitation(p.solve(omegas)) for p in (replace(self, nodes=int(_COARSER * self.nodes)), self)]
+        forces = [ds.excitation_force.values[:, 0] for ds in runs]
+        haskind = haskind_damping(runs[1], self.depth, self.density, self.gravity, self.order)
+        missed = _relative(haskind, runs[1].radiation_damping.values)
         errors = {
             "added_mass": _relative(*(ds.added_mass.values for ds in runs)),
             "radiation_damping": _relative(*(ds.radiation_damping.values for ds in runs)) + missed,
@@ -176,3 +163,116 @@ def _relative(other: ComplexArray | FloatArray, value: ComplexArray | FloatArray
     """Largest difference at each frequency in terms of the largest value there, shape (omega,); none of nothing."""
     difference, size = (np.abs(a).reshape(len(value), -1).max(axis=1) for a in (other - value, value))
     return np.asarray(difference / np.maximum(size, np.finfo(float).tiny))
+
+
+FEWEST_NODES = 16
+MOST_NODES = 128
+
+
+def incident_wave(problem: SpectralProblem) -> IncidentWave:
+    """Return the parts of a problem's excitation known without solving."""
+    m = problem.meridian
+    radius = float(m.shell.meridian(np.array([m.waterline])).x[0])
+
+    def froude_krylov(omega: FloatArray) -> ComplexArray:
+        incident = problem.incident(problem.wavenumbers(list(omega)))[:, : m.nodes]
+        return np.asarray(problem.gravity * (incident @ problem.onto.T)[:, None])
+
+    return IncidentWave(lambda omega: radius * problem.wavenumbers(list(omega)), froude_krylov, problem.order)
+
+
+def _error(problem: SpectralProblem, omegas: list[float]) -> float:
+    """Largest estimated error of added mass, damping and excitation at frequencies."""
+    return float(max(problem.error_estimate(omegas).max().values()))
+
+
+def _limits(problem: SpectralProblem) -> dict[str, xr.Variable]:
+    """Added mass at infinite frequency and, where it has a limit, at zero."""
+    limits = {"added_mass_inf": xr.Variable(PAIR, problem.at_infinity())}
+    if np.isfinite(problem.depth) and not problem.order:
+        return limits  # log K
+    return limits | {"added_mass_zero": xr.Variable(PAIR, problem.at_zero())}
+
+
+def _limit_difference(swept: AdaptiveSweep, limits: dict[str, xr.Variable]) -> float:
+    """Largest relative difference of extrapolated limits of added mass from those solved directly."""
+    if not swept.radiation.values.any():
+        return 0.0  # the motions move no water
+    far = {"added_mass_inf": swept.at_infinity, "added_mass_zero": swept.at_zero}
+    return max(relative(far[name] - limit.values, limit.values) for name, limit in limits.items())
+
+
+def resolved(problem: SpectralProblem, omegas: list[float], tolerance: float) -> tuple[SpectralProblem, float]:
+    """Return the problem with as many points as the frequencies need, by doubling, and its estimated error.
+
+    Raises
+    ------
+    ConvergenceError
+        If `MOST_NODES` points do not reach the tolerance.
+    """
+    while problem.nodes <= MOST_NODES:
+        error = _error(problem, omegas)
+        if error <= tolerance:
+            return problem, error
+        problem = replace(problem, nodes=2 * problem.nodes)
+    raise ConvergenceError(
+        f"hydro.tolerance: received {tolerance:g}, the spectral solver reaches {error:.1e} with {MOST_NODES} points; "
+        "raise it, lower hydro.omega_max, or set hydro.solver: panels"
+    )
+
+
+def converged(problem: SpectralProblem, omegas: list[float], tolerance: float) -> xr.Dataset:
+    """Return coefficients solved at these frequencies and at infinity, with as few points as a tolerance needs.
+
+    Parameters and attributes as of `converged_on_grid`.
+
+    Raises
+    ------
+    ConvergenceError
+        As of `resolved`.
+    """
+    problem, error = resolved(problem, omegas, tolerance)
+    ds = problem.solve(omegas).assign(_limits(problem))
+    return ds.assign_attrs(error_estimate=error, solves=len(omegas), frequencies=len(omegas))
+
+
+def converged_on_grid(
+    problem: SpectralProblem, frequencies: list[float], tolerance: float, interpolation: float
+) -> xr.Dataset:
+    """Return coefficients on a grid of frequencies and at infinity, from as few points and solves as tolerances need.
+
+    Parameters
+    ----------
+    problem : SpectralProblem
+        With the fewest points.
+    frequencies : list of float [rad/s]
+        Ascending.
+    tolerance, interpolation : float [-]
+        Of the boundary elements' error at the frequencies solved, and of interpolation between them.
+
+    Returns
+    -------
+    xarray.Dataset
+        With the attributes `error_estimate`, of the boundary elements; `interpolation_error`, of the sweep and of cubic
+        splines through these frequencies; `limit_difference` of added mass extrapolated by the sweep to infinite
+        frequency, and in deep water to zero, from that solved there, relative to its largest entry; `solves` and
+        `frequencies`, their numbers.
+
+    Raises
+    ------
+    ConvergenceError
+        As of `resolved`.
+    """
+    omegas, error = [frequencies[i] for i in crowded(len(frequencies))], np.inf
+    while error > tolerance:
+        problem, _ = resolved(problem, omegas, tolerance)
+        found = on_grid(problem.solve, frequencies, interpolation, incident_wave(problem))
+        omegas, error = found.solved, _error(problem, found.solved)
+    limits = _limits(problem)
+    attrs: dict[str, float] = {"error_estimate": error, "solves": len(omegas), "frequencies": len(frequencies)}
+    if found.sweep:
+        attrs["interpolation_error"] = found.sweep.error + found.spline_error(found.sweep.at)
+        attrs["limit_difference"] = _limit_difference(found.sweep, limits)
+    else:
+        attrs["interpolation_error"] = found.spline_error(problem.solve)
+    return found.coefficients.assign(limits).assign_attrs(attrs)

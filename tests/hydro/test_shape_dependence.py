@@ -1,38 +1,183 @@
-import copy
+"""Coefficients on shapes around a reference shape: derivatives, expansions, the shape database and its error."""
+
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import varied
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.database import with_structure
-from vsb.hydro.shapes.database import (
+from vsb.hydro.shape_dependence import (
+    COEFFICIENTS,
     ShapeDatabase,
+    ShapeFamily,
+    extrapolated,
+    haskind_damping,
+    haskind_slope,
     measured_errors,
-    phase_rates,
+    misfit,
     shape_database,
     tried_shapes,
 )
-from vsb.hydro.shapes.family import COEFFICIENTS, ShapeFamily, haskind_damping, misfit
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import LinearPto
 from vsb.scenes.rest import reference_shell
+from vsb.shell.deformed import DeformedShell, rigid_sphere
+from vsb.study import study as config
 from vsb.tools import files
 
+HERE = Path(__file__).parents[1]
 OMEGAS = (0.8, 1.6, 2.4, 3.2, 4.8, 6.4)
-GRID = np.array(OMEGAS)
-REACH = np.array([0.25, 0.1, 0.1, 0.15])
+SCALING = {
+    "added_mass": (3.0, 0.5),
+    "radiation_damping": (2.5, 0.5),
+    "excitation_force": (2.0, 0.5),
+    "added_mass_inf": (3.0, 0.0),
+}
+"""a d/da of a geometry scaled by a, at fixed frequency: the powers of (value, omega d/d omega), from Froude's law."""
+
+
+def family_of(shape, **options):
+    return ShapeFamily(shape, OMEGAS, 1025.0, 9.81, **{"nodes": 24, **options})
 
 
 @pytest.fixture(scope="module")
-def reference(seed):
-    return reference_shell(varied(seed, modes={"degree": 2}))
+def small(seed):
+    """The seed with four degrees of freedom."""
+    return varied(seed, modes={"degree": 2})
+
+
+@pytest.fixture(scope="module")
+def reference(small):
+    return reference_shell(small)
 
 
 @pytest.fixture(scope="module")
 def family(reference):
-    return ShapeFamily(reference.shape, OMEGAS, 1025.0, 9.81, nodes=24)
+    return family_of(reference.shape)
+
+
+@pytest.fixture(scope="module")
+def strained():
+    """The pressurised shell at rest, strained by 14 %, in five degrees of freedom."""
+    study = varied(config.load(HERE.parent / "config" / "pressurised.yaml"), modes={"degree": 2})
+    return reference_shell(study)
+
+
+@pytest.fixture(scope="module")
+def strained_family(strained):
+    return family_of(strained.shape)
+
+
+def by_frequency(family):
+    """omega d/d omega of the coefficients, by differences of solutions at scaled frequencies."""
+    levels = []
+    for h in (0.02, 0.01, 0.005):
+        plus, minus = (dataclasses.replace(family, omegas=tuple(w * (1 + s) for w in OMEGAS)).centre for s in (h, -h))
+        levels.append((plus.assign_coords(omega=list(OMEGAS)) - minus.assign_coords(omega=list(OMEGAS))) / (2 * h))
+    return extrapolated(levels)[0]
+
+
+def scaled(family):
+    """What a d/da of every coefficient is by Froude's law."""
+    change = by_frequency(family)
+    return {name: p * family.centre[name] + q * change[name] for name, (p, q) in SCALING.items()}
+
+
+def test_extrapolation_is_exact_for_errors_of_second_and_fourth_power():
+    levels = [xr.Dataset({"a": 3.0 + 2.0 * h**2 - 5.0 * h**4}) for h in (0.4, 0.2, 0.1)]
+    value, correction = extrapolated(levels)
+    assert float(value.a) == pytest.approx(3.0, abs=1e-14)
+    assert float(correction.a) == pytest.approx(-5.0 * 0.2**4 / 4, rel=1e-9)
+
+
+def test_heave_is_a_change_of_draft():
+    height, levels = 0.32, []
+    for h in (0.06, 0.03, 0.015):
+        plus, minus = (family_of(rigid_sphere(2.0, height + s)).centre for s in (h, -h))
+        levels.append((plus - minus) / (2 * h))
+    family = family_of(rigid_sphere(2.0, height))
+    slope, by_height = family.slopes.sel(shape_dof="Heave"), extrapolated(levels)[0]
+    for name in COEFFICIENTS:
+        assert misfit(slope[name], by_height[name]) < 1e-7
+        assert np.abs(slope[name]).max() > 0.05 * np.abs(family.centre[name]).max()
+
+
+def test_the_breathing_mode_of_a_sphere_is_a_change_of_radius(reference):
+    """The centre at the water's surface: no other length."""
+    family = family_of(DeformedShell(reference.basis, 0.0))
+    slope, expected = family.along(np.eye(len(family.labels))[1]).slope, scaled(family)
+    for name in COEFFICIENTS:
+        assert misfit(slope[name], expected[name] / 2.0) < 1e-7
+
+
+def test_all_amplitudes_together_scale_the_shape(strained, strained_family):
+    """Euler's identity: lengths of the shape times derivatives by them, heave and all modes of the strained shell."""
+    lengths = strained.modal_amplitude.copy()
+    lengths[0] += strained.shape.centre_height
+    lengths[1] += strained.basis.shell.radius
+    assert np.count_nonzero(np.abs(lengths) > 1e-3) == 5
+    eta = xr.DataArray(lengths, dims="shape_dof", coords={"shape_dof": strained_family.labels})
+    together, expected = (eta * strained_family.slopes).sum("shape_dof"), scaled(strained_family)
+    for name in COEFFICIENTS:
+        assert misfit(together[name], expected[name]) < 3e-7
+
+
+@pytest.mark.parametrize("which", ["family", "strained_family"])
+def test_haskinds_relation_holds_for_derivatives(which, request):
+    family = request.getfixturevalue(which)
+    x, dx = family.centre.excitation_force.values[:, 0], family.slopes.excitation_force.values[:, :, 0]
+    expected = haskind_slope(np.array(OMEGAS), x, dx, 1025.0, 9.81)
+    damping = family.slopes.radiation_damping.values
+    assert np.abs(damping - expected).max() < 1e-6 * np.abs(damping).max()
+
+
+@pytest.mark.parametrize("label", ["Heave", "Membrane2"])
+def test_the_error_estimate_bounds_the_error_and_is_small(label, family, reference):
+    """Against more points and another step."""
+    fine = family_of(reference.shape, nodes=56, step=0.008).along(np.eye(4)[family.labels.index(label)]).slope
+    for name in COEFFICIENTS:
+        estimate = float(family.slope_errors[name].sel(shape_dof=label))
+        assert misfit(family.slopes[name].sel(shape_dof=label), fine[name]) < estimate + 1e-9
+        assert 0 < estimate < 1e-6
+
+
+@pytest.fixture(scope="module")
+def errors(family):
+    """Errors in random directions, at sizes from 0.2 m on, each half of the one before."""
+    return [family.interpolation_error(0.2 / 2**i, samples=4) for i in range(5)]
+
+
+@pytest.mark.parametrize("name", COEFFICIENTS)
+@pytest.mark.parametrize("order", [1, 2])
+def test_expansions_have_their_order(order, name, errors):
+    """Mixed terms included: without them the second order would be wrong by the square of the size."""
+    found = np.array([float(e[name].sel(order=order)) for e in errors])
+    orders = np.log2(found[:-1] / found[1:])
+    assert np.all(np.abs(orders - order - 1) < 0.3), orders
+    assert abs(orders[-1] - order - 1) < 0.05, orders
+
+
+@pytest.mark.parametrize(
+    ("call", "match"),
+    [
+        (lambda f: f.at(np.zeros(3)), r"modal_amplitude: received shape \(3,\); needs \(4,\)"),
+        (lambda f: f.at(np.array([3.0, 0, 0, 0])), "reference_shape: received a shape"),
+        (lambda f: f.expansion(np.zeros(4), 3), "order: received 3; needs 1 or 2"),
+        (lambda f: f.interpolation_error(0.0), "amplitude: received 0 m"),
+        (lambda f: f.interpolation_error(float("nan")), "amplitude: received nan m"),
+    ],
+)
+def test_what_cannot_be_is_refused(call, match, family):
+    with pytest.raises(ConfigError, match=match):
+        call(family)
+
+
+GRID = np.array(OMEGAS)
+REACH = np.array([0.25, 0.1, 0.1, 0.15])
 
 
 @pytest.fixture(scope="module")
@@ -80,29 +225,6 @@ def test_the_estimate_is_of_third_order(database):
     assert all(0 < error < 1e-8 for error in database.error(np.zeros(4)).values())
 
 
-def spoiled(family, **cached):
-    """The family with some of what it has found replaced."""
-    other = copy.copy(family)
-    other.__dict__.update(cached)
-    return other
-
-
-@pytest.mark.parametrize("name", COEFFICIENTS)
-def test_only_the_error_of_the_slope_tells_of_small_amplitudes(name, database, family):
-    """A derivative by draft a fifth off: its largest entry times the amplitude, whatever third order is left out."""
-    wrong = 0 * family.slope_errors
-    wrong[name].values[0] = 0.2
-    small = np.array([1e-6, 0.0, 0.0, 0.0])
-    told, base = (
-        shape_database(spoiled(family, slope_errors=wrong), REACH, samples=1).error(small),
-        database.error(small),
-    )
-    slope, size = (float(np.abs(ds[name]).max()) for ds in (family.slopes.isel(shape_dof=0), family.centre))
-    for each in COEFFICIENTS:
-        assert told[each] == pytest.approx(base[each] + (0.2e-6 * slope / size if each == name else 0.0), abs=1e-9)
-    assert told[name] > 100 * base[name]
-
-
 def test_damping_takes_energy_on_every_shape(database):
     """At the end of the reach too, where an expansion of damping itself would not."""
     expanded = []
@@ -132,54 +254,6 @@ def test_a_model_on_a_shape_is_that_solved_there(database, family, reference):
     missed, ignored = (np.abs(rao - expected).max() for rao in (got, frozen))
     assert missed < 2e-3 * np.abs(expected).max()
     assert missed < 0.1 * ignored
-
-
-def test_between_frequencies_it_is_a_cubic_spline(database, family):
-    """As of the linear buoy: of order 4 or better in the distance of the solved frequencies, on a deformed shape."""
-    eta, errors = np.array([0.05, 0.02, -0.03, 0.04]), []
-    between = np.array([2.2, 2.6, 3.0])
-    near = dataclasses.replace(family, omegas=tuple(between)).at(eta)
-    for count in (5, 9, 17):
-        omega = np.linspace(0.4, 5.2, count)
-        direct = dataclasses.replace(family, omegas=tuple(omega)).at(eta).assign_coords(omega=omega)
-        slopes = {f"{n}_slope": 0 * direct[n].expand_dims(shape_dof=4) for n in COEFFICIENTS}
-        curvatures = {f"{n}_curvature": 0 * direct[n].expand_dims(shape_dof=4, other_shape_dof=4) for n in COEFFICIENTS}
-        bare = database.dataset[["shape_reach"]].merge({**direct, **slopes, **curvatures})
-        added = ShapeDatabase(bare).at(between, 0 * eta).added_mass
-        errors.append(np.abs(added - near.added_mass.values).max() / np.abs(near.added_mass.values).max())
-    assert errors[2] < 1e-4
-    assert np.all(np.log2(np.array(errors[:-1]) / errors[1:]) > 2.5), errors
-
-
-def test_the_phase_of_short_waves_turns_with_the_waterline(family, database):
-    """Of a breathing sphere, by K a: expanded without its phase, excitation has several times the error."""
-    fast = dataclasses.replace(family, omegas=(6.0, 8.0, 10.0))
-    omega, breathing = np.array(fast.omegas), np.eye(4)[1]
-    line, x = fast.along(breathing), fast.centre.excitation_force.values[:, 0]
-    rates = phase_rates(x, line.slope.excitation_force.values[None, :, 0])[0]
-    mode = family.shape.basis.displacement(np.array([np.pi / 2]))[0][1, 0]  # of the waterline, outwards
-    np.testing.assert_allclose(np.abs(rates), omega**2 / 9.81 * np.abs(mode), rtol=0.1)
-    h, turn = 0.05, 1j * rates[:, None]
-    direct, slope, curvature = (
-        ds.excitation_force.values[:, 0] for ds in (fast.at(h * breathing), line.slope, line.curvature)
-    )
-    turned = np.abs(np.angle(np.sum(x.conj() * direct, axis=1)))
-    np.testing.assert_allclose(turned, h * np.abs(rates), rtol=0.02)
-    plain = x + h * slope + h**2 / 2 * curvature
-    apart = x + h * (slope - turn * x) + h**2 / 2 * (curvature - 2 * turn * slope + turn**2 * x)
-    missed = np.abs(np.exp(h * turn) * apart - direct).max(axis=1) / np.abs(plain - direct).max(axis=1)
-    assert np.all(missed < 0.3), missed
-
-
-def test_a_shape_deformed_by_a_mode_has_a_database_of_its_own(family):
-    """About the shape deformed by an amplitude, the same water: one database at eta, another at eta less its centre."""
-    moved = np.array([0.0, 0.0, 0.0, 0.12])
-    about = shape_database(dataclasses.replace(family.about(moved)), REACH / 4, samples=2)
-    on = REACH / 4 * np.array([0.5, 0.4, -0.3, 0.6])
-    direct = family.at(moved + on)
-    for name, value in values(about, on).items():
-        exact = direct[name]
-        assert misfit(exact.copy(data=value.reshape(exact.shape)), exact) < about.error(on)[name] < 1e-3
 
 
 def test_it_is_stored_and_read_back(database, tmp_path):

@@ -1,14 +1,77 @@
-"""Closed shell of revolution: geometry and material; of the sphere also natural frequencies and classical buckling."""
+"""Closed shell of revolution: meridian and material; for the sphere also natural frequencies and classical buckling."""
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from scipy.special import legendre_p_all
 
-from vsb.shell.curve import Curve, curve
 from vsb.study.meridian import RestMeridian, spheroid
 from vsb.study.study import Device
-from vsb.tools.arrays import FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray
+
+
+class Curve(NamedTuple):
+    """Radius and height of a meridian at some angles phi, and their derivatives by phi, each shape (point,) [m]."""
+
+    x: FloatArray
+    z: FloatArray
+    dx: FloatArray
+    dz: FloatArray
+
+
+def curve(meridian: RestMeridian, phi: FloatArray) -> Curve:
+    """Return a meridian at angles, shape (point,) [rad]."""
+    (a, j), (b, k) = _numbered(meridian)
+    radial, slope = _sums(np.concatenate([np.zeros((2, 1)), np.array([a, j * a])], axis=1), phi)
+    axial, fall = _sums(np.array([b, k * b]), phi)
+    return Curve(radial.imag, axial.real, slope.real, -fall.imag)
+
+
+def _sums(coefficients: FloatArray, phi: FloatArray) -> ComplexArray:
+    """Sums c_k exp(i k phi) over k = 0, 1, ... of several series (series, term), shape (series, point).
+
+    With k = m w + r it is sum_m exp(i m w phi) sum_r c_mr exp(i r phi): two short tables of exponentials and a product
+    of matrices in place of one exponential for each term and point; long capsules have hundreds of terms.
+    """
+    series, terms = coefficients.shape
+    width = math.isqrt(terms - 1) + 1
+    rows = -(-terms // width)
+    padded = np.zeros((series, rows * width))
+    padded[:, :terms] = coefficients
+    near, far = (np.exp(1j * np.outer(step * np.arange(count), phi)) for step, count in ((1, width), (width, rows)))
+    inner = (padded.reshape(series * rows, width) @ near).reshape(series, rows, len(phi))
+    return np.asarray((inner * far).sum(axis=1))
+
+
+def bend(meridian: RestMeridian, phi: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the second derivatives of radius and height by the angle, each shape (point,) [m]."""
+    (a, j), (b, k) = _numbered(meridian)
+    return -(j**2 * a) @ np.sin(np.outer(j, phi)), -(k**2 * b) @ np.cos(np.outer(k, phi))
+
+
+def _numbered(meridian: RestMeridian) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+    """Terms of radius and height, each with its number."""
+    a, b = np.array(meridian.radial), np.array(meridian.axial)
+    return (a, np.arange(1.0, len(a) + 1)), (b, np.arange(float(len(b))))
+
+
+def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return P_n(cos phi) and its first and second derivatives by phi for n = 0..degree.
+
+    Parameters
+    ----------
+    degree : int
+    colatitude : ndarray, shape (point,) [rad]
+
+    Returns
+    -------
+    tuple of ndarray, each shape (degree + 1, point) [-]
+    """
+    cos, sin = np.cos(colatitude), np.sin(colatitude)
+    p, dp, ddp = legendre_p_all(degree, cos, diff_n=2)
+    return p, -sin * dp, sin**2 * ddp - cos * dp
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +147,7 @@ class Shell:
 
     @property
     def reach(self) -> float:
-        """Farthest it may lie from its centre at rest [m]: its radius, or half its height."""
+        """Largest radius or height at rest, from the centre [m]."""
         return self.radius if self.rest is None else max(self.radius, self.rest.highest, -self.rest.lowest)
 
     @property
@@ -93,7 +156,7 @@ class Shell:
         return 4 / 3 * math.pi * self.radius**3 if self.rest is None else self.rest.volume
 
     def check_sphere(self) -> None:
-        """Raise `ValueError` for a shell of another shape, of which closed forms are not known."""
+        """Raise `ValueError` for other shapes than the sphere, which have no closed forms."""
         if self.rest is not None:
             raise ValueError("closed forms are those of the sphere, got a shell of another meridian.")
 

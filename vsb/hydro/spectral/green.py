@@ -1,15 +1,21 @@
-"""What a level bottom adds to Green's function of deep water, integrated over the azimuth of rings of sources.
+"""The waves' part of Green's function, integrated over the azimuth of rings of strength cos(m theta).
 
-With K = omega^2/g, depth d and alpha = (k + K)/(k - K), the reflection of the water's surface, it is the image in the
+In deep water, with K = omega^2/g and Z = z + z', it is
+
+    2K PV int_0^inf e^{kZ} J0(k rho)/(k - K) dk + 2 pi i K e^{KZ} J0(K rho),
+
+and int_0^{2 pi} J0(k rho) cos(m theta) d theta = 2 pi J_m(kR) J_m(kR').
+
+A level bottom at depth d adds, with alpha = (k + K)/(k - K), the reflection of the water's surface, the image in the
 bottom, 1/r'' at -2d - z', and the images of image and source in both,
 
     int_0^inf alpha/(1 - alpha e^{-2kd}) [alpha e^{-2kd} uu' + e^{-kd} (uv' + vu') + e^{-2kd} vv'] J0(k rho) dk,
     u = e^{kz}, v = e^{-k(z+d)}:
 
 John's function less the deep-water one and 1/r'', free of cancellation, and smooth however near the bottom: the
-integrand falls like e^{-k(2d - draft)}. Outgoing waves (phasors exp(-i omega t)) want the path below the poles, K and
-k0 tanh k0 d = K, whether apart or all but one. It leaves zero at 45 degrees, between them and the evanescent poles
--i k_n, and runs on at a fixed distance from the real axis, the same for all frequencies. So are the exponentials and
+integrand falls like e^{-k(2d - draft)}. Outgoing waves (phasors exp(-i omega t)) need the path below the poles, K and
+k0 tanh k0 d = K, whether apart or nearly equal. It leaves zero at 45 degrees, between them and the evanescent poles
+-i k_n, and continues at a fixed distance from the real axis, the same for all frequencies. So are the exponentials and
 Bessel functions along it; alpha = -1 and 1 are the limits of infinite and zero frequency.
 """
 
@@ -21,13 +27,102 @@ import numpy as np
 from scipy.special import jv
 
 from vsb.errors import ConfigError
+from vsb.hydro.dofs import bessel
 from vsb.hydro.spectral.meridian import WetMeridian, unit_rule
 from vsb.tools.arrays import ComplexArray, FloatArray
 
+_CUTOFF = 6.0
+"""Cutoff between quadrature and Laplace transform of the waves' part, in largest wavenumbers or inverse radii."""
+_NEGLIGIBLE = 23.0
+"""Exponent of the part left out of the transform, 1e-10; more would amplify the round-off of its small integrand."""
+
+
+def second_kind(count: int, x: FloatArray) -> FloatArray:
+    """Return Legendre's Q_n on the cut at 2x - 1 for 0 < x < 1 and n < count, shape (count, point) [-]."""
+    argument = 2 * x - 1
+    q = np.empty((count, len(x)))
+    q[0] = 0.5 * np.log(x / (1 - x))
+    q[1] = argument * q[0] - 1
+    for n in range(1, count - 1):
+        q[n + 1] = ((2 * n + 1) * argument * q[n] - n * q[n - 1]) / (n + 1)
+    return q
+
+
+@dataclass(frozen=True)
+class WavePart:
+    """The waves' part of Green's function between the equations' points and the nodes, up to a largest wavenumber.
+
+    Below the cutoff kc the integral over k is Gauss' with weights that take the pole exactly (polynomials times
+    1/(k - K) are Legendre's Q). Above it, 1/(k - K) = int_0^inf e^{-(k-K)s} ds turns the slowly decaying rest into
+
+        2K int_0^inf e^{Ks} T(Z - s) ds,   T(Z) = int_kc^inf e^{kZ} J_m(kR) J_m(kR') dk = [1/r'] - int_0^kc ... dk
+
+    with T in closed form, independent of frequency, and smaller than e^{-kc s}: tabulated once.
+    """
+
+    meridian: WetMeridian
+    largest: float  # [1/m]
+
+    @cached_property
+    def cutoff(self) -> float:
+        """The wavenumber kc [1/m]; no less than the shell's own scale, or the transform would have to resolve it."""
+        return _CUTOFF * max(self.largest, 1 / float(self.meridian.points.x.max()))
+
+    @cached_property
+    def wavenumbers(self) -> tuple[FloatArray, FloatArray]:
+        """Gauss points and weights from 0 to kc, in terms of kc, each shape (wavenumber,) [-]; J_m^2 turns 2 kc R."""
+        return unit_rule(int(40 + self.cutoff * self.meridian.points.x.max()))
+
+    @cached_property
+    def factors(self) -> tuple[FloatArray, FloatArray]:
+        """e^{kz} J_m(kR) of targets, (target, wavenumber); of nodes, with derivative, (2, wavenumber, node)."""
+        return self._factors(self.cutoff * self.wavenumbers[0])
+
+    def _factors(self, k: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The same at any wavenumbers."""
+        (x, z), order = self.meridian.targets, self.meridian.order
+        at = np.exp(np.outer(z, k)) * bessel(order, np.outer(x, k))[0]
+        return at, self.meridian.points.wave(order, k).swapaxes(1, 2).copy()
+
+    @cached_property
+    def lengths(self) -> tuple[FloatArray, FloatArray]:
+        """Nodes s of the Laplace transform and their weights, each shape (length,) [m]; ever finer to s = 0."""
+        u, w = unit_rule(32)
+        end = _NEGLIGIBLE / (self.cutoff - self.largest)
+        return end * u**4, end * 4 * u**3 * w
+
+    @cached_property
+    def tail(self) -> FloatArray:
+        """T and its derivative by the source's normal, summed over the azimuth, shape (length, 2, target, node)."""
+        (x, z), p, (at, source) = self.meridian.targets, self.meridian.points, self.factors
+        k, w = (self.cutoff * a for a in self.wavenumbers)
+        apart, height = x[:, None] - p.x, z[:, None] + p.z
+        whole = [p.influence(self.meridian.order, apart, height - s, 1.0) for s in self.lengths[0]]
+        below = [(at * (2 * np.pi * w * np.exp(-k * s))) @ source for s in self.lengths[0]]
+        return np.asarray(np.array(whole) - np.array(below))
+
+    def pole_weights(self, k: FloatArray) -> FloatArray:
+        """Return the weights of PV int_0^kc f(k')/(k' - k) dk' on the Gauss points, shape (k, wavenumber) [-]."""
+        node, weight = self.wavenumbers
+        degree = np.arange(len(node))
+        p = np.polynomial.legendre.legvander(2 * node - 1, degree[-1]) * (2 * degree + 1)
+        return np.asarray(-2 * weight * (p @ second_kind(len(node), k / self.cutoff)).T)
+
+    def influences(self, k: FloatArray) -> Iterator[ComplexArray]:
+        """Yield potential and derivative at wavenumbers up to the largest, each shape (2, target, node) [1/m, 1/m^2].
+
+        2K (PV int + Laplace transform) + 2 pi i K e^{KZ} J_m J_m.
+        """
+        (at, source), (s, w), (here, there) = self.factors, self.lengths, self._factors(k)
+        for i, pole_weights in enumerate(self.pole_weights(k)):
+            real = (at * (2 * np.pi * pole_weights)) @ source + np.tensordot(w * np.exp(k[i] * s), self.tail, 1)
+            yield np.asarray(2 * k[i] * (real + 2j * np.pi**2 * here[:, i, None] * there[:, None, i]))
+
+
 _NEAREST = 0.01
-"""Least clearance under the keel, in drafts: as near as was measured. It takes half again the nodes of deep water."""
-_NEGLIGIBLE = 31.0
-"""Exponent of what the path leaves out, 3e-14, and of the error of the image's rule."""
+"""Least clearance under the keel that was tested, in drafts. It needs half again the nodes of deep water."""
+_NEGLIGIBLE_ON_PATH = 31.0
+"""Exponent of the part left out by the path, 3e-14, and of the error of the image's rule."""
 _ELEMENT = 10
 """Points of the image's rule for the element of area, by measurement: with it the rule is exact to 1e-11."""
 _GROWTH = 4.0
@@ -54,7 +149,7 @@ def _panels(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
 class FiniteDepthWavePart:
     """The bottom's part of Green's function between the equations' points and the nodes, from a least wavenumber on.
 
-    It adds to 1/r + 1/r' and `deepwater.WavePart`, of the meridian's azimuthal order. Wavenumbers are those of deep
+    It adds to 1/r + 1/r' and `WavePart`, of the meridian's azimuthal order. Wavenumbers are those of deep
     water, omega^2/g. `ConfigError` if the shell touches the bottom or nearly does.
     """
 
@@ -63,7 +158,7 @@ class FiniteDepthWavePart:
     smallest: float  # [1/m]
 
     def __post_init__(self) -> None:
-        """Refuse what is too near the keel."""
+        """Check the clearance under the keel."""
         least = (1 + _NEAREST) * self.draft
         if self.depth < least * (1 - 1e-12):  # the draft is known to round-off
             raise ConfigError(
@@ -79,7 +174,7 @@ class FiniteDepthWavePart:
     @cached_property
     def path(self) -> tuple[ComplexArray, ComplexArray]:
         """Wavenumbers along the path and their weights, each shape (wavenumber,) [1/m]; ever finer to zero."""
-        end = _NEGLIGIBLE / (2 * self.depth - self.draft)
+        end = _NEGLIGIBLE_ON_PATH / (2 * self.depth - self.draft)
         level = min(end, _LEVEL / float(self.meridian.points.x.max()))
         scales = level * max(1 / self.smallest, self.depth)
         count = np.ceil(np.log(max(scales, 1.0)) / np.log(_GROWTH))
@@ -118,7 +213,7 @@ class FiniteDepthWavePart:
         t, p = unit_rule(self.meridian.nodes)[0], self.meridian.points
         pole = 2 * (t + 2j * (p.z + self.depth) * p.x / p.rate) - 1
         ellipse = np.log(np.abs(pole + np.sqrt(pole - 1) * np.sqrt(pole + 1)).min())  # Bernstein's, through the pole
-        return _ELEMENT + int(np.ceil((self.meridian.nodes + _NEGLIGIBLE / ellipse) / 2))
+        return _ELEMENT + int(np.ceil((self.meridian.nodes + _NEGLIGIBLE_ON_PATH / ellipse) / 2))
 
     def _reflected(self, alpha: ComplexArray | float) -> ComplexArray:
         """Influence with a surface that reflects by alpha along the path."""
@@ -135,14 +230,14 @@ class FiniteDepthWavePart:
             yield self._reflected((path + each) / (path - each))
 
     def at_infinity(self) -> FloatArray:
-        """Return what adds to 1/r - 1/r' at infinite frequency, shape (2, target, node) [1/m, 1/m^2]."""
+        """Return the addition to 1/r - 1/r' at infinite frequency, shape (2, target, node) [1/m, 1/m^2]."""
         return self._reflected(-1.0).real
 
     def at_zero(self) -> FloatArray:
-        """Return what adds to 1/r + 1/r' at frequency zero, shape (2, target, node) [1/m, 1/m^2].
+        """Return the addition to 1/r + 1/r' at frequency zero, shape (2, target, node) [1/m, 1/m^2].
 
-        Of order 0 there is no limit (`ConfigError`): a flux V through the shell has to leave through a layer of water
-        of thickness d, and its added mass rho V^2/(4 pi d) log(1/K) grows without bounds.
+        Order 0 has no limit (`ConfigError`): a flux V through the shell leaves through a layer of water of thickness d,
+        and its added mass rho V^2/(4 pi d) log(1/K) grows without bounds.
         """
         if self.meridian.order == 0:
             raise ConfigError(
