@@ -28,6 +28,7 @@ from vsb.stages.planning import with_degree
 from vsb.study.body import LocatedBody
 from vsb.study.plan import ResultsPlan, plan_for
 from vsb.study.study import Pto, StillWater, Study, Wave
+from vsb.study.take_off import port_kind
 from vsb.tools.files import load
 from vsb.tools.stamps import read_text
 from vsb.waves.climate import Climate
@@ -35,10 +36,9 @@ from vsb.waves.climate import Climate
 UNITS = {
     "displacement_pp": "m", "velocity_pp": "m/s", "power_peak": "W", "power_mean": "W", "energy": "J",
     "capture_width": "m", "energy_gain_percent": "%", "power_gain_percent": "%", "energy_residual": "1",
-    "damping": "N s/m", "stiffness": "N/m", "limit_fraction": "1", "force_rms": "N", "force_peak": "N",
-    "stroke_peak": "m", "gap": "1",
+    "limit_fraction": "1", "gap": "1",
 }  # fmt: skip
-"""Units of the columns of tables, for a take-off that acts on a displacement; `low` and `high` bound the gain [%]."""
+"""Units of the columns of tables that do not depend on the port."""
 
 
 def run(study: Study | LocatedBody, folder: str | Path = "results") -> "Results":
@@ -107,7 +107,7 @@ class Results:
         path = self._with_bem("tuning ladder", f"{self.plan.folder}/ladder.csv")
         rows = csv.DictReader(read_text(path, self.plan.manifest, self.plan.ids[path]).splitlines())
         words = ("design", "wave", "rung")
-        return _frame([{k: v if k in words else float(v or "nan") for k, v in row.items()} for row in rows])
+        return self._frame([{k: v if k in words else float(v or "nan") for k, v in row.items()} for row in rows])
 
     # arrays ----------------------------------------------------------------------------------------------------------
 
@@ -254,7 +254,15 @@ class Results:
 
     def _table(self, name: str) -> pd.DataFrame:
         """One of the tables."""
-        return _frame(self._tables[name])
+        return self._frame(self._tables[name])
+
+    def _frame(self, rows: list[dict[str, Any]]) -> pd.DataFrame:
+        """Rows as a table with units, those of the take-off as its port has them."""
+        found, port = pd.DataFrame(rows), port_kind(self.study.pto.port)
+        units = UNITS | {"damping": port.damping_unit, "stiffness": port.stiffness_unit}
+        units |= {"force_rms": port.load_unit, "force_peak": port.load_unit, "stroke_peak": port.motion_unit}
+        found.attrs["units"] = {name: units[name] for name in found.columns if name in units}
+        return found
 
     @cached_property
     def _floating(self) -> FloatingSystem:
@@ -275,13 +283,6 @@ class Results:
         """A sea there is."""
         waves = {wave.label: wave for wave in self.study.waves}
         return waves[_known("wave", label or next(iter(waves)), waves)]
-
-
-def _frame(rows: list[dict[str, Any]]) -> pd.DataFrame:
-    """Rows as a table with units."""
-    found = pd.DataFrame(rows)
-    found.attrs["units"] = {name: UNITS[name] for name in found.columns if name in UNITS}
-    return found
 
 
 def _known(what: str, name: str, names: Iterable[str]) -> str:
