@@ -1,8 +1,8 @@
-"""Surprises of the fair comparison: the studies they come from and their figures, as docs/surprises.md tells them.
+"""Surprises of the fair comparison: the studies and figures of docs/surprises.md.
 
     python -m examples.surprises results/surprises
 
-prints the figures of every case; one alone, or some, by name:
+prints the figures of every case; some of them by name:
 
     python -m examples.surprises results/surprises drag negative_spring
 """
@@ -17,7 +17,7 @@ import numpy as np
 
 from benchmarks.hard_cases import hydro_files
 from examples import command
-from examples.paper_at_best_dampers import rows_of
+from examples.paper_at_optimal_damping import rows_of
 from examples.when_flexibility_pays import ports
 from vsb.errors import ConfigError
 from vsb.results.ladder import Rung, study_ladder
@@ -36,9 +36,9 @@ BASE: dict[str, Any] = {
     "modes": {"basis": "full", "degree": 14},
     "published": None,
 }
-"""What all cases change in the example: two designs, no damper given, modes converged for softer shells, too."""
+"""Changes to the example in all cases: two designs, no damper given, modes converged for softer shells, too."""
 NOTHING = 1e-6
-"""Figures below are none."""
+"""Smaller figures are printed as zero."""
 
 
 def regular(period: float, amplitude: float = 0.1) -> dict[str, Any]:
@@ -61,54 +61,54 @@ def study_of(waves: Sequence[Mapping[str, Any]], **changes: Any) -> Study:
 
 
 class Ladder:
-    """The tuning ladder of a study, by design, sea and rung."""
+    """Control levels of a study, by design, sea and name of the level."""
 
     def __init__(self, study: Study, folder: Path) -> None:
-        """Climb it."""
+        """Compute all levels."""
         self.waves = [wave.label for wave in study.waves]
         found = study_ladder(StudyPlan(study).ladder, hydro_files(study, folder)["database"])
         self.rungs = {(rung.design, rung.wave, rung.rung): rung for rung in found}
 
     def at(self, design: str, rung: str, wave: int = 0) -> Rung:
-        """Return a rung in a sea."""
+        """Return a control level in a sea."""
         return self.rungs[design, self.waves[wave], rung]
 
     def power(self, design: str, rung: str, wave: int = 0) -> float:
-        """Return what it takes [W]."""
+        """Return its mean power [W]."""
         return self.at(design, rung, wave).power_mean or 0.0
 
     def gain(self, rung: str, wave: int = 0) -> float:
-        """Return what the flexible design takes more than the rigid one [%]."""
+        """Return the gain of the flexible over the rigid design [%]."""
         return 100 * (self.power(FLEXIBLE, rung, wave) / self.power(RIGID, rung, wave) - 1)
 
     def reactance_ratio(self, design: str, wave: int = 0) -> float:
-        """Return Q = |X|/R in a regular wave, from what the best damper takes of the limit: 2/(1 + sqrt(1 + Q^2))."""
+        """Return Q = |X|/R in a regular wave, from P(best damper)/P(limit) = 2/(1 + sqrt(1 + Q^2))."""
         share = self.at(design, "best_damper", wave).limit_fraction or 0.0
         return float(np.sqrt((2 / share - 1) ** 2 - 1))
 
 
 def one_damper(folder: Path) -> Figures:
-    """A damper that suits neither makes the shell look better."""
+    """A damper far from both optima makes the shell look better."""
     found = Ladder(study_of([regular(4.0)], pto={"damping": 8000.0}), folder)
     shares = {d: 100 * found.power(d, "fixed") / found.power(d, "best_damper") for d in (RIGID, FLEXIBLE)}
     return {
         "gain at 8000 N s/m [%]": found.gain("fixed"),
-        "gain at own best dampers [%]": found.gain("best_damper"),
-        "rigid buoy's best damper [N s/m]": found.at(RIGID, "best_damper").damping or 0.0,
-        "flexible buoy's best damper [N s/m]": found.at(FLEXIBLE, "best_damper").damping or 0.0,
-        "rigid buoy's share of its best at 8000 N s/m [%]": shares[RIGID],
-        "flexible buoy's share of its best at 8000 N s/m [%]": shares[FLEXIBLE],
+        "gain at optimal damping [%]": found.gain("best_damper"),
+        "rigid buoy: optimal damping [N s/m]": found.at(RIGID, "best_damper").damping or 0.0,
+        "flexible buoy: optimal damping [N s/m]": found.at(FLEXIBLE, "best_damper").damping or 0.0,
+        "rigid buoy: power at 8000 N s/m over its optimum [%]": shares[RIGID],
+        "flexible buoy: power at 8000 N s/m over its optimum [%]": shares[FLEXIBLE],
     }
 
 
 def narrow_band(folder: Path) -> Figures:
-    """Under a best damper the shell pays where it lowers Q, and nowhere else."""
+    """At optimal damping the shell gains where it lowers Q, and nowhere else."""
     periods = (2.5, 3.06, 5.0)
     return gain_beside_q(Ladder(study_of([regular(period) for period in periods]), folder), periods)
 
 
 def gain_beside_q(found: Ladder, periods: Sequence[float]) -> Figures:
-    """Return the gain at own best dampers and Q of both designs in regular waves of some periods."""
+    """Return the gain at optimal damping and Q of both designs in regular waves of some periods."""
     figures = {}
     for i, period in enumerate(periods):
         figures[f"gain at {period:g} s [%]"] = found.gain("best_damper", i)
@@ -118,22 +118,22 @@ def gain_beside_q(found: Ladder, periods: Sequence[float]) -> Figures:
 
 
 def same_limit(folder: Path) -> Figures:
-    """What any force can take does not depend on the shell, nor on where the take-off acts."""
+    """The limit with ideal control does not depend on the shell."""
     figures, young = {}, load("config/buoy.yaml").device.young_modulus
     for factor in (0.25, 1.0, 100.0):
         found = Ladder(study_of([regular(3.06)], device={"young_modulus": factor * young}), folder)
         figures[f"matched gain, Young's modulus times {factor:g} [%]"] = found.gain("matched")
-        figures[f"best damper's gain, Young's modulus times {factor:g} [%]"] = found.gain("best_damper")
+        figures[f"gain at optimal damping, Young's modulus times {factor:g} [%]"] = found.gain("best_damper")
     return figures
 
 
 def port_within(folder: Path) -> Figures:
-    """Between its own poles a rigid buoy takes nothing; a shell could take as much there as from heave, and cannot."""
+    """A take-off between the poles: nothing from a rigid buoy; from a shell, in theory, as much as from heave."""
     found = Ladder(study_of([regular(3.06)], pto={"port": {"between": (0.0, 180.0)}}), folder)
     heave = Ladder(study_of([regular(3.06)]), folder)
     return {
-        "rigid, best damper [W]": found.power(RIGID, "best_damper"),
-        "flexible, best damper [W]": found.power(FLEXIBLE, "best_damper"),
+        "rigid, optimal damper [W]": found.power(RIGID, "best_damper"),
+        "flexible, optimal damper [W]": found.power(FLEXIBLE, "best_damper"),
         "flexible, matched [W]": found.power(FLEXIBLE, "matched"),
         "flexible, matched on heave [W]": heave.power(FLEXIBLE, "matched"),
         "Q, flexible": found.reactance_ratio(FLEXIBLE),
@@ -142,7 +142,7 @@ def port_within(folder: Path) -> Figures:
 
 
 def one_for_all(folder: Path) -> Figures:
-    """One damper for seas of 3 to 8 s costs little, though their best ones differ much."""
+    """One damper for seas of 3 to 8 s, whose optimal dampers differ by a factor of seven."""
     found = Ladder(study_of([jonswap(tp) for tp in (3.0, 4.0, 5.0, 6.0, 8.0)]), folder)
     figures = {}
     for name, design in (("rigid", RIGID), ("flexible", FLEXIBLE)):
@@ -151,28 +151,28 @@ def one_for_all(folder: Path) -> Figures:
             for rung in ("best_damper", "best_damper_all_seas")
         )
         dampers = [found.at(design, "best_damper", i).damping or 0.0 for i in range(len(found.waves))]
-        figures[f"{name}, largest best damper over the least"] = max(dampers) / min(dampers)
-        figures[f"{name}, lost by one for all, all seas [%]"] = 100 * (1 - one.sum() / each.sum())
-        figures[f"{name}, lost by one for all, worst sea [%]"] = 100 * float((1 - one / each).max())
+        figures[f"{name}, largest optimal damper over the smallest"] = max(dampers) / min(dampers)
+        figures[f"{name}, lost with one damper, all seas [%]"] = 100 * (1 - one.sum() / each.sum())
+        figures[f"{name}, lost with one damper, worst sea [%]"] = 100 * float((1 - one / each).max())
     return figures
 
 
 def negative_spring(folder: Path) -> Figures:
-    """In long waves the best spring pushes the buoy away from its rest."""
+    """In long waves the optimal spring is negative."""
     study = study_of([jonswap(3.0), jonswap(8.0)])
     found, stiffness = Ladder(study, folder), study.water.density * study.water.gravity * np.pi * study.device.radius**2
     figures = {}
     for i, tp in enumerate((3, 8)):
         pair = found.at(RIGID, "best_spring_damper", i)
-        figures[f"Tp {tp} s: best spring over the waterplane's [%]"] = 100 * (pair.stiffness or 0.0) / stiffness
-        figures[f"Tp {tp} s: times the best damper's power"] = (pair.power_mean or 0.0) / found.power(
+        figures[f"Tp {tp} s: optimal spring over waterplane stiffness [%]"] = 100 * (pair.stiffness or 0.0) / stiffness
+        figures[f"Tp {tp} s: power over that of the optimal damper"] = (pair.power_mean or 0.0) / found.power(
             RIGID, "best_damper", i
         )
     return figures
 
 
 def limit_that_costs_nothing(folder: Path) -> Figures:
-    """Under a limit just above the matched force's peak the optimum is the matched one; half of it costs little."""
+    """A force limit above the peak of the matched force costs nothing, half of it little."""
     matched = Ladder(study_of([jonswap(5.0)]), folder).at(RIGID, "matched")
     peak, figures = matched.force_peak or 0.0, {"matched power [W]": matched.power_mean or 0.0}
     for share in (1.05, 0.5, 0.1):
@@ -185,14 +185,14 @@ def limit_that_costs_nothing(folder: Path) -> Figures:
 
 
 def scarce_force(folder: Path) -> Figures:
-    """With a tenth of the force the best damper wants, the shell pays where with the damper it lost."""
+    """With a tenth of the optimal damper's force the shell gains where with the damper it lost."""
     free = Ladder(study_of([jonswap(4.0)]), folder)
     limit = 0.1 * (free.at(RIGID, "best_damper").force_rms or 0.0)
     study = study_of([jonswap(4.0)], pto={**BASE["pto"], "force_limit": limit})
     found, free_speed = Ladder(study, folder), free_velocity(study, folder)
     return {
-        "gain at own best dampers [%]": free.gain("best_damper"),
-        "gain without limits, any force [%]": free.gain("matched"),
+        "gain at optimal damping [%]": free.gain("best_damper"),
+        "gain with ideal control, no limits [%]": free.gain("matched"),
         "gain at a tenth of the force [%]": found.gain("constrained"),
         "force limit [N]": limit,
         "gain in free velocity, rms [%]": 100 * (free_speed[FLEXIBLE] / free_speed[RIGID] - 1),
@@ -208,39 +208,39 @@ def free_velocity(study: Study, folder: Path) -> dict[str, float]:
 
 
 def drag(folder: Path) -> Figures:
-    """Drag takes little from a damper and half of what a spring had added to it."""
+    """Drag costs a damper little, a spring and damper much."""
     seas, figures = [regular(4.0, 0.5)], {}
     without = Ladder(study_of(seas), folder)
     braked = Ladder(study_of(seas, drag={"heave": {"coefficient": 1.0, "area": 12.57}}), folder)
-    for name, rung in (("best damper", "best_damper"), ("best spring and damper", "best_spring_damper")):
+    for name, rung in (("optimal damper", "best_damper"), ("optimal spring and damper", "best_spring_damper")):
         for kind, design in (("rigid", RIGID), ("flexible", FLEXIBLE)):
             lost = 100 * (1 - braked.power(design, rung) / without.power(design, rung))
-            figures[f"{kind}: {name} loses [%]"] = lost
+            figures[f"{kind}: loss with {name} [%]"] = lost
     return figures
 
 
 def latching(folder: Path) -> Figures:
-    """The best damper is far too heavy to latch with."""
+    """The optimal damper is far too large for latching."""
     wave, figures = regular(5.0), {}
     best = Ladder(study_of([wave]), folder)
     heavy = best.at(RIGID, "best_damper").damping or 0.0
-    figures["best damper [N s/m]"], figures["it takes [W]"] = heavy, best.power(RIGID, "best_damper")
-    for name, damping in (("the best damper", heavy), ("a fifth of it", heavy / 5)):
+    figures["optimal damper [N s/m]"], figures["its power [W]"] = heavy, best.power(RIGID, "best_damper")
+    for name, damping in (("the optimal damper", heavy), ("a fifth of it", heavy / 5)):
         study = study_of([wave], pto={"damping": damping, "law": "latching"}, designs={RIGID: {"flexible": False}})
         notes = linear_design(StudyPlan(study).simulation(RIGID, study.waves[0]), hydro_files(study, folder)).notes
-        figures[f"latched with {name} [W]"] = notes["pause_power"]
+        figures[f"latching with {name} [W]"] = notes["pause_power"]
     figures["matched [W]"] = best.power(RIGID, "matched")
     return figures
 
 
 def the_paper(_: Path) -> Figures:
-    """The published +57 % under fair tuning, in the paper's own loading."""
+    """The published +57 % at optimal damping, in the paper's own loading."""
     figures = {}
     for name in ("paper_inferred", "paper"):
         study = load(f"config/{name}.yaml")
         rows = {row.design: row for row in rows_of(study)}
         figures[f"{name}: gain at the one damper [%]"] = rows[FLEXIBLE].gain_percent
-        figures[f"{name}: gain at own best dampers [%]"] = rows[FLEXIBLE].best_gain_percent
+        figures[f"{name}: gain at optimal damping [%]"] = rows[FLEXIBLE].best_gain_percent
     return figures
 
 

@@ -4,7 +4,7 @@ An assumed pressure does not answer to the motion, so no port tells the best dam
 by harmonic balance on the instantaneous wet shell, is searched over its damper. Where no steady state is found from
 rest, or it is unstable, a damper is left out.
 
-    python -m examples.paper_at_best_dampers config/paper_inferred.yaml results/paper_inferred/best_dampers.csv
+    python -m examples.paper_at_optimal_damping config/paper_inferred.yaml results/paper_inferred/best_dampers.csv
 """
 
 import argparse
@@ -87,7 +87,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-main = command("paper_at_best_dampers", __doc__, run, "{out}", config="CONFIG", out="OUT.csv")
+main = command("paper_at_optimal_damping", __doc__, run, "{out}", config="CONFIG", out="OUT.csv")
 
 if __name__ == "__main__":
     sys.exit(main(None))

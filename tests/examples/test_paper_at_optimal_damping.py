@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import SEED, told, varied
 
-from examples.paper_at_best_dampers import best_damper, main, power_of
+from examples.paper_at_optimal_damping import best_damper, main, power_of
 from vsb.study.study import load
 
 PAPER = Path(__file__).parents[2] / "config" / "paper_inferred.yaml"
