@@ -23,16 +23,16 @@ from scipy.optimize import brentq, minimize_scalar
 from examples import command
 from vsb.cli import print_verdict
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, at_centres, joined
+from vsb.hydro.bodies.body import FlexibleBody
 from vsb.hydro.bodies.files import write_body
+from vsb.hydro.bodies.mesh import at_centres, joined
 from vsb.hydro.bodies.study import read_config, run, solve
 from vsb.hydro.database import Check, stored_checks
 from vsb.report.canvas import grid_of_axes, legend_above, style
 from vsb.study.body import BodyFile
-from vsb.study.quantities import Count, Finite, NonNegative, Number, Positive, Section
+from vsb.study.quantities import Count, Finite, NonNegative, Number, Positive, Section, canonical
 from vsb.study.reading import validated
 from vsb.study.sections import Water
-from vsb.study.study import canonical
 from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.files import load, write_text
 from vsb.tools.tables import csv_text, svg_text

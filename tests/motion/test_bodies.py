@@ -9,7 +9,8 @@ from conftest import labelled
 
 from examples.barge import Barge, box
 from vsb.errors import ConfigError, DatabaseError, StabilityError
-from vsb.hydro.bodies.body import FlexibleBody, at_centres
+from vsb.hydro.bodies.body import FlexibleBody
+from vsb.hydro.bodies.mesh import at_centres
 from vsb.hydro.bodies.study import solve
 from vsb.hydro.database import Check, as_json, open_database
 from vsb.hydro.statespace import RadiationModel

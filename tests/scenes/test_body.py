@@ -8,7 +8,8 @@ from hydro.formats.test_capytaine import LABELS, dataset
 
 from examples.barge import box
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, at_centres
+from vsb.hydro.bodies.body import FlexibleBody
+from vsb.hydro.bodies.mesh import at_centres
 from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.hydro.variables import PAIR
 from vsb.scenes.body import check_water, chosen, complete_body, dry_database, with_entries, within_band

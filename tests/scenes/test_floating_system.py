@@ -145,7 +145,7 @@ def test_stored_body_is_read_back(general_database):
 def general_database(finished, tmp_path):
     from conftest import SMALL_PLAN
 
-    from vsb.hydro.formats.sources import read_source
+    from vsb.hydro.formats.exchange import read_source
     from vsb.stages.coefficients import store
     from vsb.study.plan import plan_for
     from vsb.study.quantities import content_id

@@ -15,7 +15,7 @@ import vsb
 from vsb.api.results import Results
 from vsb.cli import main
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.sources import read_source
+from vsb.hydro.formats.exchange import read_source
 from vsb.results.ladder import study_ladder
 from vsb.scenes.build import TUNED, design_in_sea
 from vsb.stages import coefficients

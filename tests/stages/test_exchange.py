@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tests.hydro.formats.test_foreign import sound
+from tests.hydro.formats.test_checks import sound
 from vsb.errors import ConfigError
 from vsb.hydro.formats.bemio import bemio_entries, write_h5
 from vsb.hydro.formats.wamit import wamit_texts

@@ -10,7 +10,7 @@ import xarray as xr
 from study.test_shape import raw
 
 from vsb.hydro import database
-from vsb.hydro.formats.modes import floating
+from vsb.hydro.formats.common import floating
 from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.study import parse

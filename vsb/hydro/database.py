@@ -109,6 +109,22 @@ def check_at_most(
     return Check(name, float(value), float(limit), unit, verdict, explanation, design, wave)
 
 
+class Rule(NamedTuple):
+    """Limit of a check, its meaning, and likely causes where it does not hold."""
+
+    limit: float
+    explanation: str
+    doubt: float = 5.0
+    """Values up to this many limits are a doubt, beyond they are a failure."""
+    causes: str = ""
+
+    def check(self, name: str, value: float, more: str = "", limit: float | None = None) -> Check:
+        """Return the check of a value, with more of an explanation, and with another limit if given."""
+        most = self.limit if limit is None else limit
+        verdict: Verdict = "ok" if value <= most else "doubt" if value <= self.doubt * most else "fail"
+        return Check(name, float(value), float(most), "-", verdict, self.explanation + more)
+
+
 def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return blocks of disjoint frequencies as one dataset, frequencies ascending.
 

@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
 from vsb.hydro.database import Check
-from vsb.hydro.formats.foreign import sizes
+from vsb.hydro.formats.checks import sizes
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.variables import PAIR
 from vsb.study.quantities import is_rigid

@@ -16,7 +16,7 @@ from scipy.linalg import eigh, null_space
 
 from vsb.errors import ConfigError, DatabaseError, StabilityError
 from vsb.hydro.database import Coefficients
-from vsb.hydro.formats.modes import DRY, Structure, structure
+from vsb.hydro.formats.common import DRY, Structure, structure
 from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_lowest, sizes
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel

@@ -10,7 +10,7 @@ import xarray as xr
 
 from vsb.hydro.database import Check, check_at_most
 from vsb.hydro.dofs import flexible
-from vsb.hydro.formats.modes import volume_of
+from vsb.hydro.formats.common import volume_of
 from vsb.integrators.simulate import CONVOLVED
 from vsb.results.comparison import Attributes, Row, Runs, linear_mean, relative_difference
 from vsb.scenes.directions import order_bases

@@ -10,8 +10,8 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.database import with_symmetrized
-from vsb.hydro.formats.foreign import sizes
-from vsb.hydro.formats.modes import DRY, structure, volume_of
+from vsb.hydro.formats.checks import sizes
+from vsb.hydro.formats.common import DRY, structure, volume_of
 from vsb.hydro.repairs import with_symmetric_stiffness
 from vsb.hydro.variables import PAIR
 from vsb.motion.bodies import LinearBody, linear_body

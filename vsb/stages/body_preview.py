@@ -8,9 +8,10 @@ import numpy as np
 from vsb.errors import ConfigError, StabilityError
 from vsb.hydro import database, quality
 from vsb.hydro.bodies.files import read_body
-from vsb.hydro.bodies.study import check_solvable, cost, mesh_checks
+from vsb.hydro.bodies.study import check_solvable, cost
+from vsb.hydro.bodies.verdict import mesh_checks
 from vsb.hydro.database import Check
-from vsb.hydro.formats.sources import read_source
+from vsb.hydro.formats.exchange import read_source
 from vsb.hydro.repairs import check_repairable
 from vsb.motion.bodies import LinearBody, direction_index
 from vsb.motion.frequency import allowed_part, compliance

@@ -11,10 +11,10 @@ from vsb.hydro import database, quality
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.study import solved
 from vsb.hydro.database import Check
-from vsb.hydro.formats import bemio, foreign, wamit
-from vsb.hydro.formats.foreign import LARGEST_UNAFLOAT, afloat_checks
-from vsb.hydro.formats.modes import check_positive, volume_of
-from vsb.hydro.formats.sources import read_source, source_checks
+from vsb.hydro.formats import bemio, checks, wamit
+from vsb.hydro.formats.checks import LARGEST_UNAFLOAT, afloat_checks
+from vsb.hydro.formats.common import check_positive, volume_of
+from vsb.hydro.formats.exchange import read_source, source_checks
 from vsb.hydro.repairs import failures_as_doubts, repaired, with_symmetric_stiffness
 from vsb.hydro.variables import PAIR
 from vsb.motion.bodies import LinearBody
@@ -130,19 +130,19 @@ def import_wamit(folder: str, name: str, out: str, *, axisymmetric: bool, **fact
     for option, unit in FACTS.items():
         check_positive(f"--{option}", facts[option], unit, infinite=option == "depth")
     ds = wamit.import_wamit(folder, name, labels=None, **facts)
-    return _store_foreign(ds, out, axisymmetric, foreign.WAMIT_WORDS)
+    return _stored(ds, out, axisymmetric, checks.WAMIT_WORDS)
 
 
 def import_bemio(path: str, out: str, *, axisymmetric: bool) -> Verdict:
     """Read BEMIO's .h5 into a database file and return the verdict on it."""
-    return _store_foreign(bemio.read_bemio(path), out, axisymmetric, foreign.BEMIO_WORDS)
+    return _stored(bemio.read_bemio(path), out, axisymmetric, checks.BEMIO_WORDS)
 
 
-def _store_foreign(ds: xr.Dataset, out: str, axisymmetric: bool, words: dict[str, str]) -> Verdict:
+def _stored(ds: xr.Dataset, out: str, axisymmetric: bool, words: dict[str, str]) -> Verdict:
     """Store a database of another code with the verdict of the identities that need no other data."""
-    checks, missing = foreign.foreign_checks(ds, axisymmetric=axisymmetric)
-    checks += with_symmetric_stiffness(ds)[1]
+    found, missing = checks.coefficient_checks(ds, axisymmetric=axisymmetric)
+    found += with_symmetric_stiffness(ds)[1]
     notes = [ds.attrs["history"], *missing]
-    attrs = {"quality": database.as_json(checks), "spec_id": Path(out).stem, "separate_sweep": 0}
+    attrs = {"quality": database.as_json(found), "spec_id": Path(out).stem, "separate_sweep": 0}
     save(ds.assign_attrs(**attrs, history="; ".join(notes)), out)
-    return checks, notes, [foreign.causes(check, words) for check in checks if check.verdict != "ok"]
+    return found, notes, [checks.causes(check, words) for check in found if check.verdict != "ok"]

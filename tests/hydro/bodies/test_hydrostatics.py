@@ -8,9 +8,9 @@ from hydro.bodies.test_body import made, rigid
 
 from examples import barge
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import joined
 from vsb.hydro.bodies.files import read_body, write_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.hydro.bodies.mesh import joined
 
 CENTRES = np.array([[0.0, 0.0, -0.4], [9.0, 1.0, 0.2]])
 """Of mass, of two boxes of other sizes."""
@@ -37,7 +37,7 @@ def both():
     return made(vertices, faces, shapes, centre_of_mass=CENTRES)
 
 
-def test_each_of_two_bodies_is_as_stiff_as_alone(both):
+def test_stiffness_of_two_bodies_is_that_of_each_alone(both):
     found = hydrostatic_stiffness(both, 1025.0, 9.81)
     expected = np.zeros((14, 14))
     expected[:7, :7], expected[7:, 7:] = (hydrostatic_stiffness(exclusive_lock(k), 1025.0, 9.81) for k in (0, 1))
@@ -46,25 +46,7 @@ def test_each_of_two_bodies_is_as_stiff_as_alone(both):
     assert both.rigid == {}
 
 
-def test_what_only_heaves_needs_no_centre_of_mass(both):
-    """Its stiffness is that of the waterplane."""
-    bare = made(both.vertices, both.faces, rigid(both.vertices)[2:3], centre_of_mass=None)
-    assert hydrostatic_stiffness(bare, 1025.0, 9.81) == pytest.approx(
-        sum(hydrostatic_stiffness(exclusive_lock(k), 1025.0, 9.81)[2, 2] for k in (0, 1)), rel=1e-12
-    )
-
-
-def test_turning_together_they_have_the_stiffness_of_their_common_centre_of_mass(both):
-    """A rotation of both about one axis is no motion of one: the weight counts where the centre of both lies."""
-    whole = rigid(both.vertices, (1.0, 0.0, 0.0))
-    apart = made(both.vertices, both.faces, whole, centre_of_mass=CENTRES)
-    volumes = np.array([exclusive_lock(k).volume for k in (0, 1)])
-    common = replace(apart, centre_of_mass=volumes @ CENTRES / volumes.sum())
-    one, other = (hydrostatic_stiffness(body, 1025.0, 9.81) for body in (apart, common))
-    assert one == pytest.approx(other, rel=1e-12, abs=1e-9 * np.abs(other).max())
-
-
-def test_a_body_that_turns_alone_needs_its_own_centre_of_mass(both):
+def test_part_that_rotates_alone_needs_its_own_centre_of_mass(both):
     with pytest.raises(
         ConfigError, match=r"centre_of_mass: received one, but Dof3 turns 2 separate parts, not all alike"
     ):
@@ -77,13 +59,13 @@ def test_a_body_that_turns_alone_needs_its_own_centre_of_mass(both):
         replace(both, centre_of_mass=None)
 
 
-def test_two_centres_of_mass_come_back_from_a_file(both, tmp_path):
+def test_two_centres_of_mass_are_read_back(both, tmp_path):
     write_body(both, tmp_path / "both.nc")
     assert read_body(tmp_path / "both.nc", tmp_path / "both.nc").centre_of_mass == pytest.approx(CENTRES)
 
 
 @pytest.mark.parametrize("number", [0, 1])
-def test_rigid_motions_about_another_point_are_as_stiff_as_the_same_about_ones_own(number):
+def test_stiffness_transforms_with_the_centre_of_rotation(number):
     """A turn about the origin is one about a point c and the shift a x (-c): C turns with them, the body upright."""
     one = exclusive_lock(number)
     c = np.append(number * np.array([9.0, 1.0]) + [-2.0, 3.0], 0.25)
@@ -96,19 +78,7 @@ def test_rigid_motions_about_another_point_are_as_stiff_as_the_same_about_ones_o
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
 
 
-def test_stiffness_is_symmetric_wherever_the_centre_of_mass_lies(both):
-    """Beside the centre of buoyancy the body would list; rigid, flexible and those of one part alone."""
-    centres = CENTRES + np.array([[0.3, -0.2, 0.1], [-0.4, 0.5, 0.2]])
-    common = np.concatenate([both.shapes, rigid(both.vertices, (1.0, 2.0, 3.0))])
-    for body in (
-        replace(both, centre_of_mass=centres),
-        made(both.vertices, both.faces, common, centre_of_mass=centres),
-    ):
-        found = hydrostatic_stiffness(body, 1025.0, 9.81)
-        assert found == pytest.approx(found.T, rel=1e-12, abs=1e-9 * np.abs(found).max())
-
-
-def test_what_moves_all_parts_is_as_stiff_as_the_motions_of_each_together(both):
+def test_motion_of_all_parts_has_the_sum_of_their_stiffnesses(both):
     """Turns of all about one point are the sum of those of either, the weight of each at its own centre."""
     whole = rigid(both.vertices, (1.0, 2.0, 3.0))
     first = len(BOXES[0][0])
@@ -121,37 +91,3 @@ def test_what_moves_all_parts_is_as_stiff_as_the_motions_of_each_together(both):
     found = hydrostatic_stiffness(mixed, 1025.0, 9.81)
     expected = total @ found[:12, :12] @ total.T
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
-
-
-def test_parts_that_shift_alone_need_no_more_than_one_centre_of_mass(both):
-    heaves = made(both.vertices, both.faces, both.shapes[[0, 2, 9]], centre_of_mass=np.array([4.0, 0.0, 0.1]))
-    assert sorted(heaves.rigid_parts) == [0, 1, 2]
-    assert np.diag(hydrostatic_stiffness(heaves, 1.0, 1.0)) == pytest.approx([0.0, 24.0, 15.0], abs=1e-9)
-
-
-def test_shifts_and_yaw_change_the_force_on_no_shape(both):
-    """Whoever bends: what lies elsewhere or is turned about the vertical is pushed as before; heave and roll are not."""
-    bow = np.zeros_like(both.vertices)
-    bow[:, 2], bow[:, 0] = 0.1 * both.vertices[:, 0] * (2 - both.vertices[:, 2]), 0.3 * both.vertices[:, 2] ** 2
-    shapes = np.array([*rigid(both.vertices), bow])
-    for order in (range(7), [6, 5, 4, 3, 2, 1, 0]):
-        body = made(both.vertices, both.faces, shapes[list(order)], centre_of_mass=CENTRES)
-        found = hydrostatic_stiffness(body, 1025.0, 9.81)
-        at = {motion: place for place, motion in enumerate(order)}
-        size = np.abs(found).max()
-        for still in (0, 1, 5):
-            assert abs(found[at[6], at[still]]) < 1e-12 * size
-            assert abs(found[at[still], at[6]]) < 1e-12 * size
-        assert abs(found[at[6], at[2]]) > 1e-3 * size
-
-
-@pytest.mark.parametrize("turning", [3, 4, 5, 10, 11, 12])
-def test_one_motion_that_turns_one_part_asks_for_the_centres_of_all(both, turning):
-    """Whichever it is, among motions that shift."""
-    kept = [0, turning, 9]
-    shapes = both.shapes[kept]
-    with pytest.raises(
-        ConfigError, match=r"^centre_of_mass: received one, but Dof1 turns 2 separate parts, not all alike"
-    ):
-        made(both.vertices, both.faces, shapes, centre_of_mass=CENTRES[0])
-    assert sorted(made(both.vertices, both.faces, shapes, centre_of_mass=CENTRES).rigid_parts) == [0, 1, 2]

@@ -6,8 +6,8 @@ import pytest
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
 
 from examples.barge import box
-from vsb.hydro.bodies.body import joined
 from vsb.hydro.bodies.lid import first_irregular_frequency, gap_resonance, interior_lid
+from vsb.hydro.bodies.mesh import joined
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.panels import rings as bem
 from vsb.study.sections import Water
@@ -34,7 +34,8 @@ def regular_box():
     return np.asarray(mesh.vertices), np.asarray(mesh.faces)
 
 
-def test_a_lid_mends_irregular_frequencies_and_spoils_nothing_else(green):
+@pytest.mark.slow
+def test_lid_changes_coefficients_only_at_irregular_frequencies(green):
     """The first is 2.261 rad/s; 40 x 32 x 16 panels without a lid give 26637 kg at 2.4 rad/s, finer ones 26.7 t."""
     vertices, faces = regular_box()
     body = made(vertices, faces, rigid(vertices)[[0, 2]], ("Surge", "Heave"))
@@ -59,7 +60,7 @@ def disc_and_walls(radii, around=72, draught=0.2):
     return vertices, np.concatenate(faces)
 
 
-def test_a_lid_lies_inside_the_waterlines_alone_with_normals_down():
+def test_lid_lies_inside_the_waterlines_with_normals_down():
     """A spar of 2 m in the moonpool of a ring."""
     vertices, faces = joined([disc_and_walls((3.0, 7.0)), disc_and_walls((0.0, 2.0))])
     lid, panels = interior_lid(made(vertices, faces, rigid(vertices)[2:3]), 8)
@@ -72,7 +73,7 @@ def test_a_lid_lies_inside_the_waterlines_alone_with_normals_down():
     assert len(np.unique(corner.mean(axis=1).round(6), axis=0)) == len(panels)
 
 
-def test_irregular_frequencies_are_bounded_from_below():
+def test_lower_bound_of_irregular_frequencies():
     vertices, faces = box(10.0, 8.0, 4.0, 1)
     body = made(vertices, faces, rigid(vertices)[2:3])
     p = np.pi * np.hypot(0.1, 0.125)
@@ -86,7 +87,7 @@ def test_irregular_frequencies_are_bounded_from_below():
     assert interior_lid(under, 8) is None
 
 
-def test_a_gap_between_two_bodies_resonates():
+def test_resonance_of_a_gap_between_two_bodies():
     """Ring of 3.3 to 5 m around a spar of 3 m: damping of heave peaks and added mass turns negative at 1.70 rad/s."""
     vertices, faces = joined([disc_and_walls((3.3, 5.0), draught=3.0), disc_and_walls((0.0, 3.0), draught=3.0)])
     found = gap_resonance(made(vertices, faces, rigid(vertices)[2:3]), 9.81)

@@ -4,16 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hydro.bodies.test_body import made, rigid
+from hydro.bodies.test_body import made
 from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
 from examples import barge
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import SYMMETRIES, detected_symmetry, joined
+from vsb.hydro.bodies.body import SYMMETRIES, detected_symmetry
 from vsb.hydro.bodies.coarsening import coarser_body
 from vsb.hydro.bodies.files import read_body, write_body
 from vsb.hydro.bodies.hydrostatics import hinge_gap, hydrostatic_stiffness, linear_share
+from vsb.hydro.bodies.mesh import joined
 
 LENGTH, BEAM, DRAUGHT, MASS = 40.0, 6.0, 3.0, 0.4
 """Of a box, and the height of its centre of mass [m]."""
@@ -124,7 +125,7 @@ def body_of(mesh, names=tuple(FIELDS), **changes):
     return made(vertices, faces, shapes_of(vertices, names), tuple(names), **given)
 
 
-def test_stiffness_is_that_of_slices_turned_by_finite_angles(mesh):
+def test_stiffness_matches_energy_of_slices_turned_by_finite_angles(mesh):
     """Bending both ways and about two axes, twist, stretch, a hinge, and all their couplings."""
     body = body_of(mesh)
     found, expected = hydrostatic_stiffness(body, 1.0, 1.0), second_derivatives(tuple(FIELDS))
@@ -133,7 +134,7 @@ def test_stiffness_is_that_of_slices_turned_by_finite_angles(mesh):
     assert linear_share(body) is None
 
 
-def test_a_beam_along_y_is_as_stiff_as_along_x(mesh):
+def test_beam_along_y_matches_beam_along_x(mesh):
     """A quarter turn of everything about the vertical."""
     vertices, faces = mesh
     quarter = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -143,7 +144,7 @@ def test_a_beam_along_y_is_as_stiff_as_along_x(mesh):
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
 
 
-def test_fewer_panels_are_the_same_beam(mesh):
+def test_coarser_panels_give_the_same_beam(mesh):
     """Fields are of the corners, which both have; else the error estimate would compare two models."""
     body = body_of(mesh)
     fewer, _ = coarser_body(body, SYMMETRIES[detected_symmetry(body)])
@@ -183,7 +184,7 @@ def triangulated(count, seed=2):
     return np.concatenate(vertices), np.column_stack([found, found[:, 2]])
 
 
-def test_corners_that_lie_anywhere_make_the_same_beam(mesh):
+def test_irregular_triangles_give_the_same_beam(mesh):
     body = body_of(triangulated(40))
     found, expected = (hydrostatic_stiffness(each, 1.0, 1.0)[:5, :5] for each in (body, body_of(mesh)))
     assert found == pytest.approx(expected, rel=2e-3, abs=0.02)
@@ -205,10 +206,10 @@ def of_halves(at, fore, aft):
     return total
 
 
-@pytest.mark.parametrize(("fore", "aft"), [(0.1, -0.1), (0.2, 0.05), (0.1, 0.0)])
+@pytest.mark.parametrize(("fore", "aft"), [(0.1, -0.1), (0.2, 0.05)])
 @pytest.mark.parametrize("at", [0.0, 3.1])
 @pytest.mark.parametrize("corners", ["in rows", "anywhere"])
-def test_a_hinge_is_the_sum_of_the_rigid_forms_of_its_parts(mesh, corners, at, fore, aft):
+def test_hinge_is_the_sum_of_the_rigid_forms_of_its_parts(mesh, corners, at, fore, aft):
     """Also where it lies across panels, whose shares of either part are then found by quadrature alone."""
     vertices, faces = mesh if corners == "in rows" else triangulated(60)
     body = made(vertices, faces, folded(vertices, at, fore, aft)[None], centre_of_mass=np.array([0.0, 0.0, MASS]))
@@ -218,28 +219,13 @@ def test_a_hinge_is_the_sum_of_the_rigid_forms_of_its_parts(mesh, corners, at, f
     assert linear_share(body) is None
 
 
-def test_sealing_a_hinge_adds_the_water_of_its_gap(mesh):
+def test_hinge_gap_is_the_water_between_the_walls(mesh):
     """Of a gap that opens by 0.2 rad below z = MASS and rises by -1: 2 B int w 0.2 (MASS - z) dz."""
     body = body_of(mesh, ("hinge", "bends"))
     own = hydrostatic_stiffness(body, 1.0, 1.0)[0, 0]
     gap = 2 * BEAM * 0.2 * ((MASS + DRAUGHT) ** 2 - MASS**2) / 2
     assert hinge_gap(body) == pytest.approx(gap / (own + gap), rel=1e-9)
     assert hinge_gap(body_of(mesh, ("bends",))) is None
-
-
-def test_both_halves_turning_alike_are_a_rigid_body(mesh):
-    """Pitch about the hinge, 1 mm at one end off it: its stiffness is the classical rho g (I + V z_B) - m g z_G."""
-    vertices, faces = mesh
-    pitch = rigid(vertices, (0.0, 0.0, MASS))[4]
-    body = made(
-        vertices,
-        faces,
-        np.array([pitch, folded(vertices, 0.0, 1.0, 1.00005) - [0, 0, 0.3]]),
-        centre_of_mass=np.array([0.0, 0.0, MASS]),
-    )
-    classical = BEAM * LENGTH**3 / 12 + BEAM * LENGTH * DRAUGHT * (-DRAUGHT / 2 - MASS)
-    assert sorted(body.rigid) == [0]
-    assert np.diag(hydrostatic_stiffness(body, 1.0, 1.0)) == pytest.approx(classical, rel=1e-4)
 
 
 def path_of(body, i, j):
@@ -254,7 +240,7 @@ def path_of(body, i, j):
     return np.column_stack([-np.interp(body.vertices[:, 0], s, path), 0 * lever, -product * lever])
 
 
-def test_a_file_may_state_the_second_order(mesh, tmp_path):
+def test_second_order_from_a_file(mesh, tmp_path):
     """Of an inextensible beam's: with it and the rise of its weight displaced panels are as stiff as the beam."""
     fine = barge.box(LENGTH, BEAM, DRAUGHT, 8)
     body = body_of(fine, ("bends",))
@@ -280,13 +266,13 @@ def test_a_file_may_state_the_second_order(mesh, tmp_path):
         (lambda chi: chi + np.triu(np.ones((2, 2)))[..., None, None], "second_order: not symmetric"),
     ],
 )
-def test_a_wrong_second_order_is_refused_in_one_line(mesh, change, message):
+def test_wrong_second_order_is_refused(mesh, change, message):
     body = body_of(mesh, ("bends", "hinge"))
     with pytest.raises(ConfigError, match=message):
         replace(body, second_order=change(np.zeros((2, 2, len(body.vertices), 3))))
 
 
-def test_displacements_of_other_kinds_stay_linear_and_are_doubted(mesh):
+def test_other_displacements_stay_linear_with_a_doubt(mesh):
     """Sections that do not turn as the axis does or breathe, dents, and a beam without a centre of mass."""
     vertices, faces = mesh
     x, _, z = vertices.T
@@ -305,16 +291,7 @@ def test_displacements_of_other_kinds_stay_linear_and_are_doubted(mesh):
         )
 
 
-def test_panels_with_corners_of_their_own_make_the_same_hinge(mesh):
-    """As in files of panels, which repeat what neighbours share."""
-    vertices, faces = mesh
-    apart = vertices[faces].reshape(-1, 3), np.arange(faces.size).reshape(faces.shape)
-    names = ("hinge", "bends", "stretches")
-    found, expected = (hydrostatic_stiffness(body_of(each, names), 1.0, 1.0) for each in (apart, mesh))
-    assert found == pytest.approx(expected, rel=1e-6, abs=1e-4)
-
-
-def test_each_of_two_beams_is_as_stiff_as_alone(mesh):
+def test_two_beams_have_the_stiffness_of_each_alone(mesh):
     """With the height of its own mass; one centre for both does not tell it."""
     vertices, faces = mesh
     other = vertices + np.array([LENGTH + 5.0, 0.0, 0.0])

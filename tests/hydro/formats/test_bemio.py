@@ -1,27 +1,18 @@
 """BEMIO's .h5 file written and read."""
 
 import re
-from itertools import pairwise
-from types import SimpleNamespace
 
 import netCDF4
 import numpy as np
 import pytest
 from hydro.formats.test_exchange import DAMPING, PAIR, WATER, WAVE, random_database, with_structure
 from scipy.integrate import quad
-from scipy.interpolate import CubicSpline
 from scipy.linalg import block_diag
 
-from vsb.cli import main
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.bemio import (
-    _edges,
-    _Entries,
-    _labels,
-    _round_below,
     bemio_entries,
     excitation_response,
-    impulse_times,
     read_bemio,
     write_h5,
 )
@@ -135,14 +126,6 @@ def test_late_impulse_response_of_few_frequencies_is_no_artefact(bemio, elastic)
     )
 
 
-@pytest.mark.parametrize(("radius", "step"), [(2.0, 0.1), (0.02, 0.01), (0.2, 0.02), (20.0, 0.2), (50.0, 0.5)])
-def test_impulse_responses_last_as_long_as_the_body_is_large(radius, step):
-    """A 2 m buoy has 0.1 s and 100 s; the steps fall between 0.09 and 0.23 sqrt(radius/g)."""
-    time = impulse_times(radius, 9.81)
-    assert (time[0], time[1], time[-1], len(time)) == (0.0, pytest.approx(step), pytest.approx(1000 * step), 1001)
-    assert 0.4 * 0.23 <= step / np.sqrt(radius / 9.81) <= 0.23
-
-
 def test_excitation_is_the_transform_of_its_impulse_response():
     """As WEC-Sim convolves it: force = sum f(s) eta(t - s) dt, eta = Re e^{i omega t}."""
     omega = np.linspace(0.05, 5.0, 100)
@@ -165,17 +148,6 @@ def test_impulse_response_of_a_force_known_in_closed_form():
     time = np.linspace(-30.0, 30.0, 601)
     expected = np.exp(-((time - delay) ** 2)) / np.sqrt(np.pi)
     assert excitation_response(omega, force, time)[:, 0, 0] == pytest.approx(expected, abs=1e-6)
-
-
-def test_centre_of_buoyancy_of_a_cap(elastic):
-    """By quadrature over the discs of the wet part."""
-    radius, height = 2.0, 0.7
-    z = np.linspace(height - radius, 0.0, 20001)
-    area = radius**2 - (z - height) ** 2
-    entries = bemio_entries(elastic.assign_attrs(centre_height=height), "memory")
-    expected = np.trapezoid(z * area, z) / np.trapezoid(area, z)
-    assert entries["/body1/properties/cb"][2, 0] == pytest.approx(expected, rel=1e-6)
-    assert entries["/body1/properties/cg"][2, 0] == height
 
 
 def test_h5_reads_back(bemio, elastic):
@@ -240,16 +212,6 @@ def test_scaled_files_are_dimensional_already(elastic, tmp_path):
     assert back.excitation_force.values == pytest.approx(elastic.excitation_force.values / 1e4)
     assert back.hydrostatic_stiffness.values == pytest.approx(elastic.hydrostatic_stiffness.values / 1e4)
     assert back.inertia_matrix.values == pytest.approx(elastic.inertia_matrix.values)
-
-
-def test_rigid_buoy_has_six_degrees_of_freedom(tmp_path):
-    ds = with_structure(random_database(modes=0))
-    entries = bemio_entries(ds.assign_attrs(water_depth=12.5), "memory")
-    assert entries["/body1/properties/dof"].item() == 6
-    assert entries["/body1/hydro_coeffs/added_mass/all"].shape == (6, 6, 4)
-    assert entries["/simulation_parameters/water_depth"].item() == 12.5
-    write_h5(entries, tmp_path / "rigid.h5")
-    assert read_bemio(tmp_path / "rigid.h5").added_mass.values == pytest.approx(ds.added_mass.values)
 
 
 def test_h5_that_cannot_be_read_is_refused(elastic, tmp_path):
@@ -332,31 +294,6 @@ def of_two_bodies(names=("float", "spar"), sizes=(6, 8), frequencies=5):
     return entries, whole, restoring
 
 
-def test_a_file_of_two_bodies_is_read_with_all_that_couples_them(tmp_path):
-    entries, whole, restoring = of_two_bodies()
-    write_h5(entries, tmp_path / "rm3.h5")
-    ds = read_bemio(tmp_path / "rm3.h5")
-    rigid = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
-    labels = [f"float__{name}" for name in rigid] + [f"spar__{name}" for name in [*rigid, "Mode7", "Mode8"]]
-    assert ds.influenced_dof.values.tolist() == labels
-    assert ds.added_mass.values == pytest.approx(1000 * np.moveaxis(whole["hydro_coeffs/added_mass/all"], -1, 0))
-    omega = np.arange(1.0, 6.0)[:, None, None]
-    damping = 1000 * omega * np.moveaxis(whole["hydro_coeffs/radiation_damping/all"], -1, 0)
-    assert ds.radiation_damping.values == pytest.approx(damping)
-    assert ds.inertia_matrix.values == pytest.approx(whole["properties/mass"])
-    force = (whole["hydro_coeffs/excitation/re"] - 1j * whole["hydro_coeffs/excitation/im"]).T * 1e4
-    assert ds.excitation_force.values == pytest.approx(force)
-    assert ds.hydrostatic_stiffness.values == pytest.approx(1e4 * block_diag(*restoring))
-    assert (ds.attrs["displaced_volume_float"], ds.attrs["displaced_volume_spar"]) == (7.0, 8.0)
-    assert "centre_of_mass" not in ds.attrs
-
-
-@pytest.mark.parametrize("names", [("one body", "spar"), ("float", "float"), ("a__b", "c")])
-def test_bodies_whose_names_are_none_have_numbers(names, tmp_path):
-    write_h5(of_two_bodies(names)[0], tmp_path / "rm3.h5")
-    assert read_bemio(tmp_path / "rm3.h5").influenced_dof.values[[0, 6]].tolist() == ["body1__Surge", "body2__Surge"]
-
-
 @pytest.mark.parametrize("lacking", ["body1", "body2"])
 def test_a_matrix_of_one_of_two_bodies_alone_is_refused(tmp_path, lacking):
     entries, *_ = of_two_bodies()
@@ -364,30 +301,6 @@ def test_a_matrix_of_one_of_two_bodies_alone_is_refused(tmp_path, lacking):
     write_h5(entries, tmp_path / "rm3.h5")
     with pytest.raises(DatabaseError, match=rf"rm3\.h5: holds no /{lacking}/properties/mass; needs BEMIO's \.h5 file"):
         read_bemio(tmp_path / "rm3.h5")
-
-
-def test_two_bodies_are_not_written_as_one(tmp_path):
-    write_h5(of_two_bodies()[0], tmp_path / "rm3.h5")
-    with pytest.raises(DatabaseError, match=r"float__Surge, .*: are of several bodies; needs those of one"):
-        bemio_entries(read_bemio(tmp_path / "rm3.h5"), "memory")
-
-
-@pytest.mark.parametrize("name", ["inertia_matrix", "structural_stiffness"])
-def test_modes_couple_where_they_do_by_more_than_round_off_of_the_largest_entry(elastic, name):
-    """A billionth of it, whatever the unit; of rigid motions and modes, either side of the diagonal."""
-    size = 1e-9 * (elastic.prestress_stiffness + elastic.gas_stiffness if "stiff" in name else 0.0 * elastic[name])
-    largest = float(abs(elastic[name] + size * 1e9).max())
-    for part in (1e-6, 1.0):
-        ds = elastic.assign({key: part * elastic[key] for key in (name, "prestress_stiffness", "gas_stiffness")})
-        entry = np.zeros((3, 3))
-        entry[0, 2] = entry[2, 0] = 1e-9 * part * largest
-        bemio_entries(ds.assign({name: ds[name] + 0.9 * entry}), "memory")
-        with pytest.raises(DatabaseError, match=f"memory: {name} couples rigid and generalized modes"):
-            bemio_entries(ds.assign({name: ds[name] - 1.1 * entry}), "memory")  # as much the other way
-        with pytest.raises(
-            DatabaseError, match=f"memory: {name} couples rigid and generalized modes, which WEC-Sim dro"
-        ):
-            bemio_entries(ds.assign({name: ds[name] + 1.1 * entry}), "memory")
 
 
 def test_a_file_of_three_bodies_of_unequal_sizes_is_read_with_all_that_couples_them(tmp_path):
@@ -402,75 +315,6 @@ def test_a_file_of_three_bodies_of_unequal_sizes_is_read_with_all_that_couples_t
     assert ds.structural_stiffness.values == pytest.approx(whole["properties/stiffness"])
     assert ds.hydrostatic_stiffness.values == pytest.approx(1e4 * block_diag(*restoring))
     assert [ds.attrs[f"displaced_volume_{name}"] for name in ("float", "spar", "plate")] == [7.0, 8.0, 9.0]
-
-
-def test_parts_of_the_excitation_with_any_nan_are_left_out(elastic, tmp_path):
-    entries, place = bemio_entries(elastic, "memory"), "/body1/hydro_coeffs/excitation"
-    for part in ("scattering/re", "froude-krylov/im"):
-        entries[f"{place}/{part}"] = entries[f"{place}/{part}"].copy()
-        entries[f"{place}/{part}"][7, 1, 3] = np.nan
-    write_h5(entries, tmp_path / "some.h5")
-    assert {"diffraction_force", "Froude_Krylov_force"} & {*read_bemio(tmp_path / "some.h5").data_vars} == set()
-    entries[f"{place}/re"][2, 0, 1] = np.nan  # of the excitation itself
-    write_h5(entries, tmp_path / "some.h5")
-    with pytest.raises(DatabaseError, match="variable excitation_force holds NaN"):
-        read_bemio(tmp_path / "some.h5")
-
-
-@pytest.mark.parametrize(("dof", "known"), [(5, False), (6, True), (1000, True), (1001, False), (7.5, False)])
-def test_a_body_has_six_degrees_of_freedom_or_up_to_a_thousand(dof, known):
-    found = SimpleNamespace(source="a.h5", text=lambda place: "")
-    if known:
-        assert len(_labels(found, "body1", float(dof))) == dof
-        return
-    with pytest.raises(DatabaseError, match=rf"a\.h5: holds {dof:g} degrees of freedom; needs six rigid and a few"):
-        _labels(found, "body1", float(dof))
-
-
-@pytest.mark.parametrize("time", [(-40.0, -35.5, 1.0), (40.0, 12.5, -1.0)])
-def test_the_excitation_responds_at_late_and_early_times_alike(time):
-    """Frequencies far apart, times long before and after zero; by adaptive quadrature."""
-    omega = np.array([0.7, 1.0])
-    force = ((2.0 - omega) + 0.5j * omega)[:, None, None]
-    both = np.concatenate([-omega[::-1], omega])
-    spline = CubicSpline(both, np.concatenate([force[::-1], force.conj()])[:, 0, 0])
-    expected = [
-        quad(lambda w, t=t: np.real(spline(w) * np.exp(1j * w * t)), 0.0, 1.0, limit=200, epsabs=1e-12)[0] / np.pi
-        for t in time
-    ]
-    found = excitation_response(omega, force, np.array(time))[:, 0, 0]
-    assert found == pytest.approx(expected, abs=1e-9)
-
-
-@pytest.mark.parametrize(("part", "step"), [(0.99, 0.05), (1.01, 0.1)])
-def test_times_are_those_of_a_hemisphere_of_the_bodys_displacement(elastic, part, step):
-    """Of 2/3 pi r^3 m^3, at whose radius 0.23 sqrt(r/g) is a tenth of a second."""
-    radius = 10.0 * (0.1 / 0.23) ** 2
-    volume = 2 / 3 * np.pi * radius**3 * part
-    facts = {"displaced_volume": volume, "centre_of_buoyancy": [0.0, 0.0, -1.0], "centre_of_mass": [0.0, 0.0, 0.0]}
-    entries = bemio_entries(elastic.assign_attrs(facts), "memory")
-    place = "/body1/hydro_coeffs/{}/impulse_response_fun/t"
-    radiated, excited = (entries[place.format(name)][:, 0] for name in ("radiation_damping", "excitation"))
-    assert (radiated[0], radiated[1], radiated[-1]) == (0.0, pytest.approx(step), pytest.approx(1000 * step))
-    assert excited == pytest.approx(np.concatenate([-radiated[::-1], radiated[1:]]))
-
-
-@pytest.mark.parametrize(
-    ("bound", "below"), [(0.2, 0.2), (0.19999, 0.1), (0.5, 0.5), (0.4999, 0.2), (1.0, 1.0), (0.99, 0.5), (73.0, 50.0)]
-)
-def test_steps_are_the_largest_of_one_two_and_five_not_above_a_bound(bound, below):
-    assert _round_below(bound) == below
-
-
-@pytest.mark.parametrize("last", [0.1, 7.0, 50.0])
-def test_no_frequencies_are_further_apart_than_ten_over_the_last_time(last):
-    omega = np.array([0.3, 0.45, 1.7, 4.0])
-    found = _edges(omega, last)
-    assert np.isin(omega, found).all()
-    assert (found[0], found[-1]) == (0.3, 4.0)
-    counts = [np.count_nonzero((found >= a) & (found < b)) for a, b in pairwise(omega)]
-    assert counts == [max(1, int(np.ceil(round((b - a) * last / 10, 9)))) for a, b in pairwise(omega)]
-    assert np.diff(found).max() <= 10 / last + 1e-12
 
 
 UNITS = {
@@ -488,95 +332,6 @@ def test_every_dataset_has_its_unit(bemio, elastic):
         for end in ends:
             found = {bemio[place].units for place in places if place.endswith(f"/{end}")}
             assert found == {unit}, end
-
-
-def test_more_than_nine_bodies_are_read_in_their_order_and_other_groups_are_none(tmp_path):
-    names = tuple(f"part{k}" for k in range(1, 12))
-    entries, *_ = of_two_bodies(names, (6,) * 11, frequencies=2)
-    write_h5(entries | {"/body_mesh/name": "none", "/body1old/name": "none"}, tmp_path / "many.h5")
-    labels = read_bemio(tmp_path / "many.h5").influenced_dof.values.tolist()
-    assert labels[::6] == [f"{name}__Surge" for name in names]
-
-
-def test_a_short_text_has_a_thousand_letters_at_most():
-    for count in (1000, 1001):
-        letters = np.full((count, 1), "a")
-        found = _Entries(SimpleNamespace(groups={}, variables={"name": letters}), "a.h5")
-        if count == 1000:
-            assert found.text("/name") == "a" * 1000
-            assert found.text("/other") == ""
-            continue
-        with pytest.raises(DatabaseError, match=r"^a.h5: /name has shape \(1001, 1\); needs a short text\.$"):
-            found.text("/name")
-
-
-def test_numbers_are_read_in_the_order_of_their_dimensions_alone():
-    """As many in another order would be read as others; dimensions of one are none."""
-    values = np.arange(6.0).reshape(1, 2, 3)
-    found = _Entries(SimpleNamespace(groups={}, variables={"name": values}), "a.h5")
-    np.testing.assert_array_equal(found.numbers("/name", 2, 3, 1), values.reshape(2, 3, 1))
-    for shape in ((3, 2), (6,), (2, 4)):
-        with pytest.raises(
-            DatabaseError, match=rf"^a.h5: /name has shape \(1, 2, 3\); needs {re.escape(str(shape))}\.$"
-        ):
-            found.numbers("/name", *shape)
-
-
-class Unread:
-    """A variable that must not be read."""
-
-    def __init__(self, *shape):
-        self.shape = shape
-
-    def __getitem__(self, _):
-        raise InterruptedError
-
-
-@pytest.mark.parametrize(
-    ("shape", "refused"), [((10**4, 10**4), False), ((10**4, 10**4, 1, 2), True), ((10**8 + 1,), True)]
-)
-def test_a_dataset_has_a_hundred_million_numbers_at_most(shape, refused):
-    found = _Entries(SimpleNamespace(groups={}, variables={"name": Unread(*shape)}), "a.h5")
-    if not refused:
-        with pytest.raises(InterruptedError):
-            found.numbers("/name")
-        return
-    with pytest.raises(DatabaseError, match=r"^a.h5: /name has shape \(.*\); needs at most 100000000 numbers\.$"):
-        found.numbers("/name")
-
-
-def test_one_generalized_mode_alone_needs_its_inertia_and_stiffness(elastic):
-    """The first of them is the seventh mode."""
-    with pytest.raises(DatabaseError, match="memory: holds no inertia_matrix and structural_stiffness; generalized"):
-        bemio_entries(random_database(modes=1), "memory")
-    assert bemio_entries(with_structure(random_database(modes=1)), "memory")["/body1/properties/mass"][6, 6] == 100.0
-
-
-@pytest.mark.parametrize("name", ["inertia_matrix", DAMPING, "structural_stiffness"])
-@pytest.mark.parametrize("place", [(0, 2), (2, 0)])
-def test_what_couples_a_rigid_motion_and_a_mode_on_one_side_alone_is_refused(elastic, name, place):
-    """Of what follows or does not act back; each entry is dropped by WEC-Sim."""
-    ds = elastic.assign({DAMPING: (PAIR, np.diag([0.0, 1.0, 2.0]))})
-    bemio_entries(ds, "memory")
-    coupling = np.zeros((3, 3))
-    coupling[place] = -0.1 * float(abs(ds[name]).max())
-    with pytest.raises(DatabaseError, match=f"memory: {name} couples rigid and generalized modes, which WEC-Sim drops"):
-        bemio_entries(ds.assign({name: ds[name] + coupling}), "memory")
-
-
-def test_what_a_group_does_not_hold_is_not_looked_for_elsewhere(tmp_path):
-    """Excitation that was not split into parts is none of them."""
-    inner = SimpleNamespace(groups={}, variables={"x": "inner"})
-    found = _Entries(SimpleNamespace(groups={"a": inner}, variables={"x": "outer"}), "a.h5")
-    assert [found.find(place) for place in ("/x", "/a/x", "/b/x", "/a/b/x", "/a/y")] == [
-        "outer",
-        "inner",
-        None,
-        None,
-        None,
-    ]
-    write_h5(of_two_bodies()[0], tmp_path / "rm3.h5")
-    assert {"Froude_Krylov_force", "diffraction_force"} & {*read_bemio(tmp_path / "rm3.h5").data_vars} == set()
 
 
 RIGHT = {"T": "periods of", "mag": "moduli of", "phase": "phases of"}
@@ -622,12 +377,3 @@ def test_each_fault_of_a_file_of_others_is_seen(ball, tmp_path, damage):
         verdicts = {check.name: check.verdict for check in checks}
         assert (verdicts.get(SEEN[damage], "ok") == "ok") == (name == "sound"), verdicts
     assert verdicts[SEEN[damage]] == ("doubt" if damage[:6] in ("stiffn", "volume", "centre") else "fail")
-
-
-def test_added_mass_of_nothing_is_one_line(ball, tmp_path, capsys):
-    entries = bemio_entries(read_capytaine(ball), "ball")
-    nothing = {place: 0.0 * value for place, value in entries.items() if "/added_mass/" in place}
-    write_h5(entries | nothing, tmp_path / "a.h5")
-    assert main(["import-bemio", str(tmp_path / "a.h5"), str(tmp_path / "o.nc")]) == 2
-    assert "added mass is zero for all motions; needs coefficients of waves" in capsys.readouterr().err
-    assert not (tmp_path / "o.nc").exists()

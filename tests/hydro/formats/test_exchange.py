@@ -7,19 +7,28 @@ import capytaine as cpt
 import numpy as np
 import pytest
 import xarray as xr
+from hydro.formats.test_capytaine import dataset
 
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import database
+from vsb.hydro.database import load_database
 from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
 from vsb.hydro.formats.capytaine import read_capytaine
-from vsb.hydro.formats.exchange import export
+from vsb.hydro.formats.exchange import export, is_own, read_source, source_checks
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
+from vsb.study.sections import Water
 from vsb.tools import files, variables
 
-HALF_DIGIT = 5e-7  # of seven significant digits
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+
+
+HALF_DIGIT = 5e-7  # of seven significant digits
+
+
 DAMPING = "structural_damping_matrix"
+
+
 WATER = {"water_density": 1000.0, "gravity": 10.0, "water_depth": "inf"}
 
 
@@ -105,7 +114,7 @@ def stored(elastic, tmp_path):
 ALL = ["buoy.1", "buoy.3", "buoy.3fk", "buoy.3sc", "buoy.hst", "buoy.mmx", "buoy.h5"]
 
 
-def test_export_writes_what_it_names(stored, elastic, tmp_path):
+def test_export_writes_the_formats_asked_for(stored, elastic, tmp_path):
     files = export(stored, tmp_path / "out", "buoy", length=2.0)
     assert [path.name for path in files] == ALL
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(ALL)
@@ -115,17 +124,6 @@ def test_export_writes_what_it_names(stored, elastic, tmp_path):
     assert [path.name for path in export(stored, tmp_path / "text", "buoy", ["wamit"])] == ALL[:-1]
     assert [path.name for path in export(stored, tmp_path / "h5", "buoy", ["bemio"])] == ALL[-1:]
     assert [path.name for path in (tmp_path / "h5").iterdir()] == ["buoy.h5"]
-
-
-def test_an_exported_and_imported_database_is_stored_like_any(stored, tmp_path):
-    export(stored, tmp_path, "buoy")
-    back = import_wamit(tmp_path, "buoy", density=1000.0, gravity=10.0).assign_attrs(spec_id="b" * 16, quality="[]")
-    path = tmp_path / "db" / f"{'b' * 16}.nc"
-    database.save_database(back, None, path)
-    assert [p.name for p in export(path, tmp_path / "again", "buoy", ["wamit"])] == ALL[:-1]
-    assert (tmp_path / "again" / "buoy.1").read_text().splitlines()[1:] == (
-        (tmp_path / "buoy.1").read_text().splitlines()[1:]
-    )
 
 
 def test_nothing_is_written_unless_all_can_be(stored, elastic, tmp_path):
@@ -155,7 +153,7 @@ def test_nothing_is_written_unless_all_can_be(stored, elastic, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_an_interrupted_file_leaves_the_old_one(tmp_path):
+def test_interrupted_export_leaves_the_old_file(tmp_path):
     path = tmp_path / "buoy.h5"
     path.write_text("old")
     with pytest.raises((TypeError, ValueError)):
@@ -164,26 +162,7 @@ def test_an_interrupted_file_leaves_the_old_one(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_one_format_unknown_among_others_is_refused_and_all_that_is_missing_is_named(stored, tmp_path):
-    for formats in (["wamit", "nemoh"], ["nemoh", "bemio"]):
-        with pytest.raises(DatabaseError, match=r"formats: received \[.*\], needs wamit, bemio or both\.$"):
-            export(stored, tmp_path / "out", "buoy", formats)
-    files.save(xr.Dataset(attrs={"title": "none"}), tmp_path / "none.nc")
-    with pytest.raises(DatabaseError, match=r"none\.nc: holds no added_mass, .*; needs a hydro database"):
-        export(tmp_path / "none.nc", tmp_path / "out", "buoy")
-    assert not (tmp_path / "out").exists()
-
-
-def test_a_length_of_wamits_changes_nothing_of_bemios_file(stored, tmp_path):
-    for length in (1.0, 3.0):
-        export(stored, tmp_path / f"{length:g}", "buoy", length=length)
-    one, other = (read_bemio(tmp_path / folder / "buoy.h5") for folder in ("1", "3"))
-    assert one.identical(other)
-    texts = [(tmp_path / folder / "buoy.hst").read_text().splitlines()[1].split() for folder in ("1", "3")]
-    assert float(texts[0][2]) == pytest.approx(9 * float(texts[1][2]), rel=1e-5)
-
-
-def test_the_h5_turns_about_the_centre_of_mass_and_dot_1_says_about_what(ball, tmp_path, capsys):
+def test_rotations_of_the_h5_file_are_about_the_centre_of_mass(ball, tmp_path, capsys):
     """Of capytaine's own file, which turns about a point 0.3 m below: as capytaine solves it about the centre of mass."""
     assert main(["export", str(ball), str(tmp_path / "out")]) == 0
     assert capsys.readouterr().out.split() == [
@@ -210,7 +189,7 @@ def test_the_h5_turns_about_the_centre_of_mass_and_dot_1_says_about_what(ball, t
     assert back.attrs["rotation_centre"] == [0.0, 0.0, -0.5]
 
 
-def test_what_an_export_lacks_is_a_line_each(ball, tmp_path, capsys):
+def test_lines_on_what_an_export_leaves_out(ball, tmp_path, capsys):
     with xr.open_dataset(ball) as ds:
         ds = ds.load().isel(omega=slice(1, -1))
     ds.to_netcdf(tmp_path / "finite.nc")
@@ -224,3 +203,35 @@ def test_what_an_export_lacks_is_a_line_each(ball, tmp_path, capsys):
     ds.drop_vars("rotation_center").assign(added_mass=ds.added_mass).to_netcdf(tmp_path / "old.nc")
     with pytest.raises(DatabaseError, match="holds no rotation_centre, what Roll, Pitch, Yaw turn about"):
         bemio_entries(read_capytaine(tmp_path / "old.nc").assign(added_mass_inf=(PAIR, np.eye(6))), "old.nc")
+
+
+def test_buoy_is_read_back_from_every_format(small, tmp_path):
+    own = load_database(small.database_path, small.database_path.split("/")[-1].removesuffix(".nc"))
+    export(small.database_path, tmp_path, "buoy")
+    water = small.study.water
+    found = {
+        "database": read_source("database", small.database_path, water),
+        "wamit": read_source("wamit", str(tmp_path / "buoy"), water),
+        "bemio": read_source("bemio", str(tmp_path / "buoy.h5"), water),
+    }
+    for kind, ds in found.items():
+        assert ds.added_mass.values == pytest.approx(own.added_mass.values, rel=1e-5, abs=1e-2), kind
+        checks, unseen = source_checks(ds)
+        assert all(check.verdict != "fail" for check in checks), kind
+        assert bool(unseen) == (kind != "database")
+
+
+def test_netcdf_files_of_capytaine_are_recognised(small, tmp_path):
+    assert is_own(small.database_path)
+    dataset().to_netcdf(tmp_path / "theirs.nc")
+    assert not is_own(str(tmp_path / "theirs.nc"))
+    assert read_source("database", str(tmp_path / "theirs.nc"), Water()).attrs["source"] == "capytaine"
+    with pytest.raises(DatabaseError, match="cannot be read"):
+        is_own(str(tmp_path / "nothing.nc"))
+
+
+def test_files_that_are_no_database_are_refused(tmp_path):
+    (tmp_path / "text.nc").write_text("no netCDF")
+    for name in ("text.nc", "gone.nc"):
+        with pytest.raises(DatabaseError, match=rf"{name}: cannot be read: .*; needs a hydro database as netCDF\.$"):
+            read_source("database", str(tmp_path / name), Water())

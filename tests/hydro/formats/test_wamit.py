@@ -20,8 +20,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.formats.modes import mode_labels
-from vsb.hydro.formats.wamit import _check_one_body, _named, _problem, import_wamit, wamit_texts
+from vsb.hydro.formats.wamit import _check_one_body, import_wamit, wamit_texts
 from vsb.tools import files
 
 
@@ -65,25 +64,6 @@ def test_files_are_these():
     ]
     for text in texts.values():
         assert "ULEN 1 density 1000 gravity 10 depth inf modes 3=Heave 7=Membrane0" in text.splitlines()[0]
-
-
-def test_periods_ascend_in_every_file_then_headings_and_modes():
-    texts = wamit_texts(random_database(headings=3), "memory")
-    for name, count in ((".1", 3), (".3", 3), (".3fk", 3), (".3sc", 3), (".hst", 2)):
-        starts = [tuple(map(float, line.split()[:count])) for line in texts[name].splitlines()[1:]]
-        assert starts == sorted(set(starts)), name
-        assert len({start[0] for start in starts}) > 2, name
-
-
-def test_length_scale_divides_as_translations_do():
-    one, two = (wamit_texts(two_modes(), "memory", length) for length in (1.0, 2.0))
-    assert rows(one[".hst"])[:, 2] == pytest.approx(4 * rows(two[".hst"])[:, 2])
-    assert rows(one[".3"])[:, [3, 5, 6]] == pytest.approx(4 * rows(two[".3"])[:, [3, 5, 6]])
-    assert rows(one[".3"])[:, 4] == pytest.approx(rows(two[".3"])[:, 4])
-    for one_line, two_line in zip(one[".1"].splitlines()[1:], two[".1"].splitlines()[1:], strict=True):
-        a, b = (np.array([float(word) for word in line.split()]) for line in (one_line, two_line))
-        assert a[:3] == pytest.approx(b[:3])
-        assert a[3:] == pytest.approx(8 * b[3:])
 
 
 def test_force_in_time_is_the_same_in_both_conventions():
@@ -138,13 +118,6 @@ def test_zero_frequency_is_written_and_read_as_a_limit(tmp_path):
     assert back.attrs["history"] == "read from WAMIT's files buoy"
 
 
-def test_the_limit_of_zero_frequency_is_written_once():
-    """Of a database that has it among its frequencies, and as a limit as well."""
-    ds = random_database(modes=1, frequencies=2).assign_coords(omega=[0.0, np.pi])
-    both = ds.assign(added_mass_zero=(PAIR, ds.added_mass.values[0]))
-    assert wamit_texts(both, "memory") == wamit_texts(ds, "memory")
-
-
 @settings(max_examples=25)
 @given(st.integers(0, 3), st.integers(1, 5), st.integers(1, 3), st.integers(0, 10**6), st.sampled_from([0.3, 1.0, 7.0]))
 def test_round_trip_is_exact_to_the_digits_printed(tmp_path_factory, modes, frequencies, headings, seed, length):
@@ -169,14 +142,6 @@ def test_round_trip_is_exact_to_the_digits_printed(tmp_path_factory, modes, freq
         kept = [0, 1, 2, 5, 6] if extension.startswith(".3") else slice(None)  # modulus and phase are of rounded parts
         for line, second in zip(text.splitlines()[1:], again[extension].splitlines()[1:], strict=True):
             assert np.array(line.split())[kept].tolist() == np.array(second.split())[kept].tolist()
-
-
-def test_numbers_stay_apart_however_small(tmp_path):
-    ds = two_modes()
-    tiny = ds.assign(added_mass=-1e-140 * ds.added_mass, hydrostatic_stiffness=-1e-120 * ds.hydrostatic_stiffness)
-    back = read_back(tmp_path, tiny.assign_attrs(WATER))
-    assert relative(back.added_mass.values, tiny.added_mass.values) <= HALF_DIGIT * 1.0001
-    assert relative(back.hydrostatic_stiffness.values, tiny.hydrostatic_stiffness.values) <= HALF_DIGIT * 1.0001
 
 
 FOREIGN = {
@@ -273,16 +238,6 @@ def test_a_header_may_be_missing_and_infinite_frequency_too(tmp_path):
     assert ds.added_mass.values[1, 1] == pytest.approx([0.0, 2000.0, 400.0])
 
 
-def test_a_header_may_be_written_in_any_alphabet(tmp_path):
-    """Degrees and names of old files are not in UTF-8; a header is not read."""
-    expected = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0)
-    for path in tmp_path.iterdir():
-        if path.suffix in FOREIGN:
-            head, _, rest = path.read_text().partition("\n")
-            path.write_bytes(f"{head} Kr\u00fcger, 45\u00b0\n{rest}".encode("latin-1"))
-    assert import_wamit(tmp_path, "buoy", density=1000.0, gravity=10.0).equals(expected)
-
-
 def edited(extension, old, new):
     assert old in FOREIGN[extension]
     return {**FOREIGN, extension: FOREIGN[extension].replace(old, new, 1)}
@@ -332,13 +287,6 @@ def test_broken_files_are_refused_by_name_and_line(tmp_path, case):
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
-def test_a_modulus_may_be_rounded_to_four_digits_at_any_scale(scale):
-    of = [2.0, 90.0, 3.0]
-    problems = [_problem([*of, scale, 0.0, 0.6 * x * scale, -0.8 * x * scale], (2,), (7,)) for x in (1, 1.0008, 1.0012)]
-    assert problems == ["", "", "has a modulus that contradicts its parts"]
-
-
 @pytest.mark.parametrize("extension", [".1", ".3", ".hst"])
 def test_missing_files_are_refused(tmp_path, extension):
     written(tmp_path, {name: text for name, text in FOREIGN.items() if name != extension})
@@ -362,12 +310,6 @@ def test_missing_files_are_refused(tmp_path, extension):
 def test_facts_that_do_not_fit_the_files_are_refused(tmp_path, facts, message):
     with pytest.raises((ConfigError, DatabaseError), match=message):
         import_wamit(written(tmp_path, FOREIGN), "buoy", **{"density": 1000.0, "gravity": 10.0, **facts})
-
-
-def test_labels_of_the_modes_may_be_given(tmp_path):
-    labels = ["Surge", "Heave", "Bending1"]
-    ds = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0, labels=labels)
-    assert ds.radiating_dof.values.tolist() == labels
 
 
 def test_what_cannot_be_written_is_refused():
@@ -470,15 +412,6 @@ def test_periods_that_failed_are_left_out_and_told(tmp_path):
     assert found.attrs["history"].endswith(" s, of which A and B are NaN")
 
 
-@pytest.mark.parametrize("bodies", [2, 3])
-def test_modes_of_several_bodies_come_in_sixes(bodies):
-    """WAMIT counts on from body to body: 7 is the surge of the second."""
-    names, numbers = _named("raft", list(range(1, 6 * bodies + 1)), bodies, None)
-    assert names == [f"body{k}__{name}" for k in range(1, bodies + 1) for name in mode_labels([1, 2, 3, 4, 5, 6])]
-    assert numbers == [1, 2, 3, 4, 5, 6] * bodies
-    assert _named("raft", [3, 6, 7, 12], 2, None)[0] == ["body1__Heave", "body1__Yaw", "body2__Surge", "body2__Yaw"]
-
-
 @pytest.mark.parametrize(
     ("modes", "restores", "refused"),
     [
@@ -509,83 +442,6 @@ def test_a_second_rigid_body_is_known_by_what_restores(modes, restores, refused)
     _check_one_body("raft", numbers, coupled)
 
 
-@pytest.mark.parametrize(
-    ("restores", "refused"), [((3, 4, 5, 9, 10, 11), False), ((3, 4, 5, 9, 10, 11, 15, 16, 17), True)]
-)
-def test_two_more_rigid_bodies_are_known_by_what_restores_in_either(restores, refused):
-    numbers = list(range(1, 19))
-    stiffness = np.diag([1.0 if mode in restores else 0.0 for mode in numbers])
-    if not refused:
-        _check_one_body("raft", numbers, stiffness)
-        return
-    with pytest.raises(DatabaseError, match=r"raft\.hst: modes 7 to 18 restore in heave, roll or pitch"):
-        _check_one_body("raft", numbers, stiffness)
-
-
-@pytest.mark.parametrize(
-    ("told", "names"),
-    [
-        ("1=Surge 3=Heave 9=Bend 10=Twist", ["Surge", "Heave", "Bend"]),
-        ("9=Bend 3=Heave 1=Surge", ["Surge", "Heave", "Bend"]),
-        ("1=Surge 3=Heave", ["Surge", "Heave", "Mode9"]),
-        ("", ["Surge", "Heave", "Mode9"]),
-    ],
-)
-def test_names_in_the_first_line_count_where_they_name_every_mode(tmp_path, told, names):
-    _, *lines = FOREIGN[".1"].splitlines(True)
-    ds = import_wamit(
-        written(tmp_path, {**FOREIGN, ".1": f" ULEN 1=1 depth 3=5 modes {told}\n{''.join(lines)}"}),
-        "buoy",
-        density=1000.0,
-        gravity=10.0,
-    )
-    assert ds.influenced_dof.values.tolist() == names
-
-
-def test_the_lowest_of_several_periods_that_are_none_is_named(tmp_path):
-    wrong = "".join(f" {period:.6E}     3     3  9.000000E+00\n" for period in (-2.0, -3.0, -1.0))
-    texts = {**FOREIGN, ".1": FOREIGN[".1"] + wrong.replace("-1.000000E+00     3     3", "-1.500000E+00     3     3")}
-    with pytest.raises(DatabaseError, match=r"buoy\.1: holds period -3; needs periods > 0, 0 or -1"):
-        import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0)
-
-
-def test_words_are_a_header_in_the_first_line_alone(tmp_path):
-    texts = {**FOREIGN, ".1": "another header\n" + FOREIGN[".1"]}
-    with pytest.raises(DatabaseError, match=r"buoy\.1, line 2: 'WAMIT Numeric .*' is not of 4 or 5 finite numbers"):
-        import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0)
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-def test_periods_of_forces_are_those_of_the_coefficients_to_a_hundred_thousandth(tmp_path, sign):
-    for part in (0.9e-5, 1.1e-5):
-        period = f"{4.0 * (1 + sign * part):.6E}"
-        texts = {**FOREIGN, ".3": FOREIGN[".3"].replace("4.000001E+00", period)}
-        folder = written(tmp_path, texts)
-        if part < 1e-5:
-            assert import_wamit(folder, "buoy", density=1000.0, gravity=10.0).omega.values == pytest.approx(
-                [np.pi / 2, np.pi]
-            )
-            continue
-        with pytest.raises(
-            DatabaseError, match=r"buoy\.3: its periods are not those of .*buoy\.1; needs the files of one"
-        ):
-            import_wamit(folder, "buoy", density=1000.0, gravity=10.0)
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize("fact", ["gravity", "length"])
-def test_gravity_and_length_are_those_of_the_dry_body_to_a_hundred_thousandth(sign, fact):
-    own = {"gravity": 9.81, "length": 1.0}
-    for part in (0.9e-5, 1.2e-5):
-        facts = own | {fact: own[fact] * (1 + sign * part)}
-        if part < 1e-5:
-            import_wamit(RM3, "rm3", density=1000.0, **facts)
-            continue
-        told = r"rm3\.mmx: of a run with gravity 9\.81 and ULEN 1; received gravity .*, length "
-        with pytest.raises(DatabaseError, match=told):
-            import_wamit(RM3, "rm3", density=1000.0, **facts)
-
-
 @pytest.mark.parametrize("length", [1.0, 2.5])
 def test_the_head_of_the_dry_body_is_in_wamits_words(length):
     """Volumes thrice; centres of buoyancy and of mass, as they are whatever ULEN is."""
@@ -612,62 +468,3 @@ def test_the_head_of_the_dry_body_is_in_wamits_words(length):
         "     7     7  4.000000E+00  4.000000E+01  4.000000E+02",
     ]
     assert set(wamit_texts(ds.drop_vars("inertia_matrix"), "memory")) == {".1", ".3", ".hst"}
-
-
-@pytest.mark.parametrize("length", [1.0, 2.5])
-def test_the_dry_body_written_comes_back_with_what_it_says_of_itself(tmp_path, length):
-    facts = {"displaced_volume": 4.5, "centre_of_buoyancy": [0.1, -0.2, -0.75], "centre_of_mass": [-0.3, 0.4, 0.5]}
-    pair = np.array([[1.0, 2.0], [3.0, -4.0]])
-    names = ("inertia_matrix", "structural_damping_matrix", "structural_stiffness")
-    ds = two_modes(**{name: (PAIR, 10.0**k * pair) for k, name in enumerate(names)}).assign_attrs(facts)
-    back = read_back(tmp_path, ds, length)
-    for k, name in enumerate(names):
-        assert back[name].values.tolist() == (10.0**k * pair).tolist()
-    assert {name: np.asarray(back.attrs[name]).tolist() for name in facts} == facts
-    assert back.attrs["history"] == "read from WAMIT's files buoy"
-    with pytest.raises(
-        DatabaseError, match=r"buoy\.mmx: of a run with gravity 10 and ULEN .*; received gravity 10\.1, length"
-    ):
-        import_wamit(tmp_path, "buoy", density=1000.0, gravity=10.1, length=length)
-
-
-@pytest.mark.parametrize("pair", [(3, 9), (9, 3), (5, 10), (8, 4)])
-def test_modes_that_restore_with_those_of_another_six_on_one_side_of_the_matrix_are_no_rigid_body(pair):
-    numbers = list(range(1, 13))
-    stiffness = np.diag([1.0 if mode in (3, 4, 5, 9, 10, 11) else 0.0 for mode in numbers])
-    with pytest.raises(DatabaseError, match="restore in heave, roll or pitch"):
-        _check_one_body("raft", numbers, stiffness)
-    stiffness[pair[0] - 1, pair[1] - 1] = -0.1
-    _check_one_body("raft", numbers, stiffness)
-
-
-def test_of_three_displaced_volumes_the_one_between_is_taken_of_each_body(tmp_path):
-    """By the normals' x, y and z, one of which is off where a mesh is open; exponents as Fortran writes them."""
-    texts = {"mmx": ("725.833      725.833      725.834", "999.0  0.7258330D+03  -3.5")}
-    ds = rm3(tmp_path, **texts)
-    assert (ds.attrs["displaced_volume_body1"], ds.attrs["displaced_volume_body2"]) == (725.833, 886.687)
-
-
-def test_names_of_modes_of_any_number_are_read(tmp_path):
-    """Ten and more, as of a shell of many modes."""
-    modes = [3, 9, 10, 12, 107]
-    told = "3=Heave 9=Bend 10=Twist 12=Swell 107=Ripple"
-    (tmp_path / "shell.1").write_text(f" ULEN 1 modes {told}\n")
-    assert _named(str(tmp_path / "shell"), modes, 1, None) == (["Heave", "Bend", "Twist", "Swell", "Ripple"], modes)
-
-
-def test_headings_are_those_of_the_excitation_whatever_its_parts_hold_besides(tmp_path):
-    """A part without one of them is refused; one with others as well has those."""
-    rows = "".join(FOREIGN[".3"].splitlines(True)[1:])
-    other = rows.replace("9.000000E+01     1", "4.500000E+01     1").replace("9.000000E+01     3", "4.500000E+01     3")
-    other = other.replace("9.000000E+01     9", "4.500000E+01     9")
-    folder = written(tmp_path, {**FOREIGN, ".3sc": rows + other, ".3fk": other + rows})
-    found = import_wamit(folder, "buoy", density=1000.0, gravity=10.0)
-    assert np.degrees(found.wave_direction.values) == pytest.approx([90.0])
-    for name in ("diffraction_force", "Froude_Krylov_force"):
-        assert found[name].values == pytest.approx(found.excitation_force.values)
-    written(tmp_path, {".3sc": other})
-    with pytest.raises(
-        DatabaseError, match=r"buoy\.3sc: no line starts with \(.*, 90\.0, 1\); needs all periods, head"
-    ):
-        import_wamit(folder, "buoy", density=1000.0, gravity=10.0)

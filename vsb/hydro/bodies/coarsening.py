@@ -1,4 +1,4 @@
-"""Fewer panels on the same vertices: a second resolution of a mesh that is known by its panels alone.
+"""Fewer panels on the same vertices: a second resolution of a mesh, to estimate errors with.
 
 Panels around a vertex are joined into patches, four by four where panels are quadrilaterals, and a patch becomes the
 quadrilaterals and triangles between its corners. On a regular mesh this is the mesh of half the resolution, curvature
@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from vsb.hydro.bodies.body import PLANES, FlexibleBody, at_centres, owners
+from vsb.hydro.bodies.body import PLANES, FlexibleBody
+from vsb.hydro.bodies.mesh import at_centres, owners
 from vsb.tools.arrays import FloatArray, IntArray
 
 _MOST = 8

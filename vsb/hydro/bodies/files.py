@@ -1,6 +1,6 @@
 """Files of bodies: meshes of any program, displacements in netCDF.
 
-They come from anywhere and may be cut, damaged or something else: what other libraries make of that is one line.
+Files may be cut, damaged or of another kind: whatever error a library raises becomes one line.
 """
 
 import contextlib
@@ -9,17 +9,15 @@ import warnings
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import meshio
 import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.apart import check_apart
-from vsb.hydro.bodies.body import FlexibleBody, at_centres, at_vertices, check_vertices
-from vsb.hydro.bodies.clipping import FLAT, wetted, without_area
-from vsb.hydro.bodies.gdf import check_gravity, read_gdf
+from vsb.hydro.bodies.body import FlexibleBody, check_apart
+from vsb.hydro.bodies.mesh import FLAT, at_centres, at_vertices, check_vertices, text_of, wetted, without_area
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.variables import PAIR
 from vsb.tools.arrays import FloatArray, IntArray
@@ -29,13 +27,14 @@ from vsb.tools.files import atomic_write
 PANEL_FILES = {
     ".gdf": "gdf", ".pnl": "pnl", ".hst": "hst", ".mar": "mar", ".nemoh": "mar", ".hams": "pnl",
 }  # fmt: skip
-"""What capytaine reads and meshio does not, in its words; meshio keeps the numbers of the vertices, which displacements
-refer to."""
+"""Formats capytaine reads and meshio does not; meshio keeps the order of the vertices, which displacements refer to."""
 _LARGEST = {
     "mode_shape": 1e6, "second_order": 1e6, "centre_of_mass": 1e6, "inertia_matrix": 1e30, "structural_stiffness": 1e30,
 }  # fmt: skip
-"""Beyond which no body has displacements per unit amplitude [-], and their second-order part [1/m], a centre of mass
-[m], masses, stiffness [kg, N/m]."""
+"""Bounds of displacements per unit amplitude [-], their second-order part [1/m], the centre of mass [m], mass and
+stiffness [kg, N/m]."""
+_HEADER = 4  # lines of a GDF: title, ULEN GRAV, ISX ISY, NPAN
+_FEET = (32.0, 32.3)  # GRAV of a GDF in feet/s^2
 _MATRICES = {
     "mass": "inertia_matrix", "stiffness": "structural_stiffness", "centre_of_mass": "centre_of_mass",
     "second_order": "second_order",
@@ -44,10 +43,10 @@ _MATRICES = {
 
 @contextlib.contextmanager
 def _one_line(path: str | Path, what: str, needed: str) -> Iterator[None]:
-    """Turn whatever a library makes of a file into one line: no two fail alike."""
+    """Turn whatever error a library raises for a file into one line."""
     try:
-        unheard = io.StringIO()  # meshio prints what it raises
-        with warnings.catch_warnings(), contextlib.redirect_stderr(unheard), contextlib.redirect_stdout(unheard):
+        ignored = io.StringIO()  # meshio prints what it raises
+        with warnings.catch_warnings(), contextlib.redirect_stderr(ignored), contextlib.redirect_stdout(ignored):
             warnings.simplefilter("ignore")
             with bounded_reading(path):
                 yield
@@ -99,7 +98,7 @@ def read_mesh(path: str | Path) -> tuple[FloatArray, IntArray]:
 
 
 def _panels(path: Path) -> tuple[FloatArray, IntArray]:
-    """Vertices and panels as the file has them."""
+    """Vertices and panels of a file."""
     suffix = path.suffix.lower()
     if suffix == ".nc":
         with xr.open_dataset(path, engine="netcdf4") as ds:
@@ -122,7 +121,7 @@ def _panels(path: Path) -> tuple[FloatArray, IntArray]:
 
 
 def _is_nemoh(path: Path) -> bool:
-    """Whether a .dat is NEMOH's, which begins with 2 and 0 or 1, not Tecplot's, which begins with words."""
+    """Whether a .dat is NEMOH's, which begins with 2 and 0 or 1, or Tecplot's, which begins with words."""
     with path.open(encoding="utf-8", errors="replace") as file:
         words = file.readline(200).split()
     if words and all(word.isdigit() for word in words) and (words[0] != "2" or words[1:2] not in ([], ["0"], ["1"])):
@@ -133,14 +132,52 @@ def _is_nemoh(path: Path) -> bool:
     return all(word.isdigit() for word in words)
 
 
+class Gdf(NamedTuple):
+    """WAMIT's file of panels: a header, NPAN panels of twelve numbers, and perhaps more lines."""
+
+    panels: str  # header and NPAN panels, as capytaine reads them
+    gravity: float  # GRAV, in the length unit of the panels per s^2
+    ignored: int  # lines behind the panels
+
+    @property
+    def note(self) -> str:
+        """Return a note on the lines ignored."""
+        return f"{self.ignored} lines behind the panels of the GDF ignored" if self.ignored else ""
+
+
+def read_gdf(path: Path) -> Gdf:
+    """Return the contents of a file of panels; ValueError if it is none."""
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    wanted, last = 12 * int(lines[_HEADER - 1].split()[0]), _HEADER
+    numbers: list[str] = []
+    while len(numbers) < wanted and last < len(lines):
+        numbers += lines[last].split()
+        last += 1
+    if len(numbers) < wanted:
+        raise ValueError(f"NPAN is {wanted // 12}, but {len(numbers) // 12} panels follow")
+    rows = [" ".join(numbers[k : k + 3]) for k in range(0, wanted, 3)]
+    ignored = sum(bool(line.strip()) for line in lines[last:])
+    return Gdf("\n".join([*lines[:_HEADER], *rows]), float(lines[1].split()[1]), ignored)
+
+
+def _check_gravity(path: Path, found: float, gravity: float) -> None:
+    """Raise `ConfigError` if GRAV of a GDF shows that its lengths are not metres, in water of a gravity [m/s^2]."""
+    if abs(found / gravity - 1) > 0.01:
+        unit = "which is in feet" if _FEET[0] < found < _FEET[1] else "another unit of length or another planet"
+        raise ConfigError(
+            f"{path}:2: GRAV: received {found:g}, {unit}; needs water.gravity, {gravity:g} m/s^2: convert the mesh, "
+            "and its displacements, to metres"
+        )
+
+
 def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None) -> FlexibleBody:
     """Return a body from a mesh file and a netCDF file of its displacements, in water of a gravity [m/s^2] if given.
 
     The latter holds `mode_shape` (dof, vertex or panel, xyz) with names on `dof`, and optionally `inertia_matrix` and
     `structural_stiffness` (influenced_dof, radiating_dof), `centre_of_mass` (xyz), or (part, xyz) where separate parts
     do not all turn alike, and `second_order` (influenced_dof, radiating_dof, vertex, xyz), the second derivatives
-    d2x/dq_i dq_j of the corners' positions [1/m]. What lies above the water is cut
-    off and panels without area are dropped, which the body's `history` records.
+    d2x/dq_i dq_j of the corners' positions [1/m]. Panels above the water are cut off and those without area dropped,
+    which the body's `history` records.
 
     Raises
     ------
@@ -151,9 +188,10 @@ def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None)
     labels, values, by_vertex, known = _displacements(modes, (len(vertices), len(faces)), mesh)
     kept, notes = np.flatnonzero(~without_area(vertices, faces)), []
     if (path := Path(mesh)).suffix.lower() == ".gdf":
-        notes.append(read_gdf(path).note)
+        gdf = read_gdf(path)
+        notes.append(gdf.note)
         if gravity:
-            check_gravity(path, gravity)
+            _check_gravity(path, gdf.gravity, gravity)
     if dropped := len(faces) - len(kept):
         notes.append(f"panels without area dropped: {dropped} of {len(faces)}")
     faces, values = faces[kept], values if by_vertex else values[:, kept]
@@ -174,19 +212,13 @@ def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None)
             history="; ".join(filter(None, notes)),
         )
         check_apart(body)
-        return _with_note(body)
     except (ConfigError, IndexError) as error:
         raise ConfigError(f"{mesh}, {modes}: {error}") from None
-
-
-def _with_note(body: FlexibleBody) -> FlexibleBody:
-    """The body, its gaps noted in its history if corners do not meet within single precision."""
     if (gap := body.gaps).width <= FLAT * body.size:
         return body
-    place = ", ".join(f"{x:.4g}" for x in gap.place)
-    volume = np.ptp(body.volumes) / body.volumes.max()
     note = (
-        f"gaps between panels taken for closed: up to {gap.width:.2g} m wide at ({place}), {volume:.1e} of the volume"
+        f"gaps between panels taken for closed: up to {gap.width:.2g} m wide at {text_of(gap.place)}, "
+        f"{body.open_share:.1e} of the volume"
     )
     return replace(body, history="; ".join(filter(None, (body.history, note))))
 
@@ -194,14 +226,14 @@ def _with_note(body: FlexibleBody) -> FlexibleBody:
 def _displacements(
     modes: str | Path, counts: tuple[int, int], mesh: str | Path
 ) -> tuple[tuple[str, ...], FloatArray, bool, dict[str, FloatArray]]:
-    """Labels, displacements of the vertices or else panels counted, which of them, and the matrices there are."""
+    """Labels, displacements, whether these are of vertices or else of panels, and the matrices of a file."""
     names = ("mode_shape", "dof", *_MATRICES.values())
     with _one_line(modes, "netCDF", "mode_shape (dof, vertex, xyz) and dof"):
         with xr.open_dataset(modes, engine="netcdf4") as opened:
-            held = [str(name)[:40] for name in opened.variables]
+            found = [str(name)[:40] for name in opened.variables]
             ds = opened[[name for name in names if name in opened.variables]].load()
         if "mode_shape" not in ds or "dof" not in ds.coords:
-            raise ConfigError(f"{modes}: holds {held[:20]}; needs mode_shape (dof, vertex, xyz) and dof")
+            raise ConfigError(f"{modes}: holds {found[:20]}; needs mode_shape (dof, vertex, xyz) and dof")
         arrays = {name: np.array(ds[name].values, dtype=float) for name in names if name in ds.data_vars}
         labels, dims, sizes = tuple(map(str, ds.dof.values)), ds.mode_shape.dims, dict(ds.mode_shape.sizes)
     for name, array in arrays.items():
@@ -218,7 +250,7 @@ def _displacements(
 
 
 def write_body(body: FlexibleBody, path: str | Path) -> None:
-    """Write a body as one netCDF file that is both the mesh and the modes `read_body` reads."""
+    """Write a body as one netCDF file that serves `read_body` both as the mesh and as the modes."""
     data: dict[str, Any] = {
         "vertices": (("vertex", "xyz"), body.vertices),
         "faces": (("panel", "corner"), body.faces),

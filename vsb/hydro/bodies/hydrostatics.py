@@ -4,8 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.hydro.bodies.body import FlexibleBody, Triangles, squared_gradients
-from vsb.hydro.bodies.rigid import Rigid
+from vsb.hydro.bodies.body import FlexibleBody, Triangles
 from vsb.hydro.bodies.turning import Pieces, Sections, TurningMotions, turning_motions
 from vsb.tools.arrays import FloatArray
 
@@ -15,13 +14,13 @@ def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) ->
 
     Notes
     -----
-    Water has the energy U = -rho g int_V z dV = -(rho g/2) int_S z^2 n_z dS of the space V the body takes from it. C is
-    the second derivative of U and of the weight's energy along x = x_0 + sum q_i psi_i + sum q_i q_j chi_ij/2. What
-    chi is depends on the displacements:
+    The displaced volume V has the energy U = -rho g int_V z dV = -(rho g/2) int_S z^2 n_z dS. C is the second
+    derivative of U and of the weight's energy along x = x_0 + sum q_i psi_i + sum q_i q_j chi_ij/2. The second-order
+    part chi depends on the displacements:
 
-    - Rigid motions, and those that are rigid on each of several separate parts, turn. With such a motion i,
-      C_ij = -rho g int psi_j.n w_i dS, w_i its vertical part (Newman 1994), and between such motions the weight
-      rho V g of each part at its centre of mass joins in: metacentric heights.
+    - Rigid motions, of the whole body or of each of several separate parts, rotate. With such a motion i,
+      C_ij = -rho g int psi_j.n w_i dS, w_i its vertical part (Newman 1994); between two of them the weight rho V g of
+      each part at its centre of mass is added: metacentric heights.
     - Between motions of hinged pieces and of beams (`turning`), a their rotations, e their strains along the axis,
 
           C_ij = rho g {int_waterplane w_i w_j dA + int_V [(a_i.a_j)_horizontal (z - z_G) - w_i e_j - w_j e_i] dV}.
@@ -29,11 +28,11 @@ def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) ->
       Every piece and section carries the weight of its own displaced water at the height z_G of the part's centre of
       mass. Pieces do not strain: C is the sum of their rigid forms, each closed by a wall at the hinge, with water in
       the gap. Waves are solved on the wetted surface alone, as if the gap were sealed, and so are the rows of rigid
-      motions, which are the forces of long waves: `hinge_gap` says how much that matters.
-    - Between others that the file states (`FlexibleBody.second_order`) -rho g int z chi_ij.n dS joins the second
-      derivative on linearly displaced panels, in place of the forms of hinges and beams. The work of their weight,
-      g int chi_z dm, belongs to the structure's stiffness.
-    - Of all others chi = 0, which is an assumption: `linear_share`.
+      motions, which are the forces of long waves: `hinge_gap` estimates the effect.
+    - If the file states chi (`FlexibleBody.second_order`), -rho g int z chi_ij.n dS is added to the second derivative
+      on linearly displaced panels, in place of the forms of hinges and beams. The work of the weight, g int chi_z dm,
+      belongs to the structure's stiffness.
+    - Otherwise chi = 0 is assumed: `linear_share` estimates the effect.
 
     A flexible mode must carry no momentum, int psi dm = 0, as free-free modes do, or the weight it moves is missing.
     """
@@ -57,9 +56,7 @@ def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) ->
 
 
 def hinge_gap(body: FlexibleBody) -> float | None:
-    """Return by what share, at most, the stiffness of a hinge in one part changes if its gap is sealed against water.
-
-    None without such a hinge.
+    """Return the largest relative change of a hinge's stiffness if its gap is sealed against water; None without one.
 
     Notes
     -----
@@ -72,7 +69,8 @@ def hinge_gap(body: FlexibleBody) -> float | None:
         if any(isinstance(field, Pieces) and len(field.motions) > 1 for field in fields):
             sections = _sections(body, motions, i, columns)
             moved = sections.displacement(columns.across(motions.axis))
-            slope = np.einsum("tqcx,tqx->tqc", moved[..., :2], _gradient(sections.turn))
+            gradient = np.stack([-sections.turn[:, :, 0, 1], sections.turn[:, :, 0, 0]], axis=-1)  # of the rise w
+            slope = np.einsum("tqcx,tqx->tqc", moved[..., :2], gradient)
             through = _fixed_field_stiffness(body.triangles)[i, i]
             rise = moved[..., 0, 2]
             walls = (slope * columns.volume).sum() + through - (rise**2 * columns.waterplane).sum()
@@ -82,18 +80,17 @@ def hinge_gap(body: FlexibleBody) -> float | None:
 
 
 def linear_share(body: FlexibleBody) -> float | None:
-    """Return the largest share of a stiffness that displacements without a known second-order part may lack.
+    """Return the largest share of a stiffness that an unknown second-order part may have; None if all are known.
 
-    An estimate of its order, (1/2) int z^2 |grad psi|^2 dS, as of a box that shortens as it bends. None where it is
-    known of all displacements.
+    An estimate of its order of magnitude, (1/2) int z^2 |grad psi|^2 dS, as of a box that shortens as it bends.
     """
-    known = body.rigid.keys() | body.rigid_parts.keys() | _turning(body).fields.keys()
-    unknown = [i for i in range(len(body.labels)) if i not in known]
+    known = _turning(body).fields
+    unknown = [i for i in body.flexible if i not in known]
     if not unknown or body.second_order is not None:
         return None
     t = body.triangles
     height = ((t.corner[..., 2] ** 2).sum(axis=1) + t.corner[..., 2].sum(axis=1) ** 2) / 12
-    missed = squared_gradients(t, unknown) @ height / 2
+    missed = t.squared_gradients(unknown) @ height / 2
     linear = np.abs(np.diag(_energy_hessian(t))[unknown])
     return float((missed / (missed + linear)).max())
 
@@ -130,11 +127,10 @@ def _columns(t: Triangles) -> _Columns:
 
 
 def _turning(body: FlexibleBody) -> TurningMotions:
-    """Hinges and bending; none where the file states its own second order, or not where the mass of each part lies."""
-    rigid = body.rigid.keys() | body.rigid_parts.keys()
+    """Hinges and bending; none if the file states the second order, or no centre of mass for each part."""
     count = 0 if body.centre_of_mass is None else len(np.atleast_2d(body.centre_of_mass))
-    known = body.second_order is None and count == int(body.part.max()) + 1
-    return turning_motions(body, [i for i in range(len(body.labels)) if i not in rigid] if known else [])
+    known = body.second_order is None and count == body.part_count
+    return turning_motions(body, body.flexible if known else [])
 
 
 def _sections(body: FlexibleBody, motions: TurningMotions, i: int, columns: _Columns) -> Sections:
@@ -147,7 +143,7 @@ def _sections(body: FlexibleBody, motions: TurningMotions, i: int, columns: _Col
 
 
 def _form(body: FlexibleBody, motions: TurningMotions, dofs: list[int], columns: _Columns) -> FloatArray:
-    """Stiffness between motions of hinges and beams, see `hydrostatic_stiffness`, (dof, dof) [m^2]."""
+    """Stiffness between motions of hinges and beams (`hydrostatic_stiffness`), (dof, dof) [m^2]."""
     sections = [_sections(body, motions, i, columns) for i in dofs]
     rho = columns.across(motions.axis)
     rise = np.array([each.displacement(rho)[..., 0, 2] for each in sections])
@@ -159,11 +155,6 @@ def _form(body: FlexibleBody, motions: TurningMotions, dofs: list[int], columns:
     form = np.einsum("itq,jtq,tq->ij", rise, rise, columns.waterplane, optimize=True)
     form += np.einsum("itqx,jtqx,tq->ij", turn, turn, metacentric, optimize=True)
     return np.asarray(form - stretched - stretched.T)
-
-
-def _gradient(turn: FloatArray) -> FloatArray:
-    """Horizontal gradient of the rise of what turns, (triangle, n, 1, xyz) -> (triangle, n, xy)."""
-    return np.stack([-turn[:, :, 0, 1], turn[:, :, 0, 0]], axis=-1)
 
 
 def _energy_hessian(t: Triangles) -> FloatArray:
@@ -197,19 +188,14 @@ def _weight_lift(body: FlexibleBody, i: int, j: int) -> float:
     """Second-order rise of the centres of mass by two rigid motions, times the volumes they displace [m^4]."""
     total = 0.0
     for p, (volume, centre) in enumerate(zip(_volumes(body), _centres(body), strict=True)):
-        (t_i, a_i), (t_j, a_j) = _motion_of(body, i, p), _motion_of(body, j, p)
+        (t_i, a_i), (t_j, a_j) = (body.rigid[k] if k in body.rigid else body.rigid_parts[k][p] for k in (i, j))
         move_i, move_j = t_i + np.cross(a_i, centre), t_j + np.cross(a_j, centre)
         total += volume * float((np.cross(a_i, move_j) + np.cross(a_j, move_i))[2] / 2)
     return total
 
 
-def _motion_of(body: FlexibleBody, i: int, p: int) -> Rigid:
-    """Rigid motion of a part."""
-    return body.rigid[i] if i in body.rigid else body.rigid_parts[i][p]
-
-
 def _volumes(body: FlexibleBody) -> FloatArray:
-    """Volume of water each part displaces; of everything, where there is one centre of mass (part,) [m^3]."""
+    """Volume displaced by each part, or by the whole body if there is one centre of mass, (part,) [m^3]."""
     if len(_centres(body)) == 1:
         return np.array([body.volume])
     corner, area, _ = body.triangles
@@ -219,5 +205,5 @@ def _volumes(body: FlexibleBody) -> FloatArray:
 
 
 def _centres(body: FlexibleBody) -> FloatArray:
-    """Centre of mass of each part; without any nothing turns (part, xyz) [m]."""
+    """Centre of mass of each part, (part, xyz) [m]; without rotations it may be unknown."""
     return np.zeros((1, 3)) if body.centre_of_mass is None else np.atleast_2d(body.centre_of_mass)

@@ -1,12 +1,10 @@
-"""Water that resonates inside a body, in the numbers alone, or between bodies; lids on the former.
+"""Irregular frequencies and the lids that remove them; resonance of the water between two bodies.
 
-A lid, panels on the water inside, removes irregular frequencies.
-
-A lid that reaches the waterline spoils what it does not mend. In the corner between wall and lid the source strength
-is singular, since the water outside keeps its free surface and the water inside none; flat panels resolve that badly
-and finer ones no better: surge added mass of a box 10 x 8 x 4 m at 2.4 rad/s is 20 % off. A lid that ends one panel
-short of the waterline leaves the corner alone (2 %). The strip left open has modes of its own, but only in waves that
-the panels do not resolve either.
+A lid is a set of panels on the water inside a body. One that reaches the waterline spoils coefficients away from the
+irregular frequencies: in the corner between wall and lid the source strength is singular, since the water outside keeps
+its free surface and the water inside has none, and flat panels resolve that badly however fine: surge added mass of a
+box 10 x 8 x 4 m at 2.4 rad/s is 20 % off. A lid that ends one panel short of the waterline avoids the corner (2 %). The
+open strip has modes of its own, but only in waves that the panels do not resolve either.
 """
 
 from itertools import combinations
@@ -17,10 +15,11 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from vsb.hydro.bodies.body import SAME, FlexibleBody, joined, owners, panel_areas, panel_size
+from vsb.hydro.bodies.body import FlexibleBody, panel_areas, panel_size
+from vsb.hydro.bodies.mesh import SAME, joined, owners
 from vsb.tools.arrays import FloatArray, IntArray
 
-_NARROW = 0.25  # width of a gap, in terms of draught and beam
+_NARROW = 0.25  # width of a gap, relative to draught and beam
 
 
 def waterlines(body: FlexibleBody) -> list[FloatArray]:
@@ -45,12 +44,12 @@ def first_irregular_frequency(body: FlexibleBody, gravity: float) -> float:
 
     Notes
     -----
-    They are those of the water inside if its walls were at zero potential, which rise as the space shrinks: those of
-    the box around each part, omega^2 = pi g p/tanh(pi p d), p^2 = 1/L^2 + 1/B^2, lie below them.
+    They are the eigenfrequencies of the water inside with its walls at zero potential, which rise as the space shrinks:
+    those of the box around each part, omega^2 = pi g p/tanh(pi p d), p^2 = 1/L^2 + 1/B^2, lie below them.
     """
     if not waterlines(body):
         return float("inf")
-    corners = [body.vertices[body.faces[body.part == p]].reshape(-1, 3) for p in range(int(body.part.max()) + 1)]
+    corners = [body.vertices[body.faces[body.part == p]].reshape(-1, 3) for p in range(body.part_count)]
     found = []
     for corner in (each for each in corners if each[:, 2].max() > -SAME * body.size):
         length, beam, _ = np.ptp(corner, axis=0)
@@ -60,7 +59,7 @@ def first_irregular_frequency(body: FlexibleBody, gravity: float) -> float:
 
 
 class Resonance(NamedTuple):
-    """Water that heaves between two bodies, near enough to each other for it to move as a piston."""
+    """Water between two bodies that heaves like a piston."""
 
     omega: float  # [rad/s], about
     width: float  # of the gap [m]
@@ -72,11 +71,11 @@ def gap_resonance(body: FlexibleBody, gravity: float) -> Resonance | None:
     Notes
     -----
     As of a gap of width b between barges of width B and draught d (Molin 2001):
-    omega^2 = g/(d + (b/pi) (3/2 + ln(B/2b))). It is no irregular frequency: such water moves, in linear theory more
-    than in any sea, for nothing but radiation damps it.
+    omega^2 = g/(d + (b/pi) (3/2 + ln(B/2b))). It is no irregular frequency: such water does move, in linear theory more
+    than in the sea, since only radiation damps it.
     """
     found = []
-    corners = [body.vertices[np.unique(body.faces[body.part == p])] for p in range(int(body.part.max()) + 1)]
+    corners = [body.vertices[np.unique(body.faces[body.part == p])] for p in range(body.part_count)]
     afloat = [each for each in corners if each[:, 2].max() > -SAME * body.size]
     for one, other in combinations(afloat, 2):
         at_surface = [each[np.abs(each[:, 2]) < SAME * body.size, :2] for each in (one, other)]

@@ -9,11 +9,12 @@ import xarray as xr
 from scipy.linalg import hadamard
 from scipy.spatial import cKDTree
 
-from vsb.hydro.bodies.body import PLANES, SYMMETRIES, FlexibleBody, detected_symmetry, joined
+from vsb.hydro.bodies.body import PLANES, SYMMETRIES, FlexibleBody, detected_symmetry
 from vsb.hydro.bodies.coarsening import coarser_body, coarser_panels
+from vsb.hydro.bodies.mesh import joined
 from vsb.hydro.panels.rings import influence_blocks, panel_mesh
 from vsb.hydro.variables import PAIR
-from vsb.study.study import Water
+from vsb.study.sections import Water
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
@@ -82,7 +83,7 @@ class SymmetricPanels:
 
     @cached_property
     def correction(self) -> FloatArray:
-        """What the diagonal of D lacks in the half or quarter, as of `rings.flux_correction`; zero on the lid."""
+        """Correction of the diagonal of D in the half or quarter, as `rings.flux_correction`; zero on the lid."""
         body, areas = self._kept < self.of_body, self.whole.faces_areas[self._kept]
         d = influence_blocks(self.green, self._mirrored[0], 0.0, self.depth)[1]
         return np.where(body, 1.0 - np.where(body, areas, 0.0) @ d.sum(axis=0).real / areas, 0.0)
@@ -92,8 +93,8 @@ class SymmetricPanels:
 
         Notes
         -----
-        The blocks are a table of the group of reflections, its characters (+1, -1) are the rows of Hadamard's matrix:
-        in sums and differences of images every parity has a system of its own, of a half or quarter of the unknowns.
+        The characters (+1, -1) of the group of reflections are the rows of Hadamard's matrix: in sums and differences
+        of images every parity has a system of its own, of a half or quarter of the unknowns.
         """
         (mesh, place), parity = self._mirrored, hadamard(2 ** len(self.planes))
         s, d = (np.tensordot(parity, m, axes=1) for m in influence_blocks(self.green, mesh, k, self.depth))
@@ -108,7 +109,7 @@ class SymmetricPanels:
 
 @dataclass(frozen=True)
 class BodyProblem:
-    """A body in waves. Its panels have the symmetry named (`body.SYMMETRIES`); displacements and waves need none.
+    """A body in waves. Its panels have the symmetry given (`body.SYMMETRIES`); displacements and waves need none.
 
     The lid, vertices and panels with normals down, removes irregular frequencies.
     """
@@ -121,7 +122,7 @@ class BodyProblem:
 
     def coarser(self) -> tuple["BodyProblem", float]:
         """Return the problem on fewer panels, those of the lid as well, and their share (`coarsening.Coarser`)."""
-        planes = SYMMETRIES[detected_symmetry(self.body)]  # whichever are made use of
+        planes = SYMMETRIES[detected_symmetry(self.body)]  # also if the solver does not use them
         lid = (self.lid[0], coarser_panels(*self.lid, planes).faces) if self.lid else None
         body, share = coarser_body(self.body, planes)
         return replace(self, body=body, lid=lid), share
@@ -167,9 +168,8 @@ class BodyProblem:
         Returns
         -------
         xarray.Dataset
-            added_mass, radiation_damping, Froude_Krylov_force, diffraction_force, and what the radiated waves say of
-            them: `haskind_force`, the excitation by Haskind's relation, and `far_field_damping`, from the energy they
-            carry away.
+            added_mass, radiation_damping, Froude_Krylov_force, diffraction_force, and from the radiated waves
+            `haskind_force`, the excitation by Haskind's relation, and `far_field_damping`, by the energy they carry.
 
         Notes
         -----
@@ -207,7 +207,7 @@ class BodyProblem:
         )
 
     def _far_field_damping(self, omega: float, strength: ComplexArray) -> FloatArray:
-        """Damping by the waves the sources send in all directions, shape (dof, dof) [kg/s]."""
+        """Damping by the waves the sources send in all directions, shape (dof, dof) [N s/m]."""
         water = self.water
         k = wavenumber(omega, water.depth, water.gravity)
         count = 32 + 4 * int(np.ceil(k * self.body.size))

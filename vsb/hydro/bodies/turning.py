@@ -1,13 +1,13 @@
-"""Motions in which pieces of a body or its sections turn without being deformed: hinges and beams.
+"""Hinges and beams: displacements that rotate pieces or sections of a body without deforming them.
 
-A linear displacement field stretches what merely turns. Of two kinds of fields the second order is known:
+A linear displacement field stretches what rotates. For two kinds of fields the second order is known:
 
 - hinges: fields that are rigid piece by piece;
 - beams along x or y: sections across the axis stay plane and undeformed, and normal to the axis.
 
-Both move sections by psi = T(s) + omega(s) x rho, rho across the axis, and both continue alike: in the frame that turns
-with a section the strain along the axis stays linear in the amplitudes. So the elastic energy is quadratic, as a
-stiffness matrix of the structure has it, and the neutral axis of a beam that bends keeps its length.
+Both move sections by psi = T(s) + omega(s) x rho, rho across the axis, and both continue alike: in the frame that
+rotates with a section the strain along the axis stays linear in the amplitudes. So the elastic energy is quadratic, as
+with a stiffness matrix of the structure, and the neutral axis of a beam that bends keeps its length.
 """
 
 from typing import NamedTuple, Protocol
@@ -18,13 +18,14 @@ from scipy.sparse import csr_array, diags_array, hstack, vstack
 from scipy.spatial import cKDTree
 
 from vsb.hydro.bodies.body import LEAST_PANELS, FlexibleBody
-from vsb.hydro.bodies.rigid import RIGID_TO, Rigid, displaced, fitted_motion
+from vsb.hydro.bodies.mesh import RIGID_TO, Rigid, fitted_motion
 from vsb.tools.arrays import BoolArray, FloatArray, IntArray
 
-_SEEDS = 60  # panels from which a rigid piece is sought
+_SEEDS = 60  # panels from which rigid pieces are grown, at most
 _LEAST_SHARE = 0.5  # of the surface in rigid pieces; the rest lies across hinges
 _DEGREE, _MOST_SITES = 5, 40  # of the splines along a beam
 _DEFORMED = 1e-3  # displacement of a section beyond a rigid one, in terms of the largest
+_SIDES = ((0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (1, 3))  # and diagonals of a panel
 _SHEARED = 0.02  # angle of sections from the normals of the axis, in terms of the largest rotation
 
 
@@ -46,14 +47,14 @@ class Sections(NamedTuple):
 
 
 class TurningField(Protocol):
-    """A displacement of one part of a body whose sections or pieces turn."""
+    """A displacement of one part of a body whose sections or pieces rotate."""
 
     def sections(self, points: FloatArray, axis: int) -> Sections:
         """Return the motion at points of each of the part's triangles, shape (triangle, n, xyz)."""
 
 
 class Pieces(NamedTuple):
-    """Rigid pieces. A triangle lies in one, or across a hinge: between two, which meet where both rise alike."""
+    """Rigid pieces. A triangle lies in one of them, or across a hinge, where two pieces meet at the same height."""
 
     motions: tuple[Rigid, ...]
     beside: IntArray  # (triangle, 2): the same piece twice, or the two next to it
@@ -86,17 +87,17 @@ class BeamField(NamedTuple):
 
 
 class TurningMotions(NamedTuple):
-    """Degrees of freedom that turn pieces or sections of every part."""
+    """Degrees of freedom that rotate pieces or sections of every part."""
 
-    axis: int  # across which sections lie, 0 or 1
+    axis: int  # normal to the sections, 0 or 1
     fields: dict[int, list[TurningField]]  # of every part
 
 
 def turning_motions(body: FlexibleBody, dofs: list[int]) -> TurningMotions:
-    """Return which of some degrees of freedom are hinges or those of a beam, along whichever axis more of them are."""
+    """Return those of some degrees of freedom that are hinges or beams, along the axis that has more of them."""
     if np.bincount(body.part).min() < LEAST_PANELS:
         return TurningMotions(0, {})
-    parts = range(int(body.part.max()) + 1)
+    parts = range(body.part_count)
     hinged = {(p, i): rigid_pieces(body, p, i) for p in parts for i in dofs}
     found = []
     for axis in (0, 1):
@@ -109,8 +110,8 @@ def turning_motions(body: FlexibleBody, dofs: list[int]) -> TurningMotions:
 def rigid_pieces(body: FlexibleBody, part: int, dof: int) -> Pieces | None:
     """Return the pieces of a part that a degree of freedom moves rigidly, None if it deforms more than hinges.
 
-    Every panel outside the pieces must lie across a hinge: touch one of them, and move as one of the two next to it or
-    between both.
+    Every panel outside the pieces must lie across a hinge: touch a piece, and move like one of the two nearest pieces
+    or between them.
     """
     faces, shape = body.faces[body.part == part], body.shapes[dof]
     largest = float(np.abs(shape[body.faces]).max())
@@ -124,7 +125,7 @@ def rigid_pieces(body: FlexibleBody, part: int, dof: int) -> Pieces | None:
         if not free.any():
             break
         seed = int(np.argmax(np.where(free, area, -1.0)))
-        motion, follows = _grown(corner, moved, seed, largest, body.size)
+        motion, follows = _piece_from(corner, moved, seed, largest, body.size)
         mine = follows.all(axis=1) & (piece < 0)
         free &= ~mine
         free[seed] = False
@@ -141,19 +142,12 @@ def rigid_pieces(body: FlexibleBody, part: int, dof: int) -> Pieces | None:
     distance = np.array([cKDTree(centre[piece == p]).query(centre)[0] for p in count])
     beside = np.argsort(distance, axis=0)[[0, min(1, len(motions) - 1)]].T
     beside[inside] = piece[inside, None]
-    one, other = (
-        np.array([displaced(motion, corner) for motion in motions])[each, np.arange(len(faces))] for each in beside.T
-    )
-    if np.abs(_beyond(moved, one, other)).max() > RIGID_TO * largest:
+    one, other = (np.array([motion.at(corner) for motion in motions])[each, np.arange(len(faces))] for each in beside.T)
+    apart = one - other
+    share = np.clip(((moved - other) * apart).sum(axis=-1) / np.maximum((apart**2).sum(axis=-1), 1e-300), 0.0, 1.0)
+    if np.abs(moved - other - share[..., None] * apart).max() > RIGID_TO * largest:
         return None
     return Pieces(tuple(motions), np.tile(beside, (2, 1)), middle)
-
-
-def _beyond(moved: FloatArray, one: FloatArray, other: FloatArray) -> FloatArray:
-    """What displacements have beyond the nearest between two others, shape (..., xyz)."""
-    apart = one - other
-    share = ((moved - other) * apart).sum(axis=-1) / np.maximum((apart**2).sum(axis=-1), 1e-300)
-    return np.asarray(moved - other - np.clip(share, 0.0, 1.0)[..., None] * apart)
 
 
 def _unstretched(corner: FloatArray, moved: FloatArray, largest: float) -> BoolArray:
@@ -163,16 +157,15 @@ def _unstretched(corner: FloatArray, moved: FloatArray, largest: float) -> BoolA
     return np.asarray((np.abs((side * change).sum(axis=2)) / length <= 4 * RIGID_TO * largest).all(axis=1))
 
 
-_SIDES = ((0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (1, 3))
-
-
-def _grown(corner: FloatArray, moved: FloatArray, seed: int, largest: float, size: float) -> tuple[Rigid, BoolArray]:
-    """Rigid motion of a panel and the corners that follow it, shape (panel, 4): first to what a panel can tell."""
+def _piece_from(
+    corner: FloatArray, moved: FloatArray, seed: int, largest: float, size: float
+) -> tuple[Rigid, BoolArray]:
+    """Rigid motion of a panel and the corners that follow it, shape (panel, 4): first to the accuracy of one panel."""
     side = np.linalg.norm(np.diff(corner[seed, [0, 1, 2, 3, 0]], axis=0), axis=1)
     follows, tolerance = np.arange(len(corner))[:, None] == np.full(4, seed), RIGID_TO * largest * size / side.max()
     for _ in range(4):
         motion = fitted_motion(corner[follows], moved[follows], largest)
-        found = np.abs(displaced(motion, corner) - moved).max(axis=2) <= tolerance
+        found = np.abs(motion.at(corner) - moved).max(axis=2) <= tolerance
         if found.sum() < 4:
             break
         follows, tolerance = found, RIGID_TO * largest
@@ -180,14 +173,14 @@ def _grown(corner: FloatArray, moved: FloatArray, seed: int, largest: float, siz
 
 
 def _is_solid(corner: FloatArray) -> bool:
-    """Whether corners span a space: a bent plate has rigid strips too."""
+    """Whether corners span a volume: a bent plate has rigid strips too."""
     points = corner.reshape(-1, 3)
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     return bool(spread[2] > 1e-3 * spread[0])
 
 
 def beam_fields(body: FlexibleBody, part: int, dofs: list[int], axis: int) -> dict[int, BeamField]:
-    """Return those of some degrees of freedom that move a part as a beam along an axis, 0 or 1.
+    """Return the fields of those degrees of freedom that move a part as a beam along an axis, 0 or 1.
 
     T and omega are splines, fitted to the displacements of all corners. Sections must stay undeformed, and normal to
     the axis: T' = omega x e across it, at the axis of twist where sections twist about one.
@@ -211,7 +204,7 @@ def beam_fields(body: FlexibleBody, part: int, dofs: list[int], axis: int) -> di
 
 
 def _knots(at: FloatArray, size: float) -> FloatArray | None:
-    """Knots of splines through places of corners along an axis, None where these are too few."""
+    """Knots of splines through the coordinates of corners along an axis, None if these are too few."""
     levels = np.sort(at)
     levels = levels[np.append(True, np.diff(levels) > RIGID_TO * size)]
     levels[-1] = at.max()

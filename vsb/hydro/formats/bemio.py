@@ -22,7 +22,7 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.modes import (
+from vsb.hydro.formats.common import (
     GENERALIZED,
     WATER,
     assembled,

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.modes import WATER, assembled, readable, volume_of
+from vsb.hydro.formats.common import WATER, assembled, readable, volume_of
 from vsb.tools.arrays import BoolArray, FloatArray
 from vsb.tools.files import merged
 from vsb.tools.variables import VARIABLES
@@ -33,8 +33,8 @@ def read_capytaine(path: str | Path) -> xr.Dataset:
     """Return the hydro database in a netCDF file of capytaine's `export_dataset` or `separate_complex_values`.
 
     Added mass at zero and infinite frequency is taken from these rows, where they are; motions that did not radiate are
-    left out, and so are matrices at rest that hold NaN, capytaine's mark of what it does not know, and frequencies at
-    which every coefficient is NaN, its mark of a solution that failed. The history tells of all three. A file without
+    left out, and so are matrices at rest that hold NaN, capytaine's mark of unknown values, and frequencies at which
+    every coefficient is NaN, its mark of a solution that failed. The history records all three. A file without
     hydrostatics gives a database without `hydrostatic_stiffness`.
 
     Raises
@@ -50,14 +50,14 @@ def read_capytaine(path: str | Path) -> xr.Dataset:
 
 
 def _failed(ds: xr.Dataset) -> BoolArray:
-    """Frequencies at which nothing that is solved for is known, (omega,)."""
+    """Frequencies at which all coefficients are NaN, (omega,)."""
     unknown = [ds[name].isnull().all([dim for dim in ds[name].dims if dim != "omega"]) for name in _SOLVED]
     found: BoolArray = np.logical_and.reduce([each.values for each in unknown])
     return found
 
 
 def _by_omega(ds: xr.Dataset, source: str) -> xr.Dataset:
-    """The dataset over angular frequencies, whatever it was asked for by."""
+    """The dataset over angular frequencies, whichever quantity its file uses."""
     asked = [name for name in _FREQUENCIES if name in ds.added_mass.dims]
     if len(asked) != 1:
         raise DatabaseError(
@@ -80,7 +80,7 @@ def _omega(name: str, values: FloatArray, gravity: float, depth: float) -> Float
 
 
 def _of_one_case(ds: xr.Dataset, source: str) -> xr.Dataset:
-    """The dataset without dimensions of one entry that a database has not, and of radiation without wave directions.
+    """The dataset without other dimensions of one entry, and with radiation that does not depend on wave direction.
 
     Raises
     ------

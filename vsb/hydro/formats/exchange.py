@@ -1,25 +1,65 @@
-"""Hydro databases as files of other codes."""
+"""Any hydro database read from any file, with its verdict, and written as files of other codes."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
+import netCDF4
 import xarray as xr
 
 from vsb.errors import DatabaseError
-from vsb.hydro.database import load_database
-from vsb.hydro.formats.bemio import bemio_entries, write_h5
-from vsb.hydro.formats.sources import read_source
-from vsb.hydro.formats.wamit import wamit_texts
+from vsb.hydro.database import Check, load_database, open_database, stored_checks
+from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
+from vsb.hydro.formats.capytaine import read_capytaine
+from vsb.hydro.formats.checks import coefficient_checks
+from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.study.sections import Water
+from vsb.tools.bounded import open_regular
 from vsb.tools.files import write_text
 from vsb.tools.stamps import check_output
 
 FORMATS = ("wamit", "bemio")
 
 
-def opened(path: str | Path, expected_id: str | None = None) -> xr.Dataset:
-    """Return a database to be exported: this project's, with an `expected_id` that one, or capytaine's own file."""
-    return load_database(path, expected_id) if expected_id else read_source("database", str(path), Water())
+def read_source(kind: str, path: str, water: Water, length: float = 1.0) -> xr.Dataset:
+    """Return a hydro database: this project's, or one of another code, which is not yet checked.
+
+    Parameters
+    ----------
+    kind : "database", "wamit" or "bemio"
+        A database is this project's netCDF file or capytaine's.
+    path : str
+        Of the file; of WAMIT's files without their endings.
+    water : Water
+        Of WAMIT's run, whose files do not state it.
+    length : float
+        WAMIT's ULEN [m].
+
+    Raises
+    ------
+    DatabaseError
+        If the file is none of its kind.
+    """
+    if kind == "wamit":
+        folder, name = Path(path).parent, Path(path).name
+        density, gravity, depth = water.density, water.gravity, water.depth
+        return import_wamit(folder, name, density=density, gravity=gravity, length=length, depth=depth)
+    if kind == "bemio":
+        return read_bemio(path)
+    return open_database(path) if is_own(path) else read_capytaine(path)
+
+
+def is_own(path: str) -> bool:
+    """Return whether a netCDF file is a database of this project."""
+    try:
+        with open_regular(path), netCDF4.Dataset(path) as file:
+            return "separate_sweep" in file.ncattrs()
+    except (OSError, RuntimeError) as error:
+        raise DatabaseError(f"{path}: cannot be read: {error}; needs a hydro database as netCDF.") from None
+
+
+def source_checks(ds: xr.Dataset, dofs: Sequence[str] | None = None) -> tuple[list[Check], list[str]]:
+    """Return the checks stored with a database, or else those of `coefficient_checks` for some degrees of freedom."""
+    return (stored_checks(ds), []) if "quality" in ds.attrs else coefficient_checks(ds, dofs=dofs)
 
 
 def export(
@@ -33,13 +73,13 @@ def export(
 ) -> list[Path]:
     """Write a database for other codes and return the files written; none is begun unless all can be made.
 
-    They are FOLDER/NAME.1, .3, .3fk, .3sc, .hst and .mmx of format `wamit` with ULEN = length [m] (see `wamit_texts`)
-    and FOLDER/NAME.h5 of format `bemio` (see `bemio_entries`). With an `expected_id` it must be that database.
-    Files of the same name are replaced, but neither `inputs` nor products of a run.
+    Format `wamit` gives FOLDER/NAME.1, .3, .3fk, .3sc, .hst and .mmx with ULEN = length [m] (`wamit_texts`), format
+    `bemio` FOLDER/NAME.h5 (`bemio_entries`). The database is this project's, with an `expected_id` that one, or
+    capytaine's. Files of the same name are replaced, but neither `inputs` nor products of a run.
     """
     if not formats or set(formats) - set(FORMATS):
         raise DatabaseError(f"formats: received {list(formats)}, needs wamit, bemio or both.")
-    ds, source = opened(database_path, expected_id), str(database_path)
+    ds, source = _opened(database_path, expected_id), str(database_path)
     texts = wamit_texts(ds, source, length) if "wamit" in formats else {}
     entries = bemio_entries(ds, source) if "bemio" in formats else {}
     files = [Path(folder) / f"{name}{extension}" for extension in [*texts, *[".h5"] * bool(entries)]]
@@ -52,17 +92,22 @@ def export(
     return files
 
 
+def _opened(path: str | Path, expected_id: str | None) -> xr.Dataset:
+    """A database to be exported."""
+    return load_database(path, expected_id) if expected_id else read_source("database", str(path), Water())
+
+
 def exported(
     path: str | Path, folder: str | Path, name: str, expected_id: str | None = None, inputs: Collection[str | Path] = ()
 ) -> list[str]:
-    """Write a database in every format that it has enough for; return the files, and lines on what is left out.
+    """Write a database in every format that it is complete enough for; return the files, and lines on what is left out.
 
     Raises
     ------
     DatabaseError
-        If it has enough for none.
+        If it is complete enough for none.
     """
-    ds = opened(path, expected_id)
+    ds = _opened(path, expected_id)
     files: list[Path] = []
     missing: list[str] = []
     for form in FORMATS:

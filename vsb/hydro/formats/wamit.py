@@ -21,7 +21,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.modes import (
+from vsb.hydro.formats.common import (
     GENERALIZED,
     WATER,
     assembled,

@@ -1,8 +1,8 @@
-"""What the forms of WAMIT and BEMIO share: numbers of modes, facts about the body, its structure.
+"""Shared by all formats: numbers and names of modes, the body at rest, its structure, and checks of plain numbers.
 
-Both know six rigid modes, 1 to 6 = Surge, Sway, Heave, Roll, Pitch, Yaw, and generalized ones from 7 on. Translations
-and generalized modes have amplitudes in metres, rotations, about the point the body's mode shapes turn about, in
-radians: coefficients of a rotation take one more length each.
+WAMIT and BEMIO know six rigid modes, 1 to 6 = Surge, Sway, Heave, Roll, Pitch, Yaw, and generalized ones from 7 on.
+Translations and generalized modes have amplitudes in metres, rotations in radians, about the origin of the body's mode
+shapes: coefficients have one more length for each rotation.
 """
 
 import json
@@ -29,18 +29,18 @@ GENERALIZED = 7
 WATER = ("water_density", "gravity", "water_depth")
 """Facts every database holds."""
 RANGE = (1e-6, 1e6)
-"""Of density, gravity, length, depth and frequency in SI units: beyond, products of coefficients leave the numbers."""
+"""Of density, gravity, length, depth and frequency in SI units: beyond, products of coefficients may overflow."""
 LARGEST = 1e40
-"""Coefficient of any body in SI units, squared far from overflow."""
+"""Coefficient of any body in SI units; its square is far from overflow."""
 DRY = ("structural_stiffness", "prestress_stiffness", "gas_stiffness")
 """All stiffness but the water's."""
 _DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, ArithmeticError, MemoryError)
-"""What netCDF4, xarray and numpy say of a damaged file."""
+"""Errors netCDF4, xarray and numpy raise for a damaged file."""
 
 
 @contextmanager
 def readable(path: str | Path, needed: str) -> Iterator[None]:
-    """Read a file within bounds; tell in one line, a `DatabaseError`, what libraries make of a damaged one."""
+    """Read a file within bounds; a `DatabaseError` in one line for whatever error a library raises."""
     try:
         with bounded_reading(path):
             yield
@@ -63,7 +63,7 @@ class Structure(NamedTuple):
     """Modal matrices of a body without water, shape (dof, dof)."""
 
     mass: FloatArray  # [kg]
-    damping: FloatArray  # [kg/s]
+    damping: FloatArray  # [N s/m]
     stiffness: FloatArray  # [N/m], prestress and gas included
 
 
@@ -83,7 +83,7 @@ def mode_labels(numbers: Sequence[int]) -> list[str]:
 
 
 def body_names(found: Sequence[str]) -> list[str]:
-    """Return what stands before the labels of each body: its name, or its number where that is none; of one nothing."""
+    """Return the prefix of labels of each body: its name, or body1, ... if names do not serve; of one body none."""
     if len(found) == 1:
         return [""]
     proper = all(re.fullmatch(r"[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*", name) for name in found)
@@ -91,12 +91,12 @@ def body_names(found: Sequence[str]) -> list[str]:
 
 
 def volume_of(body: str) -> str:
-    """Return the name among a database's attributes of the water a body displaces [m^3]; the only one has no name."""
+    """Return the attribute with the displaced volume of a body [m^3]; a single body has no name."""
     return f"displaced_volume_{body}" if body else "displaced_volume"
 
 
 def rotations(modes: Sequence[int]) -> FloatArray:
-    """Return 1 for rotations, modes 4 to 6, and 0 for the others: how many more lengths a coefficient takes."""
+    """Return 1 for rotations, modes 4 to 6, and 0 for the others: the additional lengths of a coefficient."""
     return np.array([float(4 <= mode < GENERALIZED) for mode in modes])
 
 
@@ -110,9 +110,9 @@ def check_positive(name: str, value: float, unit: str, *, infinite: bool = False
 
 
 def checked(ds: xr.Dataset, source: str, needed: Sequence[str] = ()) -> xr.Dataset:
-    """Return the dataset with dimensions in order, after checking that it holds what is needed, and nothing absurd.
+    """Return the dataset with dimensions in order, after checking that it is complete and has plausible numbers.
 
-    Checked are variables, coordinates and the facts about water and body among the attributes. Errors name the source.
+    Checked are variables, coordinates and the attributes about water and body. Errors name the source.
     """
     if missing := [name for name in (*WATER, *needed) if name not in ds and name not in ds.attrs]:
         raise DatabaseError(f"{source}: holds no {', '.join(missing)}; needs a complete hydro database.")
@@ -165,17 +165,17 @@ _AT_REST = ("displaced_volume", "centre_of_buoyancy", "centre_of_mass")
 
 
 def _is_sphere(ds: xr.Dataset) -> bool:
-    """Whether what a body displaces follows from radius, height and mass in heave."""
+    """Whether the displaced water follows from radius, height and mass in heave."""
     return {"radius", "centre_height"} <= {*ds.attrs} and "inertia_matrix" in ds and "Heave" in ds.influenced_dof
 
 
 def is_floating(ds: xr.Dataset) -> bool:
-    """Return whether a database says enough of the body at rest for `floating`."""
+    """Return whether a database has the attributes for `floating`."""
     return {*_AT_REST} <= {*ds.attrs} or _is_sphere(ds)
 
 
 def floating(ds: xr.Dataset, source: str) -> Floating:
-    """Return what a database says of the body at rest, which for a sphere follows from its radius, height and mass."""
+    """Return the body at rest; for a sphere it follows from radius, height and mass."""
     missing = [name for name in _AT_REST if name not in ds.attrs]
     if not missing:
         volume, buoyancy, mass = (np.asarray(ds.attrs[name], dtype=float) for name in _AT_REST)
@@ -190,21 +190,21 @@ def floating(ds: xr.Dataset, source: str) -> Floating:
 
 
 def rotation_centre(ds: xr.Dataset) -> FloatArray | None:
-    """Return the point rotations of a database turn about, (xyz,) [m], of a buoy its centre; None if it is not said."""
+    """Return the centre of the rotations of a database, (xyz,) [m], of a buoy its own centre; None if unknown."""
     if "rotation_centre" in ds.attrs:
         return np.asarray(ds.attrs["rotation_centre"], dtype=float)
     return np.array([0.0, 0.0, float(ds.attrs["centre_height"])]) if "centre_height" in ds.attrs else None
 
 
 def turned_about(ds: xr.Dataset, point: FloatArray, source: str) -> xr.Dataset:
-    """Return matrices and forces with rotations about another point: what moves is the same, by other amplitudes.
+    """Return matrices and forces with rotations about another point.
 
-    A rotation a about the point is that about the database's own, and a translation a x (own - point).
+    A rotation a about the point is one about the database's own centre and a translation a x (own - point).
 
     Raises
     ------
     DatabaseError
-        If the database does not say what its rotations turn about, or has not the translations this takes.
+        If the centre of rotations is unknown, or the translations this takes are not in the database.
     """
     labels = [str(label) for label in ds.influenced_dof.values]
     turning = [label for label in labels if label in ROTATIONS]
@@ -234,8 +234,8 @@ def turned_about(ds: xr.Dataset, point: FloatArray, source: str) -> xr.Dataset:
 def structure(ds: xr.Dataset, source: str, damping: FloatArray | None = None) -> Structure | None:
     """Return mass, damping and stiffness of the dry body, or None if the database has no mass or no stiffness.
 
-    Damping is that given, that stored, or Rayleigh's of the device in the spec, alpha M + beta K, of the generalized
-    modes.
+    Damping is the given, else the stored, else Rayleigh damping of the device in the spec, alpha M + beta K of the
+    generalized modes.
     """
     if {"inertia_matrix", "structural_stiffness"} - set(ds):
         return None

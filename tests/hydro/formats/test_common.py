@@ -5,27 +5,21 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
-import yaml
 
 from examples import barge
 from vsb.cli import main
-from vsb.errors import ConfigError, DatabaseError
+from vsb.errors import DatabaseError
 from vsb.hydro.bodies import study as bodystudy
 from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
-from vsb.hydro.formats.exchange import export
-from vsb.hydro.formats.modes import (
+from vsb.hydro.formats.common import (
     RIGID,
-    assembled,
-    body_names,
-    check_positive,
-    checked,
     floating,
     mode_labels,
     mode_numbers,
-    readable,
     rotations,
     structure,
 )
+from vsb.hydro.formats.exchange import export
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.study.body import BodyFile
 from vsb.tools import files, variables
@@ -98,15 +92,6 @@ def test_six_modes_are_rigid_and_others_count_from_seven():
             mode_numbers(labels)
 
 
-def test_bodies_are_told_apart_by_their_names_or_else_by_numbers():
-    assert body_names(["float"]) == [""]
-    assert body_names(["float", "spar_1"]) == ["float", "spar_1"]
-    for same_or_no_names in (["float", "float"], ["float", "1st"], ["float", ""], ["a b", "c"]):
-        assert body_names(same_or_no_names) == ["body1", "body2"]
-    for two_alike in (["float", "spar", "float"], ["spar", "float", "float"]):
-        assert body_names(two_alike) == ["body1", "body2", "body3"]
-
-
 def test_a_length_more_for_every_rotation():
     """ULEN = 2: WAMIT's k = 3, 4, 5 for mass and damping, 2, 3, 4 for stiffness, 2 and 3 for excitation."""
     ds = flexible()
@@ -157,27 +142,6 @@ def test_all_modes_and_the_dry_body_come_back_from_the_h5_file(tmp_path):
         assert back.attrs[name] == pytest.approx(value)
 
 
-def test_the_h5_file_has_rigid_modes_in_their_places():
-    ds = flexible()
-    entries = bemio_entries(ds, "memory")
-    body, hydro = "/body1/properties/", "/body1/hydro_coeffs/"
-    assert entries[f"{hydro}added_mass/all"][4, 6] == pytest.approx(ds.added_mass.values[:, 0, 2] / RHO)
-    assert entries[f"{hydro}linear_restoring_stiffness"][0, 4] == pytest.approx(
-        ds.hydrostatic_stiffness.values[3, 0] / RHO / G
-    )
-    assert entries[f"{hydro}excitation/im"][4, 0] == pytest.approx(-ds.excitation_force.values[:, 0, 0].imag / RHO / G)
-    assert (entries[f"{body}mass"][6, 6], entries[f"{body}damping"][6, 6], entries[f"{body}stiffness"][6, 6]) == (
-        3e6,
-        3e4,
-        5e7,
-    )
-    assert entries[f"{body}cg"][:, 0].tolist() == FACTS["centre_of_mass"]
-    assert entries[f"{body}cb"][:, 0].tolist() == FACTS["centre_of_buoyancy"]
-    assert entries[f"{body}disp_vol"].item() == 4000.0
-    time = entries[f"{hydro}radiation_damping/impulse_response_fun/t"][:, 0]
-    assert time[1] == 0.2  # of a hemisphere of 4000 m^3, radius 12.4 m, 0.23 sqrt(r/g) = 0.26 s
-
-
 MMX = """ WAMIT -- Force Output File -- barge.mmx                  15-Mar-2017  19:33:35
 
  Gravity:     9.81000                Length scale:        1.00000
@@ -214,12 +178,6 @@ def test_the_dry_body_is_read_as_wamit_writes_it(foreign):
     own = FACTS | {"rotation_centre": [0.0, 0.0, 0.0]}  # of the axes WAMIT's centres are in
     assert {name: np.asarray(ds.attrs[name]).tolist() for name in own} == own
     assert bemio_entries(ds, "memory")["/body1/properties/stiffness"][6, 6] == 6.077064e6
-
-
-def test_one_body_need_not_be_numbered(foreign):
-    expected = read(foreign)
-    (foreign / "barge.mmx").write_text(MMX.replace("Ouputs for body N =     1", "Outputs"))
-    assert read(foreign).identical(expected)
 
 
 def test_a_mass_matrix_alone_gives_volume_and_centres_only(foreign):
@@ -289,12 +247,6 @@ def test_structure_of_a_spec_and_without_one():
     assert not damping[:, rigid].any()
 
 
-def test_a_rigid_body_needs_no_structure_and_a_flexible_one_does():
-    assert "/body1/properties/mass" not in bemio_entries(flexible(["Heave", "Pitch"], dry=False), "memory")
-    with pytest.raises(DatabaseError, match="memory: holds no inertia_matrix and structural_stiffness; generalized"):
-        bemio_entries(flexible(dry=False), "memory")
-
-
 def test_rigid_and_generalized_modes_must_not_be_coupled():
     ds = flexible()
     mass = ds.inertia_matrix.values.copy()
@@ -303,40 +255,6 @@ def test_rigid_and_generalized_modes_must_not_be_coupled():
     mass[0, 2] = mass[2, 0] = 1e5
     with pytest.raises(DatabaseError, match="inertia_matrix couples rigid and generalized modes"):
         bemio_entries(ds.assign(inertia_matrix=(PAIR, mass)), "memory")
-
-
-@pytest.mark.parametrize(("said", "told"), [(MemoryError(), "MemoryError"), (OSError("bad\n  block"), "bad block")])
-def test_what_libraries_say_of_a_damaged_file_is_one_line(said, told, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "a.h5").write_text("")
-    with pytest.raises(DatabaseError) as refused, readable("a.h5", "a whole one"):
-        raise said
-    assert str(refused.value) == f"a.h5: cannot be read: {told}; needs a whole one."
-
-
-@pytest.mark.parametrize("value", [0.0, -3.0, np.nan, np.inf])
-def test_what_must_be_positive(value):
-    with pytest.raises(ConfigError, match=r"--depth: received .*, needs a positive number of m\."):
-        check_positive("--depth", value, "m")
-    check_positive("--depth", np.inf, "m", infinite=True)
-    for never in (-np.inf, np.nan, 0.0, -3.0):
-        with pytest.raises(ConfigError, match=rf"--depth: received {never}, needs a positive number of m, or inf\.$"):
-            check_positive("--depth", never, "m", infinite=True)
-
-
-def test_forces_stay_with_the_headings_a_file_has_them_under():
-    """In any order of headings; of every frequency and motion its own."""
-    force = np.arange(12.0).reshape(2, 3, 2) * (1 + 2j)
-    attrs = {"water_density": 1000.0, "water_depth": "inf", "gravity": 9.81}
-    axes = (["Heave", "Pitch"], [0.5, 1.5], [90.0, 0.0, 45.0])
-    ds = assembled("a file", axes, {"excitation_force": force}, attrs)
-    for omega, of_frequency in zip((0.5, 1.5), force, strict=True):
-        for degrees, at in zip((90.0, 0.0, 45.0), of_frequency, strict=True):
-            place = int(np.argmin(np.abs(ds.wave_direction.values - np.radians(degrees))))
-            told = ds.excitation_force.sel(omega=omega).isel(wave_direction=place)
-            np.testing.assert_array_equal(told.values, at)
-    np.testing.assert_allclose(sorted(ds.wave_direction.values), [0.0, np.pi / 4, np.pi / 2])
-    assert ds.excitation_force.attrs["units"]
 
 
 # --- commands
@@ -397,139 +315,6 @@ def test_a_wrong_unit_of_length_ends_in_one(solved, tmp_path, capsys):
     assert "look at haskind: --depth not HBOT; --length not ULEN; --gravity not GRAV; PER not a column" in out
     assert "fail" in files.load(tmp_path / "w.nc").attrs["quality"]
     assert main(["import-wamit", str(tmp_path), "barge", str(tmp_path / "w.nc"), "--length", "2"]) == 0
-
-
-@pytest.mark.parametrize(
-    ("option", "value", "needed"),
-    [(option, value, needed) for option, needed in (("depth", "a positive number of m, or inf"), ("length", "a positive number of m"), ("density", "a positive number of kg/m^3"), ("gravity", "a positive number of m/s^2")) for value in ("0", "-3", "nan")],
-)  # fmt: skip
-def test_an_impossible_option_is_one_line_and_two(foreign, option, value, needed, capsys):
-    before = sorted(foreign.iterdir())
-    assert main(["import-wamit", str(foreign), "barge", str(foreign / "out.nc"), f"--{option}={value}"]) == 2
-    assert capsys.readouterr().err == f"vsb: error: --{option}: received {float(value)}, needs {needed}.\n"
-    assert sorted(foreign.iterdir()) == before
-
-
-def test_one_heading_is_said_to_check_little(foreign, tmp_path, capsys):
-    assert main(["import-wamit", str(foreign), "barge", str(tmp_path / "w.nc"), "--density", "1000"]) == 0
-    assert "not checked: haskind" in capsys.readouterr().out
-    assert "not checked: haskind" in files.load(tmp_path / "w.nc").attrs["history"]
-
-
-def test_files_that_are_no_database_are_refused_in_one_line(tmp_path, capsys):
-    (tmp_path / "study.yaml").write_text(yaml.safe_dump({"study": 1}))
-    for command in (
-        ["export", str(tmp_path / "no.nc"), str(tmp_path / "out")],
-        ["import-bemio", str(tmp_path / "no.h5"), str(tmp_path / "out.nc")],
-    ):
-        assert main(command) == 2
-        captured = capsys.readouterr()
-        assert (captured.out, captured.err.count("\n")) == ("", 1)
-    assert [path.name for path in tmp_path.iterdir()] == ["study.yaml"]
-
-
-@pytest.mark.parametrize("exponent", ["D+0", "d+0", "e+0"])
-def test_exponents_of_the_dry_body_are_written_as_fortran_may(foreign, exponent):
-    expected = read(foreign)
-    (foreign / "barge.mmx").write_text(MMX.replace("4000.00 ", "4.0E+03 ").replace("E+0", exponent))
-    assert read(foreign).identical(expected)
-
-
-def test_names_with_a_body_before_them_are_rigid_or_modes_as_others():
-    assert mode_numbers(["Heave", "float__Bend"]) == [3, 7]
-    with pytest.raises(DatabaseError, match="degrees of freedom float__Heave, b__Yaw: are of several bodies"):
-        mode_numbers(["Heave", "float__Heave", "Bend", "b__Yaw"])
-
-
-@pytest.mark.parametrize("name", ["centre_of_buoyancy", "centre_of_mass"])
-@pytest.mark.parametrize("value", [[0.0, 0.0, -1.01e40], [0.0, 1.01e40, 0.0], [-np.inf, 0.0, 0.0], [0.0, 0.0], 1.0])
-def test_a_centre_is_three_numbers_of_any_sign_within_reason(name, value):
-    checked(flexible().assign_attrs({name: [-1e40, 0.0, 1e40]}), "memory")
-    with pytest.raises(DatabaseError, match=rf"memory: {name} .* m; needs three finite numbers"):
-        checked(flexible().assign_attrs({name: value}), "memory")
-
-
-def test_the_volume_of_each_body_is_looked_at():
-    ds = flexible(("float__Heave", "spar__Heave"), dry=False).drop_attrs()
-    attrs = {"water_density": RHO, "gravity": G, "water_depth": "20.0", "displaced_volume_float": 3.0}
-    checked(ds.assign_attrs(attrs, displaced_volume_spar=0.0, displaced_volume=-1.0), "memory")
-    with pytest.raises(
-        DatabaseError, match=r"memory: displaced_volume_spar -2.0 m\^3; needs a finite one, not negative"
-    ):
-        checked(ds.assign_attrs(attrs, displaced_volume_spar=-2.0), "memory")
-    checked(ds.assign_attrs(attrs, displaced_volume_spar=1e40), "memory")
-    for volume in (np.inf, -np.inf, np.nan, 1.1e40, [1.0, 2.0]):
-        with pytest.raises(DatabaseError, match=r"memory: displaced_volume_spar .* m\^3; needs a finite one, not nega"):
-            checked(ds.assign_attrs(attrs, displaced_volume_spar=volume), "memory")
-
-
-@pytest.mark.parametrize(
-    ("value", "told"),
-    [
-        (0.0, ""),
-        (-1.0, ""),
-        (9.9e-7, " from 1e-06 to 1e+06"),
-        (1.01e6, " from 1e-06 to 1e+06"),
-        (np.inf, ""),
-        (np.nan, ""),
-    ],
-)
-def test_the_range_is_told_to_what_is_positive_and_beyond_it(value, told):
-    with pytest.raises(ConfigError) as error:
-        check_positive("--length", value, "m")
-    assert str(error.value) == f"--length: received {value}, needs a positive number of m{told}."
-    for bound in (1e-6, 1e6):
-        check_positive("--length", bound, "m")
-
-
-@pytest.mark.parametrize(
-    ("omega", "known"),
-    [
-        ((1e-6, 1.0, 1e6), True),
-        ((0.0, 1e-6, 2e-6), True),
-        ((0.99e-6, 1.0, 2.0), False),
-        ((0.0, 0.99e-6, 1.0), False),
-        ((1.0, 2.0, 1.01e6), False),
-    ],
-)
-def test_frequencies_are_none_or_from_a_millionth_to_a_million(omega, known):
-    ds = flexible(omega=(0.5, 1.0, 1.5)).assign_coords(omega=list(omega))
-    if known:
-        assert checked(ds, "memory").omega.values.tolist() == list(omega)
-        return
-    with pytest.raises(DatabaseError, match=r"memory: frequencies .* rad/s; needs them from 1e-06 to 1e\+06"):
-        checked(ds, "memory")
-
-
-def test_what_is_missing_is_named_all_of_it():
-    bare = flexible().drop_vars("added_mass").drop_attrs().assign_attrs(gravity=G)
-    with pytest.raises(
-        DatabaseError,
-        match=r"^memory: holds no water_density, water_depth, added_mass; needs a complete hydro database",
-    ):
-        checked(bare, "memory", ("added_mass", "excitation_force"))
-
-
-@pytest.mark.parametrize("names", [("a_", "b"), ("_a", "b"), ("a__b", "c"), ("a-b", "c"), ("b", "a.b"), ("1a", "b")])
-def test_a_name_of_letters_and_numbers_with_single_lines_between_is_one(names):
-    assert body_names(names) == ["body1", "body2"]
-    assert body_names(("a_1_b", "B2", "a")) == ["a_1_b", "B2", "a"]
-    assert body_names(("a", "b", "a")) == ["body1", "body2", "body3"]
-
-
-@pytest.mark.parametrize("name", ["added_mass", "hydrostatic_stiffness", "structural_stiffness"])
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_no_coefficient_is_beyond_reason_whatever_its_sign(name, sign):
-    ds = flexible()
-    values = ds[name].values.copy()
-    for size in (1e40, 1.01e40):
-        values[..., 2, 1] = sign * size
-        wrong = ds.assign({name: (ds[name].dims, values.copy())})
-        if size == 1e40:
-            checked(wrong, "memory")
-            continue
-        with pytest.raises(DatabaseError, match=rf"^memory: {name} holds 1\.01e\+40; no body has that\.$"):
-            checked(wrong, "memory")
 
 
 @pytest.mark.parametrize("height", [-0.9, 0.7])

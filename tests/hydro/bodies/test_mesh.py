@@ -1,0 +1,166 @@
+"""Panels of a surface: rigid motions, parts, gaps, clipping at the water, and separate bodies."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
+from hydro.bodies.test_lid import disc_and_walls
+
+from examples.barge import box
+from vsb.errors import ConfigError
+from vsb.hydro.bodies.body import FlexibleBody, check_apart
+from vsb.hydro.bodies.files import read_body, write_body
+from vsb.hydro.bodies.mesh import at_centres, at_vertices, joined, parts, rigid_motion
+from vsb.hydro.bodies.verdict import mesh_checks
+from vsb.study.body import BodyFile
+
+LINEAR = np.array([[1.0, 0.2, 0.3], [0.0, 1.0, 0.5], [0.4, 0.0, 1.0]])
+
+
+def heaving(vertices, faces):
+    return made(vertices, faces, rigid(vertices)[2:3], ("Heave",))
+
+
+# Values and rigid motions
+
+
+def test_linear_fields_are_exact_at_centroids_and_at_inner_corners():
+    body = revolved_body(shell_with(0.15), 4, (1,), 8)  # trapezoids and triangles
+    field = at_centres(body.vertices, body.faces, (body.vertices @ LINEAR)[None])[0]
+    assert field == pytest.approx(body.centres @ LINEAR, abs=1e-14)
+    vertices, faces = box(6.0, 4.0, 2.0, 2)
+    values = (at_centres(vertices, faces, vertices[None])[0] @ LINEAR)[None]
+    shared = at_vertices(vertices, faces, values)
+    apart = at_vertices(vertices[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 4), values)
+    assert apart.reshape(-1, 4, 3) == pytest.approx(shared[0][faces], abs=1e-14)  # panels with corners of their own
+    middle = int(np.argmin(np.linalg.norm(vertices - [0.0, 0.0, -2.0], axis=1)))  # four equal panels meet here
+    assert shared[0, middle] == pytest.approx(vertices[middle] @ LINEAR, abs=1e-14)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+@pytest.mark.parametrize("kind", range(6))
+def test_rigid_motions_are_recognised_at_every_size(scale, kind):
+    points = box(6.0, 4.0, 2.0, 2)[0] + [3.0, -2.0, 0.7]
+    moved = scale * rigid(points)[kind]
+    assert np.concatenate(rigid_motion(points, moved)) == pytest.approx(scale * np.eye(6)[kind], rel=1e-12, abs=0.0)
+    assert rigid_motion(points, moved + 1e-6 * scale * points[:, :1] ** 2 * [0.0, 0.0, 1.0]) is None
+    single = rigid_motion(points, moved.astype(np.float32).astype(float))
+    assert np.concatenate(single) == pytest.approx(scale * np.eye(6)[kind], abs=1e-6 * scale)
+
+
+# Edges
+
+
+def test_parts_are_numbered_by_their_first_panels():
+    faces = np.array(
+        [[4, 5, 6, 7], [12, 13, 14, 15], [0, 1, 2, 3], [6, 7, 20, 20], [8, 9, 10, 10], [15, 16, 12, 12], [3, 2, 17, 17]]
+    )
+    assert parts(faces, np.empty((0, 2), dtype=int)).tolist() == [0, 1, 2, 0, 3, 1, 2]
+
+
+@pytest.mark.parametrize(("cut", "where"), [((1,), "y = 0"), ((0, 1), "x = 0 and y = 0")])
+def test_half_or_quarter_of_a_body_is_refused(cut, where):
+    """A face missing in a plane through the origin adds nothing to the three volumes."""
+    vertices, faces = box(4.0, 2.0, 1.0, 1)
+    kept = (vertices[faces][..., list(cut)] >= -1e-9).all(axis=(1, 2))
+    with pytest.raises(ConfigError, match=f"^mesh: open along {where}, where .* symmetry flags of its file"):
+        heaving(vertices, faces[kept])
+
+
+def cylinder(around_side, around_bottom):
+    """Radius and draught 1 m; patches that do not meet corner by corner."""
+    meshes = []
+    for count, loops in ((around_side, [(1, 0), (1, -1)]), (around_bottom, [(1, -1), (0.5, -1), (1e-3, -1)])):
+        theta, i = 2 * np.pi * np.arange(count) / count, np.arange(count)
+        points = np.vstack([np.column_stack([r * np.cos(theta), r * np.sin(theta), 0 * theta + z]) for r, z in loops])
+        ring = np.column_stack([i, i + count, np.roll(i, -1) + count, np.roll(i, -1)])
+        meshes.append((points, np.concatenate([ring + count * k for k in range(len(loops) - 1)])))
+    points, faces = joined(meshes)
+    i = len(points) - around_bottom + np.arange(around_bottom)
+    middle = np.column_stack([i, 0 * i + len(points), np.roll(i, -1), np.roll(i, -1)])
+    return np.vstack([points, [0.0, 0.0, -1.0]]), np.concatenate([faces, middle])
+
+
+def test_slivers_between_patches_are_accepted_and_reported(tmp_path):
+    """72 panels around the side and 36 around the bottom: the circle's chords lie 3.8 mm apart."""
+    write_body(heaving(*cylinder(72, 36)), tmp_path / "a.nc")
+    body = read_body(tmp_path / "a.nc", tmp_path / "a.nc")
+    assert body.part.max() == 0
+    side, bottom = (n / 2 * np.sin(2 * np.pi / n) for n in (72, 36))
+    file = BodyFile(body="a", mesh="a.nc", modes="a.nc", omega=[1.0])
+    (check,) = (check for check in mesh_checks(file, body) if check.name == "closure")
+    assert (check.value, check.verdict) == (pytest.approx(1 - bottom / side, rel=1e-6), "doubt")
+    assert "up to 0.0038 m wide at (" in body.history
+    assert "closure" not in {check.name for check in mesh_checks(file, heaving(*cylinder(36, 36)))}
+    with pytest.raises(ConfigError, match=r"^mesh: encloses 3.10583, 3.10583 and 3 m\^3 by the normals' x, y and z"):
+        heaving(*cylinder(24, 12))  # 3.4 %
+
+
+# Clipping
+
+
+def hull(above):
+    """A box 6 x 4 m with a draught of 2 m, walls that go on `above` the water, and a deck."""
+    vertices, faces = box(6.0, 4.0, 2.0, 2)
+    vertices[:, 2] = np.where(vertices[:, 2] == 0.0, above, vertices[:, 2])
+    corners = np.array([[-3.0, -2, above], [3, -2, above], [3, 2, above], [-3, 2, above]])
+    return np.vstack([vertices, corners]), np.vstack([faces, len(vertices) + np.arange(4)])
+
+
+@pytest.mark.parametrize(("dims", "above"), [("vertex", 0.7), ("panel", 0.7), ("panel", 0.0)])
+def test_mesh_is_cut_at_the_water_and_rigid_motions_stay_rigid(tmp_path, dims, above):
+    vertices, faces = hull(above)
+    modes = rigid(vertices)[[2, 4]]
+    modes = modes if dims == "vertex" else at_centres(vertices, faces, modes)
+    data = {"vertices": (("vertex", "xyz"), vertices), "faces": (("panel", "corner"), faces)}
+    data |= {"mode_shape": (("dof", dims, "xyz"), modes), "centre_of_mass": ("xyz", [0.0, 0.0, 0.1])}
+    xr.Dataset(data, coords={"dof": ["Heave", "Pitch"]}).to_netcdf(path := tmp_path / "a.nc")
+    body = read_body(path, path)
+    assert body.volumes == pytest.approx([48.0] * 3, rel=1e-9)
+    assert np.abs(body.modes - rigid(body.centres)[[2, 4]]).max() < 1e-9
+    cut = np.count_nonzero((vertices[faces][..., 2] > 0).any(axis=1)) - 1 if above else 0
+    note = f"clipped at z = 0: {cut} of {len(faces)} panels cut, 1 above the water or in its surface left out"
+    assert body.history == note
+    data["vertices"] = ("vertex", "xyz"), vertices + np.array([0.0, 0.0, 9.0])
+    xr.Dataset(data, coords={"dof": ["Heave", "Pitch"]}).to_netcdf(path := tmp_path / "high.nc")
+    with pytest.raises(ConfigError, match=r"mesh: none of .* panels lies below z = 0; needs the water's surface at z"):
+        read_body(path, path)
+
+
+# Separate bodies
+
+
+def two(*meshes):
+    """Two bodies in one mesh, heave of each."""
+    vertices, panels = joined(meshes)
+    up = np.zeros((2, len(vertices), 3))
+    up[0, : len(meshes[0][0]), 2] = up[1, len(meshes[0][0]) :, 2] = 1.0
+    return FlexibleBody(vertices, panels, ("float__Heave", "spar__Heave"), at_centres(vertices, panels, up), up)
+
+
+def boxes(shift, second=(4.0, 3.0, 1.0)):
+    vertices, faces = box(*second, 1)
+    return two(box(4.0, 3.0, 1.0, 1), (vertices + np.array(shift), faces))
+
+
+@pytest.mark.parametrize("shift", [(0.0, 3.001, 0.0), (4.2, 3.5, 0.0), (4.0, 3.0, 0.0)])
+def test_bodies_beside_each_other_are_accepted(shift, tmp_path):
+    """A millimetre apart, diagonally, touching at a corner."""
+    body = boxes(shift)
+    write_body(body, tmp_path / "two.nc")
+    assert read_body(tmp_path / "two.nc", tmp_path / "two.nc").labels == body.labels
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        (boxes((1.0, 0.5, 0.0)), r"mesh: \d+ panels of float lie inside spar or on its wall, the first at \("),
+        (boxes((0.2, 0.1, 0.0), (1.0, 0.8, 0.5)), r"mesh: \d+ panels of spar lie inside float"),
+        (boxes((4.0, 0.0, 0.0)), r"mesh: panel \d+ at \(2, .*\) is there twice; needs bodies apart"),
+        (two(disc_and_walls((3.0, 5.0), 48), disc_and_walls((0.0, 3.0), 36)), r"of ring|of float lie inside spar"),
+    ],
+    ids=["overlapping", "inside", "shared wall", "round walls of one radius"],
+)
+def test_bodies_that_overlap_or_touch_are_refused(body, message):
+    with pytest.raises(ConfigError, match=message):
+        check_apart(body)

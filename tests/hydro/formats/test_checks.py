@@ -1,0 +1,676 @@
+"""Verdicts on numbers of other codes: sound ones pass, every limit is crossed from both sides, and causes are named."""
+
+import capytaine as cpt
+import numpy as np
+import pytest
+import xarray as xr
+from capytaine.io.xarray import merge_complex_values
+
+from vsb.errors import ConfigError, DatabaseError
+from vsb.hydro.formats.capytaine import read_capytaine
+from vsb.hydro.formats.checks import (
+    BEMIO_WORDS,
+    LEAST_SIZE,
+    WAMIT_WORDS,
+    causes,
+    coefficient_checks,
+    fitting_depth,
+    haskind_damping,
+    lift_check,
+    sizes,
+)
+from vsb.hydro.formats.wamit import import_wamit
+from vsb.tools import variables
+from vsb.waves.dispersion import group_velocity, wavenumber
+
+PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+RHO, G = 1000.0, 9.81
+CIRCLE = tuple(np.arange(0.0, 360.0, 30.0))
+LABELS = ("Surge", "Heave", "Pitch", "Bend")
+MASS = {"Surge": 3e6, "Heave": 2e6, "Pitch": 4e8, "Roll": 4e8, "Yaw": 4e8, "Bend": 1e6}
+ORDER = {"Heave": 0, "Surge": 1, "Pitch": 2, "Bend": 3, "Yaw": 4}  # of the waves sent around the body
+
+
+def narrowness(omega, depth):
+    return np.array([wavenumber(w, depth, G) / (4 * RHO * G * group_velocity(w, depth, G)) for w in omega])
+
+
+def sound(labels=LABELS, headings=CIRCLE, *, omega=None, depth=np.inf, **facts):
+    """Uncoupled modes with damping of a resonance, K(s) = c s/(s^2 + s + 1), and all that follows from it.
+
+    Damping is Re K(i omega), added mass A(inf) + Im K(i omega)/omega (Kramers and Kronig), excitation that of Haskind,
+    heave stiffness the excitation in the longest wave.
+    """
+    omega, headings = np.array(np.linspace(0.1, 8.0, 80) if omega is None else omega), np.radians(headings)
+    mass = np.array([MASS[label] for label in labels])
+    memory = 1j * omega / (1 - omega**2 + 1j * omega)
+    damping = 0.5 * memory.real[:, None] * mass
+    wave = np.stack(
+        [np.cos(ORDER.get(name, 0) * headings) * np.sqrt(2.0 if ORDER.get(name) else 1.0) for name in labels], 1
+    )
+    force = (
+        np.sqrt(damping / narrowness(omega, depth)[:, None])[:, None, :] * wave * np.exp(0.3j * omega)[:, None, None]
+    )
+    force = force * np.where(np.array(labels) == "Surge", -1j, 1.0)  # of the acceleration of the water
+    stiffness = np.diag([float(abs(force[0, 0, i])) if name == "Heave" else 0.0 for i, name in enumerate(labels)])
+    added = mass + 0.5 * (memory.imag / omega)[:, None] * mass
+    data = {
+        "added_mass": (("omega", *PAIR), added[:, :, None] * np.eye(len(labels))),
+        "radiation_damping": (("omega", *PAIR), damping[:, :, None] * np.eye(len(labels))),
+        "added_mass_inf": (PAIR, np.diag(mass)),
+        "excitation_force": (WAVE, force),
+        "hydrostatic_stiffness": (PAIR, stiffness),
+        "inertia_matrix": (PAIR, np.diag(np.where(np.array(labels) == "Heave", 4e6, 1e6))),
+    }
+    attrs = {"water_density": RHO, "gravity": G, "water_depth": str(depth), "displaced_volume": 4000.0, **facts}
+    coords = {"omega": omega, "wave_direction": headings, **{dof: list(labels) for dof in PAIR}}
+    return variables.described(xr.Dataset(data, coords, attrs))
+
+
+def edited(ds, name, change):
+    """The database with one variable changed in place, by a function of its values."""
+    values = ds[name].values.copy()
+    change(values)
+    return ds.assign({name: (ds[name].dims, values)})
+
+
+def judged(ds, **options):
+    return {check.name: check for check in coefficient_checks(ds, **options)[0]}
+
+
+def verdicts(ds, **options):
+    return {name: check.verdict for name, check in judged(ds, **options).items()}
+
+
+ALL = {"symmetry", "afloat", "positive_damping", "irregular_frequencies", "kramers_kronig", "long_waves", "phases"}
+HASKIND = {"haskind", "haskind_scale", "haskind_long_waves"}
+
+
+@pytest.mark.parametrize("headings", [CIRCLE, np.roll(CIRCLE, 5) - 100.0, np.arange(-180.0, 181.0, 10.0)])
+@pytest.mark.parametrize("depth", [np.inf, 30.0])
+def test_consistent_coefficients_pass_all_checks(headings, depth):
+    checks, notes = coefficient_checks(sound(headings=headings, depth=depth))
+    assert notes == []
+    assert {check.name for check in checks} == ALL | HASKIND
+    assert {check.verdict for check in checks} == {"ok"}
+    assert max(check.value for check in checks if check.name in HASKIND) < 1e-12
+
+
+def of_two(first, second):
+    """Two bodies too far apart to feel each other, one database."""
+    parts = [
+        ds.assign_coords({dof: [f"{name}__{label}" for label in ds[dof].values] for dof in PAIR})
+        for name, ds in (("float", first), ("spar", second))
+    ]
+    one, other = xr.align(*parts, join="outer", fill_value=0.0)
+    both = one + other
+    order = [label for p in parts for label in p.influenced_dof.values]
+    volumes = {f"displaced_volume_{name}": 4000.0 for name in ("float", "spar")}
+    water = {key: value for key, value in first.attrs.items() if key != "displaced_volume"}
+    return both.sel(dict.fromkeys(PAIR, order)).assign_attrs(water | volumes)
+
+
+def test_checks_of_two_bodies_are_those_of_each():
+    """Rotations are measured by their body's size and heave by its own waterplane, whoever else is there."""
+    one = sound(headings=[0.0])  # Haskind's relation would couple what sends out waves of one shape
+    alone, together = judged(one), judged(of_two(one, one))
+    assert {name: check.verdict for name, check in together.items()} == dict.fromkeys(ALL, "ok")
+    assert {name: check.value for name, check in together.items()} == pytest.approx(
+        {name: check.value for name, check in alone.items()}, abs=1e-12
+    )
+    heavy = edited(one, "inertia_matrix", lambda m: m.__setitem__((1, 1), 1.1 * m[1, 1]))
+    high = edited(one, "hydrostatic_stiffness", lambda c: c.__imul__(1.3))
+    for wrong, name in ((heavy, "afloat"), (high, "long_waves")):
+        assert judged(of_two(one, wrong))[name].verdict == judged(wrong)[name].verdict != "ok"
+
+
+# --- every limit from both sides
+
+
+def _asymmetric(ds, size):
+    def change(a):
+        a[40, 0, 1] += size * np.sqrt(np.prod([abs(b[40, i, i] / omega + 1j * a[40, i, i]) for i in (0, 1)]))
+
+    omega, b = ds.omega.values[40], ds.radiation_damping.values
+    return edited(ds, "added_mass", change)
+
+
+def _heavier(ds, size):
+    return ds.assign_attrs(displaced_volume=4000.0 / (1 + size))
+
+
+def _lively(ds, size):
+    def change(b):
+        b[60, 1, 1] = -size * b[:, 1, 1].max()
+
+    return edited(ds, "radiation_damping", change)
+
+
+def _spiky(ds, size, at=20):
+    """Of added mass and of damping, as a resonance between two frequencies would be."""
+
+    def heavy(a):
+        a[at, 1, 1] += size * np.median(a[:, 1, 1])
+
+    def wavy(b):
+        b[at, 1, 1] += size * ds.omega.values[at] * np.median(ds.added_mass.values[:, 1, 1])
+
+    return edited(edited(ds, "added_mass", heavy), "radiation_damping", wavy)
+
+
+def _spiky_alone(ds, size):
+    def change(a):
+        a[20, 1, 1] += size * np.median(a[:, 1, 1])
+
+    return edited(ds, "added_mass", change)
+
+
+def _other_limit(ds, size):
+    def change(a):
+        a[1, 1] -= size * np.median(ds.added_mass.values[:, 1, 1])
+
+    return edited(ds, "added_mass_inf", change)
+
+
+def _stiff(ds, size):
+    limit = judged(ds)["long_waves"].limit
+
+    def change(c):
+        c[1, 1] /= 1 + size * limit
+
+    return edited(ds, "hydrostatic_stiffness", change)
+
+
+def _pushed(ds, size):
+    def change(x):
+        x[9, :, 1] *= np.sqrt(1 + size)  # where damping is largest
+
+    return edited(ds, "excitation_force", change)
+
+
+def _scaled(ds, size):
+    return ds.assign(excitation_force=np.sqrt(1 + size) * ds.excitation_force)
+
+
+def _pushed_by_long_waves(ds, size):
+    def change(x):
+        x[1, :, 1] *= np.sqrt(1 + size)  # the first of 3 % of the largest damping
+
+    return edited(ds, "excitation_force", change)
+
+
+LIMITS = [
+    ("symmetry", _asymmetric, 0.0199, 0.0201, "doubt"),
+    ("symmetry", _asymmetric, 0.099, 0.101, "fail"),
+    ("afloat", _heavier, 0.0099, 0.0101, "doubt"),
+    ("afloat", _heavier, -0.0099, -0.0101, "doubt"),
+    ("afloat", _heavier, 0.199, 0.201, "fail"),
+    ("positive_damping", _lively, 0.0099, 0.0101, "fail"),
+    ("irregular_frequencies", _spiky_alone, 0.099, 0.101, "fail"),
+    ("irregular_frequencies", _spiky_alone, 0.018, 0.022, "doubt"),
+    ("irregular_frequencies", _spiky, 0.0045, 0.0053, "doubt"),
+    ("kramers_kronig", _other_limit, 0.018, 0.022, "doubt"),
+    ("kramers_kronig", _other_limit, 0.097, 0.103, "fail"),
+    ("long_waves", _stiff, 0.9, 1.1, "fail"),
+    ("haskind", _pushed, 0.0499, 0.0501, "fail"),
+    ("haskind_scale", _scaled, 0.0099, 0.0101, "doubt"),
+    ("haskind_scale", _scaled, -0.0099, -0.0101, "doubt"),
+    ("haskind_scale", _scaled, 0.0499, 0.0501, "fail"),
+    ("haskind_long_waves", _pushed_by_long_waves, 0.0499, 0.0501, "doubt"),
+    ("haskind_long_waves", _pushed_by_long_waves, 0.249, 0.251, "fail"),
+]
+
+
+@pytest.mark.parametrize(("name", "damage", "below", "above", "verdict"), LIMITS)
+def test_each_limit_from_both_sides(name, damage, below, above, verdict):
+    better = {"doubt": "ok", "fail": "ok" if name in ("positive_damping", "long_waves", "haskind") else "doubt"}[
+        verdict
+    ]
+    held, broken = (judged(damage(sound(), size))[name] for size in (below, above))
+    assert (held.verdict, broken.verdict) == (better, verdict), (held, broken)
+
+
+def test_limit_of_a_second_radiation_channel():
+    """Two ring motions of one damping: what is not shared is a second channel, in terms of the first."""
+    ds = sound(["Heave", "Bend"], [0.0])
+    for share, verdict in ((0.0199, "ok"), (0.0202, "fail")):
+        coupling = (1 - share) / (1 + share)  # eigenvalues 1 + c and 1 - c
+        b = ds.radiation_damping.values + 0.0
+        b[:, 0, 1] = b[:, 1, 0] = coupling * np.sqrt(b[:, 0, 0] * b[:, 1, 1])
+        found = judged(ds.assign(radiation_damping=(("omega", *PAIR), b)), axisymmetric=True)["rank_one"]
+        assert (found.verdict, found.value) == (verdict, pytest.approx(share, rel=1e-6))
+
+
+# --- spikes and Kramers-Kronig
+
+
+def test_spike_of_both_coefficients_is_a_doubt_and_of_one_a_failure():
+    ds = sound()
+    both, alone = judged(_spiky(ds, 0.5)), judged(_spiky_alone(ds, 0.5))
+    assert both["irregular_frequencies"].verdict == "doubt"
+    assert alone["irregular_frequencies"].verdict == "fail"
+    assert "of one without the other; most at 2.1 rad/s in Heave" in alone["irregular_frequencies"].explanation
+
+    def change(b):
+        b[20, 2, 2] *= 4
+
+    assert verdicts(edited(ds, "radiation_damping", change))["irregular_frequencies"] == "fail"
+
+
+def test_spike_is_found_where_headings_do_not_resolve_the_waves():
+    """As a barge's A33, 92 times A33(inf) at one frequency, in 36 headings that do not resolve its surge there."""
+    ds = sound()
+
+    def spike(a):
+        a[33, 1, 1] *= 92
+
+    def ripple(x):
+        x[50:, :, 0] *= np.cos(5 * ds.wave_direction.values)
+
+    checks = verdicts(edited(edited(ds, "added_mass", spike), "excitation_force", ripple))
+    assert (checks["irregular_frequencies"], checks["kramers_kronig"]) == ("fail", "fail")
+    assert checks["haskind"] == "ok"  # of what is resolved
+
+
+def test_narrow_resonance_is_not_a_failure():
+    """K(s) = c s/(s^2 + 2 z s + 1) as narrow as the steps, wherever they fall: at worst a doubt."""
+    rng = np.random.default_rng(1)
+    for width in np.geomspace(0.05, 0.3, 6):
+        omega = np.linspace(0.1, 6.0, 60) + rng.uniform(-0.02, 0.02, 60)
+        memory = 1j * omega / (1 - omega**2 + 2j * width * omega)
+        ds = sound(omega=omega)
+        size = 4e5 * np.eye(4)
+        ds = ds.assign(
+            radiation_damping=(("omega", *PAIR), memory.real[:, None, None] * size),
+            added_mass=(("omega", *PAIR), 2e6 * np.eye(4) + (memory.imag / omega)[:, None, None] * size),
+            added_mass_inf=(PAIR, 2e6 * np.eye(4)),
+        )
+        checks = verdicts(ds)
+        assert checks["irregular_frequencies"] in ("ok", "doubt"), width
+        assert checks.get("kramers_kronig", "ok") in ("ok", "doubt"), width
+
+
+def test_periods_read_as_frequencies_are_found_with_one_heading():
+    """Two ways: the excitation of the longest wave is not the stiffness, and added mass not that of the damping."""
+    ds = sound(headings=[0.0], omega=np.geomspace(0.02, 20.0, 120))
+    assert set(verdicts(ds).values()) == {"ok"}
+    wrong = ds.isel(omega=slice(None, None, -1)).assign_coords(omega=2 * np.pi / ds.omega.values[::-1] / 10)
+    checks = verdicts(wrong)
+    assert (checks["long_waves"], checks["kramers_kronig"]) == ("fail", "fail")
+
+
+def test_added_mass_at_infinity_may_be_missing():
+    ds = sound().drop_vars("added_mass_inf")
+    assert verdicts(ds)["kramers_kronig"] == "ok"
+    assert verdicts(_spiky_alone(ds, 0.5))["kramers_kronig"] == "fail"
+
+
+def test_notes_on_modes_kramers_kronig_cannot_check():
+    ends = "not checked: kramers_kronig of Surge, Heave, Pitch, Bend, whose damping lasts beyond the band"
+    assert coefficient_checks(sound(omega=np.linspace(0.1, 1.3, 30)))[1] == [ends]
+    assert ends in coefficient_checks(sound(omega=np.linspace(0.8, 8.0, 75)))[1], "nor one that begins before the band"
+    steps = "not checked: kramers_kronig of Surge, Heave, Pitch, Bend, whose damping needs smaller steps of frequency"
+    assert coefficient_checks(sound(omega=[*np.linspace(0.1, 8.0, 10)]))[1] == [steps]
+    few = coefficient_checks(sound(omega=[0.1, 1.0, 2.0]))[1]
+    assert few == [
+        "not checked: irregular_frequencies, which needs five frequencies; received 3",
+        "not checked: kramers_kronig, which needs ten frequencies; received 3",
+    ]
+
+
+def test_long_waves_are_checked_only_if_they_are_long():
+    assert coefficient_checks(sound(["Surge"]))[1][0] == "not checked: long_waves, which needs heave and a waterplane"
+    short = coefficient_checks(sound(omega=np.linspace(2.0, 8.0, 60)))
+    assert "long_waves" not in {check.name for check in short[0]}
+    assert "not checked: long_waves, of which 2 rad/s is none for this body" in short[1]
+
+
+def test_zero_frequency_is_left_out_of_the_checks():
+    ds = sound()
+    still = ds.isel(omega=[0]).assign_coords(omega=[0.0])
+    both = xr.concat([still, ds], dim="omega", data_vars="minimal", coords="minimal", compat="override")
+    assert judged(both.assign_attrs(ds.attrs)) == judged(ds)
+
+
+# --- Haskind
+
+
+@pytest.mark.parametrize("headings", [(0.0,), CIRCLE[:-1], (*CIRCLE[:-1], 345.0), CIRCLE[::3]])
+def test_note_on_too_few_headings(headings):
+    checks, missing = coefficient_checks(sound(headings=headings))
+    assert {check.name for check in checks} == ALL
+    assert missing[-1].startswith("not checked: haskind, the only check that sees a wrong length, gravity or depth")
+    assert missing[-1].endswith(f"received {len(headings)}")
+
+
+def test_haskind_is_checked_where_headings_resolve_the_waves():
+    """Excitation of surge turns six times around the body from 0.6 to 1.5 rad/s, at twelve headings: up to there."""
+    ds = sound()
+
+    def ripple(x):
+        x[5:15, :, 0] *= np.cos(5 * ds.wave_direction.values)
+
+    checks, notes = coefficient_checks(edited(ds, "excitation_force", ripple))
+    assert {check.verdict for check in checks} == {"ok"}
+    assert notes == [
+        "not checked: haskind of Surge (75 of 80 frequencies, from 0.6 rad/s), which 12 directions do not resolve"
+    ]
+    assert verdicts(_pushed(edited(ds, "excitation_force", ripple), 0.1))["haskind"] == "fail"
+
+
+def test_wrong_length_is_found_and_wrong_density_needs_the_mass():
+    ds = sound()
+    scale = judged(_scaled(ds, 0.02))["haskind_scale"]
+    assert scale.explanation.endswith("length/gravity is 1.02 times that of the run")
+    wrong = ds.assign_attrs(water_density=2 * RHO)
+    wrong = wrong.assign({name: 2 * ds[name] for name in ds.data_vars if name != "inertia_matrix"})
+    assert {name for name, verdict in verdicts(wrong).items() if verdict != "ok"} == {"afloat"}
+    unseen = coefficient_checks(wrong.drop_vars("inertia_matrix"))
+    assert {check.verdict for check in unseen[0]} == {"ok"}
+    assert unseen[1] == [
+        "not checked: density, with which all coefficients grow alike; it needs mass in heave and displaced volume"
+    ]
+
+
+@pytest.mark.parametrize(("true", "given", "told"), [(30.0, np.inf, 30.0), (30.0, 60.0, 30.0), (np.inf, 30.0, np.inf)])
+def test_wrong_depth_is_found_and_the_right_one_reported(true, given, told):
+    ds = sound(depth=true).assign_attrs(water_depth=str(given))
+    found = judged(ds)["haskind_long_waves"]
+    assert found.verdict in ("doubt", "fail")
+    if np.isinf(told):
+        assert found.explanation.endswith("; deep water would fit")
+    else:
+        metres = float(found.explanation.rpartition("; ")[2].removesuffix(" m would fit"))
+        assert metres == pytest.approx(told, rel=0.1)
+
+
+def test_axisymmetric_identities_apply_to_ring_waves_only():
+    """One heading of a ring wave: heave and mode, whatever surge does."""
+    ds = sound(["Heave", "Bend", "Surge"], [0.0])
+    b = ds.radiation_damping.values + 0.0
+    b[:, 0, 1] = b[:, 1, 0] = np.sqrt(b[:, 0, 0] * b[:, 1, 1])
+    x = ds.excitation_force.values + 0.0
+    x[:, :, 1] /= np.sqrt(2)  # a ring wave, too
+    ring = ds.assign(radiation_damping=(("omega", *PAIR), b), excitation_force=(WAVE, x))
+    assert "rank_one" not in verdicts(ring)
+    held = verdicts(ring, axisymmetric=True)
+    assert {held[name] for name in ("rank_one", *HASKIND)} == {"ok"}
+    wrong = verdicts(ring.assign(excitation_force=2 * ring.excitation_force), axisymmetric=True)
+    assert (wrong["rank_one"], wrong["haskind"], wrong["haskind_scale"]) == ("ok", "fail", "fail")
+    with pytest.raises(ConfigError, match="--axisymmetric: received Surge, Pitch; needs heave or modes"):
+        coefficient_checks(sound(["Surge", "Pitch"]), axisymmetric=True)
+
+
+# --- modes that move no water
+
+
+def with_noise(ds, label, size):
+    """Added mass, damping and excitation of a mode that are round-off of a size, of any sign."""
+    rng, i = np.random.default_rng(3), list(ds.influenced_dof.values).index(label)
+
+    def change(values):
+        values[..., i] = values[..., i, :] = 0.0
+        values[..., i, i] = size * rng.normal(size=values.shape[:-2])
+
+    def push(x):
+        x[..., i] = size * rng.normal(size=x.shape[:-1])
+
+    for name in ("added_mass", "radiation_damping", "added_mass_inf"):
+        ds = edited(ds, name, change)
+    return edited(ds, "excitation_force", push)
+
+
+@pytest.mark.parametrize("size", [1e-9, 1.0])
+def test_round_off_of_a_mode_without_water_is_not_an_error(size):
+    """Yaw of a round body, beside pitch of 4e8 kg m^2."""
+    ds = with_noise(sound(("Surge", "Heave", "Pitch", "Yaw")), "Yaw", size)
+    checks, notes = coefficient_checks(ds)
+    assert {check.verdict for check in checks} == {"ok"}, checks
+    assert notes == []
+    assert sizes(ds).wet.tolist() == [True, True, True, False]
+
+
+def test_mode_with_little_water_is_checked_by_its_own_size():
+    """Heave of a spar, a thirtieth of surge: an error of its own size is a failure."""
+    ds = sound()
+    little = np.array([1.0, 1 / 30, 1.0, 1.0])
+    for name, power in (("added_mass", 1.0), ("added_mass_inf", 1.0), ("radiation_damping", 1.0)):
+        ds = ds.assign({name: ds[name] * np.diag(little**power)})
+    ds = ds.assign(excitation_force=ds.excitation_force * np.sqrt(little))
+    ds = variables.described(ds.assign(hydrostatic_stiffness=ds.hydrostatic_stiffness / np.sqrt(30)))
+    assert set(verdicts(ds).values()) == {"ok"}
+    assert verdicts(_pushed(ds, 0.06))["haskind"] == "fail"
+    assert verdicts(_lively(ds, 0.02))["positive_damping"] == "fail"
+
+
+def test_motions_without_waves_are_accepted():
+    ds = sound(("Surge", "Heave", "Pitch", "Yaw"))
+    moving = np.array([1.0, 1.0, 1.0, 0.0])
+    still = ds.assign(
+        {n: ds[n] * np.outer(moving, moving) for n in ("added_mass", "added_mass_inf", "radiation_damping")}
+    )
+    still = variables.described(still.assign(excitation_force=ds.excitation_force * moving))
+    assert set(verdicts(still).values()) == {"ok"}
+    with pytest.raises(DatabaseError, match="radiation damping is zero for all motions"):
+        coefficient_checks(still.assign(radiation_damping=0 * still.radiation_damping))
+
+
+# --- causes
+
+
+def test_likely_causes_name_depth_and_density_where_they_can_be():
+    """Depth, the commonest, wherever it can be one; nothing of units where damping is negative."""
+    ds = sound(["Heave", "Bend"], CIRCLE)
+    for check in [*coefficient_checks(ds)[0], *coefficient_checks(ds, axisymmetric=True)[0]]:
+        for words in (WAMIT_WORDS, BEMIO_WORDS):
+            line = causes(check, words)
+            assert line.startswith(f"{check.name}: ")
+            assert (words["depth"] in line) == (check.name in ("haskind", "haskind_long_waves"))
+            assert (words["density"] in line) == (check.name == "afloat")
+            if check.name in ("positive_damping", "symmetry", "rank_one"):
+                assert not any(words[key] in line for key in ("length", "gravity", "period"))
+
+
+# --- several bodies, still modes, pairs
+
+
+def bare(labels, added, damping, omega=(0.5, 1.0, 2.0), **facts):
+    """Uncoupled coefficients over frequencies (omega, dof), and nothing else."""
+    eye = np.eye(len(labels))
+    data = {"added_mass": (("omega", *PAIR), np.asarray(added)[:, :, None] * eye)}
+    data["radiation_damping"] = (("omega", *PAIR), np.asarray(damping)[:, :, None] * eye)
+    return xr.Dataset(
+        data, {"omega": list(omega), **{dof: list(labels) for dof in PAIR}}, {"water_density": RHO, **facts}
+    )
+
+
+def test_sizes_of_two_bodies():
+    """The volume of one is known, of the other it is not; a mode is measured by the largest mode of its body."""
+    labels = ["float__Surge", "float__Heave", "float__Pitch", "float__Bend", "float__Twist"]
+    labels += ["spar__Heave", "spar__Sway", "spar__Roll", "spar__Bend"]
+    mass = np.array([7000.0, -40.0, 2.0, 300.0, 1.0, 20.0, 500.0, 3.0, 9.0])
+    largest = np.array([900.0, 1e-3, 1e-3, 2.0, 1e-3, 1e-3, 8.0, 1e-3, 5.0])
+    top = np.array([0, 1, 2, 1, 2, 0, 1, 2, 1])
+    damping = np.where(np.arange(3)[:, None] == top, -largest, 0.1 * largest)
+    ds = bare(labels, np.outer([10.0, 1.0, 0.5], mass), damping, displaced_volume_float=3.0, displaced_volume=99.0)
+    share, water, other = LEAST_SIZE**2, 3000.0, 500.0
+    turn, small = water * 3.0 ** (2 / 3), other * 0.5 ** (2 / 3)
+    least = share * np.array([water, water, turn, 300.0, 300.0, other, other, small, 9.0])
+    size = np.maximum(np.abs(mass), least)
+    found = sizes(ds)
+    assert found.added_mass == pytest.approx(size, rel=1e-12)
+    floor = 1e-3 * np.array([0.5, 1.0, 2.0])[top] * size
+    assert found.damping == pytest.approx(np.maximum(largest, floor), rel=1e-12)
+    assert found.wet.tolist() == (np.abs(mass) > 1e-4 * least).tolist()
+    assert np.count_nonzero(floor > largest) == 5
+    some = np.arange(9) % 3 == 1
+    assert all(part.tolist() == whole[some].tolist() for part, whole in zip(found.of(some), found, strict=True))
+
+
+def test_kramers_kronig_of_coupled_motions():
+    """In terms of both; of one whose damping lasts beyond the band what couples it is left out."""
+    ds = sound()
+    size = sizes(ds).added_mass
+
+    def couple(one, other, share):
+        def change(a):
+            a[one, other] += share * np.sqrt(size[one] * size[other])
+
+        return change
+
+    found = judged(edited(ds, "added_mass_inf", couple(2, 1, 0.05)))["kramers_kronig"]
+    assert (found.value, found.verdict) == (pytest.approx(0.05, rel=0.02), "doubt")
+    assert found.explanation.endswith(" in Pitch and Heave")
+    lasting = edited(ds, "radiation_damping", lambda b: b.__setitem__((-1, 0, 0), 0.1 * b[:, 0, 0].max()))
+    for one, other, verdict in ((0, 1, "ok"), (3, 0, "ok"), (0, 0, "fail")):
+        checks, _ = coefficient_checks(edited(lasting, "added_mass_inf", couple(one, other, -0.5)))
+        (causal,) = [check for check in checks if check.name == "kramers_kronig"]
+        assert causal.verdict == verdict
+        assert causal.explanation.endswith("of Surge only what exceeds the error of band and steps")
+    found = judged(edited(lasting, "added_mass_inf", couple(1, 1, -0.06)))["kramers_kronig"]
+    assert (found.value, found.verdict) == (pytest.approx(0.06, rel=0.02), "doubt")
+    assert "rad/s in Heave" in found.explanation
+
+
+def test_no_depth_is_reported_if_none_fits():
+    omega = np.array([0.3, 0.5])
+    assert fitting_depth(np.array([3.0, 0.2]), omega, np.inf, G) is None
+    assert fitting_depth(np.ones(2), omega, np.inf, G) == np.inf
+    but_one = np.array([*np.ones(19), 1.2])
+    assert fitting_depth(but_one, np.linspace(1.0, 3.0, 20), np.inf, G) is None
+
+
+def ringing(values, n=12):
+    """Excitation over frequencies and modes, functions of the heading, at n headings all around."""
+    beta = 2 * np.pi * np.arange(n) / n
+    x = np.array([[mode(beta) for mode in row] for row in values]).swapaxes(1, 2)
+    labels = ["Surge", "Heave"][: x.shape[2]]
+    ds = sound(labels, np.degrees(beta), omega=np.linspace(0.5, 1.5, len(values)))
+    return ds.assign(excitation_force=(ds.excitation_force.dims, x.astype(complex)))
+
+
+@pytest.mark.parametrize(("order", "least"), [(4, 12), (5, 12), (6, 12), (1, 7), (2, 7)])
+def test_resolution_limit_of_headings(order, least):
+    """Order 0 of power one and another of power s/(1 - s); orders below the last two may hold anything."""
+    last = order >= least // 2 - 1
+    for share in (0.0249, 0.0251):
+        part = np.sqrt(share / (1 - share) * (1.0 if 2 * order == least else 2.0))
+        ds = ringing([[lambda beta, part=part: 1.0 + part * np.cos(order * beta)]], least)
+        assert bool(haskind_damping(ds, np.zeros(1), False)[1][0, 0]) == (share < 0.025 or not last)
+
+
+@pytest.mark.parametrize("seed", [0])
+def test_order_of_headings_does_not_matter(seed):
+    """One of them told twice, wherever that is; what turns too often is told from what does not."""
+    waves = [[lambda beta: 1.0 + np.cos(beta), lambda beta: 1.0 + np.cos(5 * beta)]]
+    ds = ringing(waves)
+    order = np.random.default_rng(seed).permutation([*range(12), seed])
+    found, expected = (haskind_damping(each, np.zeros(2), False) for each in (ds.isel(wave_direction=order), ds))
+    assert found[1].tolist() == expected[1].tolist() == [[True, False]]
+    np.testing.assert_allclose(found[0], expected[0], rtol=1e-12, atol=1e-12 * np.abs(expected[0]).max())
+
+
+@pytest.mark.parametrize(("omega", "given"), [((0.3, 1.5), np.inf), ((1.5, 0.3), 60.0)])
+def test_fitting_depth_is_found(omega, given):
+    """Damping from excitation goes with k over group velocity: it is too much by that of the depth given."""
+
+    def narrowness(depth):
+        return np.array([wavenumber(w, depth, G) / group_velocity(w, depth, G) for w in omega])
+
+    true = 20.0
+    ratio = narrowness(given) / narrowness(true)
+    assert fitting_depth(ratio, np.array(omega), given, G) == pytest.approx(true, rel=0.06)
+
+
+@pytest.mark.parametrize("depth", [30.0, np.inf])
+def test_haskind_damping_from_headings_all_around(depth):
+    ds = sound(("Surge", "Heave"), depth=depth)
+    largest = np.abs(ds.radiation_damping.values).max()
+    for density in (RHO, 3 * RHO):
+        damping, resolved = haskind_damping(ds.assign_attrs(water_density=density), np.zeros(2), False)
+        assert resolved.all()
+        np.testing.assert_allclose(density / RHO * damping, ds.radiation_damping.values, atol=1e-9 * largest)
+
+
+FORCES = ("excitation_force", "Froude_Krylov_force", "diffraction_force")
+
+
+def lifted(stiffness=(0.0, 100.0, 0.0, 200.0), force=((101.0, 93.0), (170.0, 200.0))):
+    """Two bodies in two headings, in the first of two waves 0.5 rad/s; sizes of their added masses."""
+    labels = ["float__Surge", "float__Heave", "spar__Surge", "spar__Heave"]
+    x = np.zeros((2, 2, 4), dtype=complex)
+    x[0, :, 1], x[0, :, 3] = (np.array(each) * np.exp(2j) for each in force)
+    data = {"hydrostatic_stiffness": (PAIR, np.diag(stiffness)), "excitation_force": (WAVE, x)}
+    return xr.Dataset(
+        data, {"omega": [0.5, 0.7], "wave_direction": [0.0, 1.0], **dict.fromkeys(PAIR, labels)}
+    ), np.array([5.0, 3.0, 50.0, 4.0])
+
+
+def test_lift_in_long_waves_of_the_worse_of_two_bodies():
+    """0.07 of 0.05 + 2 (0.02) is nearer than 0.15 of 0.05 + 2 (0.0675): each with the water of its own translations."""
+    (check,), notes = lift_check(*lifted())
+    assert (check.value, check.limit, notes) == (pytest.approx(0.07), pytest.approx(0.05 + 2 * 0.02), [])
+    (check,), _ = lift_check(*lifted(force=((101.0, 99.0), (160.0, 200.0))))
+    assert (check.value, check.limit) == (pytest.approx(0.2), pytest.approx(0.05 + 2 * 0.0675))
+    (check,), _ = lift_check(*lifted(force=((101.0, 93.0), (200.0, 262.0))))
+    assert check.value == pytest.approx(0.31)
+
+
+def phases(ds, dofs=None):
+    (found,) = [check for check in coefficient_checks(ds, dofs=dofs)[0] if check.name == "phases"]
+    return found
+
+
+def conjugated(ds, names=FORCES):
+    return ds.assign({name: ds[name].conj() for name in names})
+
+
+@pytest.mark.parametrize("kept", [None, ["Heave"], ["Heave", "Pitch"]])
+def test_conjugated_forces_are_found(ball, kept):
+    """Of heave alone by its own phase -omega B; surge tells it for those that are kept."""
+    ds = read_capytaine(ball)
+    assert phases(ds, kept).verdict == "ok"
+    found = phases(conjugated(ds), kept)
+    assert (found.verdict, found.value) == ("fail", pytest.approx(2.0, abs=0.02))
+    assert "their complex conjugates would fit" in found.explanation
+    alone = ds.sel(influenced_dof=["Heave"], radiating_dof=["Heave"])
+    assert (phases(alone).verdict, phases(conjugated(alone)).verdict) == ("ok", "fail")
+    assert phases(conjugated(ds, ["diffraction_force"])).verdict == "fail", "one part alone"
+
+
+@pytest.mark.parametrize(("factor", "where"), [(np.pi / 180, "radians where"), (180 / np.pi, "degrees where")])
+def test_headings_in_another_unit_are_found(ball, factor, where):
+    ds = read_capytaine(ball)
+    found = phases(ds.assign_coords(wave_direction=ds.wave_direction * factor))
+    assert found.verdict == "fail"
+    assert f"headings would fit in {where}" in found.explanation
+
+
+def test_body_away_from_the_origin_passes(ball):
+    """Its phases are those of the place, of surge and heave alike."""
+    ds = read_capytaine(ball)
+    delay = np.exp(1j * ds.omega**2 / 9.81 * 30.0 * np.cos(ds.wave_direction))
+    assert phases(ds.assign({name: ds[name] * delay for name in FORCES})).verdict == "ok"
+
+
+def test_displaced_volume_by_the_force_of_long_waves(ball):
+    ds = read_capytaine(ball)
+    for factor, verdict in ((1.0, "ok"), (1.3, "doubt"), (5.0, "fail")):
+        checks = coefficient_checks(ds.assign_attrs(displaced_volume=factor * ds.attrs["displaced_volume"]))[0]
+        (found,) = [check for check in checks if check.name == "displaced_volume"]
+        assert found.verdict == verdict, found
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_exchanged_limits_of_added_mass_are_found(ball, tmp_path, swapped):
+    """Of capytaine's own writer: rows PER = -1 and 0 exchanged, as version 2.3 wrote them."""
+    with xr.open_dataset(ball) as ds:
+        cpt.export_dataset(tmp_path / "ball", merge_complex_values(ds), format="wamit")
+    path = tmp_path / "ball.1"
+    rows = path.read_text()
+    if swapped:
+        path.write_text(rows.replace("-1.000000e+00", "_").replace("0.000000e+00\t", "-1.0\t").replace("_", "0.0"))
+    found = import_wamit(tmp_path, "ball", density=1025.0, gravity=9.81)
+    verdicts = {check.name: check.verdict for check in coefficient_checks(found)[0]}
+    assert verdicts["added_mass_limits"] == ("fail" if swapped else "ok")
+    assert verdicts["phases"] == "ok"

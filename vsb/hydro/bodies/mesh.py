@@ -1,0 +1,307 @@
+"""Panels of a surface: values at centres and corners, edges and gaps, the wetted part, rigid motions of points.
+
+Panels are quadrilaterals, shape (panel, 4), of vertices, shape (vertex, xyz) [m]; triangles repeat their last corner.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from vsb.errors import ConfigError
+from vsb.hydro.panels.rings import immersed_panels
+from vsb.tools.arrays import BoolArray, FloatArray, IntArray
+
+SAME = 1e-8
+"""Distance of vertices that coincide, relative to the size of the body."""
+AT_SURFACE = 1e-6
+"""Height of a waterline, relative to the size of the body: what single precision makes of z = 0."""
+FLAT = 1e-7
+"""Height of a panel without area, relative to the size of the body: round-off of single precision."""
+RIGID_TO = 1e-6
+"""Distance of a displacement from a rigid one, relative to the largest: round-off of single precision."""
+_NO_MOTION = 1e-9  # relative to the largest displacement: round-off of a fit
+_LARGEST_BODY = 1e5  # [m]
+_BESIDE = 0.1  # width of a gap between two edges, relative to the longer of them
+
+
+# Values at panels and vertices
+
+
+def at_centres(vertices: FloatArray, faces: IntArray, values: FloatArray) -> FloatArray:
+    """Return values linear in each half of a panel at the panel's centroid, (n, vertex, xyz) -> (n, panel, xyz)."""
+    halves = [faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]
+    corner = [vertices[half] for half in halves]
+    area = np.stack([np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1) for c in corner])
+    if (flat := np.flatnonzero(area.sum(axis=0) <= 0)).size:
+        raise ConfigError(f"mesh: panel {flat[0]} has no area; remove it")
+    share = area / area.sum(axis=0)
+    means = [values[:, half].mean(axis=2) for half in halves]
+    return np.asarray(share[0][:, None] * means[0] + share[1][:, None] * means[1])
+
+
+def at_vertices(vertices: FloatArray, faces: IntArray, values: FloatArray) -> FloatArray:
+    """Return values at panels as means over the panels around each vertex, (n, panel, xyz) -> (n, vertex, xyz).
+
+    Coincident vertices share their panels: some formats give every panel its own corners.
+    """
+    owner = owners(vertices)
+    total, count = np.zeros((len(vertices), len(values), 3)), np.zeros(len(vertices))
+    for corner in owner[faces].T:
+        np.add.at(count, corner, 1.0)
+        np.add.at(total, corner, values.swapaxes(0, 1))
+    return np.asarray((total[owner] / np.maximum(count[owner], 1.0)[:, None, None]).swapaxes(0, 1))
+
+
+def owners(vertices: FloatArray) -> IntArray:
+    """Return the first of the vertices that coincide with each, shape (vertex,)."""
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    same = cKDTree(vertices).query_pairs(SAME * size, output_type="ndarray")
+    owner = np.arange(len(vertices))
+    np.minimum.at(owner, same[:, 1], same[:, 0])
+    return owner
+
+
+def without_area(vertices: FloatArray, faces: IntArray) -> BoolArray:
+    """Return which panels have no area beyond round-off, shape (panel,)."""
+    corner = vertices[faces]
+    a, b, c = (corner[:, k] - corner[:, 0] for k in (1, 2, 3))
+    area = (np.linalg.norm(np.cross(a, b), axis=1) + np.linalg.norm(np.cross(b, c), axis=1)) / 2
+    longest = np.max([np.linalg.norm(corner[:, k] - corner[:, k - 1], axis=1) for k in range(4)], axis=0)
+    return np.asarray(area <= FLAT * longest * np.linalg.norm(np.ptp(vertices, axis=0)))
+
+
+def joined(meshes: Sequence[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
+    """Return the vertices and panels of several meshes as one, panels in order."""
+    offsets = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
+    faces = [panels + offset for (_, panels), offset in zip(meshes, offsets, strict=False)]
+    return np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(faces)
+
+
+def check_vertices(x: FloatArray) -> None:
+    """Raise `ConfigError` unless points, shape (vertex, xyz), can be those of a body in metres."""
+    if not np.isfinite(x).all():
+        raise ConfigError("mesh: a vertex is NaN or infinite; needs finite coordinates")
+    if np.abs(x).max(initial=0.0) > _LARGEST_BODY:
+        raise ConfigError(f"mesh: reaches {np.abs(x).max():.3g} m; needs at most {_LARGEST_BODY:g} m: is it in metres?")
+
+
+def text_of(point: FloatArray) -> str:
+    """Return a point as text for messages."""
+    return "({})".format(", ".join(f"{x:.4g}" for x in point))
+
+
+# Edges: which panels are connected, and where a surface is open
+
+
+class Gaps(NamedTuple):
+    """Edges below the water's surface that do not belong to two panels each.
+
+    Meshers leave edges unmatched where patches do not meet corner by corner. Such an edge is closed if another one runs
+    the other way beside it; how much the gap between them matters follows from the volumes (`body.CLOSED`).
+    """
+
+    width: float  # [m], of the widest gap between edges beside each other that do not meet
+    place: FloatArray  # (xyz) [m], there
+    beside: IntArray  # (n, 2): panels on both sides of such gaps
+    open: FloatArray  # (edge, 2, xyz) [m]: edges that have no other beside them
+    turned: FloatArray  # (edge, 2, xyz) [m]: edges along which panels face opposite ways
+
+
+def panel_edges(corners: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the edges of panels in the direction around them, shape (edge, 2), and the panel of each."""
+    edges = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2)
+    panel = np.repeat(np.arange(len(corners)), corners.shape[1])
+    some = edges[:, 0] != edges[:, 1]
+    return edges[some], panel[some]
+
+
+def parts(faces: IntArray, beside: IntArray) -> IntArray:
+    """Return the number of the connected part each panel belongs to, in the order of first panels, shape (panel,).
+
+    Panels are connected if an edge belongs to both and to no third, or if they lie `beside` each other, shape
+    (pair, 2): where bodies touch, an edge belongs to four.
+    """
+    edges, panel = panel_edges(faces)
+    _, place, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    shared = count[place.ravel()] == 2
+    start = np.concatenate([panel[shared], beside[:, 0]])
+    end = np.concatenate([place.ravel()[shared] + len(faces), beside[:, 1]])
+    graph = coo_matrix((np.ones(len(start)), (start, end)), shape=(len(faces) + len(edges),) * 2)
+    found = connected_components(graph, directed=False)[1][: len(faces)]
+    _, first, number = np.unique(found, return_index=True, return_inverse=True)
+    return np.asarray(np.argsort(np.argsort(first))[number])
+
+
+def gaps(vertices: FloatArray, corners: IntArray, surface: float) -> Gaps:
+    """Return the gaps between panels; edges above the height `surface` [m] are the waterline's.
+
+    `corners`, shape (panel, 4), are the numbers of vertices, one number for vertices that coincide.
+    """
+    edges, panel = panel_edges(corners)
+    pairs, place = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
+    net = np.bincount(place.ravel(), weights=np.where(edges[:, 0] < edges[:, 1], 1, -1)).astype(int)
+    of = np.empty(len(pairs), dtype=int)
+    of[place.ravel()] = panel
+    single = net != 0  # edges without one that runs the other way
+    edges, panel, net = np.where(net[single, None] > 0, pairs[single], pairs[single, ::-1]), of[single], net[single]
+    below = (vertices[edges][..., 2] < surface).any(axis=1)
+    ends, panel = vertices[edges[below]], panel[below]
+    turned = vertices[edges[np.abs(net) >= 2]]
+    if not len(ends):
+        return Gaps(0.0, np.zeros(3), np.empty((0, 2), dtype=int), ends, turned)
+    length, width = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), np.full(len(ends), np.inf)
+    middle = ends.mean(axis=1)
+    near, joins = cKDTree(middle).query_pairs(1.1 * float(length.max()), output_type="ndarray"), []
+    for i, j in (near.T, near.T[::-1]):
+        opposed = ((ends[i, 1] - ends[i, 0]) * (ends[j, 1] - ends[j, 0])).sum(axis=1) < 0
+        a, b = i[opposed], j[opposed]
+        along = ends[b, 1] - ends[b, 0]
+        share = np.clip(((middle[a] - ends[b, 0]) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+        distance = np.linalg.norm(middle[a] - ends[b, 0] - share[:, None] * along, axis=1)
+        beside = distance < _BESIDE * np.maximum(length[a], length[b])
+        np.minimum.at(width, a[beside], distance[beside])
+        joins.append(np.column_stack([panel[a[beside]], panel[b[beside]]]))
+    matched = np.isfinite(width)
+    widest = int(np.argmax(np.where(matched, width, -1.0)))
+    return Gaps(float(width[widest]), middle[widest], np.concatenate(joins), ends[~matched], turned)
+
+
+def check_closed(found: Gaps) -> None:
+    """Raise `ConfigError`, which says where, if a surface is open or its panels are turned against each other."""
+    if len(found.turned):
+        raise ConfigError(
+            f"mesh: the panels on both sides of the edge at {text_of(found.turned[0].mean(axis=0))} list their corners "
+            "in opposite order; needs all normals into the water: turn one of them"
+        )
+    if not len(ends := found.open):
+        return
+    on = np.abs(ends).max(axis=1)[:, :2] < 1e-6 * np.abs(ends).max()
+    if on.any(axis=1).all():
+        names = " and ".join(f"{name} = 0" for k, name in enumerate("xy") if (on[:, k] & ~on[:, 1 - k]).any())
+        raise ConfigError(
+            f"mesh: open along {names}, where {len(ends)} edges belong to one panel only: a half or quarter of a body; "
+            "needs the whole wetted surface: mirror it, or set the symmetry flags of its file (ISX, ISY of a GDF)"
+        )
+    longest = int(np.argmax(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
+    raise ConfigError(
+        f"mesh: open at {text_of(ends[longest].mean(axis=0))}: {len(ends)} edges below z = 0 belong to one panel only; "
+        "needs a surface that is closed below z = 0: add the panels that lack, or let corners meet"
+    )
+
+
+# Rigid motions of points
+
+
+class Rigid(NamedTuple):
+    """A rigid motion t + a x r."""
+
+    translation: FloatArray  # t (xyz)
+    rotation: FloatArray  # a (xyz)
+
+    def at(self, points: FloatArray) -> FloatArray:
+        """Return the displacements of points, shape (..., xyz)."""
+        return np.asarray(self.translation + np.cross(self.rotation, points))
+
+
+def fitted_motion(points: FloatArray, moved: FloatArray, size: float) -> Rigid:
+    """Return the rigid motion nearest to displacements of points, each shape (point, xyz), of at most `size`.
+
+    Components that move no point beyond round-off are exactly zero.
+    """
+    columns = [np.tile(e, (len(points), 1)) for e in np.eye(3)] + [np.cross(e, points) for e in np.eye(3)]
+    basis = np.array(columns).reshape(6, -1).T
+    motion = np.asarray(np.linalg.lstsq(basis, moved.ravel(), rcond=None)[0])
+    motion = np.where(np.abs(basis * motion).max(axis=0) > _NO_MOTION * size, motion, 0.0)
+    return Rigid(motion[:3], motion[3:])
+
+
+def rigid_motion(points: FloatArray, moved: FloatArray, size: float = 0.0) -> Rigid | None:
+    """Return the rigid motion of points that displacements are, each shape (point, xyz); None if they are not rigid.
+
+    Round-off is relative to the largest displacement or, for a part that hardly moves, to `size`.
+    """
+    size = max(size, float(np.abs(moved).max(initial=0.0)))
+    motion = fitted_motion(points, moved, size)
+    return motion if np.abs(motion.at(points) - moved).max(initial=0.0) < RIGID_TO * size else None
+
+
+def rotation_centre(motions: Sequence[Rigid]) -> FloatArray | None:
+    """Return the point nearest to the origin at rest in all motions, t + a x p = 0, (xyz,); None without one."""
+    if not motions:
+        return None
+    crosses = np.concatenate([np.cross(np.eye(3), a).T for _, a in motions])  # rows of p -> p x a
+    moved = np.concatenate([t for t, _ in motions])
+    point = np.asarray(np.linalg.lstsq(crosses, moved)[0])
+    size = RIGID_TO * (1.0 + np.abs(moved).max())
+    return point if np.abs(crosses @ point - moved).max() < size else None
+
+
+# The part below the water
+
+
+class Wetted(NamedTuple):
+    """Panels below z = 0, and where their vertices come from."""
+
+    vertices: FloatArray  # (vertex, xyz) [m]
+    faces: IntArray  # (panel, 4)
+    parent: IntArray  # (panel,): panel of the mesh each is, or is a piece of
+    ends: IntArray  # (vertex, 2): vertices of the mesh each lies between
+    share: FloatArray  # (vertex,): how far it is from the first to the second
+    history: str
+
+    def at_vertices(self, values: FloatArray) -> FloatArray:
+        """Return values at vertices of the mesh, shape (..., vertex, xyz), at those of the wetted part."""
+        start, end = (values[..., self.ends[:, k], :] for k in range(2))
+        return np.asarray(start + self.share[:, None] * (end - start))
+
+    def at_panels(self, mesh: tuple[FloatArray, IntArray], values: FloatArray) -> FloatArray:
+        """Return values at panels of the mesh, shape (n, panel, xyz), at those of the wetted part.
+
+        Rigid motions stay rigid; otherwise the centre of a cut panel moves along the slope between the corners.
+        """
+        vertices, faces = mesh
+        before, centres = (at_centres(x, f, x[None])[0] for x, f in (mesh, (self.vertices, self.faces)))
+        corners = at_vertices(vertices, faces, values)
+        moved = at_centres(self.vertices, self.faces, self.at_vertices(corners))
+        found = values[:, self.parent] + moved - at_centres(vertices, faces, corners)[:, self.parent]
+        for i, field in enumerate(values):
+            if motion := rigid_motion(before, field):
+                found[i] = motion.at(centres)
+        return np.asarray(found)
+
+
+def wetted(vertices: FloatArray, faces: IntArray) -> Wetted | None:
+    """Return the part of a mesh below z = 0, cut by capytaine, without a deck or lid; None if that is all of it.
+
+    Raises
+    ------
+    ConfigError
+        If no panel is below the surface.
+    """
+    tolerance = AT_SURFACE * float(np.linalg.norm(np.ptp(vertices[np.unique(faces)], axis=0)))
+    height = np.where(np.abs(vertices[:, 2]) <= tolerance, 0.0, vertices[:, 2])
+    level = np.column_stack([vertices[:, :2], height])
+    flat, above = np.all(height[faces] == 0, axis=1), np.any(height[faces] > 0, axis=1)
+    if not (flat.any() or above.any() or (height != vertices[:, 2]).any()):
+        return None
+    below = np.flatnonzero((height[faces] < 0).any(axis=1))
+    if not len(below):
+        raise ConfigError(f"mesh: none of {len(faces)} panels lies below z = 0; needs the water's surface at z = 0")
+    points, panels, parent = immersed_panels(level, faces[below])
+    whole = ~without_area(points, panels)
+    panels, parent = panels[whole], parent[whole]
+    ends = np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+    ends = ends[height[ends[:, 0]] * height[ends[:, 1]] < 0]
+    share = height[ends[:, 0]] / (height[ends[:, 0]] - height[ends[:, 1]])
+    same = np.repeat(np.arange(len(level))[:, None], 2, axis=1)
+    ends, share = np.concatenate([same, ends]), np.concatenate([np.zeros(len(level)), share])
+    places = level[ends[:, 0]] + share[:, None] * (level[ends[:, 1]] - level[ends[:, 0]])
+    origin = cKDTree(places).query(points)[1]
+    cut, dry = int(above[below].sum()), len(faces) - len(below)
+    note = f"clipped at z = 0: {cut} of {len(faces)} panels cut, {dry} above the water or in its surface left out"
+    points[:, 2] = np.minimum(points[:, 2], 0.0)
+    return Wetted(points, panels, below[parent], ends[origin], share[origin], note if cut or dry else "")
