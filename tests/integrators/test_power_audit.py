@@ -19,7 +19,7 @@ from vsb.motion.forces import EXCITING, AssumedPressure, QuadraticDrag
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import LinearPto
 from vsb.motion.system import System
-from vsb.scenes.pause import with_pause
+from vsb.scenes.latching import with_latching_time
 from vsb.scenes.rest import design_motions, reference_shell
 from vsb.scenes.take_off import with_take_off
 from vsb.study.study import load
@@ -74,7 +74,7 @@ def scene_of(model, design, pto, chamber=0.0, *, drag=False, port=None):
         scene = body_exact_scene(replace(buoy, pto=linear), reference.shape, radiation, SEA, motions)
     scene = with_take_off(scene, pto, linear)
     if pto.pauses:
-        scene = with_pause(scene, 0.4)
+        scene = with_latching_time(scene, 0.4)
     if drag:
         heave = np.eye(len(scene.labels))[:1]
         water = QuadraticDrag(heave, np.array([2e3]), SEA.omega, 0.2j * np.ones((1, 1)))

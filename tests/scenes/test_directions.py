@@ -13,13 +13,16 @@ from vsb.integrators.audit import energies, residual
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
 from vsb.scenes.build import linear_buoy, linear_design
-from vsb.scenes.directions import (
-    check_moored,
-    check_upright,
-)
 from vsb.scenes.drag import LINEARISED
 from vsb.scenes.floating_system import towards
-from vsb.scenes.rest import check_spring, check_stable, design_motions, reference_shell
+from vsb.scenes.rest import (
+    check_moored,
+    check_spring,
+    check_stable,
+    check_upright,
+    design_motions,
+    reference_shell,
+)
 from vsb.scenes.viability import viability
 from vsb.stages import make
 from vsb.stages.simulate import _steady
@@ -62,6 +65,12 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
+def solved(folder):
+    """A moored buoy in surge, heave and pitch, its hydrodynamics alone."""
+    return made(study_with(), folder)
+
+
+@pytest.fixture(scope="module")
 def finished(folder):
     """The whole chain of a moored buoy under a damper on heave."""
     make.run(study_with(), folder)
@@ -87,6 +96,7 @@ def responses(*plans):
     return [one.sel(omega=shared) for one in found]
 
 
+@pytest.mark.slow
 def test_take_off_on_heave_is_decoupled_from_other_orders(finished, heaving):
     """To round-off, in the response and in time."""
     both, alone = responses(finished, heaving)
@@ -101,6 +111,7 @@ def test_take_off_on_heave_is_decoupled_from_other_orders(finished, heaving):
         assert runs[0].attrs["energy_residual"] < 1e-9
 
 
+@pytest.mark.slow
 def test_checks_and_report_include_surge_and_pitch(finished):
     checks = json.loads(Path(finished.folder, "validity.json").read_text())["checks"]
     named = {(check["name"], check["design"]): check for check in checks}
@@ -123,8 +134,8 @@ def test_checks_and_report_include_surge_and_pitch(finished):
 # structure ----------------------------------------------------------------------------------------------------------
 
 
-def test_database_has_pitch_stiffness_and_mooring(finished):
-    ds = load_database(finished.database_path, Path(finished.database_path).stem)
+def test_database_has_pitch_stiffness_and_mooring(solved):
+    ds = load_database(solved.database_path, Path(solved.database_path).stem)
     pitch, surge = ({"influenced_dof": name, "radiating_dof": name} for name in ("Pitch", "Surge"))
     mass = RAW["device"]["mass"]
     assert ds.hydrostatic_stiffness.sel(pitch).item() == pytest.approx(mass * 9.81 * 0.6, rel=1e-10)
@@ -197,6 +208,7 @@ def on_one_line(angle, **changes):
     return study_with(**{**FREE, "mooring": rows.tolist(), "waves": waves, "pto": {"damping": 8000.0}} | changes)
 
 
+@pytest.mark.slow
 def test_oblique_mooring_line(folder):
     """Line and waves rotated together: same frequencies and power; no mean position across the line."""
     runs, frequencies = [], []
@@ -228,16 +240,15 @@ def test_stroke_limit_needs_a_restrained_port():
 # ports --------------------------------------------------------------------------------------------------------------
 
 PORTS = {
-    "heave": ("heave", 1), "surge": ("surge", 2),
-    "line": ({"line_to": [12.0, -9.0], "line_from": [0.0, -1.0]}, 3), "between": ({"between": [40.0, 130.0]}, 5),
+    "surge": ("surge", 2), "line": ({"line_to": [12.0, -9.0], "line_from": [0.0, -1.0]}, 3),
 }  # fmt: skip
 """Port, and the limit of its power in terms of wavelength/2 pi."""
 
 
 @pytest.mark.parametrize(("port", "limit"), PORTS.values(), ids=PORTS)
-def test_matched_power_is_limited_by_the_orders_of_the_port(finished, folder, port, limit):
+def test_matched_power_is_limited_by_the_orders_of_the_port(folder, port, limit):
     """Without structural damping a port of one order absorbs all of it."""
-    plan = made(study_with(study="port", pto={"port": port}), folder, ("response",))
+    plan = made(study_with(study="port", pto={"port": port}), folder, (*HYDRO, "response"))
     ds = load_data(plan.response_files["response"])
     sharp = [power_limit(w, np.inf, RAW["water"]["density"], 9.81) for w in ds.omega.values]
     np.testing.assert_allclose(ds.power_limit, limit * np.array(sharp), rtol=1e-12)
@@ -249,9 +260,9 @@ def test_matched_power_is_limited_by_the_orders_of_the_port(finished, folder, po
     Path(plan.response_files["response"]).unlink()
 
 
-def test_ports_of_all_orders_absorb_one_plus_two_n_wavelengths(finished):
+def test_ports_of_all_orders_absorb_one_plus_two_n_wavelengths(solved):
     """1/8 V0^H (Re Y)^-1 V0 of one port of each order."""
-    buoy, basis = linear_buoy(study_with(), finished.database_path)
+    buoy, basis = linear_buoy(study_with(), solved.database_path)
     motions, omega = design_motions(study_with(), basis, "VSWEC"), np.array([1.3, 2.1, 3.0])
     ports = np.eye(len(buoy.labels))[[buoy.labels.index(name) for name in ("Heave", "Pitch", "Membrane2c2")]]
     free = buoy.free_motion(omega, motions, ports[0])[0]
@@ -267,8 +278,11 @@ def test_ports_of_all_orders_absorb_one_plus_two_n_wavelengths(finished):
 # time ---------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("port", "mooring"), [("surge", None), ("pitch", [2e4, 0, 0, 0, 0, 0])])
-def test_mean_power_in_time_agrees_with_the_response(folder, finished, port, mooring):
+@pytest.mark.parametrize(
+    ("port", "mooring"),
+    [("surge", None), pytest.param("pitch", [2e4, 0, 0, 0, 0, 0], marks=pytest.mark.slow)],
+)
+def test_mean_power_in_time_agrees_with_the_response(folder, port, mooring):
     """A damper on surge or pitch, moored or unrestrained."""
     study = study_with(study="port", pto={"port": port, "damping": 6000.0}, mooring=mooring,
                        designs=RAW["designs"], simulation={"duration": 120.0, "window": [90.0, 120.0]})  # fmt: skip
@@ -303,13 +317,21 @@ def free(folder):
     return StudyPlan(study, root=str(folder))
 
 
+@pytest.fixture(scope="module")
+def free_solved(folder):
+    """A buoy free to move in waves from two sides, its hydrodynamics and response alone."""
+    study = study_with(**FREE, study="turned", waves=[CALM | {"direction": OBLIQUE}, CALM])
+    return made(study, folder, (*HYDRO, "response"))
+
+
 def in_waves(plan, direction, name="rao"):
     """Part of the response of the free shell in waves of a direction [degrees]."""
     ds = load_data(plan.response_files["response"]).sel(design="VSWEC")
     return ds[name].sel(wave_direction=np.deg2rad(direction), method="nearest")
 
 
-def test_free_buoy_in_waves_along_x_is_the_planar_one(free, finished, folder):
+@pytest.mark.slow
+def test_free_buoy_in_waves_along_x_is_the_planar_one(folder):
     """To round-off; no motion out of the plane."""
     plane = made(study_with(study="plane", pto={"damping": 8000.0}), folder, (*HYDRO, "response"))
     all_round = made(study_with(**FREE, study="round", pto={"damping": 8000.0}), folder, (*HYDRO, "response"))
@@ -322,11 +344,9 @@ def test_free_buoy_in_waves_along_x_is_the_planar_one(free, finished, folder):
     assert not np.any(other.rao.sel(dof=aside))
 
 
-def test_response_in_oblique_waves_is_the_rotated_one(free, folder):
+def test_response_in_oblique_waves_is_the_rotated_one(free_solved):
     """Order m goes with cos and sin of m times the direction; roll is minus pitch."""
-    study = study_with(**FREE, study="turned", waves=[CALM | {"direction": OBLIQUE}, CALM])
-    plan = made(study, folder, (*HYDRO, "response"))
-    here, along = in_waves(plan, OBLIQUE), in_waves(plan, 0.0)
+    here, along = in_waves(free_solved, OBLIQUE), in_waves(free_solved, 0.0)
     cos, sin = (f(np.deg2rad(OBLIQUE)) for f in (np.cos, np.sin))
     shares = {
         ("Heave", "Heave"): 1.0, ("Membrane2", "Membrane2"): 1.0, ("Surge", "Surge"): cos, ("Sway", "Surge"): sin,
@@ -338,6 +358,7 @@ def test_response_in_oblique_waves_is_the_rotated_one(free, folder):
     assert not np.any(here.sel(dof="Yaw"))
 
 
+@pytest.mark.slow
 def test_powers_of_the_free_buoy_agree_in_time_and_frequency(free):
     checks = json.loads(Path(free.folder, "validity.json").read_text())["checks"]
     agreed = [check for check in checks if check["name"] == "time_and_frequency_domain"]
@@ -353,11 +374,11 @@ def test_powers_of_the_free_buoy_agree_in_time_and_frequency(free):
 
 
 @pytest.mark.parametrize("direction", [0.0, OBLIQUE])
-def test_ports_of_a_free_rigid_buoy_absorb_three_wavelengths(free, direction):
+def test_ports_of_a_free_rigid_buoy_absorb_three_wavelengths(free_solved, direction):
     """Surge and pitch share a radiation channel: (1 + 2) lambda/2 pi from any direction."""
-    buoy, basis = linear_buoy(free.study, free.database_path)
+    buoy, basis = linear_buoy(free_solved.study, free_solved.database_path)
     buoy = towards(buoy, direction)
-    motions, omega = design_motions(free.study, basis, "FSB"), np.array([1.3, 2.1, 3.0])
+    motions, omega = design_motions(free_solved.study, basis, "FSB"), np.array([1.3, 2.1, 3.0])
     names = ("Surge", "Sway", "Heave", "Roll", "Pitch")
     ports = np.eye(len(buoy.labels))[[buoy.labels.index(name) for name in names]]
     moved = buoy.free_motion(omega, motions, ports[0])[0]
@@ -370,8 +391,8 @@ def test_ports_of_a_free_rigid_buoy_absorb_three_wavelengths(free, direction):
     np.testing.assert_allclose(power, limit, rtol=2e-4)
 
 
-def test_yaw_has_inertia_but_moves_no_water(free):
-    ds = load_database(free.database_path, Path(free.database_path).stem)
+def test_yaw_has_inertia_but_moves_no_water(free_solved):
+    ds = load_database(free_solved.database_path, Path(free_solved.database_path).stem)
     yaw = ds.sel(influenced_dof="Yaw", radiating_dof="Yaw")
     shell = 4 * np.pi * 2.0**2 * 0.01 * 2700.0
     assert yaw.inertia_matrix.item() == pytest.approx(2 / 3 * shell * 2.0**2 + 7e3, rel=1e-12)
@@ -405,6 +426,7 @@ def dragged(**changes):
     )
 
 
+@pytest.mark.slow
 def test_quadratic_drag_agrees_with_its_equivalent_dampers(folder):
     """Harmonic balance against equivalent linearisation; the energy balance of the run closes."""
     study = dragged()
@@ -441,6 +463,7 @@ def test_drag_rotates_with_the_waves(folder):
 # pressure inside ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_internal_pressure_stiffens_all_orders(folder):
     """Trapped gas acts on the volume only; surge still absorbs its 2 lambda/2 pi."""
     inside = {"internal_pressure": 3e4, "gas": {"adiabatic_index": 1.4}}

@@ -8,9 +8,8 @@ from scipy.linalg import block_diag
 from vsb.hydro.database import Coefficients
 from vsb.hydro.dofs import displacements
 from vsb.motion.port import port_direction
-from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import ShapeWater, _of_shell, design_ports, designs_in_waves, shell_shapes
-from vsb.scenes.rest import design_motions, reference_shell
+from vsb.scenes.rest import design_motions, order_bases, reference_shell
 from vsb.shell.orders import semi_normalisation, semi_normalised
 from vsb.study.blocks import HydroPlan
 

@@ -9,14 +9,14 @@ from vsb.hydro import database, dofs, quality
 from vsb.hydro.panels import mesh as meshing
 from vsb.hydro.panels import rings as bem
 from vsb.motion.port import port_direction
-from vsb.scenes.directions import loaded_shell
 from vsb.scenes.rest import (
-    check_equilibrium,
+    carries_load,
     check_rests,
     check_spring,
     check_stable,
     computed_buckling,
     design_stiffness,
+    loaded_shell,
     reference_shell,
     seen_by_take_off,
     study_basis,
@@ -70,20 +70,8 @@ def test_at_the_equilibrium_forces_vanish_and_the_stiffness_is_the_tangent(press
     check_stable(pressurised, reference)
 
 
-def test_stiff_shell_stays_a_sphere(pressurised):
-    sizes = []
-    moduli = np.array([1e10, 1e11, 1e12, 1e13])
-    for modulus in moduli:
-        reference = reference_shell(varied(pressurised, device={"young_modulus": float(modulus)}))
-        sizes.append(np.abs(reference.modal_amplitude[1:]).max())
-    slopes = np.diff(np.log(sizes)) / np.diff(np.log(moduli))
-    assert np.all(np.abs(slopes + 1.0) < 0.05), slopes
-
-
 def test_buckling_shell_has_no_equilibrium(seed):
     """Seven membrane modes alone would not detect it."""
-    with pytest.raises(ConfigError, match=r"reference_shape: received 'equilibrium', but the shell buckles at 0\.01"):
-        check_equilibrium(varied(seed, reference_shape="equilibrium"))
     with pytest.raises(ConfigError, match=r"reference_shape: received 'equilibrium', but the shell buckles at 0\.01"):
         reference_shell(varied(seed, reference_shape="equilibrium"))
 
@@ -91,9 +79,7 @@ def test_buckling_shell_has_no_equilibrium(seed):
 def test_trapped_gas_supports_a_soft_shell_less_than_a_reservoir(seed):
     carried = varied(seed, device={"internal_pressure": 2e4})
     trapped = varied(carried, device={"gas": {}})
-    check_equilibrium(carried)
-    with pytest.raises(ConfigError, match=r"reference_shape: received 'equilibrium', but the shell buckles at 0\.03"):
-        check_equilibrium(trapped)
+    assert (carries_load(carried), carries_load(trapped)) == (True, False)
     assert computed_buckling(trapped).load_factor < 0.1 < 1.0 < computed_buckling(carried).load_factor
 
 
@@ -106,9 +92,7 @@ def test_an_unstable_design_is_refused(seed):
         check_stable(crushed, reference_shell(crushed))
 
 
-@pytest.mark.parametrize(
-    "model", [{"model": "body_exact"}, {"model": "assumed_pressure", "pressure": 10.0}, {"model": "auto"}]
-)
+@pytest.mark.parametrize("model", [{"model": "body_exact"}, {"model": "assumed_pressure", "pressure": 10.0}])
 def test_shell_that_collapses_in_still_water_is_refused(seed, model):
     soft = varied(seed, device={"young_modulus": 1e6}, modes={"degree": 2})
     check_rests(soft, reference_shell(soft))  # linear: it needs no rest
@@ -117,21 +101,6 @@ def test_shell_that_collapses_in_still_water_is_refused(seed, model):
     yields = varied(soft, hydro=model)
     with pytest.raises(ConfigError, match=r"hydro.model: received '.*' for design VSWEC, but the loaded buoy does not"):
         check_rests(yields, reference_shell(yields))
-
-
-def test_assumed_pressure_is_for_the_vented_sphere(seed):
-    assumed = {"hydro": {"model": "assumed_pressure", "pressure": 10.0}}
-    for change in ({"reference_shape": "equilibrium"}, {"device": {"internal_pressure": 5.0}}):
-        with pytest.raises(ConfigError, match="is the paper's vented shell about the undeformed sphere"):
-            varied(seed, **assumed, **change)
-    for idle in ({"accept": ["nonsense"]}, {"rows": 20}, {"omega": [1.0]}):
-        with pytest.raises(ConfigError, match=r"has no coefficients to solve or judge; remove it"):
-            varied(seed, hydro={**assumed["hydro"], **idle})
-    with pytest.raises(ConfigError, match=r"remove device\.gas"):
-        varied(seed, **assumed, device={"gas": {}})
-
-
-# meshes and BEM ---------------------------------------------------------------------------------------------------
 
 
 def deformed(seed, height=0.0, **by_label):
@@ -151,6 +120,7 @@ def test_mesh_of_a_deformed_sphere_is_that_of_the_sphere(seed, shell, sphere):
         assert ours[name].values == pytest.approx(theirs[name].values, abs=1e-12), name
 
 
+@pytest.mark.slow
 def test_identities_hold_on_a_deformed_shell(green_folder, seed):
     """Symmetry, one radiation channel and Haskind's relation: errors of the mesh, that decrease with its rows."""
     shell, found = deformed(seed, 0.1, Membrane2=0.15, Bending2=-0.2), []
@@ -187,18 +157,6 @@ def test_softest_spring_behind_a_chamber(seed):
     check_spring(varied(study, pto={"stiffness": float(0.999 * least)}), reference)
     with pytest.raises(ConfigError, match=r"pto.stiffness: received -[\d.]+ N/m, with which a buoy does not rest"):
         check_spring(varied(study, pto={"stiffness": float(1.001 * least)}), reference)
-
-
-@pytest.mark.parametrize("order", [("FSB", "VSWEC"), ("VSWEC", "FSB")])
-def test_softest_design_limits_the_spring(seed, order):
-    """Under a unit heave force a flexible buoy yields more than a rigid one, 1/(rho g pi r^2)."""
-    study = varied(seed, designs={name: seed.designs[name].model_dump() for name in order})
-    reference = reference_shell(study)
-    yields = np.linalg.inv(reference.total)[0, 0]
-    assert yields > 1.01 / (RHO * G * np.pi * seed.device.radius**2)
-    check_spring(varied(study, pto={"stiffness": float(-0.999 / yields)}), reference)
-    with pytest.raises(ConfigError, match=rf"with which a buoy does not rest; needs more than {-1 / yields:.6g} N/m"):
-        check_spring(varied(study, pto={"stiffness": float(-1.001 / yields)}), reference)
 
 
 def test_shell_supported_by_its_gas_only_is_unstable_when_vented(seed):

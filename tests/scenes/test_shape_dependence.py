@@ -12,8 +12,7 @@ from vsb.hydro.shape_dependence import ShapeDatabase, ShapeFamily, measured_erro
 from vsb.motion.frequency import LinearBuoy
 from vsb.motion.port import LinearPto
 from vsb.scenes import shape_dependence as shapedependence
-from vsb.scenes.directions import loaded_shell
-from vsb.scenes.rest import design_motions, reference_shell
+from vsb.scenes.rest import design_motions, loaded_shell, reference_shell
 from vsb.scenes.shape_dependence import INSTANTS, StudyMotion, answer, power_effects
 from vsb.shell.loaded import equilibrium
 from vsb.stages import shape_dependence as stage

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.scenes.directions import order_bases
-from vsb.scenes.rest import reference_shell, study_basis
+from vsb.scenes.rest import order_bases, reference_shell, study_basis
 from vsb.stages import shell
 from vsb.study.plan import StudyPlan
 from vsb.tools.files import load

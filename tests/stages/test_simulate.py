@@ -14,7 +14,7 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes import build
 from vsb.scenes.build import linear_design
-from vsb.scenes.pause import BestPause
+from vsb.scenes.latching import LatchingTime
 from vsb.shell.deformed import enclosed
 from vsb.stages import simulate
 from vsb.study.plan import StudyPlan
@@ -86,7 +86,7 @@ LAWS = {"saturated": "steady_decay", "coulomb": "steady_unsettled", "latching": 
 @pytest.mark.parametrize("law", LAWS)
 def test_steady_power_of_switching_laws(small, tmp_path, monkeypatch, law):
     """Equal to the mean over the end of a long run, and to that of the motion followed until it repeats."""
-    monkeypatch.setattr(build, "best_pause_in_sea", lambda *_: BestPause(0.9, 0.0, 0.0))
+    monkeypatch.setattr(build, "linear_latching_time", lambda *_: LatchingTime(0.9, 0.0, 0.0))
     pto = {"damping": 8000.0, "law": law, "force_limit": 2e3}
     waves = [{"kind": "regular", "amplitude": 0.1, "period": 5.0}]
     simulation = {"duration": 100.0, "window": [75.0, 100.0], "initial_velocity": 0.0}

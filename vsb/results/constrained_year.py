@@ -25,8 +25,8 @@ from vsb.results.member import OF_LIMITS
 from vsb.results.statistics import stratified_half_width
 from vsb.results.validity import LIMITS, motion_limits, wave_limits
 from vsb.results.year import Bins, bins_of
-from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
+from vsb.scenes.rest import order_bases
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
 from vsb.study.campaign import CONSTRAINED

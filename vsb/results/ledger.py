@@ -19,10 +19,9 @@ from vsb.hydro.database import Check, check_at_most, stored_checks
 from vsb.results.budget import MODES
 from vsb.results.comparison import Row
 from vsb.results.ladder import Rung
-from vsb.scenes.directions import loaded_shell
 from vsb.scenes.floating_system import band
 from vsb.scenes.mode_convergence import knows_port
-from vsb.scenes.rest import carries_load, computed_buckling
+from vsb.scenes.rest import carries_load, computed_buckling, loaded_shell
 from vsb.scenes.viability import DOUBTED_STRAIN, static_modal_amplitude, static_strain
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.loaded import viable_pressure

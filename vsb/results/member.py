@@ -15,8 +15,8 @@ from vsb.motion.port import Port
 from vsb.results.left_out import gain_of_year
 from vsb.results.validity import LIMITS, beyond_validity
 from vsb.results.year import DesignYear, Tuning, Year, best_for_all, bins_of, gain_percent, year
-from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
+from vsb.scenes.rest import order_bases
 from vsb.scenes.viability import viability, with_designs
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis

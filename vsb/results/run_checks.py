@@ -13,8 +13,8 @@ from vsb.hydro.dofs import flexible
 from vsb.hydro.formats.common import volume_of
 from vsb.integrators.simulate import CONVOLVED
 from vsb.results.comparison import Attributes, Row, Runs, linear_mean, relative_difference
-from vsb.scenes.directions import order_bases
 from vsb.scenes.drag import DAMPERS, LINEARISED
+from vsb.scenes.rest import order_bases
 from vsb.shell.modes import ModeBasis
 from vsb.shell.surface import largest_deformation, largest_displacement, largest_strain
 from vsb.study.quantities import RIGID, ROTATIONS, body_of, motion_of

@@ -33,7 +33,7 @@ from vsb.results.campaign import GAIN, POWER
 from vsb.results.run_checks import energy_check
 from vsb.results.statistics import Estimate, linear_batches, stratified_half_width
 from vsb.results.year import Year
-from vsb.scenes.pause import best_pause_in_sea, refined_pause, with_pause
+from vsb.scenes.latching import body_exact_latching_time, linear_latching_time, with_latching_time
 from vsb.scenes.take_off import with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import Simulation
@@ -218,8 +218,9 @@ class DesignInTime:
             scene = body_exact_scene(buoy, self.shape, self.radiation, sea, self.motions)
         scene = with_take_off(scene, self.pto, self.take_off)
         if self.pto.pauses and scene.law:  # or nothing there moves
-            best = best_pause_in_sea(with_take_off(linear, self.pto, self.take_off), sea, settings)
-            scene = with_pause(scene, (best if model == "linear" else refined_pause(scene, best, sea, settings)).pause)
+            best = linear_latching_time(with_take_off(linear, self.pto, self.take_off), sea, settings)
+            best = best if model == "linear" else body_exact_latching_time(scene, best, sea, settings)
+            scene = with_latching_time(scene, best.time)
         absorbed = []
         for leg in legs(System.of(scene), sea, settings, buoy.spectrum):
             absorbed.append((leg.motion.time, leg.energy["pto"]))

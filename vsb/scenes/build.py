@@ -31,7 +31,16 @@ from vsb.scenes.floating_system import (
     study_port,
     study_sea,
 )
-from vsb.scenes.pause import NEAR, BestPause, best_pair_in_sea, best_pause_in_sea, refined_pause, strongest, with_pause
+from vsb.scenes.latching import (
+    NEAR,
+    LatchingTime,
+    body_exact_latching_time,
+    linear_damper_and_time,
+    linear_latching_time,
+    longest_time,
+    strongest,
+    with_latching_time,
+)
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.scenes.take_off import tuned_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
@@ -45,7 +54,7 @@ from vsb.waves.seas import NO_WAVES, Sea, expected, sea
 UNFOLLOWED = 1e-3
 """Share of a sea's variance that may lie where a radiation memory does not follow the coefficients."""
 LIGHTEST = 0.01
-"""Of the best damper alone: the least one tried with a pause."""
+"""Least damper tried with latching, over the best one without."""
 TUNED = "tuned_damping"
 """What a run records of its damper, if it was not given [N s/m]."""
 
@@ -133,39 +142,40 @@ def _linear(run: SimulateSpec, at: _FromBem) -> Scene:
 
 
 def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
-    """A scene whose law pauses as long as takes most of its sea, and notes of it.
+    """A scene with the latching time that maximises mean power, if its law latches, and metadata.
 
-    A damper tuned to its sea is tuned together with the pause by linear hydrodynamics; where the water's force is not
-    linear the pause is refined on the scene itself.
+    A damper tuned to its sea is found together with the latching time by linear hydrodynamics; where the water's force
+    is not linear the time is refined on the scene itself.
     """
     if not (run.pto.pauses and scene.law):  # or nothing there moves
         return scene, {}
-    damper, best, notes = _paused(_linear(run, at), run, at.sea, at.buoy, at.motions)
+    damper, best, notes = _latched(_linear(run, at), run, at.sea, at.buoy, at.motions)
     if scene.water is not None and at.sea.omega.size:
-        notes |= {"linear_pause": best.pause, "pause_tried": NEAR * np.pi / strongest(at.sea)}
-        best = refined_pause(with_pause(scene, best.pause, damper), best, at.sea, run.simulation)
-    return with_pause(scene, best.pause, damper), notes | _noted(best)
+        notes |= {"linear_pause": best.time, "pause_tried": NEAR * longest_time(at.sea)}
+        latched = with_latching_time(scene, best.time, damper)
+        best = body_exact_latching_time(latched, best, at.sea, run.simulation)
+    return with_latching_time(scene, best.time, damper), notes | _noted(best)
 
 
-def _paused(
+def _latched(
     linear: Scene, run: SimulateSpec | BodySimulateSpec, sea: Sea, floating: AnyMotion, motions: FloatArray
-) -> tuple[float, BestPause, dict[str, float]]:
-    """Damper [kg/s] and pause of a law in a linear scene; one tuned to its sea is found with the pause, and noted."""
+) -> tuple[float, LatchingTime, dict[str, float]]:
+    """Damper [N s/m] and latching time in a linear scene; a damper tuned to its sea is found with it, and recorded."""
     if run.pto.tuning != "each":
-        return float(floating.pto.damping), best_pause_in_sea(linear, sea, run.simulation), {}
-    damper, best = best_pair_in_sea(linear, sea, run.simulation, _dampers(floating, motions, sea))
+        return float(floating.pto.damping), linear_latching_time(linear, sea, run.simulation), {}
+    damper, best = linear_damper_and_time(linear, sea, run.simulation, _dampers(floating, motions, sea))
     return damper, best, {TUNED: damper}
 
 
-def _noted(best: BestPause) -> dict[str, float]:
-    """What a run records of its pause: its length [s], the mean power [W] it takes, what it is known to [s]."""
-    return {"pause": best.pause, "pause_power": best.power, "pause_within": best.within}
+def _noted(best: LatchingTime) -> dict[str, float]:
+    """What a run records of its latching time: its length [s], the mean power [W], what it is known to [s]."""
+    return {"pause": best.time, "pause_power": best.power, "pause_within": best.within}
 
 
 def _dampers(floating: AnyMotion, motions: FloatArray, sea: Sea) -> list[float]:
-    """Dampers from what the port loses at the strongest wave up to the best one alone, ascending [kg/s].
+    """Dampers from the resistance of the port at the strongest wave up to the best one alone, ascending [N s/m].
 
-    A law that pauses takes the reactance away: what is left to match is the resistance, or a little more.
+    Latching takes the reactance away: what is left to match is the resistance, or a little more.
     """
     alone, direction = float(floating.pto.damping), floating.pto.direction(len(motions))
     impedance = floating.port(np.array([strongest(sea)]), motions, direction).impedance
@@ -207,8 +217,8 @@ def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     scene = body_scene(equipped, memory, {going: waves}, motions)
     scene = with_take_off(scene, run.pto, pto)
     if run.pto.pauses and scene.law:
-        damper, best, tuned = _paused(scene, run, waves, equipped, motions)
-        scene = with_pause(scene, best.pause, damper)
+        damper, best, tuned = _latched(scene, run, waves, equipped, motions)
+        scene = with_latching_time(scene, best.time, damper)
         notes |= tuned | _noted(best)
     return DesignInSea(scene, None, waves, body.spectrum, notes)
 

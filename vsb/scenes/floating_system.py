@@ -19,8 +19,7 @@ from vsb.motion.bodies import LinearBody
 from vsb.motion.frequency import LinearBuoy, with_open_chamber
 from vsb.motion.port import LinearPto, Port, combination, port_direction
 from vsb.motion.tuning import frequencies
-from vsb.scenes.directions import order_bases
-from vsb.scenes.rest import design_motions
+from vsb.scenes.rest import design_motions, order_bases
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, check_rank, mode_basis, rigid_basis
 from vsb.study.body import BodyDesign, BodyStudy

@@ -14,8 +14,14 @@ from vsb.motion.channel import channelled
 from vsb.motion.coefficient_errors import INTERPOLATION, RESOLUTION, CoefficientError, haskind_misfits, relative_error
 from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
 from vsb.motion.port import Port, PortMotion, port_direction
-from vsb.scenes.directions import order_bases, side_by_side, whole_stiffness
-from vsb.scenes.rest import design_motions, motions_to_degree, seen_by_take_off
+from vsb.scenes.rest import (
+    design_motions,
+    motions_to_degree,
+    order_bases,
+    seen_by_take_off,
+    side_by_side,
+    whole_stiffness,
+)
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis

@@ -1,36 +1,64 @@
-"""Where a study's shell rests: the modes it moves in, its equilibrium and its stiffness there."""
+"""Where a buoy rests and what holds it: degrees of freedom, equilibrium, stiffness and mooring, checks of stability.
+
+A buoy heaves with its axisymmetric shell modes; one that also moves along and across the waves has further degrees of
+freedom, azimuthal order by order.
+"""
 
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.frequency import allowed_part, compliance, drifting_motions, gas_compliance, softest
 from vsb.motion.port import port_direction
-from vsb.scenes.directions import (
-    check_moored,
-    check_upright,
-    loaded_shell,
-    order_bases,
-    side_by_side,
-    whole_labels,
-    whole_stiffness,
-)
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
-from vsb.study.specs import AtRest, Designed
+from vsb.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw
+from vsb.study.directions import RIGID
+from vsb.study.specs import AtRest, Designed, DesignsSpec, RestSpec
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
+Moving = Study | RestSpec | DesignsSpec
+"""What says in which directions a buoy moves."""
+
+# degrees of freedom -------------------------------------------------------------------------------------------------
+
 
 def study_basis(study: AtRest) -> ModeBasis:
-    """Return the union of the modes of all designs of a study."""
+    """Return the union of the axisymmetric modes of all designs of a study."""
     if not study.flexible or study.modes is None:
         return rigid_basis(study.device)
     return mode_basis(study.device, study.modes.basis, study.modes.max_degree)
+
+
+def order_bases(study: Moving, basis: ModeBasis) -> tuple[OrderBasis, ...]:
+    """Return the degrees of freedom beside heave and axisymmetric modes, order by order; none of heave alone.
+
+    A buoy that is free has each order twice, to both sides, and yaw.
+    """
+    if study.motion == "heave":
+        return ()
+    ballast, highest = ballast_of(study.device), study.modes.order if basis.modes and study.modes else 1
+    even = [order_basis(basis, order, ballast) for order in range(1, highest + 1)]
+    if study.motion == "planar":
+        return tuple(even)
+    return (*(each for one in even for each in (one, one.turned())), yaw(basis, ballast))
+
+
+def side_by_side(own: FloatArray, *others: FloatArray) -> FloatArray:
+    """Return the block-diagonal matrix of the axisymmetric part and of further orders, if there are any."""
+    return np.asarray(block_diag(own, *others)) if others else own
+
+
+def whole_labels(study: Moving, reference: ReferenceShell) -> tuple[str, ...]:
+    """Return the names of the degrees of freedom of all orders, axisymmetric ones first."""
+    others = (label for basis in order_bases(study, reference.basis) for label in basis.labels)
+    return (*reference.basis.labels, *others)
 
 
 def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray:
@@ -71,9 +99,41 @@ def motions_to_degree(study: Designed, basis: ModeBasis, design: str, degree: in
     return found
 
 
+# the loaded shell ---------------------------------------------------------------------------------------------------
+
+
+def loaded_shell(study: AtRest | DesignsSpec, basis: ModeBasis) -> LoadedShell:
+    """Return the shell of a study under weight, water and internal pressure."""
+    device, water = study.device, study.water
+    elastic = ElasticShell(basis)
+    return LoadedShell(elastic, study.centre_height, water.density, water.gravity, device.internal_pressure, device.gas)
+
+
 def complete_loaded_shell(study: AtRest) -> LoadedShell:
     """Return the same in a basis that resolves buckling, whatever the modes of the study."""
     return complete_shell(study.device, study.centre_height, study.water, study.device.internal_pressure)
+
+
+def computed_buckling(study: AtRest) -> Buckling:
+    """Return the linear buckling of the loaded shell in a basis that resolves it."""
+    return buckling(complete_loaded_shell(study))
+
+
+@lru_cache(maxsize=4)
+def _at_rest(loaded: LoadedShell) -> FloatArray:
+    """The equilibrium of a shell, computed once; not to be written to."""
+    q = equilibrium(loaded)
+    q.setflags(write=False)
+    return q
+
+
+def carries_load(study: AtRest) -> bool:
+    """Return whether the growing load leads the shell to a stable rest shape, in a basis that resolves its buckling."""
+    try:
+        _at_rest(complete_loaded_shell(study))
+    except ConvergenceError:
+        return False
+    return True
 
 
 def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceShell:
@@ -88,18 +148,23 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
     Raises
     ------
     ConfigError
-        If `reference_shape: equilibrium` is asked for and the shell buckles before it carries its load.
+        If `reference_shape: equilibrium` is asked for and the shell buckles before it carries its load, in a basis
+        that resolves its buckling: few modes would hide it.
 
     Notes
     -----
-    `undeformed` and vented: the paper's shell, elastic and hydrostatic stiffness of the sphere. With internal pressure
-    also its prestress, the geometric stiffness of the mean pressure difference and the follower part of the internal
-    pressure. `equilibrium`: the tangent of the whole potential where the loaded shell rests. Trapped gas adds its own.
+    `undeformed`, open to constant pressure: the paper's shell, elastic and hydrostatic stiffness of the sphere. With
+    internal pressure also its prestress, the geometric stiffness of the mean pressure difference and the follower part
+    of the internal pressure. `equilibrium`: the tangent of the whole potential where the loaded shell rests. Trapped
+    gas adds its own.
     """
     basis = basis or study_basis(study)
     loaded = loaded_shell(study, basis)
     if study.at_equilibrium:
-        check_equilibrium(study)
+        try:
+            _at_rest(complete_loaded_shell(study))
+        except ConvergenceError as error:
+            raise ConfigError(f"reference_shape: received 'equilibrium', but {error}") from None
         undamped = replace(basis, alpha=0.0, beta=0.0)  # at rest nothing moves
         q = _at_rest(replace(loaded, elastic=ElasticShell(undamped)))
     else:
@@ -117,18 +182,10 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
     return ReferenceShell(shape, {name: (k + k.T) / 2 for name, k in stiffness.items()})
 
 
-@lru_cache(maxsize=4)
-def _at_rest(loaded: LoadedShell) -> FloatArray:
-    """The equilibrium of a shell, once for its water and for its year, not to be written to."""
-    q = equilibrium(loaded)
-    q.setflags(write=False)
-    return q
-
-
 def seen_by_take_off(study: Study, reference: ReferenceShell) -> tuple[ReferenceShell, float]:
     """Return the shell at rest as the port finds it, and the compliance of the chamber before the take-off [m^3/Pa].
 
-    Gas that a take-off of the volume lets out stands in series with it, and no longer holds the shell.
+    Gas that a take-off of the volume lets out is in series with it, and no longer holds the shell.
     """
     if not (study.opens_chamber and "gas" in reference.stiffness):
         return reference, 0.0
@@ -137,30 +194,99 @@ def seen_by_take_off(study: Study, reference: ReferenceShell) -> tuple[Reference
     return replace(reference, stiffness=others), chamber
 
 
-def check_equilibrium(study: AtRest) -> None:
-    """Check that the loaded shell rests stably in a basis that resolves its buckling; few modes would hide it.
+# stiffness of all directions ----------------------------------------------------------------------------------------
+
+
+def order_stiffness(study: Moving, basis: OrderBasis, reference: ReferenceShell) -> dict[str, FloatArray]:
+    """Return the stiffness of one order about the undeformed sphere, by the names of `reference_shell`.
+
+    Trapped gas has none: no shape that varies around the axis changes the volume in proportion to its amplitude.
+    """
+    water = study.water
+    still = basis.hydrostatic_stiffness(study.centre_height, water.density, water.gravity)
+    found = {"structural": basis.stiffness, "hydrostatic": (still + still.T) / 2}
+    if "prestress" in reference.stiffness:
+        load = prestress_stiffness(basis, loaded_shell(study, reference.basis))
+        found["prestress"] = (load + load.T) / 2
+    return found | ({"gas": np.zeros_like(still)} if "gas" in reference.stiffness else {})
+
+
+def mooring_stiffness(study: Moving, labels: tuple[str, ...]) -> dict[str, FloatArray]:
+    """Return the stiffness of the mooring over labelled degrees of freedom, by its name; empty without one."""
+    if study.mooring is None:
+        return {}
+    among = np.array([[float(label == name.capitalize()) for name in RIGID] for label in labels])
+    return {"mooring": among @ np.array(study.mooring) @ among.T}
+
+
+def whole_stiffness(study: Moving, reference: ReferenceShell) -> FloatArray:
+    """Return the sum of all stiffness over the degrees of freedom of all orders, shape (dof, dof) [N/m]."""
+    orders = (order_stiffness(study, basis, reference) for basis in order_bases(study, reference.basis))
+    whole = side_by_side(reference.total, *(np.sum(list(parts.values()), axis=0) for parts in orders))
+    return np.asarray(whole + sum(mooring_stiffness(study, whole_labels(study, reference)).values()))
+
+
+def design_stiffness(
+    study: Designed, reference: ReferenceShell, design: str, beside: FloatArray | float = 0.0
+) -> float:
+    """Return the least stiffness of a design about the reference shape [N/m]; one that rests stably has more than 0.
+
+    Only of what is held at all: surge without a mooring may drift. `beside` is that of springs of the take-off, shape
+    (dof, dof).
+    """
+    motions = design_motions(study, reference.basis, design)
+    stiffness = motions.T @ (whole_stiffness(study, reference) + beside) @ motions
+    return softest(stiffness, drifting_motions(stiffness, whole_labels(study, reference), motions))[0]
+
+
+# checks -------------------------------------------------------------------------------------------------------------
+
+
+def _rigid_stiffness(study: Moving, reference: ReferenceShell) -> tuple[list[str], FloatArray]:
+    """Rigid motions a buoy has, and their stiffness."""
+    labels = whole_labels(study, reference)
+    names: list[str] = [name for name in ("Surge", "Sway", "Heave", "Yaw", "Roll", "Pitch") if name in labels]
+    rigid = [labels.index(name) for name in names]
+    return names, whole_stiffness(study, reference)[np.ix_(rigid, rigid)]
+
+
+def check_upright(study: Moving, reference: ReferenceShell) -> None:
+    """Check that the buoy as a rigid body does not fall over.
 
     Raises
     ------
     ConfigError
     """
-    try:
-        _at_rest(complete_loaded_shell(study))
-    except ConvergenceError as error:
-        raise ConfigError(f"reference_shape: received 'equilibrium', but {error}") from None
+    names, stiffness = _rigid_stiffness(study, reference)
+    tilts = {name: float(stiffness[i, i]) for i, name in enumerate(names) if name in ("Pitch", "Roll")}
+    if tilts and min(tilts.values()) <= 0.0:
+        name = min(tilts, key=tilts.__getitem__)
+        raise ConfigError(
+            f"device.centre_of_mass: received {study.device.centre_of_mass:g} m above the sphere's centre, with which "
+            f"the buoy does not stay upright (stiffness of {name.lower()} {tilts[name]:.4g} N m); needs one below it, "
+            f"or a mooring that holds {name.lower()}"
+        )
 
 
-def carries_load(study: AtRest) -> bool:
-    """Return whether the growing load leads the shell to a stable rest shape, in a basis that resolves its buckling."""
-    try:
-        _at_rest(complete_loaded_shell(study))
-    except ConvergenceError:
-        return False
-    return True
+def check_moored(study: Moving, reference: ReferenceShell) -> None:
+    """Check that the mooring does not drive the buoy as a rigid body out of its rest; what nothing holds may drift.
+
+    Raises
+    ------
+    ConfigError
+    """
+    names, stiffness = _rigid_stiffness(study, reference)
+    least, shape = softest(stiffness, drifting_motions(stiffness, names, np.eye(len(names))))
+    if least <= 0.0:
+        most = names[np.argmax(np.abs(shape))].lower()
+        raise ConfigError(
+            f"mooring: received a stiffness that drives the buoy out of its rest, most in {most}; needs one that "
+            "brings it back"
+        )
 
 
 def check_stable(study: Designed, reference: ReferenceShell) -> None:
-    """Check that every design rests stably about the reference shape: a linear model of it grows without bound else.
+    """Check that every design rests stably about the reference shape: else a linear model of it grows without bound.
 
     Raises
     ------
@@ -176,19 +302,6 @@ def check_stable(study: Designed, reference: ReferenceShell) -> None:
                 f"young_modulus {study.device.young_modulus:g} Pa, thickness {study.device.thickness:g} m and "
                 f"internal_pressure {study.device.internal_pressure:g} Pa; needs more of one of them"
             )
-
-
-def design_stiffness(
-    study: Designed, reference: ReferenceShell, design: str, beside: FloatArray | float = 0.0
-) -> float:
-    """Return the least stiffness of a design about the reference shape [N/m]; what rests stably has more than 0.
-
-    Of what is held at all: surge without a mooring drifts, which may be. `beside` is that of springs of the take-off,
-    shape (dof, dof).
-    """
-    motions = design_motions(study, reference.basis, design)
-    stiffness = motions.T @ (whole_stiffness(study, reference) + beside) @ motions
-    return softest(stiffness, drifting_motions(stiffness, whole_labels(study, reference), motions))[0]
 
 
 def check_spring(study: Study, reference: ReferenceShell) -> None:
@@ -226,17 +339,12 @@ def check_rests(study: Study, reference: ReferenceShell) -> None:
     """
     if study.hydro.model == "linear":
         return
-    from vsb.motion.builders import still_scene  # what is compiled is read where it is needed
+    from vsb.motion.builders import still_scene  # compiled, imported where it is needed
 
+    water = study.water
     for design in study.designs:
+        motions = design_motions(study, reference.basis, design)
         try:
-            still_scene(
-                reference, study.water.density, study.water.gravity, design_motions(study, reference.basis, design)
-            )
+            still_scene(reference, water.density, water.gravity, motions)
         except ConvergenceError as error:
             raise ConfigError(f"hydro.model: received {study.hydro.model!r} for design {design}, but {error}") from None
-
-
-def computed_buckling(study: AtRest) -> Buckling:
-    """Return the linear buckling of the loaded shell in a basis that resolves it."""
-    return buckling(complete_loaded_shell(study))

@@ -22,8 +22,7 @@ from vsb.hydro.database import Coefficients, with_structure
 from vsb.hydro.shape_dependence import ShapeDatabase, ShapeFamily, shape_database
 from vsb.motion.frequency import LinearBuoy, dynamic_stiffness
 from vsb.motion.port import LinearPto
-from vsb.scenes.directions import loaded_shell
-from vsb.scenes.rest import design_motions, reference_shell
+from vsb.scenes.rest import design_motions, loaded_shell, reference_shell
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.loaded import equilibrium
 from vsb.study.study import RegularWave, StillWater, Study, canonical

@@ -19,7 +19,7 @@ from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea
 
 STIFFER = 100.0
-"""Spring of an end stop over the buoy's own stiffness at the port: it gives way by some per cent of what it stops."""
+"""Spring of an end stop over the buoy's own stiffness at the port: it yields by some per cent of what it stops."""
 
 Dragged = Callable[[FloatingSystem, str, Mapping[float, FloatArray]], drag.DraggedPort]
 
@@ -36,15 +36,15 @@ LAWS: Mapping[Law, Callable[[Pto, FloatArray, float, float], Force]] = {
     "latching": _limited,
     "declutching": lambda pto, port, damper, rest: replace(_limited(pto, port, damper, rest), paused_damping=0.0),
 }
-"""`pto.law`, at a port, with a damper [kg/s] and the stroke at rest [m] -> its force.
+"""`pto.law`, at a port, with a damper [N s/m] and the stroke at rest [m] -> its force.
 
-How long one pauses is found in a sea (`scenes.pause`)."""
+Latching times are found in a sea (`vsb.scenes.latching`)."""
 
 
 def tuned_take_off(
     pto: Pto, design: str, floating: FloatingSystem, seas: Sequence[tuple[Wave, Sea]], dragged: Dragged | None = None
 ) -> LinearPto:
-    """Return spring and damper of a run: the damper given, or the one that takes most of seas by linear theory.
+    """Return spring and damper of a run: the damper given, or the one that absorbs most in seas by linear theory.
 
     Parameters
     ----------
@@ -52,21 +52,23 @@ def tuned_take_off(
     design : str
     floating : FloatingSystem
     seas : sequence of (Wave, Sea)
-        What a damper that is not given is to suit: the sum of these, from any directions.
+        A damper that is not given maximises the sum of power over these, from any directions.
     dragged : callable, optional
-        What floats, design, frequencies by direction -> its port beside a drag, where there is one.
+        Floating system, design, frequencies by direction -> its port with drag, where there is drag.
 
     Raises
     ------
     ConfigError
-        If no damper is given and nothing comes in.
+        If no damper is given and no sea has waves.
     """
     damper = pto.damper(design)
     if pto.tuning != "fixed":
         moving = [(wave, sea) for wave, sea in seas if sea.omega.size]
         if not moving:
             unit = port_kind(pto.port).damping_unit
-            raise ConfigError(f"pto.tuning: received {pto.tuning!r}, but nothing comes in; needs pto.damping in {unit}")
+            raise ConfigError(
+                f"pto.tuning: received {pto.tuning!r}, needs at least one sea with waves, or pto.damping in {unit}"
+            )
         seen = port_in_seas(floating, design, moving)
         if dragged:
             beside = dragged(floating, design, headings(moving))

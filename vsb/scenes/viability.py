@@ -10,8 +10,15 @@ import numpy as np
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.port import LinearPto, port_direction
-from vsb.scenes.directions import check_upright, loaded_shell, order_bases
-from vsb.scenes.rest import computed_buckling, design_stiffness, reference_shell, seen_by_take_off
+from vsb.scenes.rest import (
+    check_upright,
+    computed_buckling,
+    design_stiffness,
+    loaded_shell,
+    order_bases,
+    reference_shell,
+    seen_by_take_off,
+)
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.modes import ModeBasis

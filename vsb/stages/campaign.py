@@ -17,8 +17,8 @@ from vsb.motion.port import LinearPto
 from vsb.results.campaign import as_csv, gathered, stacked, with_verification
 from vsb.results.member import YearsWithin, member
 from vsb.results.year import frequencies
-from vsb.scenes.directions import order_bases
 from vsb.scenes.ports import ShapeWater
+from vsb.scenes.rest import order_bases
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
 from vsb.stages.climate import read_climate

@@ -19,8 +19,8 @@ from vsb.report.shell_figures import round_factor
 from vsb.report.sketch import sketches
 from vsb.report.svg import Drawn, drawn
 from vsb.results.year import Bins
-from vsb.scenes.directions import whole_labels
 from vsb.scenes.ports import design_ports, designs_in_waves
+from vsb.scenes.rest import whole_labels
 from vsb.scenes.viability import viability
 from vsb.shell.deformed import ReferenceShell
 from vsb.stages.campaign import Swept, swept_shape

@@ -6,8 +6,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.hydro.panels.mesh import display_shapes, write_wet_shell
-from vsb.scenes.directions import order_bases
-from vsb.scenes.rest import check_stable, reference_shell
+from vsb.scenes.rest import check_stable, order_bases, reference_shell
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import Mode
 from vsb.shell.orders import OrderBasis

@@ -13,9 +13,9 @@ from vsb.integrators.simulate import in_words, legs, recorded
 from vsb.motion.system import System
 from vsb.motion.udwadia_kalaba import constraint_drift
 from vsb.scenes.build import design_in_sea
-from vsb.scenes.directions import order_bases
 from vsb.scenes.floating_system import body_port, held_rows
-from vsb.scenes.pause import SETTLED
+from vsb.scenes.latching import STEADY
+from vsb.scenes.rest import order_bases
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.shell.orders import OrderBasis, all_clamp_rows
 from vsb.shell.surface import enclosed_in_orders
@@ -116,7 +116,7 @@ def _swinging_power(system: System) -> float:
 def _settled(system: System) -> dict[str, float | str]:
     """Mean power of a law that switches once its periods agree; or that they do not."""
     try:
-        power, unsettled = settled_power(system, SETTLED)
+        power, unsettled = settled_power(system, STEADY)
     except ConvergenceError as error:
         return {"no_steady_state": str(error)}
     if unsettled > UNSETTLED:

@@ -14,8 +14,7 @@ from vsb.hydro.database import Check
 from vsb.hydro.dofs import displacements
 from vsb.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, converged, converged_on_grid
 from vsb.hydro.variables import PAIR
-from vsb.scenes.directions import mooring_stiffness, order_bases, order_stiffness
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import mooring_stiffness, order_bases, order_stiffness, reference_shell
 from vsb.shell.deformed import ReferenceShell, rigid_buoy
 from vsb.shell.orders import OrderBasis
 from vsb.shell.shell import Shell

@@ -17,17 +17,17 @@ from vsb.motion.system import System
 from vsb.motion.tuning import best_dampers, squares
 from vsb.scenes.build import SCENES
 from vsb.scenes.floating_system import linear_buoy, study_port
-from vsb.scenes.pause import (
-    KNOWN_WET,
+from vsb.scenes.latching import (
+    KNOWN_BODY_EXACT,
     NEAR,
-    SETTLED,
-    BestPause,
-    best_pair,
-    best_pause,
-    best_pause_in_sea,
-    refined_pause,
+    STEADY,
+    LatchingTime,
+    best_damper_and_time,
+    best_latching_time,
+    body_exact_latching_time,
+    linear_latching_time,
     windowed_power,
-    with_pause,
+    with_latching_time,
 )
 from vsb.study import study as config
 from vsb.study.sections import Simulation
@@ -67,29 +67,29 @@ def passive(sea, damping):
 
 @pytest.fixture(scope="module", autouse=True)
 def coarse():
-    """Fewer pauses tried: these powers have one maximum, and a flat one."""
+    """Fewer latching times tried: these powers have one maximum, and a flat one."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vsb.scenes.pause.SCANNED", 8)
-        patch.setattr("vsb.scenes.pause.KNOWN", 0.01)
+        patch.setattr("vsb.scenes.latching.SCANNED", 8)
+        patch.setattr("vsb.scenes.latching.KNOWN", 0.01)
         yield
 
 
 @pytest.fixture(scope="module")
 def latched(coarse):
-    """Latching in a regular wave far below resonance, its best pause."""
+    """Latching in a regular wave far below resonance, its best latching time."""
     law, sea = TakeOff(B, 2.0, pause=0.0, paused_damping=np.inf), regular(2.0)
-    return scene(law, sea), sea, best_pause_in_sea(scene(law, sea), sea, SETTINGS)
+    return scene(law, sea), sea, linear_latching_time(scene(law, sea), sea, SETTINGS)
 
 
 def test_latching_beats_the_optimal_damper_and_stays_below_the_force_bound(latched):
     """The optimal latching time is about half the wave period less half the natural period."""
     held, sea, best = latched
-    assert best.pause == pytest.approx(np.pi / 2 - np.pi / 5, rel=0.12)
+    assert best.time == pytest.approx(np.pi / 2 - np.pi / 5, rel=0.12)
     assert 5 * passive(sea, np.abs(impedance(sea.omega)))[0] < best.power < matched(sea)
-    system = System.of(with_pause(held, best.pause))
+    system = System.of(with_latching_time(held, best.time))
     motion, _ = switched(system, np.linspace(0.0, 80 * np.pi, 80 * 64 + 1), (np.zeros(1), np.zeros(1)))
     taken = (motion.works["pto"][-1] - motion.works["pto"][-641]) / (10 * np.pi)
-    assert best.power == pytest.approx(taken, rel=2 * SETTLED)
+    assert best.power == pytest.approx(taken, rel=2 * STEADY)
     force, stroke = (np.abs(x[-641:]).max() for x in (motion.forces["pto"], motion.position))
     harmonics = Harmonics(2.0, 1.0, 15)
     admittance = 1 / impedance(harmonics.port_omega)
@@ -101,14 +101,15 @@ def test_latching_beats_the_optimal_damper_and_stays_below_the_force_bound(latch
 def test_no_other_latching_time_absorbs_more(latched):
     held, _, best = latched
     for pause in (0.5, 0.9, 0.98):
-        assert settled_power(System.of(with_pause(held, pause)), SETTLED)[0] <= best.power * (1 + 2 * SETTLED)
+        assert settled_power(System.of(with_latching_time(held, pause)), STEADY)[0] <= best.power * (1 + 2 * STEADY)
 
 
+@pytest.mark.slow
 def test_latching_in_an_irregular_sea_beats_every_damper():
     law = TakeOff(B, 2.0, pause=0.0)
-    best = best_pause_in_sea(scene(law, IRREGULAR), IRREGULAR, SETTINGS)
+    best = linear_latching_time(scene(law, IRREGULAR), IRREGULAR, SETTINGS)
     assert 1.5 * passive(IRREGULAR, np.geomspace(0.1, 100.0, 200)).max() < best.power < matched(IRREGULAR)
-    system = System.of(with_pause(scene(law, IRREGULAR), best.pause))
+    system = System.of(with_latching_time(scene(law, IRREGULAR), best.time))
     motion, *_ = simulate(system, IRREGULAR, SETTINGS, None)
     taken = np.interp(SETTINGS.window, motion.time, motion.works["pto"])
     assert best.power == pytest.approx(np.diff(taken)[0] / 40.0, rel=1e-9)
@@ -116,9 +117,10 @@ def test_latching_in_an_irregular_sea_beats_every_damper():
     assert 25 * parts[0] + 15 * parts[1] == pytest.approx(40 * best.power, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_latching_buoy_is_between_its_optimal_damper_and_the_constrained_optimum(tmp_path_factory, monkeypatch):
     """The rigid buoy of the publication, over one period of the waves."""
-    monkeypatch.setattr("vsb.scenes.pause.SCANNED", 4)
+    monkeypatch.setattr("vsb.scenes.latching.SCANNED", 4)
     monkeypatch.setattr("vsb.integrators.settled.MOST", 16)
     study = varied(
         config.load(SEED),
@@ -159,10 +161,10 @@ def test_optimal_damper_and_latching_time_on_a_tilted_ridge(top):
         tried.append(9.0 - u**2 - 40 * v**2 - 4 * u * v)
         return tried[-1]
 
-    damper, best = best_pair(power, [0.2, 3.0, 45.0], 1.0)
+    damper, best = best_damper_and_time(power, [0.2, 3.0, 45.0], 1.0)
     assert best.power == max(tried)
     assert best.power == pytest.approx(9.0, abs=0.03)
-    assert best.pause == pytest.approx(top[1], abs=0.05)
+    assert best.time == pytest.approx(top[1], abs=0.05)
     assert damper == pytest.approx(top[0], rel=0.2)
 
 
@@ -171,39 +173,40 @@ def test_optimal_damper_and_latching_time_on_a_tilted_ridge(top):
 
 def test_latching_time_is_refined(latched):
     held, sea, best = latched
-    off = best._replace(pause=best.pause - 0.8 * NEAR * np.pi / 2)
-    refined = refined_pause(held, off, sea, SETTINGS)
-    assert refined.pause == pytest.approx(best.pause, abs=0.04 * np.pi / 2)
+    off = best._replace(time=best.time - 0.8 * NEAR * np.pi / 2)
+    refined = body_exact_latching_time(held, off, sea, SETTINGS)
+    assert refined.time == pytest.approx(best.time, abs=0.04 * np.pi / 2)
     assert refined.power == pytest.approx(best.power, rel=0.02)
-    assert refined.within == KNOWN_WET * np.pi / 2
-    assert 0.0 <= refined_pause(held, best._replace(pause=0.0), sea, SETTINGS).pause <= NEAR * np.pi / 2
+    assert refined.within == KNOWN_BODY_EXACT * np.pi / 2
+    assert 0.0 <= body_exact_latching_time(held, best._replace(time=0.0), sea, SETTINGS).time <= NEAR * np.pi / 2
 
 
 def test_declutching_helps_a_damper_that_is_too_strong():
     law, sea = TakeOff(B, 60.0, pause=1.1, paused_damping=0.0), regular(2.0)
-    assert settled_power(System.of(scene(law, sea)), SETTLED)[0] > 1.4 * passive(sea, np.array([60.0]))[0]
+    assert settled_power(System.of(scene(law, sea)), STEADY)[0] > 1.4 * passive(sea, np.array([60.0]))[0]
 
 
 @pytest.mark.parametrize("top", [0.0, 0.37, 0.7311, 1.0])
 def test_maximum_is_found_within_the_stated_tolerance(top):
-    best = best_pause(lambda pause: 5.0 - (pause - top) ** 2, 1.0)
-    assert best.pause == pytest.approx(top, abs=0.01)
+    best = best_latching_time(lambda pause: 5.0 - (pause - top) ** 2, 1.0)
+    assert best.time == pytest.approx(top, abs=0.01)
     assert best.within == 0.01
-    steps = best_pause(lambda pause: float(pause >= 0.95), 1.0)
-    assert (steps.pause, steps.power) == (1.0, 1.0)
+    steps = best_latching_time(lambda pause: float(pause >= 0.95), 1.0)
+    assert (steps.time, steps.power) == (1.0, 1.0)
 
 
 def test_still_water_needs_no_latching():
-    none = best_pause_in_sea(scene(TakeOff(B, 2.0), NO_WAVES), NO_WAVES, SETTINGS)
+    none = linear_latching_time(scene(TakeOff(B, 2.0), NO_WAVES), NO_WAVES, SETTINGS)
     assert none == (0.0, 0.0, 0.0)
-    for given in (none, BestPause(0.7, 5.0, 0.1)):
-        assert refined_pause(scene(TakeOff(B, 2.0), NO_WAVES), given, NO_WAVES, SETTINGS) == given
+    for given in (none, LatchingTime(0.7, 5.0, 0.1)):
+        assert body_exact_latching_time(scene(TakeOff(B, 2.0), NO_WAVES), given, NO_WAVES, SETTINGS) == given
 
 
+@pytest.mark.slow
 def test_study_with_latching_reports_its_optimal_time(tmp_path_factory, monkeypatch):
-    monkeypatch.setattr("vsb.scenes.pause.KNOWN_WET", 0.03)
-    monkeypatch.setattr("vsb.scenes.pause.SCANNED", 4)
-    monkeypatch.setattr("vsb.scenes.pause.KNOWN", 0.1)
+    monkeypatch.setattr("vsb.scenes.latching.KNOWN_BODY_EXACT", 0.03)
+    monkeypatch.setattr("vsb.scenes.latching.SCANNED", 4)
+    monkeypatch.setattr("vsb.scenes.latching.KNOWN", 0.1)
     monkeypatch.setattr("vsb.integrators.settled.MOST", 16)
     study = varied(
         config.load(SEED),
@@ -228,8 +231,8 @@ def test_study_with_latching_reports_its_optimal_time(tmp_path_factory, monkeypa
 
 def test_tuned_damper_is_found_together_with_its_latching_time(tmp_path_factory, monkeypatch):
     """Lighter than the optimal damper alone, and it absorbs more."""
-    monkeypatch.setattr("vsb.scenes.pause.PAIRED", 4)
-    monkeypatch.setattr("vsb.scenes.pause.ROUNDS", 1)
+    monkeypatch.setattr("vsb.scenes.latching.PAIRED", 4)
+    monkeypatch.setattr("vsb.scenes.latching.ROUNDS", 1)
     monkeypatch.setattr("vsb.integrators.settled.MOST", 16)
     study = varied(
         config.load(SEED),
@@ -244,4 +247,4 @@ def test_tuned_damper_is_found_together_with_its_latching_time(tmp_path_factory,
     alone = SCENES["linear"](only_run(varied(study, pto={"law": "linear"})), files).notes["tuned_damping"]
     assert law.damping == design.notes["tuned_damping"] < 0.5 * alone
     assert law.pause == design.notes["pause"] > 0.5
-    assert design.notes["pause_power"] > 1.5 * settled_power(System.of(with_pause(design.scene, 0.0, alone)))[0]
+    assert design.notes["pause_power"] > 1.5 * settled_power(System.of(with_latching_time(design.scene, 0.0, alone)))[0]
