@@ -84,7 +84,7 @@ container: ## the image `vsb` from Dockerfile, by what is at hand of docker, pod
 	@touch $@
 
 $(READY): requirements.lock pyproject.toml
-	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(None if (3, 11) <= v < (3, 13) else "vsb needs Python 3.11 or 3.12, $(PYTHON) is %d.%d; set PYTHON=..." % v)'
+	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(None if (3, 11) <= v < (3, 14) else "vsb needs Python 3.11 to 3.13, $(PYTHON) is %d.%d; set PYTHON=..." % v)'
 	@echo "creating .venv (once, about a minute)"
 	@$(PYTHON) -m venv --clear .venv
 	@$(BIN)/pip install --quiet --disable-pip-version-check -r requirements.lock

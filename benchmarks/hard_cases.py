@@ -10,6 +10,7 @@ import math
 import tempfile
 import time as clock
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from functools import partial
@@ -349,32 +350,19 @@ def run_cases(cases: Iterable[Case], folder: str | Path) -> list[Row]:
 # output -------------------------------------------------------------------------------------------------------------
 
 
-def _cell(value: object) -> str:
-    """A value as text: four digits of a number, nothing where there is none."""
-    if isinstance(value, float):
-        return f"{value:.4g}" if math.isfinite(value) else ""
-    return "" if value is None else str(value)
-
-
 def as_csv(rows: Sequence[Row]) -> str:
     """Return the table as CSV; an empty cell is a quantity that does not exist."""
-    return csv_text(COLUMNS, (map(_cell, asdict(row).values()) for row in rows))
-
-
-def as_text(rows: Sequence[Row]) -> str:
-    """Return the table as plain text, the message last, and how many of each verdict."""
-    lines = [list(COLUMNS), *([_cell(v) for v in asdict(row).values()] for row in rows)]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    table = ["  ".join(map(str.ljust, line, widths)).rstrip() for line in lines]
-    counts = {verdict: sum(row.verdict == verdict for row in rows) for verdict in ("ok", "doubt", "wrong")}
-    return "\n".join([*table, "", ", ".join(f"{count} {verdict}" for verdict, count in counts.items())]) + "\n"
+    return csv_text(COLUMNS, (asdict(row).values() for row in rows), 4)
 
 
 def benchmark(path: str | Path, out: str | Path) -> list[Row]:
-    """Run the cases of a file; write the table as CSV, and as plain text, which is printed, beside it (.txt)."""
+    """Run the cases of a file; write the table as CSV, print the rows that are not ok and how many of each verdict."""
     with tempfile.TemporaryDirectory() as folder:
         rows = run_cases(load_cases(path), folder)
     write_text(out, as_csv(rows))
-    write_text(Path(out).with_suffix(".txt"), text := as_text(rows))
-    print(text)
+    for row in rows:
+        if row.verdict != "ok":
+            print(f"{row.case}, {row.design}: {row.verdict}: {row.finished} by {row.method}: {row.message}")
+    counts = Counter(row.verdict for row in rows)
+    print(", ".join(f"{counts[verdict]} {verdict}" for verdict in ("ok", "doubt", "wrong")), out, sep="\n")
     return rows

@@ -15,20 +15,20 @@ from vsb import __version__  # noqa: E402
 project, author, release = "vsb", "the authors of vsb", __version__
 project_copyright = "the authors of vsb, GPL-3.0-or-later"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
-html_math_renderer = "mathml"  # which browsers draw themselves: pages need neither scripts nor a network
+html_math_renderer = "mathml"  # drawn by browsers: pages need neither scripts nor a network
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 exclude_patterns = ["_build", "requirements.*"]
 html_theme, html_title = "furo", f"vsb {release}"
 html_copy_source = html_show_sourcelink = False
 autodoc_member_order = "bysource"
-autodoc_typehints = "none"  # the docstrings say types, shapes and units
+autodoc_typehints = "none"  # docstrings state types, shapes and units
 
 generate.write(HERE / "reference")
 
 
 def _bars(app, what, name, obj, options, lines):
-    """Leave |X| the modulus it is: to Sphinx it would be a substitution."""
+    """Escape |X|, which Sphinx would read as a substitution."""
     lines[:] = [line.replace("|", "\\|") for line in lines]
 
 
@@ -43,6 +43,6 @@ def _formula(display):
 
 
 def setup(app):
-    """Connect what docstrings and formulas need."""
+    """Register the changes to docstrings and formulas."""
     app.connect("autodoc-process-docstring", _bars)
     app.add_html_math_renderer("mathml", (_formula("inline"), None), (_formula("block"), None))

@@ -20,32 +20,32 @@ FILES = {
     "Study": (
         Study,
         "A study file",
-        "What `vsb run` and `vsb check` take; `vsb init my_buoy.yaml` writes one to begin with.",
+        "For `vsb run` and `vsb check`; `vsb init my_buoy.yaml` writes one to begin with.",
     ),
     "BodyStudy": (
         BodyStudy,
         "A study file of a body",
-        "What `vsb run` and `vsb check` take of any other body; [any body](../own-body.md) has a complete example.",
+        "For `vsb run` and `vsb check`, of any other body; [any body](../own-body.md) has a complete example.",
     ),
     "BodyFile": (
         BodyFile,
         "A body file",
-        "What `vsb body` takes; [any body](../own-body.md) has a complete example.",
+        "For `vsb body`; [any body](../own-body.md) has a complete example.",
     ),
     "Campaign": (
         Campaign,
         "A campaign file",
-        "What `vsb run` and `vsb check` take as well: a study over a site's year, and over what is varied of it.",
+        "Also for `vsb run` and `vsb check`: a study over a site's year, with some of its keys varied.",
     ),
 }
 
 KEYS_PREFACE = """\
-Written from the models that check a file: what stands here is what is accepted. Units are SI; numbers may be written
+Generated from the models that check a file, so it is complete. Units are SI; numbers may be written
 `1.0e+7` or `10000000.0`, infinity `.inf`. Editors with a YAML language server complete and check files by `vsb schema`:
 save its output as `vsb.schema.json` and begin a study with `# yaml-language-server: $schema=vsb.schema.json`."""
 COMMANDS_PREFACE = """\
-`vsb COMMAND --help` says the same. Exit code 0 is success, 1 a check that fails, 2 a mistake of yours, told in one line
-each. `source <(vsb completion bash)` completes commands, options and files."""
+`vsb COMMAND --help` shows the same. Exit code 0 is success, 1 a failed check, 2 a mistake in a file or command,
+reported in one line each. `source <(vsb completion bash)` completes commands, options and files."""
 
 
 def write(folder: Path) -> None:
@@ -92,9 +92,9 @@ def key_table(name: str, section: Schema) -> list[str]:
     """Return a table of a section's keys."""
     lines = ["| key | meaning | unit | default | range | example |", "|---|---|---|---|---|---|"]
     for key, its in section["properties"].items():
-        said, required = KEYS[name][key], key in section.get("required", [])
+        entry, required = KEYS[name][key], key in section.get("required", [])
         default = "**required**" if required else shown(its.get("default"))
-        cells = (f"`{key}`", said.meaning, said.unit, default, allowed(its), f"`{said.example}`")
+        cells = (f"`{key}`", entry.meaning, entry.unit, default, allowed(its), f"`{entry.example}`")
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return lines
 
@@ -136,8 +136,8 @@ def commands_page() -> str:
     for name, one in commands(parser()).items():
         lines += [f"## `vsb {name}`", "", str(one.description or "").strip(), "", "```", usage(one), "```", ""]
         shown = [action for action in one._actions if action.dest != "help"]
-        told = [f"`{label(action)}`\n: {action.help}" for action in shown if action.help]
-        lines += ["\n\n".join(told), "", *([one.epilog, ""] if one.epilog else [])]
+        described = [f"`{label(action)}`\n: {action.help}" for action in shown if action.help]
+        lines += ["\n\n".join(described), "", *([one.epilog, ""] if one.epilog else [])]
     return "\n".join(lines)
 
 

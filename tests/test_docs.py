@@ -5,6 +5,7 @@ import importlib
 import importlib.util
 import json
 import re
+import shutil
 import tomllib
 from pathlib import Path
 
@@ -114,6 +115,21 @@ def test_study_of_the_tutorial(tmp_path):
     text = re.sub(r"^waves:.*$", change.strip(), path.read_text(), flags=re.M)
     path.write_text(text)
     assert load(path).waves[0].period == yaml.safe_load(change)["waves"][0]["period"]
+
+
+def readme(language):
+    return re.findall(rf"^```{language}\n(.*?)^```", (HOME / "README.md").read_text(encoding="utf-8"), re.S | re.M)
+
+
+def test_study_and_program_of_the_readme(finished, tmp_path, monkeypatch):
+    """Its study is valid; its program runs, on results that are there already."""
+    (study,), (program,) = readme("yaml"), readme("python")
+    Path(tmp_path / "my.yaml").write_text(study)
+    assert list(load(tmp_path / "my.yaml").designs) == ["rigid", "free", "held"]
+    shutil.copytree(finished, tmp_path / "copy")
+    monkeypatch.chdir(tmp_path / "copy")
+    exec(program.replace("my.yaml", "small.yaml"), variables := {})
+    assert variables["port"].power([2e3, 8e3, 32e3]).shape == (3, 3)
 
 
 def test_citation_has_the_version_of_the_package():
