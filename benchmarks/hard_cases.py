@@ -30,7 +30,7 @@ from vsb.integrators.exact import convolve, propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.simulate import CONVOLVED, simulate
 from vsb.motion import sixdof as multibody
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.system import Motion, System
 from vsb.motion.udwadia_kalaba import constraint_drift
@@ -208,7 +208,7 @@ def natural_frequency(study: Study, design: str, paths: dict[str, Any], index: i
     motions = design_motions(study, basis, design)
     if study.needs_bem:
         ds = load_database(paths["database"], Path(paths["database"]).stem)
-        return float(LinearBuoy(ds, basis.damping, LinearPto(0.0)).natural_modes(motions)[0][index])
+        return float(LinearSystem(ds, basis.damping, LinearPto(0.0)).natural_modes(motions)[0][index])
     stiffness = motions.T @ reference_shell(study).total @ motions
     return float(np.sqrt(eigh(stiffness, motions.T @ basis.inertia @ motions, eigvals_only=True)[index]))
 

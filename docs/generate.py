@@ -160,7 +160,7 @@ def python_page() -> str:
     for name in names:
         found = getattr(vsb, name)
         what = "autoclass" if isinstance(found, type) else "autofunction"
-        members = [":members:"] if name in ("Results", "Port", "LinearBuoy", "DeformedShell") else []
+        members = [":members:"] if name in ("Results", "Port", "LinearSystem", "DeformedShell") else []
         lines += [f"## `{name}`", "", "```{eval-rst}", f".. {what}:: {found.__module__}.{found.__qualname__}"]
         lines += [*(f"   {option}" for option in members), "```", ""]
     return "\n".join(lines)

@@ -20,7 +20,7 @@ from examples import command
 from vsb.errors import ConfigError
 from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.force_bound import Harmonics, Limits
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import Port, port_direction
 from vsb.scenes.floating_system import linear_buoy
 from vsb.scenes.rest import computed_buckling, design_motions, reference_shell
@@ -92,7 +92,7 @@ def best_damper_force(port: Port, waves: Sea, at: np.ndarray) -> float:
     return float(best * np.sqrt(np.sum(np.abs(velocity) ** 2 * squares) / 2))
 
 
-def ports(buoy: LinearBuoy, study: Study, basis: Any, omega: FloatArray) -> dict[str, Port]:
+def ports(buoy: LinearSystem, study: Study, basis: Any, omega: FloatArray) -> dict[str, Port]:
     """Both designs as a take-off on heave sees them."""
     direction = port_direction("heave", reference_shell(study).shape)
     return {name: buoy.extended_port(omega, design_motions(study, basis, name), direction) for name in study.designs}

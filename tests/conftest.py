@@ -26,7 +26,7 @@ from vsb.hydro.statespace import fit_radiation
 from vsb.integrators.audit import START, energies
 from vsb.integrators.simulate import Leg, recorded
 from vsb.motion.forces import Spring
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.scenes.rest import reference_shell, study_basis
 from vsb.stages.panels import mean_mesh
@@ -212,23 +212,26 @@ def solved_block(spec, green_folder):
 
 
 @pytest.fixture(scope="session")
-def solved(green_folder):
+def solved(request):
     """Function study -> raw hydro sweep of its plan (normal velocities P_n), each shape solved once."""
     cache: dict[str, object] = {}
+
+    def folder(block):
+        return None if isinstance(block, SpectralSpec) else request.getfixturevalue("green_folder")
 
     def solve(study: Study):
         blocks = StudyPlan(study).sweep_blocks
         for block in blocks:
             key = canonical(block)
             if key not in cache:
-                cache[key] = solved_block(block, green_folder)
+                cache[key] = solved_block(block, folder(block))
         return database.with_excitation(database.merged_blocks([cache[canonical(block)] for block in blocks]))
 
     return solve
 
 
 @pytest.fixture(scope="session")
-def spectral_seed(seed) -> LinearBuoy:
+def spectral_seed(seed) -> LinearSystem:
     """The seed up to 6 rad/s by the spectral solver, without a take-off."""
     study = varied(seed, hydro={"omega_max": 6.0})
     basis = study_basis(study)
@@ -236,7 +239,7 @@ def spectral_seed(seed) -> LinearBuoy:
     raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), basis)
     ds = database.with_structure(database.with_symmetrized(raw), reference_shell(study))
     ds = ds.assign_attrs(gravity=9.81, water_depth="inf", water_density=1025.0)
-    return LinearBuoy(ds, basis.damping, LinearPto(0.0))
+    return LinearSystem(ds, basis.damping, LinearPto(0.0))
 
 
 @pytest.fixture(scope="session")
@@ -249,11 +252,11 @@ def coarse(seed) -> Study:
 def buoy_of(solved):
     """Function study -> its linear buoy."""
 
-    def build(study: Study) -> LinearBuoy:
+    def build(study: Study) -> LinearSystem:
         basis = study_basis(study)
         raw = database.with_symmetrized(database.in_modes(solved(study), basis))
         ds = database.with_structure(raw, reference_shell(study))
-        return LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping))
+        return LinearSystem(ds, basis.damping, LinearPto(study.pto.damping))
 
     return build
 

@@ -22,7 +22,7 @@ from vsb.hydro.shape_dependence import (
     shape_database,
     tried_shapes,
 )
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell, rigid_sphere
@@ -244,13 +244,13 @@ def test_a_model_on_a_shape_is_that_solved_there(database, family, reference):
     """Response of the buoy with the database's coefficients, and with those of a solution on the shape."""
     eta, motions = REACH * np.array([0.3, 0.2, -0.3, 0.3]), np.eye(4)
     pto = LinearPto(8000.0)
-    solved = LinearBuoy(with_structure(family.at(eta), reference), reference.basis.damping, pto)
+    solved = LinearSystem(with_structure(family.at(eta), reference), reference.basis.damping, pto)
     c = database.at(GRID, eta)
     w = GRID[:, None, None]
     impedance = -(w**2) * (solved.mass + c.added_mass) - 1j * w * (c.damping + solved.damping) + solved.stiffness
     got = np.linalg.solve(impedance, c.excitation[..., None])[..., 0]
     expected = solved.rao(GRID, motions)
-    frozen = LinearBuoy(with_structure(family.centre, reference), reference.basis.damping, pto).rao(GRID, motions)
+    frozen = LinearSystem(with_structure(family.centre, reference), reference.basis.damping, pto).rao(GRID, motions)
     missed, ignored = (np.abs(rao - expected).max() for rao in (got, frozen))
     assert missed < 2e-3 * np.abs(expected).max()
     assert missed < 0.1 * ignored

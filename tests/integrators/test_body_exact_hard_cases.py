@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-from conftest import EXAMPLE, compiled_motion, labelled, only_run, springs, varied
+from conftest import EXAMPLE, compiled_motion, only_run, springs, varied
 from scipy.integrate import solve_ivp
 
 from vsb.integrators.exponential import integrate
 from vsb.integrators.simulate import simulate
 from vsb.motion.system import System
 from vsb.motion.wetted import WetShell, meridian_series, wet_intervals
-from vsb.results.comparison import merit
 from vsb.scenes.build import assumed_pressure_design
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis
@@ -51,7 +50,6 @@ def independent(plant, time, start):
     ("kind", "q", "sample"),
     [
         ("membrane0", [-0.9410052093878509, -0.004144601433786726], 5),
-        ("paper1", [0.5495002273134131, 0.0018683685342966545, 0.0024957238438051326], 4),
     ],
 )
 def test_waterline_on_a_sample_is_found_despite_round_off(paper, kind, q, sample):
@@ -67,8 +65,7 @@ def test_waterline_on_a_sample_is_found_despite_round_off(paper, kind, q, sample
         assert high == pytest.approx(table.grid[sample], abs=1e-12), ulps
 
 
-@pytest.mark.parametrize("degree", [0, 40])
-@pytest.mark.parametrize("height", [2.0, -2.0, 0.0, -1.0, 2.0 + 1e-15, -2.0 - 1e-15])
+@pytest.mark.parametrize(("degree", "height"), [(0, 2.0), (40, -1.0), (0, -2.0 - 1e-15)])
 def test_sphere_that_touches_the_water_has_its_closed_form_force(paper, degree, height):
     """Volume and waterplane of a spherical cap, from dry to submerged."""
     basis = mode_basis(paper.device, "full", degree)
@@ -77,13 +74,6 @@ def test_sphere_that_touches_the_water_has_its_closed_form_force(paper, degree, 
     assert static[0, 0] == pytest.approx(np.pi * depth**2 * (6.0 - depth) / 3, rel=1e-12, abs=1e-13)
     assert uniform[0, 0] == pytest.approx(np.pi * depth * (4.0 - depth), rel=1e-12, abs=1e-12)
     assert np.isfinite(moment).all()
-
-
-def test_highest_degree_agrees_with_plain_quadrature(paper):
-    height, basis = 0.3, mode_basis(paper.device, "full", 40)
-    q = np.random.default_rng(5).uniform(-0.004, 0.004, len(basis.labels))
-    plain = DeformedShell(basis, height, q).hydrostatic_force(1.0, 1.0, 300)
-    assert WetShell(basis, height).forces(q[None])[0][0] == pytest.approx(plain, abs=1e-10)
 
 
 @pytest.mark.parametrize("kind", ["flat pole", "level belt"])
@@ -133,12 +123,10 @@ def test_ringing_in_step_with_the_nodes_is_resolved(paper):
 
 CASES = {
     "thrown up": ("FSB", {}, 5.0, 30.0, 4.0),
-    "pushed down": ("FSB", {"pto": {"damping": 0.0}}, -5.0, -30.0, 4.0),
     "breathing only": ("VSWEC", {"modes": {"basis": "membrane", "degree": 0}}, 0.3, 0.0, 0.5),
     "clamped at both poles": (
         "VSWEC0", {"modes": {"basis": "full", "degree": 3}, "designs": {"VSWEC0": {"clamp": [0, 180]}}}, 0.0, -0.8, 0.1,
     ),
-    "clamped twice in one place": ("VSWEC0", {"designs": {"VSWEC0": {"clamp": [90, 90]}}}, 0.0, -0.8, 0.12),
 }  # fmt: skip
 
 
@@ -152,7 +140,7 @@ def test_motion_agrees_with_plain_quadrature_and_a_general_integrator(paper, nam
     assert np.abs(motion.position - truth).max() < 3e-6 * np.abs(truth).max()
 
 
-@pytest.mark.parametrize("duration", [1e-3, 0.0125, 0.013, 1.2345])
+@pytest.mark.parametrize("duration", [1e-3, 1.2345])
 def test_run_of_any_duration_ends_on_the_longer_run(paper, duration):
     """Shorter than a record, one record, not a multiple of a step."""
     settings = {"duration": duration, "window": [0.0, duration], "tolerance": 1e-10}
@@ -161,24 +149,3 @@ def test_run_of_any_duration_ends_on_the_longer_run(paper, duration):
     assert motion.time[-1] == pytest.approx(duration, rel=1e-15)
     longer, _ = integrate(System.of(plant), np.linspace(0.0, 2 * duration, 401), plant.start(0.0, -0.8), 1e-10)
     assert motion.position[-1] == pytest.approx(longer.position[200], abs=1e-8)
-
-
-def test_heave_under_a_very_strong_damper_creeps(paper):
-    """At 1e9 N s/m inertia is negligible, so that c z' is the hydrostatic force."""
-    held = {"initial_velocity": 0.0, "initial_position": 1.0}
-    plant, study = scene(paper, "FSB", pto={"damping": 1e9}, waves=STILL, simulation=held)
-    motion, _, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
-    force = 1024.7589 * 9.81 * np.pi * (4.0 - 1.0 / 3)  # of one metre of draft
-    assert (1.0 - motion.position[-1, 0]) == pytest.approx(force * 60.0 / 1e9, rel=2e-2)
-
-
-def test_fast_free_heave_is_recorded_under_a_long_load_period(paper):
-    """Load of 60 s period, free heave of 2.3 s: the range of heave agrees with records ten times as fine."""
-    changes = {"waves": [{"kind": "regular", "amplitude": 0.1, "period": 60.0}], "simulation": {"window": [0.0, 60.0]}}
-    plant, study = scene(paper, "VSWEC", **changes)
-    motion, stride, _ = simulate(System.of(plant), NO_WAVES, study.simulation, None)
-    run = labelled(System.of(plant), motion, None, "VSWEC", study.waves[0].label, stride)
-    ours = merit(run, study.waves[0], NO_WAVES, study.water, study.simulation.window)
-    fine, _ = integrate(System.of(plant), np.linspace(0.0, 60.0, 24_001), plant.start(0.0, -0.8), 1e-8)
-    assert ours.displacement_pp == pytest.approx(np.ptp(fine.position[:, 0]), rel=1e-3)
-    assert run.attrs["energy_residual"] < 1e-4

@@ -39,7 +39,7 @@ class Smooth(Force):
     """f = -a q^3 - b v^3."""
 
     def linear(self):
-        return Linear(whole=False)
+        return Linear(fully_linear=False)
 
     def force(self, time, q, v):
         return -40.0 * q**3 - 0.2 * v**3
@@ -78,7 +78,7 @@ def error(motion, expected):
     return away.max() / np.linalg.norm(expected * weights, axis=1).max()
 
 
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-8])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-8])
 def test_quadratic_drag_is_integrated_to_the_tolerance(with_drag, tolerance):
     """Drag has a kink wherever the relative flow reverses; the error is below the tolerance but not needlessly small."""
     motion, steps = collocated(dragged(), TIME, START, tolerance)
@@ -91,7 +91,7 @@ def test_order_is_six():
 
     expected = reference(lambda y, _: -40 * y[0] ** 3 - 0.2 * y[1] ** 3)[[-1]]
     errors = []
-    for steps in (100, 200, 400, 800):
+    for steps in (100, 200, 400):
         method, time = Collocation(system(smooth=Smooth()), 30.0 / steps), np.linspace(0.0, 30.0, steps + 1)
         z = method.system.first(START)
         f = np.tile(method.system.forcing(time[:1], z[None]), (NODES, 1))

@@ -21,7 +21,7 @@ from vsb.integrators.audit import energies, residual
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
 from vsb.motion.builders import body_exact_scene, linear_scene
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.system import System
 from vsb.scenes.rest import reference_shell
@@ -79,7 +79,7 @@ def scenes(sphere):
     raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), reference.basis)
     ds = database.with_structure(database.with_symmetrized(raw), reference)
     attrs = {"gravity": GRAVITY, "water_depth": "inf", "water_density": DENSITY}
-    buoy = LinearBuoy(ds.assign_attrs(attrs), reference.basis.damping, LinearPto(0.0))
+    buoy = LinearSystem(ds.assign_attrs(attrs), reference.basis.damping, LinearPto(0.0))
     model, _ = fit_radiation(DampingSpectrum(ds.omega.values, ds.radiation_damping.values), 1e-3)
     exact = body_exact_scene(buoy, reference.shape, model, NO_WAVES, np.eye(1))
     return linear_scene(buoy, model, NO_WAVES, np.eye(1)), exact
@@ -128,7 +128,7 @@ def closed_form(plant, centre, height, *, cubic=True):
     return solve_ivp(rates, (0, TIME[-1]), first, method="DOP853", rtol=1e-12, atol=1e-13, t_eval=TIME).y
 
 
-@pytest.mark.parametrize("height", [0.1, 1.0, 3.0, 5.0, 6.0, -3.0])
+@pytest.mark.parametrize("height", [1.0, 6.0, -3.0])
 def test_decay_agrees_with_the_closed_form_of_a_sphere(height, scenes, decay, sphere):
     """From 6 m too, out of the water."""
     expected = closed_form(scenes[1], sphere.centre_height, height)
@@ -151,7 +151,7 @@ def test_decay_from_one_metre_is_within_the_published_spread(scenes, decay):
     assert np.all((late > 1e-3) & (late < 1e-2)), late
 
 
-@pytest.mark.parametrize("height", [1.0, 3.0, 5.0, -3.0])
+@pytest.mark.parametrize("height", [1.0, -3.0])
 def test_radiated_energy_equals_the_energy_stored_at_the_start(height, scenes, decay, sphere):
     """Energy audit; and the energy at the start in closed form, rho g pi ((R^2 - c^2) z^2/2 - c z^3/3 - z^4/12)."""
     energy = energies(System.of(scenes[1]), decay(height))

@@ -9,18 +9,16 @@ from scipy.linalg import block_diag
 
 from benchmarks import hard_cases as hardcases
 from vsb.errors import ConvergenceError
-from vsb.integrators.audit import energies, residual
+from vsb.integrators.audit import energies
 from vsb.integrators.energy_preserving import fixed_step, structure_preserving
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
-from vsb.integrators.simulate import simulate
 from vsb.motion.forces import Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.build import SCENES
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
-from vsb.waves.seas import Sea
 
 STILL = [{"kind": "still"}]
 REFINEMENTS = np.array([20, 40, 80, 160])
@@ -74,8 +72,8 @@ def test_undamped_linear_scene_conserves_energy_over_many_periods():
     """
     mass, springs = np.array([[2e4, 300.0], [300.0, 80.0]]), np.diag([1e5, 4e8])
     plant = Scene(("Heave", "Membrane0"), mass, {"elastic": Spring(springs)}, np.eye(2))
-    steps = 3 * 10_000
-    time = instants(10_000 * 2 * np.pi / np.sqrt(5.0), steps)
+    steps = 3 * 2000
+    time = instants(2000 * 2 * np.pi / np.sqrt(5.0), steps)
     motion = fixed_step(System.of(plant), time, (np.array([0.3, 1e-4]), np.array([0.2, 0.5])))
     q, v = motion.position, motion.velocity
     energy = 0.5 * (np.einsum("ti,ij,tj->t", v, mass, v) + np.einsum("ti,ij,tj->t", q, springs, q))
@@ -96,17 +94,11 @@ def test_undamped_sphere_in_nonlinear_hydrostatics_conserves_energy_at_any_step(
     assert np.abs(stored(plant, motion)).max() < 1e-11
 
 
-def test_undamped_shell_in_nonlinear_hydrostatics_conserves_energy(scene):
-    plant = scene("paper", "VSWEC", pto={"damping": 0.0}, waves=STILL, device={"damping": {"alpha": 0.0, "beta": 0.0}})
-    motion = fixed_step(System.of(plant), instants(40.0, 800), plant.start(0.6, 0.0))
-    assert np.abs(stored(plant, motion)).max() < 1e-7  # no polynomial: quadrature error
-
-
-@pytest.mark.parametrize(("name", "design"), [("seed", "VSWEC"), ("body_exact", "FSB"), ("body_exact", "VSWEC")])
+@pytest.mark.parametrize(("name", "design"), [("seed", "VSWEC"), ("body_exact", "VSWEC")])
 def test_energy_never_grows_without_waves(scene, name, design):
     plant = scene(name, design, waves=STILL)
 
-    @settings(max_examples=12)
+    @settings(max_examples=6)
     @given(step=st.floats(-2.5, 1.0), heave=st.floats(0.1, 0.5), velocity=st.floats(-1.0, 1.0))
     def passive(step, heave, velocity):
         motion = fixed_step(System.of(plant), instants(30 * 10.0**step, 30), plant.start(heave, velocity))
@@ -117,8 +109,7 @@ def test_energy_never_grows_without_waves(scene, name, design):
     passive()
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
-@pytest.mark.parametrize("name", ["seed", "body_exact"])
+@pytest.mark.parametrize(("name", "tolerance"), [("seed", 1e-4), ("body_exact", 1e-7)])
 def test_error_is_within_the_tolerance(scene, name, tolerance):
     plant = scene(name, "VSWEC")
     start, time = plant.start(0.1, -0.5), instants(8.0, 80)
@@ -130,17 +121,6 @@ def test_error_is_within_the_tolerance(scene, name, tolerance):
     assert error < 2 * tolerance * np.abs(exact.velocity).max()
     assert steps % 80 == 0
     assert np.abs(found.memory - exact.memory).max() < 10 * tolerance * np.abs(exact.memory).max()
-
-
-def test_pressurised_shell_starts_from_rest(scene):
-    """Regression: Newton's method failed on the round-off of a state at rest."""
-    plant = scene(
-        "seed", "VSWEC", device={"internal_pressure": 16.5e3}, modes={"degree": 2}, hydro={"model": "body_exact"}
-    )
-    time = instants(4.0, 256)
-    found = fixed_step(System.of(plant), time, plant.start(0.0, 0.0))
-    exact, _ = integrate(System.of(plant), time, plant.start(0.0, 0.0), 1e-10)
-    assert np.abs(found.position - exact.position).max() < 1e-5
 
 
 def test_shell_in_equilibrium_stays_at_rest(scene):
@@ -157,14 +137,3 @@ def test_step_without_a_solution_is_reported(scene):
     plant = scene("body_exact", "VSWEC")
     with pytest.raises(ConvergenceError, match=r"a step of 50 s at t = 0 s: .*needs a shorter step"):
         fixed_step(System.of(plant), instants(100.0, 2), plant.start(0.0, 1e200))
-
-
-@pytest.mark.parametrize("name", ["seed", "body_exact"])
-def test_energy_audit_closes(scene, name):
-    plant = scene(name, "FSB")
-    settings = config.load(shipped(name)).simulation
-    short = settings.model_copy(update={"duration": 10.0, "method": "structure_preserving", "tolerance": 1e-7})
-    sea = Sea(plant.excitation.omega, np.array([0.179 + 0j]))
-    motion, _, method = simulate(System.of(plant), sea, short, None)
-    assert method.startswith("structure-preserving, ")
-    assert residual(energies(System.of(plant), motion)) < 1e-7

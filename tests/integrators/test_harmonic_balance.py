@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import HERE, solved_block, varied
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.hydro import database
@@ -18,7 +16,7 @@ from vsb.integrators.floquet import largest, multipliers
 from vsb.integrators.harmonic_balance import PeriodicScene, continued, harmonic_balance, steady_power
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import AssumedPressure, Excitation, TakeOff
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene, resting
 from vsb.motion.system import System
@@ -69,7 +67,7 @@ def scene():
     raw = database.in_modes(database.with_excitation(database.merged_blocks(blocks)), basis)
     ds = database.with_structure(database.with_symmetrized(raw), reference_shell(study))
     ds = ds.assign_attrs({"gravity": 9.81, "water_depth": "inf", "water_density": 1025.0})
-    buoy = LinearBuoy(ds, basis.damping, LinearPto(study.pto.damping))
+    buoy = LinearSystem(ds, basis.damping, LinearPto(study.pto.damping))
     radiation = fit_radiation(buoy.spectrum, 1e-3)[0]
     shape = DeformedShell(basis, study.centre_height, reference_shell(study).modal_amplitude)
 
@@ -114,7 +112,7 @@ def test_database_radiation_reproduces_linear_theory(scene, design):
     assert fitted == pytest.approx(linear, rel=2e-3)  # tolerance of the state space: 1e-3
 
 
-@pytest.mark.parametrize(("load", "damping"), [(STATED, 8000.0), (INFERRED, 6000.0), (STATED, 500.0)])
+@pytest.mark.parametrize(("load", "damping"), [(STATED, 8000.0), (STATED, 500.0)])
 def test_heaving_sphere_satisfies_its_closed_form_equation(paper, load, damping):
     """Half submerged: m z'' + c z' + pi rho g (r^2 z - z^3/3) = P cos(w t) pi (r^2 - z^2) while |z| < r."""
     plant = assumed(paper, hydro=load, pto={"damping": damping})
@@ -128,14 +126,6 @@ def test_heaving_sphere_satisfies_its_closed_form_equation(paper, load, damping)
     driving = load["pressure"] * np.cos(found.omega * time) * np.pi * (4.0 - z**2)
     assert np.abs(z).max() < 2.0
     assert np.abs(inertia + restoring - driving).max() < 2e-7 * np.abs(restoring).max()  # it floats 1e-8 m higher
-
-
-@pytest.mark.parametrize("design", ["FSB", "VSWEC90"])
-def test_long_run_under_assumed_pressure_converges_to_harmonic_balance(paper, design):
-    plant = assumed(paper, design)
-    found = harmonic_balance(System.of(plant), 1e-9)
-    time, position = marched(plant, 36)
-    assert np.abs(position - found.at(time)[0]).max() < 3e-8 * np.abs(position).max()
 
 
 def test_long_run_in_waves_converges_to_harmonic_balance(scene):
@@ -156,19 +146,8 @@ def measured_multipliers(plant, u, wave, periods):
     return np.linalg.eigvals(np.linalg.lstsq(away[:-1], away[1:], rcond=None)[0])
 
 
-def test_odd_harmonics_of_heave_decay_with_the_sixth_power_of_their_order(scene):
-    """The force has a kink (y/r) k Z^3 where the wave Z at the shell changes sign."""
-    order, amplitudes = np.array([7, 9, 11, 13]), np.array([0.08, 0.16])
-    found = np.abs(
-        [harmonic_balance(System.of(scene("FSB", swell(a))[0]), 1e-10).harmonics[order, 0] for a in amplitudes]
-    )
-    slopes = np.diff(np.log(found), axis=1) / np.diff(np.log(order))
-    assert np.all((slopes < -5.8) & (slopes > -7.5)), slopes
-    assert np.diff(np.log2(found), axis=0) == pytest.approx(4.0, abs=0.1)
-
-
 def test_difference_from_linear_theory_is_of_second_order_in_amplitude(scene):
-    amplitudes = np.array([0.02, 0.04, 0.08, 0.16])
+    amplitudes = np.array([0.02, 0.04, 0.08])
     found = np.array(
         [harmonic_balance(System.of(scene("FSB", swell(a))[0]), 1e-11).harmonics[:3, 0] for a in amplitudes]
     )
@@ -176,30 +155,6 @@ def test_difference_from_linear_theory_is_of_second_order_in_amplitude(scene):
     for values in (drift, second):
         assert np.diff(np.log(values)) / np.log(2) == pytest.approx(2.0, abs=0.1)
     assert np.diff(np.log(np.abs(np.diff(first)))) / np.log(2) == pytest.approx(2.0, abs=0.15)
-
-
-@pytest.mark.parametrize("design", ["FSB", "VSWEC90"])
-def test_energy_balance_closes(paper, scene, design):
-    for plant in (assumed(paper, design), scene(design, swell(0.179))[0]):
-        found = harmonic_balance(System.of(plant), 1e-9)
-        assert found.power.residual < 1e-9
-        assert min(found.power) >= 0.0
-    order = OMEGA * np.arange(len(found.harmonics))
-    heave = found.harmonics @ plant.motions[0]
-    assert found.power.pto == pytest.approx(4000.0 * np.sum((order * np.abs(heave)) ** 2), rel=1e-12)
-
-
-def test_wave_phase_only_shifts_the_motion(scene):
-    found = harmonic_balance(System.of(scene("FSB", swell(0.179))[0]), 1e-10).harmonics
-
-    @settings(max_examples=3)
-    @given(st.floats(-np.pi, np.pi))
-    def shifted(phase):
-        other = harmonic_balance(System.of(scene("FSB", swell(0.179 * np.exp(1j * phase)))[0]), 1e-10).harmonics
-        expected = found * np.exp(1j * phase * np.arange(len(found)))[:, None]
-        assert np.abs(other[:17] - expected[:17]).max() < 1e-9 * np.abs(found[1]).max()
-
-    shifted()
 
 
 @pytest.mark.parametrize("design", ["FSB", "VSWEC"])

@@ -16,7 +16,7 @@ from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import METHODS
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import EXCITING, AssumedPressure, QuadraticDrag
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.system import System
 from vsb.scenes.latching import with_latching_time
@@ -58,7 +58,7 @@ def parts():
     attrs = {"water_density": 1025.0, "gravity": 9.81, "water_depth": "inf"}
     ds = xr.Dataset(values, {"omega": OMEGA, "influenced_dof": list(basis.labels)}, attrs)
     spectrum = DampingSpectrum(OMEGA, swept)
-    return study, reference, LinearBuoy(ds, basis.damping, LinearPto(0.0)), spectrum, fit_radiation(spectrum, 1e-4)[0]
+    return study, reference, LinearSystem(ds, basis.damping, LinearPto(0.0)), spectrum, fit_radiation(spectrum, 1e-4)[0]
 
 
 def scene_of(model, design, pto, chamber=0.0, *, drag=False, port=None):

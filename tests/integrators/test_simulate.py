@@ -11,7 +11,7 @@ from vsb.integrators.audit import energies, residual
 from vsb.integrators.exponential import phi_integrals
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import METHODS, legs, recorded_steps, simulate
-from vsb.motion.forces import ConstantForce, Damper, Excitation, Force, Linear, Spring
+from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.build import assumed_pressure_design
@@ -47,7 +47,7 @@ class Hardening(Force):
     cubic: float
 
     def linear(self):
-        return Linear(stiffness=np.array([[self.stiffness]]), whole=False)
+        return Linear(stiffness=np.array([[self.stiffness]]), fully_linear=False)
 
     def force(self, time, q, v):
         return -self.stiffness * q - self.cubic * q**3
@@ -112,13 +112,6 @@ def test_duffing_oscillator_in_time_and_by_harmonic_balance(oscillator):
     motion, _ = follow(time, tuple(values[0] for values in found.at(np.zeros(1))))
     assert np.abs(motion.position - found.at(time)[0]).max() < 2e-4 * np.abs(motion.position).max()
     assert residual(energies(system, motion)) < 1e-3  # of the motion's own second order
-
-
-def test_constant_force_changes_only_the_mean(oscillator):
-    forces = {**oscillator.scene.forces, "weight": ConstantForce(np.array([-3.0]))}
-    found, plain = (harmonic_balance(s) for s in (System.of(replace(oscillator.scene, forces=forces)), oscillator))
-    assert found.harmonics[0, 0] == pytest.approx(-3.0 / 50.0, rel=1e-9)
-    assert found.harmonics[1, 0] == pytest.approx(plain.harmonics[1, 0], rel=1e-9)
 
 
 def test_records_resolve_the_fastest_significant_wave(oscillator):

@@ -1,35 +1,142 @@
-"""Errors of coefficients from what a database says of itself."""
+"""Errors of coefficients: derivatives of power against differences, errors a database states about itself."""
 
 import numpy as np
+import pytest
 
+from vsb.hydro.database import Coefficients
 from vsb.motion.coefficient_errors import (
     _SAFETY,
+    CoefficientError,
+    Sensitivity,
     haskind_misfits,
+    sensitivity,
+    sensitivity_of_forces,
 )
+from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
 from vsb.waves.dispersion import group_velocity, wavenumber
 
-OMEGA = np.linspace(0.5, 2.0, 10)
+OMEGA = np.array([0.7, 1.1, 1.9])
+SQUARES = np.array([0.3, 1.0, 0.2])
+MASS = np.diag([3.0, 1.0, 0.5])
+STIFFNESS = np.array([[9.0, 1.0, 0.5], [1.0, 4.0, 0.2], [0.5, 0.2, 6.0]])
+DAMPING = 0.02 * STIFFNESS
+B = np.array([1.0, 0.0, 0.3])
+FREE = {"rigid": np.eye(3)[:, :1], "flexible": np.eye(3)}
+
+
+def symmetric(rng, scale=1.0):
+    a = rng.normal(size=(len(OMEGA), 3, 3))
+    return scale * (a + a.transpose(0, 2, 1))
+
+
+def water(rng):
+    root = rng.normal(size=(len(OMEGA), 3, 2))
+    force = rng.normal(size=(len(OMEGA), 3)) + 1j * rng.normal(size=(len(OMEGA), 3))
+    return Coefficients(np.eye(3) + symmetric(rng, 0.05), 0.3 * root @ root.transpose(0, 2, 1), force)
+
+
+def at_work(c, motions, load, stiffness=STIFFNESS):
+    """Motions, port and power of a design under a take-off."""
+    matrix = dynamic_stiffness(OMEGA, c, MASS, DAMPING, stiffness)
+    moved = free_motion(matrix, c.excitation, motions, B)
+    port = port_of_motion(OMEGA, *moved, c.damping + DAMPING, stiffness, motions, B)
+    impedance = np.conj(port.impedance) if load is None else port.load(*load)
+    power = np.sum(0.5 * SQUARES * impedance.real * np.abs(port.velocity_under(impedance)) ** 2)
+    return moved, port, impedance, power
+
+
+def best(c, motions, load, stiffness=STIFFNESS):
+    """Power under a take-off, the best force of all if none is given."""
+    return at_work(c, motions, load, stiffness)[3]
+
+
+@pytest.mark.parametrize("load", [(2.0, 0.0), (2.0, 1.5), None])
+@pytest.mark.parametrize("design", FREE)
+def test_sensitivities_match_differences_of_the_power(load, design):
+    """By central differences; the matched force follows the coefficients, to first order without effect."""
+    rng = np.random.default_rng(3)
+    c, changed, of_stiffness = water(rng), (symmetric(rng), symmetric(rng), water(rng).excitation), symmetric(rng)[0]
+    moved, port, impedance, power = at_work(c, FREE[design], load)
+    slopes = sensitivity(OMEGA, moved, port, impedance, SQUARES)
+    size = 1e-5
+    for name, change in (*zip(Coefficients._fields, changed, strict=True), ("stiffness", of_stiffness)):
+        ends = []
+        for sign in (1, -1):
+            if name == "stiffness":
+                ends.append(best(c, FREE[design], load, STIFFNESS + sign * size * change))
+            else:
+                ends.append(best(c._replace(**{name: getattr(c, name) + sign * size * change}), FREE[design], load))
+        expected = (ends[0] - ends[1]) / (2 * size) / power
+        assert np.sum(getattr(slopes, name) * change).real == pytest.approx(expected, rel=1e-6, abs=1e-9), name
+
+
+def test_common_scale_of_the_force_cancels_in_the_gain():
+    """P scales with |X|^2: 1 % in X is 2 % of each power and nothing of their ratio."""
+    c = water(np.random.default_rng(4))
+    slopes = {}
+    for name, motions in FREE.items():
+        moved, port, impedance, _ = at_work(c, motions, (2.0, 0.5))
+        slopes[name] = sensitivity(OMEGA, moved, port, impedance, SQUARES)
+    none = np.zeros((len(OMEGA), 3, 3))
+    scale = CoefficientError("scale", Coefficients(none, none, 0.01 * c.excitation), signed=True)
+    assert [one.to(scale) for one in slopes.values()] == pytest.approx([0.02, 0.02], rel=1e-9)
+    assert (slopes["flexible"] - slopes["rigid"]).to(scale) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_unsigned_errors_combine_in_the_worst_way():
+    rng = np.random.default_rng(5)
+    slopes = Sensitivity(symmetric(rng), symmetric(rng), water(rng).excitation, symmetric(rng))
+    sizes = Coefficients(np.abs(symmetric(rng)), np.abs(symmetric(rng)), np.abs(water(rng).excitation))
+    worst = CoefficientError("worst", sizes, signed=False)
+    for _ in range(20):
+        signs = [np.sign(rng.normal(size=size.shape)) for size in sizes]
+        one = CoefficientError("one", Coefficients(*(s * v for s, v in zip(signs, sizes, strict=True))), signed=True)
+        assert slopes.to(one) <= slopes.to(worst)
+    aligned = CoefficientError(
+        "aligned",
+        Coefficients(
+            np.sign(slopes.added_mass) * sizes.added_mass,
+            np.sign(slopes.damping) * sizes.damping,
+            np.exp(-1j * np.angle(slopes.excitation)) * sizes.excitation,
+        ),
+        signed=True,
+    )
+    assert slopes.to(aligned) == pytest.approx(slopes.to(worst), rel=1e-12)
+
+
+@pytest.mark.parametrize("design", FREE)
+def test_of_the_best_force_of_all_both_derivatives_agree(design):
+    """Told by its impedance or as it is, in two seas of the same energy and other phases."""
+    moved, port, impedance, power = at_work(water(np.random.default_rng(5)), FREE[design], None)
+    waves = np.sqrt(SQUARES) * np.exp(1j * np.array([[0.3, 1.0, 2.0], [-1.0, 0.4, 0.0]]))
+    forces = waves * impedance * port.velocity_under(impedance)
+    found = sensitivity_of_forces(OMEGA, moved, waves, forces, power, np.array([0.75, 0.25]))
+    for one, expected in zip(found, sensitivity(OMEGA, moved, port, impedance, SQUARES), strict=True):
+        assert one == pytest.approx(expected, rel=1e-10, abs=1e-14)
+
+
+STATED = np.linspace(0.5, 2.0, 10)
 WATER = (np.inf, 1025.0, 9.81)
 
 
 def one_channel(rng):
     """Damping and excitation that agree by Haskind's relation."""
-    k, speed = (np.array([of(w, np.inf, 9.81) for w in OMEGA]) for of in (wavenumber, group_velocity))
-    force = rng.normal(size=(len(OMEGA), 2)) * np.exp(1j * OMEGA)[:, None]
+    k, speed = (np.array([of(w, np.inf, 9.81) for w in STATED]) for of in (wavenumber, group_velocity))
+    force = rng.normal(size=(len(STATED), 2)) * np.exp(1j * STATED)[:, None]
     damping = (k / (4 * 1025.0 * 9.81 * speed))[:, None, None] * np.real(force[:, :, None] * force[:, None].conj())
     return damping, force
 
 
 def test_coefficients_satisfying_haskind_have_no_misfit():
     damping, force = one_channel(np.random.default_rng(1))
-    for misfit in haskind_misfits(OMEGA, damping, damping, force, *WATER):
+    for misfit in haskind_misfits(STATED, damping, damping, force, *WATER):
         assert np.abs(misfit).max() < 1e-12 * max(np.abs(force).max(), np.abs(damping).max())
 
 
 def test_excitation_error_is_found():
     damping, force = one_channel(np.random.default_rng(2))
     off = force * np.array([1.01, 1.0])
-    _, _, misfit = haskind_misfits(OMEGA, damping, damping, off, *WATER)
+    _, _, misfit = haskind_misfits(STATED, damping, damping, off, *WATER)
     np.testing.assert_allclose(misfit[:, 0], _SAFETY * 0.01 * np.abs(force[:, 0]), rtol=1e-9)
     assert np.abs(misfit[:, 1]).max() < 1e-9 * np.abs(force).max()
 
@@ -38,9 +145,9 @@ def test_second_channel_is_an_error_of_damping_and_added_mass():
     """Damping reduced by 0.1 b off the diagonal is 0.1 b from rank one; added mass by as much over frequency."""
     damping, force = one_channel(np.random.default_rng(3))
     wrong = damping * np.array([[1.0, 0.9], [0.9, 1.0]])
-    mass, of_damping, _ = haskind_misfits(OMEGA, wrong, damping, force, *WATER)
+    mass, of_damping, _ = haskind_misfits(STATED, wrong, damping, force, *WATER)
     expected = _SAFETY * 0.1 * np.abs(damping[:, 0, 1])
-    np.testing.assert_allclose(mass[:, 0, 1], expected / OMEGA, rtol=1e-9)
+    np.testing.assert_allclose(mass[:, 0, 1], expected / STATED, rtol=1e-9)
     np.testing.assert_allclose(of_damping[:, 0, 1], expected, rtol=1e-9)
 
 

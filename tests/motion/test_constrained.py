@@ -32,9 +32,6 @@ def free_stroke(harmonics, velocity):
     return float(np.abs(harmonics.signal(velocity / (-1j * harmonics.omega), 16)).max())
 
 
-# limits that do not bind ---------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("harmonics", [SEA, WAVES])
 def test_inactive_limits_give_the_matched_power(harmonics):
     velocity, y = buoy(harmonics)
@@ -49,16 +46,12 @@ def test_inactive_limits_give_the_matched_power(harmonics):
     assert tight.gap < PROVEN
 
 
-# a limit of force alone: linear between nodes ------------------------------------------------------------------------
-
-
 def node_values(harmonics, limit):
     """Node values of the force found within a limit, and the optimum."""
     return force_bound(harmonics, *buoy(harmonics), Limits(limit)).force, optimum(harmonics, (limit,))
 
 
-@pytest.mark.parametrize("limit", [1e3, 4e3, 2e4])
-@pytest.mark.parametrize("harmonics", [SEA, WAVES, Harmonics(0.8, 0.5, 9)])
+@pytest.mark.parametrize(("limit", "harmonics"), [(4e3, SEA), (1e3, WAVES), (2e4, Harmonics(0.8, 0.5, 9))])
 def test_power_and_stroke_match_quadrature_of_the_piecewise_linear_force(harmonics, limit):
     port = buoy_port(harmonics)
     values, found = node_values(harmonics, limit)
@@ -86,8 +79,7 @@ def test_power_and_stroke_match_quadrature_of_the_piecewise_linear_force(harmoni
     assert found.excess == 0.0
 
 
-@pytest.mark.parametrize("resonance", [1.6, 9.0])
-@pytest.mark.parametrize("limit", [1e3, 6e3, 2e4])
+@pytest.mark.parametrize(("limit", "resonance"), [(1e3, 1.6), (6e3, 9.0)])
 def test_bounded_least_squares_finds_no_better_force(limit, resonance):
     """Dense problem with losses outside the band, where the port may resonate: P = const - |A u - b|^2."""
     harmonics = Harmonics(0.8, 1.0, 9)
@@ -103,29 +95,7 @@ def test_bounded_least_squares_finds_no_better_force(limit, resonance):
     assert found.power >= best * (1 - constrained.REFINED)
 
 
-# limits of the stroke: harmonics of the band ------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("harmonics", "limits"),
-    [(SEA, (np.inf, 0.3)), (SEA, (4e4, 2.0)), (WAVES, (np.inf, 0.3)), (WAVES, (2e4, 0.5))],
-)
-def test_limits_hold_at_the_instants_and_the_excess_between_them_is_reported(harmonics, limits):
-    velocity, y = buoy(harmonics)
-    found = optimum(harmonics, limits)
-    signals = [harmonics.signal(x, 8) for x in (found.force, found.stroke)]
-    peaks = [np.abs(signal).max() for signal in signals]
-    assert found.power == pytest.approx(power(velocity, y, found.force), rel=1e-13)
-    np.testing.assert_allclose(found.stroke, (velocity - y * found.force) / (-1j * harmonics.omega), rtol=1e-12)
-    assert found.force_rms == pytest.approx(np.sqrt(np.mean(signals[0] ** 2)), rel=1e-12)
-    assert [found.force_peak, found.stroke_peak] == pytest.approx([np.abs(s[::8]).max() for s in signals], rel=1e-12)
-    assert found.force_peak <= limits[0] * (1 + 1e-9)
-    assert found.stroke_peak <= limits[1] * (1 + 1e-9)
-    assert found.excess == pytest.approx(max(0.0, *(p / m - 1 for p, m in zip(peaks, limits, strict=True))), abs=1e-12)
-    assert found.power <= found.bound
-
-
-@pytest.mark.parametrize("limits", [(1e4, 0.5), (2e4, 0.5), (np.inf, 0.35)])
+@pytest.mark.parametrize("limits", [(2e4, 0.5), (np.inf, 0.35)])
 def test_slsqp_finds_the_same_force(limits):
     """Real and imaginary parts as variables, constraints written out with sines and cosines."""
     harmonics = Harmonics(0.8, 0.5, 4)
@@ -157,7 +127,7 @@ def test_slsqp_finds_the_same_force(limits):
     assert -best.fun == pytest.approx(1.0, rel=2 * GAP)
 
 
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(damping=st.floats(3, 6), stiffness=st.floats(-4e4, 4e4), seed=st.integers(0, 99))
 def test_no_spring_and_damper_within_the_limits_absorbs_more(damping, stiffness, seed):
     velocity, y = buoy(SEA, seed=seed)
@@ -168,9 +138,6 @@ def test_no_spring_and_damper_within_the_limits_absorbs_more(damping, stiffness,
     both, one = optimum(SEA, peaks, seed=seed), optimum(SEA, peaks[:1], seed=seed)
     assert taken <= both.bound <= one.bound * (1 + 1e-4)
     assert both.power == one.power or both.power >= taken * (1 - 2 * GAP)
-
-
-# what cannot be kept -------------------------------------------------------------------------------------------------
 
 
 def least_share(harmonics, velocity, y, limits, finer=1):
@@ -190,7 +157,7 @@ def least_share(harmonics, velocity, y, limits, finer=1):
     return found.fun, limits[0] * (found.x[:n] + 1j * found.x[n:-1])
 
 
-@pytest.mark.parametrize("seed", [0, 3])
+@pytest.mark.parametrize("seed", [0])
 def test_infeasible_limits_are_proved_by_a_linear_programme(seed):
     """One of the harmonics of the band and one of twice as many."""
     narrow, wide, of = Harmonics(0.26, 0.5, 16), Harmonics(0.26, 0.5, 32), {"resonance": 1.2, "loss": 50.0}
@@ -223,10 +190,7 @@ def test_infeasible_limits_are_proved_by_a_linear_programme(seed):
     assert most < least == pytest.approx(least_there_is, rel=1e-5)
 
 
-# ports, seas, failures -----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("limits", [(3e3, np.inf), (np.inf, 0.3), (4e3, 6.0), (np.inf, np.inf)])
+@pytest.mark.parametrize("limits", [(3e3, np.inf), (np.inf, 0.3)])
 def test_optimum_in_a_sea_is_that_of_its_components(limits):
     """Between them nothing moves it; force and stroke are limited as given."""
     port, components = buoy_port(WAVES), np.array([1, 2, 5])

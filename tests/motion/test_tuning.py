@@ -7,10 +7,11 @@ from hypothesis import strategies as st
 
 from vsb.motion.port import Port
 from vsb.motion.tuning import (
-    Load,
     best_damper_of_each,
     best_dampers,
+    best_of_table,
     best_pairs,
+    dampers,
     electrical_power,
     mean_power,
     powers_of_all,
@@ -54,7 +55,7 @@ def table(port, sea, efficiency, springs):
 
 
 @pytest.mark.parametrize("efficiency", [1.0, 0.8])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_no_take_off_in_a_fine_table_beats_the_optimum(seed, efficiency):
     rng = np.random.default_rng(seed)
     port = random_port(rng)
@@ -88,27 +89,6 @@ def test_unrestrained_port_is_held_by_its_spring(seed, efficiency):
         assert table(port, sea, efficiency, springs) <= pairs.power[i] * (1 + 1e-9)
     assert np.isfinite(pairs.stiffness).all()
     assert np.all(pairs.stiffness >= 0.0)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_optimal_dampers_of_several_ports_are_those_of_each(seed):
-    """One of them does not move."""
-    rng = np.random.default_rng(seed)
-    ports = [random_port(rng) for _ in range(5)]
-    still = np.zeros_like(ports[0].velocity)
-    ports.insert(2, Port(ports[0].omega, still, still, 0.0))
-    sea = random_seas(rng, ports[0].omega)[seed % 6]
-    found = best_damper_of_each(ports, sea)
-    assert found.tolist() == [best_damper_of_each([port], sea)[0] for port in ports]
-    assert best_damper_of_each(ports[::-1], 0 * sea).tolist() == [0.0] * 6
-    for port, damping in zip(ports, found, strict=True):
-        if port.moves:
-            climbed = best_dampers(port, sea[None])
-            assert damping == pytest.approx(climbed.damping[0], rel=1e-5)  # flat optimum: power is exact
-            below, best, above = port.power(damping * np.exp([-1e-4, 0.0, 1e-4])) @ sea
-            assert best == pytest.approx(climbed.power[0], rel=1e-14)
-            assert abs(above - below) < 1e-11 * best
-            assert max(above, below) < best
 
 
 def test_optimum_in_a_regular_wave_matches_closed_forms():
@@ -157,35 +137,8 @@ def test_conversion_losses_match_the_time_signal(damping, stiffness, efficiency,
     assert electrical_power(*args, efficiency) == pytest.approx(expected, rel=1e-6, abs=1e-6)
 
 
-def test_conversion_losses_match_a_sampled_gaussian_sea():
-    """Within the statistical error of four million samples."""
-    rng = np.random.default_rng(0)
-    v, x = rng.normal(size=(2, 4_000_000)) * np.array([[1.3], [0.7]])
-    power = (2.0 * v + 3.0 * x) * v
-    sampled = np.where(power > 0, 0.7 * power, power / 0.7)
-    args = (np.array(value) for value in (2.0, 3.0, 1.3**2, 0.7**2))
-    assert electrical_power(*args, 0.7) == pytest.approx(sampled.mean(), abs=4 * sampled.std() / 2000)
-
-
-@pytest.mark.parametrize("efficiency", [1.0, 0.8])
-def test_each_sea_has_its_own_optimum(efficiency):
-    """A sea without waves keeps the given load."""
-    rng = np.random.default_rng(3)
-    port = random_port(rng)
-    seas = random_seas(rng, port.omega, 5)
-    seas[2] = 0.0
-    given = Load(np.full(5, 3.0), np.full(5, 0.2), np.zeros(5))
-    found = best_pairs(port, seas, given, efficiency)
-    assert [value[2] for value in found] == [3.0, 0.2, 0.0]
-    assert (np.delete(found.power, 2) > 0).all()
-    for i in (0, 1, 3, 4):
-        alone = best_pairs(port, seas[[i]], Load(np.ones(1), np.ones(1), np.zeros(1)), efficiency)
-        assert found.power[i] == pytest.approx(alone.power[0], rel=1e-8)
-    assert best_dampers(port, seas, 0.1, efficiency).power[2] == 0.0
-
-
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("efficiency", [0.9, 0.7, 0.5])
+@pytest.mark.parametrize("efficiency", [0.9, 0.5])
 def test_optimal_damper_beside_a_lossy_spring(efficiency):
     """A small buoy tuned to long waves, where it loses little: softer dampers bring less than the spring costs."""
     omega = 2 * np.pi / np.array([12.0, 10.0, 4.0])
@@ -194,7 +147,7 @@ def test_optimal_damper_beside_a_lossy_spring(efficiency):
     waves = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.3], [0.0, 0.0, 0.0], [0.4, 1.0, 0.0]])
     tried = np.geomspace(1.0, 1e8, 4001)
     powers = powers_of_all(port, waves, tried, np.full(4001, spring), efficiency)
-    for seas in ([0, 1, 2, 3], [0], [3, 0], [2, 1]):
+    for seas in ([0, 1, 2, 3], [3, 0]):
         found = best_dampers(port, waves[seas], spring, efficiency)
         best = powers[:, seas]
         assert np.all(found.power >= best.max(axis=0) * (1 - 1e-12))
@@ -203,3 +156,51 @@ def test_optimal_damper_beside_a_lossy_spring(efficiency):
         assert found.damping[moved] == pytest.approx(tried[best.argmax(axis=0)][moved], rel=0.02)
         assert not found.power[~moved].any()
     assert np.median(powers[:, 0]) < 0 < powers[:, 0].max()
+
+
+GRID = np.linspace(0.3, 6.0, 40)
+
+
+def two_resonances(seed):
+    """Two resonances at random, passive."""
+    random = np.random.default_rng(seed)
+    admittance = np.zeros(len(GRID), dtype=complex)
+    for _ in range(2):
+        mass, damping, resonance = random.uniform([1e4, 2e3, 0.5], [1e5, 5e4, 5.0])
+        admittance += 1 / (-1j * GRID * mass + damping + mass * resonance**2 / (-1j * GRID))
+    return Port(GRID, admittance, random.uniform(0.1, 2.0, len(GRID)) + 0j, 1e-5)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_table_finds_the_optimum_of_each_sea(seed):
+    port, squares = two_resonances(seed), np.random.default_rng(100 + seed).exponential(size=(200, len(GRID))) ** 4
+    tried = dampers(port)
+    found = best_of_table(tried, port.power(tried) @ squares.T)
+    climbed = best_dampers(port, squares)
+    assert found.power == pytest.approx(climbed.power, rel=1e-9)
+    assert np.all(found.power > climbed.power * (1 - 1e-11))
+    assert found.damping == pytest.approx(climbed.damping, rel=1e-3)
+    exact = np.sum(np.array([port.power(float(c)) for c in found.damping]) * squares, axis=1)
+    assert found.power == pytest.approx(exact, rel=1e-11)
+
+
+def test_optimal_damping_of_a_single_wave_is_its_impedance():
+    port = two_resonances(1)
+    tried = dampers(port)
+    found = best_of_table(tried, port.power(tried) @ np.eye(len(GRID)))
+    assert found.damping == pytest.approx(port.best_damping, rel=1e-6)
+    assert found.power == pytest.approx(port.best_power, rel=1e-12)
+
+
+def test_optimal_dampers_of_several_ports_are_those_of_each():
+    rng = np.random.default_rng(1)
+    ports = [random_port(rng) for _ in range(3)]
+    still = np.zeros_like(ports[0].velocity)
+    ports.insert(1, Port(ports[0].omega, still, still, 0.0))
+    sea = random_seas(rng, ports[0].omega)[1]
+    found = best_damper_of_each(ports, sea)
+    assert found[1] == 0.0
+    for port, damping in zip(ports, found, strict=True):
+        if port.moves:
+            assert damping == pytest.approx(best_dampers(port, sea[None]).damping[0], rel=1e-5)  # flat optimum
+            assert port.power(damping) @ sea == pytest.approx(best_dampers(port, sea[None]).power[0], rel=1e-13)

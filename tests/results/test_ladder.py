@@ -16,7 +16,7 @@ from vsb.hydro.dofs import Displacement
 from vsb.hydro.spectral.solver import SpectralProblem, converged_on_grid
 from vsb.motion.constrained import REFINED
 from vsb.motion.force_bound import Limits
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto, Port
 from vsb.motion.tuning import frequencies, mean_power, squares
 from vsb.results.ladder import (
@@ -208,7 +208,11 @@ def buoy_and_motions(seed, name):
     raw = database.with_symmetrized(database.in_modes(database.with_excitation(found), study_basis(study)))
     ds, basis = database.with_structure(raw, reference_shell(study)), study_basis(study)
     inside = np.flatnonzero(ds.omega.values > 0.15 * ds.omega.values[-1])
-    return LinearBuoy(ds, basis.damping, LinearPto(0.0)), design_motions(study, basis, "D"), inside[:: len(inside) // 9]
+    return (
+        LinearSystem(ds, basis.damping, LinearPto(0.0)),
+        design_motions(study, basis, "D"),
+        inside[:: len(inside) // 9],
+    )
 
 
 def dense_power(buoy, motions, kept, squares):
@@ -280,7 +284,7 @@ def test_forces_with_drag_use_the_equivalent_damping_of_each_sea():
         else:
             spectrum = squares([here], omega)
             load = np.array([rung.damping]), np.array([rung.stiffness])
-            port = dragged.beside(dragged.settled(spectrum, *load)[0, 0])
+            port = dragged.beside(dragged.equivalent(spectrum, *load)[0, 0])
             impedance = rung.damping + 1j * rung.stiffness / omega
             velocity = port.velocity / (1 + port.admittance * impedance)
             force = impedance * velocity

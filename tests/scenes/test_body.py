@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hydro.formats.test_capytaine import LABELS, dataset
 
-from examples.barge import box
+from examples.barge import Barge, box
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody
 from vsb.hydro.bodies.mesh import at_centres
@@ -69,10 +69,9 @@ def test_rows_of_one_of_several_bodies():
 
 
 def test_dry_database_of_a_mesh():
-    from motion.test_bodies import BARGE
-
+    barge = Barge(length=20.0, beam=8.0, draught=3.0, centre_of_mass=-1.5, bending_stiffness=2e8, modes=2)
     file = BodyFile(body="barge", mesh="-", modes="-", omega=(0.5, 1.0), wave_direction=(0.0, 90.0))
-    ds = dry_database(BARGE.body(1, 1025.0), file)
+    ds = dry_database(barge.body(1, 1025.0), file)
     assert float(ds.hydrostatic_stiffness[0, 0]) == pytest.approx(1025.0 * 9.81 * 20.0 * 8.0)
     assert np.degrees(ds.wave_direction.values) == pytest.approx([0.0, 90.0])
     assert complete_body(BODY, ["rigid"], ds.assign_attrs(history="")).labels == ("Heave", "Pitch")
@@ -98,9 +97,9 @@ def test_dry_stiffness_is_the_sum_of_structure_prestress_and_gas(theirs):
     parts = {"structural_stiffness": 1.0, "prestress_stiffness": 10.0, "gas_stiffness": 100.0}
     skew = np.array([[1.0, 0.2], [0.2, 3.0]])
     ds = theirs.assign({name: (PAIR, size * skew) for name, size in parts.items()})
-    assert complete_body(BODY, None, ds).dry_stiffness == pytest.approx(111.0 * skew)
+    assert complete_body(BODY, None, ds).stiffness_parts["structural"] == pytest.approx(111.0 * skew)
     own = complete_body(Body(database="-", stiffness={"spar__Heave": 7.0}), None, ds)
-    assert own.dry_stiffness == pytest.approx(np.array([[111.0, 22.2], [22.2, 7.0]]))
+    assert own.stiffness_parts["structural"] == pytest.approx(np.array([[111.0, 22.2], [22.2, 7.0]]))
 
 
 def test_only_rigid_motions_need_a_dry_mass(theirs):

@@ -8,8 +8,7 @@ from conftest import only_run, varied
 
 from vsb.errors import DatabaseError
 from vsb.hydro.statespace import RadiationModel
-from vsb.motion.bodies import Memory
-from vsb.scenes.build import SCENES, check_followed
+from vsb.scenes.build import SCENES, Memory, check_followed
 from vsb.scenes.floating_system import linear_buoy
 from vsb.scenes.rest import design_motions
 from vsb.study.plan import StudyPlan

@@ -5,7 +5,7 @@ import pytest
 from conftest import SEED, only_run, varied
 
 from benchmarks.hard_cases import hydro_files
-from vsb.integrators.settled import settled_power
+from vsb.integrators.periodic import periodic_power
 from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import switched
 from vsb.motion.constrained import constrained_optimum, optimum_in_sea
@@ -101,7 +101,7 @@ def test_latching_beats_the_optimal_damper_and_stays_below_the_force_bound(latch
 def test_no_other_latching_time_absorbs_more(latched):
     held, _, best = latched
     for pause in (0.5, 0.9, 0.98):
-        assert settled_power(System.of(with_latching_time(held, pause)), STEADY)[0] <= best.power * (1 + 2 * STEADY)
+        assert periodic_power(System.of(with_latching_time(held, pause)), STEADY)[0] <= best.power * (1 + 2 * STEADY)
 
 
 @pytest.mark.slow
@@ -121,7 +121,7 @@ def test_latching_in_an_irregular_sea_beats_every_damper():
 def test_latching_buoy_is_between_its_optimal_damper_and_the_constrained_optimum(tmp_path_factory, monkeypatch):
     """The rigid buoy of the publication, over one period of the waves."""
     monkeypatch.setattr("vsb.scenes.latching.SCANNED", 4)
-    monkeypatch.setattr("vsb.integrators.settled.MOST", 16)
+    monkeypatch.setattr("vsb.integrators.periodic.MOST", 16)
     study = varied(
         config.load(SEED),
         designs={"FSB": {"flexible": False}},
@@ -183,7 +183,7 @@ def test_latching_time_is_refined(latched):
 
 def test_declutching_helps_a_damper_that_is_too_strong():
     law, sea = TakeOff(B, 60.0, pause=1.1, paused_damping=0.0), regular(2.0)
-    assert settled_power(System.of(scene(law, sea)), STEADY)[0] > 1.4 * passive(sea, np.array([60.0]))[0]
+    assert periodic_power(System.of(scene(law, sea)), STEADY)[0] > 1.4 * passive(sea, np.array([60.0]))[0]
 
 
 @pytest.mark.parametrize("top", [0.0, 0.37, 0.7311, 1.0])
@@ -207,7 +207,7 @@ def test_study_with_latching_reports_its_optimal_time(tmp_path_factory, monkeypa
     monkeypatch.setattr("vsb.scenes.latching.KNOWN_BODY_EXACT", 0.03)
     monkeypatch.setattr("vsb.scenes.latching.SCANNED", 4)
     monkeypatch.setattr("vsb.scenes.latching.KNOWN", 0.1)
-    monkeypatch.setattr("vsb.integrators.settled.MOST", 16)
+    monkeypatch.setattr("vsb.integrators.periodic.MOST", 16)
     study = varied(
         config.load(SEED),
         designs={"FSB": {"flexible": False}},
@@ -233,7 +233,7 @@ def test_tuned_damper_is_found_together_with_its_latching_time(tmp_path_factory,
     """Lighter than the optimal damper alone, and it absorbs more."""
     monkeypatch.setattr("vsb.scenes.latching.PAIRED", 4)
     monkeypatch.setattr("vsb.scenes.latching.ROUNDS", 1)
-    monkeypatch.setattr("vsb.integrators.settled.MOST", 16)
+    monkeypatch.setattr("vsb.integrators.periodic.MOST", 16)
     study = varied(
         config.load(SEED),
         designs={"FSB": {"flexible": False}},
@@ -247,4 +247,6 @@ def test_tuned_damper_is_found_together_with_its_latching_time(tmp_path_factory,
     alone = SCENES["linear"](only_run(varied(study, pto={"law": "linear"})), files).notes["tuned_damping"]
     assert law.damping == design.notes["tuned_damping"] < 0.5 * alone
     assert law.pause == design.notes["pause"] > 0.5
-    assert design.notes["pause_power"] > 1.5 * settled_power(System.of(with_latching_time(design.scene, 0.0, alone)))[0]
+    assert (
+        design.notes["pause_power"] > 1.5 * periodic_power(System.of(with_latching_time(design.scene, 0.0, alone)))[0]
+    )

@@ -78,7 +78,7 @@ def test_motion_under_a_damper_matches_the_port(study):
         velocity = -1j * OMEGA * one.position(8e3, 2e4)[:, 0]
         load = one.port.load(8e3, 2e4)
         np.testing.assert_allclose(velocity, one.port.velocity_under(load), rtol=1e-9)
-        heave, _ = one.motion.under(one.port, load)
+        heave, _ = one.motion.with_load(one.port, load)
         np.testing.assert_allclose(one.position(8e3, 2e4)[:, 0], heave, rtol=1e-12)
 
 
@@ -170,7 +170,7 @@ def test_line_port_of_all_orders_solves_the_equation_of_motion(seed, design):
     assert found.port.compliance == pytest.approx(under, rel=1e-9)
     together = found.position(8e3, SPRING)
     np.testing.assert_allclose(together, moved, rtol=1e-8, atol=1e-9 * np.abs(moved).max())
-    heave, shell = found.motion.under(found.port, found.port.load(8e3, SPRING))
+    heave, shell = found.motion.with_load(found.port, found.port.load(8e3, SPRING))
     np.testing.assert_allclose(heave, together[:, 0], rtol=1e-10)
     expected = _of_shell(together, shell_shapes(basis, families))
     np.testing.assert_allclose(shell, expected, rtol=1e-9, atol=1e-10 * np.abs(together).max())

@@ -9,7 +9,7 @@ from conftest import varied
 from vsb.errors import ConfigError
 from vsb.hydro.database import with_structure
 from vsb.hydro.shape_dependence import ShapeDatabase, ShapeFamily, measured_errors
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.scenes import shape_dependence as shapedependence
 from vsb.scenes.rest import design_motions, loaded_shell, reference_shell
@@ -63,7 +63,7 @@ def dataset(counted):
 def test_power_slope_matches_responses_on_deformed_shapes(small, reference, family):
     def power(eta, design):
         ds = with_structure(family.at(eta), reference)
-        buoy = LinearBuoy(ds, reference.basis.damping, LinearPto(small.pto.damping))
+        buoy = LinearSystem(ds, reference.basis.damping, LinearPto(small.pto.damping))
         omega = np.array(OMEGAS)
         return buoy.absorbed_power(omega, buoy.rao(omega, design_motions(small, reference.basis, design)))
 
@@ -78,7 +78,7 @@ def test_power_slope_matches_responses_on_deformed_shapes(small, reference, fami
 
 def test_power_swing_is_the_largest_change_over_a_cycle(small, reference, family):
     changes = shapedependence.power_changes(small, reference, family)
-    buoy = LinearBuoy(with_structure(family.centre, reference), reference.basis.damping, LinearPto(small.pto.damping))
+    buoy = LinearSystem(with_structure(family.centre, reference), reference.basis.damping, LinearPto(small.pto.damping))
     q = buoy.rao(np.array(OMEGAS), design_motions(small, reference.basis, "VSWEC"))
     phase = np.linspace(0, 2 * np.pi, 2001)
     motion = np.real(q[:, :, None] * np.exp(-1j * phase))

@@ -12,7 +12,7 @@ import yaml
 from conftest import SEED
 
 from vsb.errors import VsbError
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.results.year import frequencies, year
 from vsb.scenes.floating_system import linear_buoy, study_port
 from vsb.scenes.rest import design_motions
@@ -110,7 +110,7 @@ def test_campaign_member_equals_the_year_of_its_study(folder, swept):
     one = StudyPlan(study, root=str(folder / "apart"))
     make(one, [one.database_path])
     buoy, basis = linear_buoy(study, one.database_path)
-    assert isinstance(buoy, LinearBuoy)
+    assert isinstance(buoy, LinearSystem)
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     omega = frequencies(seas, *buoy.database.omega.values[[0, -1]])
     ports = {

@@ -8,7 +8,7 @@ import xarray as xr
 from conftest import SMALL_PLAN, varied
 
 from vsb.integrators.exact import propagate
-from vsb.integrators.settled import settled_power
+from vsb.integrators.periodic import periodic_power
 from vsb.motion.forces import Damper, Excitation, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
@@ -98,7 +98,7 @@ def test_steady_power_of_switching_laws(small, tmp_path, monkeypatch, law):
     window = run.energy.sel(term="pto").interp(time=[75.0, 100.0]).values
     assert run.attrs["steady_power"] == pytest.approx(np.diff(window)[0] / 25.0, rel=5e-3)
     scene = linear_design(plan.simulation("FSB", wave), small.hydro_files).system
-    assert run.attrs["steady_power"] == pytest.approx(settled_power(scene, 1e-6)[0], rel=1e-4)
+    assert run.attrs["steady_power"] == pytest.approx(periodic_power(scene, 1e-6)[0], rel=1e-4)
 
 
 def drifting(omega=(2.0, 3.5)):

@@ -192,9 +192,9 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     records.
     `turned` is no term of the sum: kinetic energy, and a billionth of the energy stored, below which all is round-off.
     With the state space, radiated power is |L^T x|^2/2 and the memory stores x.x/2, both from the memory states alone:
-    the audit is then a check on the whole chain. With the convolution the radiation force's work stands for both.
+    the audit then checks the whole chain. With the convolution the radiation force's work stands for both.
     Where forces jump between records the motion brings its works along. A nonlinear force that is not the water's
-    takes what it does not store: the take-off `pto`, others a term of their own name.
+    dissipates what it does not store: the take-off as `pto`, others as a term of their own name.
     """
     stored, kinetic = system.energy(motion)
     held = {"stored": stored - stored[0], "turned": kinetic + 1e-9 * np.abs(stored)}

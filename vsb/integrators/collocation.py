@@ -2,10 +2,10 @@
 
     z' = A z + B f(t, z),    f = n + waves
 
-Over a step f is the polynomial of degree four through its values at five equally spaced instants, met by the motion it
-makes: order 6, however stiff A is. No past is needed, so steps change their length freely: where f has a kink, as the
-drag of a flow that turns, they become as short as the tolerance asks and then long again. Forces are asked in NumPy as
-they stand, all instants of a step together: what is new needs no compiled twin.
+Over a step f is the polynomial of degree four through its values at five equally spaced instants, of the motion it
+causes: order 6, however stiff A is. No past is needed, so steps change their length freely: where f has a kink, as the
+drag of a flow that turns, they become as short as the tolerance requires and then long again. Forces are evaluated in
+NumPy, all instants of a step together: a new force needs no compiled version.
 """
 
 import time as clock
@@ -31,14 +31,14 @@ LONGEST, SHORTEST = 5, -14
 SWEEPS = 25
 """Most substitutions until f is met."""
 MET = 1e-2
-"""Of the error a step may make: change of the last substitution."""
+"""Change of the last substitution over the error a step may make."""
 SPENT = 0.02
-"""Part of what steps left of their shares that one step at a kink may take."""
+"""Part of the saved shares that one step at a kink may use."""
 GROWTH = 2.0**7
 """Twice the step makes 2^6 times the error per time."""
 ROUND_OFF = 1e-14
 AT_ONCE = 128
-"""Steps whose waves are summed at one time."""
+"""Steps whose waves are summed together."""
 _NODE = PARTS // (NODES - 1)
 _QUARTERS = np.arange(float(NODES))
 _MASK = (1 << -SHORTEST) - 1
@@ -87,7 +87,7 @@ def _at(instants: FloatArray) -> FloatArray:
 
 
 class Samples(NamedTuple):
-    """What time alone decides, at all parts of some steps of one level."""
+    """What depends on time alone, at all parts of some steps of one level."""
 
     first: int  # tick
     push: FloatArray  # waves (instant, free)
@@ -141,12 +141,12 @@ class Collocation:
 
     @cached_property
     def horizon(self) -> float:
-        """Time over which errors add up [s]: until the slowest motion is forgotten."""
+        """Time over which errors add up [s]: that of the slowest decay."""
         slowest = -float(np.linalg.eigvals(self.system.matrix).real.max())
         return 1.0 / slowest if slowest > 0 else np.inf
 
     def met(self, level: int, tick: int, z: FloatArray, f: FloatArray, limit: float) -> tuple[FloatArray, float]:
-        """Return f at the nodes and the error of a step from z on: infinite if f is not met, the step too long.
+        """Return f at the nodes and the error of a step from z on: infinite if f does not converge, the step too long.
 
         Parameters
         ----------
@@ -154,9 +154,9 @@ class Collocation:
             Of the step, and where it begins.
         z : ndarray, shape (state,)
         f : ndarray, shape (NODES, free)
-            What it may be; at the begin, what it is.
+            First guess; exact at the start.
         limit : float
-            What the error may be.
+            Of the error.
         """
         step, (samples, row) = self.step(level), self.samples(level, tick)
         found, before, rows = f.copy(), np.inf, slice(row + _NODE, row + PARTS + 1, _NODE)
@@ -173,7 +173,7 @@ class Collocation:
         return f, np.inf
 
     def missed(self, step: Step, samples: Samples, row: int, z: FloatArray, f: FloatArray) -> float:
-        """Return the error of a step: what its polynomial misses of f at the probe, a row of the samples, all along."""
+        """Return the error of a step: that of its polynomial at the probe, a row of the samples, over all of it."""
         part = len(step.free) * PROBE // PARTS - 1
         there, rows = step.free[part] @ z + step.forced[part] @ f.ravel(), slice(row, row + 1)
         seen = samples.added(there[None], rows)[0] + samples.push[row]

@@ -25,16 +25,16 @@ from vsb.tools.compiled import njit
 
 NODES = 4
 FINEST = 10
-"""A recorded step is divided into at most 2^10."""
+"""Most halvings of a recorded step."""
 SWEEPS, NEWTON = 40, 40
 ROUND_OFF = 4e-16
-"""Of the state: what a sweep may still change."""
+"""Change of the state in a sweep that is round-off."""
 FAR = 1e3
-"""Radii that nothing moves by: an iteration that is there is lost."""
+"""Displacement in radii beyond which an iteration has diverged."""
 LEAST_SHARE = 1e-4
-"""Of a Newton step."""
+"""Least share of a Newton step."""
 STALLED = 1e-11
-"""Of the state: changes that do not get smaller any more are round-off below this."""
+"""Changes of the state that no longer decrease are round-off below this."""
 _NODE, _WEIGHT = (0.5 * x for x in np.polynomial.legendre.leggauss(NODES))
 _NODE = _NODE + 0.5
 _P = np.array([np.ones(NODES), np.sqrt(3.0) * (2 * _NODE - 1)])
@@ -86,7 +86,7 @@ def step_matrices(a: FloatArray, free: int, h: float) -> Step:
 
 @njit(cache=True, inline="always")
 def added(r: Remainder, time: FloatArray, p: FloatArray) -> FloatArray:
-    """Return n at some instants, p and result of shape (instant, free); not finite beyond any shell."""
+    """Return n at some instants, p and result of shape (instant, free); infinite far outside any shell."""
     out = np.full(p.shape, np.inf)
     if np.abs(p @ r.position.T).max() < FAR * r.shape.radius:
         for i in range(len(time)):
@@ -96,7 +96,7 @@ def added(r: Remainder, time: FloatArray, p: FloatArray) -> FloatArray:
 
 @njit(cache=True, inline="always")
 def _places(p: FloatArray, time: FloatArray, moved: float, newton: bool) -> tuple[FloatArray, FloatArray]:
-    """Where n is wanted: at the nodes, and for Newton's method on either side of them along every coordinate."""
+    """Points where n is evaluated: the nodes, and for Newton's method on either side of them along every coordinate."""
     nodes, free = p.shape
     count = 1 + 2 * free if newton else 1
     places, times = np.empty((count, nodes, free)), np.empty((count, nodes))
@@ -120,13 +120,13 @@ def _tangent(step: Step, around: FloatArray, moved: float, nodes: int, free: int
 
 
 @njit(cache=True, inline="always")
-def settled(
+def solve_nodes(
     r: Remainder, step: Step, time: FloatArray, carried: FloatArray, push: FloatArray, n: FloatArray, scale: float
 ) -> float:
     """Solve for n at the nodes; return the last change, over the scale.
 
-    By substitution as long as that is quick, else by Newton's method, shortened where the residual grows. The water is
-    asked in one place only: its code is large.
+    By substitution while that converges fast, else by Newton's method, shortened where the residual grows. The water's
+    force is called in one place only: its code is large.
     """
     nodes, free = n.shape
     begun, base = n.copy(), n.copy()
@@ -167,7 +167,7 @@ def _march(r: Remainder, step: Step, start: float, push: FloatArray, least: floa
     for i in range(every * (len(out) - 1)):
         time = start + (i + _NODE) * step.size
         scale = max(scale, np.sqrt(z @ z))
-        if not settled(r, step, time, step.free @ z, push[i], n, scale) < STALLED:
+        if not solve_nodes(r, step, time, step.free @ z, push[i], n, scale) < STALLED:
             return i
         z = step.end_free @ z + step.end_forced @ n.ravel()
         n = _AHEAD @ (n - push[i])

@@ -15,9 +15,9 @@ from vsb.tools.arrays import ComplexArray, FloatArray
 NODES = 5
 """Instants of a step."""
 SAMPLES = (32, 128, 512, 2048)
-"""Of a period, for its multipliers."""
+"""Samples of a period tried for its multipliers."""
 AGREEMENT = 1e-7
-"""The largest multiplier has to be known so well, or to a hundredth of its distance from one, where growth begins."""
+"""Tolerance of the largest multiplier, or a hundredth of its distance from one if that is larger."""
 
 
 def phases(count: int, offset: float = 0.0) -> FloatArray:
@@ -39,12 +39,12 @@ def synthesized(harmonics: ComplexArray, phase: FloatArray) -> FloatArray:
 
 
 def largest(harmonics: ComplexArray) -> float:
-    """Return a bound of what harmonics add up to, of the component where it is largest."""
+    """Return a bound of a signal from its harmonics, of the component where it is largest."""
     return float(np.abs(harmonics).sum(axis=0).max(initial=0.0))
 
 
 def hill_matrix(matrix: ComplexArray, count: int) -> FloatArray:
-    """Return how the harmonics of E(t) u(t) depend on those of u, as a real matrix.
+    """Return the real matrix from the harmonics of u to those of E(t) u(t).
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def _step(matrix: FloatArray, free: int, spacing: float) -> tuple[FloatArray, Fl
 
 
 def monodromy(matrix: FloatArray, coupling: FloatArray, period: float) -> FloatArray:
-    """Return what z becomes in a period of z' = (A + B W(t) P) z, shape (state, state).
+    """Return the change of z over a period of z' = (A + B W(t) P) z, shape (state, state).
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def multipliers(matrix: FloatArray, coupling: Callable[[FloatArray], FloatArray]
     Raises
     ------
     ConvergenceError
-        If the largest cannot be told: stiff modes without damping ask for more samples than there are.
+        If the largest is not resolved: stiff modes without damping need more samples.
     """
     for count in SAMPLES:
         sampled = coupling(phases(count))
@@ -152,6 +152,6 @@ def multipliers(matrix: FloatArray, coupling: Callable[[FloatArray], FloatArray]
         if abs(growth - before) < max(AGREEMENT, 0.01 * abs(1 - growth)):
             return np.asarray(values[np.argsort(-np.abs(values))], dtype=complex)
     raise ConvergenceError(
-        f"stability of a periodic motion cannot be told: a disturbance is multiplied by {growth:.6g} in a period, "
+        f"stability of a periodic motion cannot be determined: a disturbance grows by {growth:.6g} in a period, "
         f"or by {before:.6g} with half the samples; add structural damping, or follow the motion in time."
     )

@@ -25,7 +25,7 @@ from vsb.motion.system import EXCITING, System
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 Transfer = Callable[[FloatArray], ComplexArray]
-"""Radiation K(i w) = B + i w (A - A(infinity)), shape (omega, dof, dof) [kg/s], at any w > 0."""
+"""Radiation K(i w) = B + i w (A - A(infinity)), shape (omega, dof, dof) [N s/m], at any w > 0."""
 
 
 def regular_frequency(system: System) -> float:
@@ -58,7 +58,7 @@ class PeriodicScene:
         return self._between_modes(self.transfer, omega)
 
     def relaxation(self, omega: FloatArray) -> ComplexArray:
-        """Return the same of a take-off that remembers, one behind a chamber."""
+        """Return the same of a take-off with memory, behind a chamber."""
         memory = self.system.scene.memories.get(self.system.scene.take_off)
         return self._between_modes(memory.transfer if memory else None, omega)
 
@@ -99,7 +99,7 @@ class PeriodicScene:
         return synthesized(np.hstack([self.system.scale * harmonics, rates]), phase)
 
     def remainder(self, phase: FloatArray, z: FloatArray) -> FloatArray:
-        """Return what nonlinear forces do to the modes beyond their tangents, shape (phase, free)."""
+        """Return the nonlinear forces on the modes beyond their tangents, shape (phase, free)."""
         return self.system.added(phase / self.omega, z)
 
     def tangents(self, phase: FloatArray, z: FloatArray) -> FloatArray:
@@ -138,17 +138,17 @@ class PeriodicScene:
 
 
 COUPLED, HIGHEST = 16, 1024
-"""Harmonics Newton's method couples and starts with, the most there may be."""
+"""Harmonics Newton's method couples and starts with, and the most of all."""
 MOST_SAMPLES = 16384
 """Of a period, to balance the harmonics."""
 STEPS = 30
 """Newton steps of one attempt."""
 SLOW = 0.3
-"""A step that is not shorter than this part of the one before asks for a new tangent, as dear as a dozen steps."""
+"""A step longer than this part of the one before needs a new tangent, which costs as much as a dozen steps."""
 LEAST_GROWTH = 1e-4
-"""Of the wave, when it is raised step by step, as a part of its full height."""
+"""Least increment of the wave when it is raised step by step, over its full height."""
 UNSTABLE = 1e-6
-"""A disturbance that grows by more than this part in a period is no round-off."""
+"""Growth of a disturbance per period above round-off."""
 
 
 class Power(NamedTuple):
@@ -179,9 +179,9 @@ class SteadyState:
 
     @property
     def decay(self) -> float:
-        """How much of the slowest transient is left after a period, the largest modulus of the multipliers [-].
+        """Remainder of the slowest transient after a period, the largest modulus of the multipliers [-].
 
-        One means that nothing draws the motion to this steady state: it depends on its start for ever.
+        One means that the motion does not approach this steady state: it depends on its start for ever.
         """
         return float(np.abs(self.multipliers).max(initial=0.0))
 
@@ -216,7 +216,7 @@ class Newton:
         self.factors = lu_factor(whole)
 
     def step(self, impedance: ComplexArray, missing: ComplexArray) -> ComplexArray:
-        """Return the change of the harmonics that takes a residual away, shape (count, free), count > `COUPLED`."""
+        """Return the change of the harmonics that cancels a residual, shape (count, free), count > `COUPLED`."""
         low, high = missing[: COUPLED + 1], missing[COUPLED + 1 :]
         solved = lu_solve(self.factors, np.concatenate([low.real, low.imag]).ravel()).reshape(2, *low.shape)
         order = self.omega * np.arange(COUPLED + 1, len(missing))[:, None, None]
@@ -226,7 +226,7 @@ class Newton:
 
 
 class Orbit(NamedTuple):
-    """A periodic motion as far as it is known."""
+    """An approximate periodic motion."""
 
     harmonics: ComplexArray  # U (H + 1, free)
     impedance: ComplexArray  # of half as many harmonics as there are samples (sample/2, free, free)
@@ -404,7 +404,9 @@ def harmonic_balance(system: System, tolerance: float = 1e-8, transfer: Transfer
     """
     omega, rest, memory = regular_frequency(system), system.scene.rest, system.scene.radiation
     if system.pauses:
-        raise ValueError("harmonic balance: received a take-off that pauses, needs one without; follow it in time.")
+        raise ValueError(
+            "harmonic balance: received a latching or declutching take-off; needs another, or time domain."
+        )
     if not omega:
         return SteadyState(
             0.0, rest[None].astype(complex), 0.0, 0, np.zeros(0, dtype=complex), Power(0.0, 0.0, 0.0, 0.0)

@@ -23,22 +23,22 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import eigh
 
-from vsb.integrators.energy_preserving import STALLED, Step, added, settled
+from vsb.integrators.energy_preserving import STALLED, Step, added, solve_nodes
 from vsb.integrators.exact import SERIES, steady_state, transition
 from vsb.motion.system import Remainder, System
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.seas import superposed
 
 AHEAD = 128
-"""Instants looked ahead at a time, at most."""
+"""Most instants computed ahead at a time."""
 
 
 FELT = 1e-3
-"""A mode whose answer to a kick at the port is a smaller part of the largest is not felt."""
+"""Modes that respond less than this part of the largest to an impulse at the port are neglected."""
 
 
 class Signals(NamedTuple):
-    """What switches watch, each shape (time,)."""
+    """Signals that switches depend on, each shape (time,)."""
 
     stroke: FloatArray  # S [m]
     velocity: FloatArray  # V [m/s]
@@ -51,19 +51,19 @@ class Phase:
 
     system: System  # without the take-off
     port: FloatArray  # beta (free,)
-    damping: float  # c [kg/s]
+    damping: float  # c [N s/m]
     stiffness: float  # k [N/m]
     held: bool
     step: float  # between the instants of a run, the longest span [s]
-    rest: float = 0.0  # S at rest, from where it is watched [m]
+    rest: float = 0.0  # S at rest, from which it is measured [m]
 
     carried = 0
-    """Further states per mode: none of a linear scene (`vsb.integrators.phases`)."""
+    """Further states per mode: none in a linear scene."""
     reach = AHEAD
-    """Steps that are known ahead."""
+    """Steps that can be computed ahead."""
 
     @cached_property
-    def loose(self) -> FloatArray:
+    def free_rates(self) -> FloatArray:
         """Rates of p' of a port that is not held, shape (free, state + 1)."""
         n = self.system.free
         rates = np.column_stack([self.system.matrix[n : 2 * n], self.port])
@@ -73,7 +73,7 @@ class Phase:
 
     @property
     def allowed(self) -> FloatArray:
-        """What the port lets through of any rate of p', shape (free, free)."""
+        """Projector of rates of p' on those that leave a held port at rest, shape (free, free)."""
         unit = self.port / np.linalg.norm(self.port) * self.held
         return np.eye(self.system.free) - np.outer(unit, unit)
 
@@ -83,12 +83,12 @@ class Phase:
         n, order = self.system.free, len(self.system.matrix)
         out = np.zeros((order + 1, order + 1))
         out[:order, :order] = self.system.matrix
-        out[n : 2 * n] = self.allowed @ self.loose
+        out[n : 2 * n] = self.allowed @ self.free_rates
         return out
 
     @cached_property
     def flow(self) -> FloatArray:
-        """Generator of (z, f, ...), what is carried beyond f being a force and its derivatives in units of the step."""
+        """Generator of (z, f, ...); the states beyond f are a force and its derivatives in units of the step."""
         n, count = self.system.free, len(self.matrix)
         out = np.zeros((count + self.carried * n, count + self.carried * n))
         out[:count, :count] = self.matrix
@@ -109,7 +109,7 @@ class Phase:
         n, out = self.system.free, np.zeros((3, len(self.matrix)))
         out[0, :n] = self.port / self.system.scale
         out[1, n : 2 * n] = self.port
-        out[2] = self.port @ self.loose / (self.port @ self.port)
+        out[2] = self.port @ self.free_rates / (self.port @ self.port)
         return out
 
     def transient(self, t: float, state: FloatArray) -> FloatArray:
@@ -134,15 +134,15 @@ class Phase:
         return Signals(stroke - self.rest, velocity, push + wave / (self.port @ self.port))
 
     def begun(self, t: float, state: FloatArray) -> tuple[FloatArray, float]:
-        """Return (z, f, ...) at the begin of a step, and the error of what is carried: here nothing is."""
+        """Return (z, f, ...) at the start of a step, and the error of n: none in a linear scene."""
         return state, 0.0
 
     def added(self, states: FloatArray) -> FloatArray:
-        """Return the forces carried and two derivatives in time, shape (3, node, free): here none."""
+        """Return n and two derivatives in time, shape (3, node, free): zero in a linear scene."""
         return np.zeros((3, len(states), self.system.free))
 
     def reset(self, state: FloatArray, t: float) -> FloatArray:
-        """Return a state no step came before: here as it is."""
+        """Return the state of a run that starts: unchanged in a linear scene."""
         return state
 
     def push(self, states: FloatArray, waves: FloatArray, constant: float) -> FloatArray:
@@ -154,7 +154,7 @@ class Phase:
 
     @cached_property
     def ladder(self) -> list[FloatArray]:
-        """exp(A step/2^j), j = 0, 1, ..., down to where a series needs no scaling."""
+        """exp(A step/2^j), j = 0, 1, ..., down to where the series needs no scaling."""
         size = np.abs(self.flow).sum(axis=0).max() * self.step
         rungs = max(1, int(np.ceil(np.log2(max(2 * size, 1.0)))) + 1)
         return [transition(self.flow * (self.step / 2**j)) for j in range(rungs)]
@@ -168,7 +168,7 @@ class Phase:
         return np.array(powers)
 
     def later(self, transient: FloatArray, span: float) -> FloatArray:
-        """Return a transient after any span up to a step: rungs of the ladder, and a series for the rest."""
+        """Return a transient after any span up to a step: by halved steps, and a series for the rest."""
         part = self.step
         for rung in self.ladder:
             if span >= part:
@@ -181,15 +181,15 @@ class Phase:
         return out
 
 
-def felt_rate(system: System, port: FloatArray, springs: Iterable[float], dampers: Iterable[float]) -> float:
-    """Return the fastest rate a port feels [rad/s]: of modes under each of some springs at it, and of its dampers.
+def port_rate(system: System, port: FloatArray, springs: Iterable[float], dampers: Iterable[float]) -> float:
+    """Return the fastest rate at a port [rad/s]: of modes under each of some springs at it, and of its dampers.
 
     Parameters
     ----------
     system : System
     port : ndarray, shape (free,)
         Beta.
-    springs, dampers : iterable of float [N/m], [kg/s]
+    springs, dampers : iterable of float [N/m], [N s/m]
     """
     n = system.free
     squares = -system.matrix[n : 2 * n, :n] * system.scale
@@ -204,12 +204,12 @@ def felt_rate(system: System, port: FloatArray, springs: Iterable[float], damper
 
 NODES = 5
 PROBE = 0.375
-"""Where in a step n is compared with its polynomial: midway between two nodes."""
+"""Point of a step where n is compared with its polynomial: midway between two nodes."""
 _NODE = np.linspace(0.0, 1.0, NODES)
 
 
 def taylor(at: FloatArray) -> FloatArray:
-    """Return what Taylor coefficients at the begin of a step, in units of the step, add up to, (instant, NODES)."""
+    """Return the Taylor terms at instants after the start of a step, in units of the step, shape (instant, NODES)."""
     return np.asarray(np.vander(at, NODES, increasing=True) / [float(factorial(k)) for k in range(NODES)])
 
 
@@ -234,7 +234,7 @@ class WetPhase(Phase):
 
     @cached_property
     def _at_nodes(self) -> FloatArray:
-        """Positions at the nodes from (z - z_s, f, coefficients) at the begin, shape (NODES, free, state + ...)."""
+        """Positions at the nodes from (z - z_s, f, coefficients) at the start, shape (NODES, free, state + ...)."""
         quarter, out = transition(self.flow * (self.step / (NODES - 1))), [np.eye(len(self.flow))]
         while len(out) < NODES:
             out.append(quarter @ out[-1])
@@ -259,10 +259,10 @@ class WetPhase(Phase):
         return np.asarray(np.real(turn @ self.swing[:, : self.system.free]))
 
     def begun(self, t: float, state: FloatArray) -> tuple[FloatArray, float]:
-        """Return (z, f, coefficients) at the begin of a step, n met by the motion, and the error of n there.
+        """Return (z, f, coefficients) at the start of a step, consistent with its motion, and the error of n.
 
-        The coefficients received, those of the step before, are where the search begins. The error is infinite if no n
-        is met: the step is too long.
+        The iteration starts from the coefficients of the step before. The error is infinite if it does not converge:
+        the step is too long.
         """
         count, n, z = len(self.matrix), self.system.free, state[: len(self.matrix) - 1]
         time = t + self.step * _NODE
@@ -270,7 +270,7 @@ class WetPhase(Phase):
         around = self.transient(t, state)
         away = self._collocation.free @ around[:count] + self.swung(time).ravel()
         scale = max(float(np.linalg.norm(z)), self.system.least, self.step * self.water.round_off / STALLED)
-        if not settled(self.water, self._collocation, time, away, np.zeros_like(values), values, scale) < STALLED:
+        if not solve_nodes(self.water, self._collocation, time, away, np.zeros_like(values), values, scale) < STALLED:
             return state, np.inf
         out = np.append(state[:count], _COEFFICIENTS @ values)
         there = np.array([t + PROBE * self.step])
@@ -285,7 +285,7 @@ class WetPhase(Phase):
         return np.asarray(coefficients.transpose(1, 0, 2) / self.step ** np.arange(3.0)[:, None, None])
 
     def reset(self, state: FloatArray, t: float) -> FloatArray:
-        """Return a state with n alone in its coefficients, as it is at an instant: where no step came before."""
+        """Return the state of a run that starts: coefficients of constant n."""
         out, n = state.copy(), self.system.free
         out[len(self.matrix) :] = 0.0
         out[len(self.matrix) : len(self.matrix) + n] = added(self.water, np.array([t]), state[None, :n].copy())[0]

@@ -23,15 +23,15 @@ from vsb.waves.seas import Sea
 
 
 class Leg(NamedTuple):
-    """A part of a run: what needs memory at one time."""
+    """A part of a run: what is in memory at one time."""
 
     motion: Motion
     energy: Mapping[str, FloatArray]  # since the start of the run, each (time,) [J]; see `energies`
     balance: Balance  # at its end
-    stride: int  # every how many instants make a readable record
-    thinning: int  # every how many of those a long run records
+    stride: int  # instants per readable record
+    thinning: int  # readable records per record of a long run
     method: str
-    steps: int  # the method took, if it takes steps
+    steps: int  # of the method, if it has steps of its own
 
     @property
     def end(self) -> tuple[FloatArray, ...]:
@@ -43,8 +43,8 @@ def recorded(system: System, leg: Leg, sea: Sea | None, window: tuple[float, flo
     """Return the record of a leg: motion, forces by name, energies, elevation.
 
     Every readable instant of a short run. Of a long one a part of them, and those in the window [s] where a coordinate,
-    a velocity or the power taken off is extreme: figures of merit are those of all instants.
-    A rigid design carries its motions, a flexible one heave and all shell modes; an assumed pressure has no elevation.
+    a velocity or the absorbed power is extreme: figures of merit are those of all instants.
+    A rigid design records its motions, a flexible one heave and all shell modes; an assumed pressure has no elevation.
     """
     motion, scene = leg.motion, system.scene
     carried = [i for i, row in enumerate(scene.motions) if scene.flexible or row.any()]
@@ -77,19 +77,19 @@ def _extremes(series: FloatArray, inside: BoolArray) -> IntArray:
 EXACT = "exact propagation"
 WET_SWITCHING = "exponential collocation between switches"
 CONVOLVED = 1e-4
-"""Energy residual of a convolution: its motion is of second order, and so is what it loses."""
+"""Energy residual of a convolution: its motion is of second order, and so is its energy error."""
 FEWEST_IN_WINDOW = 4
-"""Instants recorded in the window of the statistics, at least."""
+"""Least number of instants recorded in the window of the statistics."""
 ROUND_OFF = 1e-9
-"""Energy residual that is as good as none [-]."""
+"""Energy residual that is round-off [-]."""
 FINEST = 2**5
 """Most samples per recorded step."""
 Follow = Callable[[FloatArray, tuple[FloatArray, ...]], tuple[Motion, int]]
-"""Equally spaced instants, y, y' and memory at the first of them -> the motion, and the steps it took or 0."""
+"""Equally spaced instants, y, y' and memory at the first of them -> the motion, and the number of steps or 0."""
 
 
 class Method(NamedTuple):
-    """A way to follow a motion."""
+    """A method of integration."""
 
     words: str
     follower: Callable[[System, float, DampingSpectrum | None], Follow]  # of a system, to a tolerance
@@ -134,16 +134,16 @@ def suited(system: System) -> str:
 def simulate(
     system: System, sea: Sea, settings: Simulation, spectrum: DampingSpectrum | None
 ) -> tuple[Motion, int, str]:
-    """Return the whole motion of a scene at once, every how many instants make a readable record, and the method.
+    """Return the whole motion of a scene at once, the number of instants per readable record, and the method.
 
-    See `legs`, which take no more memory for a longer run.
+    See `legs`, whose memory does not grow with the run.
     """
     (leg,) = legs(system, sea, settings, spectrum, longest=None)
     return leg.motion, leg.stride, in_words(leg.method, leg.steps)
 
 
 def in_words(method: str, steps: int) -> str:
-    """Return how a motion was followed; only some methods take steps of their own."""
+    """Return the method in words, with its number of steps if it has its own."""
     return f"{method}, {steps} steps" if steps else method
 
 
@@ -157,11 +157,11 @@ def legs(
     system : System
     sea : Sea
     settings : Simulation
-        Duration, initial heave and velocity, method, tolerance. Exact propagation runs once. What is not linear is
-        recorded at half the distance until the audit closes to the tolerance: this sharpens the audit, not the
+        Duration, initial heave and velocity, method, tolerance. Exact propagation runs once. Nonlinear scenes
+        are recorded at half the distance until the audit closes to the tolerance: this refines the audit, not the
         motion. For the convolution that distance is the step.
     spectrum : DampingSpectrum or None
-        Only the convolution reads it.
+        For the convolution only.
     longest : int or None
         Most instants of a leg; None: one leg, as the convolution, which needs its whole past, always has.
 

@@ -16,13 +16,13 @@ import numpy as np
 from scipy.optimize import brentq
 
 from vsb.errors import ConvergenceError
-from vsb.integrators.phases import Phase, Signals, WetPhase, felt_rate
+from vsb.integrators.phases import Phase, Signals, WetPhase, port_rate
 from vsb.integrators.works import TERMS, Load, Piece, account
 from vsb.motion.system import EndStop, Motion, System, TakeOff, joined
 from vsb.tools.arrays import BoolArray, FloatArray
 
 SOON = 2.0**-20
-"""Part of a span after which a guard that has just vanished shows, above round-off, which way it goes."""
+"""Part of a span after which a guard that has just vanished has a sign above round-off."""
 
 
 def sign(value: FloatArray | float) -> int:
@@ -41,21 +41,21 @@ class Mode(NamedTuple):
 
 
 class Lookout(NamedTuple):
-    """How far apart the instants are at which events are looked for."""
+    """Distance of the instants at which events are looked for."""
 
-    step: float  # where the stop is pressed [s]
-    stride: int = 1  # of these steps at once where it is not, a power of 2
+    step: float  # while the stop is in contact [s]
+    stride: int = 1  # steps at once while it is not, a power of 2
 
     def steps(self, mode: Mode) -> int:
-        """Return how many steps at once a mode takes."""
+        """Return the number of steps at once in a mode."""
         return 1 if mode.contact else self.stride
 
     def apart(self, mode: Mode) -> float:
-        """Return how far apart the instants of a mode are [s]."""
+        """Return the distance of instants in a mode [s]."""
         return self.step * self.steps(mode)
 
     def ahead(self, mode: Mode, i: int, far: int) -> slice:
-        """Return which steps a mode looks at next, at most so many, from the i-th step on or some time after it."""
+        """Return the next steps of a mode, at most `far`, after the i-th step."""
         stride = self.steps(mode)
         first = (i // stride + 1) * stride
         return slice(first, first + far * stride, stride)
@@ -63,7 +63,7 @@ class Lookout(NamedTuple):
 
 @dataclass
 class Track:
-    """Nodes of a run as they are found; each with the mode from there on."""
+    """Nodes of a run as they are computed; each with the mode from there on."""
 
     lookout: Lookout
     times: list[FloatArray] = field(default_factory=list)
@@ -83,12 +83,12 @@ class Track:
         self.modes += [mode] * len(times)
 
     def switch(self, t: float, state: FloatArray, mode: Mode) -> None:
-        """Add the node of an event, from which another mode is on."""
+        """Add the node of an event, with the mode after it."""
         self.events.append(t)
         self.add(np.array([t]), state[None], mode, np.array([False]))
 
     def leave(self, state: FloatArray, error: float) -> None:
-        """Note how a step leaves the last node, and its error."""
+        """Record the state in which a step leaves the last node, and its error."""
         self.leaving[-1] = np.vstack([self.leaving[-1][:-1], state[None]])
         self.error += error
 
@@ -106,7 +106,7 @@ class Track:
 
 
 def dips(values: FloatArray, rates: FloatArray) -> list[tuple[int, float]]:
-    """Return the spans in which a guard, positive at both ends, is likely to dip below zero, and where it is lowest.
+    """Return the spans in which a guard, positive at both ends, may dip below zero, and where it is lowest.
 
     Parameters
     ----------
@@ -135,13 +135,13 @@ def dips(values: FloatArray, rates: FloatArray) -> list[tuple[int, float]]:
 
 
 RESOLVED = 0.25
-"""Of a radian: how far apart the instants of the lookout are at most, for the fastest motion the port feels."""
+"""Largest distance of the instants of the lookout [rad], for the fastest motion at the port."""
 EXACT, COARSER = 1e-6, 4.0
-"""Tolerance it serves, by works and steps of order 6, and how much farther apart they are at most for a larger one."""
-CLOSE = 8  # instants looked ahead after an event; twice as many each time that no other comes
+"""Tolerance for which it is chosen, with works and steps of order 6, and its largest increase for a larger one."""
+CLOSE = 8  # instants computed ahead after an event; doubled each time there is no other
 FINEST = 10  # halvings of a recorded step, for accuracy
 AT_ONCE = 2**15
-"""Instants of the lookout followed and accounted for together: a run takes no more memory for having more of them."""
+"""Instants of the lookout computed together: bounds the memory of a run."""
 MOST_EVENTS = 1000
 """In one recorded step, before a run is given up."""
 
@@ -189,10 +189,10 @@ class Switching:
         return self.system.shapes.T @ self.law.direction
 
     def rate(self, stop: EndStop | None) -> float:
-        """Return the fastest rate the port feels [rad/s]: of modes under each spring, of the laws' dampers."""
+        """Return the fastest rate at the port [rad/s]: of modes under each spring, of the laws' dampers."""
         springs = {0.0, self.law.stiffness, stop.stiffness if stop else 0.0}
         dampers = (self.law.damping, self.law.paused_damping, stop.damping if stop else 0.0)
-        return felt_rate(self.system, self.port, springs, [c for c in dampers if np.isfinite(c)])
+        return port_rate(self.system, self.port, springs, [c for c in dampers if np.isfinite(c)])
 
     def finer(self, dt: float) -> int:
         """Return how many instants of the lookout there are in a recorded step, a power of 2."""
@@ -204,7 +204,7 @@ class Switching:
         return int(2 ** max(0, int(np.ceil(np.log2(angle / apart)))))
 
     def lookout(self, time: FloatArray, finer: int) -> Lookout:
-        """Return the lookout of so many instants in a recorded step; an end stop's rate counts where it is pressed."""
+        """Return the lookout of so many instants in a recorded step; an end stop's rate counts in contact."""
         dt, whole = float(time[1] - time[0]), float(time[-1] - time[0])
         return Lookout(whole / ((len(time) - 1) * finer), self.finer(dt) // self._instants(self.rate(None) * dt))
 
@@ -215,7 +215,7 @@ class Switching:
         return bool(np.isinf(self.law.coefficients(mode.paused)[0]))
 
     def taken(self, mode: Mode) -> Load:
-        """Force of the take-off, but for that which holds the port."""
+        """Force of the take-off, except that which holds the port."""
         c, k = self.law.coefficients(mode.paused)
         if np.isinf(c):
             return Load(0.0, 0.0, -mode.way * self.law.limit if mode.way else 0.0)
@@ -245,7 +245,7 @@ class Switching:
     # events ---------------------------------------------------------------------------------------------------------
 
     def guards(self, mode: Mode, at: Signals, time: FloatArray) -> dict[str, FloatArray]:
-        """Return what must not become negative, by the event it stands for."""
+        """Return the guards by event: an event occurs where its guard becomes negative."""
         out, law = {"resume": mode.until - time} if mode.paused else {}, self.law
         if mode.way:
             out["turn"] = mode.way * at.velocity
@@ -260,7 +260,7 @@ class Switching:
         return out
 
     def _within(self, mode: Mode, at: Signals) -> FloatArray:
-        """By how much the spring-damper's force is below its limit [N]; of a limited one on its side."""
+        """Distance of the spring-damper's force below its limit [N]; of a limited one on its side."""
         c, k = self.law.coefficients(mode.paused)
         wanted = c * at.velocity + k * at.stroke
         return self.law.limit - (mode.limited * wanted if mode.limited else np.abs(wanted))
@@ -281,7 +281,7 @@ class Switching:
         return mode._replace(contact=0 if mode.contact else sign(at.stroke))
 
     def limited(self, mode: Mode, at: Signals, crossed: bool = False) -> Mode:
-        """Return the mode with the piece of the spring-damper that its force asks for."""
+        """Return the mode with the piece of the spring-damper for its force."""
         c, k = self.law.coefficients(mode.paused)
         if np.isinf(c):
             return mode._replace(limited=0)
@@ -289,39 +289,39 @@ class Switching:
         return mode._replace(limited=sign(wanted) if crossed or abs(wanted) > self.law.limit else 0)
 
     def stuck(self, mode: Mode, at: Signals) -> Mode:
-        """Return the mode of friction at rest: held, or pushed on."""
+        """Return the mode of friction at rest: held, or slipping on."""
         return mode._replace(way=0 if abs(at.push) <= self.law.limit else sign(at.push))
 
-    def pushed(self, mode: Mode, t: float, state: FloatArray, lookout: Lookout) -> Signals:
+    def signals_if_held(self, mode: Mode, t: float, state: FloatArray, lookout: Lookout) -> Signals:
         """Return the signals of the port if friction held it."""
         phase, f = self.phase(mode._replace(way=0, limited=0, paused=True) if mode.way else mode, lookout)
-        return Signals(*(signal[0] for signal in phase.watched(np.array([t]), self.under(f, state)[None])))
+        return Signals(*(signal[0] for signal in phase.watched(np.array([t]), self.with_constant(f, state)[None])))
 
-    def under(self, constant: float, state: FloatArray) -> FloatArray:
+    def with_constant(self, constant: float, state: FloatArray) -> FloatArray:
         """Return (z, f, ...) with another constant force f."""
         out = state.copy()
         out[len(self.system.matrix)] = constant
         return out
 
     def fresh(self, t: float, z: FloatArray, lookout: Lookout) -> FloatArray:
-        """Return (z, 0, ...) of a run that begins."""
+        """Return (z, 0, ...) of a run that starts."""
         phase, _ = self.phase(Mode(1), lookout)
         return phase.reset(np.append(z, np.zeros(len(phase.flow) - len(z))), t)
 
     def first(self, t: float, state: FloatArray, lookout: Lookout) -> Mode:
-        """Return the mode a run begins with."""
+        """Return the mode at the start of a run."""
         n = self.system.free
         stroke = self.port / self.system.scale @ state[:n] - self.law.rest
         speed = self.port @ state[n : 2 * n]
         outside = self.stop is not None and abs(stroke) > self.stop.stroke
         mode = Mode(sign(speed), contact=sign(stroke) if outside else 0)
-        at = self.pushed(mode, t, state, lookout)
+        at = self.signals_if_held(mode, t, state, lookout)
         if speed == 0:
             mode = self.stuck(mode, at) if self.friction(mode) else mode._replace(way=sign(at.push))
         return self.limited(mode, at)
 
     def held(self, z: FloatArray) -> FloatArray:
-        """Return z with the port at rest, which friction has brought it to but for round-off."""
+        """Return z with the port exactly at rest, where friction has stopped it."""
         n, out = self.system.free, z.copy()
         out[n : 2 * n] -= self.port * (self.port @ z[n : 2 * n]) / (self.port @ self.port)
         return out
@@ -329,12 +329,12 @@ class Switching:
     # runs -----------------------------------------------------------------------------------------------------------
 
     def track(self, time: FloatArray, z: FloatArray, finer: int) -> tuple[Track, Mode]:
-        """Return the motion from node to node, the instants of the lookout and the events, and the mode at its end.
+        """Return the motion at its nodes, the instants of the lookout and the events, and the mode at its end.
 
         Raises
         ------
         ConvergenceError
-            If events come without end.
+            If the take-off switches without end.
         """
         count, lookout = (len(time) - 1) * finer, self.lookout(time, finer)
         grid, whole = np.linspace(time[0], time[-1], count + 1), np.arange(count + 1) % lookout.stride == 0
@@ -344,7 +344,7 @@ class Switching:
         track.add(grid[:1], state[None], mode, whole[:1])
         while i < count and np.isfinite(track.error):
             phase, f = self.phase(mode, lookout)
-            state, error = phase.begun(t, self.under(f, state))
+            state, error = phase.begun(t, self.with_constant(f, state))
             track.leave(state, error)
             transient = phase.transient(t, state)
             even = t == grid[i] and i % lookout.steps(mode) == 0
@@ -363,7 +363,7 @@ class Switching:
                 span, event = self.next_event(broken, mode, phase, t, transient, float(ahead[passed]) - t)
                 t += span
                 state = phase.states(np.array([t]), phase.later(transient, span)[None])[0]
-                mode = self.after(event, mode, t, self.pushed(mode, t, state, lookout))
+                mode = self.after(event, mode, t, self.signals_if_held(mode, t, state, lookout))
                 state = state if mode.way else self.held(state)
                 track.switch(t, state, mode)
                 i = max(i, int(np.searchsorted(grid, t)) - 1)
@@ -374,14 +374,14 @@ class Switching:
         return track, mode
 
     def tracked(self, time: FloatArray, start: tuple[FloatArray, ...], share: float = 1.0) -> tuple[Track, int]:
-        """Return the motion from node to node, and how many instants of the lookout make a recorded step.
+        """Return the motion at its nodes, and the number of instants of the lookout in a recorded step.
 
-        `share` is the part of the tolerance that these instants may use up.
+        `share` is the part of the tolerance for these instants.
 
         Raises
         ------
         ConvergenceError
-            If the finest lookout does not follow a body-exact motion to the tolerance.
+            If a body-exact motion is not followed to the tolerance with the finest lookout.
         """
         finer, z = self.finer(float(time[1] - time[0])), self.system.first(start)
         while True:
@@ -399,10 +399,10 @@ class Switching:
     def undisturbed(
         self, mode: Mode, phase: Phase, time: FloatArray, states: FloatArray, transients: FloatArray
     ) -> tuple[int, dict[str, float]]:
-        """Return how many spans no event falls into, and the guards that are negative in the next one: after what part.
+        """Return the number of spans without event, and the guards negative in the next one with the part of it.
 
-        Guards are negative at the end of a span, or at the bottom of a dip inside it. Time, states and transients are
-        those from the begin of the first span on.
+        Guards are negative at the end of a span, or at the minimum of a dip inside it. Time, states and transients
+        start at the beginning of the first span.
         """
         at, span = phase.watched(time, states), time[-1] - time[-2]
         guards = self.guards(mode, at, time)
@@ -416,7 +416,7 @@ class Switching:
         return first, {name: float(part) for name, part in found if np.isfinite(part)}
 
     def rates(self, mode: Mode, at: Signals) -> dict[str, FloatArray]:
-        """Return the rates of those guards whose signals tell them."""
+        """Return the rates of the guards for which they are known."""
         out, law = {}, self.law
         gained = at.push * float(self.port @ self.port)  # V'
         if mode.way:
@@ -430,14 +430,14 @@ class Switching:
         return out
 
     def guard(self, name: str, mode: Mode, phase: Phase, t: float, transient: FloatArray, s: float) -> float:
-        """Return a guard so long after an instant whose transient is given."""
+        """Return a guard at a time s after an instant with a given transient."""
         at, here = np.array([t + s]), phase.later(transient, s)[None]
         return float(self.guards(mode, phase.watched(at, phase.states(at, here)), at)[name][0])
 
     def next_event(
         self, broken: dict[str, float], mode: Mode, phase: Phase, t: float, transient: FloatArray, span: float
     ) -> tuple[float, str]:
-        """Return when in a span the first of some guards vanishes, negative after a part of it, and its event."""
+        """Return the time in a span when the first of some guards vanishes, and its event."""
 
         def guard(s: float, name: str) -> float:
             return self.guard(name, mode, phase, t, transient, s)
@@ -456,7 +456,7 @@ class Switching:
         return min(zeros)
 
     def follow(self, time: FloatArray, start: tuple[FloatArray, ...]) -> tuple[Motion, int]:
-        """Return the motion at equally spaced instants, from where a leg left it or its start, and the switches."""
+        """Return the motion at equally spaced instants, from its start or a leg's end, and the number of switches."""
         steps = len(time) - 1
         block = max(1, AT_ONCE // self.finer(float(time[1] - time[0])))
         blocks, switches = [], 0
@@ -468,7 +468,7 @@ class Switching:
         return joined(blocks), switches
 
     def _block(self, time: FloatArray, start: tuple[FloatArray, ...], share: float) -> tuple[Motion, int]:
-        """Motion and number of switches of a part of a run, which may use up a share of the tolerance."""
+        """Motion and number of switches of a part of a run, with a share of the tolerance."""
         begun = clock.perf_counter()
         track, finer = self.tracked(time, start, share)
         nodes, states, leaving = (np.concatenate(part) for part in (track.times, track.states, track.leaving))
@@ -495,7 +495,7 @@ class Switching:
         return motion, len(track.events)
 
     def pieces(self, track: Track) -> dict[Piece, list[int]]:
-        """Return which pieces are in force from which nodes on."""
+        """Return the nodes from which each piece is in force."""
         out: dict[Piece, list[int]] = {}
         for mode, own in track.nodes().items():
             phase, _ = self.phase(mode, track.lookout)
@@ -511,7 +511,7 @@ def switched(
     Parameters
     ----------
     system : System
-        Linear or body-exact but for a `TakeOff` and perhaps an `EndStop`.
+        Linear or body-exact except for a `TakeOff` and perhaps an `EndStop`.
     time, start
         See `vsb.integrators.exact.propagate`.
     tolerance : float
@@ -520,8 +520,8 @@ def switched(
     Raises
     ------
     ConvergenceError
-        If switches come without end, or a body-exact motion is not followed to the tolerance.
+        If the take-off switches without end, or a body-exact motion is not followed to the tolerance.
     ValueError
-        If the scene is none of the kind.
+        If the scene has no switching take-off, or other nonlinear forces.
     """
     return Switching(system, tolerance).follow(time, start)

@@ -5,8 +5,8 @@ first two derivatives are known at both, z' = A z + B g and z'' = A z' + B g'. P
 
     int P dt = h/2 (P0 + P1) + h^2/10 (P0' - P1') + h^3/120 (P0'' + P1''):
 
-work along the exact motion, against which what the states store is audited. What the water does beyond its tangent is
-the waves' work but for the part that is stored.
+work along the exact motion, against which what the states store is audited. Work of the water beyond its tangent is
+the waves' work, except the part that is stored.
 """
 
 from typing import NamedTuple
@@ -26,7 +26,7 @@ AT_ONCE = 512
 class Load(NamedTuple):
     """A force -(c V + k S) + f at the port."""
 
-    damping: float  # c [kg/s]
+    damping: float  # c [N s/m]
     stiffness: float  # k [N/m]
     constant: float  # f [N]
 
@@ -35,7 +35,7 @@ class Piece(NamedTuple):
     """What is in force between two events."""
 
     phase: Phase
-    taken: Load  # by the take-off, but for what holds the port
+    taken: Load  # by the take-off, except the force that holds the port
     stopped: Load  # by the end stop
 
     def jet(self, states: FloatArray, driven: FloatArray) -> FloatArray:
@@ -69,7 +69,7 @@ class Piece(NamedTuple):
         rate, memory = jet[:, :, n : 2 * n], jet[:, :, 2 * n :]
         velocity = (rate @ phase.port)[:, :, None]
         taken = self.at_port(self.taken, jet)[:, :, None]
-        stopped = -self.stopped.damping * velocity  # what its spring takes is stored
+        stopped = -self.stopped.damping * velocity  # the energy of its spring is stored
         radiated = memory @ channel
         return np.array([
             product(rate, driven),

@@ -1,9 +1,10 @@
 """Scenes of one design in one sea: linear, body-exact, and the paper's under an assumed pressure."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.linalg import null_space
 
 from vsb.hydro.dofs import flexible
 from vsb.hydro.statespace import RadiationModel
@@ -19,61 +20,114 @@ from vsb.motion.forces import (
     SpringDamper,
     WaterPressure,
 )
-from vsb.motion.frequency import LinearBuoy
 from vsb.motion.froude_krylov import Incident, incident
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene, resting
-from vsb.motion.wetted import wet_shell
+from vsb.motion.wetted import WetShell
 from vsb.shell.deformed import DeformedShell, ReferenceShell
+from vsb.study.quantities import motion_of
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea
 
+_UNMOVED = 1e-9  # share of a degree of freedom in the motions allowed that is round-off: it does not move
 
-def linear_scene(buoy: LinearBuoy, radiation: RadiationModel, sea: Sea, motions: FloatArray) -> Scene:
-    """Return the linear hydroelastic scene of one design in one sea, with the forces it has and no others."""
-    database = buoy.database
-    forces: dict[str, Force] = {
-        "hydrostatic": Spring(buoy.stiffness_parts["hydrostatic"]),
-        "radiation": RadiationMemory(radiation),
-    }
-    forces |= _behind_chamber(buoy) if buoy.chamber else take_off(buoy.pto, len(buoy.mass))
-    labels = tuple(str(label) for label in database.influenced_dof.values)
-    if flexible(labels, motions):
-        forces |= _shell_springs(buoy.stiffness_parts, buoy.structural_damping)
-    if "mooring" in buoy.stiffness_parts:
-        forces["mooring"] = Spring(buoy.stiffness_parts["mooring"])
-    if sea.omega.size:
-        excitation = buoy.coefficients(sea.omega).excitation
-        forces["excitation"] = Excitation(sea.omega, sea.amplitude[:, None] * excitation)
-    return Scene(labels, buoy.mass + buoy.added_mass_inf, forces, motions)
+
+def linear_scene(
+    system: LinearSystem,
+    radiation: RadiationModel | None,
+    waves: Sea | Mapping[float, Sea],
+    motions: FloatArray | None = None,
+    added_mass_inf: FloatArray | None = None,
+) -> Scene:
+    """Return the linear scene of a buoy or body in waves, with only the forces that exist.
+
+    Parameters
+    ----------
+    system : LinearSystem
+    radiation : RadiationModel or None
+        None: it radiates no waves.
+    waves : Sea or mapping of float to Sea
+        In the system's direction, or direction [rad] -> sea; without components: still water.
+    motions : ndarray, shape (dof, free), optional
+        Those allowed; all.
+    added_mass_inf : ndarray, shape (dof, dof), optional
+        Of a radiation memory fitted with its own [kg]; of the database.
+
+    Raises
+    ------
+    StabilityError
+        If a body is unstable at rest.
+    """
+    dof, labels = len(system.labels), system.labels
+    free = np.eye(dof) if motions is None else motions
+    if not system.axisymmetric:
+        system.unrestrained(free.T @ system.held @ free, free)  # raises
+    forces: dict[str, Force] = {"hydrostatic": Spring(system.stiffness_parts["hydrostatic"])}
+    if radiation:
+        forces["radiation"] = RadiationMemory(radiation)
+    forces |= _behind_chamber(system) if system.chamber else take_off(system.pto, dof)
+    if not system.axisymmetric or flexible(labels, free):
+        forces |= _elastic_forces(system.stiffness_parts, system.structural_damping)
+    if "mooring" in system.stiffness_parts:
+        forces["mooring"] = Spring(system.stiffness_parts["mooring"])
+    seas = {system.direction: waves} if isinstance(waves, Sea) else waves
+    if seas := {direction: sea for direction, sea in seas.items() if sea.omega.size}:
+        phasors = [
+            sea.amplitude[:, None] * replace(system, direction=at).coefficients(sea.omega).excitation
+            for at, sea in seas.items()
+        ]
+        forces["excitation"] = Excitation(together(seas).omega, np.concatenate(phasors))
+    mass = system.mass + (system.added_mass_inf if added_mass_inf is None else added_mass_inf)
+    return Scene(labels, mass, forces, free, heave=_heave(labels, mass, free))
+
+
+def together(waves: Mapping[float, Sea]) -> Sea:
+    """Return seas of several directions as one, the elevation at the origin."""
+    seas = list(waves.values()) or [NO_WAVES]
+    return Sea(np.concatenate([sea.omega for sea in seas]), np.concatenate([sea.amplitude for sea in seas]))
+
+
+def _heave(labels: Sequence[str], mass: FloatArray, free: FloatArray) -> FloatArray:
+    """Return y of a unit of heave, of the first body that heaves, or of the first motion there is, shape (free,).
+
+    Where a design couples it with other motions it is the motion q = N y nearest to heave alone in kinetic energy:
+    (q - e)^T M (q - e) least for q_heave = 1, whatever units and order the motions have.
+    """
+    moving = [i for i, row in enumerate(free) if np.abs(row).max() > _UNMOVED * np.abs(free).max()]
+    lead = next((i for i in moving if motion_of(labels[i]) == "Heave"), moving[0])
+    y, others = free[lead] / (free[lead] @ free[lead]), null_space(free[lead][None])
+    besides, apart = free @ others, free @ y - np.eye(len(labels))[lead]
+    return np.asarray(y - others @ np.linalg.solve(besides.T @ mass @ besides, besides.T @ mass @ apart))
 
 
 def take_off(pto: LinearPto, dof: int) -> dict[str, Force]:
-    """Return the force of a take-off that is there, its spring slack about the rest, by name."""
+    """Return the force of a take-off by name, its spring slack at rest; none without damper and spring."""
     if pto.stiffness:
         return {"pto": SpringDamper(pto.spring(dof), pto.matrix(dof), np.zeros(dof))}
     return {"pto": Damper(pto.matrix(dof))} if pto.damping else {}
 
 
-def _behind_chamber(buoy: LinearBuoy) -> dict[str, Force]:
-    """Force of a take-off behind a chamber; without a damper a spring is left, if there is one."""
+def _behind_chamber(buoy: LinearSystem) -> dict[str, Force]:
+    """Force of a take-off behind a chamber; without a damper a spring remains, if there is one."""
     dof, (beside, compliance) = len(buoy.mass), buoy.pto.relaxed(buoy.chamber)
     if not beside.damping:
         return take_off(beside, dof)
     return {"pto": RelaxingDamper(beside.spring(dof), beside.direction(dof), float(beside.damping), compliance)}
 
 
-def _shell_springs(stiffness: Mapping[str, FloatArray], damping: FloatArray) -> dict[str, Force]:
-    """Elastic, prestress and gas forces of a flexible design, and its structural damping."""
+def _elastic_forces(stiffness: Mapping[str, FloatArray], damping: FloatArray) -> dict[str, Force]:
+    """Elastic, prestress and gas forces and structural damping, as far as they exist."""
     parts = {"elastic": "structural", "prestress": "prestress", "gas": "gas"}
-    springs: dict[str, Force] = {force: Spring(stiffness[name]) for force, name in parts.items() if name in stiffness}
+    springs = {force: stiffness[name] for force, name in parts.items() if name in stiffness}
+    forces: dict[str, Force] = {force: Spring(matrix) for force, matrix in springs.items() if matrix.any()}
     if damping.any():
-        springs["structural_damping"] = Damper(damping)
-    return springs
+        forces["structural_damping"] = Damper(damping)
+    return forces
 
 
 def body_exact_scene(
-    buoy: LinearBuoy, shape: DeformedShell, radiation: RadiationModel, sea: Sea, motions: FloatArray
+    buoy: LinearSystem, shape: DeformedShell, radiation: RadiationModel, sea: Sea, motions: FloatArray
 ) -> Scene:
     """Return the scene with hydrostatics and Froude-Krylov forces on the instantaneous wet shell of one design.
 
@@ -81,7 +135,7 @@ def body_exact_scene(
 
     Parameters
     ----------
-    buoy : LinearBuoy
+    buoy : LinearSystem
     shape : DeformedShell
         The reference shape of its database.
     radiation : RadiationModel
@@ -127,7 +181,7 @@ def still_scene(reference: ReferenceShell, density: float, gravity: float, motio
         If the shell gives way under its static load.
     """
     basis = reference.basis
-    springs = _shell_springs(reference.stiffness, basis.damping) if flexible(basis.labels, motions) else {}
+    springs = _elastic_forces(reference.stiffness, basis.damping) if flexible(basis.labels, motions) else {}
     forces = _loaded(springs, reference.shape, reference.stiffness["hydrostatic"], density * gravity, gravity, None)
     scene = Scene(basis.labels, basis.inertia, forces, motions)
     return replace(scene, origin=resting(scene))
@@ -142,7 +196,7 @@ def _loaded(
     waves: Incident | None,
 ) -> dict[str, Force]:
     """Forces of a scene with water on the instantaneous wet shell and weight; a prestressed shell carries both."""
-    wet = wet_shell(shape.basis, shape.centre_height)
+    wet = WetShell(shape.basis, shape.centre_height)
     water = WaterPressure(wet, shape.modal_amplitude, specific_weight, hydrostatic, waves=waves)
     weight = ConstantForce(-gravity * shape.basis.inertia[0])
     forces = {**others, "water": water, "weight": weight}
@@ -174,14 +228,14 @@ def assumed_pressure_scene(
     """
     basis = shell.basis
     tangent = shell.hydrostatic_stiffness(density, gravity)
-    wet = wet_shell(basis, shell.centre_height)
+    wet = WetShell(basis, shell.centre_height)
     forces: dict[str, Force] = {
         "water": WaterPressure(wet, np.zeros(len(basis.labels)), density * gravity, tangent, assumed=load),
         "weight": ConstantForce(-gravity * basis.inertia[0]),
     }
     forces |= take_off(pto, len(basis.labels))
     if flexible(basis.labels, motions):
-        forces |= _shell_springs({"structural": basis.stiffness}, basis.damping)
+        forces |= _elastic_forces({"structural": basis.stiffness}, basis.damping)
     scene = Scene(basis.labels, basis.inertia, forces, motions)
     resting(scene)  # a shell that cannot carry its load collapses: no buoy, however well integrated
     return scene

@@ -14,7 +14,7 @@ from scipy.ndimage import maximum_filter1d
 
 from vsb.hydro.database import ESTIMATE, Coefficients, stored_checks
 from vsb.hydro.orders import order_groups
-from vsb.motion.frequency import LinearBuoy, LinearMotion
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import Port
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.dispersion import group_velocity, wavenumber
@@ -72,7 +72,7 @@ def sensitivity(
     ----------
     omega : ndarray, shape (omega,) [rad/s]
     moved : tuple of ndarray, each shape (omega, dof)
-        Motions free of the take-off and under its unit force, of `vsb.motion.frequency.LinearMotion.free_motion`.
+        Motions free of the take-off and under its unit force, of `vsb.motion.linear.LinearSystem.free_motion`.
     port : Port
         At these frequencies, as the load sees it.
     load : ndarray, shape (omega,) [N s/m]
@@ -159,12 +159,12 @@ were at most 0.98 and 0.28 of the bound.
 """
 
 
-def coefficient_errors(linear: LinearMotion, omega: FloatArray) -> list[CoefficientError]:
+def coefficient_errors(linear: LinearSystem, omega: FloatArray) -> list[CoefficientError]:
     """Return the estimated errors of the coefficients of a buoy or body, each source by itself.
 
     Parameters
     ----------
-    linear : LinearMotion
+    linear : LinearSystem
         In waves of some direction.
     omega : ndarray, shape (omega,) [rad/s]
         In the band solved.
@@ -183,7 +183,7 @@ def coefficient_errors(linear: LinearMotion, omega: FloatArray) -> list[Coeffici
     else:
         errors = [relative_error(OF_OTHERS, found, UNSTATED)]
     between = stated.get("interpolation_error", 0.0)
-    if isinstance(linear, LinearBuoy):
+    if linear.axisymmetric:
         errors.append(_between(linear, omega, found, between))
     elif between:
         errors.append(relative_error(INTERPOLATION, found, between))
@@ -196,7 +196,7 @@ def relative_error(name: str, found: Coefficients, size: float) -> CoefficientEr
     return CoefficientError(name, Coefficients(mass, damping, force.astype(complex)), signed=False)
 
 
-def _stored(linear: LinearMotion, omega: FloatArray) -> list[CoefficientError]:
+def _stored(linear: LinearSystem, omega: FloatArray) -> list[CoefficientError]:
     """Errors as a database holds them, on straight lines between its frequencies."""
     ds = linear.database
     mass, damping, force = (
@@ -213,7 +213,7 @@ def _stored(linear: LinearMotion, omega: FloatArray) -> list[CoefficientError]:
     ]
 
 
-def _between(linear: LinearBuoy, omega: FloatArray, found: Coefficients, stated: float) -> CoefficientError:
+def _between(linear: LinearSystem, omega: FloatArray, found: Coefficients, stated: float) -> CoefficientError:
     """Errors of what is interpolated between the frequencies solved, of a body of revolution.
 
     Of orders m >= 1, whose damping is made from excitation, the stated error of interpolation is taken of every entry.
@@ -247,9 +247,9 @@ def haskind_misfits(
     ----------
     omega : ndarray, shape (omega,) [rad/s]
         Closer than the frequencies solved.
-    damping : ndarray, shape (omega, dof, dof) [kg/s]
+    damping : ndarray, shape (omega, dof, dof) [N s/m]
         As solved and interpolated.
-    channelled : ndarray, shape (omega, dof, dof) [kg/s]
+    channelled : ndarray, shape (omega, dof, dof) [N s/m]
         As it is used, of one radiation channel.
     excitation : ndarray, shape (omega, dof) [N/m]
     depth, density, gravity : float

@@ -1,17 +1,17 @@
 """Quadratic drag in the frequency domain: the port of a buoy that a drag brakes, by equivalent linearisation.
 
-Drag c |u| u of the velocity u past the water (`vsb.motion.forces.QuadraticDrag`) takes as much as a damper
+Drag c |u| u of the velocity u past the water (`vsb.motion.forces.QuadraticDrag`) dissipates as much as a damper
 
     D = 8/(3 pi) c |U|    in a regular wave,        D = sqrt(8/pi) c s    in a sea of standard deviation s of u,
 
-the first harmonic of the one, the least mean square of what is missed of the other, Gaussian. How fast the buoy moves
-follows from D again: D = g(D), and as more damping never makes u larger, g falls and there is one such D.
+the first harmonic in the former, the least mean square error in the latter, Gaussian. The motion depends on D in turn:
+D = g(D), and as more damping never makes u larger, g decreases and there is one such D.
 
 With the take-off's port b and the dragged directions d, per frequency and unit wave amplitude,
 
     V_b = V_b0 - Y_bb F_b - Y_bd F_d,   V_d = V_d0 - Y_bd F_b - Y_dd F_d,   F_d = D u,   u = V_d - w.
 
-Of several directions, each has a D of its own, met with the motion beside all of them.
+With several directions, each has its own D, in the motion with all of them.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,30 +22,30 @@ import numpy as np
 from scipy.optimize.elementwise import find_root
 
 from vsb.errors import ConvergenceError
-from vsb.motion.frequency import LinearMotion
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import Port
 from vsb.motion.tuning import MARGIN, Load, best_dampers, best_pairs, climbed, electrical_power
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 REGULAR, GAUSSIAN = 8 / (3 * np.pi), np.sqrt(8 / np.pi)
 """Linear damping over drag coefficient and amplitude of u, or over its standard deviation."""
-SETTLED = 1e-12
-"""Of the damping: how well it is solved for."""
+CONVERGED = 1e-12
+"""Relative tolerance on D."""
 STEP = 0.25
 """Step of the logarithms of the dampers tried first."""
 MOST_TURNS = 200
-"""Steps in which dampers of several directions settle, before they are given up."""
+"""Most iterations for the dampers of several directions."""
 ROUNDS = 4
-"""Turns of drag and the pair that is best beside it, before pairs are compared at their own drag."""
+"""Iterations of drag and its optimal pair, before pairs are compared at their own drag."""
 
 
-class Seen(NamedTuple):
-    """What the drag sees under loads at the port, per load."""
+class Relative(NamedTuple):
+    """Flow past the dragged directions and their admittance under loads at the port, per load."""
 
     flow: ComplexArray  # u without drag, per wave amplitude (load, omega, dragged) [1/s]
     admittance: ComplexArray  # of d (load, omega, dragged, dragged) [m/(N s)]
 
-    def under(self, drag: FloatArray, at: IntArray) -> ComplexArray:
+    def with_drag(self, drag: FloatArray, at: IntArray) -> ComplexArray:
         """Return u under the drag's dampers (case, dragged), each case at one of the loads, (case, omega, dragged)."""
         held = self.admittance[at] * drag[:, None, None, :]
         if held.shape[-1] == 1:
@@ -66,7 +66,7 @@ class DraggedPort:
     @classmethod
     def of(
         cls,
-        buoy: LinearMotion,
+        buoy: LinearSystem,
         omega: FloatArray,
         motions: FloatArray,
         direction: FloatArray,
@@ -78,7 +78,7 @@ class DraggedPort:
 
         Parameters
         ----------
-        buoy : LinearMotion
+        buoy : LinearSystem
             In the waves of the flow.
         omega : ndarray, shape (omega,) [rad/s]
         motions : ndarray, shape (dof, free)
@@ -123,14 +123,14 @@ class DraggedPort:
             self.port.compliance,
         )
 
-    def seen(self, damping: FloatArray, stiffness: FloatArray) -> Seen:
-        """Return what the drag sees under loads; dampers and springs of shape (load,)."""
+    def seen(self, damping: FloatArray, stiffness: FloatArray) -> Relative:
+        """Return the relative flow under loads; dampers and springs of shape (load,)."""
         load = self.port.load(damping, stiffness)
         held = self.across * (load / (1 + self.port.admittance * load))[..., None]
         flow = self.past - held * self.port.velocity[:, None]
-        return Seen(flow, self.own - held[..., :, None] * self.across[:, None, :])
+        return Relative(flow, self.own - held[..., :, None] * self.across[:, None, :])
 
-    def settled(self, squares: FloatArray, damping: FloatArray, stiffness: FloatArray) -> FloatArray:
+    def equivalent(self, squares: FloatArray, damping: FloatArray, stiffness: FloatArray) -> FloatArray:
         """Return D of every load in every sea, shape (load, sea, dragged) [N s/m].
 
         Parameters
@@ -141,29 +141,30 @@ class DraggedPort:
         Raises
         ------
         ConvergenceError
-            If the dampers of several directions do not settle beside each other.
+            If the dampers of several directions do not converge.
         """
         seen, single = self.seen(damping, stiffness), (squares > 0).sum(axis=1) == 1
         factor = np.where(single, REGULAR, GAUSSIAN * np.sqrt(0.5))
         load, sea = np.indices((len(damping), len(squares))).reshape(2, -1)
 
         def given(drag: FloatArray, case: IntArray) -> FloatArray:
-            strength = np.abs(seen.under(drag, load[case])) ** 2
+            strength = np.abs(seen.with_drag(drag, load[case])) ** 2
             spread = np.sqrt(np.einsum("cwk,cw->ck", strength, squares[sea[case]]))
             return np.asarray(self.coefficient * factor[sea[case], None] * spread)
 
-        found = (_one_settled if len(self.coefficient) == 1 else _settled)(given, len(load), len(self.coefficient))
+        dragged = len(self.coefficient)
+        found = _one_equivalent(given, len(load)) if dragged == 1 else _several_equivalent(given, len(load), dragged)
         return found.reshape(len(damping), len(squares), -1)
 
     def powers(
         self, squares: FloatArray, damping: FloatArray, stiffness: FloatArray, efficiency: float = 1.0
     ) -> FloatArray:
-        """Return the mean power every load takes of every sea, drag at its own D, shape (load, sea) [W]."""
-        drag, seen = self.settled(squares, damping, stiffness), self.seen(damping, stiffness)
+        """Return the mean power of every load in every sea, with drag at its own D, shape (load, sea) [W]."""
+        drag, seen = self.equivalent(squares, damping, stiffness), self.seen(damping, stiffness)
         load, every = self.port.load(damping, stiffness), np.arange(len(damping))
         out = np.empty(drag.shape[:2])
         for sea, square in enumerate(squares):
-            braking = drag[:, sea, None, :] * seen.under(drag[:, sea], every)
+            braking = drag[:, sea, None, :] * seen.with_drag(drag[:, sea], every)
             pushed = self.port.velocity - np.einsum("wk,lwk->lw", self.across, braking)
             speed = 0.5 * square * np.abs(pushed / (1 + self.port.admittance * load)) ** 2
             mean = speed.sum(axis=1), (speed / self.port.omega**2).sum(axis=1)
@@ -172,44 +173,44 @@ class DraggedPort:
 
 
 Given = Callable[[FloatArray, IntArray], FloatArray]
-"""Dampers (case, dragged) in place, cases by number -> those their motion asks for, of the same shape."""
+"""Dampers (case, dragged) in place, case numbers -> dampers equivalent to their motion, of the same shape."""
 
 
-def _one_settled(given: Given, cases: int, _: int) -> FloatArray:
-    """Dampers of one direction, shape (case, 1): the root between none and what is asked for without one."""
+def _one_equivalent(given: Given, cases: int) -> FloatArray:
+    """Dampers of one direction, shape (case, 1): the root between 0 and the damper without drag."""
     most = given(np.zeros((cases, 1)), np.arange(cases))[:, 0]
 
     def missing(d: FloatArray, case: IntArray) -> FloatArray:
         return d - given(d[:, None], case)[:, 0]
 
     bracket = (np.zeros_like(most), 1.001 * most + 1e-300)
-    found = find_root(missing, bracket, args=(np.arange(cases),), tolerances={"xrtol": SETTLED})
+    found = find_root(missing, bracket, args=(np.arange(cases),), tolerances={"xrtol": CONVERGED})
     return np.asarray(found.x)[:, None]
 
 
-def _settled(given: Given, cases: int, count: int) -> FloatArray:
+def _several_equivalent(given: Given, cases: int, count: int) -> FloatArray:
     """Dampers of several directions, shape (case, dragged).
 
-    Halfway, on a logarithmic scale, to what they ask for: what a damper asks for falls with it, by its own share at
-    most, so that a step leaves at most half of the way.
+    Each step goes halfway to the equivalent ones on a logarithmic scale: these decrease with the damper, at most in
+    proportion, so that a step leaves at most half of the distance.
     """
     every = np.arange(cases)
     found = given(np.zeros((cases, count)), every)
     for _ in range(MOST_TURNS):
         before, found = found, np.sqrt(found * given(found, every))
-        if np.all(np.abs(found - before) <= SETTLED * found):
+        if np.all(np.abs(found - before) <= CONVERGED * found):
             return found
-    raise ConvergenceError("drag: the equivalent dampers of its directions do not settle beside each other")
+    raise ConvergenceError("drag: the equivalent dampers of its directions do not converge")
 
 
-def under(port: DraggedPort, squares: FloatArray, damping: float, stiffness: float, efficiency: float) -> Load:
-    """Return what one load takes of every sea."""
+def with_load(port: DraggedPort, squares: FloatArray, damping: float, stiffness: float, efficiency: float) -> Load:
+    """Return one load and its power in every sea."""
     power = port.powers(squares, np.array([damping]), np.array([stiffness]), efficiency)[0]
     return Load(np.full(len(squares), damping), np.full(len(squares), stiffness), power)
 
 
 def best_damper(port: DraggedPort, squares: FloatArray, stiffness: float, efficiency: float) -> float:
-    """Return the damper that takes most of the sum of seas beside a given spring [N s/m].
+    """Return the damper with the largest sum of power over seas beside a given spring [N s/m].
 
     Parameters
     ----------
@@ -232,14 +233,14 @@ def best_damper(port: DraggedPort, squares: FloatArray, stiffness: float, effici
 
 
 def best_pair(port: DraggedPort, squares: FloatArray, given: Load, efficiency: float) -> Load:
-    """Return spring and damper that take most of one sea, of the maxima reached from the best pair beside a linear one.
+    """Return the optimal spring and damper in one sea, of the maxima reached from that beside a linear drag.
 
     Parameters
     ----------
     port : DraggedPort
     squares : ndarray, shape (1, omega) [m^2]
     given : Load
-        A best damper beside the given spring: what is returned takes no less.
+        An optimal damper beside the given spring: the result absorbs no less.
     efficiency : float
     """
     if not port.port.moves:
@@ -247,7 +248,7 @@ def best_pair(port: DraggedPort, squares: FloatArray, given: Load, efficiency: f
     pair, softest = given, port.port.softest_spring
     least = np.finfo(float).tiny  # whose logarithm is one, where nothing holds the port
     for _ in range(ROUNDS):
-        drag = port.settled(squares, pair.damping, pair.stiffness)[0, 0]
+        drag = port.equivalent(squares, pair.damping, pair.stiffness)[0, 0]
         pair = best_pairs(port.beside(drag), squares, given, efficiency)
 
     def load(x: FloatArray) -> tuple[FloatArray, FloatArray]:

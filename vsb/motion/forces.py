@@ -23,21 +23,21 @@ from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.seas import superposed
 
 EXCITING = ("excitation", "froude_krylov", "diffraction")
-"""Names of what waves, or a pressure in their place, do to a buoy."""
+"""Names of the forces by waves, or by a pressure in their place."""
 
 
 class Linear(NamedTuple):
-    """Linear part of a force: -K q - D v - G^T x with x' = A x + G v, and waves; a part it has not is none."""
+    """Linear part of a force: -K q - D v - G^T x with x' = A x + G v, and waves; absent parts are None."""
 
     stiffness: FloatArray | None = None  # K (dof, dof) [N/m]
-    damping: FloatArray | None = None  # D (dof, dof) [kg/s]
-    memory: RadiationModel | None = None  # A and G; what it takes is |L^T x|^2/2
+    damping: FloatArray | None = None  # D (dof, dof) [N s/m]
+    memory: RadiationModel | None = None  # A and G; it radiates |L^T x|^2/2
     waves: "Excitation | None" = None
-    whole: bool = True  # it is all of the force
+    fully_linear: bool = True
 
 
 class During(Protocol):
-    """A force at rows of the instants it was asked for, by q and v there, shape (row, dof)."""
+    """A force at rows of given instants, from q and v there, shape (row, dof)."""
 
     def __call__(self, q: FloatArray, v: FloatArray, rows: slice = ...) -> FloatArray:
         """Return the force, shape (row, dof) [N]."""
@@ -68,7 +68,7 @@ class Force(ABC):
         return -sum(terms[1:], terms[0]) if terms else np.zeros(q.shape)
 
     def during(self, time: FloatArray) -> "During":
-        """Return the force at some of these instants by q and v there: what time alone decides is found once."""
+        """Return the force at some of these instants from q and v there; time-dependent parts are computed once."""
         return lambda q, v, rows=slice(None): self.force(np.ascontiguousarray(time[rows]), q, v)  # compiled once
 
     def named(self, name: str, time: FloatArray, q: FloatArray, v: FloatArray) -> dict[str, FloatArray]:
@@ -81,16 +81,16 @@ class Force(ABC):
         return np.zeros(len(q)) if k is None else 0.5 * np.einsum("ti,ti->t", q @ k, q)
 
     def dissipated_power(self, v: FloatArray) -> FloatArray:
-        """Return the power it takes, shape (time,) [W]."""
+        """Return the power it dissipates or absorbs, shape (time,) [W]."""
         d = self.linear().damping
         return np.zeros(len(v)) if d is None else np.einsum("ti,ti->t", v @ d, v)
 
     def frequencies(self) -> FloatArray:
-        """Return the frequencies of what drives it, shape (component,) [rad/s]."""
+        """Return the frequencies of its waves, shape (component,) [rad/s]."""
         return np.zeros(0)
 
     def scaled_waves(self, share: float) -> Self:
-        """Return the force in a share of its waves."""
+        """Return the force with its waves scaled."""
         return self
 
 
@@ -109,7 +109,7 @@ class Spring(Force):
 class Damper(Force):
     """f = -D v."""
 
-    damping: FloatArray  # (dof, dof) [kg/s]
+    damping: FloatArray  # (dof, dof) [N s/m]
 
     def linear(self) -> Linear:
         """All of it."""
@@ -121,12 +121,12 @@ class SpringDamper(Force):
     """f = -K (q - q0) - D v."""
 
     stiffness: FloatArray  # (dof, dof) [N/m]
-    damping: FloatArray  # (dof, dof) [kg/s]
+    damping: FloatArray  # (dof, dof) [N s/m]
     rest: FloatArray  # q0, where the spring is slack (dof,) [m]
 
     def linear(self) -> Linear:
         """All of it, if the spring is slack at q = 0."""
-        return Linear(stiffness=self.stiffness, damping=self.damping, whole=not self.rest.any())
+        return Linear(stiffness=self.stiffness, damping=self.damping, fully_linear=not self.rest.any())
 
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return it along a motion."""
@@ -152,12 +152,12 @@ class RadiationMemory(Force):
 class RelaxingDamper(Force):
     """f = -K q - b x/sqrt(C) with C p' = b.v - p/c, x = sqrt(C) p: a spring, and a damper behind a compliance.
 
-    The state of the compliance, the pressure of a chamber's gas, remembers; the damper takes |x|^2/(c C) = p^2/c.
+    Its memory state is the pressure of a chamber's gas; the damper absorbs |x|^2/(c C) = p^2/c.
     """
 
     stiffness: FloatArray  # K (dof, dof) [N/m]
     direction: FloatArray  # b (dof,) [-]; of a volume [m^2]
-    damping: float  # c [kg/s]; of a volume [Pa s/m^3]
+    damping: float  # c [N s/m]; of a volume [Pa s/m^3]
     compliance: float  # C [m/N]; of a volume [m^3/Pa]
 
     @cached_property
@@ -193,7 +193,7 @@ class Excitation(Force):
         return self.omega
 
     def scaled_waves(self, share: float) -> Self:
-        """Return it in a share of its waves."""
+        """Return it with scaled waves."""
         return replace(self, phasors=share * self.phasors)
 
 
@@ -205,14 +205,14 @@ class ConstantForce(Force):
 
     def linear(self) -> Linear:
         """Nothing."""
-        return Linear(whole=False)
+        return Linear(fully_linear=False)
 
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return it at every instant."""
         return np.broadcast_to(self.value, q.shape)
 
     def potential_energy(self, q: FloatArray) -> FloatArray:
-        """Return what it has yet to do, -f.q."""
+        """Return -f.q."""
         return -q @ self.value
 
 
@@ -229,15 +229,15 @@ class QuadraticDrag(Force):
     flow: ComplexArray  # W (component, dragged) [m/s]
 
     def linear(self) -> Linear:
-        """Nothing: it vanishes with the velocity, and so does its slope."""
-        return Linear(whole=False)
+        """Nothing: it and its slope vanish at rest."""
+        return Linear(fully_linear=False)
 
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return it along a motion."""
         return self.during(time)(q, v)
 
     def during(self, time: FloatArray) -> "During":
-        """Return it at some of these instants, the water's flow at hand."""
+        """Return it at some of these instants; the water's flow is computed once."""
         flow = superposed(self.omega, self.flow, time)
 
         def force(q: FloatArray, v: FloatArray, rows: slice = slice(None)) -> FloatArray:
@@ -247,7 +247,7 @@ class QuadraticDrag(Force):
         return force
 
     def scaled_waves(self, share: float) -> Self:
-        """Return it in a share of its waves."""
+        """Return it with scaled waves."""
         return replace(self, flow=share * self.flow)
 
 
@@ -279,7 +279,7 @@ class WaterPressure(Force):
 
     def linear(self) -> Linear:
         """Its tangent about the reference shape."""
-        return Linear(stiffness=self.tangent, whole=False)
+        return Linear(stiffness=self.tangent, fully_linear=False)
 
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the force on the wet shell."""
@@ -313,7 +313,7 @@ class WaterPressure(Force):
         return np.array([self.assumed.omega] if self.assumed and self.assumed.amplitude else [])
 
     def scaled_waves(self, share: float) -> Self:
-        """Return it in a share of its waves or assumed pressure."""
+        """Return it with scaled waves or assumed pressure."""
         if self.waves:
             return replace(self, waves=self.waves._replace(amplitude=share * self.waves.amplitude))
         if self.assumed:
@@ -323,9 +323,9 @@ class WaterPressure(Force):
 
 @dataclass(frozen=True)
 class TakeOff(Force):
-    """f = -b clip(c V + k S, -limit, limit); for a pause after each reversal of V, c is another and k is 0.
+    """f = -b clip(c V + k S, -limit, limit); for a time `pause` after each reversal of V, c differs and k is 0.
 
-    Only an integrator knows what friction does at rest, and when the law pauses: it gives the force with the motion.
+    The force of friction at rest and the pauses are part of the motion, which gives this force.
 
     Raises
     ------
@@ -334,11 +334,11 @@ class TakeOff(Force):
     """
 
     direction: FloatArray  # b (dof,) [-]
-    damping: float  # c [kg/s]; infinite: friction
+    damping: float  # c [N s/m]; infinite: friction
     stiffness: float = 0.0  # k [N/m]
     limit: float = np.inf  # [N]
-    pause: float = 0.0  # length [s]
-    paused_damping: float = np.inf  # c in the pause [kg/s]; infinite: latched, 0: declutched
+    pause: float = 0.0  # latching or declutching time [s]
+    paused_damping: float = np.inf  # c in the pause [N s/m]; infinite: latched, 0: declutched
     rest: float = 0.0  # S at rest, from where the spring counts [m]
 
     def __post_init__(self) -> None:
@@ -347,15 +347,15 @@ class TakeOff(Force):
             raise ValueError(f"friction: received a limit of {self.limit:g} N, needs a finite one above 0")
 
     def linear(self) -> Linear:
-        """Nothing: what is linear of it changes along the motion."""
-        return Linear(whole=False)
+        """Nothing: its linear part changes along the motion."""
+        return Linear(fully_linear=False)
 
     def coefficients(self, paused: bool) -> tuple[float, float]:
         """Return c and k, in a pause or out of it."""
         return (self.paused_damping, 0.0) if paused else (self.damping, self.stiffness)
 
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Return the law out of its pauses; of friction at rest nothing."""
+        """Return the law outside its pauses; zero for friction at rest."""
         speed = v @ self.direction
         if np.isinf(self.damping):
             wanted = self.limit * np.sign(speed)
@@ -373,20 +373,20 @@ class EndStop(Force):
     direction: FloatArray  # b (dof,) [-]
     stroke: float  # [m]
     stiffness: float  # [N/m]
-    damping: float  # [kg/s]
+    damping: float  # [N s/m]
     rest: float = 0.0  # S at rest, from where the stroke counts [m]
 
     def linear(self) -> Linear:
-        """Nothing: most of the time it is not there."""
-        return Linear(whole=False)
+        """Nothing: mostly it is not in contact."""
+        return Linear(fully_linear=False)
 
     def beyond(self, q: FloatArray) -> FloatArray:
-        """Return how far the stop is pressed in, with the sign of the stroke, shape (time,) [m]."""
+        """Return the compression of the stop, with the sign of the stroke, shape (time,) [m]."""
         stroke = q @ self.direction - self.rest
         return np.asarray(np.sign(stroke) * np.maximum(np.abs(stroke) - self.stroke, 0.0))
 
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Return what the stop does."""
+        """Return the force of the stop."""
         pressed, speed = self.beyond(q), v @ self.direction
         loading = self.damping * speed * (pressed * speed > 0)
         return np.asarray(-np.outer(self.stiffness * pressed + loading, self.direction))

@@ -23,7 +23,7 @@ from vsb.study.take_off import BetweenPort, DofPort, LinePort, PortChoice, Shell
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 _ROUND_OFF = 1e-6
-"""Of |Y|: what errors of coefficients leave of Re Y where a port hardly radiates."""
+"""Error of Re Y relative to |Y| where a port hardly radiates."""
 
 
 @dataclass(frozen=True)
@@ -35,11 +35,11 @@ class Port:
     Raises
     ------
     DatabaseError
-        If the port gives out energy: the coefficients behind it are not passive.
+        If the port is not passive, because its coefficients are not.
 
     Examples
     --------
-    An impedance 3 + 4i [N s/m] that waves of 1 m move at 2 m/s: the best damper is its modulus, and takes
+    An impedance 3 + 4i [N s/m] that waves of 1 m move at 2 m/s: the optimal damper is its modulus, and absorbs
     2/(1 + sqrt(1 + Q^2)) of what any take-off could, Q = 4/3 [N s/m, W, W].
 
     >>> import numpy as np
@@ -52,7 +52,7 @@ class Port:
     omega: FloatArray  # (omega,) [rad/s]
     admittance: ComplexArray  # Y (omega,) [m/(N s)]
     velocity: ComplexArray  # V0 per wave amplitude (omega,) [1/s]
-    compliance: float  # displacement under a steady force [m/N]; 0: the port cannot move, infinite: it drifts
+    compliance: float  # displacement under a steady force [m/N]; 0: the port cannot move, infinite: it is unrestrained
 
     def __post_init__(self) -> None:
         """Check that the port is passive, Re Y >= 0, to round-off where waves hardly move it."""
@@ -66,7 +66,7 @@ class Port:
         if wrong.any():
             at, received = self.omega[wrong][0], self.admittance.real[wrong][0]
             raise DatabaseError(
-                f"port: gives out energy at {at:.4g} rad/s, received Re Y = {received:.3g} m/(N s), needs more than 0; "
+                f"port: not passive at {at:.4g} rad/s, received Re Y = {received:.3g} m/(N s), needs more than 0; "
                 "lower hydro.tolerance or hydro.omega_max, or a body's hydro.repair: [positive_damping]"
             )
 
@@ -88,7 +88,7 @@ class Port:
 
     @cached_property
     def matched_power(self) -> FloatArray:
-        """Mean power under the best force of all, |V0|^2/(8 Re Y) per squared amplitude, shape (omega,) [W/m^2].
+        """Mean power under the optimal force, |V0|^2/(8 Re Y) per squared amplitude, shape (omega,) [W/m^2].
 
         Notes
         -----
@@ -100,16 +100,16 @@ class Port:
 
     @cached_property
     def best_damping(self) -> FloatArray:
-        """The damper that takes most at each frequency, |Z|, shape (omega,) [N s/m]."""
+        """The optimal damper at each frequency, |Z|, shape (omega,) [N s/m]."""
         return np.abs(self.impedance)
 
     @cached_property
     def best_power(self) -> FloatArray:
-        """What it takes, 2/(1 + sqrt(1 + Q^2)) of the matched power, per squared amplitude, shape (omega,) [W/m^2]."""
+        """Its power, 2/(1 + sqrt(1 + Q^2)) of the matched power, per squared amplitude, shape (omega,) [W/m^2]."""
         return np.asarray(self.matched_power * 2 / (1 + np.sqrt(1 + self.reactance_ratio**2)))
 
     def at(self, chosen: npt.NDArray[np.bool_ | np.intp]) -> "Port":
-        """Return it at some of its frequencies, by place or by mask."""
+        """Return the port at some of its frequencies, by index or mask."""
         return Port(self.omega[chosen], self.admittance[chosen], self.velocity[chosen], self.compliance)
 
     def load(self, damping: FloatArray | float, stiffness: FloatArray | float = 0.0) -> ComplexArray:
@@ -127,7 +127,7 @@ class Port:
         return np.asarray(self.velocity / (1 + self.admittance * load))
 
     def power(self, damping: FloatArray | float, stiffness: FloatArray | float = 0.0) -> FloatArray:
-        """Return the mean power a damper takes beside a spring, c |V|^2/2 per squared amplitude, (..., omega) [W/m^2].
+        """Return the mean power of a damper beside a spring, c |V|^2/2 per squared amplitude, (..., omega) [W/m^2].
 
         Parameters
         ----------
@@ -156,7 +156,7 @@ class Port:
 
     @cached_property
     def matched_force(self) -> ComplexArray:
-        """The best force of all per wave amplitude, V0/(2 Re Y), shape (omega,) [N/m]; beside it V = V0 - Y F."""
+        """The optimal force per wave amplitude, V0/(2 Re Y), shape (omega,) [N/m]; beside it V = V0 - Y F."""
         loss = 2 * self.admittance.real
         return np.divide(self.velocity, loss, out=np.zeros_like(self.velocity), where=loss > 0)
 
@@ -187,7 +187,7 @@ class Port:
 
 @dataclass(frozen=True)
 class PortMotion:
-    """Displacements that come with a port, of the buoy and of points of its shell, over the frequencies of the port.
+    """Displacements of the buoy and of points of its shell per motion of a port, over its frequencies.
 
     A take-off's force F against the motion of the port leaves free - F forced.
     """
@@ -195,7 +195,7 @@ class PortMotion:
     heave: tuple[ComplexArray, ComplexArray]  # free, forced (omega,) [-], [m/N]
     shell: tuple[ComplexArray, ComplexArray]  # both directions of points of a meridian (2, point, omega)
 
-    def under(self, port: Port, load: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    def with_load(self, port: Port, load: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
         """Return heave (..., omega) and shell (..., 2, point, omega) per wave amplitude under loads (..., omega)."""
         force = load * port.velocity_under(load)
         heave = self.heave[0] - force * self.heave[1]
@@ -235,7 +235,7 @@ def port_direction(choice: PortChoice, shape: DeformedShell, orders: Sequence[Or
 
 
 def channels_reached(direction: FloatArray, orders: IntArray) -> int:
-    """Return what the power of a port is limited to in terms of lambda/(2 pi), 1 of order 0 and 2 of each m >= 1 [-].
+    """Return the power limit of a port over lambda/(2 pi): 1 for order 0 and 2 for each m >= 1 [-].
 
     Parameters
     ----------
@@ -248,10 +248,10 @@ def channels_reached(direction: FloatArray, orders: IntArray) -> int:
 
 
 def line_shares(line: LinePort, centre_height: float) -> dict[str, float]:
-    """Return what lengthens a line to the sea bed per unit of each rigid motion [-], of pitch [m].
+    """Return the lengthening of a line to the sea bed per unit of each rigid motion [-], of pitch [m].
 
-    The attachment at (x, z) from the sphere's centre moves by (surge + z pitch, heave - x pitch); the line's tension at
-    rest, which would be stiff across it, is no part of the take-off.
+    The attachment at (x, z) from the sphere's centre moves by (surge + z pitch, heave - x pitch); the stiffness across
+    the line by its tension at rest is not part of the take-off.
     """
     x, z = line.line_from
     along_x, along_z = x - line.line_to[0], centre_height + z - line.line_to[1]
@@ -292,7 +292,7 @@ def _axisymmetric_port(
         radial, _ = shape.basis.displacement(at)
         direction = (radial if choice.direction == "radial" else shape.meridian(at).shape_z)[:, 0]
     if choice == "volume" or isinstance(choice, BetweenPort) or choice.against == "frame":
-        direction = direction * (1 - heave)  # these do not see the buoy heave as a whole
+        direction = direction * (1 - heave)  # rigid heave does not move these
     kept = np.abs(direction) > ROUND_OFF * np.abs(direction).max()
     return np.asarray(np.where(kept, direction, 0.0))
 
@@ -317,7 +317,7 @@ def combination(labels: Sequence[str], shares: Mapping[str, float]) -> FloatArra
 class LinearPto:
     """Damper and spring at a port b, f = -b (c b.q' + k b.q); of the heaving sphere centre against the bed, Eq. 91."""
 
-    damping: FloatArray | float  # c [kg/s]; one for each frequency: (omega,)
+    damping: FloatArray | float  # c [N s/m]; one for each frequency: (omega,)
     stiffness: FloatArray | float = 0.0  # k [N/m]; likewise
     port: FloatArray | None = None  # b (dof,) [-]; none: heave
 
@@ -326,7 +326,7 @@ class LinearPto:
         return np.eye(dof)[0] if self.port is None else self.port
 
     def matrix(self, dof: int) -> FloatArray:
-        """Return its damping over all degrees of freedom, shape ([omega,] dof, dof) [kg/s]."""
+        """Return its damping over all degrees of freedom, shape ([omega,] dof, dof) [N s/m]."""
         return np.asarray(np.asarray(self.damping)[..., None, None] * self._outer(dof))
 
     def spring(self, dof: int) -> FloatArray:
@@ -351,7 +351,7 @@ class LinearPto:
         Raises
         ------
         ConfigError
-            If a negative spring is softer than the compliance: it would run away with the gas.
+            If a negative spring makes the chamber statically unstable.
 
         Notes
         -----
@@ -361,8 +361,8 @@ class LinearPto:
         share = 1 + float(self.stiffness) * compliance
         if share <= 0:
             raise ConfigError(
-                f"pto.stiffness: received {self.stiffness:g}, with which the gas before the take-off does not "
-                f"rest; needs more than {-1 / compliance:.6g}"
+                f"pto.stiffness: received {self.stiffness:g}, which makes the air chamber statically "
+                f"unstable; needs more than {-1 / compliance:.6g}"
             )
         return replace(self, damping=self.damping / share**2, stiffness=self.stiffness / share), compliance * share
 

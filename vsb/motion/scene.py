@@ -1,4 +1,4 @@
-"""A scene: mass, named forces, the motions a design allows. Knows no integrator.
+"""A scene: mass, named forces, the motions a design allows.
 
 M q'' = sum of forces, q = N y: heave and modal amplitudes q in the subspace N of the design. Only the forces of the
 scene exist.
@@ -16,7 +16,7 @@ from vsb.errors import ConvergenceError
 from vsb.hydro.dofs import flexible
 from vsb.hydro.statespace import RadiationModel, joined
 from vsb.motion.forces import ConstantForce, EndStop, Excitation, Force, Linear, SpringDamper, TakeOff, WaterPressure
-from vsb.motion.frequency import drifting_motions
+from vsb.motion.frequency import unrestrained_motions
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.arrays import FloatArray
 
@@ -35,7 +35,7 @@ class Scene:
 
     @property
     def heaving(self) -> FloatArray:
-        """Y of a unit of heave, which an initial position and velocity are of, shape (free,)."""
+        """Y of a unit of heave, in which initial position and velocity are given, shape (free,)."""
         return self.heave if self.heave.size else np.eye(self.motions.shape[1])[0]
 
     @property
@@ -64,7 +64,7 @@ class Scene:
         return {name: force.linear() for name, force in self.forces.items()}
 
     def projected(self, matrices: Iterable[FloatArray | None]) -> FloatArray:
-        """Return the sum of the matrices there are, in the allowed motions, shape (free, free)."""
+        """Return the sum of matrices in the allowed motions, None for an absent one, shape (free, free)."""
         dof = len(self.labels)
         return self.motions.T @ sum((m for m in matrices if m is not None), np.zeros((dof, dof))) @ self.motions
 
@@ -75,13 +75,13 @@ class Scene:
 
     @property
     def unrestrained(self) -> bool:
-        """Whether nothing holds one of the allowed motions."""
+        """Whether one of the allowed motions has no restoring force."""
         stiffness = self.stiffness
-        return not stiffness.any(axis=0).all() or drifting_motions(stiffness, self.labels, self.motions).size > 0
+        return not stiffness.any(axis=0).all() or unrestrained_motions(stiffness, self.labels, self.motions).size > 0
 
     @property
     def damping(self) -> FloatArray:
-        """Damping in the allowed motions, shape (free, free) [kg/s]."""
+        """Damping in the allowed motions, shape (free, free) [N s/m]."""
         return self.projected(part.damping for part in self.linear.values())
 
     @cached_property
@@ -102,7 +102,7 @@ class Scene:
 
     @cached_property
     def remembered(self) -> dict[str, slice]:
-        """Which states of `memory` are whose."""
+        """The states of `memory` that belong to each force."""
         ends = np.cumsum([model.order for model in self.memories.values()])
         return {name: slice(end - m.order, end) for (name, m), end in zip(self.memories.items(), ends, strict=True)}
 
@@ -118,7 +118,7 @@ class Scene:
 
     @property
     def constant(self) -> FloatArray:
-        """Sum of the constant forces, what springs pull at q = 0 among them, shape (dof,) [N]."""
+        """Sum of the constant forces, with those of springs at q = 0, shape (dof,) [N]."""
         values = [force.value for force in self.forces.values() if isinstance(force, ConstantForce)]
         values += [force.stiffness @ force.rest for force in self.forces.values() if isinstance(force, SpringDamper)]
         return sum(values, np.zeros(len(self.labels)))
@@ -151,7 +151,7 @@ class Scene:
         return out
 
     def dissipated_power(self, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the power the take-off absorbs, and that all other forces but radiation take, each shape (time,) [W].
+        """Return the power the take-off absorbs and that all other forces but radiation dissipate, each (time,) [W].
 
         `v` are velocities of all degrees of freedom, shape (time, dof) [m/s].
         """
@@ -160,7 +160,7 @@ class Scene:
         return losses.pop(self.take_off, none), sum(losses.values(), none)
 
     def scaled_waves(self, share: float) -> Self:
-        """Return the scene in a share of its waves or assumed pressure."""
+        """Return the scene with scaled waves or assumed pressure."""
         return replace(self, forces={name: force.scaled_waves(share) for name, force in self.forces.items()})
 
 

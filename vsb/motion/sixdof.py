@@ -124,7 +124,7 @@ class StructuralDamping:
 class PointDamper:
     """Linear power take-off between the sphere centre and the sea bed: -c times the heave velocity, Eq. 91."""
 
-    damping: float  # c [kg/s]
+    damping: float  # c [N s/m]
 
     def __call__(self, time: float, state: State) -> FloatArray:
         """Return the generalized force, shape (6 + mode,) [N, N m, N]."""

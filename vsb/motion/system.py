@@ -15,8 +15,17 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from vsb.motion.forces import EXCITING, AssumedPressure, ConstantForce, EndStop, SpringDamper, TakeOff, WaterPressure
-from vsb.motion.frequency import drifting_motions, normal_modes
+from vsb.motion.forces import (
+    EXCITING,
+    AssumedPressure,
+    ConstantForce,
+    EndStop,
+    Linear,
+    SpringDamper,
+    TakeOff,
+    WaterPressure,
+)
+from vsb.motion.frequency import normal_modes, unrestrained_motions
 from vsb.motion.froude_krylov import Incident, incident, rotated, wave_force
 from vsb.motion.scene import Scene
 from vsb.motion.wetted import Shape, wet_force
@@ -124,7 +133,7 @@ class System:
     def of(cls, scene: Scene) -> Self:
         """Return a scene as a system."""
         stiffness, mass = scene.stiffness, scene.motions.T @ scene.mass @ scene.motions
-        squares, modes = normal_modes(stiffness, mass, drifting_motions(stiffness, scene.labels, scene.motions))
+        squares, modes = normal_modes(stiffness, mass, unrestrained_motions(stiffness, scene.labels, scene.motions))
         scale = np.sqrt(np.maximum(np.abs(squares), 1.0))
         n, order = len(scale), scene.memory.order if scene.memory else 0
         a = np.zeros((2 * n + order, 2 * n + order))
@@ -168,7 +177,12 @@ class System:
     @property
     def linear(self) -> bool:
         """Whether n vanishes."""
-        return all(part.whole for part in self.scene.linear.values())
+        return not self._nonlinear
+
+    @cached_property
+    def _nonlinear(self) -> dict[str, Linear]:
+        """Linear parts of the forces that have others as well."""
+        return {name: part for name, part in self.scene.linear.items() if not part.fully_linear}
 
     @property
     def switching(self) -> bool:
@@ -192,8 +206,7 @@ class System:
         Of a spring that is slack elsewhere K q0 is left beyond the tangent, which is constant (`Scene.constant`).
         """
         known = (ConstantForce, SpringDamper, WaterPressure)
-        parts, forces = self.scene.linear, self.scene.forces
-        return [name for name, part in parts.items() if not part.whole and not isinstance(forces[name], known)]
+        return [name for name in self._nonlinear if not isinstance(self.scene.forces[name], known)]
 
     def check_smooth(self) -> None:
         """Check that no force switches: compiled steps know smooth forces only.
@@ -232,7 +245,7 @@ class System:
 
     def added_during(self, time: FloatArray) -> Callable[[FloatArray, slice], FloatArray]:
         """Return n at rows of some instants as a function of z there; see `added`."""
-        beyond = [self.scene.forces[name].during(time) for name, part in self.scene.linear.items() if not part.whole]
+        beyond = [self.scene.forces[name].during(time) for name in self._nonlinear]
         position = (self.shapes / self.scale).T
 
         def n(z: FloatArray, rows: slice) -> FloatArray:
@@ -298,7 +311,7 @@ class System:
         held = {
             name
             for name, part in self.scene.linear.items()
-            if part.whole and part.waves is None and (part.memory is None or motion.memory.size)
+            if part.fully_linear and part.waves is None and (part.memory is None or motion.memory.size)
         }
         none = np.zeros((len(motion.time), len(self.shapes)))
         loose = sum((force for name, force in named.items() if name not in held), none)
@@ -311,10 +324,10 @@ class System:
     def _tangential(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """What A holds of the nonlinear forces, with the sign of n, shape (time, dof) [N]."""
         out = np.zeros(q.shape)
-        for part in self.scene.linear.values():
-            if not part.whole and part.stiffness is not None:
+        for part in self._nonlinear.values():
+            if part.stiffness is not None:
                 out += q @ part.stiffness.T
-            if not part.whole and part.damping is not None:
+            if part.damping is not None:
                 out += v @ part.damping.T
         return out
 
@@ -359,9 +372,9 @@ class System:
         position : ndarray, shape (time, free) [m]
         """
         q, out = position @ self.scene.motions.T, np.zeros(len(position))
-        for name, part in self.scene.linear.items():
+        for name, part in self._nonlinear.items():
             force = self.scene.forces[name]
-            if not part.whole and not isinstance(force, TakeOff | EndStop):
+            if not isinstance(force, TakeOff | EndStop):
                 out += force.potential_energy(q)
                 out -= 0.0 if part.stiffness is None else 0.5 * np.einsum("ti,ti->t", q @ part.stiffness, q)
         return out

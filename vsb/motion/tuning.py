@@ -18,7 +18,7 @@ LOG_STEP = 0.1
 """Step of the logarithm of the dampers tried first. In it P''/P >= -1 (the sum of 1/(R + |Z| cosh(u - ln |Z|)) over
 frequencies): no maximum is more than a part LOG_STEP^2/8 above the nearest damper tried, and none can be missed."""
 _HARDER = 100.0
-"""How many times as hard, and as soft, dampers are tried where power costs on its way."""
+"""Factor by which the range of dampers is extended where conversion has losses."""
 PAIR_STEP = 0.4
 SPRINGS = 32, 160
 """Where the spring is free as well, step of the dampers tried first, and springs, spread evenly and tuned to waves."""
@@ -29,13 +29,13 @@ MARGIN = 1e-6
 FINEST = 1e-4
 """Step at which the climb ends, in the logarithm of the damper: power is then exact to the step's square and better."""
 SETTLED = 1e-8
-"""Newton step [-] after which the next one would be round-off."""
+"""Newton step [-] after which the next one is round-off."""
 STEPS = 200
 """Most steps of a climb: few are needed but on long narrow ridges."""
 
 
 class Load(NamedTuple):
-    """A damper and a spring in parallel for each sea, and the mean power they take."""
+    """A damper and a spring in parallel for each sea, and the mean power they absorb."""
 
     damping: FloatArray  # (sea,) [N s/m]
     stiffness: FloatArray  # (sea,) [N/m]
@@ -114,7 +114,7 @@ def powers_of_all(
 
 
 def best_dampers(port: Port, squares: FloatArray, stiffness: float = 0.0, efficiency: float = 1.0) -> Load:
-    """Return the damper that takes most in each sea beside a given spring: the global optimum.
+    """Return the optimal damper in each sea beside a given spring: the global optimum.
 
     Parameters
     ----------
@@ -144,18 +144,18 @@ def _rivals(port: Port, squares: FloatArray, stiffness: float, efficiency: float
     reach = 1.0 if efficiency == 1.0 else _HARDER
     least, most = np.floor(np.log([sizes.min() / reach, sizes.max() * reach]) / LOG_STEP)
     while True:
-        tried = LOG_STEP * np.arange(least - 1, most + 3)  # of a grid for all seas: what is found in one knows no other
+        tried = LOG_STEP * np.arange(least - 1, most + 3)  # independent of the other seas
         powers = powers_of_all(port, squares, np.exp(tried), np.full(len(tried), stiffness), efficiency)
         if not np.any(powers.max(axis=0) < 0.0):
             break
-        most += np.ceil(np.log(_HARDER) / LOG_STEP)  # the spring costs more than any of these takes: a harder one does
+        most += np.ceil(np.log(_HARDER) / LOG_STEP)  # the spring costs more than any of these absorbs
     rivals = powers >= powers.max(axis=0) * (1 - LOG_STEP**2 / 4)
     at, sea = np.nonzero(rivals & _local_maxima(powers))
     return tried[at], sea
 
 
 def best_damper_of_each(ports: Sequence[Port], squares: FloatArray) -> FloatArray:
-    """Return the damper that takes most in one sea at each of some ports, shape (port,) [N s/m]; see `best_dampers`.
+    """Return the optimal damper in one sea at each of some ports, shape (port,) [N s/m]; see `best_dampers`.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def _summits(
 ) -> tuple[FloatArray, FloatArray]:
     """Maxima over u of P = sum w/(e^-u + 2 Re Y + |Y|^2 e^u), c = e^u, next to each start, and P there, (start,).
 
-    Newton's method on P' = 0: all starts together, but none knows of another.
+    Newton's method on P' = 0: all starts at once, independently.
     """
     x, power, left = start.copy(), np.zeros(len(start)), np.arange(len(start))
     for _ in range(STEPS):
@@ -201,19 +201,19 @@ def _summits(
 
 
 def best_pairs(port: Port, squares: FloatArray, given: Load, efficiency: float = 1.0) -> Load:
-    """Return spring and damper that take most in each sea, among all the buoy rests stably with.
+    """Return the optimal spring and damper in each sea, among those with which the buoy is statically stable.
 
     Parameters
     ----------
     port : Port
     squares : ndarray, shape (sea, omega) [m^2]
     given : Load
-        What must not be beaten downwards: a best damper beside the given spring.
+        Lower bound: an optimal damper beside the given spring.
     efficiency : float
     """
     if not port.moves or not squares.any():
         return given
-    single = (squares > 0).sum(axis=1) == 1  # regular waves: what spring they want is their own affair
+    single = (squares > 0).sum(axis=1) == 1  # regular waves: each needs its own range of springs
     best, searched = given, squares.any(axis=1)
     if efficiency == 1.0:
         best = given.elementwise_best(_matched_pairs(port, squares, single))
@@ -251,8 +251,8 @@ def _matched_pairs(port: Port, squares: FloatArray, alone: BoolArray) -> Load:
 def _searched_pairs(port: Port, squares: FloatArray, efficiency: float) -> Load:
     """The best pairs by a table of them and a climb from its local maxima.
 
-    A spring beyond all that tune the buoy to one of the frequencies, k = -omega X, or to none, k = 0, only takes power.
-    Where nothing holds the port, springs begin above none, by the margin of the stiffest that tunes it.
+    A spring beyond all that tune the buoy to one of the frequencies, k = -omega X, and beyond k = 0 only costs power.
+    For an unrestrained port springs begin above 0, by the margin of the stiffest that tunes it.
     """
     tuned = -port.omega * port.impedance.imag
     margin = MARGIN * (-port.softest_spring or np.abs(tuned).max())
@@ -266,7 +266,7 @@ def _searched_pairs(port: Port, squares: FloatArray, efficiency: float) -> Load:
     powers = powers_of_all(port, squares, np.exp(u), k, efficiency)
     table = powers.reshape(len(dampers), len(springs), -1)
     i, j, sea = np.nonzero((table >= (1 - RIVALS) * table.max(axis=(0, 1))) & _local_maxima(table, axes=2))
-    left = springs[j] - port.softest_spring  # of the buoy's own stiffness: its logarithm has no bound to climb over
+    left = springs[j] - port.softest_spring  # above static instability, whose logarithm is unbounded
     width = np.exp(dampers[i]) * np.exp(np.log(port.omega).mean()) / left  # of a resonance in k: omega (R + c)
     start, step = np.stack([dampers[i], np.log(left)], axis=1), PAIR_STEP * np.stack([np.ones(len(i)), width], axis=1)
     least = np.log(margin)
@@ -372,27 +372,20 @@ FLAT = 1e-9
 """Curvature of a polynomial, in its value, that is numerical error: a straight line has no maximum."""
 
 
-class Take(NamedTuple):
-    """What a damper takes of each sea."""
-
-    damping: FloatArray  # (sea,) [N s/m]
-    power: FloatArray  # (sea,) [W]
-
-
 def dampers(port: Port) -> FloatArray:
-    """Return dampers among which the best of any sea lies, evenly spread in logarithm, shape (damper,) [N s/m].
+    """Return dampers among which the optimum of any sea lies, evenly spread in logarithm, shape (damper,) [N s/m].
 
     Notes
     -----
-    No sea's best damper is beyond the best ones |Z| of single waves; the table goes on for the polynomials' sake.
+    No sea's optimal damper is outside the range of |Z|; the table extends beyond for the polynomials.
     """
     sizes = np.log(port.best_damping)
     low, high = float(sizes.min()) - (NEIGHBOURS + 1) * STEP, float(sizes.max()) + (NEIGHBOURS + 1) * STEP
     return np.asarray(np.exp(low + STEP * np.arange(int(np.ceil((high - low) / STEP)) + 1)))
 
 
-def best_of_table(damping: FloatArray, table: FloatArray) -> Take:
-    """Return the damper that takes most in each sea.
+def best_of_table(damping: FloatArray, table: FloatArray) -> Load:
+    """Return the optimal damper in each sea, from a table of powers.
 
     Parameters
     ----------
@@ -407,7 +400,8 @@ def best_of_table(damping: FloatArray, table: FloatArray) -> Take:
     polynomial = np.linalg.solve(np.vander(near / NEIGHBOURS), values)
     x = _highest(polynomial)
     step = np.log(damping[1] / damping[0])
-    return Take(damping[at] * np.exp(NEIGHBOURS * step * x), np.polyval(polynomial, x))
+    found = damping[at] * np.exp(NEIGHBOURS * step * x)
+    return Load(found, np.zeros_like(found), np.polyval(polynomial, x))
 
 
 def _highest(polynomial: FloatArray) -> FloatArray:

@@ -38,7 +38,7 @@ class Constraint:
         force : ndarray, shape (..., dof) [N]
             Q, all forces but the constraint's.
         wanted : ndarray, shape (..., constraint) [m/s^2]
-            b = Phi q'', zero for clamps on a shell whose shapes do not change; see `baumgarte`.
+            b = Phi q'', zero for clamps on a shell whose shapes do not change.
         """
         free = np.linalg.solve(self.mass, force[..., None])[..., 0]
         return np.asarray(free + (wanted - free @ self.rows.T) @ self.correction.T)
@@ -47,14 +47,6 @@ class Constraint:
         """Return Eq. 90, Q_c = M^1/2 (Phi M^-1/2)^+ (b - Phi M^-1 Q) = M J (b - Phi a), shape (..., dof) [N]."""
         free = np.linalg.solve(self.mass, force[..., None])[..., 0]
         return np.asarray((wanted - free @ self.rows.T) @ (self.mass @ self.correction).T)
-
-    def baumgarte(self, position: FloatArray, velocity: FloatArray, rate: float) -> FloatArray:
-        """Return b = -2 gamma Phi q' - gamma^2 Phi q, shape (..., constraint) [m/s^2].
-
-        Not in the paper: an error of the constraint then decays as exp(-gamma t) instead of growing with time.
-        `rate` is gamma [1/s].
-        """
-        return np.asarray(-(2 * rate * velocity + rate**2 * position) @ self.rows.T)
 
 
 def udwadia_kalaba(mass: FloatArray, rows: FloatArray) -> Constraint:
@@ -109,9 +101,10 @@ def constrained(scene: Scene, rows: FloatArray, rate: float = 0.0) -> System:
     stiffness loses digits.
     """
     check_rank(rows)
-    free = System.of(replace(scene, motions=np.eye(len(scene.labels)), origin=np.zeros(0)))
+    every, heave = np.eye(len(scene.labels)), scene.motions @ scene.heaving
+    free = System.of(replace(scene, motions=every, origin=np.zeros(0), heave=heave))
     if not free.linear:
-        names = ", ".join(name for name, part in scene.linear.items() if not part.whole)
+        names = ", ".join(name for name, part in scene.linear.items() if not part.fully_linear)
         raise ValueError(f"Eq. 90: received the nonlinear forces {names}, needs a linear scene; clamp its motions.")
     n = free.free
     constraint = udwadia_kalaba(np.eye(n), rows @ free.shapes)

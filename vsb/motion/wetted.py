@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from vsb.shell.modes import Mode, ModeBasis
+from vsb.shell.modes import ModeBasis
 from vsb.study.meridian import RestMeridian
 from vsb.tools.arrays import FloatArray
 from vsb.tools.compiled import njit
@@ -31,7 +31,7 @@ class Shape(NamedTuple):
     """What the compiled loops know of a shell and its basis: Chebyshev coefficients of X, z, z' and T."""
 
     radius: float
-    sphere: FloatArray  # of the undeformed sphere (4, order) [m]
+    at_rest: FloatArray  # of the undeformed meridian (4, order) [m]
     series: FloatArray  # of the shapes, X: h_j, z: v_j (dof, 4, order)
     node: FloatArray  # Gauss-Legendre on [-1, 1] (point,)
     weight: FloatArray
@@ -42,7 +42,7 @@ class Shape(NamedTuple):
 @njit(cache=True)
 def meridian_series(shape: Shape, q: FloatArray) -> FloatArray:
     """Return the Chebyshev coefficients of X, z, z' and T of a deformed shell, shape (4, order)."""
-    out = shape.sphere.copy()
+    out = shape.at_rest.copy()
     for j in range(len(q)):
         for i in range(4):
             for k in range(out.shape[1]):
@@ -207,42 +207,23 @@ def _along(shape: Shape, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatAr
     return static, uniform, moment
 
 
-def _series(on_nodes: FloatArray) -> FloatArray:
-    """Chebyshev coefficients of polynomials from their values at as many Chebyshev points, last axis."""
-    order = on_nodes.shape[-1]
-    vander = chebyshev.chebvander(chebyshev.chebpts1(order), order - 1)
-    return np.asarray(np.linalg.solve(vander, on_nodes[..., None])[..., 0])
-
-
 @dataclass(frozen=True)
 class WetShell:
     """Generalized forces of water on the wet part of a shell, for any heave and modal amplitudes."""
 
     basis: ModeBasis
-    centre_height: float  # of the undisplaced sphere above still water [m]
+    centre_height: float  # of the undisplaced shell above still water [m]
 
     @cached_property
     def shape(self) -> Shape:
-        """Tables of the compiled loops; 2 N + 3 points integrate polynomials of degree 4 N + 5 exactly."""
-        radius, highest = self.basis.shell.radius, self.basis.highest_degree
+        """Tables of the compiled loops; as many points as integrate their polynomials exactly."""
+        highest, shell = self.basis.turns, self.basis.shell
         node, weight = np.polynomial.legendre.leggauss(2 * highest + 3)
         grid = -np.cos(np.linspace(0.0, np.pi, 6 * (highest + 1) + 1))
-        c = chebyshev.chebpts1(highest + 2)
-        sphere = np.array([radius + 0 * c, self.centre_height + radius * c, radius + 0 * c, radius * c])
-        on_grid = chebyshev.chebvander(grid, highest + 1).T
-        series = _series(self._shapes(c))
-        return Shape(radius, _series(sphere), series, node, weight, grid, np.ascontiguousarray(on_grid))
-
-    def _shapes(self, c: FloatArray) -> FloatArray:
-        """h_j, v_j, dv_j/dc and c h_j - s^2 dh_j/dc, shape (dof, 4, point)."""
-        rows = []
-        for mode in self.basis.shapes:
-            n, a, b = mode.degree, mode.radial, mode.meridional
-            legendre = np.polynomial.legendre.Legendre.basis(n)
-            p, dp, s2, lam = legendre(c), legendre.deriv()(c), 1 - c * c, n * (n + 1)
-            turn = a * (c * p - s2 * dp) + b * (dp - lam * c * p)
-            rows.append([a * p - b * c * dp, a * c * p + b * s2 * dp, a * (p + c * dp) - b * lam * p, turn])
-        return np.array(rows)
+        at_rest = _at_rest(shell.meridian, highest + 2)
+        at_rest[1, 0] += self.centre_height
+        on_grid = np.ascontiguousarray(chebyshev.chebvander(grid, highest + 1).T)
+        return Shape(shell.radius, at_rest, _of_shapes(self.basis, highest + 2), node, weight, grid, on_grid)
 
     def forces(self, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return `wet_force` along a motion.
@@ -260,42 +241,6 @@ class WetShell:
         return _along(self.shape, np.ascontiguousarray(q, dtype=float))
 
 
-def wet_shell(basis: ModeBasis, centre_height: float) -> WetShell:
-    """Return the forces of water on the wet part of a shell of any meridian."""
-    return (WetShell if basis.shell.rest is None else ShapedWetShell)(basis, centre_height)
-
-
-@dataclass(frozen=True)
-class ShapedWetShell(WetShell):
-    """The same of a shell of another meridian than the sphere's."""
-
-    @cached_property
-    def shape(self) -> Shape:
-        """Tables of the compiled loops; as many points as integrate their polynomials exactly."""
-        highest, radius = self.basis.turns, self.basis.shell.radius
-        node, weight = np.polynomial.legendre.leggauss(2 * highest + 3)
-        grid = -np.cos(np.linspace(0.0, np.pi, 6 * (highest + 1) + 1))
-        at_rest = _at_rest(self.basis.shell.meridian, highest + 2)
-        at_rest[1, 0] += self.centre_height
-        on_grid = np.ascontiguousarray(chebyshev.chebvander(grid, highest + 1).T)
-        return Shape(radius, at_rest, _of_shapes(self.basis, highest + 2), node, weight, grid, on_grid)
-
-
-def _of_shapes(basis: ModeBasis, terms: int) -> FloatArray:
-    """Chebyshev coefficients of what each shape does, (dof, 4, term): its shares of displacements of single degrees."""
-    degrees = range(basis.highest_degree + 1)
-    units = [Mode(f"Radial{n}", n, 1.0, 0.0) for n in degrees] + [
-        Mode(f"Meridional{n}", n, 0.0, 1.0) for n in degrees[1:]
-    ]
-    single = WetShell(ModeBasis(basis.shell, tuple(units), 1.0, bending=False), 0.0)
-    order = basis.highest_degree + 2
-    c = chebyshev.chebpts1(order)
-    to_series = np.linalg.inv(chebyshev.chebvander(c, order - 1)).T
-    found = np.zeros((len(basis.labels), 4, terms))
-    found[:, :, :order] = np.einsum("id,dpk->ipk", basis.displacements, single._shapes(c)[1:]) @ to_series
-    return found
-
-
 def _at_rest(rest: RestMeridian, terms: int) -> FloatArray:
     """Chebyshev coefficients of X, z, z' and T of a meridian at rest, shape (4, term) [m]."""
     out = np.zeros((4, terms))
@@ -309,9 +254,34 @@ def _at_rest(rest: RestMeridian, terms: int) -> FloatArray:
 
 
 def _second_kind(degree: int, terms: int) -> FloatArray:
-    """U_n in terms of T_k, shape (term,): 2 T_n + 2 T_{n-2} + ..., the last T_0 once; none of n = -1."""
+    """U_n in terms of T_k, shape (term,): 2 T_n + 2 T_{n-2} + ..., the last T_0 once; zero of n = -1."""
     out = np.zeros(terms)
     if degree >= 0:
         out[degree::-2] = 2.0
         out[0] /= 2
     return out
+
+
+def _of_shapes(basis: ModeBasis, terms: int) -> FloatArray:
+    """Chebyshev coefficients of h_j, v_j, dv_j/dc and c h_j - s^2 dh_j/dc of each shape, (dof, 4, term)."""
+    order = basis.highest_degree + 2
+    c = chebyshev.chebpts1(order)
+    single = [_displacement(c, n, 1.0, 0.0) for n in range(order - 1)]
+    single += [_displacement(c, n, 0.0, 1.0) for n in range(1, order - 1)]
+    to_series = np.linalg.inv(chebyshev.chebvander(c, order - 1)).T
+    found = np.zeros((len(basis.labels), 4, terms))
+    found[:, :, :order] = np.einsum("id,dpk->ipk", basis.displacements, np.array(single)) @ to_series
+    return found
+
+
+def _displacement(c: FloatArray, n: int, radial: float, meridional: float) -> list[FloatArray]:
+    """h, v, dv/dc and c h - s^2 dh/dc of a radial and a meridional displacement of degree n."""
+    legendre = np.polynomial.legendre.Legendre.basis(n)
+    p, dp, s2, lam = legendre(c), legendre.deriv()(c), 1 - c * c, n * (n + 1)
+    turn = radial * (c * p - s2 * dp) + meridional * (dp - lam * c * p)
+    return [
+        radial * p - meridional * c * dp,
+        radial * c * p + meridional * s2 * dp,
+        radial * (p + c * dp) - meridional * lam * p,
+        turn,
+    ]

@@ -8,7 +8,7 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
-from vsb.motion.bodies import direction_index
+from vsb.motion.linear import direction_index
 from vsb.scenes.build import TUNED
 from vsb.scenes.drag import LINEARISED
 from vsb.study.study import BaseStudy, RegularWave, StillWater, Water, Wave

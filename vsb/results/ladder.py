@@ -16,7 +16,7 @@ from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
 from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, coefficient_errors, sensitivity
 from vsb.motion.constrained import optimum_in_sea
-from vsb.motion.drag import DraggedPort, best_damper, best_pair, under
+from vsb.motion.drag import DraggedPort, best_damper, best_pair, with_load
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.motion.tuning import Load, best_dampers, best_pairs, mean_power
@@ -149,12 +149,12 @@ def linear_rungs(port: Port, waves: FloatArray, families: Sequence[int], given: 
 def dragged_rungs(port: DraggedPort, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
     """Return the same with quadratic drag, whose equivalent damper depends on the sea; see `linear_rungs`."""
     spring, efficiency = given.stiffness, given.efficiency
-    one = under(port, waves, best_damper(port, waves[list(families)], spring, efficiency), spring, efficiency)
-    rungs = {} if given.damping is None else {"fixed": under(port, waves, given.damping, spring, efficiency)}
+    one = with_load(port, waves, best_damper(port, waves[list(families)], spring, efficiency), spring, efficiency)
+    rungs = {} if given.damping is None else {"fixed": with_load(port, waves, given.damping, spring, efficiency)}
     best, pairs = [], []
     for i, here in enumerate(waves[:, None]):
         known = [Load(*(v[[i]] for v in load)) for load in (one, *rungs.values())]
-        found = under(port, here, best_damper(port, here, spring, efficiency), spring, efficiency)
+        found = with_load(port, here, best_damper(port, here, spring, efficiency), spring, efficiency)
         best.append(reduce(Load.elementwise_best, known, found))
         pairs.append(best_pair(port, here, best[-1], efficiency))
     best_of_each, best_pairs_of_each = (Load(*map(np.concatenate, zip(*some, strict=True))) for some in (best, pairs))
@@ -201,7 +201,7 @@ def rungs_of(
             strokes: list[ComplexArray] = []
             for damping, stiffness, _ in loads.values():
                 own = damping[[i]], stiffness[[i]]
-                seen = port if drag is None else drag.beside(drag.settled(waves[[i]], *own)[0, 0])
+                seen = port if drag is None else drag.beside(drag.equivalent(waves[[i]], *own)[0, 0])
                 impedance = seen.load(*own)
                 velocity = seen.velocity_under(impedance)
                 forces.append(np.asarray(impedance * velocity))

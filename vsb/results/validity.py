@@ -95,7 +95,7 @@ def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness:
     Variances are smooth in the logarithm of the damper, see `vsb.motion.tuning`: a polynomial through few.
     """
     dampers, shares = _nodes(damping)
-    heave, shell = waves.motion.under(waves.port, waves.port.load(dampers, np.full(len(dampers), stiffness)))
+    heave, shell = waves.motion.with_load(waves.port, waves.port.load(dampers, np.full(len(dampers), stiffness)))
     squares = np.concatenate([_square(heave)[:, None], _square(shell).sum(axis=1)], axis=1)
     squares = squares[:, [0, *(1 + np.flatnonzero(squares[:, 1:].any(axis=(0, 2))))]]  # points that move at all
     bands = (squares / 2) @ band_weights(waves.port.omega, climate).T

@@ -26,7 +26,7 @@ from vsb.errors import ConfigError, ConvergenceError
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import legs
 from vsb.motion.builders import body_exact_scene, linear_scene
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.system import System
 from vsb.results.campaign import GAIN, POWER
@@ -177,7 +177,7 @@ def record_of(te: float, decay: float, settings: Simulation) -> Simulation:
 class DesignInTime:
     """One design with its take-off, ready for any sea."""
 
-    buoy: LinearBuoy
+    buoy: LinearSystem
     shape: DeformedShell
     radiation: RadiationModel
     motions: FloatArray  # motions the design allows (dof, free)

@@ -17,7 +17,7 @@ import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
-from vsb.motion.tuning import Take, best_damper_of_each, best_of_table, dampers
+from vsb.motion.tuning import Load, best_damper_of_each, best_of_table, dampers
 from vsb.study.study import Water
 from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.variables import described
@@ -188,7 +188,7 @@ class DesignYear:
         """Squared amplitudes of the year's mean spectrum at the frequencies of the port, shape (omega,) [m^2]."""
         return np.asarray(self.climate.mean_density @ self.weights)
 
-    def absorbed(self, tuning: Tuning, damping: float | None) -> Take:
+    def absorbed(self, tuning: Tuning, damping: float | None) -> Load:
         """Return damper and absorbed power in each sea under a tuning, `fixed` and `one` with a damper [N s/m].
 
         Raises
@@ -198,13 +198,13 @@ class DesignYear:
         """
         seas = len(self.climate.hours)
         if not self.port.moves:
-            return Take(np.zeros(seas), np.zeros(seas))
+            return Load(*np.zeros((3, seas)))
         if tuning == "each":
             tried = dampers(self.port)
             return best_of_table(tried, self.table(tried))
         if damping is None:
             raise ValueError(f"{tuning}: received no damper, needs one")
-        return Take(np.full(seas, damping), self.table(np.array([damping]))[0])
+        return Load(np.full(seas, damping), np.zeros(seas), self.table(np.array([damping]))[0])
 
     def coarser(self) -> "DesignYear":
         """Return the same with every other frequency of the port."""
@@ -377,7 +377,7 @@ def year(
 
 def _absorbed(
     designs: Iterable[str], years: Sequence[DesignYear], tunings: Sequence[Tuning], given: Mapping[str, float]
-) -> list[list[Take]]:
+) -> list[list[Load]]:
     """Damper and power of each design under each tuning."""
     best = best_for_all(years) if "one" in tunings else np.zeros(len(years))
     found = []

@@ -19,7 +19,7 @@ from vsb.integrators.exact import propagate, steady_state
 from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import steady_power
 from vsb.motion.builders import body_exact_scene, linear_scene
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.scene import Scene
 from vsb.motion.system import Motion, System
 from vsb.scenes.rest import design_motions, motions_to_degree
@@ -108,7 +108,7 @@ def motion_ladder(study: Designed, basis: ModeBasis, design: str) -> dict[int, F
 class Scenes:
     """All descriptions of one design in one sea, and the mean absorbed power each gives."""
 
-    buoy: LinearBuoy
+    buoy: LinearSystem
     shape: DeformedShell
     radiation: RadiationModel
     sea: Sea

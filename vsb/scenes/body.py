@@ -14,7 +14,7 @@ from vsb.hydro.formats.checks import sizes
 from vsb.hydro.formats.common import DRY, structure, volume_of
 from vsb.hydro.repairs import with_symmetric_stiffness
 from vsb.hydro.variables import PAIR
-from vsb.motion.bodies import LinearBody, linear_body
+from vsb.motion.linear import LinearSystem, linear_body
 from vsb.study.body import Body, BodyFile, Matrix, Rows
 from vsb.study.quantities import is_rigid, of_bodies
 from vsb.study.sections import Water
@@ -87,7 +87,7 @@ def with_hydrostatics(body: Body, ds: xr.Dataset) -> xr.Dataset:
     return ds.assign(hydrostatic_stiffness=(PAIR, none)).assign_attrs(history=told)
 
 
-def complete_body(body: Body, dofs: Sequence[str] | None, ds: xr.Dataset) -> LinearBody:
+def complete_body(body: Body, dofs: Sequence[str] | None, ds: xr.Dataset) -> LinearSystem:
     """Return the body of a study from the database of its files.
 
     Parameters

@@ -11,17 +11,15 @@ import numpy as np
 from vsb.errors import DatabaseError
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
-from vsb.motion.bodies import Memory, body_scene
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import AssumedPressure
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes import automatic
 from vsb.scenes.drag import dragged_port, linearised, with_drag
 from vsb.scenes.floating_system import (
-    AnyMotion,
     FloatingSystem,
     body_system,
     heading,
@@ -57,6 +55,14 @@ LIGHTEST = 0.01
 """Least damper tried with latching, over the best one without."""
 TUNED = "tuned_damping"
 """What a run records of its damper, if it was not given [N s/m]."""
+
+
+class Memory(NamedTuple):
+    """The radiation memory of a body."""
+
+    model: RadiationModel
+    added_mass_inf: FloatArray  # it was fitted with (dof, dof) [kg]
+    up_to: float = np.inf  # frequency up to which it follows the coefficients [rad/s]
 
 
 class DesignInSea(NamedTuple):
@@ -123,7 +129,7 @@ def automatic_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
 class _FromBem(NamedTuple):
     """What a scene with BEM is made of."""
 
-    buoy: LinearBuoy  # with the take-off of the run
+    buoy: LinearSystem  # with the take-off of the run
     shape: DeformedShell  # reference shape
     radiation: RadiationModel
     sea: Sea
@@ -158,7 +164,7 @@ def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dic
 
 
 def _latched(
-    linear: Scene, run: SimulateSpec | BodySimulateSpec, sea: Sea, floating: AnyMotion, motions: FloatArray
+    linear: Scene, run: SimulateSpec | BodySimulateSpec, sea: Sea, floating: LinearSystem, motions: FloatArray
 ) -> tuple[float, LatchingTime, dict[str, float]]:
     """Damper [N s/m] and latching time in a linear scene; a damper tuned to its sea is found with it, and recorded."""
     if run.pto.tuning != "each":
@@ -172,7 +178,7 @@ def _noted(best: LatchingTime) -> dict[str, float]:
     return {"pause": best.time, "pause_power": best.power, "pause_within": best.within}
 
 
-def _dampers(floating: AnyMotion, motions: FloatArray, sea: Sea) -> list[float]:
+def _dampers(floating: LinearSystem, motions: FloatArray, sea: Sea) -> list[float]:
     """Dampers from the resistance of the port at the strongest wave up to the best one alone, ascending [N s/m].
 
     Latching takes the reactance away: what is left to match is the resistance, or a little more.
@@ -209,12 +215,11 @@ def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     tuned_in = [(one, study_sea(run, expected(one), body.database)) for one in run.seas or (wave,)]
     pto = tuned_take_off(run.pto, design, floating, tuned_in)
     notes = {"model": "linear"} | ({} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)})
-    going = float(np.deg2rad(heading(wave)))
     motions = floating.motions[design]
-    equipped = replace(body, pto=pto)
+    equipped = replace(body, pto=pto, direction=float(np.deg2rad(heading(wave))))
     memory = body_memory(paths["radiation"])
     check_followed(memory, waves, wave.label)
-    scene = body_scene(equipped, memory, {going: waves}, motions)
+    scene = linear_scene(equipped, memory.model, waves, motions, memory.added_mass_inf)
     scene = with_take_off(scene, run.pto, pto)
     if run.pto.pauses and scene.law:
         damper, best, tuned = _latched(scene, run, waves, equipped, motions)

@@ -92,6 +92,6 @@ def linearised(
     at = dragged_port(run, floating, design, {heading(wave): sea.omega})
     waves, load = squares([sea], sea.omega), (np.array([float(pto.damping)]), np.array([pto.stiffness]))
     return {
-        DAMPERS: [float(damper) for damper in at.settled(waves, *load)[0, 0]],
+        DAMPERS: [float(damper) for damper in at.equivalent(waves, *load)[0, 0]],
         LINEARISED: float(at.powers(waves, *load)[0, 0]),
     }

@@ -15,8 +15,7 @@ from scipy.linalg import block_diag
 from vsb.errors import ConfigError
 from vsb.hydro import database
 from vsb.hydro.dofs import flexible
-from vsb.motion.bodies import LinearBody
-from vsb.motion.frequency import LinearBuoy, with_open_chamber
+from vsb.motion.linear import LinearSystem, with_open_chamber
 from vsb.motion.port import LinearPto, Port, combination, port_direction
 from vsb.motion.tuning import frequencies
 from vsb.scenes.rest import design_motions, order_bases
@@ -31,7 +30,6 @@ from vsb.tools.arrays import FloatArray, IntArray
 from vsb.waves.seas import Sea, sea
 
 AnyStudy = Study | BodyStudy
-AnyMotion = LinearBuoy | LinearBody
 OfBody = BodyStudy | OfDesigns
 """What says how a body moves: a study of one, or what a stage computes from."""
 InSeas = Study | LadderSpec | SimulateSpec | BodyStudy | BodyLadderSpec | BodySimulateSpec
@@ -42,16 +40,16 @@ InSeas = Study | LadderSpec | SimulateSpec | BodyStudy | BodyLadderSpec | BodySi
 class FloatingSystem:
     """A buoy or a body without take-off, in waves from one direction, and what designs and take-off make of it."""
 
-    linear: AnyMotion
+    linear: LinearSystem
     motions: Mapping[str, FloatArray]  # design -> N (dof, free)
     port: FloatArray  # b (dof,)
 
-    def towards(self, wave: Wave) -> AnyMotion:
+    def towards(self, wave: Wave) -> LinearSystem:
         """Return its motion in waves of a sea's direction."""
         return towards(self.linear, heading(wave))
 
 
-def towards(linear: AnyMotion, direction: float) -> AnyMotion:
+def towards(linear: LinearSystem, direction: float) -> LinearSystem:
     """Return a motion in waves of a direction [degrees]; a buoy of revolution that heaves answers all alike."""
     return replace(linear, direction=float(np.deg2rad(direction)))
 
@@ -68,7 +66,7 @@ def floating_system(study: Driven | OfBody, database_path: str) -> FloatingSyste
 # a buoy -------------------------------------------------------------------------------------------------------------
 
 
-def linear_buoy(study: Driven, database_path: str) -> tuple[LinearBuoy, ModeBasis]:
+def linear_buoy(study: Driven, database_path: str) -> tuple[LinearSystem, ModeBasis]:
     """Return the linear buoy of a study, without take-off, from its database, and its axisymmetric shell modes.
 
     To a take-off of the volume trapped gas is a chamber before it.
@@ -78,16 +76,16 @@ def linear_buoy(study: Driven, database_path: str) -> tuple[LinearBuoy, ModeBasi
     modes = study.modes
     basis = mode_basis(study.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(study.device)
     damping = block_diag(basis.damping, *(order.damping for order in order_bases(study, basis)))
-    buoy = LinearBuoy(ds, damping, LinearPto(0.0))
+    buoy = LinearSystem(ds, damping, LinearPto(0.0))
     return (with_open_chamber(buoy, study_port(study, buoy, basis)) if study.opens_chamber else buoy), basis
 
 
-def rest_shape(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> DeformedShell:
+def rest_shape(study: Driven, buoy: LinearSystem, basis: ModeBasis) -> DeformedShell:
     """Return the shell a linear buoy moves about."""
     return DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values[: len(basis.labels)])
 
 
-def study_port(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> FloatArray:
+def study_port(study: Driven, buoy: LinearSystem, basis: ModeBasis) -> FloatArray:
     """Return b of the take-off of a study, shape (dof,); see `vsb.motion.port.port_direction`."""
     return port_direction(study.pto.port, rest_shape(study, buoy, basis), order_bases(study, basis))
 
@@ -95,13 +93,13 @@ def study_port(study: Driven, buoy: LinearBuoy, basis: ModeBasis) -> FloatArray:
 # a body -------------------------------------------------------------------------------------------------------------
 
 
-def stored_body(database_path: str) -> LinearBody:
+def stored_body(database_path: str) -> LinearSystem:
     """Return the body of a database that stage `body` has completed."""
     ds = database.load_database(database_path, Path(database_path).stem)
-    return LinearBody(ds, np.asarray(ds.structural_damping_matrix.values), LinearPto(0.0))
+    return LinearSystem(ds, np.asarray(ds.structural_damping_matrix.values), axisymmetric=False)
 
 
-def body_system(study: OfBody, body: LinearBody) -> FloatingSystem:
+def body_system(study: OfBody, body: LinearSystem) -> FloatingSystem:
     """Return what a study lets float of a body."""
     motions = {name: body_motions(name, design, body.labels) for name, design in study.designs.items()}
     return FloatingSystem(body, motions, body_port(study, body.labels))

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from vsb.errors import ConvergenceError
-from vsb.integrators.settled import Trials, settled_power
+from vsb.integrators.periodic import Trials, periodic_power
 from vsb.integrators.simulate import legs
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
@@ -172,7 +172,7 @@ def _searched(
         return trials.power(system) if regular else _followed(system, sea, coarse)
 
     def steady(system: System) -> float:
-        return settled_power(system, STEADY)[0] if regular else windowed_power(system, sea, settings)
+        return periodic_power(system, STEADY)[0] if regular else windowed_power(system, sea, settings)
 
     def power_of(follow: Callable[[System], float], damping: float, time: float) -> float:
         return follow(System.of(with_latching_time(scene, time, damping)))

@@ -10,9 +10,9 @@ import numpy as np
 from vsb.hydro.database import Coefficients, shares
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.orders import order_shares
-from vsb.motion.channel import channelled
 from vsb.motion.coefficient_errors import INTERPOLATION, RESOLUTION, CoefficientError, haskind_misfits, relative_error
 from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
+from vsb.motion.linear import channelled
 from vsb.motion.port import Port, PortMotion, port_direction
 from vsb.scenes.rest import (
     design_motions,

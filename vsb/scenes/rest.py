@@ -11,7 +11,11 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.motion.frequency import allowed_part, compliance, drifting_motions, gas_compliance, softest
+from vsb.motion.frequency import allowed_part
+from vsb.motion.frequency import compliance
+from vsb.motion.frequency import softest
+from vsb.motion.frequency import unrestrained_motions
+from vsb.motion.linear import gas_compliance
 from vsb.motion.port import port_direction
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.elastic import ElasticShell
@@ -236,7 +240,7 @@ def design_stiffness(
     """
     motions = design_motions(study, reference.basis, design)
     stiffness = motions.T @ (whole_stiffness(study, reference) + beside) @ motions
-    return softest(stiffness, drifting_motions(stiffness, whole_labels(study, reference), motions))[0]
+    return softest(stiffness, unrestrained_motions(stiffness, whole_labels(study, reference), motions))[0]
 
 
 # checks -------------------------------------------------------------------------------------------------------------
@@ -276,7 +280,7 @@ def check_moored(study: Moving, reference: ReferenceShell) -> None:
     ConfigError
     """
     names, stiffness = _rigid_stiffness(study, reference)
-    least, shape = softest(stiffness, drifting_motions(stiffness, names, np.eye(len(names))))
+    least, shape = softest(stiffness, unrestrained_motions(stiffness, names, np.eye(len(names))))
     if least <= 0.0:
         most = names[np.argmax(np.abs(shape))].lower()
         raise ConfigError(
@@ -339,7 +343,8 @@ def check_rests(study: Study, reference: ReferenceShell) -> None:
     """
     if study.hydro.model == "linear":
         return
-    from vsb.motion.builders import still_scene  # compiled, imported where it is needed
+    from vsb.motion.builders import still_scene  # compiled
+    from vsb.motion.builders import imported where it is needed
 
     water = study.water
     for design in study.designs:

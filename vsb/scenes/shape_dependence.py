@@ -20,7 +20,8 @@ import xarray as xr
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.hydro.database import Coefficients, with_structure
 from vsb.hydro.shape_dependence import ShapeDatabase, ShapeFamily, shape_database
-from vsb.motion.frequency import LinearBuoy, dynamic_stiffness
+from vsb.motion.frequency import dynamic_stiffness
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.scenes.rest import design_motions, loaded_shell, reference_shell
 from vsb.shell.deformed import ReferenceShell
@@ -51,10 +52,10 @@ _CURVES = {
 _EXPANSIONS = {"first": ("first order", "#000000", "o"), "second": ("second order", "#D55E00", "s")}
 
 
-def linear_buoy(study: Study, reference: ReferenceShell, family: ShapeFamily) -> LinearBuoy:
+def linear_buoy(study: Study, reference: ReferenceShell, family: ShapeFamily) -> LinearSystem:
     """Return the buoy of a study with the coefficients of the family's reference shape; see `given_damper`."""
     pto = LinearPto(given_damper(study))
-    return LinearBuoy(with_structure(family.centre, reference), reference.basis.damping, pto)
+    return LinearSystem(with_structure(family.centre, reference), reference.basis.damping, pto)
 
 
 def given_damper(study: Study) -> float:
@@ -65,7 +66,7 @@ def given_damper(study: Study) -> float:
     return pto.damping
 
 
-def power_slope(buoy: LinearBuoy, slopes: xr.Dataset, motions: FloatArray) -> FloatArray:
+def power_slope(buoy: LinearSystem, slopes: xr.Dataset, motions: FloatArray) -> FloatArray:
     """Return the derivative of absorbed power per squared wave amplitude by shape, shape (shape_dof, omega) [W/m^3].
 
     The database of the buoy is at the frequencies of `slopes`; `motions`, (dof, free), are those a design allows.
@@ -123,7 +124,7 @@ def study_family(study: Study, reference: ReferenceShell, frequencies: int = 60)
     )
 
 
-def mean_power(buoy: LinearBuoy, c: Coefficients, waves: Sea, motions: FloatArray) -> float:
+def mean_power(buoy: LinearSystem, c: Coefficients, waves: Sea, motions: FloatArray) -> float:
     """Return the mean absorbed power in a sea [W] of a buoy with other coefficients, those at the sea's frequencies."""
     impedance = dynamic_stiffness(waves.omega, c, buoy.mass, buoy.damping_at(waves.omega), buoy.stiffness)
     load = (c.excitation @ motions)[..., None]
@@ -131,7 +132,7 @@ def mean_power(buoy: LinearBuoy, c: Coefficients, waves: Sea, motions: FloatArra
     return waves.mean_of(buoy.absorbed_power(waves.omega, rao))
 
 
-def passed_shapes(buoy: LinearBuoy, waves: Sea, motions: FloatArray, duration: float) -> FloatArray:
+def passed_shapes(buoy: LinearSystem, waves: Sea, motions: FloatArray, duration: float) -> FloatArray:
     """Return amplitudes of the linear motion at `INSTANTS` of a period or run, shape (instant, dof) [m]."""
     span = 2 * np.pi / waves.omega[0] if len(waves.omega) == 1 else duration
     time = np.arange(INSTANTS) / INSTANTS * span
@@ -145,7 +146,7 @@ class StudyMotion:
 
     study: Study
     reference: ReferenceShell
-    buoy: LinearBuoy
+    buoy: LinearSystem
 
     @cached_property
     def runs(self) -> dict[tuple[str, str], tuple[Sea, FloatArray]]:

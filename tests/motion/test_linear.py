@@ -1,0 +1,287 @@
+"""Linear systems: published power, limits, radiation channels, wet natural modes, unrestrained motions."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from conftest import varied
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vsb.errors import DatabaseError, StabilityError
+from vsb.motion.frequency import compliance, normal_modes, softest, unrestrained_motions
+from vsb.motion.linear import Channel, LinearSystem, one_channel
+from vsb.motion.port import LinearPto
+from vsb.scenes.rest import design_motions, study_basis
+
+
+def power(buoy_of, study, design, omega):
+    buoy = buoy_of(study)
+    return buoy.absorbed_power(omega, buoy.rao(omega, design_motions(study, study_basis(study), design)))
+
+
+@pytest.fixture(scope="module")
+def published(seed):
+    """The seed's buoy with c = 6000 N s/m and full resolution."""
+    return varied(seed, pto={"damping": 6000.0})
+
+
+def test_absorbed_power_matches_the_semi_analytic_estimate(buoy_of, published):
+    """17.2 and 9.96 kW/m^2 rigid; about +39 % and -37 % for the free shell."""
+    omega = np.array([2.0, 2 * np.pi / 2.5])
+    rigid, free = (power(buoy_of, published, design, omega) for design in ("FSB", "VSWEC"))
+    assert rigid == pytest.approx([17.2e3, 9.96e3], rel=5e-3)
+    assert 100 * (free / rigid - 1) == pytest.approx([39.0, -37.0], abs=1.0)
+
+
+def test_stiff_shell_approaches_the_rigid_buoy(buoy_of, seed):
+    omega = np.linspace(0.5, 6.0, 23)
+    gains = []
+    for modulus in (1e9, 1e11):
+        study = varied(seed, device={"young_modulus": modulus, "damping": {"alpha": 0.0, "beta": 0.0}})
+        gains.append(np.abs(power(buoy_of, study, "VSWEC", omega) / power(buoy_of, study, "FSB", omega) - 1).max())
+    assert gains[0] / gains[1] == pytest.approx(100, rel=0.2)  # flexibility is first order in 1/E
+
+
+def test_buoy_follows_long_waves(buoy_of, seed):
+    rao = buoy_of(seed).rao(np.array([0.2]), np.eye(8, 1))[0, 0]
+    assert rao == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("structural", "pto", "radiated"), [(0.0, 0.0, 0.0), (70.0, 250.0, 400.0)])
+def test_wet_damping_ratio_of_uncoupled_motions(structural, pto, radiated):
+    """(B + D + c)/(2 w (M + A)), for heave and for a mode without coupling to it."""
+    omega, pair = np.linspace(0.1, 12.0, 240), ("influenced_dof", "radiating_dof")
+    curve = (omega / 2) ** 3 * np.exp(3 - 1.5 * omega)
+    damping = radiated * curve[:, None, None] * np.diag([1.0, 0.1])
+    ds = xr.Dataset(
+        {
+            "inertia_matrix": (pair, np.diag([500.0, 30.0])), "added_mass_inf": (pair, np.diag([300.0, 10.0])),
+            "hydrostatic_stiffness": (pair, np.diag([3000.0, 0.0])), "structural_stiffness": (pair, np.diag([0.0, 900.0])),
+            "radiation_damping": (("omega", *pair), damping),
+        },
+        coords={"omega": omega},
+    )  # fmt: skip
+    buoy = LinearSystem(ds, np.diag([0.0, structural]), LinearPto(pto))
+    frequencies, ratios = buoy.natural_modes(np.eye(2))
+    for at, (frequency, ratio) in enumerate(zip(frequencies, ratios, strict=True)):
+        here = np.array([frequency])
+        mass = (buoy.mass + buoy.added_mass_inf + buoy.spectrum.added_mass_difference(here)[0])[at, at]
+        lost = buoy.spectrum.at(here)[0][at, at] + (pto, structural)[at]
+        assert frequency == pytest.approx(np.sqrt((3000.0, 900.0)[at] / mass), rel=1e-9)
+        assert ratio == pytest.approx(lost / (2 * frequency * mass), rel=1e-9, abs=1e-15)
+
+
+def test_water_lowers_the_breathing_mode_to_the_published_range(buoy_of, seed):
+    """Half submerged: from 51 rad/s dry to 13-17 rad/s wet (semi-analytic estimate)."""
+    frequencies, _ = buoy_of(seed).natural_modes(np.eye(8))
+    assert np.sum((frequencies > 13) & (frequencies < 17)) == 1
+    full = varied(seed, modes={"basis": "full"})
+    soft, _ = buoy_of(full).natural_modes(np.eye(13))
+    assert np.sum((soft > 5) & (soft < 11)) >= 2
+
+
+def changed(buoy, **factors):
+    """A buoy with variables of its database multiplied."""
+    return replace(buoy, database=buoy.database.assign({name: buoy.database[name] * f for name, f in factors.items()}))
+
+
+def test_natural_modes_of_a_light_shell_with_negative_total_inertia(buoy_of, seed):
+    """The added mass of a nearly immersed body is negative at some frequencies."""
+    device = {"mass": 29.5e3, "thickness": 0.003, "density": 800.0}
+    study = varied(seed, device=device, modes={"degree": 3}, hydro={"tolerance": 1e-2, "omega_max": 9.0})
+    buoy = buoy_of(study)
+    free = np.eye(len(buoy.mass))
+    omega = buoy.database.omega.values
+    assert np.linalg.eigvalsh(buoy.mass + buoy.coefficients(omega).added_mass).min() < 0.0
+    frequencies, ratios = buoy.natural_modes(free)
+    assert (np.diff(frequencies) > 0).all()
+    assert (ratios > 0).all()
+    added = buoy.added_mass_inf + buoy.spectrum.added_mass_difference(frequencies)
+    scale = np.sqrt(np.diag(buoy.stiffness))
+    for w, a in zip(frequencies, added, strict=True):
+        left = np.linalg.eigvalsh((buoy.stiffness - w**2 * (buoy.mass + a)) / np.outer(scale, scale))
+        assert np.abs(left).min() < 1e-8 * np.abs(left).max()
+
+
+def test_unstable_or_massless_motions_are_refused(buoy_of, seed):
+    with pytest.raises(StabilityError, match=r"gives way at rest: received a stiffness of -.* needs more than 0"):
+        changed(buoy_of(seed), structural_stiffness=-1.0).natural_modes(np.eye(8))
+    with pytest.raises(DatabaseError, match=r"takes a mode's inertia; lower hydro.tolerance"):
+        changed(buoy_of(seed), added_mass_inf=-1.0).natural_modes(np.eye(8))
+
+
+def test_frequencies_outside_the_database_are_refused(buoy_of, seed):
+    with pytest.raises(DatabaseError, match=r"database holds .* rad/s; raise hydro.omega_max"):
+        buoy_of(seed).coefficients(np.array([20.0]))
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "force", "moved"),
+    [
+        (np.diag([4.0, 0.0]), [1.0, 0.0], 0.25),
+        (np.diag([4.0, 0.0]), [0.0, 1.0], np.inf),
+        (np.diag([1e12, 1e-3]), [0.0, 1.0], 1e3),  # scales are no looseness
+        (np.diag([4.0, 0.0]), [1e8, 1.0], 2.5e15),  # of which a hundredth of a millionth drifts
+        (np.array([[1.0, 5e-12 - 1], [5e-12 - 1, 1.0]]), [1.0, 1.0], 4e11),
+        (np.array([[1.0, 5e-13 - 1], [5e-13 - 1, 1.0]]), [1.0, 1.0], np.inf),  # held by round-off alone
+        (np.array([[1.0, 5e-13 - 1], [5e-13 - 1, 1.0]]), [1.0, -1.0], 1.0),
+    ],
+)
+def test_static_compliance_of_a_port(stiffness, force, moved):
+    assert compliance(stiffness, np.array(force)) == pytest.approx(moved, rel=1e-3)
+
+
+@pytest.mark.parametrize("coupling", [-8.0, 25.0])
+def test_unrestrained_motion_moves_without_force(coupling):
+    """Pitch stiffness k beside free surge: w^2 = k/(I - s^2/m); surge moves by -s/m of it, and may be damped there."""
+    omega, pair = np.linspace(0.1, 12.0, 60), ("influenced_dof", "radiating_dof")
+    mass, turning, stiffness, across, about = 50.0, 20.0, 90.0, 3.0, 2.0
+    ds = xr.Dataset(
+        {
+            "inertia_matrix": (pair, np.array([[mass, coupling], [coupling, turning]])),
+            "added_mass_inf": (pair, np.zeros((2, 2))),
+            "hydrostatic_stiffness": (pair, np.diag([0.0, stiffness])),
+            "radiation_damping": (("omega", *pair), np.zeros((60, 2, 2))),
+        },
+        {"omega": omega} | {dim: ["Surge", "Pitch"] for dim in pair},
+    )
+    buoy = LinearSystem(ds, np.diag([across, about]), LinearPto(0.0))
+    (frequency,), (ratio,) = buoy.natural_modes(np.eye(2))
+    left = turning - coupling**2 / mass
+    assert frequency == pytest.approx(np.sqrt(stiffness / left), rel=1e-9)
+    lost = about + across * (coupling / mass) ** 2
+    assert ratio == pytest.approx(lost / (2 * frequency * left), rel=1e-9)
+
+
+SOLVED = np.linspace(0.2, 6.0, 60)
+
+
+def wave_force(omega):
+    """Excitation of two motions of one order and one of another."""
+    x = np.array([np.exp(-0.2 * omega), 0.3 * omega * np.exp(-0.4 * omega), omega**2 * np.exp(-omega)]).T
+    return x * np.exp(1j * np.outer(omega, [0.1, 0.1, 0.4]))
+
+
+@pytest.fixture
+def two_orders():
+    damping = np.zeros((60, 3, 3))
+    for group, h in (([0, 1], 2.0), ([2], 1.0)):
+        pick = np.array(group)
+        damping[:, pick[:, None], pick] = h * SOLVED[:, None, None] ** 3 * one_channel(wave_force(SOLVED)[:, pick])
+    dims = ("influenced_dof", "radiating_dof")
+    return xr.Dataset(
+        {
+            "radiation_damping": (("omega", *dims), damping),
+            "excitation_force": (("omega", "wave_direction", dims[0]), wave_force(SOLVED)[:, None]),
+        },
+        {"omega": SOLVED},
+    )
+
+
+@pytest.mark.parametrize(("group", "factor"), [((0, 1), 2.0), ((2,), 1.0)])
+def test_channel_damping_between_solved_frequencies(two_orders, group, factor):
+    channel, omega = Channel(two_orders, np.array(group)), np.array([0.25, 1.234, 5.5])
+    assert channel.power == 3
+    found, pick = channel.damping(omega, wave_force(omega)), np.array(group)
+    expected = np.zeros_like(found)
+    expected[:, pick[:, None], pick] = factor * omega[:, None, None] ** 3 * one_channel(wave_force(omega)[:, pick])
+    np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-12)
+
+
+def test_damping_where_the_excitation_vanishes(two_orders):
+    """The force changes sign at 3 rad/s, where the solver's damping is dominated by its error."""
+    two_orders.excitation_force[:, 0, 2] = 3.0 - SOLVED
+    damping = SOLVED**3 * (3.0 - SOLVED) ** 2
+    near = np.abs(SOLVED - 3.0) < 0.06
+    assert near.any()
+    beside = np.abs(SOLVED - 3.0) < 0.06 + 2 * (SOLVED[1] - SOLVED[0])  # where its error is of the damping's own size
+    two_orders.radiation_damping[:, 2, 2] = np.where(near, -1e-3, np.where(beside, 1.5 * damping, damping))
+    channel, omega = Channel(two_orders, np.array([2])), np.array([2.9, 2.98, 3.02, 3.1])
+    force = np.zeros((4, 3), dtype=complex)
+    force[:, 2] = 3.0 - omega
+    np.testing.assert_allclose(channel.damping(omega, force)[:, 2, 2], omega**3 * (3.0 - omega) ** 2, rtol=1e-10)
+
+
+def test_channel_uses_the_direction_that_excites_it(two_orders):
+    """Like sway, excited by waves along y and not by those along x."""
+    ahead, aside = two_orders.excitation_force.copy(), two_orders.excitation_force.copy()
+    ahead[:, 0, 2] = 0.0
+    aside[:, 0, :2] *= 0.5
+    both = two_orders.drop_vars("excitation_force").assign(
+        excitation_force=xr.concat([ahead, aside], "wave_direction").transpose("omega", ...)
+    )
+    omega = np.array([0.25, 1.234, 5.5])
+    for heading, group, factor in ((1, [2], 1.0), (0, [0, 1], 2.0), (1, [0, 1], 8.0)):
+        channel, pick = Channel(both, np.array(group), heading), np.array(group)
+        found = channel.damping(omega, wave_force(omega))[:, pick[:, None], pick]
+        expected = factor * omega[:, None, None] ** 3 * one_channel(wave_force(omega)[:, pick])
+        np.testing.assert_allclose(found, expected, rtol=1e-10)
+
+
+RIGID = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
+WATER = np.diag([0.0, 0.0, 1.2e5, 8e4, 8e4, 0.0])
+
+
+def moored(*lines, water=WATER):
+    """Stiffness of lines k a a^T beside the water's."""
+    return water + sum(k * np.outer(a, a) for k, a in lines)
+
+
+def line(degrees, height=0.0, arm=0.0):
+    """How a horizontal line of a direction pulls: at a height above the centre, past it at an arm."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([c, s, 0.0, -height * s, height * c, arm])
+
+
+@settings(max_examples=20)
+@given(angle=st.floats(0.0, 360.0), exponent=st.floats(-3.0, 9.0), height=st.sampled_from([0.0, -1.5]))
+def test_single_line_leaves_sway_across_it_and_yaw(angle, exponent, height):
+    stiffness = moored((10.0**exponent, line(angle, height)))
+    loose = unrestrained_motions(stiffness, RIGID, np.eye(6))
+    across = np.array([-np.sin(np.radians(angle)), np.cos(np.radians(angle)), 0.0, 0.0, 0.0, 0.0])
+    np.testing.assert_allclose(loose @ loose.T, np.outer(across, across) + np.diag([0.0] * 5 + [1.0]), atol=1e-8)
+    assert softest(stiffness, loose)[0] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("lines", "left"),
+    [
+        ([], 3),
+        ([(2e4, line(20.0))], 2),
+        ([(2e4, line(20.0)), (1e3, line(21.0))], 1),
+        ([(2e4, line(20.0, arm=2.0))], 2),
+        ([(2e4, line(20.0, arm=2.0)), (2e4, line(20.0, arm=-2.0))], 1),
+        ([(2e4, line(20.0)), (2e4, line(110.0)), (1.0, line(20.0, arm=2.0))], 0),
+    ],
+)
+def test_every_independent_line_restrains_one_more_motion(lines, left):
+    stiffness = moored(*lines)
+    loose = unrestrained_motions(stiffness, RIGID, np.eye(6))
+    assert loose.shape == (6, left)
+    np.testing.assert_allclose(loose.T @ loose, np.eye(left), atol=1e-12)
+    np.testing.assert_allclose(stiffness @ loose, 0.0, atol=1e-10)
+    np.testing.assert_allclose(loose[2:5], 0.0, atol=1e-15)  # surge, sway and yaw alone
+    least, motion = softest(stiffness, loose)
+    assert least > 0.0
+    np.testing.assert_allclose(motion @ stiffness @ motion, least, rtol=1e-9)
+    np.testing.assert_allclose(loose.T @ motion, 0.0, atol=1e-10)
+
+
+def test_normal_modes_with_unrestrained_motions():
+    """Beside them those of the line and of the water, each of its own mass, whatever couples them."""
+    rng = np.random.default_rng(7)
+    mass = np.diag([2e4, 2.5e4, 3e4, 9e3, 8e3, 7e3])
+    mass[0, 4] = mass[4, 0] = 4e3
+    mass[1, 3] = mass[3, 1] = -5e3
+    for angle in rng.uniform(0.0, 360.0, 5):
+        stiffness = moored((2e4, line(angle, height=-1.5)))
+        loose = unrestrained_motions(stiffness, RIGID, np.eye(6))
+        squares, modes = normal_modes(stiffness, mass, loose)
+        assert (squares[:2] == 0.0).all()
+        assert (np.diff(squares) >= 0.0).all()
+        np.testing.assert_allclose(modes.T @ mass @ modes, np.eye(6), atol=1e-10)
+        np.testing.assert_allclose(modes.T @ stiffness @ modes, np.diag(squares), atol=1e-10 * squares[-1])
+        reckoned = np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real)
+        np.testing.assert_allclose(squares, reckoned, rtol=1e-9, atol=1e-9)
