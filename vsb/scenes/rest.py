@@ -11,10 +11,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.motion.frequency import allowed_part
-from vsb.motion.frequency import compliance
-from vsb.motion.frequency import softest
-from vsb.motion.frequency import unrestrained_motions
+from vsb.motion.frequency import allowed_part, compliance, softest, unrestrained_motions
 from vsb.motion.linear import gas_compliance
 from vsb.motion.port import port_direction
 from vsb.shell.deformed import DeformedShell, ReferenceShell
@@ -344,7 +341,6 @@ def check_rests(study: Study, reference: ReferenceShell) -> None:
     if study.hydro.model == "linear":
         return
     from vsb.motion.builders import still_scene  # compiled
-    from vsb.motion.builders import imported where it is needed
 
     water = study.water
     for design in study.designs:
