@@ -8,11 +8,10 @@ from examples import barge
 from vsb.hydro import dofs
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.bodies.lid import interior_lid
-from vsb.hydro.bodies.mesh import at_vertices, joined
 from vsb.hydro.bodies.solver import BodyProblem, SymmetricPanels, unit_wave, unit_wave_slope
 from vsb.hydro.bodies.verdict import identities
 from vsb.hydro.panels import rings as bem
-from vsb.hydro.panels.mesh import mean_mesh, polygon_radius, revolved
+from vsb.hydro.panels.mesh import polygon_radius, revolved
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.shell import legendre
 from vsb.study.sections import Water
@@ -86,33 +85,6 @@ def test_planes_of_symmetry_change_no_coefficient(green, box, belts, monkeypatch
         problem = BodyProblem(green, box, SEA, symmetry, lid)
         assert largest_difference(problem.solve(1.2, directions), solved) < 1e-12
         assert largest_difference(problem.at_infinity(), limit) < 1e-12
-
-
-@pytest.mark.parametrize("depth", [np.inf, 3.0])
-def test_axisymmetric_solver_agrees_on_the_same_panels(green, depth):
-    rows, azimuth, degrees = 6, 16, (0, 1, 2)
-    mesh = mean_mesh(1.0, 0.0, rows, azimuth, 3)
-    problem = bem.AxisymmetricProblem(green, mesh, dofs.displacements(f"Radial{n}" for n in degrees), 1.0, depth, 1.0)
-    expected = problem.solve([1.1])
-    rings = bem.ring_mesh(mesh)
-    turns = [rings.wedge.rotated_z(2 * np.pi * (i + 0.5) / azimuth) for i in range(azimuth)]
-
-    def panels(part):
-        return joined([(np.asarray(wedge.vertices), np.asarray(wedge.faces)[part]) for wedge in turns])
-
-    (vertices, faces), lid = panels(slice(0, rows)), panels(slice(rows, None))
-    normals = bem.panel_mesh(vertices, faces).faces_normals
-    modes = np.tile(problem.velocities, azimuth)[:, :, None] * normals
-    shapes = at_vertices(vertices, faces, modes)
-    body = made(vertices, faces, shapes, tuple(each.label for each in problem.displacements), modes=modes)
-    ours = BodyProblem(green, body, Water(density=1.0, gravity=1.0, depth=depth), "xOz+yOz", lid).solve(
-        1.1, np.zeros(1)
-    )
-    for name in ("added_mass", "radiation_damping"):
-        assert np.abs(ours[name] - expected[name]).max() < 1e-10 * np.abs(expected[name]).max(), name
-    # the wave is sampled at panels here and averaged over the ring there: not the same, but near
-    forces = [ds.Froude_Krylov_force + ds.diffraction_force for ds in (ours, expected)]
-    assert np.abs(forces[0] - forces[1]).max() < 0.02 * np.abs(forces[1]).max()
 
 
 @pytest.mark.parametrize("amplitude", [0.15, pytest.param(-0.15, marks=pytest.mark.slow)])

@@ -108,43 +108,6 @@ def test_estimate_is_one_if_no_panels_can_be_joined(green):
     assert error_estimate([block(problem, 1.2)], block(problem, np.inf), size_of(problem)) == 1.0
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("away", [0.0, 300.0])
-def test_sweep_solves_few_frequencies_wherever_the_body_lies(green, box, away):
-    vertices = box.vertices + np.array([away, 0.0, 0.0])
-    problem = BodyProblem(green, made(vertices, box.faces, box.shapes, box.labels), SEA, "xOz")
-    omega, directions, blocks = np.linspace(0.5, 2.0, 30).tolist(), np.array([0.0, 0.8]), {}
-
-    def solve(w):
-        if w not in blocks:
-            blocks[w] = solved_block(
-                problem, problem, 1.0, {"omega": w, "wave_direction": np.rad2deg(directions).tolist()}
-            )
-        return blocks[w]
-
-    def froude_krylov(w):
-        return problem.froude_krylov(w, directions)
-
-    size = np.sqrt(np.diag(block(problem, np.inf).own.added_mass_inf.values))
-    measure = Measure(size, np.array([away, 0.0, -1.0]), directions, SEA)
-    found = swept(solve, froude_krylov, omega, 5e-3, measure)
-    assert len(blocks) == len(found.solved) < 18
-    everything = swept(solve, froude_krylov, omega, None, measure)
-    assert len(everything.solved) == 30
-    assert everything.error == 0.0
-    ours, true = (with_excitation(s.coefficients) for s in (found, everything))
-    units = {"excitation_force": size}
-    missed = [
-        np.abs((ours[n] - true[n]) / units.get(n, np.outer(size, size))).max()
-        / np.abs(true[n] / units.get(n, np.outer(size, size))).max()
-        for n in NAMES
-    ]
-    assert max(missed) <= found.error
-    assert found.error <= 5e-3
-    for each in found.solved:
-        assert np.array_equal(ours.added_mass.sel(omega=each.own.omega), each.own.added_mass)
-
-
 def test_yaw_of_a_round_body_does_not_spoil_the_verdict(green):
     """Its added mass is the round-off of triangles: an error in terms of it says nothing."""
     sphere = revolved_body(shell_with(0.0), 6, (0,), 14)

@@ -31,7 +31,7 @@ def dataset(labels=LABELS, **changes):
     return ds.assign(changes) if changes else ds
 
 
-def test_it_is_read_in_this_projects_order(tmp_path):
+def test_file_of_two_bodies_is_read(tmp_path):
     dataset().to_netcdf(tmp_path / "rm3.nc")
     found = read_capytaine(tmp_path / "rm3.nc")
     assert list(map(str, found.influenced_dof.values)) == LABELS
@@ -46,7 +46,7 @@ def test_it_is_read_in_this_projects_order(tmp_path):
     assert found.attrs["history"] == "read from rm3.nc"
 
 
-def test_what_capytaine_does_not_know_is_left_out_and_told(tmp_path):
+def test_unknown_matrices_are_left_out(tmp_path):
     unknown = dataset().assign(inertia_matrix=(("influenced_dof", "radiating_dof"), np.full((2, 2), np.nan)))
     unknown.to_netcdf(tmp_path / "a.nc")
     found = read_capytaine(tmp_path / "a.nc")
@@ -57,7 +57,7 @@ def test_what_capytaine_does_not_know_is_left_out_and_told(tmp_path):
 SOLVED = ("added_mass", "radiation_damping", "diffraction_force")
 
 
-def test_frequencies_that_failed_are_left_out_and_told(tmp_path):
+def test_failed_frequencies_are_left_out(tmp_path):
     """Of WEC-Sim's own files of capytaine five in seven have some; one coefficient alone is no such frequency."""
     solved = dataset().omega != 0.5
     dataset(**{name: dataset()[name].where(solved) for name in SOLVED}).to_netcdf(tmp_path / "a.nc")
@@ -95,7 +95,7 @@ def test_frequencies_that_failed_are_left_out_and_told(tmp_path):
         ),
     ],
 )
-def test_what_is_no_database_is_refused_in_one_line(tmp_path, spoiled, message):
+def test_wrong_files_are_refused(tmp_path, spoiled, message):
     spoiled(dataset()).to_netcdf(tmp_path / "a.nc")
     with pytest.raises(DatabaseError, match=message):
         read_capytaine(tmp_path / "a.nc")
@@ -113,7 +113,7 @@ def asked_by(path, name, **changes):
 
 @pytest.mark.parametrize("name", ["period", "freq", "wavenumber", "wavelength"])
 @pytest.mark.parametrize("told", [True, False])
-def test_frequencies_asked_for_by_another_quantity(ball, name, told):
+def test_frequencies_given_by_another_quantity(ball, name, told):
     path, expected = asked_by(ball, name), read_capytaine(ball)
     if not told:
         with xr.open_dataset(path) as ds:
@@ -124,7 +124,7 @@ def test_frequencies_asked_for_by_another_quantity(ball, name, told):
     assert found.radiation_damping.values == pytest.approx(expected.radiation_damping.values)
 
 
-def test_cases_of_one_entry_and_radiation_by_wave_direction_are_read(ball):
+def test_single_cases_and_radiation_by_wave_direction(ball):
     """Problems given one by one make added mass depend on the direction of waves, which it must not."""
     expected = read_capytaine(ball)
     with xr.open_dataset(ball) as ds:
@@ -139,7 +139,7 @@ def test_cases_of_one_entry_and_radiation_by_wave_direction_are_read(ball):
         read_capytaine(ball.with_name("cases.nc"))
 
 
-def test_only_what_radiates_is_read_and_the_rest_is_told(ball):
+def test_motions_that_did_not_radiate_are_left_out(ball):
     with xr.open_dataset(ball) as ds:
         ds.load().isel(radiating_dof=[2]).to_netcdf(ball.with_name("heave.nc"))
     found, whole = read_capytaine(ball.with_name("heave.nc")), read_capytaine(ball)

@@ -14,7 +14,6 @@ from vsb.hydro.formats.checks import (
     WAMIT_WORDS,
     causes,
     coefficient_checks,
-    fitting_depth,
     haskind_damping,
     lift_check,
     sizes,
@@ -257,21 +256,6 @@ def test_spike_of_both_coefficients_is_a_doubt_and_of_one_a_failure():
     assert verdicts(edited(ds, "radiation_damping", change))["irregular_frequencies"] == "fail"
 
 
-def test_spike_is_found_where_headings_do_not_resolve_the_waves():
-    """As a barge's A33, 92 times A33(inf) at one frequency, in 36 headings that do not resolve its surge there."""
-    ds = sound()
-
-    def spike(a):
-        a[33, 1, 1] *= 92
-
-    def ripple(x):
-        x[50:, :, 0] *= np.cos(5 * ds.wave_direction.values)
-
-    checks = verdicts(edited(edited(ds, "added_mass", spike), "excitation_force", ripple))
-    assert (checks["irregular_frequencies"], checks["kramers_kronig"]) == ("fail", "fail")
-    assert checks["haskind"] == "ok"  # of what is resolved
-
-
 def test_narrow_resonance_is_not_a_failure():
     """K(s) = c s/(s^2 + 2 z s + 1) as narrow as the steps, wherever they fall: at worst a doubt."""
     rng = np.random.default_rng(1)
@@ -316,20 +300,6 @@ def test_notes_on_modes_kramers_kronig_cannot_check():
         "not checked: irregular_frequencies, which needs five frequencies; received 3",
         "not checked: kramers_kronig, which needs ten frequencies; received 3",
     ]
-
-
-def test_long_waves_are_checked_only_if_they_are_long():
-    assert coefficient_checks(sound(["Surge"]))[1][0] == "not checked: long_waves, which needs heave and a waterplane"
-    short = coefficient_checks(sound(omega=np.linspace(2.0, 8.0, 60)))
-    assert "long_waves" not in {check.name for check in short[0]}
-    assert "not checked: long_waves, of which 2 rad/s is none for this body" in short[1]
-
-
-def test_zero_frequency_is_left_out_of_the_checks():
-    ds = sound()
-    still = ds.isel(omega=[0]).assign_coords(omega=[0.0])
-    both = xr.concat([still, ds], dim="omega", data_vars="minimal", coords="minimal", compat="override")
-    assert judged(both.assign_attrs(ds.attrs)) == judged(ds)
 
 
 # --- Haskind
@@ -430,19 +400,6 @@ def test_round_off_of_a_mode_without_water_is_not_an_error(size):
     assert sizes(ds).wet.tolist() == [True, True, True, False]
 
 
-def test_mode_with_little_water_is_checked_by_its_own_size():
-    """Heave of a spar, a thirtieth of surge: an error of its own size is a failure."""
-    ds = sound()
-    little = np.array([1.0, 1 / 30, 1.0, 1.0])
-    for name, power in (("added_mass", 1.0), ("added_mass_inf", 1.0), ("radiation_damping", 1.0)):
-        ds = ds.assign({name: ds[name] * np.diag(little**power)})
-    ds = ds.assign(excitation_force=ds.excitation_force * np.sqrt(little))
-    ds = variables.described(ds.assign(hydrostatic_stiffness=ds.hydrostatic_stiffness / np.sqrt(30)))
-    assert set(verdicts(ds).values()) == {"ok"}
-    assert verdicts(_pushed(ds, 0.06))["haskind"] == "fail"
-    assert verdicts(_lively(ds, 0.02))["positive_damping"] == "fail"
-
-
 def test_motions_without_waves_are_accepted():
     ds = sound(("Surge", "Heave", "Pitch", "Yaw"))
     moving = np.array([1.0, 1.0, 1.0, 0.0])
@@ -532,14 +489,6 @@ def test_kramers_kronig_of_coupled_motions():
     assert "rad/s in Heave" in found.explanation
 
 
-def test_no_depth_is_reported_if_none_fits():
-    omega = np.array([0.3, 0.5])
-    assert fitting_depth(np.array([3.0, 0.2]), omega, np.inf, G) is None
-    assert fitting_depth(np.ones(2), omega, np.inf, G) == np.inf
-    but_one = np.array([*np.ones(19), 1.2])
-    assert fitting_depth(but_one, np.linspace(1.0, 3.0, 20), np.inf, G) is None
-
-
 def ringing(values, n=12):
     """Excitation over frequencies and modes, functions of the heading, at n headings all around."""
     beta = 2 * np.pi * np.arange(n) / n
@@ -557,29 +506,6 @@ def test_resolution_limit_of_headings(order, least):
         part = np.sqrt(share / (1 - share) * (1.0 if 2 * order == least else 2.0))
         ds = ringing([[lambda beta, part=part: 1.0 + part * np.cos(order * beta)]], least)
         assert bool(haskind_damping(ds, np.zeros(1), False)[1][0, 0]) == (share < 0.025 or not last)
-
-
-@pytest.mark.parametrize("seed", [0])
-def test_order_of_headings_does_not_matter(seed):
-    """One of them told twice, wherever that is; what turns too often is told from what does not."""
-    waves = [[lambda beta: 1.0 + np.cos(beta), lambda beta: 1.0 + np.cos(5 * beta)]]
-    ds = ringing(waves)
-    order = np.random.default_rng(seed).permutation([*range(12), seed])
-    found, expected = (haskind_damping(each, np.zeros(2), False) for each in (ds.isel(wave_direction=order), ds))
-    assert found[1].tolist() == expected[1].tolist() == [[True, False]]
-    np.testing.assert_allclose(found[0], expected[0], rtol=1e-12, atol=1e-12 * np.abs(expected[0]).max())
-
-
-@pytest.mark.parametrize(("omega", "given"), [((0.3, 1.5), np.inf), ((1.5, 0.3), 60.0)])
-def test_fitting_depth_is_found(omega, given):
-    """Damping from excitation goes with k over group velocity: it is too much by that of the depth given."""
-
-    def narrowness(depth):
-        return np.array([wavenumber(w, depth, G) / group_velocity(w, depth, G) for w in omega])
-
-    true = 20.0
-    ratio = narrowness(given) / narrowness(true)
-    assert fitting_depth(ratio, np.array(omega), given, G) == pytest.approx(true, rel=0.06)
 
 
 @pytest.mark.parametrize("depth", [30.0, np.inf])

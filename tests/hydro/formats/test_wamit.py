@@ -8,7 +8,6 @@ from hydro.formats.test_exchange import (
     HALF_DIGIT,
     PAIR,
     WATER,
-    WAVE,
     assembled,
     random_database,
     read_back,
@@ -39,7 +38,7 @@ def two_modes(**more):
     )
 
 
-def test_files_are_these():
+def test_files_of_two_modes_number_by_number():
     texts = wamit_texts(two_modes(), "memory")
     assert set(texts) == {".1", ".3", ".hst"}
     assert texts[".1"].splitlines()[1:] == [
@@ -66,7 +65,7 @@ def test_files_are_these():
         assert "ULEN 1 density 1000 gravity 10 depth inf modes 3=Heave 7=Membrane0" in text.splitlines()[0]
 
 
-def test_force_in_time_is_the_same_in_both_conventions():
+def test_phase_convention_gives_the_same_force_in_time():
     ds = random_database(headings=2)
     for extension, name in ((".3", "excitation_force"), (".3fk", "Froude_Krylov_force"), (".3sc", "diffraction_force")):
         period, heading, mode, modulus, phase, re, im = rows(wamit_texts(ds, "memory")[extension]).T
@@ -79,29 +78,7 @@ def test_force_in_time_is_the_same_in_both_conventions():
         assert np.unique(heading) == pytest.approx(np.degrees([-1.0, 2.0]))
 
 
-def test_long_waves():
-    """A long wave lifts the water like the body lowered: C, - omega^2 A and, leading by a quarter, omega B per metre."""
-    radius, omega = 2.0, np.array([0.05, 0.1])
-    stiffness, added, damping = 1e4 * np.pi * radius**2, 1.5e4, 900.0 * omega
-    full = stiffness - omega**2 * added - 1j * omega * damping  # water moves with -i omega here
-    ds = assembled(
-        ["Heave"],
-        omega,
-        added=np.full((2, 1, 1), added),
-        damping=damping[:, None, None],
-        force=full[:, None, None],
-        stiffness=[[stiffness]],
-        Froude_Krylov_force=(WAVE, np.full((2, 1, 1), stiffness + 0j)),
-    )
-    texts = wamit_texts(ds, "memory")
-    assert rows(texts[".3fk"])[:, 3:] == pytest.approx(np.tile([4 * np.pi, 0.0, 4 * np.pi, 0.0], (2, 1)), rel=1e-6)
-    assert rows(texts[".1"])[:, 4] == pytest.approx([0.9, 0.9])
-    im, bar, period = rows(texts[".3"])[:, 6], rows(texts[".1"])[:, 4], rows(texts[".3"])[:, 0]
-    assert im == pytest.approx((2 * np.pi / period) ** 2 * bar / 10.0, rel=1e-5)
-    assert np.all(rows(texts[".3"])[:, 4] > 0)
-
-
-def test_zero_frequency_is_written_and_read_as_a_limit(tmp_path):
+def test_zero_frequency_is_a_limit(tmp_path):
     ds = random_database(modes=1, frequencies=2).assign_coords(omega=[0.0, np.pi])
     texts = wamit_texts(ds, "memory")
     lines = texts[".1"].splitlines()[1:]
@@ -118,9 +95,9 @@ def test_zero_frequency_is_written_and_read_as_a_limit(tmp_path):
     assert back.attrs["history"] == "read from WAMIT's files buoy"
 
 
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(st.integers(0, 3), st.integers(1, 5), st.integers(1, 3), st.integers(0, 10**6), st.sampled_from([0.3, 1.0, 7.0]))
-def test_round_trip_is_exact_to_the_digits_printed(tmp_path_factory, modes, frequencies, headings, seed, length):
+def test_round_trip_to_the_digits_printed(tmp_path_factory, modes, frequencies, headings, seed, length):
     ds = random_database(modes, frequencies, headings, seed, spread=8.0)
     folder = tmp_path_factory.mktemp("wamit")
     back = read_back(folder, ds, length)
@@ -182,7 +159,7 @@ FOREIGN = {
 }
 
 
-def test_output_of_others_with_generalized_modes(tmp_path):
+def test_output_of_wamit_with_generalized_modes(tmp_path):
     """ULEN = 2, rho = 1000, g = 10: rho L^3 = 8000 kg, rho g L^2 = 40000 N/m; of modes 1, 3 and 9, 1 is uncoupled."""
     ds = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0, length=2.0, depth=30.0)
     assert ds.influenced_dof.values.tolist() == ["Surge", "Heave", "Mode9"]
@@ -211,14 +188,14 @@ def test_output_of_others_with_generalized_modes(tmp_path):
 
 
 @pytest.mark.parametrize("change", [str.lower, str.upper, lambda text: text.lower().replace("e", "d")])
-def test_exponents_are_written_as_fortran_may(tmp_path, change):
+def test_exponents_of_fortran(tmp_path, change):
     """1.0e3, 1.0E3, 1.0d3 and 1.0D3."""
     expected = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0)
     other = {name: "\n".join(["header", *map(change, text.splitlines()[1:])]) for name, text in FOREIGN.items()}
     assert import_wamit(written(tmp_path, other), "buoy", density=1000.0, gravity=10.0).equals(expected)
 
 
-def test_a_header_may_be_missing_and_infinite_frequency_too(tmp_path):
+def test_header_and_infinite_frequency_may_be_missing(tmp_path):
     bare = {extension: text.partition("\n")[2] for extension, text in FOREIGN.items()}
     bare[".1"] = "".join(line + "\n" for line in bare[".1"].splitlines() if not line.startswith("  0.0"))
     ds = import_wamit(written(tmp_path, bare), "buoy", density=1000.0, gravity=10.0)
@@ -307,12 +284,12 @@ def test_missing_files_are_refused(tmp_path, extension):
         ({"labels": ["Heave", "Heave"]}, "needs at least one, and none twice"),
     ],
 )
-def test_facts_that_do_not_fit_the_files_are_refused(tmp_path, facts, message):
+def test_wrong_facts_of_the_run_are_refused(tmp_path, facts, message):
     with pytest.raises((ConfigError, DatabaseError), match=message):
         import_wamit(written(tmp_path, FOREIGN), "buoy", **{"density": 1000.0, "gravity": 10.0, **facts})
 
 
-def test_what_cannot_be_written_is_refused():
+def test_incomplete_databases_are_not_written():
     ds = random_database()
     bare = ds.drop_vars("excitation_force").drop_attrs()
     with pytest.raises(
@@ -341,7 +318,7 @@ def rm3(folder, **changes):
     return import_wamit(folder, "rm3", density=1000.0, gravity=9.81)
 
 
-def test_two_bodies_of_one_run_are_read_apart():
+def test_rm3_published_numbers_of_two_bodies():
     """RM3, the published numbers: heave of float is mode 3, that of the spar mode 9, both translations."""
     ds = import_wamit(RM3, "rm3", density=1000.0, gravity=9.81)
     assert ds.influenced_dof.values.tolist() == ["body1__Heave", "body2__Heave"]
@@ -351,27 +328,7 @@ def test_two_bodies_of_one_run_are_read_apart():
     assert "centre_of_mass" not in ds.attrs
 
 
-def test_rotations_of_the_second_body_take_a_length_more(tmp_path):
-    """Modes 4 and 10 in place of 3 and 9, ULEN 2: L^5 for a rotation of the second body, too."""
-    for name in (".1", ".3", ".hst", ".mmx"):
-        text = (RM3 / f"rm3{name}").read_text()
-        (tmp_path / f"rm3{name}").write_text(text.replace("Length scale:        1.0", "Length scale:        2.0"))
-    heave = import_wamit(tmp_path, "rm3", density=1000.0, gravity=9.81, length=2.0)
-    for name, columns in ((".1", (1, 2)), (".3", (2,)), (".hst", (0, 1))):
-        head, *lines = (tmp_path / f"rm3{name}").read_text().splitlines()
-        rows = [line.split() for line in lines]
-        for row in rows:
-            for column in columns:
-                row[column] = str(int(row[column]) + 1)
-        (tmp_path / f"rm3{name}").write_text("\n".join([head, *map(" ".join, rows)]) + "\n")
-    roll = import_wamit(tmp_path, "rm3", density=1000.0, gravity=9.81, length=2.0)
-    assert roll.influenced_dof.values.tolist() == ["body1__Roll", "body2__Roll"]
-    assert roll.added_mass.values == pytest.approx(4 * heave.added_mass.values)
-    assert roll.excitation_force.values == pytest.approx(2 * heave.excitation_force.values)
-    assert roll.hydrostatic_stiffness.values == pytest.approx(4 * heave.hydrostatic_stiffness.values)
-
-
-def test_what_the_files_of_two_bodies_do_not_say_is_refused(tmp_path):
+def test_incomplete_files_of_two_bodies_are_refused(tmp_path):
     heads = {"mmx": ("Normalized mass matrix:", "External force matrices:")}
     with pytest.raises(DatabaseError, match=r"rm3\.mmx: .* of 2 bodies with IALTFRC = 1; needs IALTFRC = 2, one table"):
         rm3(tmp_path, **heads)
@@ -382,7 +339,7 @@ def test_what_the_files_of_two_bodies_do_not_say_is_refused(tmp_path):
         import_wamit(RM3, "rm3", density=1000.0, gravity=9.81, labels=["a", "b"])
 
 
-def test_masses_of_two_bodies_are_read_of_their_one_table(tmp_path):
+def test_masses_of_two_bodies(tmp_path):
     """Of a run with IALTFRC = 2: the first body 7e5 kg, the second 9e5 kg with a mooring of 3e4 N/m."""
     text = (RM3 / "rm3.mmx").read_text().replace("IALTFRC = 1", "IALTFRC = 2")
     rows = ["3 3 7.0E5 0.0 0.0", "3 9 0.0 0.0 0.0", "9 3 0.0 0.0 0.0", "9 9 9.0E5 0.0 3.0E4"]
@@ -395,7 +352,7 @@ def test_masses_of_two_bodies_are_read_of_their_one_table(tmp_path):
     assert ds.structural_stiffness.values.tolist() == [[0.0, 0.0], [0.0, 3e4]]
 
 
-def test_periods_that_failed_are_left_out_and_told(tmp_path):
+def test_failed_periods_are_left_out(tmp_path):
     """All coefficients of two periods are NaN, in .1 and .3 alike, the first line of the file among them."""
     sound = rm3(tmp_path)
     periods = 2 * np.pi / sound.omega.values[[3, 7]]
@@ -417,18 +374,14 @@ def test_periods_that_failed_are_left_out_and_told(tmp_path):
     [
         (range(1, 13), (3, 4, 5, 9, 10, 11), True),
         (range(1, 13), (3, 4, 5, 9, 10, 12), False),
-        (range(1, 13), (3, 4, 5, 7, 9, 10), False),
-        (range(1, 13), (3, 4, 5, 8, 9, 10), False),
         (range(1, 13), (3, 4, 5), False),
         (range(1, 12), (3, 4, 5, 9, 10, 11), False),
-        (range(1, 13), (1, 2, 3, 4, 5, 6, 9, 10, 11), True),  # the first one is moored
         ((3, 9), (3, 9), True),
         ((3, 7), (3, 7), False),
-        (range(1, 7), (3, 4, 5), False),
     ],
     ids=str,
 )
-def test_a_second_rigid_body_is_known_by_what_restores(modes, restores, refused):
+def test_second_rigid_body_is_recognised_by_its_stiffness(modes, restores, refused):
     """Heave, roll and pitch of another six, and nothing else of it; eleven modes in a row are six and five of a shell."""
     numbers = list(modes)
     stiffness = np.diag([1.0 if mode in restores else 0.0 for mode in numbers])
@@ -442,16 +395,15 @@ def test_a_second_rigid_body_is_known_by_what_restores(modes, restores, refused)
     _check_one_body("raft", numbers, coupled)
 
 
-@pytest.mark.parametrize("length", [1.0, 2.5])
-def test_the_head_of_the_dry_body_is_in_wamits_words(length):
+def test_mmx_file_line_by_line():
     """Volumes thrice; centres of buoyancy and of mass, as they are whatever ULEN is."""
     facts = {"displaced_volume": 4.5, "centre_of_buoyancy": [0.1, -0.2, -0.75], "centre_of_mass": [-0.3, 0.4, 0.5]}
     pair = np.array([[1.0, 2.0], [3.0, 4.0]])
     dry = {name: (PAIR, k * pair) for k, name in ((1, "inertia_matrix"), (100, "structural_stiffness"))}
     ds = two_modes(**dry, structural_damping_matrix=(PAIR, 10 * pair)).assign_attrs(facts)
-    assert wamit_texts(ds, "memory", length)[".mmx"].splitlines()[1:] == [
+    assert wamit_texts(ds, "memory", 2.5)[".mmx"].splitlines()[1:] == [
         "",
-        f" Gravity:  1.000000E+01  Length scale:{length:14.6E}",
+        " Gravity:  1.000000E+01  Length scale:  2.500000E+00",
         "",
         " NBODY =     1       IALTFRC = 2",
         "",

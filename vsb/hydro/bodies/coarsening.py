@@ -17,19 +17,19 @@ from vsb.hydro.bodies.mesh import at_centres, owners
 from vsb.tools.arrays import FloatArray, IntArray
 
 _MOST = 8
-"""Panels around a vertex beyond which it is a pole, not a patch's centre."""
+"""Largest number of panels around a vertex that is the centre of a patch, not a pole."""
 _ALIKE = np.cos(np.deg2rad(25.0))
-"""Cosine between the normals of panels and of their patch below which there is an edge between them."""
+"""Cosine between the normals of a panel and of its patch below which there is an edge of the body between panels."""
 _BLUNT = 1 / 12
 """Share of a patch's area cut off with a vertex of its boundary, below which it is no corner.
 
 Six triangles around a vertex, however stretched, have corners of a sixth.
 """
 _STRAIGHT = 1e-9
-"""Likewise of a flat patch, which loses no area it does not gain beside: only what lies on a straight line goes."""
+"""Likewise of a flat patch, where only corners on a straight line are left out."""
 _FLATTEST = 0.05  # of half a panel's area, in terms of the mean of its patch
 _BOTH_WAYS = 2.5
-"""Panels of a patch per panel between its corners from which on it is coarser along and across."""
+"""Panels of a patch per panel between its corners from which on it counts as coarser both ways."""
 _Around = dict[int, set[int]]
 
 
@@ -41,7 +41,7 @@ class Coarser(NamedTuple):
 
 
 class CoarserBody(FlexibleBody):
-    """A body on fewer panels. Not checked: where a corner of one panel lies on a side of another it does not close."""
+    """A body on fewer panels, not checked: it is open where a corner of one panel lies on a side of another."""
 
     def __post_init__(self) -> None:
         """Nothing to check."""
@@ -96,7 +96,7 @@ def _areas(vertices: FloatArray, corners: IntArray) -> FloatArray:
 
 
 def _patches(corners: IntArray, normals: FloatArray) -> list[list[int]]:
-    """Panels around vertices, each in one patch at most: from full ones to fewer, next to what is taken first."""
+    """Panels around vertices, each in one patch at most: full patches first, beside those already found."""
     around, beside = _around(corners, normals), _beside(corners, normals)
     free, found = set(range(len(corners))), []
 
@@ -134,7 +134,7 @@ def _around(corners: IntArray, normals: FloatArray) -> _Around:
 
 
 def _beside(corners: IntArray, normals: FloatArray) -> _Around:
-    """Panels across the sides of each panel, those across an edge of the body left out."""
+    """Neighbours of each panel, except across an edge of the body."""
     sides: dict[tuple[int, int], list[int]] = defaultdict(list)
     for panel, own in enumerate(corners.tolist()):
         for a, b in zip(own, own[1:] + own[:1], strict=True):
@@ -149,14 +149,14 @@ def _beside(corners: IntArray, normals: FloatArray) -> _Around:
 
 
 def _smooth(normals: FloatArray, panels: set[int]) -> bool:
-    """Whether there is no edge among panels."""
+    """Whether there is no edge of the body between panels."""
     own = normals[list(panels)]
     mean = own.sum(axis=0)
     return bool((own @ mean).min() > _ALIKE * np.linalg.norm(mean))
 
 
 def _between_corners(vertices: FloatArray, corners: IntArray) -> list[list[int]]:
-    """Panels between the corners of a patch, as few as can be; none if it has no single boundary or is too bent."""
+    """Fewest panels between the corners of a patch; none if it has no single boundary or is too bent."""
     loop = _boundary(corners)
     if len(loop) < 3:
         return []
@@ -177,7 +177,7 @@ def _flat(boundary: FloatArray, normal: FloatArray, area: float) -> bool:
 
 
 def _without_blunt_corners(vertices: FloatArray, loop: list[int], normal: FloatArray, least: float) -> list[int]:
-    """Vertices of a closed line less those that hardly bend it, the bluntest first; lost areas seen along a normal."""
+    """Vertices of a closed line without those that hardly bend it, the bluntest first, seen along a normal."""
     kept = list(loop)
     while len(kept) > 3:
         x = vertices[kept]

@@ -2,12 +2,12 @@
 
 Paths, dimensions and normalization (`scaled` = 0: A/rho, B/(rho omega), X/(rho g), C/(rho g), K/rho, f/(rho g)) are
 those of WEC-Sim's writeBEMIOH5, numbers those of WAMIT with ULEN = 1 m (`wamit`): phasors are Re(X e^{+i omega t}),
-so X is conjugated on the way out and in. Rotations are about the centre of mass. Arrays are full over the modes 1 to
-6 + N: rigid modes the database does not hold are zeros, meant for a body held in them, and `mode_labels` (not BEMIO's)
-names those it does.
+so X is conjugated on writing and reading. Rotations are about the centre of mass. Arrays are full over the modes 1 to
+6 + N: rigid modes that the database lacks are zeros, as for a body held in them, and `mode_labels` (not BEMIO's) names
+the others.
 
-WEC-Sim reads of `mass`, `damping` and `stiffness` the block of generalized modes only; it takes the inertia of the
-rigid modes from its own input.
+WEC-Sim reads only the block of generalized modes of `mass`, `damping` and `stiffness`; the inertia of the rigid modes
+is in its own input.
 """
 
 import math
@@ -46,7 +46,7 @@ from vsb.tools.variables import VARIABLES
 _FOLDERS = {"excitation_force": "", "Froude_Krylov_force": "froude-krylov/", "diffraction_force": "scattering/"}
 _WAVES, _BODY, _HYDRO = "/simulation_parameters/", "/body1/properties/", "/body1/hydro_coeffs/"
 _COUPLED = ("hydro_coeffs/added_mass", "hydro_coeffs/radiation_damping", "properties/")
-"""Where the rows of one of several bodies have columns of all of them."""
+"""Datasets in which the rows of one of several bodies have columns of all of them."""
 _RADIATED, _EXCITED = (f"{_HYDRO}{part}/impulse_response_fun/" for part in ("radiation_damping", "excitation"))
 _MATRICES = {  # dataset of the .h5 file: variable, what it is divided by
     f"{_HYDRO}added_mass/all": ("added_mass", "rho"),
@@ -63,7 +63,7 @@ _UNITS = (
 )
 _UNITS += " all=m^3 inf_freq=m^3 K=m^3/s^2 linear_restoring_stiffness=m^2 re=m^2 im=m^2 mag=m^2 phase=rad water_depth=m"
 SAME = 1e-3
-"""Difference of numbers a file tells twice, in terms of the largest of their degree of freedom."""
+"""Difference of redundant numbers in a file, relative to the largest of their degree of freedom."""
 LARGEST_DATASET, LARGEST_MODES = 10**8, 1000
 _NODE, _WEIGHT = np.polynomial.legendre.leggauss(8)
 
@@ -73,8 +73,8 @@ def bemio_entries(ds: xr.Dataset, source: str) -> dict[str, Any]:
 
     Notes
     -----
-    `mass`, `damping` and `stiffness` are those of `modes.structure`; a database in which they couple a rigid
-    mode to a generalized one, which WEC-Sim drops, is refused. Times of the impulse responses: `impulse_times`.
+    `mass`, `damping` and `stiffness` are those of `common.structure`; a database in which they couple a rigid mode to a
+    generalized one, which WEC-Sim drops, is refused. Times of the impulse responses: `impulse_times`.
     """
     needed = ["excitation_force", *(name for place, (name, _) in _MATRICES.items() if place.startswith(_HYDRO))]
     ds = checked(ds.sel(omega=ds.omega > 0), source, needed)
@@ -94,7 +94,8 @@ def bemio_entries(ds: xr.Dataset, source: str) -> dict[str, Any]:
     entries: dict[str, Any] = {place: np.reshape(value, (-1, 1)) for place, value in lists.items()}
     entries |= {"/bem_data/code": "vsb", f"{_BODY}name": "buoy", f"{_BODY}mode_labels": "\n".join(map(str, labels))}
     entries[f"{_WAVES}water_depth"] = "infinite" if np.isinf(depth) else np.array([[depth]])
-    spectrum = DampingSpectrum(*_refined(omega, ds.radiation_damping.values, time[-1]))
+    edges = _edges(np.concatenate([[0.0], omega]), time[-1])[1:]  # fine enough for the quadrature at the last time
+    spectrum = DampingSpectrum(edges, DampingSpectrum(omega, ds.radiation_damping.values).at(edges))
     matrices = {f"{_RADIATED}K": spectrum.kernel(time) / rho}
     held = {place: item for place, item in _MATRICES.items() if item[0] in ds}
     matrices |= {place: ds[name].values / _divisor(by, rho, g, omega) for place, (name, by) in held.items()}
@@ -131,7 +132,7 @@ def impulse_times(radius: float, gravity: float) -> FloatArray:
     Parameters
     ----------
     radius : float
-        Of a floating hemisphere of the body's displacement: the length its waves and decay scale with [m].
+        Of a floating hemisphere of the body's displacement [m], the length scale of its waves and decay.
     gravity : float
 
     Notes
@@ -139,23 +140,14 @@ def impulse_times(radius: float, gravity: float) -> FloatArray:
     Steps are the largest 1-2-5 number below 0.23 sqrt(radius/g): 0.1 s, up to 100 s, at a radius of 2 m. The highest
     frequency they resolve is Ka > 180, where no body makes waves.
     """
-    return np.linspace(0.0, 1000 * _round_below(0.23 * math.sqrt(radius / gravity)), 1001)
-
-
-def _round_below(bound: float) -> float:
-    """The largest of the numbers 1, 2, 5, 10, ... and their decimals that is not above a bound."""
+    bound = 0.23 * math.sqrt(radius / gravity)
     decade = 10.0 ** math.floor(math.log10(bound))
-    return float(f"{max(m * decade for m in (1, 2, 5) if m * decade <= bound):.0e}")
-
-
-def _refined(omega: FloatArray, values: FloatArray, last: float) -> tuple[FloatArray, FloatArray]:
-    """Damping on a finer grid of its own spline, whose quadrature holds up to the last time (`DampingSpectrum`)."""
-    edges = _edges(np.concatenate([[0.0], omega]), last)[1:]
-    return edges, DampingSpectrum(omega, values).at(edges)
+    step = float(f"{max(m * decade for m in (1, 2, 5) if m * decade <= bound):.0e}")
+    return np.linspace(0.0, 1000 * step, 1001)
 
 
 def _edges(omega: FloatArray, last: float) -> FloatArray:
-    """Frequencies with others between them, none further apart than 10/last [rad/s]."""
+    """Frequencies and others between them, none further apart than 10/last [rad/s]."""
     counts = np.ceil(np.diff(omega) * last / 10).astype(int)
     return np.concatenate([*map(np.linspace, omega[:-1], omega[1:], counts, [False] * len(counts)), omega[-1:]])
 
@@ -173,13 +165,13 @@ def excitation_response(omega: FloatArray, force: ComplexArray, time: FloatArray
     Returns
     -------
     ndarray, shape (time, wave_direction, dof) [N/(m s)]
-        The force of an elevation eta at the origin is F(t) = int f(s) eta(t - s) ds. It does not vanish before s = 0:
-        waves reach the body before they reach its origin.
+        The force of an elevation eta at the origin is F(t) = int f(s) eta(t - s) ds. It is not zero before s = 0: waves
+        reach the body before they reach its origin.
 
     Notes
     -----
-    BEMIO's excitationIRF, from 0 instead of the lowest frequency: the cubic spline runs through X(-omega) = X* as well.
-    Above the highest frequency X counts as zero; of X at that frequency itself the inverse transform gives half.
+    BEMIO's excitationIRF, from 0 instead of the lowest frequency: the cubic spline includes X(-omega) = X*. Above the
+    highest frequency X is zero; at that frequency itself the inverse transform gives half of it.
     """
     both = np.concatenate([-omega[::-1], omega])
     spline = CubicSpline(both, np.concatenate([force[::-1], force.conj()]))
@@ -192,7 +184,7 @@ def excitation_response(omega: FloatArray, force: ComplexArray, time: FloatArray
 
 
 def _divisor(by: str, rho: float, g: float, omega: FloatArray) -> Any:
-    """What a dataset of the .h5 file is divided by."""
+    """Divisor of a dataset of the .h5 file."""
     return {"rho": rho, "rho*w": rho * omega[:, None, None], "rho*g": rho * g, "1": 1.0}[by]
 
 
@@ -220,10 +212,10 @@ def write_h5(entries: dict[str, Any], path: Path) -> None:
 def read_bemio(path: str | Path) -> xr.Dataset:
     """Return the hydro database of a BEMIO .h5 file: all modes of all its bodies, dimensional.
 
-    Parts of the excitation with NaN, BEMIO's mark of what was not computed, are left out; `structural_stiffness` is all
-    stiffness but the water's; labels are Surge, ..., Yaw, Mode7, ... where the file does not name those it holds, of
-    several bodies with the body's name before: float__Heave. Only datasets of these names are read, and only of the
-    shapes the numbers of modes, frequencies and headings ask for.
+    Parts of the excitation with NaN, BEMIO's mark of values not computed, are left out; `structural_stiffness` is all
+    stiffness but the water's; labels are those of the file, else Surge, ..., Yaw, Mode7, ..., of several bodies with
+    the name of the body: float__Heave. Only known datasets are read, and only of the shapes that follow from the
+    numbers of modes, frequencies and headings.
 
     Raises
     ------
@@ -264,14 +256,14 @@ class _Entries(NamedTuple):
         return np.asarray(variable[...], dtype=float).reshape(shape or -1)
 
     def check_same(self, place: str, expected: Any, what: str, *shape: int) -> None:
-        """Check that numbers told twice agree, where they are there and known; `DatabaseError`."""
+        """Check that redundant numbers agree, if a file has them and they are known; `DatabaseError`."""
         if self.find(place) is not None and np.isfinite(expected).all():
             self.check_agree(place, self.numbers(place, *shape), expected, what)
 
-    def check_agree(self, place: str, told: Any, expected: Any, what: str) -> None:
+    def check_agree(self, place: str, found: Any, expected: Any, what: str) -> None:
         """Check that numbers at a place agree with others to `SAME` of the largest of each first index."""
         size = np.abs(expected).reshape(len(expected), -1).max(axis=1).reshape(-1, *[1] * (np.ndim(expected) - 1))
-        if (wrong := ~(np.abs(told - expected) <= SAME * np.maximum(size, 1e-6 * size.max()))).any():
+        if (wrong := ~(np.abs(found - expected) <= SAME * np.maximum(size, 1e-6 * size.max()))).any():
             at = tuple(int(i) for i in np.argwhere(wrong)[0])
             raise DatabaseError(
                 f"{self.source}: {place} differs from the {what} at {at}: the file contradicts itself; needs to be "
@@ -296,7 +288,7 @@ class _Part(NamedTuple):
     group: str
     size: int  # degrees of freedom in the file
     held: FloatArray  # places among them of those its labels name
-    labels: list[str]  # the body before them, if there are several
+    labels: list[str]  # with the name of the body if there are several
 
 
 def _from_bemio(found: _Entries, source: str) -> xr.Dataset:
@@ -341,7 +333,7 @@ def _parts(found: _Entries) -> list[_Part]:
 
 
 def _matrix(found: _Entries, parts: list[_Part], inside: str, frequencies: int) -> FloatArray:
-    """One matrix over the degrees of freedom of all bodies, whose rows stand with each of them, frequencies first."""
+    """One matrix over the degrees of freedom of all bodies, whose rows are in the group of each, frequencies first."""
     sizes = [part.size for part in parts]
     columns = np.concatenate([np.sum(sizes[:k], dtype=int) + part.held for k, part in enumerate(parts)])
     shape, rows = (frequencies,) if frequencies else (), []
@@ -370,7 +362,7 @@ def _forces(found: _Entries, parts: list[_Part], inside: str, shape: tuple[int, 
 
 
 def _facts(found: _Entries, parts: list[_Part]) -> dict[str, Any]:
-    """Displaced volume of each body, of the only one the centres as well."""
+    """Displaced volume of each body; of a single body the centres as well."""
     names = [body_of(part.labels[0]) for part in parts]
     volumes = {
         volume_of(name): found.number(f"/{p.group}/properties/disp_vol") for name, p in zip(names, parts, strict=True)
@@ -382,7 +374,7 @@ def _facts(found: _Entries, parts: list[_Part]) -> dict[str, Any]:
 
 
 def _labels(found: _Entries, group: str, dof: float) -> list[str]:
-    """Names of the modes a body of the file holds, which fill its degrees of freedom."""
+    """Names of the modes of a body in the file, as many as its degrees of freedom."""
     if not (dof == int(dof) and 6 <= dof <= LARGEST_MODES):
         raise DatabaseError(f"{found.source}: holds {dof:g} degrees of freedom; needs six rigid and a few more.")
     labels = found.text(f"/{group}/properties/mode_labels").splitlines() or mode_labels(range(1, int(dof) + 1))

@@ -1,7 +1,7 @@
 """WAMIT's numeric output files: written of one body, generalized modes included, read of one or several.
 
-Phasors are Re(X e^{-i omega t}) here (C1) and Re(X e^{+i omega t}) there, phases relative to the elevation at the
-origin and positive where the force leads. X is conjugated on the way out and in; nothing else changes sign.
+Phasors are Re(X e^{-i omega t}) here (C1) and Re(X e^{+i omega t}) in WAMIT, with phases relative to the elevation at
+the origin, positive if the force leads. X is conjugated on writing and reading; nothing else changes sign.
 
 WAMIT divides by density rho, gravity g, ULEN = L and wave amplitude a: A/(rho L^k), B/(rho L^k omega) and
 C/(rho g L^(k-1)) with k = 3 between translations, 4 between a translation and a rotation, 5 between rotations;
@@ -46,7 +46,7 @@ _Table = dict[tuple[float, ...], list[float]]
 
 
 class _Scales(NamedTuple):
-    """What WAMIT divides by."""
+    """Units WAMIT divides by."""
 
     mass: FloatArray  # of added mass and damping, (mode, mode) [kg]
     stiffness: FloatArray  # of hydrostatic stiffness, (mode, mode) [N/m]
@@ -54,7 +54,7 @@ class _Scales(NamedTuple):
 
 
 def _scales(density: float, gravity: float, length: float, modes: Sequence[int]) -> _Scales:
-    """Scales of coefficients of modes."""
+    """Units of the coefficients of modes."""
     for (name, value), unit in zip(
         {"density": density, "gravity": gravity, "length": length}.items(), ("kg/m^3", "m/s^2", "m"), strict=True
     ):
@@ -70,8 +70,8 @@ def wamit_texts(ds: xr.Dataset, source: str, length: float = 1.0) -> dict[str, s
     `.1` holds PER I J A B, without B for PER = -1 (zero frequency, if the database has omega = 0) and for PER = 0
     (infinite frequency); `.3` PER BETA I MOD PHASE RE IM, angles in degrees; its parts `.3fk` and `.3sc` likewise;
     `.hst` I J C; `.mmx` I J MASS DAMP STIF of the dry body, if the database has its mass, stiffness, displaced volume
-    and centres. The header states ULEN = length [m], the water, the point rotations are about and the modes, which
-    WAMIT keeps in other files. Errors name the source.
+    and centres. The header states ULEN = length [m], the water, the centre of rotations and the modes, which WAMIT has
+    in other files. Errors name the source.
     """
     ds = checked(ds, source, ("added_mass", "radiation_damping", "excitation_force", "hydrostatic_stiffness"))
     labels = [str(label) for label in ds.influenced_dof.values]
@@ -132,7 +132,7 @@ def _force_lines(force: xr.DataArray, modes: list[int]) -> list[str]:
 
 
 def _dry_head(ds: xr.Dataset, source: str, length: float) -> str:
-    """What precedes the matrices of the .mmx file, in WAMIT's words, its spelling included."""
+    """Head of the .mmx file, in WAMIT's words and spelling."""
     volume, buoyancy, mass = floating(ds, source)
     xyz = "{:14.6E}{:14.6E}{:14.6E}"
     return (
@@ -161,7 +161,7 @@ def import_wamit(
     ----------
     folder, name : path, str
     density, gravity, length, depth : float
-        Of the WAMIT run (rho, GRAV, ULEN, HBOT); they are in its control files, not in these.
+        Of the WAMIT run (rho, GRAV, ULEN, HBOT), which are in its control files only.
     labels : sequence of str, optional
         Names of the modes, ascending; default those in the first line, where `wamit_texts` writes them, or Surge, ...,
         Yaw, Mode7, Mode8, ...
@@ -194,8 +194,8 @@ def import_wamit(
     headings, forces = _read_forces(path, waves, modes, failed)
     variables |= {key: force * x for key, x in forces.items()}
     dropped = "added_mass_zero" not in radiated and any(key[0] < 0 for key in table)
-    told = re.search(r"rotations about (\S+) (\S+) (\S+) modes", _lines(f"{path}.1", "")[0])
-    centre = [float(x) for x in told.groups()] if told else [0.0, 0.0, 0.0]  # WAMIT's: the body's own origin
+    stated = re.search(r"rotations about (\S+) (\S+) (\S+) modes", _lines(f"{path}.1", "")[0])
+    centre = [float(x) for x in stated.groups()] if stated else [0.0, 0.0, 0.0]  # WAMIT's: the body's own origin
     history = f"read from WAMIT's files {name}"
     if failed:
         history += (
@@ -218,17 +218,19 @@ def _named(path: str, modes: list[int], bodies: int, labels: Sequence[str] | Non
         numbers = [(mode - 1) % 6 + 1 for mode in modes]
         of = [(mode - 1) // 6 + 1 for mode in modes]
         return [f"body{k}__{name}" for k, name in zip(of, mode_labels(numbers), strict=True)], numbers
-    told = {int(n): label for n, label in re.findall(r" (\d+)=(\w+)", _lines(f"{path}.1", "")[0].partition("modes")[2])}
-    names = list(labels or ([told[m] for m in modes] if {*modes} <= {*told} else mode_labels(modes)))
+    stated = {
+        int(n): label for n, label in re.findall(r" (\d+)=(\w+)", _lines(f"{path}.1", "")[0].partition("modes")[2])
+    }
+    names = list(labels or ([stated[m] for m in modes] if {*modes} <= {*stated} else mode_labels(modes)))
     if [min(n, GENERALIZED) for n in mode_numbers(names)] != [min(mode, GENERALIZED) for mode in modes]:
         raise DatabaseError(f"{path}.1: holds modes {modes}; needs as many labels of these, received {names}.")
     return names, modes
 
 
 def _check_one_body(path: str, modes: list[int], stiffness: FloatArray) -> None:
-    """Refuse modes from 7 on that restore like rigid bodies: in heave, roll and pitch, apart from those of other sixes.
+    """Refuse modes from 7 on with the stiffness of rigid bodies: in heave, roll and pitch, uncoupled between sixes.
 
-    Only modes that come in sixes, or leave out numbers, as no generalized ones do, are looked at.
+    Only modes that come in sixes or with gaps in their numbers, as generalized modes do not, can be rigid bodies.
     """
     body, kind = divmod(np.array(modes) - 1, 6)
     beyond = body > 0
@@ -291,7 +293,7 @@ def _table(path: str, lines: list[str], modes: tuple[int, ...], counts: tuple[in
 
 
 def _problem(row: list[float], modes: tuple[int, ...], counts: tuple[int, ...]) -> str:
-    """What is wrong with a line; phases are not read: WAMIT's are arbitrary where symmetry makes forces zero."""
+    """Error of a line; phases are not read: WAMIT's are arbitrary where symmetry makes forces zero."""
     known = row[: modes[-1] + 1] if len(row) in (4, 5, 7) and modes[0] > 0 else row  # coefficients of waves may be NaN
     if len(row) not in counts or any(map(math.isinf, row)) or any(map(math.isnan, known)):
         return f"is not of {' or '.join(map(str, counts))} finite numbers"
@@ -343,7 +345,7 @@ def _read_forces(
 
 
 class _Dry(NamedTuple):
-    """What the .mmx file says."""
+    """Contents of the .mmx file."""
 
     bodies: int
     matrices: dict[str, FloatArray]  # mass, damping and stiffness, (mode, mode)
