@@ -17,7 +17,6 @@ from vsb.hydro.database import (
     save_database,
     with_symmetrized,
 )
-from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.modes import mode_basis
 
 
@@ -68,7 +67,7 @@ def test_missing_degrees_are_refused(seed):
         in_modes(block([1.0]), mode_basis(seed.device, "membrane", 8))
 
 
-def test_symmetrizing_is_recorded_and_touches_nothing_else():
+def test_symmetrizing_is_recorded():
     raw = block([1.0, 2.0])
     even = with_symmetrized(raw)
     for name in ("added_mass", "radiation_damping"):
@@ -87,7 +86,7 @@ def stored(folder, spec_id="a" * 16, **attrs):
     return path
 
 
-def test_index_lists_what_is_there_and_what_is_foreign(tmp_path):
+def test_index_lists_databases_and_other_files(tmp_path):
     stored(tmp_path)
     (tmp_path / "db" / "foreign.nc").write_bytes(b"?")
     stored(tmp_path, "b" * 16)
@@ -104,27 +103,10 @@ def test_a_database_under_a_wrong_name_is_refused(tmp_path):
         load_database(path, "c" * 16)
 
 
-def test_what_is_no_database_is_said(tmp_path):
+def test_other_files_are_no_database(tmp_path):
     block([1.0]).to_netcdf(tmp_path / "other.nc")
     with pytest.raises(DatabaseError, match=r"other.nc: holds no hydro database; needs one of results/hydro/db, or an"):
         database.open_database(tmp_path / "other.nc")
-
-
-def test_structure_is_inertia_every_stiffness_by_name_and_the_scale_of_the_modes(seed):
-    basis = mode_basis(seed.device, "membrane", 2)
-    rest, n = np.array([0.1, -0.2, 0.3, 0.4]), len(basis.labels)
-    stiffness = {"structural": np.arange(16.0).reshape(n, n), "hydrostatic": -np.eye(n), "gas": np.ones((n, n))}
-    reference = ReferenceShell(DeformedShell(basis, 0.0, rest), stiffness)
-    pair = ("influenced_dof", "radiating_dof")
-    bare = xr.Dataset({"added_mass_inf": (pair, np.eye(n))}, {dim: list(basis.labels) for dim in pair}, {"solver": "s"})
-    found = database.with_structure(bare, reference)
-    for name, matrix in stiffness.items():
-        np.testing.assert_array_equal(found[f"{name}_stiffness"].values, matrix)
-    np.testing.assert_array_equal(found.inertia_matrix.values, basis.inertia)
-    np.testing.assert_array_equal(found.pole_radial_displacement.values, basis.pole_radial_displacement)
-    np.testing.assert_array_equal(found.reference_amplitude.values, rest)
-    assert found.attrs == {"solver": "s"}
-    assert found[list(bare)].equals(bare)
 
 
 def part(seed, count):
@@ -135,7 +117,7 @@ def part(seed, count):
 
 
 @pytest.mark.parametrize("size", [2, 3])
-def test_parts_are_blocks_with_nothing_between_them(size):
+def test_coefficients_of_orders_are_uncoupled_blocks(size):
     one, other = part(1, 2), part(2, size)
     found = Coefficients.side_by_side([one, other])
     for name in ("added_mass", "damping"):

@@ -35,7 +35,7 @@ def shapes():
     ("labels", "answer"),
     [(["Heave"], False), (["Surge", "Heave", "Pitch"], False), (["Membrane0"], True), (["Heave", "Bending2"], True)],
 )
-def test_what_is_flexible_says_so_itself(labels, answer):
+def test_flexible_motions_are_recognised_by_label(labels, answer):
     """However many motions there are."""
     assert flexible(np.array(labels)) is answer
 
@@ -78,7 +78,7 @@ def test_pitch_is_a_rotation_about_y_through_the_origin(height, ratio):
     ["Rubbish2", "Membrane2", "Bending3", "radial2", "Radial", "Radial-1", "Radial02", "Sway", "2", ""],
 )
 @pytest.mark.parametrize("order", [0, 1])
-def test_labels_that_name_none(label, order):
+def test_unknown_labels_are_refused(label, order):
     with pytest.raises(
         ConfigError, match=rf"^displacements: received {label} of azimuthal order {order}; needs Radial"
     ):
@@ -89,7 +89,7 @@ def test_labels_that_name_none(label, order):
     ("name", "order"),
     [("Radial1", 2), ("Surge", 2), ("Surge", 0), ("Pitch", 0), ("Heave", 1), ("Meridional0", 0), ("Meridional1", 2)],
 )
-def test_displacements_an_order_does_not_have(name, order):
+def test_displacements_of_another_order_are_refused(name, order):
     with pytest.raises(ConfigError, match=rf"received {name} of azimuthal order {order}; needs Radial<n>"):
         displacements([name], order)
 
@@ -98,12 +98,12 @@ def test_displacements_an_order_does_not_have(name, order):
     ("moved", "received"),
     [((), "none"), ((HEAVE, SURGE), "Heave of order 0, Surge of order 1"), ((HEAVE, HEAVE), "Heave of order 0, Heave")],
 )
-def test_displacements_of_a_problem_are_of_one_order_and_different(moved, received):
+def test_mixed_orders_and_duplicates_are_refused(moved, received):
     with pytest.raises(ConfigError, match=f"received {received}.*; needs one or more, all of one order, none twice"):
         azimuthal_order(moved)
 
 
-def test_functions_of_low_order_are_the_textbooks():
+def test_legendre_functions_of_low_order():
     """Abramowitz and Stegun 8.6, without their (-1)^m."""
     s, c = np.sin(PHI), np.cos(PHI)
     for (n, m), (value, slope) in {
@@ -117,7 +117,7 @@ def test_functions_of_low_order_are_the_textbooks():
 
 
 @given(st.integers(1, 6), st.integers(0, 6))
-def test_slope_is_the_derivative(order, more):
+def test_slope_of_legendre_functions_is_their_derivative(order, more):
     h = 1e-5
     ahead, behind = (legendre_function(order + more, order, PHI + sign * h)[0] for sign in (1, -1))
     slope = legendre_function(order + more, order, PHI)[1]

@@ -38,7 +38,7 @@ def basis(order, degree=3):
     return order_basis(mode_basis(DEVICE, "membrane", degree), order, Ballast(17170.0, -0.4, 3000.0))
 
 
-HULME = [(0.5, 0.6439, 0.0987), (1.0, 0.5740, 0.3535), (1.2, 0.4860, 0.3978), (3.0, 0.1720, None), (5.0, 0.1679, None)]
+HULME = [(0.5, 0.6439, 0.0987), (1.2, 0.4860, 0.3978)]
 """Surge of the floating hemisphere, Hulme, J. Fluid Mech. 121 (1982), table 2: Ka, A and B/omega over 2/3 pi rho a^3."""
 
 
@@ -49,11 +49,10 @@ def test_surge_of_the_hemisphere_after_hulme_1982(ka, mass, damping):
     displaced = 2 / 3 * np.pi * RHO * 8
     surge = {"influenced_dof": "Surge", "radiating_dof": "Surge"}
     assert ds.added_mass.sel(surge).item() / displaced == pytest.approx(mass, abs=1.5e-4)
-    if damping:
-        assert ds.radiation_damping.sel(surge).item() / (displaced * omega) == pytest.approx(damping, abs=1.5e-4)
+    assert ds.radiation_damping.sel(surge).item() / (displaced * omega) == pytest.approx(damping, abs=1.5e-4)
 
 
-def test_in_long_waves_surge_is_pushed_by_displaced_and_added_mass():
+def test_surge_force_in_long_waves_is_displaced_plus_added_mass_times_acceleration():
     """Excitation nears rho V (1 + C) times the water's acceleration g k."""
     omega = 0.1
     ds = solved(1, [1], [omega])
@@ -77,7 +76,7 @@ def test_haskind_holds_order_by_order_and_makes_damping_passive(order):
     assert made.attrs["history"] == f"damping of order {order} from excitation (Haskind)"
 
 
-def test_matched_power_of_ports_with_orders_up_to_n_is_one_plus_twice_n_times_wavelength_over_two_pi():
+def test_largest_capture_width_of_orders_up_to_n():
     """1/8 X^H B^-1 X of one motion of each order, B and X solved independently of each other."""
     omegas = np.array([1.2, 2.0, 2.8])
     limit = np.array([power_limit(w, np.inf, RHO, G) for w in omegas])
@@ -103,7 +102,7 @@ def parts():
     return [first.assign_attrs(solver="one"), second.assign_attrs(history="from excitation", solver="another")]
 
 
-def test_side_by_side_nothing_is_between_orders_and_each_can_be_taken_out_again():
+def test_orders_are_joined_without_coupling_and_separated_again():
     whole = side_by_side(parts(), [0, 1])
     assert list(whole.influenced_dof.values) == ["Heave", "Surge"]
     np.testing.assert_array_equal(whole.added_mass[1], [[1.0, 0.0], [0.0, 2.0]])

@@ -61,7 +61,7 @@ DAMAGES = {
 
 
 @pytest.mark.parametrize("name", DAMAGES)
-def test_each_check_sees_its_own_damage(perfect, name):
+def test_each_check_finds_its_fault(perfect, name):
     assert name in failed(damaged(perfect, *DAMAGES[name]))
 
 

@@ -57,7 +57,7 @@ def test_a_rational_function_is_recovered_with_its_poles_and_limit(count, column
 
 @given(st.integers(0, 10_000))
 @settings(max_examples=25)
-def test_functions_are_real_at_imaginary_frequencies_and_met_at_the_support(seed):
+def test_interpolants_are_real_functions_of_time_and_exact_at_the_support(seed):
     rng = np.random.default_rng(seed)
     omega = np.sort(rng.uniform(0.1, 12.0, 6))
     values = rng.normal(size=(6, 3)) + 1j * rng.normal(size=(6, 3))
@@ -93,7 +93,7 @@ def test_noise_is_neither_fitted_nor_hidden(noise):
 
 
 @pytest.mark.parametrize(("depth", "hidden"), [(1e-3, True), (1e-2, True), (0.2, False), (1.0, False)])
-def test_a_pole_nearer_to_the_axis_than_the_grid_is_fine_is_found(depth, hidden):
+def test_pole_between_grid_and_axis_is_found(depth, hidden):
     omega = samples(6)
     poles, residues = np.array([2.015 - depth * 1j]), np.full((2, 1), 1e-3 + 0j)
     values = resonances(omega, poles, residues, np.array([1.0, 2.0]))

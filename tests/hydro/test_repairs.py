@@ -39,7 +39,7 @@ def noisy(ds, drawn):
     return ds.assign(radiation_damping=(("omega", *PAIR), b))
 
 
-def test_what_is_passive_stays_as_it_is_to_the_last_bit():
+def test_passive_damping_is_not_changed():
     ds = two_channels()
     mended, checks = repaired(ds, ["positive_damping"])
     assert np.array_equal(mended.radiation_damping.values, ds.radiation_damping.values)
@@ -47,7 +47,7 @@ def test_what_is_passive_stays_as_it_is_to_the_last_bit():
     assert repaired(ds, ()) == (ds, [])
 
 
-def test_negative_damping_is_taken_away_between_the_frequencies_too():
+def test_repaired_damping_is_positive_between_frequencies():
     ds = noisy(two_channels(), 0.05)
     assert np.linalg.eigvalsh(ds.radiation_damping.values).min() < 0
     mended, checks = repaired(ds, ["positive_damping"])
@@ -66,7 +66,7 @@ def test_negative_damping_is_taken_away_between_the_frequencies_too():
 
 
 @pytest.mark.parametrize("at", [0, 1])
-def test_motions_that_move_no_water_keep_moving_none(at):
+def test_repair_leaves_motions_without_damping_unchanged(at):
     ds = noisy(two_channels(), 0.05)
     for name in ("radiation_damping", "added_mass"):
         still = ds[name].values.copy()
@@ -80,7 +80,7 @@ def test_motions_that_move_no_water_keep_moving_none(at):
     assert mended[9:, 1 - at, 1 - at].tolist() == given[9:].tolist()
 
 
-def test_added_mass_becomes_that_of_the_damping():
+def test_repaired_added_mass_follows_from_damping():
     ds = two_channels(np.arange(1, 201) * 0.1)
     rng = np.random.default_rng(1)
     shaken = ds.added_mass.values + 0.02 * (n := rng.normal(size=ds.added_mass.shape)) + 0.02 * n.swapaxes(1, 2)

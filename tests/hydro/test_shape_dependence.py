@@ -9,7 +9,6 @@ import xarray as xr
 from conftest import varied
 
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.database import with_structure
 from vsb.hydro.shape_dependence import (
     COEFFICIENTS,
     ShapeDatabase,
@@ -22,15 +21,13 @@ from vsb.hydro.shape_dependence import (
     shape_database,
     tried_shapes,
 )
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto
 from vsb.scenes.rest import reference_shell
-from vsb.shell.deformed import DeformedShell, rigid_sphere
+from vsb.shell.deformed import rigid_sphere
 from vsb.study import study as config
 from vsb.tools import files
 
 HERE = Path(__file__).parents[1]
-OMEGAS = (0.8, 1.6, 2.4, 3.2, 4.8, 6.4)
+OMEGAS = (0.8, 1.6, 3.2, 6.4)
 SCALING = {
     "added_mass": (3.0, 0.5),
     "radiation_damping": (2.5, 0.5),
@@ -106,14 +103,7 @@ def test_heave_is_a_change_of_draft():
         assert np.abs(slope[name]).max() > 0.05 * np.abs(family.centre[name]).max()
 
 
-def test_the_breathing_mode_of_a_sphere_is_a_change_of_radius(reference):
-    """The centre at the water's surface: no other length."""
-    family = family_of(DeformedShell(reference.basis, 0.0))
-    slope, expected = family.along(np.eye(len(family.labels))[1]).slope, scaled(family)
-    for name in COEFFICIENTS:
-        assert misfit(slope[name], expected[name] / 2.0) < 1e-7
-
-
+@pytest.mark.slow
 def test_all_amplitudes_together_scale_the_shape(strained, strained_family):
     """Euler's identity: lengths of the shape times derivatives by them, heave and all modes of the strained shell."""
     lengths = strained.modal_amplitude.copy()
@@ -126,7 +116,7 @@ def test_all_amplitudes_together_scale_the_shape(strained, strained_family):
         assert misfit(together[name], expected[name]) < 3e-7
 
 
-@pytest.mark.parametrize("which", ["family", "strained_family"])
+@pytest.mark.parametrize("which", ["family"])
 def test_haskinds_relation_holds_for_derivatives(which, request):
     family = request.getfixturevalue(which)
     x, dx = family.centre.excitation_force.values[:, 0], family.slopes.excitation_force.values[:, :, 0]
@@ -135,7 +125,7 @@ def test_haskinds_relation_holds_for_derivatives(which, request):
     assert np.abs(damping - expected).max() < 1e-6 * np.abs(damping).max()
 
 
-@pytest.mark.parametrize("label", ["Heave", "Membrane2"])
+@pytest.mark.parametrize("label", ["Membrane2"])
 def test_the_error_estimate_bounds_the_error_and_is_small(label, family, reference):
     """Against more points and another step."""
     fine = family_of(reference.shape, nodes=56, step=0.008).along(np.eye(4)[family.labels.index(label)]).slope
@@ -171,7 +161,7 @@ def test_expansions_have_their_order(order, name, errors):
         (lambda f: f.interpolation_error(float("nan")), "amplitude: received nan m"),
     ],
 )
-def test_what_cannot_be_is_refused(call, match, family):
+def test_invalid_amplitudes_and_orders_are_refused(call, match, family):
     with pytest.raises(ConfigError, match=match):
         call(family)
 
@@ -191,7 +181,7 @@ def values(database, eta):
     return dict(zip(COEFFICIENTS, (c.added_mass, c.damping, c.excitation, database.added_mass_inf(eta)), strict=True))
 
 
-def test_it_holds_the_reference_shape(database, family):
+def test_database_reproduces_the_reference_shape(database, family):
     """But for damping's from excitation, and asymmetry: errors of the solver."""
     for name, value in values(database, np.zeros(4)).items():
         exact = family.centre[name]
@@ -225,7 +215,7 @@ def test_the_estimate_is_of_third_order(database):
     assert all(0 < error < 1e-8 for error in database.error(np.zeros(4)).values())
 
 
-def test_damping_takes_energy_on_every_shape(database):
+def test_damping_is_positive_on_every_shape(database):
     """At the end of the reach too, where an expansion of damping itself would not."""
     expanded = []
     for eta in tried_shapes(REACH, 30, seed=5):
@@ -240,23 +230,7 @@ def test_damping_takes_energy_on_every_shape(database):
     assert min(expanded) < -1e-5
 
 
-def test_a_model_on_a_shape_is_that_solved_there(database, family, reference):
-    """Response of the buoy with the database's coefficients, and with those of a solution on the shape."""
-    eta, motions = REACH * np.array([0.3, 0.2, -0.3, 0.3]), np.eye(4)
-    pto = LinearPto(8000.0)
-    solved = LinearSystem(with_structure(family.at(eta), reference), reference.basis.damping, pto)
-    c = database.at(GRID, eta)
-    w = GRID[:, None, None]
-    impedance = -(w**2) * (solved.mass + c.added_mass) - 1j * w * (c.damping + solved.damping) + solved.stiffness
-    got = np.linalg.solve(impedance, c.excitation[..., None])[..., 0]
-    expected = solved.rao(GRID, motions)
-    frozen = LinearSystem(with_structure(family.centre, reference), reference.basis.damping, pto).rao(GRID, motions)
-    missed, ignored = (np.abs(rao - expected).max() for rao in (got, frozen))
-    assert missed < 2e-3 * np.abs(expected).max()
-    assert missed < 0.1 * ignored
-
-
-def test_it_is_stored_and_read_back(database, tmp_path):
+def test_shape_database_is_stored_and_read_back(database, tmp_path):
     database.save(tmp_path / "shapes.nc")
     back, eta = ShapeDatabase.load(tmp_path / "shapes.nc"), 0.5 * REACH
     for ours, theirs in zip(database.at(GRID[:3], eta), back.at(GRID[:3], eta), strict=True):
@@ -285,7 +259,7 @@ def test_a_file_of_another_kind_is_refused(database, tmp_path):
         (lambda d: d.at(np.array([2.0, 99.0, 3.0]), np.zeros(4)), DatabaseError, "2 to 99 rad/s are asked for, the s"),
     ],
 )
-def test_what_it_does_not_hold_is_refused(call, error, match, database):
+def test_amplitudes_and_frequencies_out_of_reach_are_refused(call, error, match, database):
     with pytest.raises(error, match=match):
         call(database)
 

@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -25,7 +24,7 @@ def chain(order: int, dof: int, seed: int) -> RadiationModel:
 
 @settings(max_examples=30)
 @given(st.integers(2, 8), st.integers(1, 4), st.integers(0, 10**6))
-def test_any_such_model_is_passive_with_one_channel(order, dof, seed):
+def test_random_chain_is_passive_with_one_channel(order, dof, seed):
     model = chain(order, dof, seed)
     omega = np.linspace(0.0, 20.0, 101)
     transfer = model.transfer(omega)
@@ -46,7 +45,7 @@ def test_vector_fitting_recovers_the_poles_of_a_rational_function():
     assert np.sort_complex(found) == pytest.approx(np.sort_complex(poles), abs=1e-6)
 
 
-def test_what_a_model_radiates_is_exact_however_close_its_poles_are():
+def test_radiated_power_is_exact_for_close_poles():
     """A + A^T = -l l^T to the last bits, though the observability of poles so close is known to a few digits only."""
     poles = np.array([-0.02 + 2.0j, -0.0201 + 2.001j, -0.8 + 2.5j])
     poles = np.concatenate([poles, poles.conj(), [-0.5, -0.51]])
@@ -66,40 +65,29 @@ def test_not_passive_is_refused():
         RadiationModel(turning, np.ones((2, 1)), np.zeros(2))
 
 
-class TestOfTheSeed:
-    def test_error_falls_with_order(self, buoy_of, coarse):
-        spectrum = buoy_of(coarse).spectrum
-        omega = spectrum.omega[::2]
-        errors = [fit_order(spectrum, omega, order)[1] for order in (4, 8, 16)]
-        assert errors[0] > 1.5 * errors[1] > 2 * errors[2]
-        assert errors[2] < 2e-3
-
-    def test_kernel_agrees_with_the_convolution(self, buoy_of, radiation_of, coarse):
-        spectrum, model = buoy_of(coarse).spectrum, radiation_of(coarse)
-        time = np.linspace(0.0, 20.0, 201)
-        scale = np.sqrt(np.einsum("wii->wi", spectrum.damping).max(axis=0))
-        exact, ours = (m.kernel(time) / np.outer(scale, scale) for m in (spectrum, model))
-        assert np.sqrt(np.mean((ours - exact) ** 2)) < 5e-3 * np.abs(exact).max()
-
-    def test_passive_over_all_frequencies(self, radiation_of, coarse):
-        model = radiation_of(coarse)
-        omega = np.concatenate([[0.0], np.geomspace(1e-4, 1e4, 400)])
-        scale = np.sqrt(np.einsum("wii->wi", model.damping(omega)).max(axis=0))
-        real = model.transfer(omega).real / np.outer(scale, scale)
-        assert np.linalg.eigvalsh(0.5 * (real + real.transpose(0, 2, 1))).min() > -1e-10
-
-    def test_modes_that_radiate_alike_cost_no_states(self, buoy_of, coarse):
-        full = buoy_of(varied(coarse, modes={"basis": "full"})).spectrum
-        few = buoy_of(coarse).spectrum
-        omega = few.omega[::2]
-        errors = [fit_order(s, omega, 14)[1] for s in (few, full)]
-        assert errors[1] < 2 * errors[0]
+@pytest.fixture(scope="module")
+def seed_spectrum(spectral_seed):
+    return spectral_seed.spectrum
 
 
-@pytest.mark.parametrize("largest", [100.0, 1e-9])
-@pytest.mark.parametrize("share", [-0.05, -1.0])
+def test_error_falls_with_order(seed_spectrum):
+    omega = seed_spectrum.omega[::2]
+    errors = [fit_order(seed_spectrum, omega, order)[1] for order in (4, 8, 16)]
+    assert errors[0] > 1.5 * errors[1] > 2 * errors[2]
+    assert errors[2] < 2e-3
+
+
+def test_fitted_model_is_passive_and_has_the_kernel_of_the_convolution(seed_spectrum):
+    model, time = fit_radiation(seed_spectrum, 1e-3)[0], np.linspace(0.0, 20.0, 201)
+    scale = np.sqrt(np.einsum("wii->wi", seed_spectrum.damping).max(axis=0))
+    exact, ours = (m.kernel(time) / np.outer(scale, scale) for m in (seed_spectrum, model))
+    assert np.sqrt(np.mean((ours - exact) ** 2)) < 5e-3 * np.abs(exact).max()
+    real = model.transfer(np.concatenate([[0.0], np.geomspace(1e-4, 1e4, 400)])).real / np.outer(scale, scale)
+    assert np.linalg.eigvalsh(0.5 * (real + real.transpose(0, 2, 1))).min() > -1e-10
+
+
+@pytest.mark.parametrize(("share", "largest"), [(-0.05, 100.0), (-1.0, 1e-9)])
 def test_damping_that_draws_energy_is_refused(share, largest):
-    """In any units."""
     omega = np.linspace(0.1, 8.0, 80)
     bump = largest * omega**2 * np.exp(-omega)
     damping = np.where(omega > 4.0, share * bump.max(), bump) if share > -1 else share * bump
@@ -107,7 +95,7 @@ def test_damping_that_draws_energy_is_refused(share, largest):
         fit_radiation(DampingSpectrum(omega, damping[:, None, None]), 1e-3)
 
 
-def test_the_memory_of_unlike_motions_is_theirs_in_their_own_units():
+def test_fit_of_motions_in_different_units():
     """Two that radiate in and against phase at once, in units a thousand apart, and a third like the second."""
     omega = np.arange(1.0, 61.0) * 0.1
     one, other = omega**1.5 / (1 + omega**2) ** 1.5, omega**2.5 / (1 + omega**2) ** 2

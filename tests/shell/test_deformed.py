@@ -14,7 +14,6 @@ from vsb.shell.deformed import (
     check_meridian,
     enclosed,
     rigid_buoy,
-    rigid_sphere,
 )
 from vsb.shell.modes import ModeBasis, mode_basis, shell_modes
 from vsb.shell.shell import Shell
@@ -191,16 +190,6 @@ def test_accepted_meridian_has_turning_number_one(full, modal):
         return
     assert not crosses_axis
     assert turned[-1] - turned[0] == pytest.approx(-np.pi, abs=1e-6)
-
-
-@pytest.mark.parametrize(("radius", "part"), [(0.6, 0.4), (5.0, -0.7)])
-def test_rigid_sphere_displaces_its_spherical_cap(radius, part):
-    shell, depth = rigid_sphere(radius, part * radius), radius * (1 - part)
-    assert shell.volume() == pytest.approx(np.pi * depth**2 * (3 * radius - depth) / 3, rel=1e-12)
-    assert shell.wet_area() == pytest.approx(2 * np.pi * radius * depth, rel=1e-12)
-    assert shell.waterline == pytest.approx(np.arccos(-part), abs=1e-12)
-    assert shell.modal_amplitude.tolist() == [0.0]
-    assert shell.basis.shell.radius == radius
 
 
 @pytest.mark.parametrize("up", [0.0, 0.8])

@@ -69,34 +69,6 @@ def test_energies_do_not_depend_on_the_order(order, kind):
         np.testing.assert_allclose(own, zero, rtol=1e-12, atol=1e-12 * np.abs(zero).max())
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_mass_and_elastic_energy_are_integrals_over_the_surface(order):
-    """Strains by differentiation in space, without bending."""
-    basis = order_basis(mode_basis(DEVICE, "membrane", 3), order, BALLAST)
-    basis = replace(basis, bending=False)
-    cos, weight = np.polynomial.legendre.leggauss(40)
-    phi, r, m, nu = np.arccos(cos), 2.0, order, 0.3
-    (v, u, w), (_, du, dw) = basis.field(phi), basis.field(phi, derivative=1)
-    cot, sin = cos / np.sin(phi), np.sin(phi)
-    along, around = (du + v) / r, (u * cot + v + m * w / sin) / r
-    shear = (dw - w * cot - m * u / sin) / r
-
-    def over(a, b):
-        return np.pi * r**2 * (a * weight) @ b.T
-
-    shell = basis.shell
-    kept = slice(basis.rigid, None)
-    mass = shell.density * shell.thickness * (over(v, v) + over(u, u) + over(w, w))
-    np.testing.assert_allclose(basis.inertia[kept, kept], mass[kept, kept], rtol=1e-10, atol=1e-8)
-    if order == 1:
-        np.testing.assert_allclose(mass[1, [0, *range(2, len(mass))]], 0.0, atol=1e-9)  # pitch and shapes are apart
-        assert mass[0, 0] == pytest.approx(shell.mass)
-        assert mass[1, 1] == pytest.approx(2 / 3 * shell.mass * r**2)
-    energy = over(along, along) + over(around, around) + nu * (over(along, around) + over(around, along))
-    energy += (1 - nu) / 2 * over(shear, shear)
-    np.testing.assert_allclose(basis.stiffness, shell.membrane_stiffness * energy, rtol=1e-9, atol=1e-6)
-
-
 def test_yaw_rotates_the_sphere_about_its_axis():
     """r sin phi along e_theta, without stiffness."""
     turned = yaw(mode_basis(DEVICE, "full", 2), BALLAST._replace(yaw_inertia=500.0))

@@ -7,7 +7,7 @@ import pytest
 
 from vsb.errors import ConfigError
 from vsb.study.study import Water
-from vsb.waves.climate import Climate, band_edges, height_and_period, impossible, of_records, realised
+from vsb.waves.climate import Climate, height_and_period, impossible, of_records, realised
 from vsb.waves.dispersion import wavenumber
 
 
@@ -78,23 +78,6 @@ def test_realisation_has_the_amplitudes_of_the_spectrum_and_the_phases_of_its_se
     assert found.amplitude / np.abs(found.amplitude) == pytest.approx(phases, abs=1e-12)
 
 
-@pytest.mark.parametrize(("lowest", "highest"), [(1.15, 1.45), (0.1, np.inf)])
-def test_realisation_has_the_variance_of_its_sea_between_two_frequencies(lowest, highest):
-    climate = rising([1.0, 2.0, 5.0], [0.2, 0.3, 0.5])
-    found = realised(climate, 2, 500.0, 4, lowest, highest)
-    low, high = max(lowest, 0.75), min(highest, 1.85)
-    half = (high - low) / len(found.omega) / 2
-    assert found.omega[[0, -1]] == pytest.approx([low + half, high - half], rel=1e-9)
-    inside = (climate.omega > low) & (climate.omega < high)
-    variance = 0.1 * climate.density[2, inside].sum()
-    assert np.sum(np.abs(found.amplitude) ** 2) / 2 == pytest.approx(variance, rel=1e-9)
-
-
-def test_band_edges():
-    assert band_edges(np.array([0.1, 0.5, 0.7])) == pytest.approx([0.0, 0.3, 0.6, 0.8])
-    assert band_edges(np.array([0.4, 0.6, 1.2])) == pytest.approx([0.3, 0.5, 0.9, 1.5])
-
-
 def test_limits_of_possible_seas():
     """A steepness of 0.1 and a height of 40 m, each from both sides."""
     just, period = np.array([0.99, 1.01]), 10.0
@@ -108,7 +91,9 @@ def test_at_most_one_percent_of_the_records_may_be_impossible():
     omega = 3.0 + 0.1 * np.arange(5)
     calm, steep = np.linspace(0.001, 0.002, 5), np.linspace(2.0, 1.0, 5)
     assert len(of_records(omega, np.vstack([steep, *[calm] * 99]), "file").hs) == 99
-    with pytest.raises(ConfigError, match=r"file: received 1.0% of seas that cannot be, as Hs 3\.\d+ m with Te 1\.9"):
+    with pytest.raises(
+        ConfigError, match=r"file: received 1.0% of records that are physically impossible, as Hs 3\.\d+ m with Te 1\.9"
+    ):
         of_records(omega, np.vstack([steep, *[calm] * 98]), "file")
 
 

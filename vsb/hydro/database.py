@@ -125,6 +125,34 @@ class Rule(NamedTuple):
         return Check(name, float(value), float(most), "-", verdict, self.explanation + more)
 
 
+def solved_dataset(
+    omegas: Sequence[float],
+    solved: Sequence[Displacement],
+    columns: Sequence[tuple[FloatArray | ComplexArray, ...]],
+) -> xr.Dataset:
+    """Return a solver's coefficients of displacements in waves to +x.
+
+    Parameters
+    ----------
+    omegas : sequence of float [rad/s]
+    solved : sequence of Displacement
+    columns : sequence of tuple
+        For each frequency added mass, damping, Froude-Krylov and diffraction force.
+    """
+    added_mass, damping, froude_krylov, diffraction = (np.array(each) for each in zip(*columns, strict=True))
+    matrix, force = ("omega", *PAIR), ("omega", "wave_direction", PAIR[0])
+    labels = tuple(each.label for each in solved)
+    return xr.Dataset(
+        {
+            "added_mass": (matrix, added_mass),
+            "radiation_damping": (matrix, damping),
+            "Froude_Krylov_force": (force, froude_krylov[:, None]),
+            "diffraction_force": (force, diffraction[:, None]),
+        },
+        {"omega": list(omegas), "wave_direction": [0.0], **{dim: list(labels) for dim in PAIR}},
+    )
+
+
 def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return blocks of disjoint frequencies as one dataset, frequencies ascending.
 

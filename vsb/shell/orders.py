@@ -167,10 +167,9 @@ class OrderBasis:
         return out * np.outer(self._signs, self._signs)
 
     @cached_property
-    def _moments(self) -> FloatArray:
-        """Momentum of the shell along x per unit rate of each shape of order 1, int psi_x dm, shape (shape,) [kg]."""
-        own = self._assembled({n: mass_block(self.shell, n) for n in {mode.degree for mode in self._shapes}})
-        return np.asarray(own[0])
+    def _shell_mass(self) -> FloatArray:
+        """Mass of the shell alone over the shapes; row 0 in order 1 is the momentum along x, int psi_x dm [kg]."""
+        return self._assembled({n: mass_block(self.shell, n) for n in {mode.degree for mode in self._shapes}})
 
     @cached_property
     def inertia(self) -> FloatArray:
@@ -179,8 +178,7 @@ class OrderBasis:
         About the sphere's centre the ballast m_b has I + m_b z_b^2, with m_b z_b = m z_G, for the shell's own centre of
         mass is that of the sphere. Pitch and shapes of the shell do not couple: one is a curl, the others gradients.
         """
-        blocks = {n: mass_block(self.shell, n) for n in {mode.degree for mode in self._shapes}}
-        matrix = self._assembled(blocks)
+        matrix = self._shell_mass.copy()
         if not self.rigid:
             return matrix
         mass, centre, own, _ = self.ballast
@@ -267,7 +265,9 @@ class OrderBasis:
             return np.asarray(water)
         water[0, :] = water[:, 0] = 0.0  # exact: the water's surface is the same everywhere
         along = np.pi * density * gravity * r**2 * ((u - w * cos) @ (z * sin * dphi))
-        along_weight = -gravity * np.insert(self._moments, 1, self.ballast.total_mass * self.ballast.centre_of_mass)
+        along_weight = -gravity * np.insert(
+            self._shell_mass[0], 1, self.ballast.total_mass * self.ballast.centre_of_mass
+        )
         along += along_weight
         along[0] = 0.0  # surge moves all of the buoy, turned or not
         water[1] += along

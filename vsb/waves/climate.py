@@ -1,7 +1,7 @@
-"""A site's climate: the spectra of all seas of a year, each with its share of it.
+"""A site's climate: the spectra of all seas of a year and the share of the year of each.
 
-Spectra are known as means over bands of frequency, as a buoy measures them. Moments and energy flux are the sums over
-bands of IEC TS 62600-101 and 62600-100.
+Spectra are means over bands of frequency, as measured by buoys. Moments and energy flux are the sums over bands of
+IEC TS 62600-101 and 62600-100.
 """
 
 from collections.abc import Sequence
@@ -20,21 +20,21 @@ from vsb.waves.seas import Sea
 YEAR_HOURS = 8766.0
 """Hours of a mean year, as in IEC TS 62600-100 [h]."""
 OUTSIDE = 0.01
-"""Part of a year's variance that may lie at frequencies at which nothing is known of a device."""
+"""Part of a year's variance that may lie at frequencies without coefficients of a device."""
 STANDARD_GRAVITY = 9.81
 STEEPEST = 0.1
-"""No sea has a steepness Hs over g Te^2/(2 pi) above this: waves of a seventh of their length break [-]."""
+"""Largest possible steepness, Hs over g Te^2/(2 pi): waves as high as a seventh of their length break [-]."""
 FAULTY = 0.01
-"""Part of the records that may be impossible seas; of more, the file is not what it is taken for."""
+"""Part of the records that may be physically impossible; with more the units are wrong."""
 HIGHEST = 40.0
-"""No sea has a higher Hs [m]."""
+"""Largest possible Hs [m]."""
 AGREEMENT = 0.02
-"""Part by which Hs may miss that of the spectrum: tables round, bands cut tails."""
+"""Relative difference allowed between Hs and that of the spectrum: tables round, bands cut tails."""
 PARTIAL = "stand for a year"
-"""Words of a note on records of a part of the year only: what it says of the rest is to be doubted."""
+"""Words of the note on records of a part of the year only."""
 
 
-@dataclass(frozen=True, eq=False)  # one climate is itself: what is made of it is kept with it
+@dataclass(frozen=True, eq=False)  # compared by identity, so that results can be cached by climate
 class Climate:
     """All seas of a site's year.
 
@@ -50,7 +50,7 @@ class Climate:
     hs: FloatArray  # significant wave height (sea,) [m]
     te: FloatArray  # energy period (sea,) [s]
     name: str
-    notes: tuple[str, ...] = ()  # what was left out, and what is not known
+    notes: tuple[str, ...] = ()  # records left out, and limits of the data
 
     def __post_init__(self) -> None:
         """Check shapes, signs, shares, and that heights are those of the spectra."""
@@ -88,7 +88,7 @@ class Climate:
     def of_spectra(
         cls, omega: FloatArray, density: FloatArray, hours: FloatArray, name: str, notes: Sequence[str] = ()
     ) -> Self:
-        """Return the climate of some spectra, heights and periods from their moments."""
+        """Return the climate of spectra, with heights and periods from their moments."""
         hs, te = height_and_period(omega, density)
         return cls(omega, density, hours, hs, te, name, tuple(notes))
 
@@ -118,7 +118,7 @@ class Climate:
         return max(0.0, 1 - float(self.mean_density @ inside) / float(self.mean_density @ np.diff(self.edges)))
 
     def quantile(self, share: float) -> FloatArray:
-        """Return the least density a share of the year stays at or below, by frequency, shape (omega,) [m^2 s]."""
+        """Return the density that is not exceeded for a share of the year, by frequency, shape (omega,) [m^2 s]."""
         return np.asarray(np.quantile(self.density, share, axis=0, weights=self.hours, method="inverted_cdf"))
 
 
@@ -161,7 +161,7 @@ def height_and_period(omega: FloatArray, density: FloatArray) -> tuple[FloatArra
     ----------
     omega : ndarray, shape (omega,) [rad/s]
     density : ndarray, shape (sea, omega) [m^2 s]
-        None without energy.
+        Each with some energy.
     """
     width = np.diff(band_edges(omega))
     m0, before = density @ width, density @ (width / omega)
@@ -169,21 +169,21 @@ def height_and_period(omega: FloatArray, density: FloatArray) -> tuple[FloatArra
 
 
 def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Sequence[str] = ()) -> Climate:
-    """Return the climate of measured records of equal shares; those that cannot be used are left out and counted.
+    """Return the climate of measured records of equal shares; unusable ones are left out and counted.
 
     Parameters
     ----------
     omega : ndarray, shape (omega,) [rad/s]
     density : ndarray, shape (record, omega) [m^2 s]
-        NaN where nothing was measured; bands at the ends that hold nothing else are left out.
+        NaN for missing values; bands at the ends without any value are left out.
     source : str
-        File it comes from.
+        File name.
     notes : sequence of str
 
     Raises
     ------
     ConfigError
-        If no record is left, or many are no possible seas.
+        If no record is left, or more than `FAULTY` are physically impossible.
     """
     (measured,) = np.nonzero(~np.isnan(density).all(axis=0))
     first, last = (measured[0], measured[-1] + 1) if len(measured) > 1 else (0, len(omega))
@@ -201,31 +201,31 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
         found.append(
             f"{int(flat.sum())} records of one value throughout left out: calm or faulty, the file cannot tell"
         )
-    omega_, spectra = omega, density[kept]
+    spectra = density[kept]
     if (low := float(spectra.min())) < 0:
         raise ConfigError(f"{source}: received a spectral density of {low:.4g} m^2 s, needs 0 or more")
-    hs, te = height_and_period(omega_, spectra)
+    hs, te = height_and_period(omega, spectra)
     wrong = impossible(hs, te)
     if wrong.mean() > FAULTY:
         at = int((hs / te**2).argmax())
         raise ConfigError(
-            f"{source}: received {wrong.mean():.1%} of seas that cannot be, as Hs {hs[at]:.4g} m with Te "
-            f"{te[at]:.4g} s; needs frequencies in Hz and densities in m^2/Hz"
+            f"{source}: received {wrong.mean():.1%} of records that are physically impossible, as Hs {hs[at]:.4g} m "
+            f"with Te {te[at]:.4g} s; needs frequencies in Hz and densities in m^2/Hz"
         )
     if wrong.any():
-        found.append(f"{int(wrong.sum())} records steeper than any sea left out")
+        found.append(f"{int(wrong.sum())} physically impossible records left out")
     spectra, count = spectra[~wrong], int((~wrong).sum())
-    found += [f"{count} spectra used", _tail(omega_, spectra)]
-    return Climate.of_spectra(omega_, spectra, np.full(count, 1 / count), source, found)
+    found += [f"{count} spectra used", _tail(omega, spectra)]
+    return Climate.of_spectra(omega, spectra, np.full(count, 1 / count), source, found)
 
 
 def impossible(hs: FloatArray, te: FloatArray) -> BoolArray:
-    """Return whether seas are steeper or higher than there are, shape (sea,); many of them are wrong units."""
+    """Return whether seas are steeper or higher than possible, shape (sea,); many of them mean wrong units."""
     return np.asarray((2 * np.pi * hs / (STANDARD_GRAVITY * te**2) > STEEPEST) | (hs > HIGHEST))
 
 
 def _tail(omega: FloatArray, density: FloatArray) -> str:
-    """What may lie beyond the bands, from a tail S ~ w^-5."""
+    """Note on the variance beyond the bands, from a tail S ~ w^-5."""
     first, last = band_edges(omega)[[0, -1]]
     beyond = density[:, -1] * (omega[-1] / last) ** 5 * last / 4
     share = float(beyond.sum() / (density @ np.diff(band_edges(omega))).sum())

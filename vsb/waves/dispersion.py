@@ -10,7 +10,7 @@ def wavenumber(omega: float, depth: float, gravity: float) -> float:
     deep = omega**2 / gravity
     if not np.isfinite(depth) or deep * depth > 20.0:
         return deep
-    from scipy.optimize import brentq  # deep water does not wait for it
+    from scipy.optimize import brentq  # slow to import, and not needed in deep water
 
     return float(brentq(lambda k: k * np.tanh(k * depth) - deep, deep, deep / np.tanh(deep * depth) * 2, xtol=1e-15))
 

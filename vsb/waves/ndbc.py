@@ -1,4 +1,4 @@
-"""Spectra from files: the National Data Buoy Center's text, netCDF with wavespectra's names, what wavespectra reads."""
+"""Spectra from files: text of the National Data Buoy Center, netCDF in wavespectra's names, and formats it reads."""
 
 from collections import Counter
 from datetime import datetime
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MISSING, NONE = 999.0, {"MM": "999.0"}
-"""From here on a number of the text stands for none, and words that do."""
+"""Numbers of the text from which on a value is missing, and words for missing values."""
 HIGHEST_HZ = 5.0
-"""No band of a sea lies higher [Hz]: the header is something else."""
+"""Highest possible band [Hz]."""
 DATE = ("YY", "MM", "DD", "hh", "mm")
 FREQUENCY = {"hz", "s-1", "s^-1", "s^{-1}", "1/s"}
 DENSITY = {
@@ -31,13 +31,13 @@ DENSITY = {
         "m2/hz/deg",
     },
 }  # fmt: skip
-"""Units of spectral density by whether it is one over directions as well."""
+"""Units of spectral density, without and with directions."""
 READERS = {"d2fd": "era5", "spectral_wave_density": "ndbc", "waveEnergyDensity": "ndbc", "density": "ncswan"}
-"""Variables of other netCDF files of spectra, and the reader of wavespectra's for them."""
+"""Variables of other netCDF files of spectra, and wavespectra's reader for them."""
 SWAN = b"SWAN"
-"""What SWAN's text begins with."""
+"""First characters of SWAN's text."""
 METEOROLOGICAL = {"WVHT", "SWVHT", "WSPD"}
-"""Columns of the National Data Buoy Center's files that hold no spectra."""
+"""Columns of the National Data Buoy Center's files without spectra."""
 
 
 def read_ndbc(path: str | Path) -> Climate:
@@ -121,7 +121,8 @@ def _numbers(path: str | Path, rows: list[tuple[int, list[str]]]) -> FloatArray:
     try:
         values: FloatArray = np.array([row for _, row in rows], dtype=float)
     except ValueError:
-        values = np.array([[_number(path, i, word) for word in row] for i, row in rows])
+        line, word = next((i, word) for i, row in rows for word in row if not _is_number(word))
+        raise ConfigError(f"{path}, line {line}: received {word!r}, needs a number") from None
     if not np.all(np.isfinite(values)) or (values.size and values.min() < 0):
         at, column = np.argwhere(~(values >= 0) | ~np.isfinite(values))[0]
         raise ConfigError(
@@ -130,12 +131,13 @@ def _numbers(path: str | Path, rows: list[tuple[int, list[str]]]) -> FloatArray:
     return values
 
 
-def _number(path: str | Path, line: int, word: str) -> float:
-    """One word as a number."""
+def _is_number(word: str) -> bool:
+    """Whether a word is a number."""
     try:
-        return float(word)
+        float(word)
     except ValueError:
-        raise ConfigError(f"{path}, line {line}: received {word!r}, needs a number") from None
+        return False
+    return True
 
 
 def _time(path: str | Path, line: int, words: list[str]) -> datetime:
@@ -151,7 +153,7 @@ def _time(path: str | Path, line: int, words: list[str]) -> datetime:
 
 
 def _calendar(times: list[datetime]) -> tuple[list[int], list[str]]:
-    """Which records to keep, the first of each instant, and what the calendar lacks."""
+    """Indices of the records to keep, the first of each instant, and notes on gaps of the calendar."""
     first = {time: i for i, time in reversed(list(enumerate(times)))}
     order = sorted(first)
     notes = [f"{order[0]:%Y-%m-%d %H:%M} to {order[-1]:%Y-%m-%d %H:%M}"]
@@ -199,7 +201,7 @@ def read_spectra(path: str | Path) -> Climate:
                 stored = ds.load()
         except MemoryError:
             raise ConfigError(f"{path}: cannot be read as netCDF (it announces more than it holds)") from None
-        except Exception as error:  # what a library makes of a damaged file, nobody can list
+        except Exception as error:  # libraries raise errors of many types for damaged files
             reason = " ".join(str(error).split()) or type(error).__name__
             raise ConfigError(f"{path}: cannot be read as netCDF ({reason})") from None
         names = {"ww3"} if {"efth", "frequency"} <= {*stored.variables} else set()
@@ -230,7 +232,7 @@ def read_spectra(path: str | Path) -> Climate:
 
 
 def _by_wavespectra(path: str | Path, reader: str) -> "xr.Dataset":
-    """Spectra in wavespectra's names and units, as its reader of that name has them; without directions where it may.
+    """Spectra in wavespectra's names and units, read by its reader of that name; without directions if possible.
 
     Raises
     ------
@@ -248,21 +250,21 @@ def _by_wavespectra(path: str | Path, reader: str) -> "xr.Dataset":
     try:
         found = getattr(wavespectra, f"read_{reader}")(str(path), **options).load()
     except (OSError, ValueError, KeyError, IndexError, RuntimeError, AttributeError) as error:
-        told = " ".join(str(error).split())
-        raise ConfigError(f"{path}: cannot be read by wavespectra's read_{reader} ({told})") from None
-    found["efth"].attrs.pop("units", None)  # of directions even where there are none
+        reason = " ".join(str(error).split())
+        raise ConfigError(f"{path}: cannot be read by wavespectra's read_{reader} ({reason})") from None
+    found["efth"].attrs.pop("units", None)  # says per degree even without directions
     return found.sortby("freq")  # type: ignore[no-any-return]
 
 
 def _dates(path: str | Path, time: "npt.NDArray[np.generic]") -> list[datetime]:
-    """Dates of the records, one or more; numbers without an origin are none."""
+    """Dates of the records, one or more; plain numbers are refused."""
     if not time.size:
         raise ConfigError(f"{path}: received no record along time, needs one or more")
     try:
         if time.dtype.kind in "MO":
             return [datetime.fromisoformat(str(each)[:19]) for each in time.astype("datetime64[s]")]
     except ValueError:
-        pass  # a date that is none
+        pass  # not a date
     raise ConfigError(
         f"{path}: received time from {time[0]} to {time[-1]}, needs a date for every record, in units such as 'hours "
         "since 2020-01-01'"
@@ -279,7 +281,7 @@ def _check_units(path: str | Path, ds: "xr.Dataset", directional: bool) -> None:
 
 
 def _direction_widths(path: str | Path, degrees: FloatArray) -> "xr.DataArray":
-    """Widths of bands of direction [degree]: equal ones all around."""
+    """Widths of bands of direction [degree], which must be equal all around."""
     steps = np.diff(np.sort(np.asarray(degrees, dtype=float) % 360), append=np.sort(degrees % 360)[0] + 360)
     if not np.ptp(steps) <= 1e-3 * steps.mean():
         raise ConfigError(

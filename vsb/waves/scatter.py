@@ -1,6 +1,6 @@
-"""A climate from a scatter table: how often which height and period occur, and a shape of spectrum for all of them.
+"""A climate from a scatter table, the occurrence of heights and periods, with one spectral shape for all seas.
 
-Tables are read as people write them: commas or semicolons, decimal commas, percent, full tables and lists of pairs.
+Tables may have commas or semicolons, decimal commas, percent; full tables and lists of pairs are read.
 """
 
 import csv
@@ -21,11 +21,11 @@ from vsb.waves.seas import jonswap_spectrum
 
 Spectrum = Literal["jonswap", "pierson_moskowitz"]
 BAND = 0.02
-"""Width of the bands of a climate from a table, as a part of their frequency [-]."""
+"""Width of the bands of a climate from a table, relative to their frequency [-]."""
 REACH = 0.45, 10.0
-"""The bands reach from and to these multiples of peak frequencies: 1e-4 of the variance lies beyond."""
+"""Ends of the bands in multiples of peak frequencies: 1e-4 of the variance lies beyond."""
 WHOLE = 0.02
-"""Part by which shares, percent or hours may miss their sum: tables round."""
+"""Relative error allowed in the sum of shares, percent or hours: tables round."""
 HEIGHT = {"hs", "hm0", "hsig", "h13", "significantwaveheight", "waveheight"}
 PERIODS = {
     "te": {"te", "tm10", "tm-10", "tm-1,0", "energyperiod", "meanenergyperiod", "waveenergyperiod"},
@@ -45,8 +45,8 @@ class Table(NamedTuple):
     period: FloatArray  # (cell,) [s]
     kind: str  # of the period, te or tp
     occurrence: FloatArray  # (cell,)
-    unit: float | None  # what occurrences sum to where the file says so
-    blank: int  # empty cells, read as none
+    unit: float | None  # nominal sum of the occurrences where the file gives their unit
+    blank: int  # empty cells, read as zero
 
 
 def read_scatter(path: str | Path, spectrum: Spectrum = "jonswap", gamma: float = 3.3) -> Climate:
@@ -77,8 +77,9 @@ def read_scatter(path: str | Path, spectrum: Spectrum = "jonswap", gamma: float 
     if share[wrong].sum() > FAULTY:
         at = int((table.hs / te**2).argmax())
         raise ConfigError(
-            f"{path}: received {share[wrong].sum():.1%} of seas that cannot be, as Hs {table.hs[at]:.4g} m with "
-            f"{table.kind.capitalize()} {table.period[at]:.4g} s; needs Hs in m, periods in s, the corner the right way"
+            f"{path}: received {share[wrong].sum():.1%} of seas that are physically impossible, as Hs "
+            f"{table.hs[at]:.4g} m with {table.kind.capitalize()} {table.period[at]:.4g} s; needs Hs "
+            "in m, periods in s, the corner the right way"
         )
     return climate_of_cells(table.hs, te, share, gamma, Path(path).name, (*notes, shape))
 
@@ -96,7 +97,7 @@ def climate_of_cells(
 @cache
 def _unit_sea(gamma: float) -> tuple[FloatArray, FloatArray]:
     """Frequencies over that of the peak, and the variance below them of a sea of m0 = 1."""
-    from scipy.integrate import cumulative_trapezoid  # spectra, which are measured, do not wait for it
+    from scipy.integrate import cumulative_trapezoid  # slow to import, and not needed for spectra
 
     x = np.linspace(0.0, 40.0, 40001)[1:]
     below = cumulative_trapezoid(jonswap_spectrum(x, 4.0, 2 * np.pi, gamma), x=x, initial=0)
@@ -128,7 +129,7 @@ def jonswap_bands(omega: FloatArray, hs: FloatArray, tp: FloatArray, gamma: floa
 
 
 def _shares(path: str | Path, table: Table) -> tuple[FloatArray, str]:
-    """Shares of the year, and what the occurrences sum to in words."""
+    """Shares of the year, and the sum of the occurrences in words."""
     total = float(table.occurrence.sum())
     known = {100.0: "percent", 1.0: "shares", YEAR_HOURS: "hours"}
     units = [table.unit] if table.unit else list(known)
@@ -142,7 +143,7 @@ def _shares(path: str | Path, table: Table) -> tuple[FloatArray, str]:
 
 
 MOST_BINS = 10_000
-"""Bins of a table: 100 heights by 100 periods."""
+"""Largest number of bins: 100 heights by 100 periods."""
 
 
 def read_table(path: str | Path) -> Table:
@@ -173,7 +174,7 @@ def _rows(path: str | Path, lines: list[str], delimiter: str) -> list[tuple[int,
 
 
 def _plain(name: str) -> str:
-    """A name without unit, case, blanks and underscores; no longer text is one."""
+    """A name without unit, case, blanks and underscores; long text as it is."""
     if len(name) > LONGEST:
         return name
     return re.sub(r"[\s_{}$]|[\[(].*?[\])]", "", name).lower()
@@ -187,13 +188,13 @@ def _check_unit(path: str | Path, line: int, name: str) -> None:
 
 
 def _kind(name: str) -> str | None:
-    """What a name names: hs, te, tp."""
+    """Quantity of a column: hs, te, tp or None."""
     names = {"hs": HEIGHT, **PERIODS}
     return next((kind for kind, spelled in names.items() if name in spelled), None)
 
 
 def _corner(path: str | Path, row: tuple[int, list[str]]) -> tuple[str, str] | None:
-    """What rows and columns of a full table are, from its corner."""
+    """Quantities of rows and columns of a full table, from its corner."""
     parts = re.split(r"[/\\|]", row[1][0])
     if len(parts) != 2 or len(row[1]) < 2 or len(row[1][0]) > LONGEST:
         return None
@@ -294,7 +295,7 @@ def _check_repeats(path: str | Path, where: str, labels: Sequence[object]) -> No
 
 
 def _number(path: str | Path, line: int, cell: str, needed: str) -> float:
-    """A cell as a number; a comma in it is decimal, of both signs the file cannot tell."""
+    """A cell as a number; a single comma without a point is a decimal comma."""
     plain = cell.replace(",", ".") if cell.count(",") == 1 and "." not in cell else cell
     try:
         value = float(plain)
@@ -317,7 +318,7 @@ def _label(path: str | Path, line: int, cell: str) -> float:
 
 
 def _occurrence(path: str | Path, line: int, cell: str) -> float:
-    """How often."""
+    """An occurrence."""
     value = _number(path, line, cell.replace("%", "").strip(), "an occurrence of 0 or more")
     if value < 0:
         raise ConfigError(f"{path}, line {line}: received {cell!r}, needs an occurrence of 0 or more")

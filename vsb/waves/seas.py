@@ -8,10 +8,10 @@ from vsb.study.study import Irregular, IrregularSea, Jonswap, RegularWave, Wave,
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 FEW = 32
-"""So many components are summed as they stand."""
-_TABLE = 2**14  # cosines at a time: they stay in the cache
-_AT_ONCE = 2**21  # complex numbers of a transform, of as many signals as that is
-_SAME = 4e-15  # of the highest frequency: round-off
+"""Up to this number components are summed directly."""
+_TABLE = 2**14  # cosines at a time: they fit the cache
+_AT_ONCE = 2**21  # complex numbers of a transform, for as many signals as fit
+_SAME = 4e-15  # round-off, relative to the highest frequency
 
 
 def superposed(omega: FloatArray, phasors: ComplexArray, time: FloatArray) -> FloatArray:
@@ -27,7 +27,7 @@ def superposed(omega: FloatArray, phasors: ComplexArray, time: FloatArray) -> Fl
     Notes
     -----
     Components of one spacing, such as those of a sea, are summed by fast Fourier transforms (Bluestein's chirp
-    transform), blockwise in time so that the chirp's phase stays small. Others are summed as they stand.
+    transform), blockwise in time so that the chirp's phase stays small. Others are summed directly.
     """
     if len(time) == 1:
         return np.asarray(np.real(np.exp(-1j * omega * time[0]) @ phasors)[None])
@@ -47,7 +47,7 @@ def superposed(omega: FloatArray, phasors: ComplexArray, time: FloatArray) -> Fl
 
 
 def _spacing(omega: FloatArray) -> float:
-    """The one distance between many components [rad/s]; 0 if they are few, or not equally spaced."""
+    """Spacing of many components [rad/s]; 0 if they are few or not equally spaced."""
     if len(omega) <= FEW:
         return 0.0
     spacing = float(omega[-1] - omega[0]) / (len(omega) - 1)
@@ -57,7 +57,7 @@ def _spacing(omega: FloatArray) -> float:
 
 def _chirped(phasors: ComplexArray, first: float, ratio: float, count: int) -> FloatArray:
     """Re sum_j a_j exp(-i (first + j ratio) k), k < count: j k = (j^2 + k^2 - (k - j)^2)/2."""
-    from scipy.fft import fft, ifft, next_fast_len  # what sums no sea does not wait for it
+    from scipy.fft import fft, ifft, next_fast_len  # slow to import
 
     j, k = np.arange(len(phasors)), np.arange(count)
     size = next_fast_len(len(j) + len(k) - 1)
@@ -179,7 +179,7 @@ def irregular(wave: Irregular, omega_max: float, duration: float) -> Sea:
 
 
 def expected(wave: Wave) -> Wave:
-    """Return a sea with the amplitudes of its spectrum, |a_j|^2 = E |a_j|^2: powers in it are those expected."""
+    """Return a sea with the amplitudes of its spectrum, |a_j|^2 = E |a_j|^2, so that powers are expected values."""
     return wave.model_copy(update={"amplitudes": "fixed"}) if isinstance(wave, IrregularSea) else wave
 
 

@@ -62,10 +62,9 @@ def flipped(content):
     return bytes(bad)
 
 
-@pytest.mark.parametrize("known", [True, False])
-@pytest.mark.parametrize("damage", [tampered, flipped])
-def test_a_table_that_is_not_the_one_written_is_one_line(green_folder, tmp_path, damage, known):
-    """But for another one put where none was known: of before the stamps, it is taken for what it is and stamped."""
+@pytest.mark.parametrize(("damage", "known"), [(tampered, True), (flipped, False), (tampered, False)])
+def test_changed_table_of_the_green_function_is_refused(green_folder, tmp_path, damage, known):
+    """A readable table without an entry in the manifest is accepted and added to it."""
     place = tmp_path / "green"
     shutil.copytree(green_folder, place, ignore=None if known else shutil.ignore_patterns("manifest.json"))
     (table,) = place.glob("*.npz")
@@ -87,9 +86,7 @@ def test_coefficients_of_the_hemisphere_at_the_default_resolution(green, hemisph
     assert worst[2] < 6e-3, worst  # excitation
 
 
-@pytest.mark.parametrize(
-    ("ka", "added_mass", "damping"), [(0.1, 0.8627, 0.1816), (0.3, 0.7157, 0.3254), (1.0, 0.4284, 0.2484)]
-)
+@pytest.mark.parametrize(("ka", "added_mass", "damping"), [(1.0, 0.4284, 0.2484)])
 def test_heave_of_the_hemisphere_after_hulme_1982(green, ka, added_mass, damping):
     result = unit_problem(green, 40, degrees=(1,)).solve([float(np.sqrt(ka))])
     volume = 2 * np.pi / 3
@@ -114,7 +111,7 @@ def test_flat_panels_converge_at_first_order_and_the_flux_correction_at_second(g
     assert corrected[-1] < flat[-1] / 10
 
 
-def test_damping_is_smooth_across_irregular_frequencies_and_the_lids_own_band(green):
+def test_damping_is_smooth_across_irregular_frequencies_and_resonances_of_the_lid(green):
     for band in (np.linspace(1.15, 1.40, 11), np.linspace(2.45, 2.67, 11)):  # lid with upward normals; Ka = 2.5573
         damping = unit_problem(green, 20, degrees=(0, 1)).solve([float(np.sqrt(k)) for k in band]).radiation_damping
         for n in (0, 1):
@@ -168,15 +165,12 @@ def capytaines_own(green, problem, omega):
     return solved.sel(influenced_dof=names, radiating_dof=names)
 
 
-@pytest.mark.parametrize("depth", [np.inf, 3.0])
-@pytest.mark.parametrize("azimuth", [12, 13])
 @pytest.mark.parametrize(
-    ("order", "displacements"),
+    ("order", "displacements", "azimuth", "depth"),
     [
-        (0, ("Radial0", "Radial1", "Radial4")),
-        (1, ("Surge", "Pitch", "Radial2", "Meridional2")),
-        (2, ("Radial2", "Radial3")),
-        (5, ("Radial5", "Radial6")),
+        (0, ("Radial0", "Radial1", "Radial4"), 12, np.inf),
+        (1, ("Surge", "Pitch", "Radial2", "Meridional2"), 13, np.inf),
+        (2, ("Radial2", "Radial3"), 12, 3.0),
     ],
 )
 def test_every_order_equals_capytaines_full_solution_to_round_off(green, order, displacements, azimuth, depth):
@@ -211,8 +205,9 @@ def test_surge_of_the_hemisphere_at_infinite_and_vanishing_frequency(green):
     assert still.added_mass.item() / volume == pytest.approx(0.5, rel=2e-3)
 
 
-@pytest.mark.parametrize(("order", "names"), [(1, ("Surge", "Radial2")), (2, ("Radial2", "Radial3"))])
-@pytest.mark.parametrize("depth", [np.inf, 3.0])
+@pytest.mark.parametrize(
+    ("order", "names", "depth"), [(1, ("Surge", "Radial2"), 3.0), (2, ("Radial2", "Radial3"), np.inf)]
+)
 def test_haskind_of_every_order(green, order, names, depth):
     """B = k X X^H/(8 pi rho g c_g) int cos^2(m beta) d beta: half that of order zero."""
     omega = 1.0
@@ -224,7 +219,8 @@ def test_haskind_of_every_order(green, order, names, depth):
     assert np.abs(haskind - b).max() < (2e-3 if np.isinf(depth) else 2e-2) * b.max()
 
 
-@pytest.mark.parametrize(("order", "names"), [(1, ("Surge", "Radial2", "Radial3")), (2, ("Radial2", "Radial3"))])
+@pytest.mark.slow
+@pytest.mark.parametrize(("order", "names"), [(1, ("Surge", "Radial2"))])
 def test_every_order_converges_to_the_solver_without_panels(green, order, names):
     """At second order so far, from the flux correction; with the phases of excitation."""
     omegas = [0.6, 1.0, 1.6]

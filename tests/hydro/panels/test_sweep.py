@@ -15,11 +15,8 @@ FROM_KD = [w for w in LOW if w >= 0.7]  # kd > 0.3
 HIGH = [round(0.1 * i, 10) for i in range(65, 97)]
 SCENES = {
     "hemisphere": (0.0, LEGENDRE, np.inf, LOW),
-    "heave": (0.0, LEGENDRE[1:2], np.inf, LOW),
-    "high": (0.6, LEGENDRE, np.inf, LOW),
     "low": (-0.8, LEGENDRE, np.inf, LOW),
     "short waves": (-0.8, LEGENDRE, np.inf, HIGH),
-    "deep enough": (0.0, LEGENDRE, 4.0, FROM_KD),
     "near the bottom": (0.0, LEGENDRE, 2.2, FROM_KD),
 }
 
@@ -49,11 +46,10 @@ def true_error(two, found):
     return max(float(np.abs(a - b).max()) / size for a, b, size in pairs)
 
 
-@pytest.mark.parametrize("rows", [12, 20])
-@pytest.mark.parametrize("scene", SCENES)
-def test_the_estimate_bounds_the_error_of_panels_and_interpolation(green, scene, rows):
+@pytest.mark.parametrize("scene", ["hemisphere", "low", "short waves", "near the bottom"])
+def test_the_estimate_bounds_the_error_of_panels_and_interpolation(green, scene):
     *shape, frequencies = SCENES[scene]
-    two = meshes(green, rows, *shape)
+    two = meshes(green, 12, *shape)
     found = two.solve(frequencies, 5e-4)
     estimate, error = found.attrs["error_estimate"], true_error(two, found)
     assert error <= estimate
@@ -63,16 +59,16 @@ def test_the_estimate_bounds_the_error_of_panels_and_interpolation(green, scene,
 @pytest.mark.parametrize("depth", [np.inf, 4.0])
 def test_the_estimate_at_infinite_frequency_bounds_the_error(green, depth):
     errors = []
-    for rows in (12, 20, 28):
+    for rows in (12, 20):
         two = meshes(green, rows, depth=depth)
         exact = SpectralProblem(rigid_sphere(2.0, 0.0), LEGENDRE, 1025.0, 9.81, 48, depth=depth).at_infinity()
         found = two.at_infinity()
         errors.append(np.abs(found.added_mass_inf.values - exact).max() / np.abs(exact).max())
         assert errors[-1] <= found.attrs["error_estimate"] <= 10 * errors[-1]
-    assert errors[0] > errors[1] > errors[2]
+    assert errors[0] > errors[1]
 
 
-@pytest.mark.parametrize("scene", ["hemisphere", "heave", "high", "low", "short waves"])
+@pytest.mark.parametrize("scene", ["low", "short waves"])
 def test_in_deep_water_few_frequencies_are_solved(green, scene):
     *shape, frequencies = SCENES[scene]
     two = meshes(green, 20, *shape)
@@ -86,7 +82,7 @@ def test_in_deep_water_few_frequencies_are_solved(green, scene):
     assert max(np.abs(a - b).max() / size for a, b, size in pairs) <= direct.attrs["error_estimate"] / 2
 
 
-@pytest.mark.parametrize("rows", [12, 24])
+@pytest.mark.parametrize("rows", [12])
 def test_the_estimate_bounds_the_distance_from_the_published_hemisphere(green, hemisphere, rows):
     """Against the multipole series, whose error of 3e-6 is nothing here."""
     chosen = [i for i, ka in enumerate(hemisphere["Ka"]) if ka <= 6]

@@ -110,12 +110,12 @@ def kernels(meridian, depth, k):
 
 @settings(max_examples=30)
 @given(st.floats(1.01, 20.0), st.floats(-9.0, 3.0), st.integers(0, 2), st.floats(-0.5, 0.5))
-def test_greens_function_is_johns_for_any_depth_and_wave(shell, ratio, log_k, order, height):
+def test_greens_function_equals_johns_series(shell, ratio, log_k, order, height):
     meridian = WetMeridian(shell(height), 10, order)
     assert relative(*kernels(meridian, ratio * (1 - height), np.exp(log_k))) < 1e-9
 
 
-def test_the_bottom_of_the_ocean_neither_overflows_nor_is_lost(shell):
+def test_very_deep_water_does_not_overflow(shell):
     """Image series of K = infinity if Kd >> 1; waves of a layer, 2 pi i pi/d, if kd << 1."""
     part = FiniteDepthWavePart(WetMeridian(shell(), 12), 1e6, 1e-12)
     long, short = part.influences(np.array([1e-12, 400.0]))
@@ -201,13 +201,13 @@ def test_low_frequency_added_mass_is_that_of_a_source_in_a_layer(bowl, depth):
         assert relative(lower.imag, np.pi * layer) < 100 * k
 
 
-def test_long_waves_push_like_hydrostatics_in_shallow_water(bowl):
+def test_force_in_long_waves_is_hydrostatic_in_shallow_water(bowl):
     body = bowl(1.1)
     assert solved(body, [1e-7])[1][0] == pytest.approx(body.onto.sum(axis=1), abs=1e-3)
 
 
 @pytest.mark.parametrize("depth", [1.2, 3.0])
-def test_panels_converge_to_it(green_folder, bowl, shell, depth):
+def test_rings_of_panels_converge_to_finite_depth_solution(green_folder, bowl, shell, depth):
     """Rings of capytaine's panels; its finite-depth Green function alone is some 1e-3 off."""
     ka = [0.3, 1.0]
     ours, errors = solved(bowl(depth), ka), []

@@ -34,7 +34,7 @@ def source_and_image(points, order, depth):
 
 
 @pytest.mark.parametrize("order", [0, 1, 2, 3])
-def test_potential_flow_that_is_known_satisfies_the_equation(order):
+def test_known_potential_flow_satisfies_the_integral_equation(order):
     """A multipole inside the raised sphere and its image: the limit of zero frequency on the right side of a wall."""
     errors = []
     for nodes in (8, 12, 16, 24, 32):
@@ -80,7 +80,7 @@ def test_rings_are_integrals_over_the_azimuth(order, source, ratio, angle):
 
 
 @pytest.mark.parametrize("order", [1, 2, 5])
-def test_far_away_only_the_multipole_of_the_order_is_left(order):
+def test_far_field_is_the_multipole_of_the_order(order):
     """p -> 2 pi (1/2)_m/m! (R R')^m/s^(2m+1): exact to relative, not absolute, round-off."""
     source, height = 1.0, 1e4
     p, _, d = of_point(order, source, 0.0, height)

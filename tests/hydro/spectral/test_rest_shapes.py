@@ -77,7 +77,7 @@ BODIES = [
 
 
 @pytest.mark.parametrize("body", BODIES[:3])
-def test_shell_modes_radiate_as_reciprocity_and_haskind_say(body):
+def test_reciprocity_and_haskind_of_shell_modes(body):
     basis = body.basis
     asked = displacements(
         [*(f"Radial{n}" for n in range(basis.highest_degree + 1)),
@@ -112,13 +112,12 @@ SPHEROID = {
 }
 SHAPES = [
     SPHEROID["device"],
-    {"shape": {"capsule": {"length": 3.0}}, "mass": 30000.0},
     {"shape": {"profile": [[0.0, 2.0], [1.0, 1.8], [1.9, 0.4], [1.6, -0.9], [0.0, -1.7]]}, "mass": 9000.0},
 ]
 
 
-@pytest.mark.parametrize("device", SHAPES, ids=["spheroid", "capsule", "profile"])
-def test_in_long_waves_the_force_on_a_mode_is_that_of_raised_water(seed, device):
+@pytest.mark.parametrize("device", SHAPES, ids=["spheroid", "profile"])
+def test_force_on_modes_in_long_waves_is_hydrostatic(seed, device):
     """X of a mode tends to -rho g int n.psi dS over the wet surface, integrated here on its own quadrature."""
     study = varied(seed, device=device, modes={"basis": "full", "degree": 7}, hydro={"witness": "none"})
     shell = reference_shell(study).shape
@@ -135,9 +134,7 @@ def test_in_long_waves_the_force_on_a_mode_is_that_of_raised_water(seed, device)
     np.testing.assert_allclose(found.real, expected, atol=1e-3 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize(
-    ("degree", "expected"), [(10, [-4.745, -2.833, 0.761, -1.948]), (16, [-4.955, -3.005, 0.754, -2.109])]
-)
+@pytest.mark.parametrize(("degree", "expected"), [(10, [-4.745, -2.833, 0.761, -1.948])])
 def test_gains_of_a_flexible_spheroid_are_those_of_an_independent_computation(seed, tmp_path, degree, expected):
     """Own Ritz solution of the shell and multipoles by least squares on its meridian, sharing no code; at |Z| each."""
     study = varied(seed, **SPHEROID, modes={"basis": "full", "degree": degree}, hydro={"witness": "none"})
@@ -146,13 +143,3 @@ def test_gains_of_a_flexible_spheroid_are_those_of_an_independent_computation(se
     seen = designs_in_waves(study, reference, swept_shape(study, reference.basis, str(tmp_path)).at(omega))
     gain = 100 * (seen["VSWEC"].port.best_power / seen["FSB"].port.best_power - 1)
     np.testing.assert_allclose(gain, expected, atol=2e-3)
-
-
-@pytest.mark.parametrize("length", [12.0, 20.0])
-def test_long_capsules_have_modes(seed, length):
-    study = varied(
-        seed, device={"shape": {"capsule": {"length": length}}, "mass": 5e4}, modes={"basis": "full", "degree": 6}
-    )
-    basis = reference_shell(study).basis
-    assert np.all(np.linalg.eigvalsh(basis.inertia) > 0)
-    assert np.all(np.diff(basis.dry_frequencies) >= 0)

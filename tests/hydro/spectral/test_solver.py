@@ -89,7 +89,7 @@ def test_coefficients_of_the_hemisphere(hemisphere):
     assert errors[:, :-1].max() < 2e-6, errors
 
 
-def test_convergence_to_the_hemisphere_is_spectral_until_the_file_ends(hemisphere):
+def test_convergence_to_the_hemisphere_is_spectral(hemisphere):
     nodes = (8, 10, 12, 14, 16)
     errors = [from_file(sphere(n).solve(omegas_of(hemisphere["Ka"])), hemisphere)[0].max() for n in nodes]
     assert all(later < earlier / 3 for earlier, later in itertools.pairwise(errors)), errors
@@ -285,7 +285,7 @@ def test_size_density_and_gravity_scale_out():
     assert relative(x, 1025 * 9.81 * 4 * x1) < 1e-12
 
 
-def test_long_waves_push_like_the_undisturbed_water():
+def test_surge_force_in_long_waves():
     """K -> 0: surge feels -i K g times the mass of displaced water and its own added mass, at a wall."""
     problem, k = sphere(20, 0.3, 1, displacements=("Surge",)), 1e-6
     ds = problem.solve(omegas_of([k]))
@@ -307,7 +307,7 @@ def test_froude_krylov_force_is_the_pressure_of_the_whole_wave(oblate, order):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", ["low", "oblate"])
-def test_rings_of_panels_converge_to_it(green_folder, oblate, case):
+def test_rings_of_panels_converge_to_spectral_solution(green_folder, oblate, case):
     """Added mass, damping and excitation, and added mass at infinite frequency."""
     problem = oblate() if case == "oblate" else sphere(32, -0.5)
     omegas = [1.0, 2.5] if case == "oblate" else omegas_of([0.3, 1.2])
@@ -371,7 +371,7 @@ def by_panels(green, body, labels, omega, depth):
 
 
 @pytest.mark.parametrize(("height", "order", "depth"), [(1.5, 1, 8.0), (None, 2, np.inf)])
-def test_panels_in_three_dimensions_converge_to_it(green_folder, oblate, height, order, depth):
+def test_capytaine_in_three_dimensions_converges_to_spectral_solution(green_folder, oblate, height, order, depth):
     """Every sign and phase, of displacements given to capytaine as vectors: a sphere, or the oblate shell."""
     shape = oblate().shell if height is None else rigid_sphere(5.0, height)
     omega, found = 1.1, []

@@ -20,6 +20,7 @@ import xarray as xr
 from scipy.special import j0, j1
 
 from vsb.errors import ConfigError, DatabaseError
+from vsb.hydro.database import solved_dataset
 from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities, wave_around
 from vsb.hydro.sweep import IncidentWave
 from vsb.study.blocks import panel_solver
@@ -306,19 +307,7 @@ class AxisymmetricProblem:
             added_mass, radiation_damping, Froude_Krylov_force, diffraction_force over the displacements.
         """
         rings, correction = self._with_lid
-        columns = [self._at(rings, correction, omega) for omega in omegas]
-        added_mass, damping, froude_krylov, diffraction = (np.array(c) for c in zip(*columns, strict=True))
-        labels = [each.label for each in self.displacements]
-        pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
-        return xr.Dataset(
-            {
-                "added_mass": (pair, added_mass),
-                "radiation_damping": (pair, damping),
-                "Froude_Krylov_force": (wave, froude_krylov[:, None]),
-                "diffraction_force": (wave, diffraction[:, None]),
-            },
-            coords={"omega": omegas, "wave_direction": [0.0], "influenced_dof": labels, "radiating_dof": labels},
-        )
+        return solved_dataset(omegas, self.displacements, [self._at(rings, correction, omega) for omega in omegas])
 
     def _at(
         self, rings: RingMesh, correction: FloatArray, omega: float

@@ -21,7 +21,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.hydro.database import with_excitation
+from vsb.hydro.database import solved_dataset, with_excitation
 from vsb.hydro.dofs import Displacement, azimuthal_order, bessel, multiplicity, normal_velocities
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.spectral.green import FiniteDepthWavePart, WavePart, wave_profile
@@ -122,11 +122,7 @@ class SpectralProblem:
             raise ConfigError(f"omega: received {omegas} rad/s; needs positive, finite frequencies")
         incident = self.incident(self.wavenumbers(omegas))
         columns = [self._at(*each) for each in zip(omegas, incident, self._waves(omegas), strict=True)]
-        names = "added_mass", "radiation_damping", "Froude_Krylov_force", "diffraction_force"
-        pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
-        arrays = zip((pair, pair, wave, wave), map(np.array, zip(*columns, strict=True)), strict=True)
-        dofs = {name: [each.label for each in self.displacements] for name in pair[1:]}
-        return xr.Dataset(dict(zip(names, arrays, strict=True)), {"omega": omegas, "wave_direction": [0.0], **dofs})
+        return solved_dataset(omegas, self.displacements, columns)
 
     def _at(self, omega: float, incident: ComplexArray, waves: ComplexArray) -> tuple[FloatArray | ComplexArray, ...]:
         """Added mass, damping, Froude-Krylov and diffraction force at one frequency.
@@ -139,7 +135,7 @@ class SpectralProblem:
         potential = self.onto @ m.solve(double, right)
         froude_krylov = self.gravity * (self.onto @ incident[: m.nodes])
         radiated, total = potential[:, :-1], self.gravity * potential[:, -1]
-        return radiated.real, omega * radiated.imag, froude_krylov[None], (total - froude_krylov)[None]
+        return radiated.real, omega * radiated.imag, froude_krylov, total - froude_krylov
 
     def error_estimate(self, omegas: list[float]) -> xr.Dataset:
         """Return estimates of the errors of a run, relative to the largest entry at each frequency.
