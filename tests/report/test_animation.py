@@ -10,18 +10,16 @@ from browser import asked
 from vsb.report import html
 from vsb.report.animation import (
     ACROSS,
-    COLATITUDES,
     FROM_LEFT,
     PER_PERIOD,
     PERIODS,
     PLANE,
     frames_data,
     in_motion,
-    largest_shell,
     shapes_data,
     surface,
 )
-from vsb.report.living import as_script, designs_data, packed
+from vsb.report.interactive import as_script, designs_data, packed
 from vsb.study.study import Water
 from vsb.waves.seas import NO_WAVES, Sea
 
@@ -109,31 +107,15 @@ def test_surge_and_pitch_are_drawn_in_their_plane(drift):
     assert (surge.min(), surge.max()) == (pytest.approx(-3.0, rel=0.02), pytest.approx(3.0, rel=0.02))
     np.testing.assert_allclose(unpacked(one["pitch"]), 4.0 * unpacked(one["heave"]), atol=1e-3)
     moving = {"designs": [{"name": "A"}], "factor": 1.0, "seas": [found]}
-    assert in_motion(moving)["waves"] == PLANE
-    assert in_motion({**moving, "seas": [frames()]})["waves"] == FROM_LEFT
+    assert in_motion(moving)["view"] == PLANE
+    assert in_motion({**moving, "seas": [frames()]})["view"] == FROM_LEFT
     assert in_motion(None) is None
-
-
-@pytest.mark.parametrize(("inward", "outward", "largest"), [(-0.3, 0.2, 0.3), (-0.1, 0.2, 0.2)])
-def test_largest_shell_motion_leaves_out_heave(inward, outward, largest):
-    moved = xr.DataArray([[5.0, outward, 0.0], [-9.0, 0.0, inward]], dims=("time", "dof"), coords={"dof": LABELS})
-    assert largest_shell(moved, LABELS[1:]) == largest
-    assert largest_shell(moved.sel(dof=["Heave"]), LABELS[1:]) == 0.0
-
-
-def test_shapes_are_those_of_the_modes(modes):
-    found = shapes_data(modes)
-    angle = unpacked(found["colatitude"])
-    assert (len(angle), angle[0], angle[-1]) == (COLATITUDES, 0.0, pytest.approx(np.pi))
-    radial = unpacked(found["radial"]).reshape(2, -1)
-    np.testing.assert_allclose(radial, [np.ones(COLATITUDES), np.cos(2 * angle)], atol=1e-6)
-    np.testing.assert_allclose(unpacked(found["rest"]), [0.1, 0.0], atol=1e-8)
 
 
 def in_page(data, words):
     """A page with nothing but moving buoys."""
     scripts = "".join(f"<script>{html.text_of(name)}</script>" for name in html.SCRIPTS)
-    body = html.page("buoys.html.j2", buoys={"words": words, "waves": FROM_LEFT})
+    body = html.page("buoys.html.j2", animated={"words": words, "view": FROM_LEFT})
     stored = f'<script type="application/json" id="buoys-data">{as_script(data)}</script>'
     return f"<!doctype html><html><head></head><body>{body}{stored}{scripts}</body></html>"
 

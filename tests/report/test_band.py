@@ -56,11 +56,3 @@ def test_gain_at_the_end_of_its_band_is_found():
     ends = (best >= USEFUL * power.max("design").max()) & ((rigid >= USEFUL * 1.0) | (rigid >= 0.1 * best))
     exact = float(fine.omega.values[ends.values].max())
     assert np.exp(2 * end) == pytest.approx(np.exp(2 * exact), rel=2e-3)
-
-
-def test_resolved_curve_keeps_its_grid():
-    omega = np.linspace(0.5, 1.5, 400)
-    smooth = xr.DataArray([np.ones(400), 1 + omega], dims=("design", "omega"))
-    smooth = smooth.assign_coords(design=["FSB", "A"], omega=omega)
-    found = with_extremes(lambda at: smooth.interp(omega=at), omega, "FSB")
-    assert found.tolist() == omega.tolist()

@@ -18,7 +18,7 @@ from vsb.report.campaign_page import statements
 
 def test_answer_names_the_best_flexible_design_that_does_not_buckle():
     assert answer(campaign(), "FSB", "one") == (
-        "Over a year of a buoy, each design at its own optimal damper of the year, the best flexible design, VSWEC at "
+        "Over a year of a buoy, each design at its optimal damping for the year, the best flexible design, VSWEC at "
         "young modulus 100 MPa, thickness 0.01 m, absorbs 8.0 % more than the rigid FSB (+5.0 to +11.0 % by linear "
         "theory; 94.67 against 87.66 MWh)."
     )
@@ -34,7 +34,7 @@ def test_no_valid_answer_where_every_shell_buckles():
     ]
     assert closing_answer(campaign(margin=-1.0)) == found.stands[0]
     (below,) = found.below
-    assert below.startswith("What was computed, although the model does not hold: Over a year of a buoy, each design")
+    assert below.startswith("Computed although the model does not hold: Over a year of a buoy, each design")
     assert "94.67 against 87.66 MWh)" in below
     carries = whole_answer(campaign(), "FSB", "one")
     assert (carries.stands[0], carries.below) == (answer(campaign(), "FSB", "one"), [])
@@ -45,16 +45,16 @@ def test_answer_of_time_domain_runs_also_gives_the_linear_gain():
     gain = (ds.gain_percent - 2.0).where(ds.design != "FSB", 0.0)
     text = answer(by_runs(ds, gain, width=0.7, factor=0.917), "FSB", "one")
     assert "absorbs 6.0 % more" in text
-    assert "(+5.3 to +6.7 % by body-exact runs, where linear theory says +8.0 %; 85.21 against 80.38 MWh)" in text
+    assert "(+5.3 to +6.7 % by body-exact runs; linear theory gives +8.0 %; 85.21 against 80.38 MWh)" in text
     text = answer(by_runs(ds, gain, width=7.0, model="linear"), "FSB", "one")
     assert (
-        "(-1.0 to +13.0 % by linear runs in time, where linear theory says +8.0 %, too few to tell more from less;"
+        "(-1.0 to +13.0 % by linear time-domain runs; linear theory gives +8.0 %; too few runs to resolve the sign;"
         in text
     )
 
 
 def test_answer_without_a_rigid_design():
-    assert answer(campaign(), None, "one").endswith("own optimal damper of the year, VSWEC absorbs most: 94.67 MWh.")
+    assert answer(campaign(), None, "one").endswith("optimal damping for the year, VSWEC absorbs most: 94.67 MWh.")
     lost = campaign()
     lost["annual_energy"] = lost.annual_energy * np.nan
     assert answer(lost, None, "one") == "Over a year of a buoy, no design is viable."
@@ -66,19 +66,19 @@ def test_no_gain_over_a_rigid_design_without_power():
     assert leading(ds) == ("one", None)
     assert closing_answer(ds).endswith("VSWEC absorbs most: 94.67 MWh.")
     ds["annual_energy"] = 0.0 * ds.annual_energy
-    assert closing_answer(ds).endswith("own optimal damper of the year, no design absorbs power.")
+    assert closing_answer(ds).endswith("optimal damping for the year, no design absorbs power.")
     ds = campaign()
     ds.gain_percent.loc[{"tuning": "fixed"}] = np.nan
     assert leading(ds) == ("one", "FSB")
 
 
-def test_second_sentence_is_of_the_given_damper():
+def test_second_sentence_is_of_the_given_damping():
     ds = by_runs(campaign(), campaign().gain_percent)
     ds.gain_percent.loc[{"tuning": "fixed", "design": "VSWEC"}] = 20.0
     text = second_answer(ds, "FSB", "one")
-    assert text.startswith("All at the given damper, tuned for none of them, the best flexible design, VSWEC at young")
+    assert text.startswith("All at the given damping, the best flexible design, VSWEC at young")
     assert "absorbs 20.0 % more than the rigid FSB (-8.0 to -2.0 % by linear theory;" in text
-    assert not [line for line in statements(ds, "FSB", "one") if "given damper" in line]
+    assert not [line for line in statements(ds, "FSB", "one") if "given damping" in line]
 
 
 def test_points_that_buckle_are_not_counted_as_paying():

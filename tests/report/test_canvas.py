@@ -9,7 +9,6 @@ import xarray as xr
 from report.test_figures import data
 
 from vsb.report.canvas import (
-    STYLES,
     force_of,
     grid_of_axes,
     heave_force,
@@ -18,11 +17,6 @@ from vsb.report.canvas import (
     style,
 )
 from vsb.report.svg import drawn
-
-
-def test_designs_of_the_paper_keep_their_colours():
-    assert style("VSWEC", ["VSWEC"]) == style("VSWEC", ["FSB", "other", "VSWEC"])
-    assert len({colour for colour, _ in STYLES.values()}) == 4
 
 
 def test_axis_of_periods_is_2_pi_over_frequency():

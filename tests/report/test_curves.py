@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.report.canvas import StudyData, style
+from vsb.report.canvas import StudyData
 from vsb.report.figures import draw
 
 TIME = np.linspace(0.0, 20.0, 401)
@@ -152,46 +152,3 @@ def test_kernels_are_drawn_in_thousands():
         assert ax.get_ylabel().endswith("[10³ kg/s²]")
         assert set(curve(ax, "convolution kernel")[1]) == {5.0}
         assert set(curve(ax, "state space")[1]) == {7.0}
-
-
-# the shell ----------------------------------------------------------------------------------------------------------
-
-
-def posed(*amplitudes, heave=0.0):
-    """Both designs at an instant of 15 s as told, else at rest."""
-    given = data()
-    for design in DESIGNS:
-        position = given.runs[design, "w"].position.values
-        position[:] = 0.0
-        position[300, : len(amplitudes) + 1] = (heave, *amplitudes)[: position.shape[1]]
-    return given
-
-
-def outline(ax, label):
-    """Points of a shell, at colatitudes from the top and back again."""
-    x, z = (np.asarray(values, dtype=float) for values in curve(ax, label))
-    return x[: len(PHI)], z[: len(PHI)]
-
-
-def test_shell_is_drawn_at_its_magnified_displacement():
-    """A breathing mode shrinks the circle, a mode of degree one shifts it."""
-    x, z = outline(draw("extreme_shapes-w", posed(-0.04, 0.02)).axes[0], "VSWEC")
-    np.testing.assert_allclose(x, (2.0 - 10 * 0.04) * np.sin(PHI), atol=1e-12)
-    np.testing.assert_allclose(z, (2.0 - 10 * 0.04) * np.cos(PHI) + 10 * 0.02, atol=1e-12)
-
-
-def test_snapshots_show_heave_and_surface_elevation():
-    """The last of five instants is a fifth of a period before the end of the window."""
-    given = posed()
-    for design in DESIGNS:
-        given.runs[design, "w"].position.values[390, 0] = 0.5
-    ax = draw("snapshots-w", given).axes[4]
-    (level,) = {float(line.get_ydata()[0]) for line in ax.get_lines() if line.get_color() == "#0072B2"}
-    assert level == pytest.approx(0.2 * np.sin(3 * 19.5))
-    circle = next(line for line in ax.get_lines() if line.get_linestyle() == ":")
-    assert np.mean([circle.get_ydata().min(), circle.get_ydata().max()]) == pytest.approx(0.3 + 0.5)
-    shell = next(line for line in ax.get_lines() if line.get_color() == style("FSB", DESIGNS)["color"])
-    assert np.max(shell.get_ydata()) == pytest.approx(2.8)
-
-
-# the second solver --------------------------------------------------------------------------------------------------

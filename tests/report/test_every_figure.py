@@ -9,13 +9,12 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
-from report import test_campaign_figures, test_curves, test_sea_figures, test_side_by_side, test_witness_figure
+from report import test_campaign_figures, test_curves, test_hydro_figures, test_side_by_side
 
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.canvas import style
 from vsb.report.figures import draw
-from vsb.report.sea_figures import year_spectra
-from vsb.report.shape_figures import shape_figure
+from vsb.report.hydro_figures import shape_figure, year_spectra
 from vsb.report.side_by_side import figure as side_by_side
 from vsb.scenes.shape_dependence import _EXPANSIONS
 
@@ -100,8 +99,8 @@ CASES = {
         name: (lambda name=name: draw(name, swimming()))
         for name in ("mode_shapes", "added_mass_damping", "radiation_kernel")
     },
-    **{f"witness {w}": (lambda w=w: draw("witness", test_witness_figure.data(w))) for w in (False, True)},
-    "year_spectra": lambda: year_spectra(test_sea_figures.year(0.7)),
+    **{f"witness {w}": (lambda w=w: draw("witness", test_hydro_figures.crosschecked(w))) for w in (False, True)},
+    "year_spectra": lambda: year_spectra(test_hydro_figures.year(0.7)),
     "shapes": lambda: shape_figure(shapes()),
     **{name: (lambda name=name: DRAWN[name](test_campaign_figures.campaign(), "one", "FSB")) for name in DRAWN},
     "side_by_side": lambda: side_by_side((test_side_by_side.RIGID, test_side_by_side.SHELL, test_side_by_side.YEAR)),

@@ -1,17 +1,24 @@
-"""What figures of a study show and what they leave out."""
+"""Figures of a study and their captions: what they show and what they leave out."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
+from conftest import varied
 
-from vsb.report.band import USEFUL
 from vsb.report.canvas import StudyData
 from vsb.report.figures import (
     absorbed_power,
     added_mass_damping,
+    captions,
+    degrees_of_freedom,
     directions,
+    port_motion,
     radiation_kernel,
 )
+from vsb.study.plan import figure_names
+from vsb.tools.ports import FORCE, MOMENT
 
 OMEGA = np.linspace(0.1, 6.0, 600)
 NONE = xr.Dataset()
@@ -36,23 +43,6 @@ def responding():
         coords={"design": ["FSB", "VSWEC"], "omega": OMEGA},
     )
     return data(response=response)
-
-
-def test_gains_are_drawn_only_where_power_is_absorbed(responding):
-    (_, _, low, _) = absorbed_power(responding).axes[:4]
-    drawn = next(line for line in low.get_lines() if line.get_label() == "VSWEC")
-    best = responding.response.best_power.max("design").values
-    shown = ~np.isnan(drawn.get_ydata())
-    assert shown.any()
-    assert (best[shown] >= USEFUL * best.max()).all()
-    assert low.get_ylim()[1] < 250  # beyond the bump it is a thousand
-
-
-def test_no_panel_of_gains_without_a_rigid_design(responding):
-    alone = data(response=responding.response, reference=None)
-    assert len(absorbed_power(alone).axes) < len(absorbed_power(responding).axes)
-    labels = [ax.get_xlabel() for ax in absorbed_power(alone).axes]
-    assert labels == ["wave frequency [rad/s]"] * 2
 
 
 @pytest.mark.filterwarnings("error")
@@ -127,23 +117,6 @@ def test_rotations_are_drawn_in_degrees_and_displacements_in_metres():
         assert (rigid[-1], shell[-1]) == pytest.approx((0.0, end))
 
 
-def test_motion_has_a_panel_if_any_design_moves_in_that_sea():
-    time, labels = np.linspace(0.0, 1.0, 5), ["Heave", "Surge", "Pitch"]
-
-    def run(*moved):
-        return xr.Dataset(
-            {"position": xr.DataArray(np.outer(time, moved), {"time": time, "dof": labels}, ("time", "dof"))}
-        )
-
-    runs = {
-        ("FSB", "w"): run(1.0, 0.0, 0.0), ("VSWEC", "w"): run(1.0, 0.0, 0.5),
-        ("FSB", "v"): run(1.0, 2.0, 0.0), ("VSWEC", "v"): run(1.0, 0.0, 0.0),
-    }  # fmt: skip
-    given = data(runs=runs, periods={"w": 1.0, "v": 1.0})
-    for wave, shown in (("w", ["heave [m]", "pitch [degrees]"]), ("v", ["surge [m]", "heave [m]"])):
-        assert [ax.get_ylabel() for ax in directions(given, wave).axes] == shown
-
-
 @pytest.mark.filterwarnings("error")
 def test_no_division_by_zero_power_of_the_rigid_design(responding):
     given = responding.response.absorbed_power.copy()
@@ -153,3 +126,75 @@ def test_no_division_by_zero_power_of_the_rigid_design(responding):
     (gain,) = (line.get_ydata() for line in best.get_lines() if line.get_label() == "VSWEC")
     assert best.get_ylim() == pytest.approx((-20.0, 1.15 * np.nanmax(gain)))
     assert np.nanmax(gain) < 100
+
+
+@pytest.fixture
+def body():
+    time = np.linspace(0.0, 10.0, 101)
+    wave = np.sin(time)
+    runs = {}
+    for design, labels in {"rigid": ["Heave"], "flexible": ["Heave", "Mode7"]}.items():
+        position = np.stack([wave] * len(labels), axis=1) * np.array([2.0, 0.5])[: len(labels)]
+        runs[design, "swell"] = xr.Dataset(
+            {"position": (("time", "dof"), position), "stroke": ("time", wave), "stroke_rate": ("time", np.cos(time))},
+            coords={"time": time, "dof": labels},
+        )
+    return SimpleNamespace(
+        designs=("rigid", "flexible"), runs=runs, window=(2.0, 9.0), periods={"swell": 6.3}, port=FORCE
+    )
+
+
+@pytest.mark.parametrize(
+    ("port", "labels"),
+    [
+        (FORCE, ["port's displacement [m]", "port's velocity [m/s]"]),
+        (MOMENT, ["port's rotation [rad]", "port's angular velocity [rad/s]"]),
+    ],
+)
+def test_port_that_rotates_is_drawn_in_radians(body, port, labels):
+    axes = port_motion(SimpleNamespace(**{**vars(body), "port": port}), "swell").axes
+    assert [ax.get_ylabel() for ax in axes] == labels
+
+
+def test_bar_is_half_of_the_range_within_the_window(body):
+    runs = {key: run.assign(position=run.position + 3.0) for key, run in body.runs.items()}
+    for run in runs.values():
+        run.position[{"time": 0}] = 50.0
+        run.position[{"time": -1}] = -50.0
+    (ax,) = degrees_of_freedom(SimpleNamespace(**{**vars(body), "runs": runs}), "swell").axes
+    assert sorted(bar.get_width() for bar in ax.patches) == pytest.approx([0.5, 2.0, 2.0], rel=1e-2)
+    assert ax.get_xlabel() == "half of the range in the window [m or rad]"
+
+
+def test_displacement_and_velocity_of_the_port_within_the_window(body):
+    for k, key in enumerate(body.runs):
+        body.runs[key] = body.runs[key] * (k + 1)
+    for ax, name in zip(port_motion(body, "swell").axes, ("stroke", "stroke_rate"), strict=True):
+        for line, design in zip(ax.get_lines(), body.designs, strict=True):
+            expected = body.runs[design, "swell"][name].sel(time=slice(2.0, 9.0))
+            np.testing.assert_array_equal(line.get_xydata(), np.stack([expected.time, expected], axis=1))
+
+
+def test_limit_of_axisymmetric_buoys_is_not_claimed_for_bodies():
+    buoy, body = (captions(given=True, body=body) for body in (False, True))
+    assert "axisymmetric" in buoy["absorbed_power"]
+    assert "if and only if it lowers Q" in buoy["reactance"]
+    assert "axisymmetric" not in body["absorbed_power"]
+    assert body["reactance"].endswith("of the most any take-off could.")
+    assert "mode of degree 1" in buoy["added_mass_damping"]
+    assert body["added_mass_damping"].endswith("all degrees of freedom; dotted: heave.")
+
+
+def test_neglected_effects_come_first():
+    limited, plain = captions("without drag", given=True, body=False), captions(given=True, body=False)
+    changed = {name for name in plain if limited[name] != plain[name]}
+    assert changed == {"absorbed_power", "reactance"}
+    assert all(limited[name] == f"Without drag: {plain[name]}" for name in changed)
+    assert not any("{" in text for text in plain.values())
+
+
+def test_every_figure_of_a_study_has_a_caption(seed):
+    irregular = varied(seed, waves=[{"kind": "jonswap", "hs": 0.5, "tp": 4.0}])
+    names = {*figure_names(irregular), *figure_names(seed.model_copy(update={"motion": "planar"}))}
+    assert {"spectra", "directions-regular_A0.179_T2.5"} < names
+    assert {name.partition("-")[0] for name in names} <= captions(given=True, body=False).keys()

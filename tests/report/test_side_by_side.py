@@ -1,6 +1,5 @@
 """Several studies side by side: table, answer, figure, page."""
 
-import csv
 import re
 
 import numpy as np
@@ -34,17 +33,20 @@ def test_long_sweep_is_cut_only_in_the_table():
     [
         (
             (RIGID, SHELL, YEAR),
-            "brings most where VSWEC of year, scale 4, buoy takes 12.3 % more than its rigid design",
+            "brings most where VSWEC of year, scale 4, buoy absorbs 12.3 % more than its rigid design",
         ),
-        ((RIGID, SHELL), "brings nothing here: at best, VSWEC of soft, wave1 takes 10.0 % less than its rigid design"),
+        (
+            (RIGID, SHELL),
+            "brings nothing here: at best, VSWEC of soft, wave1 absorbs 10.0 % less than its rigid design",
+        ),
         (
             (RIGID, SHELL._replace(gain_percent=-30.0), YEAR, SHELL),
-            "Flexibility brings most where VSWEC of year, scale 4, buoy takes 12.3 % more",
+            "Flexibility brings most where VSWEC of year, scale 4, buoy absorbs 12.3 % more",
         ),
-        ((GAS,), "VSWEC of gas, still takes most: 70 W (all at the given damper)"),
+        ((GAS,), "VSWEC of gas, still absorbs most: 70 W (all at the given damping)"),
         (
             (GAS, GAS._replace(design="VSWEC0", power_mean=71.0), GAS._replace(power_mean=None)),
-            "VSWEC0 of gas, still takes most: 71 W (all at the given damper)",
+            "VSWEC0 of gas, still absorbs most: 71 W (all at the given damping)",
         ),
         ((LOST,), "No design is viable."),
     ],
@@ -77,12 +79,6 @@ def test_page_works_in_a_browser_on_a_phone(tmp_path):
     errors, fits, first = asked(as_page((YEAR, RIGID, SHELL), REPORTS), script, tmp_path, 360)
     assert (errors, fits) == ([], True)
     assert first in ("-10.0", "+12.3")
-
-
-def test_csv_keeps_all_digits():
-    precise = RIGID._replace(power_mean=12345.6789012)
-    first, lost = csv.DictReader(as_csv((precise, LOST)).splitlines())
-    assert (first["power_mean"], first["damping_unit"], lost["power_mean"]) == ("12345.6789012", "N s/m", "")
 
 
 def test_table_as_text():

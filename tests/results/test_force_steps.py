@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from report.test_living import ports
+from report.test_interactive import ports
 
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers

@@ -8,8 +8,8 @@ import pytest
 from conftest import varied
 
 from vsb.report.animation import PER_PERIOD, PERIODS, in_motion
-from vsb.report.living import packed
-from vsb.stages.report import MOVING_SEAS, moving_study
+from vsb.report.interactive import packed
+from vsb.stages.report import MOVING_SEAS, animated_study
 from vsb.stages.stored import Inputs
 from vsb.tools.files import load
 
@@ -18,7 +18,7 @@ from vsb.tools.files import load
 def moved(small):
     paths = {**small.hydro_files, **small.response_files}
     inputs = Inputs(small.study, f"{small.folder}/trajectories", paths)
-    return moving_study(inputs, load(f"{small.folder}/modes.nc"), words(small.study))
+    return animated_study(inputs, load(f"{small.folder}/modes.nc"), words(small.study))
 
 
 def words(study):
@@ -56,10 +56,10 @@ def test_animation_without_waves(small, changes):
         for wave in calm.waves
     }
     inputs = SimpleNamespace(study=calm, runs=runs)
-    moved = moving_study(inputs, load(f"{small.folder}/modes.nc"), words(calm))
+    moved = animated_study(inputs, load(f"{small.folder}/modes.nc"), words(calm))
     assert [sea["words"] for sea in moved["seas"]] == list(words(calm).values())
     assert not any(np.frombuffer(base64.b64decode(sea["surface"]), dtype="<f4").any() for sea in moved["seas"])
-    assert in_motion(moved)["waves"] == "Dotted: undeformed."
+    assert in_motion(moved)["view"] == "Dotted: undeformed."
 
 
 def test_magnification_is_that_of_the_largest_motion_in_the_window(small):
@@ -77,7 +77,7 @@ def test_magnification_is_that_of_the_largest_motion_in_the_window(small):
             for wave, size in zip(study.waves, sizes, strict=True)
             for design, run in loaded.items()
         }
-        return moving_study(SimpleNamespace(study=study, runs=runs), modes, words(study))["factor"]
+        return animated_study(SimpleNamespace(study=study, runs=runs), modes, words(study))["factor"]
 
     alike = factor(1.0, 1.0)
     assert factor(1.0, 10.0) == pytest.approx(alike / 10)

@@ -17,7 +17,7 @@ from vsb.results.year import Bins
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.stages import campaign_report as module
-from vsb.stages.campaign_report import Point, most_energetic, moving_year
+from vsb.stages.campaign_report import Point, animated_year, most_energetic
 from vsb.stages.climate import read_climate
 from vsb.study.study import Water
 from vsb.waves.climate import Climate
@@ -28,7 +28,7 @@ def moved(swept):  # noqa: F811
     plan, ds = swept
     with chdir(plan.root + "/.."):
         seas = read_climate(plan.climate, plan.loaded.climate_path)
-        return moving_year(plan.campaign, ds, *leading(ds), seas, plan.root)
+        return animated_year(plan.campaign, ds, *leading(ds), seas, plan.root)
 
 
 def test_animated_sea_is_nearest_to_the_mean_of_its_bin():
@@ -66,7 +66,7 @@ def test_animation_of_a_campaign_page(swept, tmp_path):  # noqa: F811
       return { errors, shown: !document.getElementById("buoys").hidden, text };"""
     found = asked(page, script, tmp_path)
     assert (found["errors"], found["shown"]) == ([], True)
-    assert "by linear theory, each design at its own optimal damper of the year at thickness 0.0" in found["text"]
+    assert "by linear theory, each design at its optimal damping for the year at thickness 0.0" in found["text"]
 
 
 def test_heave_is_that_of_the_port_with_its_damping(seed):

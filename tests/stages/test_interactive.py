@@ -11,14 +11,14 @@ from scipy.integrate import quad
 
 from vsb.report import html
 from vsb.results.force_steps import SHARES
-from vsb.stages.report import _integral, living_study
+from vsb.stages.report import _integral, interactive_study
 from vsb.study.study import RegularWave
 from vsb.tools.files import load
 
 
 def living(plan, study=None, limited=()):
     """Data of the page of a study, or of another one of the same buoy."""
-    return living_study(study or plan.study, plan.database_path, load(plan.response_files["response"]), limited)
+    return interactive_study(study or plan.study, plan.database_path, load(plan.response_files["response"]), limited)
 
 
 @pytest.fixture

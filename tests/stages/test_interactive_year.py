@@ -9,7 +9,7 @@ from stages.test_members import folder, planned, run  # noqa: F401
 
 from vsb.report import html
 from vsb.report.campaign_answer import leading
-from vsb.stages.campaign_report import living_year
+from vsb.stages.campaign_report import interactive_year
 from vsb.stages.climate import read_climate
 
 
@@ -24,7 +24,7 @@ def swept(folder):  # noqa: F811
 def test_page_computes_energies_and_power_matrices_of_the_campaign(swept, tmp_path):
     plan, ds = swept
     seas = read_climate(plan.climate, plan.loaded.climate_path)
-    data = living_year(plan.campaign, ds, *leading(ds), seas, plan.root)
+    data = interactive_year(plan.campaign, ds, *leading(ds), seas, plan.root)
     expression = """data.points.map((stored) => {
       const bins = unpackedBins(data.bins);
       const point = unpackedPoint(stored);

@@ -10,7 +10,7 @@ from browser import findings
 from conftest import varied
 
 import vsb
-from vsb.report.tuned import NO_BEST_DAMPER
+from vsb.report.answer import NO_OPTIMUM
 from vsb.results.ledger import assumed_pressure_checks
 
 
@@ -27,7 +27,7 @@ def test_study_with_assumed_pressure_from_file_to_page(small, tmp_path, monkeypa
     assert {check.name for check in assumed_pressure_checks(study, tables["comparison"])} <= told
     assert not {"radiation_fit", "power_limit"} & told
     page = Path("results/small/report.html").read_text()
-    assert NO_BEST_DAMPER in html.unescape(page)
+    assert NO_OPTIMUM in html.unescape(page)
     assert "uniform pressure of 1800 Pa on the instantaneous wet shell" in page
 
 

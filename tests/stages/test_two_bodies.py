@@ -92,7 +92,7 @@ def test_power_is_that_of_the_equation_of_motion(rm3, theirs):
 def test_page_computes_the_power_of_two_bodies(rm3, tmp_path):
     """Equal to the control levels; a locked port absorbs nothing; the page says why it has no animation."""
     page = rm3.report.read_text()
-    data = json.loads(re.search(r'id="living-data">(.+?)</script>', page, re.DOTALL)[1])
+    data = json.loads(re.search(r'id="interactive-data">(.+?)</script>', page, re.DOTALL)[1])
     expression = f"""data.seas.map((sea) => {{
       const grid = unpackedGrid(data.grids[sea.grid]);
       const squares = seaSquares(sea, grid);

@@ -19,7 +19,7 @@ from vsb.hydro.database import load_database
 from vsb.motion.constrained import ConstrainedOptimum, optimum_in_sea
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
-from vsb.report.tuned import closing_line
+from vsb.report.answer import closing_line
 from vsb.results.year import Tuning, frequencies, year
 from vsb.scenes.build import DesignInSea, design_in_sea
 from vsb.scenes.floating_system import AnyStudy, FloatingSystem, band, floating_system, study_sea, towards

@@ -1,4 +1,4 @@
-"""The deforming buoys in the waves, as a page draws them: frames of stored runs, thinned, and the shell's shapes."""
+"""Animated buoys of a page: frames of stored runs, thinned, and the shapes of the shell."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -6,35 +6,33 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from vsb.report.living import as_script, packed
+from vsb.report.interactive import as_script, packed
 from vsb.study.study import Water
 from vsb.tools.arrays import FloatArray
 from vsb.waves.dispersion import wavenumber
 from vsb.waves.seas import Sea, superposed
 
 PER_PERIOD = 24
-"""Frames of a period: heave and shell move smoothly with it."""
+"""Frames of a period."""
 PERIODS = 8
 """Periods of a sea that are shown, the last ones of its window."""
 COLATITUDES = 46
 """Points of a meridian."""
 ACROSS = 9
-"""Places at which the water's surface is drawn."""
+"""Points of the water surface."""
 SEEN = 1.7
 """Half the width of the water around a buoy [radii]."""
+RIGID = {"heave": "Heave", "surge": "Surge", "pitch": "Pitch"}
+"""Rigid motions in the plane that is drawn, by their name in the page's data."""
 FROM_LEFT = "Waves come from the left; dotted: undeformed."
 PLANE = (
-    "Drawn is the vertical plane of surge, about its mean; a buoy that drifts is followed. Waves that go to 0 degrees "
+    "The view is the vertical plane of surge, about its mean; a drifting buoy is followed. Waves towards 0 degrees "
     "come from the left; dotted: undeformed, with the line from the centre to the top."
 )
 
 
-RIGID = {"heave": "Heave", "surge": "Surge", "pitch": "Pitch"}
-"""Rigid motions in the plane that is drawn, by the name a page knows them by."""
-
-
 def shapes_data(modes: xr.Dataset) -> dict[str, Any]:
-    """Return the shell's shapes along a meridian, thinned, and its amplitudes at rest.
+    """Return the shapes of the shell along a meridian, thinned, and its amplitudes at rest.
 
     Parameters
     ----------
@@ -65,7 +63,7 @@ def frames_data(
     shell: Sequence[str],
     direction: float = 0.0,
 ) -> dict[str, Any]:
-    """Return the frames of one sea: time, the water's surface, rigid motions and shell amplitudes of every design.
+    """Return the frames of one sea: time, water surface, rigid motions and shell amplitudes of every design.
 
     Parameters
     ----------
@@ -73,18 +71,18 @@ def frames_data(
     runs : mapping design -> DataArray, dims (time, dof) [m]
         Positions.
     waves : Sea
-        Without components of still water, or of an assumed pressure.
+        Without components in still water, or under an assumed pressure.
     span : (float, float) [s]
-        Whose last periods are shown.
+        Its last `PERIODS` are shown.
     period : float
         Of the sea [s].
     width : float
-        Half of what is seen of the water [m].
+        Half the width of the water [m].
     water : Water
     shell : sequence of str
-        The shell modes, by name.
+        Labels of the shell modes.
     direction : float
-        The waves go to, from the x axis [rad].
+        The waves travel to, from the x axis [rad].
     """
     start, end = max(span[0], span[1] - PERIODS * period), span[1]
     time = np.linspace(start, end, int(PER_PERIOD * (end - start) / period) + 2)
@@ -110,47 +108,41 @@ def surface(waves: Sea, time: FloatArray, place: FloatArray, water: Water) -> Fl
 
 
 def _amplitudes(run: xr.DataArray, time: FloatArray, shell: Sequence[str]) -> dict[str, Any]:
-    """Motions in the plane that is drawn at some times, surge less its drift; of a rigid design no shell."""
+    """Motions in the plane that is drawn at some times, surge without its drift; no shell of a rigid design."""
     found = {
         str(label): np.interp(time, run.time.values, column)
         for label, column in zip(run.dof.values, run.values.T, strict=True)
     }
     if "Surge" in found:
-        found["Surge"] = found["Surge"] - _drifted(time, found["Surge"])
+        found["Surge"] = found["Surge"] - _drift(time, found["Surge"])
     rigid = {name: packed(found[label]) for name, label in RIGID.items() if label in found}
     moved = [found[label] for label in shell if label in found]
     return {**rigid, "modes": len(moved), "shell": packed(np.array(moved).T.ravel())}
 
 
-def _drifted(time: FloatArray, surge: FloatArray) -> FloatArray:
-    """Where a drift brings a buoy: from the mean of its first period to that of its last; the mean if it swings."""
+def _drift(time: FloatArray, surge: FloatArray) -> FloatArray:
+    """Steady drift: the line through the means of the first and of the last period."""
     first, last = surge[:PER_PERIOD].mean(), surge[-PER_PERIOD:].mean()
     velocity = (last - first) / (time[-PER_PERIOD:].mean() - time[:PER_PERIOD].mean() or np.inf)
     return np.asarray(surge.mean() + velocity * (time - time.mean()))
 
 
 def largest_shell(run: xr.DataArray, shell: Sequence[str]) -> float:
-    """Return the largest amplitude of the shell modes of a run, by name [m]; zero of a rigid design."""
+    """Return the largest amplitude of the shell modes of a run [m]; zero of a rigid design."""
     moved = run.isel(dof=run.dof.isin(list(shell)).values)
     return float(abs(moved).max()) if moved.size else 0.0
 
 
-def _seen(seas: Sequence[Mapping[str, Any]]) -> str:
-    """How a picture is to be read."""
-    if any("surge" in design for sea in seas for design in sea["designs"]):
-        return PLANE
-    return "Dotted: undeformed." if all(sea["calm"] for sea in seas) else FROM_LEFT
-
-
-def in_motion(moving: Mapping[str, Any] | None) -> dict[str, Any] | None:
-    """Return what a page says of moving buoys, and their data for its scripts; nothing of none."""
-    if moving is None:
+def in_motion(animated: Mapping[str, Any] | None) -> dict[str, Any] | None:
+    """Return what a page says of animated buoys, and their data for its scripts; None of none."""
+    if animated is None:
         return None
-    factor = moving["factor"]
+    seas, factor = animated["seas"], animated["factor"]
     scale = f"shell displacement is magnified {factor:g} times, heave and waves are" if factor > 1 else "all is"
-    names = ", ".join(design["name"] for design in moving["designs"])
-    return {
-        "words": f"{moving.get('told', '')} {names} side by side; {scale} to scale.".strip(),
-        "waves": _seen(moving["seas"]),
-        "data": as_script(moving),
-    }
+    names = ", ".join(design["name"] for design in animated["designs"])
+    if any("surge" in design for sea in seas for design in sea["designs"]):
+        view = PLANE
+    else:
+        view = "Dotted: undeformed." if all(sea["calm"] for sea in seas) else FROM_LEFT
+    words = f"{animated.get('message', '')} {names} side by side; {scale} to scale.".strip()
+    return {"words": words, "view": view, "data": as_script(animated)}

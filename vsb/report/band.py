@@ -1,4 +1,4 @@
-"""The band of wave frequencies that is shown, and that counts; where gains over it are largest and least."""
+"""The band of wave frequencies that is shown and counts, and where gains over it are largest and smallest."""
 
 from collections.abc import Callable
 
@@ -8,17 +8,17 @@ import xarray as xr
 from vsb.tools.arrays import BoolArray, FloatArray
 
 LOWEST = 0.3
-"""Least frequency shown, of waves of 21 s [rad/s]: longer ones are not seas."""
+"""Lowest frequency shown [rad/s]: waves longer than 21 s are not seas."""
 USEFUL = 0.05
-"""Part of the largest absorbed power, less than which is of no use: nor is a gain there."""
+"""Share of the largest absorbed power below which power, and a gain there, is of no use."""
 RESOLVED, RELATIVE = 0.01, 1e-3
-"""Gains at their extremes are known to so many points [%], and to such a part of them."""
+"""Absolute [%] and relative tolerance of gains at their extremes."""
 HALVINGS = 30
-"""Of a step of frequency, at most."""
+"""Most halvings of a step of frequency."""
 
 
 def lowest(first: float, last: float) -> float:
-    """Return the least frequency shown of a band [rad/s]: its own first where hardly any of it is of seas."""
+    """Return the lowest frequency shown of a band [rad/s]: `LOWEST`, or the first of a band that hardly exceeds it."""
     return LOWEST if last >= 2 * LOWEST else first
 
 
@@ -30,31 +30,31 @@ def useful_band(absorbed: xr.DataArray) -> xr.DataArray:
 
 
 def gain_band(absorbed: xr.DataArray, reference: str) -> xr.DataArray:
-    """Return at which frequencies a gain over a design says something, dims (omega).
+    """Return at which frequencies a gain over a design is meaningful, dims (omega).
 
-    Where the reference takes next to nothing, of its own and of what others take, any power is a thousandfold of it.
+    Not where the reference absorbs next to nothing compared with its largest power and with other designs.
     """
     rigid = absorbed.sel(design=reference, drop=True)
-    takes = (rigid >= USEFUL * rigid.max()) | (rigid >= 0.1 * absorbed.max("design"))
-    found: xr.DataArray = useful_band(absorbed) & takes & (rigid > 0)
+    absorbs = (rigid >= USEFUL * rigid.max()) | (rigid >= 0.1 * absorbed.max("design"))
+    found: xr.DataArray = useful_band(absorbed) & absorbs & (rigid > 0)
     return found
 
 
 def with_extremes(power: Callable[[FloatArray], xr.DataArray], omega: FloatArray, reference: str) -> FloatArray:
-    """Return frequencies with those between them at which gains over a design are largest and least [rad/s].
+    """Return frequencies refined where gains over a design are largest and smallest [rad/s].
 
     Parameters
     ----------
     power : callable
         Frequencies -> absorbed power, dims (design, omega).
     omega : ndarray, shape (omega,) [rad/s]
-        Ascending, near enough to show that there is an extreme.
+        Ascending, fine enough to show every extreme.
     reference : str
 
     Notes
     -----
-    Steps beside an extreme, and across an end of `gain_band`, are halved until the gain changes over them by less than
-    is asked for: by `RESOLVED` and `RELATIVE` of it.
+    Steps next to an extreme, and across an end of `gain_band`, are halved until the gain changes over them by less than
+    the tolerance `RESOLVED` + `RELATIVE` times the gain.
     """
     found = power(omega)
     for _ in range(HALVINGS):
@@ -68,7 +68,7 @@ def with_extremes(power: Callable[[FloatArray], xr.DataArray], omega: FloatArray
 
 
 def _unresolved(power: xr.DataArray, reference: str) -> BoolArray:
-    """Which steps lie beside an extreme of a gain in its band, or of power, or across an end, and are too long."""
+    """Which steps next to an extreme of gain or power, or across an end of the band, are too long."""
     shown = gain_band(power, reference).values
     others = power.sel(design=power.design != reference)
     rigid = power.sel(design=reference).where(power.sel(design=reference) > 0, 1.0)

@@ -1,36 +1,36 @@
-"""The answer of a campaign in words: what stands, and what was computed but is not valid.
+"""The answer of a campaign in sentences, and what was computed but is not valid.
 
-A run closes with it and draws nothing, so nothing that draws is read.
+Imports nothing that draws: a run ends with this answer.
 """
 
 import numpy as np
 import xarray as xr
 
+from vsb.report.answer import COMPUTED, Answer
 from vsb.report.doubts import ADVICE
-from vsb.report.headline import COMPUTED, Answer
 from vsb.results.campaign import GAIN, POWER, in_time
 from vsb.study.campaign import GAIN_IN_TIME, leading_tuning
 from vsb.tools.words import against_rigid, quantity, short
 from vsb.waves.climate import YEAR_HOURS
 
 TUNED = {
-    "one": "each design at its own optimal damper of the year",
-    "each": "each design at its own optimal damper in each sea",
-    "fixed": "all at the given damper",
-    "constrained": "each design under the best force there is within its limits",
+    "one": "each design at its optimal damping for the year",
+    "each": "each design at its optimal damping in each sea",
+    "fixed": "all at the given damping",
+    "constrained": "each design with the optimal force within its limits",
 }
 BESIDE = {
-    "constrained": "Under the best force there is within its limits",
-    "fixed": "All at the given damper, tuned for none of them",
+    "constrained": "With the optimal force within its limits",
+    "fixed": "All at the given damping",
 }
-"""How the second sentence begins, by the tuning it is of."""
-MODELS = {"body_exact": "body-exact runs", "linear": "linear runs in time"}
+"""Start of the second sentence, by its tuning."""
+MODELS = {"body_exact": "body-exact runs", "linear": "linear time-domain runs"}
 
 
 def leading(ds: xr.Dataset) -> tuple[str, str | None]:
-    """Return the tuning the answer is told at, and the rigid design gains are over; none if it takes nothing."""
+    """Return the tuning of the answer, and the rigid design gains are measured against; None if it absorbs nothing."""
     tuning, reference = leading_tuning(ds.tuning.values), ds.attrs.get("reference") or None
-    gains = reference and bool(told_gain(ds.sel(tuning=tuning), tuning).notnull().any())
+    gains = reference and bool(reported_gain(ds.sel(tuning=tuning), tuning).notnull().any())
     return tuning, reference if gains else None
 
 
@@ -41,7 +41,7 @@ def closing_answer(ds: xr.Dataset) -> str:
 
 
 def whole_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> Answer:
-    """Return the site's answer: what stands, or that nothing does, and below it what was computed all the same."""
+    """Return the site's answer; if nothing is valid, why, and below it what was computed."""
     said = [line for line in (answer(ds, reference, tuning), second_answer(ds, reference, tuning)) if line]
     best = best_flexible(ds, reference, tuning)
     if best is None or float(best[0].margin) >= 0:
@@ -53,7 +53,7 @@ def whole_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> Answer:
 
 
 def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
-    """Return what was computed for the site in one sentence."""
+    """Return the result for the site in one sentence."""
     begins, ends = f"Over a year of {ds.attrs['climate']}", f", {TUNED[tuning]}"
     best = best_flexible(ds, reference, tuning)
     if best is None:
@@ -64,20 +64,20 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
             return f"{begins}{ends}, no design absorbs power."
         one = power.where(power == power.max(), drop=True)
         return f"{begins}{ends}, {one.design.values[0]} absorbs most: {float(power.max()):.4g} MWh."
-    return f"{begins}{ends}, {_taken(ds, reference, tuning, best)}."
+    return f"{begins}{ends}, {_absorbed(ds, reference, tuning, best)}."
 
 
-def _taken(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr.Dataset, str]) -> str:
-    """What the best flexible design takes beside the rigid one, with the interval."""
+def _absorbed(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr.Dataset, str]) -> str:
+    """Energy of the best flexible design against the rigid one, with the interval of the gain."""
     one, design = best
-    gain = float(told_gain(one, tuning))
-    low, high = (float(end) for end in told_bounds(one, tuning))
+    gain = float(reported_gain(one, tuning))
+    low, high = (float(end) for end in reported_bounds(one, tuning))
     by, beside = "linear theory", ""
     if is_verified(one, tuning):
         by = MODELS[ds.attrs["verified_model"]]
-        beside = f", where linear theory says {float(one.gain_percent):+.1f} %"
+        beside = f"; linear theory gives {float(one.gain_percent):+.1f} %"
         if low <= 0 <= high:
-            beside += ", too few to tell more from less"
+            beside += "; too few runs to resolve the sign"
     rigid = shown_member(ds, tuning, reference).sel(tuning=tuning, design=reference)
     many = (ds.sizes["design"] > 2) or ds.margin.size > 1
     subject = f"the best flexible design, {design}{at_point(one)}," if many else f"{design}"
@@ -87,33 +87,33 @@ def _taken(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr.Da
 
 
 def _energy(one: xr.Dataset, tuning: str) -> float:
-    """Energy of the year of one design under a tuning, corrected by runs in time where its gain is [MWh]."""
+    """Annual energy of one design at a tuning, corrected by time-domain runs like its gain [MWh]."""
     if not is_verified(one, tuning):
         return float(one.annual_energy)
     return float(one[in_time(one.attrs["verified_model"], POWER[0])]) * YEAR_HOURS / 1e6
 
 
-def told_beside(ds: xr.Dataset, tuning: str) -> str | None:
-    """Return the tuning the second sentence is of: within limits, or at the given damper; none of neither."""
+def second_tuning(ds: xr.Dataset, tuning: str) -> str | None:
+    """Return the tuning of the second sentence: within limits, or at the given damping; None without either."""
     return next((name for name in BESIDE if name in ds.tuning.values and name != tuning), None)
 
 
 def second_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
-    """Return what to hold against the answer: what limits or a given damper would say, or else what to doubt most."""
-    other = told_beside(ds, tuning)
+    """Return the second sentence: the answer within limits or at the given damping, else the largest doubt."""
+    other = second_tuning(ds, tuning)
     if other and (best := best_flexible(ds, reference, other)):
-        return f"{BESIDE[other]}, {_taken(ds, reference, other, best)}."
+        return f"{BESIDE[other]}, {_absorbed(ds, reference, other, best)}."
     if ds.margin.size > 1 and reference is not None:
         return of_points(ds, reference, tuning)
     marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)
-    theory = "" if "verification" in ds.attrs else "This is linear theory alone: "
-    beyond = f"{share_range(marked)} of the energy is from seas beyond what is described."
+    theory = "" if "verification" in ds.attrs else "This is linear theory; "
+    beyond = f"{share_range(marked)} of the energy comes from seas beyond the validity of linear theory."
     return theory + beyond if bool(marked.notnull().any()) else ""
 
 
 def of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
-    """At how many valid points flexibility pays: the interval of the gain of some design lies above zero."""
-    least = told_bounds(ds.sel(tuning=tuning), tuning)[0].where(ds.design != reference)
+    """Return at how many viable points flexibility pays: the interval of some design's gain lies above zero."""
+    least = reported_bounds(ds.sel(tuning=tuning), tuning)[0].where(ds.design != reference)
     carries, pays = ds.margin >= 0, least.max("design") > 0
     if not bool(carries.any()):
         return f"None of the {ds.margin.size} points carries its static load without buckling."
@@ -127,11 +127,11 @@ def at_point(one: xr.Dataset) -> str:
 
 
 def best_flexible(ds: xr.Dataset, reference: str | None, tuning: str) -> tuple[xr.Dataset, str] | None:
-    """Return the flexible design of most gain and its member: one that carries its load before any that does not."""
+    """Return the flexible design of largest gain and its member, one that carries its static load if there is any."""
     if reference is None or ds.sizes["design"] < 2:
         return None
     one = shown_member(ds, tuning, reference).sel(tuning=tuning)
-    gains = told_gain(one, tuning).where(one.design != reference)
+    gains = reported_gain(one, tuning).where(one.design != reference)
     if not bool(gains.notnull().any()):
         return None
     design = str(gains.design.values[int(np.nanargmax(gains.values))])
@@ -155,11 +155,13 @@ def share_range(share: xr.DataArray) -> str:
 
 
 def shown_place(ds: xr.Dataset, tuning: str, reference: str | None) -> dict[str, int]:
-    """Return where that member stands along the dimensions of what is varied."""
+    """Return the point with the largest gain of a design that carries its static load, else with the largest gain."""
     points = [str(dim) for dim in ds.margin.dims]
     if not points:
         return {}
-    gain = ds.annual_mean_power.sel(tuning=tuning) if reference is None else told_gain(ds.sel(tuning=tuning), tuning)
+    gain = (
+        ds.annual_mean_power.sel(tuning=tuning) if reference is None else reported_gain(ds.sel(tuning=tuning), tuning)
+    )
     others = gain if reference is None else gain.where(gain.design != reference)
     best = others.max("design", skipna=True).fillna(-np.inf)
     score = best.where(ds.margin >= 0, best - 1e6)
@@ -168,28 +170,28 @@ def shown_place(ds: xr.Dataset, tuning: str, reference: str | None) -> dict[str,
 
 
 def shown_member(ds: xr.Dataset, tuning: str, reference: str | None) -> xr.Dataset:
-    """Return the member whose curves are drawn: of most gain of a design that carries its load, else of the most."""
+    """Return the member whose curves are drawn; see `shown_place`."""
     return ds.isel(shown_place(ds, tuning, reference))
 
 
-def told_gain(ds: xr.Dataset, tuning: str) -> xr.DataArray:
-    """Return the gains to be told of results under one tuning: corrected by runs in time, or else of linear theory."""
-    return ds[_told_gains(ds, tuning)[0]]
+def reported_gain(ds: xr.Dataset, tuning: str) -> xr.DataArray:
+    """Return the gains at one tuning: corrected by time-domain runs if there are any, else of linear theory."""
+    return ds[_reported_names(ds, tuning)[0]]
 
 
-def told_bounds(ds: xr.Dataset, tuning: str) -> tuple[xr.DataArray, xr.DataArray]:
+def reported_bounds(ds: xr.Dataset, tuning: str) -> tuple[xr.DataArray, xr.DataArray]:
     """Return the ends of the intervals of those gains, by the same model."""
-    _, low, high = _told_gains(ds, tuning)
+    _, low, high = _reported_names(ds, tuning)
     return ds[low], ds[high]
 
 
-def _told_gains(ds: xr.Dataset, tuning: str) -> tuple[str, ...]:
-    """Names of the gains reported under a tuning, and of the ends of their intervals."""
+def _reported_names(ds: xr.Dataset, tuning: str) -> tuple[str, ...]:
+    """Names of the gains reported at a tuning, and of the ends of their intervals."""
     if is_verified(ds, tuning):
         return tuple(in_time(ds.attrs["verified_model"], name) for name in GAIN)
     return GAIN_IN_TIME
 
 
 def is_verified(ds: xr.Dataset, tuning: str) -> bool:
-    """Return whether gains under a tuning are corrected by runs in time."""
+    """Return whether gains at a tuning are corrected by time-domain runs."""
     return ds.attrs.get("verified_tuning") == tuning and in_time(ds.attrs["verified_model"], GAIN[0]) in ds

@@ -10,7 +10,7 @@ from matplotlib.axis import Axis
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from vsb.report.campaign_answer import is_verified, shown_member, told_bounds, told_gain
+from vsb.report.campaign_answer import is_verified, reported_bounds, reported_gain, shown_member
 from vsb.report.canvas import grid_of_axes, legend_above, note, plain_numbers, style
 from vsb.results.campaign import damper
 from vsb.results.year import HEIGHT, PERIOD
@@ -60,19 +60,19 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
 
 
 def _mark_beyond(ax: Axes, share: xr.DataArray) -> None:
-    """Cross bins with seas beyond what is described: the larger, the more of them are."""
+    """Mark bins with seas beyond the validity of linear theory with a cross, the larger the more of them."""
     beyond = share.stack(bin=("hs", "te"), create_index=False)
     beyond = beyond[(beyond > 0).values]
     ax.scatter(beyond.te, beyond.hs, s=4 + 20 * beyond, marker="x", color="#d55e00", linewidths=0.9)
 
 
 def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
-    """Draw mean power of the year over a damper that stays as it is, with its optimum, and the damper of each sea."""
+    """Draw mean power of the year against a constant damping, and that at optimal damping in each sea."""
     one, designs = shown_member(ds, tuning, reference), list(ds.design.values)
     if not bool(one.viable.any()):
         return _without_curves(NOT_VIABLE)
     if not bool((one.tried_damping > 0).any()):
-        return _without_curves("no damper takes anything")
+        return _without_curves("no damping absorbs power")
     figure, axes = grid_of_axes(3.4)
     ax, dampers = axes[0, 0], damper(one)
     for design in designs:
@@ -97,7 +97,7 @@ def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
 
 
 def pareto(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
-    """Draw mean power of the year against the rms force it takes: dampers up to the best, optima within limits."""
+    """Draw mean power of the year against the rms force: damping up to the optimum, and optima within limits."""
     one, designs = shown_member(ds, tuning, reference), list(ds.design.values)
     if not bool(one.viable.any()):
         return _without_curves(NOT_VIABLE)
@@ -140,7 +140,7 @@ def sweep(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     if not bool(ds.viable.any()):
         return _without_curves(NOT_VIABLE)
     if reference is None or not others:
-        nothing = "a rigid design that takes nothing" if ds.attrs.get("reference") else "no rigid design"
+        nothing = "a rigid design that absorbs no power" if ds.attrs.get("reference") else "no rigid design"
         return _without_curves(f"{'no flexible design' if reference else nothing} to compare with")
     return _maps(ds, tuning, keys, others) if is_mapped(ds) else _lines(ds, tuning, keys[0], others)
 
@@ -165,10 +165,10 @@ def _lines(ds: xr.Dataset, tuning: str, key: str, others: Sequence[str]) -> Figu
     marker = "" if ds[key].size > 12 else "o"
     for design in others:
         line, one = style(design, list(ds.design.values)), at.sel(design=design).squeeze()
-        ax.plot(places, told_gain(one, tuning), marker=marker, markersize=4, **line)
+        ax.plot(places, reported_gain(one, tuning), marker=marker, markersize=4, **line)
         if is_verified(one, tuning):
             ax.plot(places, one.gain_percent, color=line["color"], linewidth=0.8, ls=":")
-        ax.fill_between(places, *told_bounds(one, tuning), color=line["color"], alpha=0.2, linewidth=0)
+        ax.fill_between(places, *reported_bounds(one, tuning), color=line["color"], alpha=0.2, linewidth=0)
     ax.axhline(0, color="black", linewidth=0.8)
     ax.set(xlabel=_label(ds, key), ylabel="gain [%]", xscale=_scale(ds, key))
     if not _is_spaced(ds, key):
@@ -187,13 +187,13 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
     columns = len(others) if third else min(2, len(others))
     rows = -(-len(shown) // columns)
     figure, axes = grid_of_axes(0.8 + 2.5 * rows, rows, columns, sharex=True, sharey=True)
-    gains = told_gain(at, tuning).sel(design=list(others)).values
+    gains = reported_gain(at, tuning).sel(design=list(others)).values
     largest = max(1.0, float(np.nanpercentile(np.abs(gains), 95)))
     for ax, (design, place) in zip(axes.ravel(), shown, strict=False):
         one = at.sel(design=design).isel(place).squeeze(drop=True).transpose(y, x, ...)
         cells = (_cells(ds, x), _cells(ds, y))
-        image = ax.pcolormesh(*cells, told_gain(one, tuning), cmap=GAIN, vmin=-largest, vmax=largest)
-        _mark(ax, ds, one, x, y, told_bounds(one, tuning))
+        image = ax.pcolormesh(*cells, reported_gain(one, tuning), cmap=GAIN, vmin=-largest, vmax=largest)
+        _mark(ax, ds, one, x, y, reported_bounds(one, tuning))
         if not any(place.values()):
             ax.set_title(design, fontsize=9, color=style(design, list(ds.design.values))["color"])
         ax.grid(visible=False)
@@ -206,12 +206,12 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
     for ax in axes[-1]:
         ax.set_xlabel(_label(ds, x))
     for i, ax in enumerate(axes[:, 0]):
-        ax.set_ylabel(_label(ds, y) + "".join(f"\n{_told(ds, name, i)}" for name in third))
+        ax.set_ylabel(_label(ds, y) + "".join(f"\n{_value(ds, name, i)}" for name in third))
     figure.colorbar(image, ax=axes, label="gain over the rigid design [%]", extend="both")
     return figure
 
 
-def _told(ds: xr.Dataset, key: str, i: int) -> str:
+def _value(ds: xr.Dataset, key: str, i: int) -> str:
     """A value of a key in words."""
     return f"{key.replace('_', ' ')} {quantity(ds[key].values[i].item(), ds[key].attrs.get('units', '1'))}"
 
@@ -239,13 +239,13 @@ def _edges(centres: np.ndarray, width: float) -> np.ndarray:
 
 
 def _is_spaced(ds: xr.Dataset, key: str) -> bool:
-    """Whether values of a key have their places on an axis: no words, nor the depth of deep water."""
+    """Whether values of a key are finite numbers: neither words nor infinite depth."""
     values = ds[key].values
     return values.dtype.kind == "f" and bool(np.isfinite(values).all())
 
 
 def _places(ds: xr.Dataset, key: str) -> np.ndarray:
-    """Where values of a key stand on an axis: those that have no place there at whole numbers."""
+    """Where values of a key stand on an axis: at whole numbers if they are not finite numbers."""
     values = ds[key].values
     return values if _is_spaced(ds, key) else np.arange(len(values))
 

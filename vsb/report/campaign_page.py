@@ -17,53 +17,53 @@ from vsb.report.campaign_answer import (
     is_verified,
     leading,
     of_points,
+    reported_bounds,
+    reported_gain,
+    second_tuning,
     share_range,
     shown_member,
-    told_beside,
-    told_bounds,
-    told_gain,
     where,
     whole_answer,
 )
 from vsb.report.campaign_figures import is_mapped
 from vsb.report.html import captioned, page
-from vsb.report.living import as_script
+from vsb.report.interactive import as_script
 from vsb.study.campaign import CONSTRAINED
 from vsb.tools.ports import kind_of
 from vsb.tools.words import plain
 from vsb.waves.climate import PARTIAL
 
 CAPTIONS = {
-    "spectra": "Spectra of the year: their mean, which holds its energy, their median at each frequency, and (shaded) "
-    "between which densities they lie for eight tenths of the year.",
+    "spectra": "Spectra of the year: mean, median at each frequency, and the range between the 10 % and 90 % "
+    "quantiles (shaded).",
     "power_matrices": "Mean power in bins of significant wave height and energy period (IEC TS 62600-100), "
-    "{tuned}{at}; white: no such sea in the year; crosses: seas beyond what is described, the larger the more of the "
-    "bin (Hs over 0.05 of the length of the energy period, the highest of a thousand waves breaks or deforms the shell "
-    "by more than a tenth of its radius).",
-    "tuned_power": "Mean power of the year over one damper for all seas{at}; full: the best one, open: the given one, "
-    "dotted: the best damper in each sea.",
-    "pareto": "Mean power of the year against the root mean square of the take-off's {load}{at}, over the damper up to "
-    "the best one, without limits.{within}",
+    "{tuned}{at}. White: no sea in the bin. Crosses: seas beyond the validity of linear theory, the larger the more of "
+    "the bin (Hs above 0.05 of the wavelength at the energy period, or the highest of a thousand waves breaks or "
+    "deforms the shell by more than a tenth of its radius).",
+    "tuned_power": "Mean power of the year against one damping for all seas{at}. Full: optimal damping; open: given "
+    "damping; dotted: optimal damping in each sea.",
+    "pareto": "Mean power of the year against the root mean square of the take-off's {load}{at}, for "
+    "damping up to the optimal one, without limits.{within}",
     "sweep": "Gain of annual energy over the rigid design, {tuned}{marks}.",
 }
 MAPPED = (
-    ". Black: the line on which the shell buckles under its static load; hatched: the interval of the gain includes "
-    "zero; grey: not viable"
+    ". Black line: the shell buckles under its static load; hatched: the interval of the gain includes zero; grey: not "
+    "viable"
 )
 MOST_ROWS = 24
-STILL = "Nothing is shown in motion here: no design is viable where the answer is told, or its take-off switches."
+STILL = "No animation: no design is viable at the point of the answer, or its take-off is not linear."
 
 
 @dataclass(frozen=True)
 class CampaignReport:
-    """All a campaign's report is made of."""
+    """What the report of a campaign is made of."""
 
     data: xr.Dataset
     figures: Mapping[str, str]  # name -> SVG
-    living: Mapping[str, Any] | None = None  # what the page computes with, see `vsb.report.living`
+    interactive: Mapping[str, Any] | None = None  # data of its scripts, see `vsb.report.interactive`
     sketches: Sequence[Mapping[str, str]] = ()  # of each design: name, words, SVG
-    moving: Mapping[str, Any] | None = None  # what it draws in motion, see `vsb.report.animation`
-    notes: Sequence[str] = ()  # on the climate: what was left out of its file, and what is not known
+    animated: Mapping[str, Any] | None = None  # the buoys in motion, see `vsb.report.animation`
+    notes: Sequence[str] = ()  # on the climate: records left out, and what is unknown
 
 
 def render(report: CampaignReport) -> str:
@@ -79,9 +79,9 @@ def render(report: CampaignReport) -> str:
         below=said.below,
         sketches=report.sketches,
         kind="year",
-        buoys=in_motion(report.moving),
-        still="" if report.moving else STILL,
-        living=as_script(report.living) if report.living else "",
+        animated=in_motion(report.animated),
+        still="" if report.animated else STILL,
+        interactive=as_script(report.interactive) if report.interactive else "",
         statements=statements(ds, reference, tuning),
         warnings=[*warnings(ds), *(f"Of the climate, {note}." for note in report.notes if PARTIAL in note)],
         port=kind_of(ds),
@@ -99,62 +99,62 @@ def render(report: CampaignReport) -> str:
 
 
 def captions(ds: xr.Dataset) -> dict[str, str]:
-    """Return the captions of the figures of a campaign, which name what is drawn of it."""
+    """Return the captions of the figures of a campaign."""
     tuning, reference = leading(ds)
     at = where(shown_member(ds, tuning, reference))
     words = {"tuned": TUNED[tuning], "at": f" at {at}" if at else ""}
     words["load"] = kind_of(ds).load
-    words["within"] = " Squares: the best force within each limit." if CONSTRAINED in ds.tuning.values else ""
-    words["marks"] = MAPPED if is_mapped(ds) else "; shaded: its interval"
+    words["within"] = " Squares: optimal force within each limit." if CONSTRAINED in ds.tuning.values else ""
+    words["marks"] = MAPPED if is_mapped(ds) else "; shaded: interval"
     if is_verified(ds, tuning):
-        words["marks"] += "; corrected by runs in time" + ("" if is_mapped(ds) else ", dotted: by linear theory alone")
+        words["marks"] += "; corrected by time-domain runs" + ("" if is_mapped(ds) else "; dotted: linear theory alone")
     return {name: text.format(**words) for name, text in CAPTIONS.items()}
 
 
 def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
-    """Return what else is to be said: the best design for each further tuning, what usual practice would have said."""
+    """Return further statements: the best design at each further tuning, seas beyond validity, usual practice."""
     if not bool(ds.viable.any()):
         return []
-    found, beside = [], told_beside(ds, tuning)
-    for other in (name for name in TUNED if name in ds.tuning.values and name not in (tuning, beside)):
+    found, second = [], second_tuning(ds, tuning)
+    for other in (name for name in TUNED if name in ds.tuning.values and name not in (tuning, second)):
         if best := best_flexible(ds, reference, other):
             one, design = best
             found.append(
-                f"{TUNED[other].capitalize()}, it is {design}{at_point(one)} with {float(one.gain_percent):+.1f} %."
+                f"{TUNED[other].capitalize()}: {design}{at_point(one)} is best with {float(one.gain_percent):+.1f} %."
             )
-    if ds.margin.size > 1 and reference is not None and beside:
+    if ds.margin.size > 1 and reference is not None and second:
         found.append(of_points(ds, reference, tuning))
     marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)
     found.append(
-        f"{share_range(marked)} of the energy is from seas beyond what is described, crossed in the matrices: "
-        f"{_shares(ds, 'steepness', tuning)} too steep, {_shares(ds, 'breaking', tuning)} with waves that break, "
-        f"{_shares(ds, 'deformation', tuning)} with shells deformed by more than a tenth of their radius."
+        f"{share_range(marked)} of the energy comes from seas beyond the validity of linear theory, crossed in the "
+        f"matrices: {_shares(ds, 'steepness', tuning)} too steep, {_shares(ds, 'breaking', tuning)} with breaking "
+        f"waves, {_shares(ds, 'deformation', tuning)} with shells deformed by more than a tenth of their radius."
     )
     over = 100 * (ds.practice_power / ds.annual_mean_power.where(ds.annual_mean_power > 0) - 1)
     if bool((abs(over) > 1e-6).any()):  # of a table of JONSWAP seas it is the year itself
         found.append(
-            f"JONSWAP seas at the centres of the bins, the usual practice, would have said {float(over.min()):+.1f} to "
-            f"{float(over.max()):+.1f} % of the annual energy."
+            f"Usual practice, JONSWAP seas at the centres of the bins, would change the annual energy by "
+            f"{float(over.min()):+.1f} to {float(over.max()):+.1f} %."
         )
     return found
 
 
 def warnings(ds: xr.Dataset) -> list[str]:
     """Return what makes the answer doubtful."""
-    found = ["All of this is linear theory; intervals are those of the numbers, not of the theory."]
+    found = ["All results are linear theory; intervals contain numerical errors, not errors of the theory."]
     if "verification" in ds.attrs:
         found = [
-            f"Runs in time correct {ds.attrs['verification']}. Figures of power and other tunings are linear theory, "
-            "their intervals those of the numbers.",
+            f"Time-domain runs correct {ds.attrs['verification']}. Figures of power and other tunings are linear "
+            "theory; their intervals contain numerical errors only.",
             *_unresolved(ds),
-            "The intervals of runs in time are 95 % intervals of mean power (coverage 93 to 97 %). For quantities set "
-            "by a few storms (breaking, limits, large deformation) they are not: coverage 77 to 95 % with 12 seas, 89 "
-            "to 96 % with 24.",
+            "Intervals of time-domain runs are 95 % intervals of mean power (measured coverage 93 to 97 %). For "
+            "quantities set by a few storms (breaking, limits, large deformation) coverage is 77 to 95 % with 12 seas, "
+            "89 to 96 % with 24.",
         ]
     if bool(ds.viable.any()):
         found.append(
-            f"In seas that bring {_shares(ds, 'heave', leading(ds)[0])} of the energy the buoy heaves by more than 0.3 "
-            "of its radius, where the water it moves is no longer that of its shape at rest."
+            f"In seas that bring {_shares(ds, 'heave', leading(ds)[0])} of the energy the heave amplitude exceeds 0.3 "
+            "of the radius; coefficients of the shape at rest are then inaccurate."
         )
     if CONSTRAINED in ds.tuning.values:
         found += _warned_of_optima(ds)
@@ -163,41 +163,43 @@ def warnings(ds: xr.Dataset) -> list[str]:
         share = f"{buckled} of {ds.margin.size} points"
         found.append(f"At {share} the shell would buckle under its static load (margin below 0).")
     elif buckled:
-        found.append(f"The shell would buckle under its static load, {1 - ds.margin.item():.3g} times what it carries.")
+        found.append(f"The shell would buckle: its static load is {1 - ds.margin.item():.3g} times what it can carry.")
     if lost := int((~ds.viable).sum()):
         reasons = sorted({str(text).partition(":")[0] for text in ds.reason.values[~ds.viable.values]})
-        found.append(f"{lost} of {ds.viable.size} designs at their points are not viable: {', '.join(reasons)}.")
+        found.append(
+            f"{lost} of {ds.viable.size} combinations of design and point are not viable: {', '.join(reasons)}."
+        )
     if strained := int((ds.viable & (ds.reason != "")).sum()):
         found.append(
-            f"{strained} of {ds.viable.size} designs at their points are strained by more than 2 % at rest, where "
+            f"{strained} of {ds.viable.size} combinations of design and point have a strain above 2 % at rest, where "
             "Hooke's law is doubtful."
         )
     return found
 
 
 def _unresolved(ds: xr.Dataset) -> list[str]:
-    """Which gains that runs in time are of they are too few to tell from none."""
+    """Gains whose sign the number of time-domain runs does not resolve."""
     tuning = ds.attrs["verified_tuning"]
     if not is_verified(ds, tuning):
         return []
     at = ds.sel(tuning=tuning)
-    low, high = told_bounds(at, tuning)
+    low, high = reported_bounds(at, tuning)
     open_ = (low <= 0) & (high >= 0) & (at.design != ds.attrs["reference"])
     if not bool(open_.any()):
         return []
     names = [str(one.design.item()) for one in at.design if bool(open_.sel(design=one).any())]
-    return [f"The interval of the gain of {', '.join(names)} includes none: more verify.seas would narrow it."]
+    return [f"The interval of the gain of {', '.join(names)} includes zero: more verify.seas would narrow it."]
 
 
 def _warned_of_optima(ds: xr.Dataset) -> list[str]:
-    """What makes optima within limits doubtful."""
-    found = ["The best force within limits knows all waves beforehand: no control takes more, few come near."]
+    """Limits of the optima within constraints."""
+    found = ["The optimal force within limits knows all waves in advance: it is an upper bound for any controller."]
     if (solved := float(ds.optimum_share.min())) < 1 - 1e-9:
         share = f"{math.floor(1e3 * solved) / 10:.1f} %"  # never all of it
-        found.append(f"Optima were found in bins of {share} of the energy flux alone: raise constrained.seconds.")
+        found.append(f"Optima were computed in bins with {share} of the energy flux only: raise constrained.seconds.")
     if (none := float(ds.impossible_share.max())) > 0:
         year = f"{100 * none:.1f} % of the year"
-        found.append(f"In up to {year} no force keeps the stroke within its limit: counted as nothing.")
+        found.append(f"In up to {year} no force keeps the stroke within its limit: counted as zero power.")
     return found
 
 
@@ -236,12 +238,12 @@ def _row(one: xr.Dataset, design: str, tuning: str) -> list[str]:
     ]  # fmt: skip
     cells = ["-" if np.isnan(value) else format(value, form) if form else plain(value) for value, form in numbers]
     if _has_runs(one):
-        low, high = (float(end) for end in told_bounds(one, one.attrs["verified_tuning"]))
+        low, high = (float(end) for end in reported_bounds(one, one.attrs["verified_tuning"]))
         known = tuning == one.attrs["verified_tuning"] and not np.isnan(low)
-        cells.append(f"{float(told_gain(one, tuning)):+.1f} ({low:+.1f} to {high:+.1f})" if known else "-")
+        cells.append(f"{float(reported_gain(one, tuning)):+.1f} ({low:+.1f} to {high:+.1f})" if known else "-")
     return [where(one) or "-", design, tuning, *cells]
 
 
 def _has_runs(ds: xr.Dataset) -> bool:
-    """Whether runs in time say something of gains."""
+    """Whether time-domain runs correct gains."""
     return "verified_tuning" in ds.attrs and is_verified(ds, ds.attrs["verified_tuning"])

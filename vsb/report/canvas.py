@@ -24,9 +24,9 @@ from vsb.tools.words import plain
 WIDTH = 6.3
 """Width of a figure [inch]: a page of text."""
 PERIODS = 15
-"""Most periods of a sea that time series show: more of them are a band of ink."""
-# Okabe & Ito's colour-blind-safe palette; the paper's designs first, others in the order of the study. Its orange marks
-# the waves, a wine red takes its place.
+"""Most periods of a sea shown in time series."""
+# Okabe & Ito's colour-blind-safe palette: the paper's designs, then others in the order of the study. Its orange marks
+# the waves and is replaced by wine red.
 STYLES = {
     "FSB": ("#000000", "-"),
     "VSWEC": ("#D55E00", "-"),
@@ -100,20 +100,20 @@ def _period(omega: FloatArray) -> FloatArray:
 
 
 def note(ax: Axes, text: str) -> None:
-    """Say why axes are empty, without numbers that mean nothing."""
+    """Write on empty axes why they are empty, without ticks."""
     ax.text(0.5, 0.5, text, transform=ax.transAxes, ha="center")
     ax.set_yticks([])
     ax.grid(visible=False)
 
 
 def zero_axis(ax: Axes) -> None:
-    """One tick where all data are zero, instead of a scale made up around it."""
+    """Keep only the tick at zero where all data are zero."""
     if not any(np.any(np.asarray(line.get_ydata(), dtype=float)) for line in ax.get_lines()):
         ax.set_yticks([0.0])
 
 
 def plain_numbers(axis: Axis) -> None:
-    """Number a logarithmic axis of few decades as people read them: 5, 10, 20 in place of 6 x 10^0 and 10^1."""
+    """Number a logarithmic axis of few decades as 5, 10, 20, without powers of ten."""
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
     axis.set_minor_formatter(NullFormatter())
@@ -142,7 +142,7 @@ def panels(
 
 
 def shown_window(data: StudyData, wave: str) -> tuple[float, float]:
-    """The study's window, its last `PERIODS` if it is longer; in still water, where motion dies out, the whole run."""
+    """The window of the study, at most its last `PERIODS`; in still water the whole run."""
     time, (start, end) = data.runs[data.designs[0], wave].time, data.window
     if wave == "still":
         return float(time[0]), float(time[-1])

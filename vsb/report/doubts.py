@@ -1,4 +1,4 @@
-"""What to doubt, for the head of a page: what fails, the worst of its kind, and what to change first."""
+"""Doubts in words: checks that fail, the worst of each kind, and what to change first."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,8 +12,8 @@ ADVICE = {
     "static_strain": "a stiffer shell",
     "angles": "angles in degrees",
     "modes_left_out": "modes: {basis: full} and a higher degree, or modes: {tolerance: 0.005}",
-    "reference_power": "longer waves, in which the rigid design absorbs",
-    "fair_damping": "pto.tuning: each, or read the gains at own best dampers",
+    "reference_power": "longer waves, in which the rigid design absorbs power",
+    "fair_damping": "pto.tuning: each, or read the gains at optimal damping",
     "energy_residual": "lower simulation.tolerance",
     "transient": "a later simulation.window",
     "time_and_frequency_domain": "a later simulation.window, or hydro.model: body_exact",
@@ -31,11 +31,11 @@ ADVICE = {
     "passivity": "lower hydro.tolerance",
     "witness": "lower hydro.tolerance",
     "constrained": "a shorter simulation.duration, or looser limits",
-    "assumed_pressure": "hydro.model: linear, in which waves radiate",
+    "assumed_pressure": "hydro.model: linear, which includes radiation",
     "left_out": "lower hydro.power_tolerance",
     "gain_error": "lower hydro.power_tolerance",
-    "pause": "lower waves, or another damper",
-    "drag": "read the powers in time, or lower waves",
+    "pause": "lower waves, or another damping",
+    "drag": "use the powers in the time domain, or lower waves",
     "pitch": "lower waves",
     "rotation": "lower waves",
     "translation": "lower waves",
@@ -43,42 +43,42 @@ ADVICE = {
     "irregular_frequencies": "a lid, or finer panels",
     "lid": "finer panels, or lid: 0 and frequencies below the first irregular one",
     "closure": "a mesh without the gap",
-    "afloat": "the mass, or how deep the mesh lies",
-    "rigid_names": "the names of the displacements",
+    "afloat": "the mass, or the vertical position of the mesh",
+    "rigid_names": "the labels of the displacements",
     "hinge_gap": "a mesh whose parts are closed at the hinge",
     "second_order": "second_order in the file of the displacements",
     **dict.fromkeys(("panels", "modes", "corners", "one_resolution"), "finer panels"),
     **dict.fromkeys(
         ("error_estimate", "interpolation_error", "symmetry", "far_field", "positive_damping", "rank_one", "haskind",
          "kramers_kronig", "limit_difference", "witness_derivatives", "witness_database"),
-        "finer coefficients: lower hydro.tolerance, or finer panels",
+        "lower hydro.tolerance, or finer panels",
     ),
     **dict.fromkeys(
         ("phases", "displaced_volume", "parts", "trim", "added_mass_limits"),
-        "the file that was read, as the check's line says",
+        "the coefficient file, as the check explains",
     ),
     **dict.fromkeys(
-        ("long_waves", "haskind_scale", "haskind_long_waves"), "length, gravity and depth of the file that was read"
+        ("long_waves", "haskind_scale", "haskind_long_waves"), "length, gravity and depth of the coefficient file"
     ),
 }  # fmt: skip
-"""Name of a check -> what to change first in the study where it does not hold."""
+"""Name of a check -> what to change first in the study where it fails."""
 REASONS = {
     "buckling": "the shell buckles under its static load ({value} times the classical buckling pressure)",
     "computed_buckling": "the shell buckles under its static load ({value} times what it can carry)",
-    "static_strain": "the shell is strained by {percent} % at rest, and Hooke's law ends at 10 %",
-    "strain": "the shell is strained by up to {percent} %, and Hooke's law ends at 10 %",
-    "modes_left_out": "the shell modes left out change the absorbed power by up to {percent} %",
+    "static_strain": "the strain at rest is {percent} %, beyond the 10 % limit of Hooke's law",
+    "strain": "the strain reaches {percent} %, beyond the 10 % limit of Hooke's law",
+    "modes_left_out": "the omitted shell modes change the absorbed power by up to {percent} %",
     "modes": "the panels do not resolve the shortest mode",
     "panels": "the panels do not resolve the shortest waves",
     "energy_residual": "the energy balance of the simulation does not close (residual {value})",
-    "power_limit": "a design absorbs {value} times what theory allows any device",
-    "assumed_pressure": "the assumed pressure gives a buoy {value} times what a wave of that pressure could",
+    "power_limit": "a design absorbs {value} times the theoretical limit of any device",
+    "assumed_pressure": "the assumed pressure gives a buoy {value} times the power of a wave with that pressure",
 }
-"""Name of a check that invalidates (`vsb.hydro.database.INVALIDATING`) -> why a result is not valid, in words."""
+"""Name of a check that invalidates results (`vsb.hydro.database.INVALIDATING`) -> the reason in words."""
 
 
 def reasons(invalid: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return why results are not valid, each reason once with its largest value.
+    """Return why results are not valid, each reason once, with its largest value.
 
     Parameters
     ----------
@@ -94,13 +94,13 @@ def reasons(invalid: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def no_answer(invalid: Sequence[Mapping[str, Any]]) -> str:
-    """Return that there is no valid answer, why, and what to change."""
+    """Return why there is no valid answer, and what to change."""
     changes = dict.fromkeys(ADVICE[line["name"]] for line in invalid)
     return f"No valid answer yet: {'; '.join(reasons(invalid))}. Change first: {'; '.join(changes)}."
 
 
 def warnings(checks: Sequence[dict[str, Any]]) -> list[str]:
-    """Return the checks that failed, by name the one furthest beyond its limit; doubts are left to the ledger."""
+    """Return the checks that failed, for each name the one furthest beyond its limit; doubts are in the ledger only."""
     found: dict[str, list[dict[str, Any]]] = {}
     for check in checks:
         if check["verdict"] in ("fail", "accepted"):
@@ -109,9 +109,9 @@ def warnings(checks: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def _together(of: Sequence[dict[str, Any]]) -> str:
-    """Failures of one name in words: the worst, how many others, what to change first."""
+    """Failures of one name: the worst, the number of others, what to change first."""
     worst = max(of, key=lambda check: float(check["value"]) / (float(check["limit"]) or 1.0))
-    others = f"; so in {len(of) - 1} more" if len(of) > 1 else ""
+    others = f"; {len(of) - 1} more fail" if len(of) > 1 else ""
     change = f". Change first: {text}" if (text := advice(worst)) else ""
     return f"{in_words(worst)}{others}{change}"
 
@@ -122,7 +122,7 @@ def in_words(check: dict[str, Any]) -> str:
 
 
 def advice(check: dict[str, Any]) -> str:
-    """Return what to change first where a check does not hold; empty if it holds or nothing general can be said."""
+    """Return what to change first if a check does not hold; empty if it holds or no general advice exists."""
     return "" if check["verdict"] == "ok" else ADVICE.get(str(check["name"]), "")
 
 

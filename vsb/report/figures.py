@@ -1,16 +1,14 @@
-"""Figures of power, hydrodynamics and motion; any figure by its name. Datasets in, Figure out; computes nothing."""
+"""Figures of power and motion, any figure of a study by its name, and its captions. Datasets in, Figure out."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vsb.report.band import lowest, useful_band
-from vsb.report.body_figures import degrees_of_freedom, port_motion
 from vsb.report.canvas import (
     StudyData,
     folded,
@@ -21,26 +19,25 @@ from vsb.report.canvas import (
     note,
     panels,
     period_axis,
-    plain_numbers,
     shown_window,
     style,
     zero_axis,
 )
-from vsb.report.sea_figures import spectra
+from vsb.report.hydro_figures import added_mass_damping, radiation_kernel, spectra, witness
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
-from vsb.report.witness_figure import witness
-from vsb.study.quantities import RIGID, ROTATIONS, is_rigid, motion_of
+from vsb.study.quantities import RIGID, ROTATIONS
+from vsb.tools.words import superscripts
 
 
 def absorbed_power(data: StudyData) -> Figure:
     """Draw absorbed power over the band with its limit, and any gain of flexible designs over the rigid one.
 
-    Left with each design at its own best damper, right at the given one, if there is one.
+    Left at the optimal damping of each design, right at the given damping, if there is one.
     """
     response = data.response
     omega, limit = response.omega.values, response.power_limit / 1e3
-    given = {} if data.tuned else {"all at the given damper": response.absorbed_power}
-    powers = {"each at its own best damper": response.best_power} | given
+    given = {} if data.tuned else {"all at the given damping": response.absorbed_power}
+    powers = {"each at its optimal damping": response.best_power} | given
     size: dict[str, Any] = {"height": 5.2, "rows": 2, "height_ratios": [3, 2]} if _compares(data) else {"height": 3.4}
     figure, axes = grid_of_axes(columns=len(powers), sharex=True, sharey="row", **size)
     for (title, power), (top, *below) in zip(powers.items(), axes.T, strict=True):
@@ -63,7 +60,7 @@ def absorbed_power(data: StudyData) -> Figure:
 
 
 def reactance(data: StudyData) -> Figure:
-    """Draw Q = |X|/R of each design's impedance over the band, and the share of the limit its best damper takes."""
+    """Draw Q = |X|/R of each design's impedance over the band, and the share of the limit at optimal damping."""
     impedance = data.response.port_impedance
     quality = np.abs(impedance.imag) / impedance.real.where(impedance.real > 0)
     figure, axes = grid_of_axes(4.6, 2, 1, sharex=True)
@@ -76,15 +73,15 @@ def reactance(data: StudyData) -> Figure:
     largest = max(0.1, float(shown.max().fillna(0.0)))
     top.set(ylabel="Q = |X|/R [-]", yscale="log", ylim=(0.05, 1.5 * largest))
     top.set_xlim(_band(data))
-    bottom.set(xlabel="wave frequency [rad/s]", ylabel="best damper's share\n2/(1 + √(1 + Q²)) [-]", ylim=(0, 1.02))
+    bottom.set(
+        xlabel="wave frequency [rad/s]", ylabel="share at optimal damping\n2/(1 + √(1 + Q²)) [-]", ylim=(0, 1.02)
+    )
     period_axis(top)
     _mark_waves(data, (top, bottom))
     legend_above(figure, top)
     return figure
 
 
-FEW = 100.0
-"""Ratio of the ends of a logarithmic axis up to which it has more numbers than powers of ten."""
 WAVE: dict[str, Any] = {"color": "#E69F00", "linestyle": "none", "marker": "^", "markersize": 6, "clip_on": False}
 
 
@@ -139,58 +136,6 @@ def _limit_gain(data: StudyData, powers: Iterable[xr.DataArray], ax: Axes) -> No
     low, high = float(np.nanmin(known)), float(np.nanmax(known))
     ends = float(np.clip(1.15 * low, -100, -20)), float(np.clip(1.15 * high, 20, 250))
     ax.set(ylabel=f"gain over {data.reference} [%]", ylim=ends)
-
-
-def added_mass_damping(data: StudyData) -> Figure:
-    """Draw the diagonal of added mass and radiation damping; dashed: added mass at infinite frequency."""
-    database = data.database
-    figure, axes = grid_of_axes(4.6, 2, 1, sharex=True)
-    top, bottom = axes[:, 0]
-    labels = database.influenced_dof.values
-    colours = mpl.colormaps["viridis"].resampled(max(2, len(labels)))
-    for i, label in enumerate(labels):
-        own = {"influenced_dof": label, "radiating_dof": label}
-        if not database.added_mass.sel(own).any():  # pitch about a sphere's centre moves no water
-            continue
-        line = {"color": "black" if i == 0 else colours(i - 1), "label": label}
-        if i == 0:  # above a mode that moves the same water, which is seen between its dots
-            line |= {"linestyle": (0, (1, 1.5)), "linewidth": 2.2, "zorder": 3}
-        top.plot(database.omega, database.added_mass.sel(own), **line)
-        top.axhline(float(database.added_mass_inf.sel(own)), color=line["color"], linewidth=0.7, linestyle="--")
-        bottom.plot(database.omega, database.radiation_damping.sel(own).clip(min=1e-3), **line)
-    turns = any(_turns(str(label)) for label in labels)  # a rotation beside displacements
-    top.set(ylabel="added mass\n[kg, of rotations kg m²]" if turns else "added mass [kg]", yscale="log")
-    if np.divide(*top.get_ylim()[::-1]) < FEW:
-        plain_numbers(top.yaxis)
-    largest = float(database.radiation_damping.max())
-    unit = "\n[kg/s, of rotations kg m²/s]" if turns else " [kg/s]"
-    bottom.set(ylabel=f"radiation damping{unit}", yscale="log", ylim=(1e-5 * largest, 2 * largest))
-    bottom.set(xlabel="frequency [rad/s]", xlim=(0, float(database.omega[-1])))
-    legend_above(figure, top)
-    return figure
-
-
-def radiation_kernel(data: StudyData) -> Figure:
-    """Draw the retardation kernel from the damping and from the state space, of three motions: displacements first."""
-    kernel = data.radiation
-    labels = sorted(map(str, kernel.influenced_dof.values), key=lambda label: (_turns(label), not is_rigid(label)))
-    labels = [label for label in labels if not _turns(label)][:3] or labels[:3]
-    figure, axes = grid_of_axes(1.3 + 1.3 * len(labels), len(labels), 1, sharex=True)
-    for ax, label in zip(axes[:, 0], labels, strict=True):
-        own = {"influenced_dof": label, "radiating_dof": label}
-        ax.plot(kernel.time, kernel.kernel.sel(own) / 1e3, color="black", label="convolution kernel")
-        ax.plot(
-            kernel.time, kernel.kernel_state_space.sel(own) / 1e3, color="#D55E00", linestyle="--", label="state space"
-        )
-        ax.set_ylabel(f"{label}\n[10³ kg{' m²' * _turns(label)}/s²]")
-    axes[-1, 0].set(xlabel="time [s]", xlim=(0, min(12.0, float(kernel.time[-1]))))
-    legend_above(figure, axes[0, 0])
-    return figure
-
-
-def _turns(label: str) -> bool:
-    """Whether a degree of freedom is a rotation, of whichever body."""
-    return motion_of(label) in ROTATIONS
 
 
 def heave_excitation(data: StudyData, wave: str) -> Figure:
@@ -271,6 +216,40 @@ def energy_audit(data: StudyData, wave: str) -> Figure:
     return figure
 
 
+def port_motion(data: StudyData, wave: str) -> Figure:
+    """Draw displacement and velocity of the take-off's port."""
+    kind = data.port
+    moved = (f"port's {kind.motion} [{superscripts(kind.motion_unit)}]", lambda run: run.stroke)
+    moves = (f"port's {kind.rate} [{superscripts(kind.rate_unit)}]", lambda run: run.stroke_rate)
+    return panels(data, wave, [moved, moves])
+
+
+def degrees_of_freedom(data: StudyData, wave: str) -> Figure:
+    """Draw half of the range of every degree of freedom in the window."""
+    labels = list(dict.fromkeys(str(d) for design in data.designs for d in data.runs[design, wave].dof.values))
+    figure, axes = grid_of_axes(1.6 + 0.28 * len(labels))
+    ax, height = axes[0, 0], 0.8 / len(data.designs)
+    for i, design in enumerate(data.designs):
+        run = data.runs[design, wave].sel(time=slice(*data.window)).position
+        half = (run.max("time") - run.min("time")) / 2
+        rows = np.array([labels.index(str(label)) for label in half.dof.values])
+        line = style(design, data.designs)
+        ax.barh(
+            rows + (i - (len(data.designs) - 1) / 2) * height,
+            half.values,
+            height,
+            color=line["color"],
+            label=line["label"],
+        )
+    ax.set_yticks(range(len(labels)), [folded(label, 24) for label in labels])
+    ax.invert_yaxis()
+    ax.set(xlabel="half of the range in the window [m or rad]")
+    if any(bar.get_width() > 0 for bar in ax.patches):
+        ax.set(xscale="log")
+    legend_above(figure, ax)
+    return figure
+
+
 def draw(name: str, data: StudyData) -> Figure:
     """Return the figure of a name from `vsb.study.plan.figure_names`."""
     kind, _, wave = name.partition("-")
@@ -286,3 +265,76 @@ def draw(name: str, data: StudyData) -> Figure:
         )
     }  # fmt: skip
     return per_wave[kind](data, wave) if kind in per_wave else per_study[kind](data)
+
+
+CAPTIONS = {
+    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band{gain}, {dampings}. Grey: "
+    "{limit}.{useful}",
+    "reactance": "The reason: at its port a design is one impedance R + iX. Optimal damping absorbs the share "
+    "2/(1 + √(1 + Q²)), Q = |X|/R, of the most any take-off could{same}.",
+    "spectra": "Spectra of the irregular seas. Simulations use components up to the highest frequency of the study.",
+    "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum. Displacements along the "
+    "meridian are included.",
+    "added_mass_damping": "Added mass (dashed: at infinite frequency) and radiation damping of {moving}.",
+    "radiation_kernel": "Retardation kernel from radiation damping, and of the passive state-space model used in the "
+    "time domain.",
+    "witness": "Cross-check of two independent solvers, capytaine's panels and the spectral integral equation. Top: "
+    "their difference on the mean shell and on shells deformed by each mode, relative to the largest coefficient at "
+    "each frequency, and their own error estimates. Middle: effect of the deformation on the heave coefficients (dots: "
+    "panels, open symbols: spectral). Bottom, in deep water: difference of the derivatives by the modes.",
+    "port_motion": "Displacement and velocity of the take-off's port.",
+    "degrees_of_freedom": "Range of motion of every degree of freedom, with the take-off.",
+    "heave_excitation": "Heave and the heave component of the excitation force.",
+    "directions": "Surge, heave and pitch (positive: the top moves with the waves), or all six rigid motions. "
+    "Without a mooring nothing restores surge, sway and yaw.",
+    "velocity_pto": "Heave velocity and power take-off force.",
+    "power_energy": "Instantaneous absorbed power, and absorbed energy since the start.",
+    "extreme_shapes": "Shells of all designs at the smallest distance between the poles, displacement magnified.",
+    "shapes_3d": "The first flexible design at the start and at the smallest and largest distance between the poles "
+    "in the window, displacement magnified.",
+    "volume_area": "Volume enclosed by the shell and its surface area.",
+    "energy_audit": "Energy balance of the whole run: the work of the waves or the assumed pressure (black mark) "
+    "equals absorbed, radiated, dissipated and stored energy. Stored energy is negative if the run ends with less "
+    "kinetic and potential energy than it started with.",
+    "snapshots": "The buoys over the last period (dotted: undeformed). Shell displacement is magnified as stated above "
+    "the figure, heave and wave are to scale.",
+}
+HEAVE = "heave and modes. Heave (dotted) coincides with the mode of degree 1 where both move the surface alike"
+OF_THE_RESPONSE = ("absorbed_power", "reactance")
+"""Figures of the frequency response, which does not depend on amplitude."""
+OPTIMAL = "each design at its optimal damping at every frequency"
+LIMIT = "a capture width of a wavelength over 2π"
+HEAVING = f"{LIMIT}, the limit of an axisymmetric heaving body"
+REVOLUTION = "a body of revolution at this port"
+SAME = (
+    ". That limit is the same for all shells apart from structural loss: at optimal damping, flexibility pays if and "
+    "only if it lowers Q"
+)
+
+
+def captions(neglected: str = "", *, given: bool, body: bool, limit: str = "", compared: bool = True) -> dict[str, str]:
+    """Return the captions of a study's figures by kind.
+
+    Parameters
+    ----------
+    neglected : str
+        What the frequency response leaves out, in words.
+    given : bool
+        Whether a damping is given, at which powers are drawn next to those at optimal damping.
+    body : bool
+        Whether it is a body of any shape rather than a buoy of revolution, whose limit is known.
+    limit : str
+        The capture width of that limit where the port reaches more than heave.
+    compared : bool
+        Whether there are a rigid design and another one, whose gain is drawn.
+    """
+    words = {
+        "dampings": f"left {OPTIMAL}, right all at the given damping" if given else OPTIMAL,
+        "limit": LIMIT if body else f"a capture width of {limit}, the limit of {REVOLUTION}" if limit else HEAVING,
+        "gain": ", and the gain over the rigid design" if compared else "",
+        "useful": " Gains are drawn where at least 5 % of the largest power is absorbed." if compared else "",
+        "same": "" if body else SAME,
+        "moving": "all degrees of freedom; dotted: heave" if body else HEAVE,
+    }
+    found = {name: text.format(**words) for name, text in CAPTIONS.items()}
+    return found | ({name: f"{neglected.capitalize()}: {found[name]}" for name in OF_THE_RESPONSE} if neglected else {})

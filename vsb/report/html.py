@@ -1,4 +1,4 @@
-"""One page of HTML with everything inside: what the reports of studies and of campaigns have in common."""
+"""A self-contained HTML page: what the reports of studies and of campaigns have in common."""
 
 import importlib.resources
 import urllib.parse
@@ -14,14 +14,14 @@ from vsb.tools.tables import csv_text
 from vsb.tools.words import short, superscripts
 
 INLINE = 1_000_000
-"""Most bytes of figures inside a page; further ones stand beside it."""
-SCRIPTS = ("algebra.js", "chart.js", "living.js", "living_year.js", "buoys.js", "start.js")
-"""Of every page, in this order; without them it can be read all the same."""
+"""Most bytes of figures inside a page; further ones are only linked."""
+SCRIPTS = ("algebra.js", "chart.js", "interactive.js", "interactive_year.js", "buoys.js", "start.js")
+"""Scripts of every page, in this order; the page can be read without them."""
 NO_SEAS: Mapping[str, str] = {}
 
 
 def page(template: str, **values: Any) -> str:
-    """Return a page from a template of this package, which knows `csv` for `csv_link`; a value it lacks raises."""
+    """Return a page from a template of this package; a missing value raises."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("vsb.report"), autoescape=True, undefined=jinja2.StrictUndefined
     )
@@ -50,7 +50,7 @@ def filled(head: Sequence[str], body: Sequence[Sequence[str]]) -> tuple[list[str
 
 
 def csv_link(name: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
-    """Return a link that keeps a table as a CSV file: the data are inside it, nothing is fetched."""
+    """Return a link that downloads a table as CSV; the data are part of the link."""
     data = urllib.parse.quote(csv_text(head, body))
     return markupsafe.Markup('<a class="csv" download="{}.csv" href="data:text/csv;charset=utf-8,{}">CSV</a>').format(
         name, data
@@ -60,12 +60,12 @@ def csv_link(name: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> s
 def captioned(
     figures: Mapping[str, str], captions: Mapping[str, str], seas: Mapping[str, str] = NO_SEAS
 ) -> list[dict[str, Any]]:
-    """Return figures as a page shows them, in groups: those of no sea, then those of each, the first sea's unfolded.
+    """Return figures in groups: those of no sea, then those of each sea, the first of them unfolded.
 
     Parameters
     ----------
     figures : mapping name -> str
-        SVG; of one sea, its label stands behind a dash in the name. Beyond `INLINE` they are left to their files.
+        SVG; figures of one sea have its label behind a dash. Beyond `INLINE` they are only linked.
     captions : mapping kind -> str
         By what stands before the dash.
     seas : mapping label -> str

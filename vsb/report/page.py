@@ -1,4 +1,4 @@
-"""The self-contained HTML report: the answer first, then the evidence, then what to doubt."""
+"""The self-contained HTML report of a study: the answer first, then the evidence, then what to doubt."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,17 +8,14 @@ import numpy as np
 import xarray as xr
 
 from vsb.report.animation import in_motion
-from vsb.report.band import useful_band
-from vsb.report.captions import captions
-from vsb.report.doubts import no_answer, warnings
-from vsb.report.headline import COMPUTED, Answer, headline
-from vsb.report.html import captioned, page
-from vsb.report.living import as_script
-from vsb.report.tuned import (
+from vsb.report.answer import (
+    COMPUTED,
     GIVEN,
-    NO_BEST_DAMPER,
+    NO_OPTIMUM,
     PARTS,
-    dampers_in_words,
+    Answer,
+    damping_in_words,
+    headline,
     limited_statements,
     parts_table,
     shares_text,
@@ -26,6 +23,11 @@ from vsb.report.tuned import (
     tuning_head,
     tuning_table,
 )
+from vsb.report.band import useful_band
+from vsb.report.doubts import no_answer, warnings
+from vsb.report.figures import captions
+from vsb.report.html import captioned, page
+from vsb.report.interactive import as_script
 from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import FORCE, PortKind
@@ -41,10 +43,11 @@ DETAILS = (
 """Measures of the whole run, start-up included."""
 MISSING = ("", None)
 """A quantity that does not exist, in a table for people and in data."""
-STILL = "Nothing is shown in motion here: of a body its coefficients are stored, not the surface that would be drawn."
-TOLD = 3
-"""Failed checks the head of a page tells."""
-_MARGIN = 0.01  # a gain within 1 % either way is called none
+STILL = "No animation: the surface of a body is not stored with its coefficients."
+MOST_WARNINGS = 3
+"""Failed checks listed at the top of a page."""
+SAME = 1.0
+"""Gains of less than this either way count as none [%]."""
 
 
 class Band(NamedTuple):
@@ -70,14 +73,14 @@ class Report:
     facts: dict[str, str]  # how it was made
     irregular: Sequence[str] = ()  # labels of irregular seas
     statistics: Sequence[dict[str, Any]] = ()  # of irregular seas, realisations together
-    equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their own best dampers; empty without BEM
-    within_limits: Sequence[dict[str, Any]] = ()  # optima under limits, where the take-off has some
+    equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their optimal damping; empty without BEM
+    within_limits: Sequence[dict[str, Any]] = ()  # optima within limits, if the take-off has any
     invalid: Sequence[dict[str, Any]] = ()  # of `vsb.results.ledger.Invalid`: designs not valid, where and why
     thing: str = "buoy"  # what floats
-    flexible: bool = True  # whether any design is: else there is no gain to ask for
+    flexible: bool = True  # whether any design is
     sketches: Sequence[dict[str, str]] = ()  # of each design: name, words, SVG
-    living: dict[str, Any] | None = None  # what the page computes with, see `vsb.report.living`
-    buoys: dict[str, Any] | None = None  # what it draws in motion, see `vsb.report.animation`
+    interactive: dict[str, Any] | None = None  # data of the page's scripts, see `vsb.report.interactive`
+    animated: dict[str, Any] | None = None  # the buoys in motion, see `vsb.report.animation`
 
 
 PUBLISHED = {
@@ -92,7 +95,7 @@ PUBLISHED = {
 PUBLISHED_HEAD = ("design", "sea", "measure", "published", "ours", "difference")
 
 
-def winning_bands(omega: FloatArray, gain: FloatArray, threshold: float = 100 * _MARGIN) -> list[Band]:
+def winning_bands(omega: FloatArray, gain: FloatArray, threshold: float = SAME) -> list[Band]:
     """Return the intervals in which a gain [%] stays above threshold, each with its largest value.
 
     Parameters
@@ -116,17 +119,17 @@ def band_statements(absorbed: xr.DataArray, reference: str | None) -> list[str]:
     Parameters
     ----------
     absorbed : DataArray, dims (design, omega) [W/m^2]
-        At the best dampers, or at the given one.
+        At optimal damping, or at the given one.
     reference : str or None
     """
     if reference is None:
-        return ["No rigid design is part of this study, so no gain can be given."]
+        return ["This study has no rigid design to compare with."]
     if not float(absorbed.max()) > 0:
-        return ["No design absorbs power: the study has no power take-off damping."]
+        return ["No design absorbs power: the take-off has no damping."]
     if absorbed.sizes["design"] < 2:
-        return [f"{reference} is the only design of this study, so there is no gain to give."]
+        return [f"{reference} is the only design of this study."]
     if not float(absorbed.sel(design=reference).max()) > 0:
-        return [f"{reference} does not move this port, so no gain can be given."]
+        return [f"{reference} does not move this port, so there is no gain."]
     moves = absorbed.isel(omega=absorbed.sel(design=reference).values > 0)
     useful = moves.where(useful_band(moves), drop=True)
     omega, base = useful.omega.values, useful.sel(design=reference).values
@@ -157,11 +160,11 @@ def sea_statements(
     where: str = GIVEN,
     unit: str = FORCE.damping_unit,
 ) -> list[str]:
-    """Return, for each sea, which design absorbs most in time, and how far the given damper is from its own best."""
+    """Return, for each sea, which design absorbs most in time, and its share of the optimum at the given damping."""
     statements = []
     for wave in dict.fromkeys(row["wave"] for row in rows):
         sea = [row for row in rows if row["wave"] == wave]
-        still = wave == "still"  # nothing comes in: what counts is the run
+        still = wave == "still"  # without waves the energy of the run counts
         key = "energy" if still else "power_mean"
         best = max(sea, key=lambda row: float(row[key]))
         if float(best[key]) <= 0:
@@ -203,7 +206,7 @@ def _gain_text(line: dict[str, Any], reference: str | None) -> str:
         return ""
     bounds = ""
     if line["gain_low"] not in MISSING:
-        of = "of the sea, 95 %" if line["amplitudes"] == "random" else "of these waves, by the numbers' tolerance"
+        of = "of the sea, 95 %" if line["amplitudes"] == "random" else "of these waves, numerical error only"
         bounds = f"; {float(line['gain_low']):+.1f} to {float(line['gain_high']):+.1f} % {of}"
     return f" ({float(line['gain_percent']):+.1f} %{bounds})"
 
@@ -295,14 +298,14 @@ def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> li
 
 
 def _neglected(report: Report) -> str:
-    """What the frequency response knows nothing of, in words: a drag, which depends on the amplitude."""
+    """What the frequency response leaves out, in words: drag, which depends on the amplitude."""
     return "without drag" if report.study.get("drag") else ""
 
 
 def _answer(report: Report, in_seas: Sequence[str]) -> Answer:
-    """The answer: at equal tuning if it is known, else as it was simulated; what is not valid stands below."""
+    """The answer at equal tuning if it is known, else as simulated; what is not valid stands below."""
     if report.response is None:
-        said = [NO_BEST_DAMPER, *in_seas[:1]]
+        said = [NO_OPTIMUM, *in_seas[:1]]
     else:
         best, names = report.response.best_power, report.seas
         found = headline(report.equal_tuning, best, report.reference, names, report.invalid, _neglected(report))
@@ -323,7 +326,7 @@ def render(report: Report) -> str:
     head, body = table(report.rows, measures(kind, report.thing, law))
     details_head, details = table(report.rows, DETAILS)
     irregular, tuned, response = report.irregular, report.equal_tuning, report.response
-    where, given = dampers_in_words(pto), pto.get("damping") is not None
+    where, given = damping_in_words(pto), pto.get("damping") is not None
     at_damping = tuned if law in ("linear", "saturated") else ()  # else the power in time is not that of the damping
     regular = [row for row in report.rows if row["wave"] not in irregular]
     in_seas = [
@@ -333,7 +336,7 @@ def render(report: Report) -> str:
     failed, answer = warnings(report.checks), _answer(report, in_seas)
     limit = "" if response is None else str(response.attrs.get("limit", ""))
     compared = report.reference is not None and len({row["design"] for row in report.rows}) > 1
-    told = captions(_neglected(report), given=given, body=report.thing == "body", limit=limit, compared=compared)
+    words = captions(_neglected(report), given=given, body=report.thing == "body", limit=limit, compared=compared)
     return page(
         "report.html.j2",
         study=report.study["study"],
@@ -346,9 +349,9 @@ def render(report: Report) -> str:
         sketches=report.sketches,
         kind="study",
         port=kind,
-        living=as_script(report.living) if report.living else "",
-        buoys=in_motion(report.buoys),
-        still="" if report.buoys else STILL,
+        interactive=as_script(report.interactive) if report.interactive else "",
+        animated=in_motion(report.animated),
+        still="" if report.animated else STILL,
         tuned=[
             *([] if response is None else tuned_statements(tuned, report.reference, report.seas)),
             *limited_statements(report.within_limits, report.reference, report.seas),
@@ -357,7 +360,7 @@ def render(report: Report) -> str:
         neglected=_neglected(report),
         best_bands=[] if response is None else band_statements(response.best_power, report.reference),
         bands=band_statements(response.absorbed_power, report.reference) if given and response is not None else [],
-        dampers=where[0].lower() + where[1:],
+        dampings=where,
         tuning_head=tuning_head(unit),
         tuning=tuning_table(tuned),
         details_head=details_head,
@@ -367,12 +370,12 @@ def render(report: Report) -> str:
         published_head=PUBLISHED_HEAD,
         published=published_table(report.study, report.rows),
         source=(report.study["published"] or {"source": ""})["source"],
-        warnings=failed[:TOLD],
-        more_failed=len(failed[TOLD:]),
+        warnings=failed[:MOST_WARNINGS],
+        more_failed=len(failed[MOST_WARNINGS:]),
         doubts=sum(check["verdict"] == "doubt" for check in report.checks),
         head=head,
         body=body,
-        figures=captioned(report.figures, told, report.seas),
+        figures=captioned(report.figures, words, report.seas),
         checks=[check for check in report.checks if check["verdict"] != "ok"],
         passed=[check for check in report.checks if check["verdict"] == "ok"],
         facts=report.facts,

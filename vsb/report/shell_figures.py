@@ -62,8 +62,8 @@ def snapshots(data: StudyData, wave: str) -> Figure:
 
 def _magnification(data: StudyData, wave: str) -> float:
     """Round factor that makes the largest shell displacement about 0.2 radii."""
-    settled = (data.runs[design, wave].sel(time=slice(*data.window)) for design in data.designs)
-    largest = max((float(np.abs(_modal(run)).max()) for run in settled if flexible(run.dof.values)), default=0.0)
+    steady = (data.runs[design, wave].sel(time=slice(*data.window)) for design in data.designs)
+    largest = max((float(np.abs(_modal(run)).max()) for run in steady if flexible(run.dof.values)), default=0.0)
     return round_factor(largest, float(data.modes.attrs["radius"]))
 
 
@@ -162,9 +162,7 @@ def extreme_shapes(data: StudyData, wave: str) -> Figure:
         halves = _meridians(data, run.isel(time=int(np.argmin(_height(data, run).values))), factor)
         ax.plot(*_closed(*halves), **style(design, data.designs))
     ax.set(aspect="equal", xlabel="radius [m]", ylabel="height above the sphere centre [m]")
-    figure.suptitle(
-        f"Least height from pole to pole in the window; shell displacement magnified {factor:g} times", fontsize=9
-    )
+    figure.suptitle(f"Smallest distance between the poles; shell displacement magnified {factor:g} times", fontsize=9)
     ax.legend(loc="center left", bbox_to_anchor=(1.02, 0.5), fontsize=8)
     return figure
 
@@ -172,18 +170,17 @@ def extreme_shapes(data: StudyData, wave: str) -> Figure:
 def shapes_3d(data: StudyData, wave: str) -> Figure:
     """Draw the first flexible design at the start and at its least and greatest height, the paper's Fig. 8.
 
-    The first of all where none moves its shell: so may `hydro.model: auto` describe it.
+    The first of all where none has shell modes, as `hydro.model: auto` may choose.
     """
     design = next((d for d in data.designs if flexible(data.runs[d, wave].dof.values)), next(iter(data.designs)))
     run, factor = data.runs[design, wave], _magnification(data, wave)
-    settled = run.sel(time=slice(*data.window))
-    height = _height(data, settled)
+    height = _height(data, run.sel(time=slice(*data.window)))
     extremes = (int(np.argmin(height.values)), int(np.argmax(height.values)))
     instants = [0.0, *(float(height.time[i]) for i in extremes)]
     figure, _ = grid_of_axes(2.6)
     figure.clear()
     limit = 1.1 * (float(data.modes.attrs["radius"]) + max(0.0, _beyond_sphere(data.modes)[0].max()))
-    for i, (instant, name) in enumerate(zip(instants, ("start", "least height", "greatest height"), strict=True)):
+    for i, (instant, name) in enumerate(zip(instants, ("start", "smallest height", "largest height"), strict=True)):
         ax: Any = figure.add_subplot(1, 3, i + 1, projection="3d")
         x, z = (a[::3] for a in _meridians(data, run.sel(time=instant, method="nearest"), factor)[0])
         _draw_wires(ax, x, z, style(design, data.designs)["color"])
@@ -191,7 +188,7 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
         ax.set_box_aspect((1, 1, 1))
         ax.tick_params(labelsize=7, pad=-2)
         ax.set_title(f"{name}\nt = {instant:.2f} s", fontsize=8, y=1.02)
-    title = f"{design}, heights from pole to pole, shell displacement magnified {factor:g} times; z in m"
+    title = f"{design}, height between the poles, shell displacement magnified {factor:g} times; z in m"
     figure.suptitle(title, fontsize=9)
     return figure
 

@@ -1,4 +1,4 @@
-"""Finished studies and campaigns side by side, told: as text, as CSV, as one page of HTML with a figure."""
+"""Finished studies and campaigns side by side: as text, as CSV, as one page of HTML with a figure."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -42,12 +42,12 @@ MEASURES = {
 }
 """What the figure shows of every line: the first two that are known."""
 DOUBTS = (
-    "Numbers are linear theory under the tuning of their row; without coefficients, as a study was run.",
-    "Gains are each over the rigid design of the same study: studies of other sizes and waters differ in power, too.",
-    "Intervals, seas in time and what to doubt stand in the reports.",
+    "Numbers are linear theory at the tuning of their row; without coefficients, results of the simulation.",
+    "Each gain is over the rigid design of the same study; studies of other sizes and waters also differ in power.",
+    "Intervals, time-domain results and doubts are in the reports.",
 )
 EQUAL = 0.05
-"""Gain that would be told as 0.0 [%]."""
+"""Gain that would be printed as 0.0 [%]."""
 MOST_POINTS = 24
 """Points of a campaign a table shows; the file holds all."""
 
@@ -103,8 +103,8 @@ def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> st
     reports : mapping name -> (path, id)
         The report of every study and campaign, as seen from the page, and its content id.
     """
-    told = _shown(lines)
-    head, *body = _table(told)
+    shown = _shown(lines)
+    head, *body = _table(shown)
     return page(
         "side_by_side.html.j2",
         names=list(reports),
@@ -112,25 +112,25 @@ def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> st
         below=[],
         sketches=(),
         warnings=DOUBTS,
-        living="",
-        buoys=None,
+        interactive="",
+        animated=None,
         still="",
         reports={name: path for name, (path, _) in reports.items()},
-        figure=drawn(figure(told), "side_by_side").svg,
+        figure=drawn(figure(shown), "side_by_side").svg,
         head=head,
         body=body,
-        left_out=len(lines) - len(told),
+        left_out=len(lines) - len(shown),
         figures=(),
         facts={name: identity for name, (_, identity) in reports.items()},
     )
 
 
 def answer(lines: Sequence[Line]) -> str:
-    """Return in one sentence where flexibility brings most, or which design takes most where no gain is told."""
+    """Return in one sentence where flexibility brings most; without gains, which design absorbs most."""
     gains = [(line.gain_percent, line) for line in lines if line.gain_percent is not None and line.gain_percent != 0]
     if gains:
         gain, best = max(gains, key=lambda one: one[0])
-        subject, rigid = f"{best.design} of {_place(best)} takes", f"its rigid design ({TUNED[best.tuning]})."
+        subject, rigid = f"{best.design} of {_place(best)} absorbs", f"its rigid design ({TUNED[best.tuning]})."
         if gain >= EQUAL:
             return f"Flexibility brings most where {subject} {gain:.1f} % more than {rigid}"
         how = "as much as" if gain > -EQUAL else f"{-gain:.1f} % less than"
@@ -139,7 +139,7 @@ def answer(lines: Sequence[Line]) -> str:
     if not powers:
         return "No design is viable."
     power, most = max(powers, key=lambda one: one[0])
-    return f"{most.design} of {_place(most)} takes most: {plain(power)} W ({TUNED[most.tuning]})."
+    return f"{most.design} of {_place(most)} absorbs most: {plain(power)} W ({TUNED[most.tuning]})."
 
 
 def _place(line: Line) -> str:

@@ -13,8 +13,8 @@ from vsb.report.animation import PER_PERIOD, PERIODS, SEEN, frames_data, largest
 from vsb.report.campaign_answer import TUNED, leading, shown_place, where
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.campaign_page import CampaignReport, render
-from vsb.report.living import designs_data, year_data
-from vsb.report.sea_figures import year_spectra
+from vsb.report.hydro_figures import year_spectra
+from vsb.report.interactive import designs_data, year_data
 from vsb.report.shell_figures import round_factor
 from vsb.report.sketch import sketches
 from vsb.report.svg import Drawn, drawn
@@ -89,27 +89,29 @@ def _figure(name: str, ds: xr.Dataset, seas: Climate) -> Figure:
 
 def _page(spec: CampaignSpec, ds: xr.Dataset, seas: Climate, root: str, svgs: Mapping[str, str]) -> str:
     """The report, with its figures."""
-    living, moving = (made(spec, ds, *leading(ds), seas, root) for made in (living_year, moving_year))
+    interactive, animated = (made(spec, ds, *leading(ds), seas, root) for made in (interactive_year, animated_year))
     first = members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)[0].study
-    return render(CampaignReport(ds, svgs, living, sketches(first), moving, seas.notes))
+    return render(CampaignReport(ds, svgs, interactive, sketches(first), animated, seas.notes))
 
 
-def moving_year(
+def animated_year(
     spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, seas: Climate, root: str
 ) -> dict[str, Any] | None:
     """Return the motion of all viable designs in one sea of a campaign's year; none where no damper is known.
 
-    Parameters are those of `vsb.stages.campaign_report.living_year`.
+    Parameters are those of `vsb.stages.campaign_report.interactive_year`.
     """
     place = shown_place(ds, tuning, reference)
     index = int(np.ravel_multi_index(list(place.values()), ds.margin.shape)) if place else 0
     point, one = sweep_point(spec, index, root), ds.isel(place)
-    told = next((name for name in (tuning, "one", "each", "fixed") if name in one.tuning and name != CONSTRAINED), None)
-    if point is None or told is None:
+    tuned = next(
+        (name for name in (tuning, "one", "each", "fixed") if name in one.tuning and name != CONSTRAINED), None
+    )
+    if point is None or tuned is None:
         return None
     sea, row, column = most_energetic(seas, point.study.water)
     designs, period, radius = list(point.study.designs), float(seas.te[sea]), point.study.device.radius
-    damping = one.damping.sel(tuning=told, design=designs).isel(hs=row, te=column).values
+    damping = one.damping.sel(tuning=tuned, design=designs).isel(hs=row, te=column).values
     band = point.swept.buoys[0].database.omega.values[[0, -1]]
     if not np.isfinite(damping).all():
         return None
@@ -127,7 +129,7 @@ def moving_year(
         "factor": round_factor(largest, radius),
         "shapes": shapes_data(modes),
         "seas": [frames_data(words, runs, waves, span, period, width, point.study.water, shell)],
-        "told": f"In {words}: a realisation of its spectrum, by linear theory, {TUNED[told]}{at}.",
+        "message": f"In {words}: a realisation of its spectrum by linear theory, {TUNED[tuned]}{at}.",
     }
 
 
@@ -160,7 +162,7 @@ MOST = 6
 """Most points of a campaign a page computes with; of more, the one its figures show."""
 
 
-def living_year(
+def interactive_year(
     spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, seas: Climate, root: str
 ) -> dict[str, Any] | None:
     """Return the data of a campaign's page; none where no design is viable or the take-off switches.

@@ -20,7 +20,7 @@ from vsb.report.animation import PERIODS, SEEN, frames_data, largest_shell, shap
 from vsb.report.band import lowest
 from vsb.report.canvas import StudyData
 from vsb.report.figures import draw
-from vsb.report.living import Grid, LivingSea, designs_data, study_data, thinned
+from vsb.report.interactive import Grid, InteractiveSea, designs_data, study_data, thinned
 from vsb.report.page import Report, render
 from vsb.report.shell_figures import round_factor
 from vsb.report.sketch import sketches
@@ -99,7 +99,7 @@ MOVING_SEAS = 4
 """Most seas whose motion a page holds."""
 
 
-def moving_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) -> dict[str, Any]:
+def animated_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) -> dict[str, Any]:
     """Return the motion of all designs in the first seas of a study, its still water left out where there are waves.
 
     Parameters
@@ -140,7 +140,7 @@ SEAS = 24
 """Most seas a reader can choose from."""
 
 
-def living_study(
+def interactive_study(
     study: AnyStudy, database: str, response: xr.Dataset, limited: Sequence[Mapping[str, Any]]
 ) -> dict[str, Any] | None:
     """Return the data of a study's page; none where no damper's power is known, or a spring or drag loses some of it.
@@ -202,8 +202,8 @@ class _Seen:
         return Grid(omega, 0.5 * water.density * water.gravity * speed, ports)
 
     def with_steps(
-        self, seas: Sequence[LivingSea], waves: Sequence[RegularWave | Irregular], within: tuple[float, float]
-    ) -> list[LivingSea]:
+        self, seas: Sequence[InteractiveSea], waves: Sequence[RegularWave | Irregular], within: tuple[float, float]
+    ) -> list[InteractiveSea]:
         """Seas with optima at some limits of force, of forces within a band."""
         study, stroke = self.study, self.study.pto.stroke_limit
         steps = partial(force_steps, reference=study.reference_design, seas=len(seas), stroke=stroke, band=within)
@@ -234,7 +234,7 @@ def _sea(
     highest: float,
     limited: Sequence[Mapping[str, Any]],
     grids: list[tuple[FloatArray, float]],
-) -> LivingSea:
+) -> InteractiveSea:
     """A sea as a page needs it: its components where ports are known, on a grid that is added if it is new."""
     given = {design: study.pto.damper(design) for design in study.designs}
     within = {str(line["design"]): float(line["power"]) for line in limited if line["sea"] == name}
@@ -253,7 +253,7 @@ def _sea(
     place = next(same, len(grids))
     if place == len(grids):
         grids.append((omega, wave.direction))
-    return LivingSea(wave.description, place, squares, jonswap, given, within)
+    return InteractiveSea(wave.description, place, squares, jonswap, given, within)
 
 
 def _longest(designs: int, highest: float) -> float:
@@ -303,8 +303,8 @@ def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **fi
         sketches=sketches(study) if isinstance(study, Study) else (),
         thing="buoy" if isinstance(study, Study) else "body",
         flexible=study.flexible,
-        buoys=_buoys(stored),
-        living=living_study(study, stored.path("database"), stored.response, found["within_limits"]),
+        animated=_buoys(stored),
+        interactive=interactive_study(study, stored.path("database"), stored.response, found["within_limits"]),
         figures={n: read_text(f"{files['figures']}/{n}.svg", manifest, study_id) for n in stored.plan.figures},
         facts=_facts(study, hydrodynamics, stored.runs.attributes()),
     )
@@ -316,7 +316,7 @@ def _buoys(stored: Inputs) -> dict[str, Any] | None:
     """Moving buoys of a page; of a body nothing is known that could be drawn."""
     if not isinstance(stored.plan, StudyPlan):
         return None
-    return moving_study(stored, stored.modes, _seas(stored.plan.study))
+    return animated_study(stored, stored.modes, _seas(stored.plan.study))
 
 
 def _seas(study: AnyStudy) -> dict[str, str]:

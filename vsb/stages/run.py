@@ -163,7 +163,7 @@ def _answer(plan: Plan) -> str:
         from vsb.tools.files import load
 
         return f"{closing_answer(load(plan.data_path, expected=plan.campaign_id))} "
-    from vsb.report.tuned import closing_line
+    from vsb.report.answer import closing_line
     from vsb.tools.stamps import read_text
 
     found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))

@@ -11,7 +11,7 @@ import xarray as xr
 
 from vsb import __version__
 from vsb.errors import DatabaseError
-from vsb.report.shape_figures import shape_figure
+from vsb.report.hydro_figures import shape_figure
 from vsb.scenes.rest import reference_shell
 from vsb.scenes.shape_dependence import answer, shape_dataset, shapes_of_study, study_family
 from vsb.study.study import Study, content_id

@@ -1,5 +1,5 @@
-// The algebra of a page: power of a damper in seas and years, from ports. No page is needed: it runs anywhere.
-// A port is known by drive = |Z V0|^2, resistance R and reactance X, all over frequency; a damper c takes
+// Power of a damper in seas and years, from ports; also runs outside a page.
+// A port has drive = |Z V0|^2, resistance R and reactance X over frequency; a damping c absorbs
 // c drive / (2 ((R + c)^2 + X^2)) per squared wave amplitude (vsb.motion.port).
 "use strict";
 
@@ -45,7 +45,7 @@ function power(port, squares, damping) {
   return sum;
 }
 
-/** The damper that takes most in a sea: the best of a table, then golden sections; no more than round-off is lost. */
+/** The optimal damping in a sea: the best of a table, then golden sections to round-off. */
 function bestDamper(port, squares) {
   const value = (u) => power(port, squares, Math.exp(u));
   let low = Infinity;

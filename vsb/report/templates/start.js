@@ -1,4 +1,4 @@
-// Begin: what moves shows itself.
+// Start the interactive parts of the page.
 "use strict";
 
 {
@@ -8,9 +8,9 @@
   };
   showValues();
   sortTables();
-  const data = held("living-data");
+  const data = held("interactive-data");
   const root = document.getElementById("live");
-  if (data) globalThis.living = data.kind === "study" ? new LivingStudy(data, root) : new LivingYear(data, root);
+  if (data) globalThis.interactive = data.kind === "study" ? new InteractiveStudy(data, root) : new InteractiveYear(data, root);
   const motion = held("buoys-data");
   if (motion) globalThis.buoys = new Buoys(motion, document.getElementById("buoys"));
 }

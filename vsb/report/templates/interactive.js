@@ -1,8 +1,8 @@
-// A study's page: drag the damper or a sea's peak period, and powers, capture widths and gains follow.
+// A study's page: powers, capture widths and gains at the damping, or peak period, the reader chooses.
 "use strict";
 
-/** Everything the page shows of a study, from its data and from what the reader chose. */
-class LivingStudy {
+/** The interactive part of a study's page. */
+class InteractiveStudy {
   constructor(data, root) {
     this.data = data;
     this.root = root;
@@ -11,7 +11,7 @@ class LivingStudy {
     this.limit = unpacked(data.limit);
     root.querySelector('[data-part="bound"]').textContent = data.bound;
     this.reference = data.designs.findIndex((design) => design.reference);
-    this.damping = null; // each design at its own best damper
+    this.damping = null; // each design at its optimal damping
     this.part = (name) => root.querySelector(`[data-part="${name}"]`);
     this.listen();
     this.choose(0);
@@ -61,7 +61,7 @@ class LivingStudy {
     this.swell(jonswap ? jonswap.tp : null);
   }
 
-  /** Take the sea with a peak period: what its components and best dampers are. */
+  /** Use the sea with a peak period: its components and optimal dampings. */
   swell(tp) {
     this.tp = tp;
     this.squares = seaSquares(this.sea, this.grid, tp);
@@ -75,20 +75,20 @@ class LivingStudy {
     this.show();
   }
 
-  /** Mean power over the damper, of every design. */
+  /** Mean power against damping, of every design. */
   powerOverDamper() {
     const { low, high } = this.reach;
     const dampers = Float64Array.from({ length: 61 }, (_, i) => low * (high / low) ** (i / 60));
     return this.grid.ports.map((port) => ({ x: dampers, y: dampers.map((c) => this.powerUnder(port, c)) }));
   }
 
-  /** Mean electrical power of a damper in the sea [W]. */
+  /** Mean electrical power at a damping in the sea [W]. */
   powerUnder(port, damping) {
     return this.data.efficiency * power(port, this.squares, damping);
   }
 
-  /** What each design takes under the take-off chosen: its damper, if it has one, and its power [W]. */
-  takes() {
+  /** Damping, if any, and power of each design with the chosen take-off [W]. */
+  absorbed() {
     const how = this.part("take-off").value;
     return this.grid.ports.map((port, i) => {
       if (how === "matched") return { damping: null, power: this.data.efficiency * dot(this.squares, port.matched) };
@@ -110,10 +110,10 @@ class LivingStudy {
     this.part("dampers").hidden = how !== "damper";
     this.part("limits").hidden = how !== "limited";
     this.part("over-band").parentNode.hidden = how === "within" || how === "limited"; // such a force mixes frequencies
-    const found = this.takes();
+    const found = this.absorbed();
     const shown = this.damping ?? Math.max(...this.own);
     this.part("damper").value = Math.log(shown || 1);
-    this.part("damper-says").textContent = this.damping === null ? "each at its own best" : `${plain(this.damping)} ${this.data.port.damping}`;
+    this.part("damper-says").textContent = this.damping === null ? "optimal for each" : `${plain(this.damping)} ${this.data.port.damping}`;
     this.part("period-says").textContent = this.tp === null ? "" : `${this.tp.toFixed(2)} s`;
     this.table(found);
     if (how === "limited") this.overLimit(found);
@@ -121,25 +121,25 @@ class LivingStudy {
     this.overBand(found);
   }
 
-  /** The table: damper, power, capture width, gain, share of the own best. */
+  /** The table: damping, power, capture width, gain, share of the optimum. */
   table(found) {
-    const over = gains(found.map((take) => take.power), this.reference);
-    const rows = found.map((take, i) => {
+    const over = gains(found.map((one) => one.power), this.reference);
+    const rows = found.map((one, i) => {
       const best = this.powerUnder(this.grid.ports[i], this.own[i]);
       const gain = over[i] === null ? "–" : `${over[i] < 0 ? "−" : "+"}${Math.abs(over[i]).toFixed(1)}`;
-      const width = take.power === null ? null : take.power / this.flux;
-      const share = take.power === null || !(best > 0) ? null : (100 * take.power) / best;
-      return [this.data.designs[i].name, plain(take.damping), plain(take.power), plain(width), gain, plain(share)];
+      const width = one.power === null ? null : one.power / this.flux;
+      const share = one.power === null || !(best > 0) ? null : (100 * one.power) / best;
+      return [this.data.designs[i].name, plain(one.damping), plain(one.power), plain(width), gain, plain(share)];
     });
     this.part("rows").replaceChildren(...rows.map((cells, i) => tableRow(cells, this.data.designs[i])));
   }
 
-  /** Mean power of the sea over the damper. */
+  /** Chart of mean power against damping. */
   overDamper(found) {
     const top = Math.max(...this.curves.flatMap((curve) => [...curve.y]), 1e-9);
-    const marks = found.flatMap((take, i) => {
+    const marks = found.flatMap((one, i) => {
       const colour = this.data.designs[i].colour;
-      return take.damping > 0 ? [{ x: take.damping, y: take.power / 1e3, colour }] : [];
+      return one.damping > 0 ? [{ x: one.damping, y: one.power / 1e3, colour }] : [];
     });
     if (this.damping !== null) marks.unshift({ x: this.damping });
     const curves = this.curves.map((curve, i) => ({ ...this.data.designs[i], x: curve.x, y: curve.y.map((v) => v / 1e3) }));
@@ -148,16 +148,16 @@ class LivingStudy {
       y: { label: "mean power [kW]", low: 0, high: (1.08 * top) / 1e3 },
       curves,
       marks,
-      words: `Mean power over the damper: ${this.data.designs.map((d, i) => `${d.name} at most ${plain(Math.max(...this.curves[i].y))} W at ${plain(this.own[i])} ${this.data.port.damping}`).join(", ")}`,
+      words: `Mean power against damping: ${this.data.designs.map((d, i) => `${d.name} at most ${plain(Math.max(...this.curves[i].y))} W at ${plain(this.own[i])} ${this.data.port.damping}`).join(", ")}`,
     });
   }
 
-  /** Mean power of the best force within a limit over that limit, and which of the stored ones is looked at. */
+  /** Chart of mean power of the optimal load within a limit against that limit. */
   overLimit(found) {
     const { limits, of, repeats, powers } = this.sea.steps;
     const limit = limits[Number(this.part("limit").value)];
-    const share = `${plain((100 * limit) / limits.at(-1))} % of what the best damper of ${of} needs`;
-    const again = repeats === null ? "" : `; waves taken to repeat after ${plain(repeats)} s`;
+    const share = `${plain((100 * limit) / limits.at(-1))} % of what optimal damping of ${of} needs`;
+    const again = repeats === null ? "" : `; waves assumed to repeat after ${plain(repeats)} s`;
     this.part("limit-says").textContent = `${plain(limit / 1e3)} k${this.data.port.load_unit}, ${share}${again}`;
     const curves = powers.map((power, i) => {
       const known = [...power.keys()].filter((k) => power[k] !== null);
@@ -165,15 +165,15 @@ class LivingStudy {
     });
     const dots = found.map(({ power }, i) => ({ x: limit / 1e3, y: power / 1e3, colour: this.data.designs[i].colour, power }));
     chart(this.part("over-damper"), {
-      x: { label: `limit of ${this.data.port.load} [k${this.data.port.load_unit}]`, log: true, low: limits[0] / 1e3, high: limits.at(-1) / 1e3 },
+      x: { label: `${this.data.port.load} limit [k${this.data.port.load_unit}]`, log: true, low: limits[0] / 1e3, high: limits.at(-1) / 1e3 },
       y: { label: "mean power [kW]", low: 0, high: Math.max(...curves.flatMap((curve) => curve.y), 1e-9) * 1.08 },
       curves: curves.filter((curve) => curve.x.length),
       marks: [{ x: limit / 1e3 }, ...dots.filter((dot) => dot.power !== null)],
-      words: `Mean power of the best force within a limit: ${curves.map((c) => `${c.name} at most ${plain(1e3 * Math.max(...c.y, 0))} W`).join(", ")} at ${plain(limits.at(-1) / 1e3)} k${this.data.port.load_unit}`,
+      words: `Mean power of the optimal ${this.data.port.load} within a limit: ${curves.map((c) => `${c.name} at most ${plain(1e3 * Math.max(...c.y, 0))} W`).join(", ")} at ${plain(limits.at(-1) / 1e3)} k${this.data.port.load_unit}`,
     });
   }
 
-  /** Absorbed power per squared amplitude over the band at these dampers, with the limit and the sea. */
+  /** Chart of absorbed power per squared amplitude over frequency, with the limit and the sea. */
   overBand(found) {
     const { omega, ports } = this.band;
     const { limit } = this;
@@ -203,7 +203,7 @@ class LivingStudy {
     });
   }
 
-  /** Largest powers of any damper over the band [kW/m^2]: the axis stays where it is. */
+  /** Largest powers at any damping over the band [kW/m^2], for a constant axis. */
   curvesTop() {
     this.band.highest ??= this.band.ports.map((port) => {
       const best = (_, j) => powerAt(port, j, Math.hypot(port.resistance[j], port.reactance[j]));

@@ -1,7 +1,7 @@
-"""The numbers a page computes with: ports and seas, so that a reader can drag the damper.
+"""The data of a page's scripts: ports and seas, from which a reader's choice of damping gives powers and gains.
 
-The page's algebra is that of `vsb.motion.port`: a damper c takes c |Z V0|^2 / (2 |Z + c|^2) per squared amplitude, and
-of a sea the sum of that over its components. Numbers travel as base64 of little-endian floats.
+The scripts use the algebra of `vsb.motion.port`: a damping c absorbs c |Z V0|^2 / (2 |Z + c|^2) per squared wave
+amplitude, and in a sea the sum over its components. Numbers are base64 of little-endian floats.
 """
 
 import base64
@@ -23,17 +23,17 @@ from vsb.tools.words import superscripts
 from vsb.waves.climate import YEAR_HOURS, Climate
 
 if TYPE_CHECKING:
-    from vsb.results.force_steps import ForceSteps  # which reads what is compiled
+    from vsb.results.force_steps import ForceSteps  # imports compiled code
 
 DASHES = {"-": "", "--": "7 3", "-.": "8 3 2 3", ":": "2 3"}
-"""Line styles of designs as SVG has them."""
-SHOWN = 240
-"""Most frequencies of the curves over the band."""
+"""Line styles of designs in SVG."""
+MOST_FREQUENCIES = 240
+"""Of the curves over the band."""
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Components that seas share, and the ports at their frequencies, the take-off's spring built in."""
+    """Frequencies that seas share, and the ports there, the take-off's spring included."""
 
     omega: FloatArray  # (component,) [rad/s]
     flux: FloatArray  # energy flux per squared amplitude, rho g v_g/2 (component,) [W/m^3]
@@ -41,17 +41,17 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class LivingSea:
-    """A sea of a study as a page needs it: on one of its grids, by squared amplitudes or by parameters."""
+class InteractiveSea:
+    """A sea of a study on one of its grids: squared amplitudes, or the parameters of a spectrum."""
 
     words: str
     grid: int
-    squares: FloatArray | None  # of the components' amplitudes (component,) [m^2]; none of a sea by parameters
-    jonswap: dict[str, float] | None = None  # of its spectrum, see `algebra.js`
-    given: Mapping[str, float | None] | None = None  # dampers as given [N s/m]
+    squares: FloatArray | None  # of the components' amplitudes (component,) [m^2]; None of a spectrum
+    jonswap: dict[str, float] | None = None  # parameters of the spectrum, see `algebra.js`
+    given: Mapping[str, float | None] | None = None  # given damping by design
     limited: Mapping[str, float] | None = None  # power of the optimum within limits by design, where known [W]
     steps: "ForceSteps | None" = None  # optima at further limits of force
-    band: int = 0  # which of the curves over the band is of its direction
+    band: int = 0  # which of the curves over the band has its direction
 
 
 def packed(values: npt.ArrayLike, kind: str = "<f4") -> str:
@@ -59,18 +59,8 @@ def packed(values: npt.ArrayLike, kind: str = "<f4") -> str:
     return base64.b64encode(np.asarray(values, dtype=kind).tobytes()).decode()
 
 
-def port_data(port: Port) -> dict[str, str]:
-    """Return what a damper's power follows from: |Z V0|^2, R and X, packed."""
-    impedance = port.impedance
-    return {
-        "drive": packed(np.abs(impedance * port.velocity) ** 2),
-        "resistance": packed(impedance.real),
-        "reactance": packed(impedance.imag),
-    }
-
-
 def designs_data(designs: Sequence[str], reference: str | None) -> list[dict[str, Any]]:
-    """Return names and looks of designs, those of all figures, and which one gains are over."""
+    """Return names and styles of designs, the same as in all figures, and which one gains are measured against."""
     looks = {name: style(name, designs) for name in designs}
     return [
         {"name": name, "colour": look["color"], "dash": DASHES[look["linestyle"]], "reference": name == reference}
@@ -80,7 +70,7 @@ def designs_data(designs: Sequence[str], reference: str | None) -> list[dict[str
 
 def study_data(
     grids: Sequence[Grid],
-    seas: Sequence[LivingSea],
+    seas: Sequence[InteractiveSea],
     bands: Sequence[Grid],
     limit: FloatArray,
     reference: str | None,
@@ -93,14 +83,14 @@ def study_data(
     Parameters
     ----------
     grids : sequence of Grid
-    seas : sequence of LivingSea
+    seas : sequence of InteractiveSea
         On those grids.
     bands : sequence of Grid
-        Over the band figures show, of each direction seas go to.
+        For the curves over the band, one for each direction of the seas.
     limit : ndarray, shape (omega,) [W/m^2]
-        Over the same frequencies, the most a body of revolution takes.
+        Largest power of a body of revolution at the same frequencies.
     reference : str or None
-        The design gains are over.
+        The design gains are measured against.
     efficiency : float
         Of the take-off [-].
     bound : str
@@ -117,32 +107,49 @@ def study_data(
         "limit": packed(limit),
         "bound": bound,
         "grids": [_grid_data(grid) for grid in grids],
-        "seas": [
-            {
-                "words": sea.words,
-                "grid": sea.grid,
-                "band": sea.band,
-                "squares": None if sea.squares is None else packed(sea.squares),
-                "jonswap": sea.jonswap,
-                "given": [(sea.given or {}).get(design) for design in designs],
-                "limited": [(sea.limited or {}).get(design) for design in designs],
-                "steps": sea.steps and _steps_data(sea.steps, designs),
-            }
-            for sea in seas
-        ],
+        "seas": [_sea_data(sea, designs) for sea in seas],
     }
 
 
-def _steps_data(steps: "ForceSteps", designs: Sequence[str]) -> dict[str, Any]:
-    """Optima at some limits of force, design by design."""
-    powers = [steps.powers[design] for design in designs]
-    return {"limits": steps.limits, "of": steps.of, "repeats": steps.repeats, "powers": powers}
+def _sea_data(sea: InteractiveSea, designs: Sequence[str]) -> dict[str, Any]:
+    """A sea, packed."""
+    steps = sea.steps and {
+        "limits": sea.steps.limits,
+        "of": sea.steps.of,
+        "repeats": sea.steps.repeats,
+        "powers": [sea.steps.powers[design] for design in designs],
+    }
+    return {
+        "words": sea.words,
+        "grid": sea.grid,
+        "band": sea.band,
+        "squares": None if sea.squares is None else packed(sea.squares),
+        "jonswap": sea.jonswap,
+        "given": [(sea.given or {}).get(design) for design in designs],
+        "limited": [(sea.limited or {}).get(design) for design in designs],
+        "steps": steps,
+    }
 
 
 def _grid_data(grid: Grid) -> dict[str, Any]:
     """A grid, packed; frequencies to all digits, because spectra are steep."""
     ports = [{**port_data(port), "matched": packed(port.matched_power)} for port in grid.ports.values()]
     return {"omega": packed(grid.omega, "<f8"), "flux": packed(grid.flux), "ports": ports}
+
+
+def port_data(port: Port) -> dict[str, str]:
+    """Return what power follows from: |Z V0|^2, R and X, packed."""
+    impedance = port.impedance
+    return {
+        "drive": packed(np.abs(impedance * port.velocity) ** 2),
+        "resistance": packed(impedance.real),
+        "reactance": packed(impedance.imag),
+    }
+
+
+def _port_units(kind: PortKind) -> dict[str, str]:
+    """Name and units of the load of a port, and the unit of damping."""
+    return {"load": kind.load, "load_unit": kind.load_unit, "damping": superscripts(kind.damping_unit)}
 
 
 def year_data(
@@ -158,11 +165,11 @@ def year_data(
     ----------
     climate : Climate
     points : sequence of mapping
-        `words`; `ports` by design, at frequencies that hold the edges of the climate's bands; dampers `given` by
-        design [N s/m]; energy `flux` of every sea [W/m].
+        `words`; `ports` by design, at frequencies that contain the edges of the climate's bands; `given` damping by
+        design; energy `flux` of every sea [W/m].
     designs : sequence of str
     reference : str or None
-        The design gains are over.
+        The design gains are measured against.
     kind : PortKind
 
     Notes
@@ -189,13 +196,8 @@ def year_data(
     }  # fmt: skip
 
 
-def _port_units(kind: PortKind) -> dict[str, str]:
-    """What scripts say of a port."""
-    return {"load": kind.load, "load_unit": kind.load_unit, "damping": superscripts(kind.damping_unit)}
-
-
 def _point_data(point: Mapping[str, Any], climate: Climate, designs: Sequence[str]) -> dict[str, Any]:
-    """A point, packed; weights of frequencies in bands are few, so each stands with its place."""
+    """A point, packed; the matrix of weights of frequencies in bands is sparse."""
     ports: Mapping[str, Port] = point["ports"]
     weights = band_weights(next(iter(ports.values())).omega, climate)
     band, at = np.nonzero(weights)
@@ -208,8 +210,8 @@ def _point_data(point: Mapping[str, Any], climate: Climate, designs: Sequence[st
     }
 
 
-def thinned(omega: FloatArray, most: int = SHOWN) -> FloatArray:
-    """Return every so-many-th index of frequencies, the last included."""
+def thinned(omega: FloatArray, most: int = MOST_FREQUENCIES) -> FloatArray:
+    """Return indices of evenly chosen frequencies, at most so many, the last included."""
     return np.unique(np.linspace(0, len(omega) - 1, min(most, len(omega))).astype(int))
 
 

@@ -1,10 +1,10 @@
-// A campaign's page: drag the damper, and the year's matrix, energies and gains follow.
+// A campaign's page: energies, gains and matrices of a year at the damping the reader chooses.
 "use strict";
 
 const MATRIX = { width: 720, left: 44, top: 8, cell: 26, bottom: 40 };
 
-/** Everything the page shows of a year, from its data and from what the reader chose. */
-class LivingYear {
+/** The interactive part of a campaign's page. */
+class InteractiveYear {
   constructor(data, root) {
     this.data = data;
     this.bins = unpackedBins(data.bins);
@@ -23,7 +23,7 @@ class LivingYear {
     root.hidden = false;
   }
 
-  /** Go to a point of the campaign, each design at its own best damper of the year. */
+  /** Go to a point of the campaign, each design at its optimal damping for the year. */
   choose(index) {
     this.point = this.points[index];
     const { ports, given } = this.point;
@@ -42,7 +42,7 @@ class LivingYear {
     this.drag(null);
   }
 
-  /** What the matrix may show: powers of each design, gains of all but the rigid one. */
+  /** Choices of the matrix: powers of each design, gains of all but the rigid one. */
   choices() {
     const there = this.data.designs.map((design, i) => ({ ...design, i })).filter(({ i }) => this.point.ports[i]);
     const rigid = there.find((design) => design.i === this.reference);
@@ -56,7 +56,7 @@ class LivingYear {
     return (mean * this.data.hours) / 1e6;
   }
 
-  /** One damper for all designs, or each its own best one of the year. */
+  /** One damping for all designs, or null: optimal for each. */
   drag(damping) {
     this.damping = damping;
     this.show();
@@ -70,13 +70,13 @@ class LivingYear {
     const means = this.matrices.map((matrix) => matrix && dot(matrix, this.bins.share));
     const shown = this.damping ?? Math.max(...this.own);
     this.part("damper").value = Math.log(shown || 1);
-    this.part("damper-says").textContent = this.damping === null ? "each at its own best of the year" : `${plain(this.damping)} ${this.data.port.damping}`;
+    this.part("damper-says").textContent = this.damping === null ? "optimal for each" : `${plain(this.damping)} ${this.data.port.damping}`;
     this.table(used, means);
     this.overDamper(used, means);
     this.matrix();
   }
 
-  /** The table: damper, energy, capture width, gain, share of the own best. */
+  /** The table: damping, energy, capture width, gain, share of the optimum. */
   table(used, means) {
     const over = gains(means, this.reference);
     const rows = means.flatMap((mean, i) => {
@@ -91,7 +91,7 @@ class LivingYear {
     this.part("rows").replaceChildren(...rows);
   }
 
-  /** Annual energy over the damper. */
+  /** Chart of annual energy against damping. */
   overDamper(used, means) {
     const there = this.data.designs.map((design, i) => ({ ...design, i })).filter(({ i }) => this.curves[i]);
     const top = Math.max(...there.flatMap(({ i }) => [...this.curves[i].y]), 1e-9);
@@ -102,7 +102,7 @@ class LivingYear {
       y: { label: "energy [MWh/year]", low: 0, high: 1.08 * top },
       curves: there.map((design) => ({ ...design, ...this.curves[design.i] })),
       marks: marks.filter((mark) => mark.x > 0),
-      words: `Energy of a year over the damper: ${there.map(({ name, i }) => `${name} at most ${plain(Math.max(...this.curves[i].y))} MWh at ${plain(this.own[i])} ${this.data.port.damping}`).join(", ")}`,
+      words: `Annual energy against damping: ${there.map(({ name, i }) => `${name} at most ${plain(Math.max(...this.curves[i].y))} MWh at ${plain(this.own[i])} ${this.data.port.damping}`).join(", ")}`,
     });
   }
 

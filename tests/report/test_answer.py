@@ -1,0 +1,231 @@
+"""The answer of a study in sentences and tables."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from vsb.report.answer import (
+    closing_line,
+    damping_in_words,
+    interval_text,
+    limited_statements,
+    shares_text,
+    tuned_statements,
+    tuning_head,
+    tuning_table,
+)
+from vsb.report.answer import headline as answered
+from vsb.report.page import sea_statements
+
+OMEGA = np.linspace(0.5, 4.0, 351)
+SEAS = {"w": "a swell", "v": "a chop"}
+
+
+def gained(design, gain, sea="w", power=100.0, width=None):
+    """A line, with an interval of a width to either side of its gain if there is one."""
+    ends = {} if width is None else {"best_low": gain - width, "best_high": gain + width}
+    own = power * (1 + (gain or 0) / 100)
+    return {"design": design, "sea": sea, "best_power": own, "best_gain_percent": gain, **ends}
+
+
+def headline(*given, **named):
+    """What stands."""
+    return answered(*given, **named).stands
+
+
+def best_power(**gains):
+    base = np.exp(-((OMEGA - 2.0) ** 2))
+    values = np.array([base, *((1 + np.asarray(gain)) * base for gain in gains.values())])
+    return xr.DataArray(values, dims=("design", "omega"), coords={"design": ["FSB", *gains], "omega": OMEGA})
+
+
+def test_waves_in_which_the_rigid_design_absorbs_almost_nothing_are_left_out():
+    """At a node of the rigid port's motion any gain is meaningless."""
+    powers = best_power(A=0.2 + 0 * OMEGA)
+    powers.loc["FSB"] *= 1 - 0.999999 * np.exp(-(((OMEGA - 2.5) / 0.05) ** 2))
+    _, second = headline([gained("FSB", 0.0), gained("A", 20.0)], powers, "FSB", SEAS)
+    assert second.startswith(
+        "Over all waves that carry power except those in which the rigid design absorbs next to nothing, with"
+    )
+    assert "times as much" not in second
+    powers.loc["FSB"] = best_power().sel(design="FSB") + 30 * np.exp(-(((OMEGA - 0.6) / 0.01) ** 2))
+    _, second = headline([gained("FSB", 0.0), gained("A", 20.0)], powers, "FSB", SEAS)
+    assert second.startswith("Over all waves that carry power, with"), "a twentieth of a peak is not nothing"
+    powers.loc["FSB"] = 0.9 * best_power().sel(design="FSB")
+    powers.loc["FSB"][np.argmin(np.abs(OMEGA - 0.6))] = 20.0  # with which useful is what exceeds 1, as 1.2 does at 2.0
+    _, second = headline([gained("FSB", 0.0), gained("A", 20.0)], powers, "FSB", SEAS)
+    assert second.startswith("Over all waves that carry power, with"), "nor are nine tenths of what the other takes"
+
+
+def test_best_design_with_interval_and_band():
+    gain = 0.2 - 0.1 * np.abs(OMEGA - 2.0)
+    first, second = headline([gained("FSB", 0.0), gained("A", 20.0, width=0.2)], best_power(A=gain), "FSB", SEAS)
+    assert first == (
+        "In a swell, each design at its optimal damping, A absorbs 20.0 % more than the rigid FSB (+19.8 to +20.2 % "
+        "with all known errors; 120 against 100 W)."
+    )
+    assert (
+        second
+        == "Over all waves that carry power, with damping optimal at each frequency, A absorbs up to 20 % more (in waves of 3.14 s)."
+    )
+
+
+def test_most_favourable_sea_and_largest_loss():
+    lines = [
+        gained("FSB", 0.0),
+        gained("A", -20.0),
+        gained("B", -5.0),
+        gained("FSB", 0.0, "v"),
+        gained("A", 3.0, "v"),
+        gained("B", 0.0, "v"),
+    ]
+    first, second = headline(lines, best_power(A=-0.2, B=0.04), "FSB", SEAS)
+    assert first.startswith(
+        "In a chop, the most favourable of 2 seas, each design at its optimal damping, the best flexible"
+    )
+    assert "design, A, absorbs 3.0 % more" in first
+    assert first.endswith("flexibility pays in 1 of the 2, and costs up to 20.0 %.")
+    assert "flexible designs absorb up to 4 % more (B in" in second
+    assert "up to 20 % less (A in" in second
+
+
+def test_no_gain_without_a_rigid_design_or_power():
+    assert headline([gained("A", None)], best_power(A=0.1), None, SEAS) == []
+    assert headline([gained("FSB", 0.0), gained("A", None)], best_power(A=0.1), "FSB", SEAS) == []
+    (only,) = headline([gained("FSB", 0.0), gained("A", 0.0)], 0 * best_power(A=0.1), "FSB", SEAS)
+    assert "as much as the rigid FSB" in only
+
+
+def test_interval_has_enough_decimals():
+    assert interval_text(-3.64, 1.2) == "-3.6 to +1.2 %"
+    assert interval_text(4.4012, 4.4047) == "+4.401 to +4.405 %"
+    assert interval_text(None, None) == ""
+    assert interval_text(0.0, 0.0) == ""
+    assert interval_text(2.0, 2.0 + 1e-9) == "+2.0 %, exact to 1e-5 points"
+
+
+BUCKLED = {"name": "computed_buckling", "value": 53.6, "limit": 1.0}
+STRAINED = {"name": "strain", "value": 0.12, "limit": 0.02}
+
+
+def test_best_design_is_chosen_among_valid_ones():
+    """A is invalid only in the chop, where it would gain most."""
+    lines = [gained("FSB", 0.0), gained("A", 5.0), gained("B", 2.0)]
+    lines += [gained("FSB", 0.0, "v"), gained("A", 50.0, "v"), gained("B", 3.0, "v")]
+    invalid = [{"design": "A", "sea": "v", **STRAINED}]
+    found = answered(lines, best_power(A=0 * OMEGA, B=0 * OMEGA), "FSB", SEAS, invalid)
+    assert found.stands[0].startswith("In a swell, the most favourable of 2 seas,")
+    assert "the best flexible design, A, absorbs 5.0 % more" in found.stands[0]
+    assert found.below == [
+        "Not valid and not part of this answer: A in a chop, computed to absorb 50.0 % more than the rigid FSB; "
+        "the strain reaches 12 %, beyond the 10 % limit of Hooke's law."
+    ]
+
+
+def test_number_of_an_invalid_design_stands_below_the_answer():
+    lines = [gained("FSB", 0.0), gained("A", 5.0, width=1.0)]
+    invalid = [{"design": "A", "sea": "w", **BUCKLED}, {"design": "A", "sea": "w", **BUCKLED, "name": "buckling"}]
+    found = answered(lines, best_power(A=0.1 + 0 * OMEGA), "FSB", SEAS, invalid)
+    assert found.stands == [
+        "No valid answer yet: the shell buckles under its static load (53.6 times what it can carry). Change first: "
+        "raise device.internal_pressure to carry the load, or device.thickness."
+    ]
+    (below,) = found.below
+    assert below.startswith("Computed although the model does not hold: In a swell, each design at its optimal")
+    assert "A absorbs 5.0 % more than the rigid FSB (+4.0 to +6.0 % with all known errors; 105 against 100 W)" in below
+
+
+def line(design, power, gain, given=None, sea="w", share=None, given_gain=None):
+    return {
+        "design": design, "sea": sea, "best_damping": 64282.0, "best_power": power, "best_gain_percent": gain,
+        "damping": None if given is None else 8000.0, "power": given, "gain_percent": given_gain, "share": share,
+    }  # fmt: skip
+
+
+SWELL = [line("FSB", 781.1, 0.0, 207.0, share=0.265, given_gain=0.0), line("A", 705.8, -9.64, 227.0, "w", 0.322, 9.5)]
+CHOP = [line("FSB", 100.0, 0.0, sea="v"), line("A", 112.8, 12.8, sea="v"), line("B", 100.0, 0.01, sea="v")]
+
+
+def test_answer_is_the_gain_at_own_optimal_damping():
+    assert tuned_statements([*SWELL, *CHOP], "FSB", SEAS) == [
+        "In a swell, each design at its optimal damping: A absorbs 9.6 % less than the rigid FSB (705.8 against 781.1 W).",
+        "In a chop, each design at its optimal damping: A absorbs 12.8 % more than the rigid FSB (112.8 against 100 W); "
+        "B absorbs as much as the rigid FSB (100 against 100 W).",
+    ]
+
+
+def test_share_of_the_optimum_at_the_given_damping():
+    assert shares_text(SWELL, "w", "N s/m") == "; at 8000 N s/m FSB reaches 26 % of its optimum, A 32 %"
+    assert shares_text(CHOP, "v", "N s/m") == ""
+    own = [SWELL[0], SWELL[1] | {"damping": 6000.0}, SWELL[1] | {"design": "B", "damping": 8000.0}]
+    assert shares_text(own, "w", "N s/m").startswith(
+        "; at 8000 N s/m and 6000 N s/m FSB reaches 26 % of its optimum, A 32 %, B 32 %"
+    )
+    chop = [line("FSB", 4.0, 0.0, 1.0, sea="v", share=0.5), line("A", 4.0, 1.0, 1.0, sea="v", share=0.6)]
+    assert shares_text([*chop, *SWELL], "w", "N s/m") == shares_text(SWELL, "w", "N s/m")
+    rows = [{"design": "FSB", "wave": "w", "power_mean": 207.0}, {"design": "A", "wave": "w", "power_mean": 226.7}]
+    assert sea_statements(rows, "FSB", SEAS, SWELL) == [
+        "At the given damping, in a swell, A absorbs most: 226.7 W on average (against FSB: A +9.5 %); "
+        "at 8000 N s/m FSB reaches 26 % of its optimum, A 32 %."
+    ]
+
+
+def test_closing_line_of_a_run():
+    assert closing_line(SWELL, "FSB") == (
+        "mean power against the rigid FSB -9.6 % at optimal damping, +9.5 % at the given damping; "
+    )
+    assert closing_line([*SWELL, *CHOP], "FSB").startswith(
+        "mean power against the rigid FSB -9.6 to +12.8 % at optimal"
+    )
+    assert closing_line(SWELL[:1], "FSB") == ""
+    assert closing_line(SWELL, None) == ""
+    even = closing_line([SWELL[0], line("A", 781.1, 0.0, 207.0, given_gain=0.0)], "FSB")
+    assert even == "mean power against the rigid FSB +0.0 % at optimal damping, +0.0 % at the given damping; "
+
+
+def test_closing_line_counts_valid_designs_only():
+    buckled = {"name": "buckling", "value": 66.0, "limit": 1.0}
+    a, b = ({"design": name, "sea": "v", **buckled} for name in ("A", "B"))
+    assert closing_line(CHOP, "FSB", [a]) == "mean power against the rigid FSB +0.0 % at optimal damping; "
+    assert closing_line(CHOP, "FSB", [a, b]).startswith("No valid answer yet: the shell buckles under its static load")
+
+
+def test_table_of_optimal_damping():
+    first, second = tuning_table([SWELL[1], CHOP[0]])
+    assert first == ["A", "w", "64280", "705.8", "-9.6", "-", "8000", "227", "+9.5", "-", "32.2"]
+    assert second == ["FSB", "v", "64280", "100", "+0.0", "-", "-", "-", "-", "-", "-"]
+    (known,) = tuning_table([SWELL[1] | {"best_low": -9.7, "best_high": -9.5, "low": 9.0, "high": 10.0}])
+    assert (known[5], known[9]) == ("-9.7 to -9.5 %", "+9.0 to +10.0 %")
+    assert len(first) == len(tuning_head("N s/m"))
+
+
+def test_power_within_limits():
+    lines = [
+        {"design": "FSB", "sea": "w", "power": 100.0, "gain_percent": 0.0},
+        {"design": "A", "sea": "w", "power": 112.3, "gain_percent": 12.3},
+        {"design": "A", "sea": "v", "power": 5.0, "gain_percent": None},
+    ]
+    assert limited_statements(lines, "FSB", {"w": "a swell", "v": "a chop"}) == [
+        "In a swell, no take-off within its limits absorbs more than: FSB 100 W, A 112.3 W (+12.3 %).",
+        "In a chop, no take-off within its limits absorbs more than: A 5 W.",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("pto", "words"),
+    [
+        ({"damping": 1.0}, "At the given damping"),
+        ({"damping": {"A": 1.0}}, "At the given damping of each"),
+        ({"tuning": "each"}, "In the time domain, each design at its optimal damping"),
+        ({"tuning": "one", "damping": {"A": 1.0}}, "In the time domain, each design at its best damping over all seas"),
+        ({"tuning": "each", "law": "latching"}, "In the time domain, latching at its best damping"),
+        ({"damping": 1.0, "law": "declutching"}, "At the given damping, declutching"),
+        ({"damping": 1.0, "law": "coulomb", "force_limit": 2e4}, "With Coulomb friction of 20000 N"),
+        (
+            {"law": "coulomb", "force_limit": 50.0, "port": {"dofs": {"Pitch": 1.0}}},
+            "With Coulomb friction of 50 N m",
+        ),
+    ],
+)
+def test_damping_of_runs_is_named(pto, words):
+    assert damping_in_words(pto) == words

@@ -1,0 +1,282 @@
+"""The answer of a study in sentences: gains with every design at its own optimal damping, and what is not valid."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import xarray as xr
+
+from vsb.report.band import gain_band, useful_band
+from vsb.report.doubts import no_answer, reasons
+from vsb.study.take_off import PAUSE, port_kind
+from vsb.tools.words import SAME, against_rigid, multiple, plain, power, short, the_rigid, watts
+
+Lines = Sequence[dict[str, Any]]
+"""Rows of `vsb.results.gains`: gains of designs in seas, optima within limits, or designs that are not valid."""
+DIGITS = 5
+"""Most decimals of an interval [%]."""
+COMPUTED = "Computed although the model does not hold: "
+NO_OPTIMUM = (
+    "An assumed pressure does not respond to the motion of the buoy, so optimal damping is unknown: all gains here are "
+    "at the given damping."
+)
+GIVEN = "At the given damping"
+DAMPINGS = {
+    "fixed": GIVEN,
+    "each": "In the time domain, each design at its optimal damping",
+    "one": "In the time domain, each design at its best damping over all seas",
+}
+"""`pto.tuning` -> damping of the simulated designs."""
+PARTS = ("design", "sea", "source of error", "below [points]", "above [points]", "kind")
+"""Head of the table of what makes up the interval of a gain."""
+
+
+class Answer(NamedTuple):
+    """The answer of a study, in sentences."""
+
+    stands: list[str]  # printed in bold
+    below: list[str]  # results that are not valid, marked as such, and designs left out
+
+    @property
+    def lines(self) -> list[str]:
+        """All sentences."""
+        return [*self.stands, *self.below]
+
+
+def headline(
+    lines: Lines,
+    best_power: xr.DataArray,
+    reference: str | None,
+    seas: dict[str, str],
+    invalid: Lines = (),
+    neglected: str = "",
+) -> Answer:
+    """Return the answer of a study in its seas and over all waves; empty if there is no gain.
+
+    Parameters
+    ----------
+    lines : sequence of dict
+        Of `vsb.results.gains.Tuned`.
+    best_power : DataArray, dims (design, omega) [W/m^2]
+        At the optimal damping of each design and frequency.
+    reference : str or None
+        The rigid design gains are measured against.
+    seas : mapping of sea to words
+    invalid : sequence of dict
+        Designs that are not valid in a sea; the best one is chosen among the others.
+    neglected : str
+        What `best_power` leaves out, in words.
+    """
+    others = [line for line in lines if line["design"] != reference and line["best_gain_percent"] is not None]
+    if reference is None or not others:
+        return Answer([], [])
+    valid = valid_lines(others, reference, invalid)
+    if not valid:
+        found = [_in_seas(others, lines, reference, seas), *_over_band(best_power, reference, neglected)]
+        return Answer([no_answer(invalid)], [f"{COMPUTED}{' '.join(found)}"])
+    kept = [reference, *dict.fromkeys(line["design"] for line in valid)]
+    designs = [design for design in best_power.design.values if design in kept]
+    stands = [_in_seas(valid, lines, reference, seas)]
+    stands += _over_band(best_power.sel(design=designs), reference, neglected)
+    return Answer(stands, _left_out(others, valid, invalid, reference, seas))
+
+
+def valid_lines(lines: Iterable[dict[str, Any]], reference: str | None, invalid: Iterable[dict[str, Any]]) -> Lines:
+    """Return the lines of designs other than the reference that are valid in their sea, as is the reference."""
+    broken = {(line["design"], line["sea"]) for line in invalid}
+    return [
+        line
+        for line in lines
+        if line["design"] != reference and not {(line["design"], line["sea"]), (reference, line["sea"])} & broken
+    ]
+
+
+def _left_out(others: Lines, valid: Lines, invalid: Lines, reference: str, seas: dict[str, str]) -> list[str]:
+    """Gains that are not valid and not part of the answer, and why."""
+    kept, found = {(line["design"], line["sea"]) for line in valid}, []
+    for line in others:
+        if (line["design"], line["sea"]) in kept:
+            continue
+        why = [one for one in invalid if one["design"] in (line["design"], reference) and one["sea"] == line["sea"]]
+        gain = against_rigid(float(line["best_gain_percent"]), reference)
+        what = f"{line['design']} in {seas[line['sea']]}, computed to absorb {gain}"
+        found.append(f"Not valid and not part of this answer: {what}; {' and '.join(reasons(why))}.")
+    return found
+
+
+def _in_seas(shown: Lines, lines: Lines, reference: str, seas: dict[str, str]) -> str:
+    """The largest gain of some lines, in which sea, and its interval."""
+    best = max(shown, key=lambda line: float(line["best_gain_percent"]))
+    gain, sea = float(best["best_gain_percent"]), best["sea"]
+    base = next(line for line in lines if line["design"] == reference and line["sea"] == sea)
+    (own, its), unit = watts([best["best_power"], base["best_power"]])
+    count = len({line["sea"] for line in shown})
+    several = len({line["design"] for line in shown}) > 1
+    most = f"the best flexible design, {best['design']}," if several else best["design"]
+    where = f"In {seas[sea]}" + (f", the most favourable of {count} seas" if count > 1 else "")
+    interval = interval_text(best.get("best_low"), best.get("best_high"))
+    known = f"{interval} with all known errors; " if interval else ""
+    what = f"{most} absorbs {against_rigid(gain, reference)} ({known}{own} against {its} {unit})"
+    least, elsewhere = min(float(line["best_gain_percent"]) for line in shown), ""
+    if count > 1 and least < 0:
+        pays = len({line["sea"] for line in shown if float(line["best_gain_percent"]) > 0})
+        elsewhere = f"; flexibility pays in {pays or 'none'} of the {count}, and costs up to {-least:.1f} %"
+    return f"{where}, each design at its optimal damping, {what}{elsewhere}."
+
+
+def interval_text(low: float | None, high: float | None) -> str:
+    """Return an interval in per cent, to as many decimals as tell its ends apart; empty without one, or of no width.
+
+    Examples
+    --------
+    >>> interval_text(-3.64, 1.2), interval_text(4.4012, 4.4047)
+    ('-3.6 to +1.2 %', '+4.401 to +4.405 %')
+    """
+    if low is None or high is None or low == high:
+        return ""
+    for digits in range(1, DIGITS + 1):
+        ends = [f"{end:+.{digits}f}" for end in (low, high)]
+        if ends[0] != ends[1]:
+            return f"{ends[0]} to {ends[1]} %"
+    return f"{(low + high) / 2:+.1f} %, exact to 1e-{DIGITS} points"
+
+
+def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list[str]:
+    """What flexible designs absorb over all waves: the most and the least, where, and which of them."""
+    useful, counts = useful_band(best_power), gain_band(best_power, reference)
+    shown = best_power.where(counts, drop=True)
+    if shown.sizes["omega"] < 2:
+        return []
+    gain = (100 * (shown / shown.sel(design=reference) - 1)).sel(design=shown.design != reference)
+    several, parts = gain.sizes["design"] > 1, []
+    for sign, word in ((1, "more"), (-1, "less")):
+        place = (sign * gain).argmax(("design", "omega"))
+        at = gain.isel({dim: int(where) for dim, where in place.items()})
+        if sign * float(at) > SAME:
+            size, which = abs(float(at)), f"{at.design.item()} " if several else ""
+            amount = multiple(float(at)) or f"{size:.{0 if size >= 1 else 1}f} % {word}"
+            parts.append(f"up to {amount} ({which}in waves of {2 * math.pi / float(at.omega):.2f} s)")
+    who = "flexible designs absorb" if several else f"{gain.design.values[0]} absorbs"
+    but = " except those in which the rigid design absorbs next to nothing" if bool((useful & ~counts).any()) else ""
+    where = f"Over all waves that carry power{but}, with damping optimal at each frequency"
+    return [f"{where}{neglected and f' and {neglected}'}, {who} {' and '.join(parts)}."] if parts else []
+
+
+def damping_in_words(pto: dict[str, Any]) -> str:
+    """Return which damping, or other law, simulated designs have, from the take-off of a study in canonical form."""
+    if pto.get("law") == "coulomb":
+        return f"With Coulomb friction of {short(pto['force_limit'])} {port_kind(pto.get('port')).load_unit}"
+    words = DAMPINGS[pto.get("tuning", "fixed")]
+    if pto.get("law") in PAUSE:
+        return f"{words}, {pto['law']}" if words == GIVEN else f"In the time domain, {pto['law']} at its best damping"
+    return f"{GIVEN} of each" if isinstance(pto.get("damping"), dict) and words == GIVEN else words
+
+
+def tuned_statements(lines: Lines, reference: str | None, seas: dict[str, str]) -> list[str]:
+    """Return, for each sea, what the designs absorb at their optimal damping; see `headline`."""
+    statements = []
+    for name in dict.fromkeys(line["sea"] for line in lines):
+        sea = [line for line in lines if line["sea"] == name]
+        base = next((line for line in sea if line["design"] == reference), None)
+        others = [line for line in sea if line is not base and line["best_gain_percent"] is not None]
+        if base is None or not others:
+            parts = [f"{line['design']} absorbs {power(line['best_power'])}" for line in sea]
+        else:
+            parts = [f"{line['design']} absorbs {_gain(line, base)}" for line in others]
+        statements.append(f"In {seas[name]}, each design at its optimal damping: {'; '.join(parts)}.")
+    return statements
+
+
+def limited_statements(lines: Lines, reference: str | None, seas: dict[str, str]) -> list[str]:
+    """Return, for each sea, what the designs can absorb within the limits of the take-off.
+
+    Parameters
+    ----------
+    lines : sequence of dict
+        Of `vsb.results.gains.Limited`.
+    reference, seas
+        See `headline`.
+    """
+    statements = []
+    for name in dict.fromkeys(line["sea"] for line in lines):
+        parts = []
+        for line in (line for line in lines if line["sea"] == name):
+            known = line["gain_percent"] is not None and line["design"] != reference
+            gain = f" ({line['gain_percent']:+.1f} %)" if known else ""
+            parts.append(f"{line['design']} {line['power']:.4g} W{gain}")
+        statements.append(f"In {seas[name]}, no take-off within its limits absorbs more than: {', '.join(parts)}.")
+    return statements
+
+
+def _gain(line: dict[str, Any], base: dict[str, Any]) -> str:
+    """How a design stands against the reference at equal tuning, in words."""
+    (own, its), unit = watts([line["best_power"], base["best_power"]])
+    return f"{against_rigid(line['best_gain_percent'], base['design'])} ({own} against {its} {unit})"
+
+
+def shares_text(lines: Lines, sea: str, unit: str) -> str:
+    """Return what part of its optimum each design reaches in a sea at the given damping; empty if not known."""
+    known = [line for line in lines if line["sea"] == sea and line["share"] is not None]
+    if not known:
+        return ""
+    dampings = " and ".join(dict.fromkeys(f"{line['damping']:g} {unit}" for line in known))
+    first, *others = (f"{100 * line['share']:.0f} %" for line in known)
+    rest = "".join(f", {line['design']} {share}" for line, share in zip(known[1:], others, strict=True))
+    return f"; at {dampings} {known[0]['design']} reaches {first} of its optimum{rest}"
+
+
+def parts_table(lines: Lines) -> list[list[str]]:
+    """Return which source of error is which part of the interval of every gain at optimal damping."""
+    return [
+        [line["design"], line["sea"], source["name"], short(source["low"]), short(source["high"]), source["kind"]]
+        for line in lines
+        for source in line.get("errors", ())
+    ]
+
+
+def tuning_head(unit: str) -> list[str]:
+    """Return the head of the table of designs at equal tuning, by the unit of damping."""
+    measures = ["mean power [W]", "gain [%]", "interval of the gain"]
+    best = ["design", "sea", f"optimal damping [{unit}]", *measures]
+    return [*best, f"given damping [{unit}]", *measures, "share of optimum [%]"]
+
+
+def tuning_table(lines: Lines) -> list[list[str]]:
+    """Return the cells of the table of designs at equal tuning; a quantity that does not exist is a dash."""
+
+    def text(value: float | None, form: str = "", factor: float = 1.0) -> str:
+        return "-" if value is None else format(factor * value, form) if form else plain(value)
+
+    return [
+        [
+            line["design"], line["sea"],
+            text(line["best_damping"]), text(line["best_power"]), text(line["best_gain_percent"], "+.1f"),
+            interval_text(line.get("best_low"), line.get("best_high")) or "-",
+            text(line["damping"]), text(line["power"]), text(line["gain_percent"], "+.1f"),
+            interval_text(line.get("low"), line.get("high")) or "-",
+            text(line["share"], ".1f", 100.0),
+        ]
+        for line in lines
+    ]  # fmt: skip
+
+
+def closing_line(lines: Lines, reference: str | None, invalid: Lines = ()) -> str:
+    """Return the answer of a study in one line that another sentence continues; empty if there is no gain.
+
+    Only valid designs count; where there is none, the line says so and why.
+    """
+    others = valid_lines(lines, reference, invalid)
+    if not others and invalid:
+        return f"{no_answer(invalid)} "
+    parts = [
+        f"{_range(gains)} at {where}"
+        for key, where in (("best_gain_percent", "optimal damping"), ("gain_percent", "the given damping"))
+        if (gains := [line[key] for line in others if line[key] is not None])
+    ]
+    return f"mean power against {the_rigid(reference)} {', '.join(parts)}; " if parts and reference else ""
+
+
+def _range(gains: Sequence[float]) -> str:
+    """One gain, or the smallest and the largest of several [%]."""
+    low, high = (f"{bound:+.1f}" for bound in (min(gains), max(gains)))
+    return f"{low} %" if low == high else f"{low} to {high} %"
