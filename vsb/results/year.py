@@ -369,7 +369,9 @@ def year(
             absorbed = there.absorbed("each" if tuning == "each" else "fixed", float(take.damping[0])).power
             powers.append(float(absorbed @ there.climate.hours))
         practice.append(powers)
-    damping, power = (np.array([[take[k] for take in takes] for takes in fine]) for k in (0, 1))
+    damping, power = (
+        np.array([[getattr(take, name) for take in takes] for takes in fine]) for name in ("damping", "power")
+    )
     notes = (*climate.notes, f"{outside:.3%} of the variance lies outside the frequencies solved and is not counted")
     names = (tuple(ports), tuple(tunings))
     return Year(climate, water, *names, damping, power, np.array(practice), np.array(errors), reference, notes)
