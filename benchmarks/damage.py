@@ -4,7 +4,6 @@ Each is told in one line, by `vsb verify` and by a run that decides what is to b
 `--heal` then leaves results that are what they should be, but for files to be made anew.
 """
 
-import copy
 import io
 import json
 import os
@@ -19,6 +18,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
+from benchmarks import torture
 from benchmarks.measure import Outcome, tabulated
 from vsb.errors import VsbError
 from vsb.stages.make import make
@@ -89,28 +89,9 @@ def edited(rng: random.Random, files: list[str]) -> Damage:
     if kind == 1:
         token = rng.choice(TOKENS)
         return Damage(path, f"{token[:12]!r} at {at}", content[:at] + token.encode() + content[at:])
-    data, what = changed(rng, json.loads(content))
-    return Damage(path, what, json.dumps(data, indent=1).encode())
-
-
-def changed(rng: random.Random, data: Any) -> tuple[Any, str]:
-    """Return a copy of a value with one thing in it taken out, renamed or replaced, and where."""
-    found = copy.deepcopy(data)
-    here, place = found, ""
-    while True:
-        key = rng.choice(list(here) if isinstance(here, dict) else range(len(here)))
-        place += f".{key}"
-        if not (isinstance(here[key], dict | list) and here[key]) or rng.random() < 0.1:
-            break
-        here = here[key]
-    kind = rng.random()
-    if kind < 0.2:
-        here.pop(key)
-    elif kind < 0.4 and isinstance(here, dict):
-        here[str(rng.choice(JUNK))[:200]] = here.pop(key)
-    else:
-        here[key] = copy.deepcopy(rng.choice(JUNK))
-    return found, place[1:]
+    data = json.loads(content)
+    place = torture.damage(rng, data, JUNK)
+    return Damage(path, place, json.dumps(data, indent=1).encode())
 
 
 # its fate -----------------------------------------------------------------------------------------------------------

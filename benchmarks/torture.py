@@ -11,7 +11,7 @@ import random
 import tempfile
 import warnings
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -50,7 +50,7 @@ def broken(rng: random.Random) -> str:
     raw["modes"]["degree"], raw["hydro"] = 2, {"model": "linear", "tolerance": 0.01, "omega_max": 4.0}
     raw["simulation"] |= {"duration": 6.0, "window": [3.0, 6.0]}
     for _ in range(rng.randint(1, 3)):
-        _damage(rng, raw)
+        damage(rng, raw, JUNK)
     text = yaml.safe_dump(raw, sort_keys=False, allow_unicode=True).replace(DIGITS, f"0x{'f' * 20_000}")
     if rng.random() < 0.15:
         at = rng.randrange(len(text))
@@ -58,14 +58,15 @@ def broken(rng: random.Random) -> str:
     return text
 
 
-def _damage(rng: random.Random, raw: Raw) -> None:
-    """Take a key out, misspell it, or give it junk, anywhere."""
-    here: Any = raw
+def damage(rng: random.Random, raw: Any, junk: Sequence[Any]) -> str:
+    """Take a key out of nested values, misspell it, or give it junk, anywhere; return its place."""
+    here, place = raw, ""
     while True:
         keys = list(here) if isinstance(here, dict) else list(range(len(here)))
         if not keys:
-            return
+            return place
         key = rng.choice(keys)
+        place = f"{place}.{key}".lstrip(".")
         deeper = isinstance(here[key], dict | list) and rng.random() < 0.8
         if not deeper:
             break
@@ -76,7 +77,8 @@ def _damage(rng: random.Random, raw: Raw) -> None:
     elif kind < 0.3 and isinstance(here, dict):
         here[str(key) + rng.choice("_x9 ")] = here.pop(key)
     else:
-        here[key] = copy.deepcopy(rng.choice(JUNK))
+        here[key] = copy.deepcopy(rng.choice(junk))
+    return place
 
 
 def odd(rng: random.Random) -> str:

@@ -76,7 +76,7 @@ def _shapes(
             "dry_frequency": ("mode", dry),
             "static_amplitude": ("mode", static),
         },
-        coords={"mode": [mode.label for mode in modes], "colatitude": COLATITUDES},
+        coords={"mode": np.array([mode.label for mode in modes], dtype=str), "colatitude": COLATITUDES},
     )
 
 
