@@ -34,7 +34,7 @@ from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.system import Motion, System
 from vsb.motion.udwadia_kalaba import constraint_drift
-from vsb.scenes.build import SCENES
+from vsb.scenes.build import design_in_sea
 from vsb.scenes.rest import check_stable, design_motions, reference_shell, study_basis
 from vsb.shell.modes import rigid_basis
 from vsb.stages.make import make
@@ -185,16 +185,15 @@ def simulated(case: Case, design: str, folder: str | Path) -> Result:
         omega = natural_frequency(study, design, paths, case.wet_mode)
         study, note = with_period(study, 2 * math.pi / omega), f"wave at the natural frequency {omega:.6g} rad/s"
     one = StudyPlan(study).simulation(design, study.waves[0])
-    scene, shape, waves, spectrum, _ = SCENES[one.hydro.model](one, paths)
-    motion, _, method = simulate(system := System.of(scene), waves, one.simulation, spectrum)
-    assert shape is not None  # of a buoy
-    rows = shape.basis.clamp_rows(np.deg2rad(one.designs[design].clamp))
+    made = design_in_sea(one, paths)
+    scene, rows = made.scene, made.held
+    motion, _, method = simulate(system := System.of(scene), made.sea, one.simulation, made.spectrum)
     moved = motion.position @ scene.motions.T
     if rows.size:
         note = f"clamps slip {constraint_drift(moved, rows):.1e} m"
     if (far := float(np.abs(moved).max()) / study.device.radius) > FAR:
         note = f"{note}; moves by {far:.2g} radii".lstrip("; ")
-    return measured(study, system, motion, method, spectrum, note)
+    return measured(study, system, motion, method, made.spectrum, note)
 
 
 def with_period(study: Study, period: float) -> Study:

@@ -33,7 +33,7 @@ from vsb.motion.forces import RadiationMemory
 from vsb.motion.system import Motion, System
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.scenes.automatic import absorbed
-from vsb.scenes.build import SCENES, DesignInSea
+from vsb.scenes.build import DesignInSea, design_in_sea
 from vsb.study.plan import StudyPlan
 from vsb.study.study import RegularWave, Study, parse
 from vsb.tools.arrays import FloatArray
@@ -168,7 +168,7 @@ def scene_of(study: Study, folder: str | Path) -> DesignInSea:
     (design,), (wave,) = study.designs, study.waves
     paths = hydro_files(study, folder)
     one = StudyPlan(study).simulation(design, wave)
-    return SCENES[one.hydro.model](one, paths)
+    return design_in_sea(one, paths)
 
 
 def varied(study: Study, design: str, wave: dict[str, object], hydro: dict[str, object], duration: float) -> Study:

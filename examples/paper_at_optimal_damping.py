@@ -46,7 +46,8 @@ def power_of(study: Study, design: str) -> Callable[[float], float]:
     run = StudyPlan(study).simulation(design, study.waves[0])
 
     def power(damping: float) -> float:
-        damped = run.model_copy(update={"pto": run.pto.model_copy(update={"damping": damping})})
+        pto = run.pto.model_copy(update={"damping": damping})
+        damped = run.with_take_off(pto)
         try:
             return steady_power(assumed_pressure_design(damped, {}).system, TOLERANCE)
         except (ConvergenceError, StabilityError):

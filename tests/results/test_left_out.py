@@ -30,13 +30,14 @@ WAVES = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in P
 
 
 def convergence(study, **options):
-    spec = StudyPlan(study).ladder
-    return ModeConvergence(spec, [sea(wave, study.hydro.omega_max, 60.0) for wave in study.waves], **options)
+    return ModeConvergence(
+        StudyPlan(study).ladder.buoy, [sea(wave, study.hydro.omega_max, 60.0) for wave in study.waves], **options
+    )
 
 
 def left_out(study):
     return modes_left_out(
-        StudyPlan(study).ladder, [(wave, sea(wave, study.hydro.omega_max, 60.0)) for wave in study.waves]
+        StudyPlan(study).ladder.buoy, [(wave, sea(wave, study.hydro.omega_max, 60.0)) for wave in study.waves]
     )
 
 

@@ -1,6 +1,7 @@
 """Stage simulate: stored runs, what the shell encloses, steady power of every kind of take-off."""
 
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,8 +19,6 @@ from vsb.scenes.latching import LatchingTime
 from vsb.shell.deformed import enclosed
 from vsb.stages import simulate
 from vsb.study.plan import StudyPlan
-from vsb.study.specs import BodySimulateSpec
-from vsb.study.take_off import Pto
 from vsb.tools.files import load
 
 (WAVE,) = SMALL_PLAN.study.waves
@@ -126,11 +125,10 @@ def test_steady_power_of_an_unrestrained_system(omega):
 def test_stroke_is_the_port_combination_of_the_motions():
     """Whatever the order of the degrees of freedom in the record."""
     labels = ["Surge", "Heave", "Pitch"]
-    pto = Pto(port={"dofs": {"Heave": 2.0, "Pitch": -0.5, "Surge": 4.0}})
+    made = SimpleNamespace(scene=SimpleNamespace(labels=labels), port=np.array([4.0, 2.0, -0.5]))
     values = np.arange(4.0).reshape(2, 2)
     run = xr.Dataset({"position": (("time", "dof"), values), "velocity": (("time", "dof"), values**2)})
     run = run.assign_coords(dof=["Pitch", "Heave"])
-    body = BodySimulateSpec.model_construct(pto=pto)
-    found = simulate.with_stroke(run, body, labels)
+    found = simulate.with_stroke(run, made)
     np.testing.assert_allclose(found.stroke.values, values @ [-0.5, 2.0])
     np.testing.assert_allclose(found.stroke_rate.values, values**2 @ [-0.5, 2.0])

@@ -11,8 +11,10 @@ from study.test_shape import OBLATE, raw
 from vsb.errors import DatabaseError
 from vsb.hydro.dofs import displacements
 from vsb.shell.deformed import rigid_sphere
-from vsb.stages import panels, water
+from vsb.stages import panels
+from vsb.stages import water as solving
 from vsb.stages.make import make
+from vsb.stages.water import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import DatabaseSpec
 from vsb.study.study import content_id, load, parse
@@ -23,7 +25,7 @@ from vsb.tools import files
 def test_spectral_problem_is_that_of_the_wetted_shape(name):
     study = load(shipped(name))
     plan = StudyPlan(study)
-    problem = water.spectral_problem(plan.sweep_blocks[0])
+    problem = spectral_problem(plan.sweep_blocks[0])
     assert tuple(d.label for d in problem.displacements) == plan.displacements()
     keel = problem.shell.meridian(np.array([np.pi])).z[0]
     sphere = rigid_sphere(study.device.radius, study.centre_height).meridian(np.array([np.pi])).z[0]
@@ -36,7 +38,7 @@ def test_spectral_problem_has_the_water_order_and_shape_of_its_block(order, labe
     study = load(SEED) if shape is None else parse(raw(shape, device={"mass": 9e3}))
     water = study.water.model_copy(update={"depth": 9.0, "density": 1010.0, "gravity": 9.7})
     block = StudyPlan(study).sweep_blocks[0]
-    problem = water.spectral_problem(block.model_copy(update={"water": water, "order": order, "displacements": labels}))
+    problem = spectral_problem(block.model_copy(update={"water": water, "order": order, "displacements": labels}))
     assert (problem.density, problem.gravity, problem.depth) == (1010.0, 9.7, 9.0)
     assert (problem.displacements, problem.order) == (displacements(labels, order), order)
     keel = problem.shell.meridian(np.array([np.pi])).z[0]
@@ -48,7 +50,7 @@ def test_spectral_problem_has_the_water_order_and_shape_of_its_block(order, labe
 def test_spectral_block_is_swept_or_solved_at_every_frequency(small, tmp_path, tabulated):
     plan = StudyPlan(varied(small.study, hydro={"omega": [1.0, 2.0]})) if tabulated else small
     spec = (plan.tabulated_blocks if tabulated else plan.sweep_blocks)[0]
-    water.run_spectral(spec, str(tmp_path / "block.nc"))
+    solving.run_spectral(spec, str(tmp_path / "block.nc"))
     ds = files.load(tmp_path / "block.nc", expected=content_id(spec))
     assert tuple(ds.omega.values) == spec.omega
     assert (ds.attrs["solves"] < ds.attrs["frequencies"]) == (not tabulated)
@@ -66,7 +68,7 @@ def test_panel_block_agrees_with_the_spectral_solver_within_its_error_estimate(s
             panels.run_mesh(spec.mesh, str(tmp_path / "mean.nc"))
             panels.run_panels(spec, str(tmp_path / "mean.nc"), str(green_folder), str(out))
         else:
-            water.run_spectral(spec, str(out))
+            solving.run_spectral(spec, str(out))
         found[solver] = files.load(out, expected=content_id(spec))
     for name in ("added_mass", "radiation_damping"):
         one, other = (found[solver][name].values for solver in found)
@@ -89,10 +91,10 @@ def test_both_solvers_agree_within_their_error_estimates(seed, green_folder, tmp
 def test_missing_or_foreign_block_is_refused(small, tmp_path):
     (name,) = small.database.sweep
     with pytest.raises(DatabaseError, match=rf"{name}.nc: file not found"):
-        water.run_database(small.database, str(tmp_path), str(tmp_path / "out.nc"))
+        solving.run_database(small.database, str(tmp_path), str(tmp_path / "out.nc"))
     files.save(files.load(f"{small.block_folder}/{name}.nc").assign_attrs(spec_id="0" * 16), tmp_path / f"{name}.nc")
     with pytest.raises(DatabaseError, match=rf"{name}.nc: holds block 0+, needs {name}; delete it and run again"):
-        water.run_database(small.database, str(tmp_path), str(tmp_path / "out.nc"))
+        solving.run_database(small.database, str(tmp_path), str(tmp_path / "out.nc"))
     assert not (tmp_path / "out.nc").exists()
 
 
@@ -104,10 +106,10 @@ def test_failed_check_stops_unless_accepted(small, tmp_path):
     files.save(block.assign(radiation_damping=1.3 * block.radiation_damping), tmp_path / f"{name}.nc")
     out = str(tmp_path / "db" / "out.nc")
     with pytest.raises(DatabaseError, match=r"hydro database: check '\w+' failed: .*list the name under hydro.accept"):
-        water.run_database(small.database, str(tmp_path), out)
+        solving.run_database(small.database, str(tmp_path), out)
     assert not Path(out).exists()
     spec = DatabaseSpec(**{**small.database.model_dump(), "accept": ("haskind", "kramers_kronig")})
-    water.run_database(spec, str(tmp_path), out)
+    solving.run_database(spec, str(tmp_path), out)
     assert "accepted" in files.load(out).attrs["quality"]
 
 

@@ -66,7 +66,7 @@ def test_reference_is_the_first_rigid_design():
     assert study(designs=both).reference_design == "b"
     assert study(designs={"z": {"dofs": "rigid"}, **both}).reference_design == "b"
     assert study(designs={"a": {}}).reference_design is None
-    assert [BodyDesign(dofs=d).rigid for d in ("all", "rigid", ("Yaw",))] == [False, True, True]
+    assert [BodyDesign(dofs=d).flexible for d in ("all", "rigid", ("Yaw",))] == [True, False, False]
 
 
 def test_content_of_files_is_part_of_the_study(tmp_path):

@@ -31,7 +31,8 @@ def test_specification_of_another_stage_or_version_is_refused(seed, kind):
 
 
 def test_simulated_member_is_its_study_in_still_water(seed):
-    parts = {name: part for name, part in seed if name in specs.VerificationSpec.model_fields}
+    floats = specs.BuoySystem(**{name: part for name, part in seed if name in specs.BuoySystem.model_fields})
+    parts = {"system": floats, "hydro": seed.hydro, "simulation": seed.simulation}
     climate = specs.ClimateSpec(contents="0" * 16, form="spectra")
     spec = specs.VerificationSpec(sweep=("a",), climate=climate, tuning=("one",), verify=specs.Verify(), **parts)
     read = specs.VerificationSpec.model_validate_json(canonical(spec))

@@ -22,10 +22,10 @@ from vsb.motion.port import Port
 from vsb.report.answer import closing_line
 from vsb.results.year import Tuning, frequencies, year
 from vsb.scenes.build import DesignInSea, design_in_sea
-from vsb.scenes.floating_system import AnyStudy, FloatingSystem, band, floating_system, study_sea, towards
+from vsb.scenes.floating_system import FloatingSystem, band, floating_system, study_sea, towards
 from vsb.stages import make
 from vsb.stages.planning import with_degree
-from vsb.study.body import LocatedBody
+from vsb.study.body import AnyStudy, LocatedBody
 from vsb.study.plan import ResultsPlan, plan_for
 from vsb.study.study import Pto, StillWater, Study, Wave
 from vsb.study.take_off import port_kind
@@ -150,7 +150,7 @@ class Results:
         """
         spec = self.plan.simulation(self._design(design), self._wave(wave))
         if pto is not None:
-            spec = spec.model_copy(update={"pto": pto})
+            spec = spec.with_take_off(pto)
         return design_in_sea(spec, dict(self.plan.hydro_files))
 
     def optimum(

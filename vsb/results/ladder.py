@@ -33,7 +33,7 @@ from vsb.scenes.floating_system import (
     port_in_seas,
     study_sea,
 )
-from vsb.study.specs import BodyLadderSpec, LadderSpec
+from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater, Wave
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
@@ -84,12 +84,12 @@ class Given(NamedTuple):
     efficiency: float = 1.0
 
 
-def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung]:
+def study_ladder(study: LadderSpec, database: str) -> list[Rung]:
     """Return the levels of every design of a study in every sea, with expected amplitudes; still water has none.
 
     Parameters
     ----------
-    study : LadderSpec or BodyLadderSpec
+    study : LadderSpec
     database : str
         Path of its hydro database.
     """
@@ -104,15 +104,15 @@ def study_ladder(study: LadderSpec | BodyLadderSpec, database: str) -> list[Rung
     pairs = list(zip(waves, seas.values(), strict=True))
     ports = {design: port_in_seas(floating, design, pairs) for design in study.designs}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
-    dragged = None
-    if isinstance(study, LadderSpec) and study.drag is not None:
-        dragged = {design: dragged_port(study, floating, design, headings(pairs)) for design in study.designs}
+    buoy, dragged = study.buoy, None
+    if buoy and buoy.drag:
+        dragged = {design: dragged_port(buoy, floating, design, headings(pairs)) for design in study.designs}
     rungs = rungs_of(ports, seas, families, given, study.simulation.duration, dragged)
     if pto.limited:
         rungs += constrained_rungs(study, floating, seas)
         designs, labels = list(study.designs), list(seas)
         rungs.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
-    left_out = modes_left_out(study, pairs) if isinstance(study, LadderSpec) else xr.Dataset()
+    left_out = modes_left_out(buoy, pairs) if buoy else xr.Dataset()
     return with_errors(rungs, floating, pairs, study.reference_design, left_out)
 
 
@@ -234,9 +234,7 @@ def _peaks(sea: Sea, force: ComplexArray, stroke: ComplexArray, time: float) -> 
 # optima within limits -----------------------------------------------------------------------------------------------
 
 
-def constrained_rungs(
-    study: LadderSpec | BodyLadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea]
-) -> list[Rung]:
+def constrained_rungs(study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea]) -> list[Rung]:
     """Return the level within the limits of the take-off of every design in every sea."""
     ds, limits = floating.linear.database, Limits(study.pto.force_limit, study.pto.stroke_limit)
     of_force, rungs = (float(ds.omega[0]), band(study, ds)[1]), []

@@ -262,9 +262,6 @@ class Invalid(NamedTuple):
 
 def flexible_designs(study: BaseStudy) -> list[str]:
     """Return the designs that are not rigid."""
-    if isinstance(study, BodyStudy):
-        return [name for name, design in study.designs.items() if not design.rigid]
-    assert isinstance(study, Study)
     return [name for name, design in study.designs.items() if design.flexible]
 
 

@@ -19,7 +19,7 @@ from vsb.scenes.mode_convergence import (
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
 from vsb.shell.deformed import ReferenceShell
 from vsb.study.sections import DEGREES, Modes
-from vsb.study.specs import LadderSpec
+from vsb.study.specs import BuoySystem
 from vsb.study.study import Study, Wave
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
@@ -31,12 +31,12 @@ ENDS = ("low", "high")
 """Of a range, about zero: where the value of all modes lies from the one computed."""
 
 
-def modes_left_out(study: LadderSpec, seas: Sequence[tuple[Wave, Sea]]) -> xr.Dataset:
+def modes_left_out(study: BuoySystem, seas: Sequence[tuple[Wave, Sea]]) -> xr.Dataset:
     """Return how far powers and gains may lie from those of a shell with all its modes.
 
     Parameters
     ----------
-    study : LadderSpec
+    study : BuoySystem
     seas : sequence of (Wave, Sea)
         Without still water.
 

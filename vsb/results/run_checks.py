@@ -50,9 +50,9 @@ def sea_checks(
         run = runs[design]
         energy = energy_check(study.simulation, run.attrs["energy_residual"])
         checks.append(replace(energy, design=design, wave=wave.label))
-        if isinstance(study, Study):
+        if study.buoy:
             assert basis is not None
-            checks += buoy_motion_checks(study, basis, wave, run)
+            checks += buoy_motion_checks(study.buoy, basis, wave, run)
         else:
             assert database is not None
             checks += body_motion_checks(study, database, run)
@@ -60,8 +60,8 @@ def sea_checks(
             linear = "over 10 000 wave periods" if study.needs_bem and wave.label != "still" else "over the run"
             text, drift = f"largest slip of the shell at its clamps {linear}", run.attrs["constraint_drift"]
             checks.append(check_at_most("constraint_drift", drift, 1e-9, "m", text, design=design, wave=wave.label))
-    if isinstance(study, Study) and study.hydro.model == "auto":
-        checks += simplification_checks(study, wave, runs)
+    if study.buoy and study.buoy.hydro.model == "auto":
+        checks += simplification_checks(study.buoy, wave, runs)
     return checks
 
 
@@ -212,7 +212,7 @@ def agreement_checks(study: BaseStudy, frequency: xr.Dataset, rows: Sequence[Row
 
 def _dampers_in_words(study: BaseStudy, run: Any) -> str:
     """Equivalent dampers of a run's drag; of several directions each with its name."""
-    names = list(study.drag.directions) if isinstance(study, Study) and study.drag else ["heave"]
+    names = list(study.drag_of_buoy.directions) if study.drag_of_buoy else ["heave"]
     values = [plain(float(damper)) for damper in np.atleast_1d(run[DAMPERS])]
     if names == ["heave"]:
         return f"{values[0]} {FORCE.damping_unit}"

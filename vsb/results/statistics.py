@@ -18,7 +18,7 @@ from scipy.special import stdtrit
 from vsb.hydro.database import Check, check_at_most
 from vsb.results.comparison import in_direction, power_response, relative_difference, velocity_response
 from vsb.scenes.drag import LINEARISED
-from vsb.study.study import BaseStudy, Irregular, IrregularSea, Study
+from vsb.study.study import BaseStudy, Irregular, IrregularSea
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.tools.words import plain
@@ -331,7 +331,7 @@ def statistical_checks(study: BaseStudy, lines: Sequence[Line]) -> list[Check]:
             share, text = _sharpness(line, [other for other in lines if other.sea == line.sea])
             checks.append(check_at_most("statistical_error", share, 0.1, "-", text, doubt=True, **where))
         if study.hydro.model == "linear" and not study.pto.switches:
-            limit = AGREEMENT_WITH_DRAG if isinstance(study, Study) and study.drag else AGREEMENT
+            limit = AGREEMENT_WITH_DRAG if study.drag_of_buoy else AGREEMENT
             expected = line.power_linear_record
             text = f"relative difference of mean power from linear theory in the same waves, {plain(expected)} W"
             difference = relative_difference(line.power_mean, expected)

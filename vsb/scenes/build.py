@@ -1,6 +1,7 @@
 """The scene of one design in one sea, from the files of a study, by its hydrodynamic model."""
 
 import time as clock
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -23,6 +24,7 @@ from vsb.scenes.floating_system import (
     FloatingSystem,
     body_system,
     heading,
+    held_rows,
     linear_buoy,
     rest_shape,
     stored_body,
@@ -39,11 +41,12 @@ from vsb.scenes.latching import (
     strongest,
     with_latching_time,
 )
-from vsb.scenes.rest import design_motions, study_basis
+from vsb.scenes.rest import design_motions, order_bases, study_basis
 from vsb.scenes.take_off import tuned_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
+from vsb.shell.orders import OrderBasis, all_clamp_rows
 from vsb.study.sections import POWER_TOLERANCE
-from vsb.study.specs import BodySimulateSpec, SimulateSpec
+from vsb.study.specs import BodySystem, BuoySystem, Dynamics, SimulateSpec
 from vsb.study.study import RegularWave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
@@ -73,6 +76,9 @@ class DesignInSea(NamedTuple):
     sea: Sea
     spectrum: DampingSpectrum | None  # of the radiation damping, where there is one
     notes: dict[str, Any]  # what the run records of its model
+    held: FloatArray  # combinations of degrees of freedom held at zero, Phi q = 0 (constraint, dof)
+    orders: Sequence[OrderBasis] = ()  # of a shell that moves in more directions than heave
+    port: FloatArray | None = None  # b (dof,) of a body, whose port is no point of the shape
 
     @property
     def system(self) -> System:
@@ -80,18 +86,16 @@ class DesignInSea(NamedTuple):
         return System.of(self.scene)
 
 
-def design_in_sea(run: SimulateSpec | BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
+def design_in_sea(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of a run by what floats and its hydrodynamic model, and what goes with it.
 
     Parameters
     ----------
-    run : SimulateSpec or BodySimulateSpec
+    run : SimulateSpec
     paths : mapping of option to path
         `database` and `radiation`, where the model has them.
     """
-    if isinstance(run, BodySimulateSpec):
-        return body_design(run, paths)
-    return SCENES[run.hydro.model](run, paths)
+    return SCENES[run.hydro.model if run.hydro else "body"](run, paths)
 
 
 def radiation_model(path: str) -> RadiationModel:
@@ -104,7 +108,7 @@ def linear_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of linear hydrodynamics about the mean shape."""
     at = _from_bem(run, paths)
     scene, notes = _released(_linear(run, at), run, at)
-    return at.with_scene(with_drag(scene, run, run.waves[0], at.sea), notes, {"model": "linear"})
+    return at.with_scene(with_drag(scene, _buoy_of(run)[0], run.waves[0], at.sea), notes, {"model": "linear"})
 
 
 def body_exact_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
@@ -112,17 +116,17 @@ def body_exact_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     at = _from_bem(run, paths)
     scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions)
     scene, notes = _released(with_take_off(scene, run.pto, at.buoy.pto), run, at)
-    return at.with_scene(with_drag(scene, run, run.waves[0], at.sea), notes, {"model": "body_exact"})
+    return at.with_scene(with_drag(scene, _buoy_of(run)[0], run.waves[0], at.sea), notes, {"model": "body_exact"})
 
 
 def automatic_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the cheapest scene that gives the mean absorbed power to the tolerance of the run."""
     begun = clock.perf_counter()
     at = _from_bem(run, paths)
-    (design,) = run.designs
-    ladder = automatic.motion_ladder(run, at.shape.basis, design)
+    (design,), (buoy, hydro) = run.designs, _buoy_of(run)
+    ladder = automatic.motion_ladder(buoy, at.shape.basis, design)
     scenes = automatic.Scenes(at.buoy, at.shape, at.radiation, at.sea, ladder, run.simulation)
-    choice = automatic.chosen(scenes, run.hydro.power_tolerance or POWER_TOLERANCE)
+    choice = automatic.chosen(scenes, hydro.power_tolerance or POWER_TOLERANCE)
     return at.with_scene(choice.scene, {**choice.notes, "choice_seconds": clock.perf_counter() - begun})
 
 
@@ -135,11 +139,13 @@ class _FromBem(NamedTuple):
     sea: Sea
     motions: FloatArray  # of the design
     notes: dict[str, Any]  # of the take-off
+    held: FloatArray  # clamps of the design (constraint, dof)
+    orders: Sequence[OrderBasis]  # beside heave and axisymmetric modes
 
     def with_scene(self, scene: Scene, *notes: dict[str, Any]) -> DesignInSea:
         """The design in its sea by a scene."""
         said = {key: value for note in (self.notes, *notes) for key, value in note.items()}
-        return DesignInSea(scene, self.shape, self.sea, self.buoy.spectrum, said)
+        return DesignInSea(scene, self.shape, self.sea, self.buoy.spectrum, said, self.held, self.orders)
 
 
 def _linear(run: SimulateSpec, at: _FromBem) -> Scene:
@@ -164,7 +170,7 @@ def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dic
 
 
 def _latched(
-    linear: Scene, run: SimulateSpec | BodySimulateSpec, sea: Sea, floating: LinearSystem, motions: FloatArray
+    linear: Scene, run: SimulateSpec, sea: Sea, floating: LinearSystem, motions: FloatArray
 ) -> tuple[float, LatchingTime, dict[str, float]]:
     """Damper [N s/m] and latching time in a linear scene; a damper tuned to its sea is found with it, and recorded."""
     if run.pto.tuning != "each":
@@ -190,27 +196,29 @@ def _dampers(floating: LinearSystem, motions: FloatArray, sea: Sea) -> list[floa
 
 
 def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
-    """What a scene of one design in one sea is made of; a damper to be tuned is to suit that sea, or those named."""
-    (design,), (wave,) = run.designs, run.waves
-    bare, basis = linear_buoy(run, paths["database"])
-    model = radiation_model(paths["radiation"])
-    waves, spectral = (sea(w, run.hydro.omega_max, run.simulation.duration) for w in (wave, expected(wave)))
-    others = [(w, sea(expected(w), run.hydro.omega_max, run.simulation.duration)) for w in run.seas]
-    shape, motions = rest_shape(run, bare, basis), design_motions(run, basis, design)
-    floating = FloatingSystem(bare, {design: motions}, study_port(run, bare, basis))
-    dragged = None if run.drag is None else partial(dragged_port, run)
+    """What a scene of one design in one sea is made of; a damper is tuned to that sea, or to those named."""
+    (design,), (wave,), (system, hydro) = run.designs, run.waves, _buoy_of(run)
+    bare, basis = linear_buoy(system, paths["database"])
+    model, orders = radiation_model(paths["radiation"]), order_bases(system, basis)
+    waves, spectral = (sea(w, hydro.omega_max, run.simulation.duration) for w in (wave, expected(wave)))
+    others = [(w, sea(expected(w), hydro.omega_max, run.simulation.duration)) for w in run.seas]
+    shape, motions = rest_shape(system, bare, basis), design_motions(system, basis, design)
+    floating = FloatingSystem(bare, {design: motions}, study_port(system, bare, basis))
+    dragged = None if system.drag is None else partial(dragged_port, system)
     pto = tuned_take_off(run.pto, design, floating, others or [(wave, spectral)], dragged)
     notes = {} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
-    notes |= linearised(run, floating, design, pto, wave, spectral)
+    notes |= linearised(system, floating, design, pto, wave, spectral)
     buoy = replace(bare, direction=float(np.deg2rad(heading(wave))), pto=pto)
-    return _FromBem(buoy, shape, model, waves, motions, notes)
+    held = all_clamp_rows(system.designs[design].clamp, basis, orders)
+    return _FromBem(buoy, shape, model, waves, motions, notes, held, orders)
 
 
-def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
+def body_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of a body, linear about its rest; a damper to be tuned is to suit its sea, or those named."""
-    (design,), (wave,) = run.designs, run.waves
+    (design,), (wave,), system = run.designs, run.waves, run.system
+    assert isinstance(system, BodySystem)
     body = stored_body(paths["database"])
-    floating = body_system(run, body)
+    floating = body_system(system, body)
     waves = study_sea(run, wave, body.database)
     tuned_in = [(one, study_sea(run, expected(one), body.database)) for one in run.seas or (wave,)]
     pto = tuned_take_off(run.pto, design, floating, tuned_in)
@@ -225,7 +233,8 @@ def body_design(run: BodySimulateSpec, paths: dict[str, Any]) -> DesignInSea:
         damper, best, tuned = _latched(scene, run, waves, equipped, motions)
         scene = with_latching_time(scene, best.time, damper)
         notes |= tuned | _noted(best)
-    return DesignInSea(scene, None, waves, body.spectrum, notes)
+    held = held_rows(system.designs[design], scene.labels)
+    return DesignInSea(scene, None, waves, body.spectrum, notes, held, port=floating.port)
 
 
 def check_followed(memory: Memory, waves: Sea, label: str) -> None:
@@ -255,16 +264,15 @@ def body_memory(path: str) -> Memory:
 
 def assumed_pressure_design(run: SimulateSpec, _: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and assumed pressure on the wet shell; a rigid design needs no shell modes."""
-    (design,), (wave,) = run.designs, run.waves
-    basis = study_basis(run)
+    (design,), (wave,), (buoy, hydro), pto = run.designs, run.waves, _buoy_of(run), run.pto
+    basis = study_basis(buoy)
     omega = wave.omega if isinstance(wave, RegularWave) else 0.0
-    load = AssumedPressure(run.hydro.pressure or 0.0 if omega else 0.0, omega)
-    shell, water = DeformedShell(basis, run.centre_height, np.zeros(len(basis.labels))), run.water
-    motions = design_motions(run, basis, design)
-    pto = LinearPto(run.pto.damper(design) or 0.0, run.pto.stiffness)
-    scene = assumed_pressure_scene(shell, pto, load, water.density, water.gravity, motions)
-    scene = with_take_off(scene, run.pto, pto)
-    return DesignInSea(scene, shell, NO_WAVES, None, {"model": "assumed_pressure"})
+    load = AssumedPressure(hydro.pressure or 0.0 if omega else 0.0, omega)
+    shell, water = DeformedShell(basis, buoy.centre_height, np.zeros(len(basis.labels))), run.water
+    motions, take_off = design_motions(buoy, basis, design), LinearPto(pto.damper(design) or 0.0, pto.stiffness)
+    scene = assumed_pressure_scene(shell, take_off, load, water.density, water.gravity, motions)
+    scene, held = with_take_off(scene, pto, take_off), all_clamp_rows(buoy.designs[design].clamp, basis, ())
+    return DesignInSea(scene, shell, NO_WAVES, None, {"model": "assumed_pressure"}, held)
 
 
 SCENES = {
@@ -272,5 +280,13 @@ SCENES = {
     "body_exact": body_exact_design,
     "assumed_pressure": assumed_pressure_design,
     "auto": automatic_design,
+    "body": body_design,
 }
-"""Hydrodynamic model -> the scene of one design in one sea."""
+"""Hydrodynamic model of a buoy, or a body -> the scene of one design in one sea."""
+
+
+def _buoy_of(run: SimulateSpec) -> tuple[BuoySystem, Dynamics]:
+    """The buoy of a run and its hydrodynamic model."""
+    assert run.buoy is not None
+    assert run.hydro is not None
+    return run.buoy, run.hydro

@@ -13,7 +13,7 @@ from vsb.motion.scene import Scene
 from vsb.motion.tuning import squares
 from vsb.scenes.floating_system import FloatingSystem, heading, towards
 from vsb.study.directions import Drag, Vane
-from vsb.study.specs import DraggedSpec
+from vsb.study.specs import BuoySystem
 from vsb.study.study import Wave
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.dispersion import horizontal_velocity, vertical_velocity
@@ -39,7 +39,7 @@ def dragged(drag: Drag, labels: Sequence[str]) -> FloatArray:
     return np.array([[float(label == name.capitalize()) for label in labels] for name in drag.directions])
 
 
-def flow(run: DraggedSpec, omega: FloatArray, direction: float) -> ComplexArray:
+def flow(run: BuoySystem, omega: FloatArray, direction: float) -> ComplexArray:
     """Return the velocity of undisturbed waves at half the draft per amplitude, shape (omega, dragged) [1/s].
 
     Along every direction the drag acts on, of waves going to one [degrees]. They have no vorticity, so of rotations
@@ -56,7 +56,7 @@ def flow(run: DraggedSpec, omega: FloatArray, direction: float) -> ComplexArray:
     return np.stack([known.get(name, 0.0 * along) for name in run.drag.directions], axis=-1)
 
 
-def with_drag(scene: Scene, run: DraggedSpec, wave: Wave, sea: Sea) -> Scene:
+def with_drag(scene: Scene, run: BuoySystem, wave: Wave, sea: Sea) -> Scene:
     """Return a scene with the drag of its study, if it has one."""
     if run.drag is None:
         return scene
@@ -67,7 +67,7 @@ def with_drag(scene: Scene, run: DraggedSpec, wave: Wave, sea: Sea) -> Scene:
 
 
 def dragged_port(
-    run: DraggedSpec, floating: FloatingSystem, design: str, going: Mapping[float, FloatArray]
+    run: BuoySystem, floating: FloatingSystem, design: str, going: Mapping[float, FloatArray]
 ) -> DraggedPort:
     """Return the port of a design of a study with drag, in waves of directions [degrees], each at its frequencies."""
     assert run.drag is not None
@@ -84,7 +84,7 @@ def dragged_port(
 
 
 def linearised(
-    run: DraggedSpec, floating: FloatingSystem, design: str, pto: LinearPto, wave: Wave, sea: Sea
+    run: BuoySystem, floating: FloatingSystem, design: str, pto: LinearPto, wave: Wave, sea: Sea
 ) -> dict[str, Any]:
     """Return what a run in a sea records of its drag by linear theory: its dampers and the mean power beside them."""
     if run.drag is None or not sea.omega.size:

@@ -16,23 +16,22 @@ from vsb.errors import ConfigError
 from vsb.hydro import database
 from vsb.hydro.dofs import flexible
 from vsb.motion.linear import LinearSystem, with_open_chamber
-from vsb.motion.port import LinearPto, Port, combination, port_direction
+from vsb.motion.port import LinearPto, Port, channels_reached, combination, port_direction
 from vsb.motion.tuning import frequencies
 from vsb.scenes.rest import design_motions, order_bases
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, check_rank, mode_basis, rigid_basis
 from vsb.study.body import BodyDesign, BodyStudy
 from vsb.study.quantities import is_rigid
-from vsb.study.specs import BodyLadderSpec, BodySimulateSpec, Driven, LadderSpec, OfDesigns, SimulateSpec
+from vsb.study.specs import AnyBuoy, BodySystem, LadderSpec, SimulateSpec, SystemSpec
 from vsb.study.study import StillWater, Study, Wave
 from vsb.study.take_off import DofPort
 from vsb.tools.arrays import FloatArray, IntArray
 from vsb.waves.seas import Sea, sea
 
-AnyStudy = Study | BodyStudy
-OfBody = BodyStudy | OfDesigns
-"""What says how a body moves: a study of one, or what a stage computes from."""
-InSeas = Study | LadderSpec | SimulateSpec | BodyStudy | BodyLadderSpec | BodySimulateSpec
+AnyBody = BodyStudy | BodySystem
+"""A body with its designs and take-off."""
+InSeas = Study | BodyStudy | LadderSpec | SimulateSpec
 """What has seas and how long they last."""
 
 
@@ -43,6 +42,7 @@ class FloatingSystem:
     linear: LinearSystem
     motions: Mapping[str, FloatArray]  # design -> N (dof, free)
     port: FloatArray  # b (dof,)
+    channels: int = 1  # azimuthal orders the port reaches: each may radiate, so that power is limited by as many λ/2π
 
     def towards(self, wave: Wave) -> LinearSystem:
         """Return its motion in waves of a sea's direction."""
@@ -54,19 +54,21 @@ def towards(linear: LinearSystem, direction: float) -> LinearSystem:
     return replace(linear, direction=float(np.deg2rad(direction)))
 
 
-def floating_system(study: Driven | OfBody, database_path: str) -> FloatingSystem:
-    """Return what a study lets float, from its database."""
-    if isinstance(study, BodyStudy | OfDesigns):
-        return body_system(study, stored_body(database_path))
-    buoy, basis = linear_buoy(study, database_path)
-    motions = {design: design_motions(study, basis, design) for design in study.designs}
-    return FloatingSystem(buoy, motions, study_port(study, buoy, basis))
+def floating_system(study: AnyBuoy | AnyBody | SystemSpec, database_path: str) -> FloatingSystem:
+    """Return what floats in a study, or in the specification of a stage, from its database."""
+    system = study.system if isinstance(study, SystemSpec) else study
+    if isinstance(system, BodyStudy | BodySystem):
+        return body_system(system, stored_body(database_path))
+    buoy, basis = linear_buoy(system, database_path)
+    motions = {design: design_motions(system, basis, design) for design in system.designs}
+    port = study_port(system, buoy, basis)
+    return FloatingSystem(buoy, motions, port, channels_reached(port, buoy.orders))
 
 
 # a buoy -------------------------------------------------------------------------------------------------------------
 
 
-def linear_buoy(study: Driven, database_path: str) -> tuple[LinearSystem, ModeBasis]:
+def linear_buoy(study: AnyBuoy, database_path: str) -> tuple[LinearSystem, ModeBasis]:
     """Return the linear buoy of a study, without take-off, from its database, and its axisymmetric shell modes.
 
     To a take-off of the volume trapped gas is a chamber before it.
@@ -80,12 +82,12 @@ def linear_buoy(study: Driven, database_path: str) -> tuple[LinearSystem, ModeBa
     return (with_open_chamber(buoy, study_port(study, buoy, basis)) if study.opens_chamber else buoy), basis
 
 
-def rest_shape(study: Driven, buoy: LinearSystem, basis: ModeBasis) -> DeformedShell:
+def rest_shape(study: AnyBuoy, buoy: LinearSystem, basis: ModeBasis) -> DeformedShell:
     """Return the shell a linear buoy moves about."""
     return DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values[: len(basis.labels)])
 
 
-def study_port(study: Driven, buoy: LinearSystem, basis: ModeBasis) -> FloatArray:
+def study_port(study: AnyBuoy, buoy: LinearSystem, basis: ModeBasis) -> FloatArray:
     """Return b of the take-off of a study, shape (dof,); see `vsb.motion.port.port_direction`."""
     return port_direction(study.pto.port, rest_shape(study, buoy, basis), order_bases(study, basis))
 
@@ -99,13 +101,13 @@ def stored_body(database_path: str) -> LinearSystem:
     return LinearSystem(ds, np.asarray(ds.structural_damping_matrix.values), axisymmetric=False)
 
 
-def body_system(study: OfBody, body: LinearSystem) -> FloatingSystem:
+def body_system(study: AnyBody, body: LinearSystem) -> FloatingSystem:
     """Return what a study lets float of a body."""
     motions = {name: body_motions(name, design, body.labels) for name, design in study.designs.items()}
     return FloatingSystem(body, motions, body_port(study, body.labels))
 
 
-def body_port(study: OfBody, labels: Sequence[str]) -> FloatArray:
+def body_port(study: AnyBody, labels: Sequence[str]) -> FloatArray:
     """Return b of the take-off of a study of a body, shape (dof,); by default heave."""
     port = study.pto.port
     return combination(labels, port.dofs if isinstance(port, DofPort) else {"Heave": 1.0})
@@ -152,10 +154,10 @@ def body_motions(name: str, design: BodyDesign, labels: Sequence[str]) -> FloatA
 
 def band(study: InSeas, ds: xr.Dataset | None) -> tuple[float, float]:
     """Return the band the components of a sea lie in [rad/s]: of a body what its database holds."""
-    if isinstance(study, BodyStudy | OfDesigns):
-        assert ds is not None
-        return float(ds.omega[0]), float(ds.omega[-1])
-    return 0.0, study.hydro.omega_max
+    if (known := study.band) is not None:
+        return known
+    assert ds is not None
+    return float(ds.omega[0]), float(ds.omega[-1])
 
 
 def study_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:

@@ -23,7 +23,7 @@ from vsb.scenes.ports import ShapeWater, designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import DeformedShell
 from vsb.study.sections import DEGREES, Modes
-from vsb.study.specs import DegreeSpec, LadderSpec
+from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
 from vsb.study.study import RegularWave, StillWater, Study
 from vsb.study.take_off import Pto, ShellPort
 from vsb.tools.arrays import FloatArray
@@ -83,7 +83,7 @@ class ModeConvergence:
     Powers have the dimensions (design, sea, take-off) [W], take-offs as `TAKE_OFFS`.
     """
 
-    study: LadderSpec | Study
+    study: AnyBuoy
     seas: Sequence[Sea]
 
     @cached_property
@@ -106,7 +106,7 @@ class ModeConvergence:
                 continue
         return self._solved(shape, _displacements(DEGREES[1]))
 
-    def _with(self, modes: Modes) -> LadderSpec | Study:
+    def _with(self, modes: Modes) -> AnyBuoy:
         """The study in heave with another basis: what varies around the axis moves no heaving port."""
         return self.study.model_copy(update={"modes": modes, "motion": "heave", "mooring": None})
 
@@ -251,13 +251,15 @@ def converged_degree(spec: DegreeSpec, climate: Climate | None = None) -> int:
     climate : Climate, optional
         The seas of a year: its mean spectrum, from which its mean power follows, takes the place of the waves.
     """
-    if not knows_port(spec):
-        pto = spec.pto.model_copy(update={"port": "heave", "damping": None, "tuning": "each", "stiffness": 0.0})
-        spec = spec.model_copy(update={"pto": pto})
-    return ModeConvergence(spec, _seas(spec, climate)).degree
+    buoy = spec.buoy
+    assert buoy is not None
+    if not knows_port(buoy):
+        pto = buoy.pto.model_copy(update={"port": "heave", "damping": None, "tuning": "each", "stiffness": 0.0})
+        buoy = buoy.model_copy(update={"pto": pto})
+    return ModeConvergence(buoy, _seas(spec, buoy, climate)).degree
 
 
-def knows_port(study: LadderSpec | Study) -> bool:
+def knows_port(study: AnyBuoy) -> bool:
     """Whether powers are known by degree: of heave, the volume and points of the shell, not of turning."""
     return study.motion == "heave" or study.pto.port in ("heave", "volume") or isinstance(study.pto.port, ShellPort)
 
@@ -269,14 +271,15 @@ def mean_sea(climate: Climate, highest: float = np.inf) -> Sea:
     return Sea(climate.omega[inside], np.sqrt(2 * variance[inside]).astype(complex))
 
 
-def _seas(spec: DegreeSpec, climate: Climate | None) -> tuple[Sea, ...]:
+def _seas(spec: DegreeSpec, buoy: BuoySystem, climate: Climate | None) -> tuple[Sea, ...]:
     """The seas powers are to converge in."""
-    highest = spec.hydro.omega_max
+    assert spec.band is not None
+    highest = spec.band[1]
     if climate is not None:
         return (mean_sea(climate, highest),)
     waves = [wave for wave in spec.waves if not isinstance(wave, StillWater)]
     if not waves:
-        unit = np.sqrt(spec.water.gravity / spec.device.radius)
+        unit = np.sqrt(spec.water.gravity / buoy.device.radius)
         periods = [2 * np.pi / min(part * unit, highest) for part in PROBED]
         return tuple(sea(RegularWave(kind="regular", amplitude=0.1, period=t), highest, 0.0) for t in periods)
     return tuple(sea(expected(wave), highest, spec.simulation.duration) for wave in waves)

@@ -20,11 +20,11 @@ from vsb.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, eq
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw
 from vsb.study.directions import RIGID
-from vsb.study.specs import AtRest, Designed, DesignsSpec, RestSpec
+from vsb.study.specs import AnyBuoy, AtRest, Designed, RestSpec
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
-Moving = Study | RestSpec | DesignsSpec
+Moving = AnyBuoy | RestSpec
 """What says in which directions a buoy moves."""
 
 # degrees of freedom -------------------------------------------------------------------------------------------------
@@ -103,7 +103,7 @@ def motions_to_degree(study: Designed, basis: ModeBasis, design: str, degree: in
 # the loaded shell ---------------------------------------------------------------------------------------------------
 
 
-def loaded_shell(study: AtRest | DesignsSpec, basis: ModeBasis) -> LoadedShell:
+def loaded_shell(study: AtRest, basis: ModeBasis) -> LoadedShell:
     """Return the shell of a study under weight, water and internal pressure."""
     device, water = study.device, study.water
     elastic = ElasticShell(basis)

@@ -23,28 +23,28 @@ from vsb.scenes.floating_system import study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
 from vsb.stages.stored import Inputs
-from vsb.study.body import BodyStudy
-from vsb.study.specs import BodyCompareSpec, CompareSpec
-from vsb.study.study import IrregularSea, Study, Wave, canonical
+from vsb.study.specs import CompareSpec
+from vsb.study.study import IrregularSea, Wave, canonical
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 from vsb.waves.seas import NO_WAVES, expected
 
 
-def run_compare(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files: str) -> None:
+def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
     """Write the comparison table, statistics of irregular seas, the validity ledger and the study in canonical form.
 
     Those are for people; what the report reads is one file of checked data, `tables`.
     """
     compared = spec.study
     found = Inputs(compared, trajectories, files)
-    reference = None if isinstance(compared, BodyStudy) else reference_shell(compared)
+    buoy = compared.buoy
+    reference = reference_shell(buoy) if buoy else None
     met = [in_a_sea(found, reference.basis if reference else None, wave) for wave in compared.waves]
     rows = [row for one in met for row in one.rows]
     runs = {run: attrs for one in met for run, attrs in one.runs.items()}
     checks = [check for one in met for check in one.checks]
-    if reference and isinstance(compared, Study):
-        checks = [*ledger.shell_checks(compared, reference), *checks]
+    if buoy and reference:
+        checks = [*ledger.shell_checks(buoy, reference), *checks]
     checks += [*ledger.angle_checks(compared), *transient_checks(runs, rows), *latching_checks(runs)]
     lines: list[irregular.Line] = []
     tuned: list[Tuned] = []
@@ -59,9 +59,9 @@ def run_compare(spec: CompareSpec | BodyCompareSpec, trajectories: str, **files:
         rows = with_intervals(compared, rows, runs, ladder, found.response)
         checks += [*fair_damping_checks(tuned, compared.pto), *constrained_checks(ladder)]
         checks += reference_power_checks(compared, ladder)
-        checks += ledger.mode_checks(compared, ladder) if isinstance(compared, Study) else []
-    elif isinstance(compared, Study):
-        checks += ledger.assumed_pressure_checks(compared, rows)
+        checks += ledger.mode_checks(buoy, ladder) if buoy else []
+    elif buoy:
+        checks += ledger.assumed_pressure_checks(buoy, rows)
         rows = with_intervals(compared, rows, runs, (), None)
     checks = ledger.worst_first(checks)
     invalid = ledger.invalid_designs(compared, checks)
@@ -91,11 +91,12 @@ def of_the_water(found: Inputs, rows: list[comparison.Row], runs: comparison.Att
     Of a buoy also the limit of its power, and what a second solver says.
     """
     study, database = found.study, found.database
-    checks = [] if isinstance(study, BodyStudy) else [ledger.limit_check(found.response)]
+    buoy = study.buoy
+    checks = [ledger.limit_check(found.response)] if buoy else []
     checks += ledger.radiation_checks(found.radiation, study.hydro.tolerance)
     checks += [*ledger.seas_checks(study, database), *agreement_checks(study, found.response, rows, runs)]
     checks += [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
-    return checks + (ledger.witness_checks(study, database, found.witness) if isinstance(study, Study) else [])
+    return checks + (ledger.witness_checks(buoy, database, found.witness) if buoy else [])
 
 
 class InASea(NamedTuple):
@@ -122,7 +123,7 @@ def in_a_sea(found: Inputs, basis: ModeBasis | None, wave: Wave) -> InASea:
         }
     return InASea(
         comparison.comparison(study, wave, runs, waves),
-        sea_checks(study, wave, runs, basis, found.database if isinstance(study, BodyStudy) else None),
+        sea_checks(study, wave, runs, basis, found.database),
         {(design, label): run.attrs for design, run in runs.items()},
         samples,
     )

@@ -18,12 +18,12 @@ from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
 from vsb.hydro.variables import PAIR
 from vsb.motion import frequency as response
 from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto, Port, channels_reached
+from vsb.motion.port import LinearPto, Port
 from vsb.report.band import with_extremes
 from vsb.results.ladder import as_csv, study_ladder
 from vsb.scenes.floating_system import FloatingSystem, floating_system, stored_body, towards
 from vsb.stages.stage import stamp
-from vsb.study.specs import BodyLadderSpec, BodyRadiationSpec, BodyResponseSpec, LadderSpec, RadiationSpec, ResponseSpec
+from vsb.study.specs import LadderSpec, RadiationSpec, ResponseSpec
 from vsb.study.study import canonical
 from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
@@ -35,14 +35,14 @@ LONGEST = 60.0
 """Time the kernels of a body are shown for, times the end of its band [rad]."""
 
 
-def run_radiation(spec: RadiationSpec | BodyRadiationSpec, database: str, out: str) -> None:
+def run_radiation(spec: RadiationSpec, database: str, out: str) -> None:
     """Fit and store the passive state-space radiation model, with the kernels to compare."""
     ds = load_database(database, spec.database)
     spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
     begun = clock.perf_counter()
     own: dict[str, Any] = {}
     repaired: dict[str, Any] = {}
-    if isinstance(spec, BodyRadiationSpec):
+    if spec.added_mass_inf:
         fit = stored_body(database).memory(spec.tolerance, limit=spec.added_mass_inf)
         memory = Memory(fit.model, fit.error)
         own, repaired = {"added_mass_inf": (PAIR, fit.added_mass_inf)}, {"history": fit.history}
@@ -118,12 +118,11 @@ TAKE_OFF = {True: "best_damping at each frequency", False: "the given damping"}
 """Whether tuning decides -> under what `rao` and `absorbed_power` are."""
 
 
-AnySpec = ResponseSpec | BodyResponseSpec
 PARTS = 5
 """Steps of a response in one of the database."""
 
 
-def run_response(spec: ResponseSpec | BodyResponseSpec, database: str, out: str) -> None:
+def run_response(spec: ResponseSpec, database: str, out: str) -> None:
     """Write response amplitude operators, ports, powers, their limits, and wet natural frequencies of all designs.
 
     Best dampers are those beside the take-off's spring. Without a given damper `rao` and `absorbed_power` are at the
@@ -132,10 +131,10 @@ def run_response(spec: ResponseSpec | BodyResponseSpec, database: str, out: str)
     directions, as of a body, all that depends on them has one more dimension.
     """
     floating = floating_system(spec, database)
-    if isinstance(spec, BodyResponseSpec):
-        omega = refined(floating.linear.database.omega.values, spec.omega)
-    else:
+    if spec.step and spec.lowest and spec.omega_max:
         omega = response.frequency_grid(spec.step, spec.lowest, spec.omega_max, spec.omega)
+    else:
+        omega = refined(floating.linear.database.omega.values, spec.omega)
     omega = with_resonances(spec, floating, omega)
     moving = [towards(floating.linear, at) for at in spec.directions or (0.0,)]
     if spec.reference_design and len(spec.designs) > 1:
@@ -147,7 +146,7 @@ def run_response(spec: ResponseSpec | BodyResponseSpec, database: str, out: str)
         waves = xr.concat(headings, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(spec.directions))
     told = {"take_off": TAKE_OFF[spec.pto.damping is None], "port": canonical(spec.pto.port).strip('"')}
     told["port_kind"] = port_kind(spec.pto.port).load
-    reached = channels_reached(floating.port, floating.linear.orders) if floating.linear.axisymmetric else 1
+    reached = floating.channels
     if reached > 1:
         told["limit"] = f"{reached} λ/2π"
     found = xr.merge([waves, at_port(spec, seen[0], reached), natural(spec, floating)])
@@ -160,7 +159,7 @@ def refined(omega: FloatArray, extra: Iterable[float]) -> FloatArray:
     return np.array(sorted({*between, float(omega[-1]), *extra}))
 
 
-def with_resonances(spec: AnySpec, floating: FloatingSystem, omega: FloatArray) -> FloatArray:
+def with_resonances(spec: ResponseSpec, floating: FloatingSystem, omega: FloatArray) -> FloatArray:
     """Return frequencies with those of the natural motions without a damper, and beside them at half their power."""
     pto = LinearPto(0.0, spec.pto.stiffness, floating.port)
     modes = [replace(floating.linear, pto=pto).natural_modes(motions) for motions in floating.motions.values()]
@@ -169,7 +168,7 @@ def with_resonances(spec: AnySpec, floating: FloatingSystem, omega: FloatArray) 
     return np.unique(every[(every >= omega[0]) & (every <= omega[-1])])
 
 
-def best_powers(spec: AnySpec, floating: FloatingSystem, linear: LinearSystem, omega: FloatArray) -> xr.DataArray:
+def best_powers(spec: ResponseSpec, floating: FloatingSystem, linear: LinearSystem, omega: FloatArray) -> xr.DataArray:
     """Return the power of all designs at the best damper of each frequency, dims (design, omega) [W/m^2]."""
     best = [port.best_power for port in beside_spring(spec, ports(floating, linear, omega)).values()]
     return xr.DataArray(best, {"design": list(spec.designs), "omega": omega}, ("design", "omega"))
@@ -180,13 +179,15 @@ def ports(floating: FloatingSystem, linear: LinearSystem, omega: FloatArray) -> 
     return {design: linear.port(omega, motions, floating.port) for design, motions in floating.motions.items()}
 
 
-def beside_spring(spec: AnySpec, seen: Mapping[str, Port]) -> dict[str, Port]:
+def beside_spring(spec: ResponseSpec, seen: Mapping[str, Port]) -> dict[str, Port]:
     """Return what a damper beside the take-off's spring sees of all designs."""
     spring = spec.pto.stiffness
     return {design: port.beside(spring) if spring else port for design, port in seen.items()}
 
 
-def in_waves(spec: AnySpec, floating: FloatingSystem, linear: LinearSystem, seen: Mapping[str, Port]) -> xr.Dataset:
+def in_waves(
+    spec: ResponseSpec, floating: FloatingSystem, linear: LinearSystem, seen: Mapping[str, Port]
+) -> xr.Dataset:
     """Return what all designs do in waves of one direction, by their ports."""
     pto, rao, power, best = spec.pto, [], [], beside_spring(spec, seen)
     omega = next(iter(seen.values())).omega
@@ -209,7 +210,7 @@ def in_waves(spec: AnySpec, floating: FloatingSystem, linear: LinearSystem, seen
     )
 
 
-def at_port(spec: AnySpec, seen: Mapping[str, Port], reached: int) -> xr.Dataset:
+def at_port(spec: ResponseSpec, seen: Mapping[str, Port], reached: int) -> xr.Dataset:
     """Return what does not depend on where waves come from: impedances, best dampers, the limit of heave alone."""
     water, best, omega = spec.water, beside_spring(spec, seen), next(iter(seen.values())).omega
     limit = [reached * power_limit(w, water.depth, water.density, water.gravity) for w in omega]
@@ -223,7 +224,7 @@ def at_port(spec: AnySpec, seen: Mapping[str, Port], reached: int) -> xr.Dataset
     )
 
 
-def natural(spec: AnySpec, floating: FloatingSystem) -> xr.Dataset:
+def natural(spec: ResponseSpec, floating: FloatingSystem) -> xr.Dataset:
     """Return wet natural frequencies and damping ratios of all designs; what drifts has none."""
     wet: list[tuple[str, float, float]] = []
     for design in spec.designs:
@@ -239,7 +240,7 @@ def natural(spec: AnySpec, floating: FloatingSystem) -> xr.Dataset:
     )
 
 
-def run_ladder(spec: LadderSpec | BodyLadderSpec, database: str, out: str, rungs: str, manifest: str) -> None:
+def run_ladder(spec: LadderSpec, database: str, out: str, rungs: str, manifest: str) -> None:
     """Write the ladder of a study for people, and all its digits, with notes, for the stages after it."""
     found = study_ladder(spec, database)
     write_text(out, as_csv(found))

@@ -133,7 +133,7 @@ def _with(study: Study, degree: int) -> Study:
 
 def _degree(spec: DegreeSpec, root: str, climate_path: str = "") -> int:
     """The degree that meets the tolerance, from where it is kept or looked for now."""
-    if not spec.flexible:
+    if spec.buoy is None or not spec.buoy.flexible:
         return DEGREES[0]
     path = Path(root, "hydro", "degrees", f"{content_id(spec)}.json")
     try:
@@ -146,7 +146,8 @@ def _degree(spec: DegreeSpec, root: str, climate_path: str = "") -> int:
     from vsb.stages.climate import read_climate
     from vsb.tools.files import write_text
 
-    words = f"finding how many shell modes meet modes.tolerance {spec.modes.tolerance:g}: seconds, once, kept in {path}"
+    tolerance = f"modes.tolerance {spec.buoy.modes.tolerance:g}"
+    words = f"finding how many shell modes meet {tolerance}: seconds, once, kept in {path}"
     print(words, file=sys.stderr, flush=True)
     climate = read_climate(spec.climate, climate_path) if spec.climate else None
     degree = converged_degree(spec, climate)

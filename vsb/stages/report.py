@@ -28,11 +28,11 @@ from vsb.report.svg import drawn
 from vsb.results.comparison import in_direction
 from vsb.results.force_steps import SeenPort, force_steps
 from vsb.results.statistics import families
-from vsb.scenes.floating_system import AnyStudy, FloatingSystem, band, floating_system, heading
+from vsb.scenes.floating_system import FloatingSystem, band, floating_system, heading
 from vsb.scenes.floating_system import towards as headed
 from vsb.stages.stored import Inputs
 from vsb.study.blocks import no_witness
-from vsb.study.body import BodyStudy
+from vsb.study.body import AnyStudy, BodyStudy
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Irregular, IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, StillWater, Study, Wave
 from vsb.study.take_off import port_kind

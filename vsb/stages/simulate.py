@@ -12,15 +12,13 @@ from vsb.integrators.periodic import periodic_power
 from vsb.integrators.simulate import in_words, legs, recorded
 from vsb.motion.system import System
 from vsb.motion.udwadia_kalaba import constraint_drift
-from vsb.scenes.build import design_in_sea
-from vsb.scenes.floating_system import body_port, held_rows
+from vsb.scenes.build import DesignInSea, design_in_sea
 from vsb.scenes.latching import STEADY
-from vsb.scenes.rest import order_bases
 from vsb.shell.deformed import DeformedShell, enclosed
-from vsb.shell.orders import OrderBasis, all_clamp_rows
+from vsb.shell.orders import OrderBasis
 from vsb.shell.surface import enclosed_in_orders
 from vsb.stages.stage import stamp
-from vsb.study.specs import BodySimulateSpec, SimulateSpec
+from vsb.study.specs import SimulateSpec
 from vsb.study.study import RegularWave, StillWater
 from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
@@ -30,31 +28,28 @@ UNSETTLED = 1e-3
 """Relative difference between the powers of late periods above which a motion does not repeat [-]."""
 
 
-def run_simulate(spec: SimulateSpec | BodySimulateSpec, out: str, database: str = "", radiation: str = "") -> None:
+def run_simulate(spec: SimulateSpec, out: str, database: str = "", radiation: str = "") -> None:
     """Simulate one design in one sea and write its trajectory."""
     (design,), (wave,) = spec.designs, spec.waves
-    files = {"database": database, "radiation": radiation}
-    scene, shape, waves, spectrum, notes = design_in_sea(spec, files)
-    system = System.of(scene)
-    orders = order_bases(spec, shape.basis) if shape and isinstance(spec, SimulateSpec) else ()
-    clamps = held_at_zero(spec, shape, orders, scene.labels)
+    made = design_in_sea(spec, {"database": database, "radiation": radiation})
+    scene, waves, system = made.scene, made.sea, made.system
     records: list[xr.Dataset] = []
     taken: list[tuple[int, float, int, float]] = []
-    for leg in legs(system, waves, spec.simulation, spectrum):
+    for leg in legs(system, waves, spec.simulation, made.spectrum):
         record = recorded(system, leg, waves if database else None, spec.simulation.window)
-        record = with_enclosed(record, shape, orders) if shape else with_stroke(record, spec, scene.labels)
+        record = with_enclosed(record, made.shape, made.orders) if made.shape else with_stroke(record, made)
         records.append(record.isel(time=slice(1 if records else 0, None)))
-        drift = constraint_drift(leg.motion.position @ scene.motions.T, clamps)
+        drift = constraint_drift(leg.motion.position @ scene.motions.T, made.held)
         taken.append((len(leg.motion.time) - 1, leg.motion.seconds, leg.steps, drift))
     intervals, seconds, steps, drifts = zip(*taken, strict=True)
     attrs = {"design": design, "wave": wave.label, "energy_residual": leg.balance.residual, "status": "completed"}
     attrs |= {"method": in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
     attrs["port_kind"] = port_kind(spec.pto.port).load
-    attrs |= {"seconds": sum(seconds), **notes, **stamp(spec, database, radiation)}
+    attrs |= {"seconds": sum(seconds), **made.notes, **stamp(spec, database, radiation)}
     if isinstance(wave, RegularWave):
         attrs |= _steady(system)
-    if clamps.size:
-        attrs["constraint_drift"] = max(*drifts, _linear_drift(spec, system, clamps))
+    if made.held.size:
+        attrs["constraint_drift"] = max(*drifts, _linear_drift(spec, system, made.held))
     save(xr.concat(records, "time").assign_attrs(attrs), out)
 
 
@@ -69,26 +64,11 @@ def with_enclosed(run: xr.Dataset, shape: DeformedShell, orders: Sequence[OrderB
     return run.assign(volume=("time", volume), area=("time", area))
 
 
-def with_stroke(run: xr.Dataset, spec: SimulateSpec | BodySimulateSpec, labels: Sequence[str]) -> xr.Dataset:
+def with_stroke(run: xr.Dataset, made: DesignInSea) -> xr.Dataset:
     """Return a record of a body with the displacement and the velocity of its take-off's port."""
-    if not isinstance(spec, BodySimulateSpec):
-        return run
-    port = xr.DataArray(body_port(spec, labels), dims="dof", coords={"dof": list(labels)}).sel(dof=run.dof)
+    labels = list(made.scene.labels)
+    port = xr.DataArray(made.port, dims="dof", coords={"dof": labels}).sel(dof=run.dof)
     return run.assign(stroke=run.position @ port, stroke_rate=run.velocity @ port)
-
-
-def held_at_zero(
-    spec: SimulateSpec | BodySimulateSpec,
-    shape: DeformedShell | None,
-    orders: Sequence[OrderBasis],
-    labels: Sequence[str],
-) -> FloatArray:
-    """Return what the one design of a run holds at zero, Phi q = 0, shape (constraint, dof)."""
-    if isinstance(spec, BodySimulateSpec):
-        (held,) = spec.designs.values()
-        return held_rows(held, labels)
-    (design,) = spec.designs.values()
-    return all_clamp_rows(design.clamp, shape.basis, orders) if shape else np.zeros((0, len(labels)))
 
 
 def _steady(system: System) -> dict[str, float | str]:
@@ -124,7 +104,7 @@ def _settled(system: System) -> dict[str, float | str]:
     return {"steady_power": power, "steady_unsettled": unsettled}
 
 
-def _linear_drift(spec: SimulateSpec | BodySimulateSpec, system: System, clamps: FloatArray) -> float:
+def _linear_drift(spec: SimulateSpec, system: System, clamps: FloatArray) -> float:
     """Largest slip at the clamps [m] over 10 000 wave periods; motion that is not linear is followed once only."""
     if not system.linear or isinstance(spec.waves[0], StillWater):
         return 0.0

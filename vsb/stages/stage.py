@@ -5,16 +5,16 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from vsb.errors import ConfigError
 from vsb.study import specs
-from vsb.study.body import BodyStudy
+from vsb.study.body import AnyStudy
 from vsb.study.reading import one_line
 from vsb.study.specs import Spec
-from vsb.study.study import Study, canonical, result_id
+from vsb.study.study import canonical, result_id
 
 BEM_FILES = "database radiation response witness"
 """What a model without BEM does not have."""
@@ -53,15 +53,10 @@ class Stage:
             raise ConfigError(f"{source}: not valid JSON ({error}); needs the specification of the rule") from None
         if not isinstance(raw, dict):
             raise ConfigError(f"{source}: received {text[:40]}, needs a mapping")
-        mistakes = []
-        for kind in get_args(self.spec) or (self.spec,):
-            try:
-                return TypeAdapter(kind).validate_python(raw)
-            except ValidationError as error:
-                mistakes.append(error)
-        raise ConfigError(
-            f"{source}: {one_line(min(mistakes, key=ValidationError.error_count), raw)}"
-        )  # of the nearest type
+        try:
+            return TypeAdapter(self.spec).validate_python(raw)
+        except ValidationError as error:
+            raise ConfigError(f"{source}: {one_line(error, raw)}") from None
 
 
 _ROWS: tuple[tuple[str, str, str, Any, str, str], ...] = (
@@ -75,23 +70,23 @@ _ROWS: tuple[tuple[str, str, str, Any, str, str], ...] = (
     ("spectral", "water", "one block of frequencies without panels", specs.SpectralSpec, "out", ""),
     ("coefficients", "coefficients", "hydro database of a body, solved or read", specs.BodySpec, "out", BODY_FILES),
     ("database", "water", "hydro database from blocks", specs.DatabaseSpec, "blocks out", ""),
-    ("radiation", "frequency", "radiation model", specs.RadiationSpec | specs.BodyRadiationSpec, "database out", ""),
-    ("response", "frequency", "frequency response", specs.ResponseSpec | specs.BodyResponseSpec, "database out", ""),
+    ("radiation", "frequency", "radiation model", specs.RadiationSpec, "database out", ""),
+    ("response", "frequency", "frequency response", specs.ResponseSpec, "database out", ""),
     (
-        "ladder", "frequency", "power under ever better take-offs", specs.LadderSpec | specs.BodyLadderSpec,
+        "ladder", "frequency", "power under ever better take-offs", specs.LadderSpec,
         "database out rungs manifest", "",
     ),
     (
-        "simulate", "simulate", "one design in one sea", specs.SimulateSpec | specs.BodySimulateSpec,
+        "simulate", "simulate", "one design in one sea", specs.SimulateSpec,
         "out", "database radiation",
     ),
     (
-        "compare", "compare", "comparison and validity", specs.CompareSpec | specs.BodyCompareSpec,
+        "compare", "compare", "comparison and validity", specs.CompareSpec,
         "trajectories out statistics validity study tables manifest", f"{BEM_FILES} rungs",
     ),
-    ("figures", "report", "all figures", Study | BodyStudy, "trajectories out manifest", f"modes {BEM_FILES}"),
+    ("figures", "report", "all figures", AnyStudy, "trajectories out manifest", f"modes {BEM_FILES}"),
     (
-        "report", "report", "HTML report", Study | BodyStudy,
+        "report", "report", "HTML report", AnyStudy,
         "tables trajectories figures out manifest", f"modes {BEM_FILES}",
     ),
     ("members", "campaign", "points of a campaign over the year", specs.MembersSpec, "climate folder root out", ""),

@@ -9,7 +9,7 @@ from typing import Any
 import xarray as xr
 
 from vsb.hydro.database import load_database
-from vsb.scenes.floating_system import AnyStudy
+from vsb.study.body import AnyStudy
 from vsb.study.plan import ResultsPlan, StudyPlan, plan_for, trajectory_name
 from vsb.study.quantities import content_id
 from vsb.tools.files import attributes, check_stamp, load

@@ -25,7 +25,7 @@ from vsb.errors import ConfigError
 from vsb.study.quantities import Count, Finite, Name, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Published, Simulation, Water
-from vsb.study.study import BaseStudy, check_all
+from vsb.study.study import BaseStudy, Study, check_all
 from vsb.study.take_off import DofPort, Pto
 from vsb.study.waves import StillWater, Wave
 from vsb.tools.bounded import open_regular
@@ -172,9 +172,9 @@ class BodyDesign(Section):
         return self
 
     @property
-    def rigid(self) -> bool:
-        """Whether it moves in rigid motions alone."""
-        return self.dofs == "rigid" or (isinstance(self.dofs, tuple) and all(map(is_rigid, self.dofs)))
+    def flexible(self) -> bool:
+        """Whether it moves in more than rigid motions."""
+        return not (self.dofs == "rigid" or (isinstance(self.dofs, tuple) and all(map(is_rigid, self.dofs))))
 
 
 class BodyHydro(Section):
@@ -272,14 +272,12 @@ class BodyStudy(BaseStudy):
         return True
 
     @property
-    def reference_design(self) -> str | None:
-        """The first rigid design by name, the order of results: gains are measured against it."""
-        return next((name for name, design in sorted(self.designs.items()) if design.rigid), None)
+    def buoy(self) -> None:
+        """There is none."""
 
     @property
-    def flexible(self) -> bool:
-        """Whether any design moves in more than rigid motions."""
-        return any(not design.rigid for design in self.designs.values())
+    def band(self) -> None:
+        """Frequencies a sea may have components at: the database decides."""
 
     @property
     def dofs(self) -> tuple[str, ...] | None:
@@ -298,6 +296,13 @@ class BodyStudy(BaseStudy):
     def fastest(self, wave: Wave) -> float:
         """Frequency of the fastest motion a run in a sea must show [rad/s]."""
         return 2 * math.pi / _SHORTEST if isinstance(wave, StillWater) else wave.fastest
+
+
+AnyStudy = Annotated[
+    Annotated[Study, Tag("buoy")] | Annotated[BodyStudy, Tag("body")],
+    Discriminator(lambda value: "body" if isinstance(value, BodyStudy) or "body" in dict(value) else "buoy"),
+]
+"""A study of a buoy or of a body."""
 
 
 class LocatedBody(NamedTuple):

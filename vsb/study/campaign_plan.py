@@ -34,6 +34,7 @@ from vsb.study.campaign import (
 from vsb.study.plan import BodyPlan, ResultsFolder, StudyPlan, figure_paths
 from vsb.study.reading import read_yaml
 from vsb.study.specs import (
+    BuoySystem,
     CampaignSpec,
     ClimateSpec,
     MemberSpec,
@@ -104,8 +105,9 @@ def members(
         study = study_at(base, point)
         if (shape := _shape(study)) not in swept:
             swept[shape] = tuple(content_id(block) for block in HydroPlan(study).sweep_blocks)
-        parts = {name: getattr(study, name) for name in MemberSpec.model_fields if name in Study.model_fields}
-        spec = MemberSpec(**parts, sweep=swept[shape], climate=climate, tuning=tuple(tuning), constrained=constrained)
+        parts = {name: getattr(study, name) for name in BuoySystem.model_fields if name != "drag"}  # a year has none
+        budget = {"climate": climate, "tuning": tuple(tuning), "constrained": constrained}
+        spec = MemberSpec(system=BuoySystem(**parts), hydro=study.hydro, sweep=swept[shape], **budget)
         found.append(Member(point, study, spec))
     return found
 

@@ -6,7 +6,6 @@ The Snakefile builds its graph from this module alone, so a dry run shows the tr
 import math
 import os
 import re
-import shlex
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -19,13 +18,11 @@ from vsb.study.body import NEEDED, PHYSICS, WAMIT, BodyFile, BodyStudy, located
 from vsb.study.quantities import content_id, result_id
 from vsb.study.sections import RECORDS_PER_PERIOD, thinning
 from vsb.study.specs import (
+    AnySystem,
     Band,
-    BodyCompareSpec,
-    BodyLadderSpec,
-    BodyRadiationSpec,
-    BodyResponseSpec,
-    BodySimulateSpec,
     BodySpec,
+    BodySystem,
+    BuoySystem,
     CompareSpec,
     DatabaseSpec,
     DisplaySpec,
@@ -56,16 +53,6 @@ def figure_paths(folder: str, names: Iterable[str]) -> list[str]:
 def trajectory_name(design: str, wave: str) -> str:
     """Return the file name of the time series of one design in one sea."""
     return f"{design}-{wave}.nc"
-
-
-def options(files: dict[str, str]) -> str:
-    """Return command-line options that name files; file names of this project need no quotes."""
-    return " ".join(f"--{name} {path}" for name, path in files.items())
-
-
-def quoted(files: Mapping[str, str]) -> str:
-    """Return command-line options that name files of a user's, whose names may hold anything."""
-    return " ".join(f"--{name} {shlex.quote(path)}" for name, path in files.items())
 
 
 class ResultsFolder(ABC):
@@ -103,29 +90,65 @@ class ResultsPlan(ResultsFolder):
     def database(self) -> Spec:
         """Spec of the hydro database."""
 
-    @property
     @abstractmethod
-    def radiation(self) -> Spec:
+    def system(self, *names: str, **changed: Any) -> AnySystem:
+        """What floats, as a stage reads it: sections beyond those of every stage by name, others changed."""
+
+    @property
+    def _memory(self) -> dict[str, Any]:
+        """What the radiation model depends on beside the database."""
+        return {}
+
+    @property
+    def _response_grid(self) -> dict[str, Any]:
+        """Grid of the frequency response, if it is not that of the database."""
+        return {}
+
+    @property
+    def radiation(self) -> RadiationSpec:
         """Spec of the radiation model."""
+        return RadiationSpec(database=content_id(self.database), tolerance=self.study.hydro.tolerance, **self._memory)
 
     @property
-    @abstractmethod
-    def response(self) -> Spec:
+    def response(self) -> ResponseSpec:
         """Spec of the frequency response."""
+        omega = {wave.omega for wave in self.study.waves if isinstance(wave, RegularWave)} | {*self._tabulated}
+        grid = {"omega": tuple(sorted(omega)), "directions": self.study.directions, **self._response_grid}
+        return ResponseSpec(system=self.system(), **grid)
 
     @property
-    @abstractmethod
-    def ladder(self) -> Spec:
-        """Spec of the tuning ladder."""
+    def _tabulated(self) -> tuple[float, ...]:
+        """Frequencies the study asks for [rad/s]."""
+        return ()
 
     @property
-    @abstractmethod
-    def comparison(self) -> Spec:
+    def ladder(self) -> LadderSpec:
+        """Spec of the control levels; nothing is followed in time, so the method of the study does not matter."""
+        study, simulation = self.study, self.study.simulation.model_copy(update={"method": "auto"})
+        modes = {"modes": study.buoy.modes} if study.buoy else {}
+        hydro = {"hydro": Band(omega_max=study.hydro.omega_max)} if study.buoy else {}
+        system = self.system("reference_shape", "drag", **modes)
+        return LadderSpec(system=system, waves=study.waves, simulation=simulation, **hydro)
+
+    def simulation(self, design: str, wave: Wave) -> SimulateSpec:
+        """Spec of one time-domain run; of its take-off only the damper of this design, or how to tune it."""
+        study = self.study
+        tuning = study.pto.tuning if study.pto.damping is None else study.tuning(wave)  # a year's members lie still
+        damping = study.pto.damper(design) if tuning == "fixed" else None
+        pto = study.pto.model_copy(update={"damping": damping, "tuning": tuning})
+        dynamics = study.hydro.model_dump(include=set(Dynamics.model_fields)) if study.buoy else {}
+        return SimulateSpec(
+            system=self.system("reference_shape", "drag", designs={design: study.designs[design]}, pto=pto),
+            simulation=study.simulation,
+            waves=(wave,),
+            seas=study.one_of_each_sea if tuning == "one" else (),
+            **({"hydro": Dynamics(**dynamics)} if dynamics else {}),
+        )
+
+    @property
+    def comparison(self) -> CompareSpec:
         """Spec of the comparison."""
-
-    @abstractmethod
-    def simulation(self, design: str, wave: Wave) -> SimulateSpec | BodySimulateSpec:
-        """Spec of one time-domain run."""
+        return CompareSpec(study=self.study)
 
     @property
     def shape_ids(self) -> dict[str, str]:
@@ -354,62 +377,30 @@ class StudyPlan(HydroPlan, ResultsPlan):
         return None if no_witness(self.study) else witness_spec(self)
 
     @property
-    def radiation(self) -> RadiationSpec:
-        """Spec of the radiation model."""
-        return RadiationSpec(database=content_id(self.database), tolerance=self.study.hydro.tolerance)
-
-    @property
     def modes(self) -> ModesSpec:
         """Spec of the shell modes."""
         names = ("device", "modes", "reference_shape", "designs", "water", "motion", "mooring")
         return ModesSpec(**self._sections(*names))
 
-    @property
-    def response(self) -> ResponseSpec:
-        """Spec of the frequency response."""
-        waves = [wave.omega for wave in self.study.waves if isinstance(wave, RegularWave)]
-        extra = sorted({*waves, *(omega for omega in self.study.hydro.omega if omega >= self.first_omega)})
-        return ResponseSpec(
-            step=self.step,
-            lowest=self.first_omega,
-            omega_max=self.study.hydro.omega_max,
-            omega=tuple(extra),
-            directions=self.study.directions,
-            **self._sections("device", "modes", "designs", "water", "pto", "motion", "mooring"),
-        )
-
-    @property
-    def ladder(self) -> LadderSpec:
-        """Spec of the tuning ladder; it follows no motion, so a method of the study's model is none of its own."""
-        names = ("device", "modes", "reference_shape", "designs", "water", "pto", "drag", "waves", "motion", "mooring")
-        sections = self._sections(*names)
-        simulation = self.study.simulation.model_copy(update={"method": "auto"})
-        hydro = Band(omega_max=self.study.hydro.omega_max)
-        return LadderSpec(hydro=hydro, simulation=simulation, **sections | {"modes": self.study.modes})
-
-    def simulation(self, design: str, wave: Wave) -> SimulateSpec:
-        """Spec of one time-domain run: of the take-off its own damper, or how to find it."""
-        study = self.study
-        tuning = study.pto.tuning if study.pto.damping is None else study.tuning(wave)  # a year's members lie still
-        damping = study.pto.damper(design) if tuning == "fixed" else None
-        return SimulateSpec(
-            designs={design: study.designs[design]},
-            waves=(wave,),
-            hydro=Dynamics(**study.hydro.model_dump(include=set(Dynamics.model_fields))),
-            pto=study.pto.model_copy(update={"damping": damping, "tuning": tuning}),
-            seas=study.one_of_each_sea if tuning == "one" else (),
-            **self._sections("device", "modes", "reference_shape", "water", "drag", "simulation", "motion", "mooring"),
-        )
-
-    @property
-    def comparison(self) -> CompareSpec:
-        """Spec of the comparison."""
-        return CompareSpec(study=self.study)
+    def system(self, *names: str, **changed: Any) -> BuoySystem:
+        """The buoy, as a stage reads it."""
+        every = ("device", "water", "motion", "mooring", "modes", "designs", "pto", *names)
+        return BuoySystem(**self._sections(*every) | changed)
 
     def _sections(self, *names: str) -> dict[str, Any]:
         """Sections of the study a stage reads."""
         found = {name: getattr(self.study, name) for name in names}
         return found | ({"modes": self.study.modes.without_tolerance} if "modes" in found else {})
+
+    @property
+    def _response_grid(self) -> dict[str, Any]:
+        """Grid of the frequency response."""
+        return {"step": self.step, "lowest": self.first_omega, "omega_max": self.study.hydro.omega_max}
+
+    @property
+    def _tabulated(self) -> tuple[float, ...]:
+        """Frequencies the study asks for, of those solved [rad/s]."""
+        return tuple(omega for omega in self.study.hydro.omega if omega >= self.first_omega)
 
     @property
     def figures(self) -> list[str]:
@@ -525,46 +516,14 @@ class BodyPlan(ResultsPlan):
             solved=PHYSICS if self.solves else 0,
         )
 
-    @property
-    def radiation(self) -> BodyRadiationSpec:
-        """Spec of the radiation memory."""
-        hydro = self.study.hydro
-        return BodyRadiationSpec(
-            database=content_id(self.database), tolerance=hydro.tolerance, added_mass_inf=hydro.added_mass_inf
-        )
+    def system(self, *names: str, **changed: Any) -> BodySystem:
+        """The body, as a stage after its database reads it."""
+        return BodySystem(**{name: getattr(self.study, name) for name in ("designs", "water", "pto")} | changed)
 
     @property
-    def response(self) -> BodyResponseSpec:
-        """Spec of the frequency response."""
-        omega = {wave.omega for wave in self.study.waves if isinstance(wave, RegularWave)}
-        return BodyResponseSpec(directions=self.study.directions, omega=tuple(sorted(omega)), **self._sections())
-
-    @property
-    def ladder(self) -> BodyLadderSpec:
-        """Spec of the tuning ladder; it follows no motion, so a method is none of its own."""
-        simulation = self.study.simulation.model_copy(update={"method": "auto"})
-        return BodyLadderSpec(waves=self.study.waves, simulation=simulation, **self._sections())
-
-    def simulation(self, design: str, wave: Wave) -> BodySimulateSpec:
-        """Spec of one time-domain run: of the take-off its own damper, or how to find it."""
-        study, tuning = self.study, self.study.tuning(wave)
-        damping = study.pto.damper(design) if tuning == "fixed" else None
-        own = {
-            "designs": {design: study.designs[design]},
-            "pto": study.pto.model_copy(update={"damping": damping, "tuning": tuning}),
-        }
-        seas = study.one_of_each_sea if tuning == "one" else ()
-        run: dict[str, Any] = {"waves": (wave,), "seas": seas}
-        return BodySimulateSpec(simulation=study.simulation, **run, **{**self._sections(), **own})
-
-    @property
-    def comparison(self) -> BodyCompareSpec:
-        """Spec of the comparison."""
-        return BodyCompareSpec(study=self.study)
-
-    def _sections(self) -> dict[str, Any]:
-        """Sections every stage after the database reads."""
-        return {name: getattr(self.study, name) for name in ("designs", "water", "pto")}
+    def _memory(self) -> dict[str, Any]:
+        """What its radiation model depends on beside its database."""
+        return {"added_mass_inf": self.study.hydro.added_mass_inf}
 
     @property
     def figures(self) -> list[str]:

@@ -3,18 +3,27 @@
 Only what a stage reads stands in its specification.
 """
 
-from typing import Any, ClassVar, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, field_serializer, model_validator
+from pydantic import (
+    Discriminator,
+    Field,
+    SerializerFunctionWrapHandler,
+    Tag,
+    field_serializer,
+    model_serializer,
+    model_validator,
+)
 
-from vsb.study.body import Body, BodyDesign, BodyStudy
+from vsb.study.body import AnyStudy, Body, BodyDesign
 from vsb.study.campaign import Constrained, Tunings, Verify
-from vsb.study.device import Device, Shape, centre_height, keel_depth
+from vsb.study.device import Device, Shape, centre_height
 from vsb.study.directions import Drag, Mooring, Motion
 from vsb.study.quantities import Name, Section
 from vsb.study.sections import Basis, Design, Hydro, Modes, RestShape, Simulation, Water
-from vsb.study.study import Study
-from vsb.study.take_off import Pto, opens_chamber
+from vsb.study.study import Buoy, Study, first_rigid
+from vsb.study.take_off import Pto
 from vsb.study.vary import Vary
 from vsb.study.waves import StillWater, Wave
 
@@ -62,7 +71,7 @@ class Shapes(Sphere):
 
 
 class FloatingSpec(Spec):
-    """Specification of what floats, in the directions it moves in."""
+    """Specification of a buoy at rest in the directions it moves in."""
 
     device: Device
     water: Water
@@ -76,7 +85,7 @@ class FloatingSpec(Spec):
 
 
 class RestSpec(FloatingSpec):
-    """Specification of what rests in a shape of its own; without modes it is rigid."""
+    """Specification of a buoy and the shape it rests in; without modes it is rigid."""
 
     modes: Modes | None
     reference_shape: RestShape
@@ -92,49 +101,91 @@ class RestSpec(FloatingSpec):
         return self.flexible and self.reference_shape == "equilibrium"
 
 
-class DesignsSpec(FloatingSpec):
-    """Specification of designs that share a shell."""
+class Sparse(Section):
+    """A section in whose JSON stands what was given, or has a default: not what is None because it is absent."""
 
+    @model_serializer(mode="wrap")
+    def _without_absent(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        said: dict[str, Any] = dump(self)
+        return {key: value for key, value in said.items() if value is not None or key in self.model_fields_set}
+
+
+class BuoySystem(Sparse, Buoy):
+    """A buoy as a stage reads it; absent is what the stage does not need."""
+
+    device: Device
+    water: Water
+    motion: Motion = "heave"
+    mooring: Mooring | None = None
     modes: Modes
     designs: dict[Name, Design]
+    pto: Pto
+    reference_shape: RestShape | None = None
+    drag: Drag | None = None
+
+
+class BodySystem(Section):
+    """A body as a stage after its database reads it, which knows all else."""
+
+    designs: dict[Name, BodyDesign]
+    water: Water
+    pto: Pto
+
+
+AnySystem = Annotated[
+    Annotated[BuoySystem, Tag("buoy")] | Annotated[BodySystem, Tag("body")],
+    Discriminator(lambda value: "buoy" if isinstance(value, BuoySystem) or "device" in dict(value) else "body"),
+]
+"""What floats."""
+
+
+class SystemSpec(Spec):
+    """Specification of a stage that works on what floats; in its JSON the sections of that stand beside its own."""
+
+    system: AnySystem
+
+    @model_validator(mode="before")
+    @classmethod
+    def _nested(cls, raw: Any) -> Any:
+        if not isinstance(raw, dict) or "system" in raw:
+            return raw
+        own = {key: value for key, value in raw.items() if key in cls.model_fields}
+        return {**own, "system": {key: value for key, value in raw.items() if key not in own}}
+
+    @model_serializer(mode="wrap")
+    def _flat(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        said: dict[str, Any] = dump(self)
+        own = {key: value for key, value in said.items() if value is not None or key in self.model_fields_set}
+        return {**own.pop("system"), **own}
 
     @property
-    def flexible(self) -> bool:
-        """Whether any design needs shell modes."""
-        return any(design.flexible for design in self.designs.values())
+    def buoy(self) -> BuoySystem | None:
+        """The buoy; None if a body floats."""
+        return self.system if isinstance(self.system, BuoySystem) else None
+
+    def with_take_off(self, pto: Pto) -> Self:
+        """Return the same with another take-off."""
+        return self.model_copy(update={"system": self.system.model_copy(update={"pto": pto})})
+
+    @property
+    def designs(self) -> Mapping[str, Design | BodyDesign]:
+        """Designs by name."""
+        return self.system.designs
+
+    @property
+    def pto(self) -> Pto:
+        """The take-off."""
+        return self.system.pto
+
+    @property
+    def water(self) -> Water:
+        """The water."""
+        return self.system.water
 
     @property
     def reference_design(self) -> str | None:
-        """The first rigid design by name: gains are measured against it."""
-        return next((name for name, design in sorted(self.designs.items()) if not design.flexible), None)
-
-
-class DesignsAtRest(DesignsSpec, RestSpec):
-    """Specification of designs that share a shape at rest."""
-
-    modes: Modes
-
-
-class DrivenSpec(DesignsSpec):
-    """Specification of designs with a take-off."""
-
-    pto: Pto
-
-    @property
-    def opens_chamber(self) -> bool:
-        """Whether the take-off lets trapped gas in and out."""
-        return opens_chamber(self.device, self.pto)
-
-
-class DraggedSpec(DrivenSpec):
-    """Specification of designs whose motion a drag may brake."""
-
-    drag: Drag | None = None
-
-    @property
-    def draft(self) -> float:
-        """Depth of the keel below still water [m]."""
-        return keel_depth(self.device, self.centre_height)
+        """The first rigid design by name: gains are relative to it."""
+        return first_rigid(self.designs)
 
 
 class LoadedShape(Spec):
@@ -161,14 +212,6 @@ class LoadedShape(Spec):
     @field_serializer("water")
     def _without_depth(self, water: Water) -> dict[str, Any]:
         return water.model_dump(exclude={"depth"})
-
-
-Designed = Study | DesignsSpec
-"""What has designs."""
-Driven = Study | DrivenSpec
-"""What has a take-off, too."""
-AtRest = Study | RestSpec | LoadedShape
-"""What a shape at rest follows from."""
 
 
 class Rows(Section):
@@ -214,10 +257,25 @@ class DisplaySpec(RestSpec):
     TAG = "mesh"
 
 
-class ModesSpec(DesignsAtRest):
+class ModesSpec(RestSpec):
     """Shell modes of a study."""
 
     TAG = "mesh"
+    modes: Modes
+    designs: dict[Name, Design]
+
+    @property
+    def flexible(self) -> bool:
+        """Whether any design needs shell modes."""
+        return any(design.flexible for design in self.designs.values())
+
+
+AnyBuoy = Study | BuoySystem
+"""A buoy with its designs and take-off."""
+AtRest = AnyBuoy | RestSpec | LoadedShape
+"""What a shape at rest follows from."""
+Designed = AnyBuoy | ModesSpec
+"""What has designs."""
 
 
 class Block(Spec):
@@ -257,23 +315,41 @@ class DatabaseSpec(RestSpec):
     accept: tuple[str, ...]
 
 
-class RadiationSpec(Spec):
-    """Radiation model of a database, by its id."""
+class BodySpec(Spec):
+    """Hydro database of a body: its source by contents, its matrices, the degrees of freedom kept; none: all."""
+
+    TAG = "body"
+    body: Body
+    water: Water
+    dofs: tuple[str, ...] | None
+    omega_max: float | None  # highest frequency kept [rad/s]; none: all
+    accept: tuple[Name, ...]
+    solver: str = ""  # of a mesh, and the version of what solves it
+    solved: int = 0
+    repair: tuple[Name, ...] = ()  # checks whose failure is repaired
+
+
+class RadiationSpec(Sparse, Spec):
+    """Radiation memory of a database, by its id; of a body also which added mass at infinite frequency it has."""
 
     TAG = "radiation"
     database: str
     tolerance: float
+    added_mass_inf: Literal["fitted", "given"] | None = None
 
 
-class ResponseSpec(DrivenSpec):
-    """Frequency response of all designs: step, ends and further frequencies of its grid [rad/s]."""
+class ResponseSpec(SystemSpec):
+    """Frequency response of all designs: the step, ends and further frequencies of its grid [rad/s].
+
+    Without a step the grid is that of the database, refined.
+    """
 
     TAG = "response"
-    step: float
-    lowest: float
-    omega_max: float
+    step: float | None = None
+    lowest: float | None = None
+    omega_max: float | None = None
     omega: tuple[float, ...]
-    directions: tuple[float, ...] = ()  # of the waves [degrees]; all along x
+    directions: tuple[float, ...] = ()  # of the waves [degrees]; empty if all go along x
 
 
 class Dynamics(Section):
@@ -299,13 +375,18 @@ class ClimateSpec(Section):
     gamma: float | None = None
 
 
-class LadderSpec(DesignsAtRest, DraggedSpec):
-    """Tuning ladder of all designs in all seas."""
+class LadderSpec(SystemSpec):
+    """Control levels of all designs in all seas."""
 
     TAG = "ladder"
     waves: tuple[Wave, ...]
     simulation: Simulation
-    hydro: Band
+    hydro: Band | None = None
+
+    @property
+    def band(self) -> tuple[float, float] | None:
+        """Frequencies a sea may have components at [rad/s]; None where the database decides."""
+        return (0.0, self.hydro.omega_max) if self.hydro else None
 
 
 class DegreeSpec(LadderSpec):
@@ -315,24 +396,29 @@ class DegreeSpec(LadderSpec):
     climate: ClimateSpec | None = None
 
 
-class SimulateSpec(DesignsAtRest, DraggedSpec):
-    """One design in one sea; `seas` are those its damper is to suit, where one is for all."""
+class SimulateSpec(SystemSpec):
+    """One design in one sea; `seas` are those its damper is tuned to, where one damper serves all seas."""
 
     TAG = "simulate"
     simulation: Simulation
     waves: tuple[Wave, ...]
-    hydro: Dynamics
+    hydro: Dynamics | None = None
     seas: tuple[Wave, ...] = ()
+
+    @property
+    def band(self) -> tuple[float, float] | None:
+        """Frequencies a sea may have components at [rad/s]; None where the database decides."""
+        return (0.0, self.hydro.omega_max) if self.hydro else None
 
 
 class CompareSpec(Spec):
     """Comparison of all designs in all seas: the whole study."""
 
     TAG = "compare"
-    study: Study
+    study: AnyStudy
 
 
-class MemberSpec(DesignsAtRest, DrivenSpec):
+class MemberSpec(SystemSpec):
     """One point of a campaign: a study without seas over a year, every design and tuning; blocks of its sweep by id."""
 
     TAG = "member"
@@ -358,7 +444,7 @@ class VerificationSpec(MemberSpec):
     @property
     def simulated(self) -> Study:
         """The study of the member, in no sea of its own."""
-        parts = {name: value for name, value in self if name in Study.model_fields}
+        parts = dict(self.system) | {"hydro": self.hydro, "simulation": self.simulation}
         return Study(study="member", waves=(StillWater(kind="still"),), **parts)
 
 
@@ -387,71 +473,3 @@ class CampaignSpec(Spec):
     batches: tuple[str, ...]
     members: tuple[str, ...]
     verifications: tuple[str, ...] = ()  # by id, in the order of the members; none if nothing is simulated in time
-
-
-class BodySpec(Spec):
-    """Hydro database of a body: its source by contents, its matrices, the degrees of freedom kept; none: all."""
-
-    TAG = "body"
-    body: Body
-    water: Water
-    dofs: tuple[str, ...] | None
-    omega_max: float | None  # highest frequency kept [rad/s]; none: all
-    accept: tuple[Name, ...]
-    solver: str = ""  # of a mesh, and the version of what solves it
-    solved: int = 0
-    repair: tuple[Name, ...] = ()  # checks whose failure is repaired
-
-
-class BodyRadiationSpec(Spec):
-    """Radiation memory of a body's database, by its id."""
-
-    TAG = "radiation"
-    database: str
-    tolerance: float
-    added_mass_inf: Literal["fitted", "given"]
-
-
-class OfDesigns(Spec):
-    """What every stage after the database reads of a study."""
-
-    designs: dict[Name, BodyDesign]
-    water: Water
-    pto: Pto
-
-    @property
-    def reference_design(self) -> str | None:
-        """The first rigid design by name: gains are measured against it."""
-        return next((name for name, design in sorted(self.designs.items()) if design.rigid), None)
-
-
-class BodyResponseSpec(OfDesigns):
-    """Frequency response of all designs in waves of some directions [degrees]; further frequencies [rad/s]."""
-
-    TAG = "response"
-    directions: tuple[float, ...]
-    omega: tuple[float, ...]
-
-
-class BodyLadderSpec(OfDesigns):
-    """Tuning ladder of all designs in all seas."""
-
-    TAG = "ladder"
-    waves: tuple[Wave, ...]
-    simulation: Simulation
-
-
-class BodySimulateSpec(OfDesigns):
-    """One design in one sea; `seas` are those its damper is to suit, where one is for all."""
-
-    TAG = "simulate"
-    waves: tuple[Wave, ...]
-    simulation: Simulation
-    seas: tuple[Wave, ...] = ()
-
-
-class BodyCompareSpec(Spec):
-    """Comparison of all designs in all seas: the whole study."""
-
-    TAG = "compare"
-    study: BodyStudy

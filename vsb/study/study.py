@@ -38,7 +38,7 @@ from vsb.study.sections import (
     Simulation,
     Water,
 )
-from vsb.study.take_off import Pto, Tuning, opens_chamber, port_kind
+from vsb.study.take_off import Pto, Tuning, port_kind
 from vsb.study.waves import (
     Irregular,
     IrregularSea,
@@ -54,12 +54,17 @@ from vsb.study.waves import (
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks", "trash")
 
 
+def first_rigid(designs: Mapping[str, Any]) -> str | None:
+    """Return the first rigid design by name, the order of results: gains are relative to it."""
+    return next((name for name, design in sorted(designs.items()) if not design.flexible), None)
+
+
 class BaseStudy(Section):
     """Designs compared in seas: the keys that studies of a buoy and of a body share are declared by each of them."""
 
     if TYPE_CHECKING:
         study: str
-        designs: Mapping[str, Section]
+        designs: Mapping[str, Any]  # each knows whether it is flexible
         water: Water
         pto: Pto
         waves: tuple[Wave, ...]
@@ -115,8 +120,33 @@ class BaseStudy(Section):
 
     @property
     @abstractmethod
+    def buoy(self) -> "Study | None":
+        """The study itself if a buoy floats; None if a body does."""
+
+    @property
+    @abstractmethod
+    def band(self) -> tuple[float, float] | None:
+        """Frequencies a sea may have components at [rad/s]; None where the database decides."""
+
+    @property
+    @abstractmethod
+    def directions(self) -> tuple[float, ...]:
+        """Directions of its waves [degrees]; none where direction does not matter."""
+
+    @property
+    def drag_of_buoy(self) -> Drag | None:
+        """The viscous drag; a body has none."""
+        return self.buoy.drag if self.buoy else None
+
+    @property
+    def flexible(self) -> bool:
+        """Whether any design moves in more than rigid motions."""
+        return any(design.flexible for design in self.designs.values())
+
+    @property
     def reference_design(self) -> str | None:
-        """The first rigid design by name, the order of results: gains are measured against it."""
+        """The first rigid design by name, the order of results: gains are relative to it."""
+        return first_rigid(self.designs)
 
     @abstractmethod
     def fastest(self, wave: Wave) -> float:
@@ -211,7 +241,48 @@ CHECKS = (
 """Names of the checks on a hydro database, as `vsb.hydro.quality` gives them; a study may accept their failures."""
 
 
-class Study(BaseStudy):
+class Buoy(Section):
+    """What follows from the sections of a buoy, in a study or in the specification of a stage."""
+
+    if TYPE_CHECKING:
+        device: Device
+        water: Water
+        designs: Mapping[str, Design]
+        pto: Pto
+        reference_shape: RestShape | None
+
+    @property
+    def centre_height(self) -> float:
+        """Height of the sphere's centre above still water at rest [m]."""
+        return centre_height(self.device, self.water)
+
+    @property
+    def draft(self) -> float:
+        """Depth of the keel below still water [m]."""
+        return keel_depth(self.device, self.centre_height)
+
+    @property
+    def flexible(self) -> bool:
+        """Whether any design needs shell modes."""
+        return any(design.flexible for design in self.designs.values())
+
+    @property
+    def at_equilibrium(self) -> bool:
+        """Whether it is about the shape the loaded shell takes at rest; a rigid buoy has no other shape."""
+        return self.flexible and self.reference_shape == "equilibrium"
+
+    @property
+    def opens_chamber(self) -> bool:
+        """Whether the take-off lets trapped gas in and out: the gas is then a chamber before it, and no spring."""
+        return self.device.gas is not None and self.pto.port == "volume"
+
+    @property
+    def reference_design(self) -> str | None:
+        """The first rigid design by name: gains are relative to it."""
+        return first_rigid(self.designs)
+
+
+class Study(Buoy, BaseStudy):
     """One study file."""
 
     study: Name
@@ -393,6 +464,16 @@ class Study(BaseStudy):
                 )
 
     @property
+    def buoy(self) -> "Study":
+        """The study itself."""
+        return self
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Frequencies a sea may have components at [rad/s]."""
+        return 0.0, self.hydro.omega_max
+
+    @property
     def needs_bem(self) -> bool:
         """Whether the hydrodynamic model rests on radiation and diffraction coefficients."""
         return self.hydro.model != "assumed_pressure"
@@ -402,16 +483,6 @@ class Study(BaseStudy):
         """Whether coefficients come from capytaine's panels, not from the spectral solver: asked for or shallow."""
         solver, panels = self.hydro.solver, self.hydro.rows is not None or self.water.depth < CLEARANCE * self.draft
         return self.needs_bem and (solver == "panels" or (solver == "auto" and panels))
-
-    @property
-    def centre_height(self) -> float:
-        """Height of the sphere's centre above still water at rest [m]."""
-        return centre_height(self.device, self.water)
-
-    @property
-    def draft(self) -> float:
-        """Depth of the keel below still water [m]."""
-        return keel_depth(self.device, self.centre_height)
 
     @property
     def waterline_radius(self) -> float:
@@ -431,11 +502,6 @@ class Study(BaseStudy):
         return min(wave.fastest, self.hydro.omega_max) if self.needs_bem else max(wave.omega, self.heave_frequency)
 
     @property
-    def flexible(self) -> bool:
-        """Whether any design needs shell modes."""
-        return any(design.flexible for design in self.designs.values())
-
-    @property
     def orders(self) -> tuple[int, ...]:
         """Azimuthal orders of what moves: 0 of heave; 1 of surge and pitch; of shell modes as many as asked for."""
         return tuple(range(1 + (0 if self.motion == "heave" else self.modes.order if self.flexible else 1)))
@@ -450,21 +516,6 @@ class Study(BaseStudy):
     def rests_deformed(self) -> bool:
         """Whether the water meets another shape than the device's own: solvers must be told it."""
         return self.flexible and self.reference_shape != "undeformed"
-
-    @property
-    def at_equilibrium(self) -> bool:
-        """Whether the study is about the shape the loaded shell takes at rest; a rigid buoy has no other shape."""
-        return self.flexible and self.reference_shape == "equilibrium"
-
-    @property
-    def opens_chamber(self) -> bool:
-        """Whether the take-off lets trapped gas in and out."""
-        return opens_chamber(self.device, self.pto)
-
-    @property
-    def reference_design(self) -> str | None:
-        """The first rigid design by name, the order of results: gains are measured against it."""
-        return next((name for name, design in sorted(self.designs.items()) if not design.flexible), None)
 
 
 def load(path: str | Path) -> Study:

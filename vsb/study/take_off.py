@@ -17,7 +17,6 @@ from pydantic import (
     model_validator,
 )
 
-from vsb.study.device import Device
 from vsb.study.quantities import (
     ROTATIONS,
     Colatitude,
@@ -236,8 +235,3 @@ class Pto(Section):
 
 
 _DEFAULTS = {name: field.default for name, field in Pto.model_fields.items()}
-
-
-def opens_chamber(device: Device, pto: Pto) -> bool:
-    """Return whether a take-off lets trapped gas in and out: the gas is then a chamber before it, and no spring."""
-    return device.gas is not None and pto.port == "volume"
