@@ -58,7 +58,7 @@ def test_nested_memory_bounds_are_restored():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pipes with names")
-@pytest.mark.parametrize("command", ["check", "body", "import-bemio", "import-wamit", "export"])
+@pytest.mark.parametrize("command", ["check", "import-wamit", "export"])
 def test_a_pipe_or_a_device_in_the_place_of_a_file_is_refused_and_not_waited_for(
     tmp_path, monkeypatch, capsys, command
 ):

@@ -5,11 +5,13 @@ import shutil
 import subprocess
 import sys
 
+import pytest
 from conftest import HERE
 
 from vsb.tools.compiled import sources_id
 
 
+@pytest.mark.slow
 def test_edited_force_reaches_the_loops_that_call_it(tmp_path):
     """In a copy of the package, with a force and a loop that compile at once."""
     shutil.copytree(HERE.parent / "vsb", tmp_path / "vsb", ignore=shutil.ignore_patterns("__pycache__"))

@@ -41,17 +41,6 @@ def test_progress_is_one_line_that_is_erased(width):
     assert all(len(re.sub(r"\x1b\[[?\d]*\w", "", line)) <= width for line in lines)
 
 
-def test_interrupted_run_leaves_nothing():
-    def interrupted():
-        yield from read_slowly(TOLD)
-        raise KeyboardInterrupt
-
-    out = io.StringIO()
-    with pytest.raises(KeyboardInterrupt):
-        followed(interrupted(), "seed", Console(file=out, force_terminal=True, width=80, color_system=None), [])
-    assert out.getvalue().endswith("\r\x1b[1A\x1b[2K")
-
-
 def test_failed_rules_are_named_with_their_logs():
     lines = [
         "Command 'set -o pipefail;  vsb simulate a.yaml FSB --out b.nc > logs/FSB.log 2>&1' returned non-zero exit status 1.\n",

@@ -40,6 +40,7 @@ def test_wheel_holds_every_file(installed):
     assert {path.name for path in installed.iterdir() if path.is_dir() and "dist-info" not in path.name} == {"vsb"}
 
 
+@pytest.mark.slow
 def test_installed_package_begins_and_plans_a_study(installed, tmp_path):
     paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = {**os.environ, "PYTHONPATH": str(installed), "PATH": paths, "PYTHONSAFEPATH": "1"}

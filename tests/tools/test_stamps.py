@@ -31,11 +31,6 @@ def found(place, expected=ID):
     return {os.path.basename(f.path): f.kind for f in faults(files, read_manifest(place / "manifest.json"))}
 
 
-def test_results_may_be_moved(place):
-    assert found(place) == {}
-    assert found(place.rename(place.with_name("elsewhere"))) == {}
-
-
 def test_manifest_holds_relative_names(place):
     stored = json.loads((place / "manifest.json").read_text())
     assert list(stored) == ["figures/power.svg", "table.csv"]
@@ -153,12 +148,6 @@ def test_damaged_manifest_is_one_line_and_written_anew(place, content):
     assert read_manifest(manifest) == {str(place / "table.csv"): Stamp.of(place / "table.csv", ID)}
 
 
-def test_missing_products_leave_the_manifest(place):
-    (place / "figures" / "power.svg").unlink()
-    record(place / "manifest.json", OTHER, [place / "table.csv"])
-    assert read_manifest(place / "manifest.json") == {str(place / "table.csv"): Stamp.of(place / "table.csv", OTHER)}
-
-
 def test_manifest_is_locked_while_it_is_written(place):
     write_text(place / "late.csv", "design\n")
     late = threading.Thread(target=record, args=(place / "manifest.json", ID, [place / "late.csv"]))
@@ -171,12 +160,3 @@ def test_manifest_is_locked_while_it_is_written(place):
     late.join()
     names = {os.path.basename(path) for path in read_manifest(place / "manifest.json")}
     assert names == {"late.csv", "power.svg", "table.csv"}
-
-
-def test_new_entry_replaces_the_old_one(place):
-    table, before = place / "table.csv", read_manifest(place / "manifest.json")
-    edited(table)
-    record(place / "manifest.json", OTHER, [table])
-    after = read_manifest(place / "manifest.json")
-    assert after[str(table)] == Stamp.of(table, OTHER) != before[str(table)]
-    assert len(after) == len(before) == 2

@@ -24,10 +24,3 @@ def test_figure_has_no_date():
     text = svg_text(figure)
     assert text.startswith("<?xml")
     assert "<dc:date>" not in text
-
-
-def test_numbers_have_ten_digits():
-    for kind in (float, np.float64):
-        assert csv_text(("a",), [(kind(2.0 / 3.0),), (kind(-1e-9),), (kind(12345678901.5),), (True,)]) == (
-            "a\n0.6666666667\n-1e-09\n1.23456789e+10\nTrue\n"
-        )

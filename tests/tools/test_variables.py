@@ -45,11 +45,6 @@ def test_values_of_designs_that_are_not_viable_may_be_missing():
         check_finite(viable.assign(omega=("sample", [1.0, np.nan])), "x")
 
 
-def test_coordinates_may_be_infinite():
-    """The frequency of a limit, the depth of deep water."""
-    check_finite(xr.Dataset({"mass": ("omega", [1.0, 2.0])}, {"omega": [1.0, np.inf], "depth": np.inf}), "x")
-
-
 @pytest.mark.parametrize("power", ["annual_mean_power", "corrected_mean_power"])
 @pytest.mark.parametrize("gain", ["gain_percent", "gain_low", "gain_high", "corrected_gain_percent"])
 def test_gains_over_no_power_may_be_missing(gain, power):
@@ -129,15 +124,6 @@ def dimension(units):
 def test_units_are_consistent_with_the_equations_of_motion(left, right):
     both = (sum(dimension(VARIABLES[name].units) for name in side.split()) for side in (left, right))
     assert np.array_equal(*both)
-
-
-def test_derivatives_by_the_shape_are_per_metre():
-    for name, quantity in VARIABLES.items():
-        for end, order in (("_slope", 1), ("_curvature", 2)):
-            base = "absorbed_power" if name == "power_slope" else name.removesuffix(end)
-            if name.endswith(end) and base in VARIABLES:
-                apart = dimension(VARIABLES[base].units) - dimension(quantity.units)
-                assert apart.tolist() == [order, 0, 0], name
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,8 @@
 """Numbers as people read them."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from vsb.tools.words import against_rigid, multiple, plain, power, quantity, short, shortened, watts
+from vsb.tools.words import against_rigid, multiple, plain, power, short, watts
 
 
 @pytest.mark.parametrize(
@@ -12,12 +10,6 @@ from vsb.tools.words import against_rigid, multiple, plain, power, quantity, sho
 )
 def test_numbers_have_four_digits_and_no_exponent(value, text):
     assert plain(value) == text
-
-
-@given(st.floats(1e-3, 1e14))
-def test_printed_number_is_the_value(value):
-    assert "e" not in plain(value)
-    assert float(plain(value)) == pytest.approx(value, rel=5.1e-4)
 
 
 def test_powers_that_are_compared_have_one_unit():
@@ -57,21 +49,3 @@ def test_gain_that_rounds_to_zero():
 )  # fmt: skip
 def test_exponent_of_very_small_and_large_numbers(value, text):
     assert short(value) == text
-
-
-def test_long_text_is_cut():
-    assert shortened("x" * 80) == "x" * 80
-    assert shortened("x" * 81) == f"{'x' * 80}... (81 characters)"
-
-
-PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
-
-
-@given(st.floats(1e-3, 1e12), st.sampled_from([1.0, -1.0]))
-def test_prefixes_keep_the_value(size, sign):
-    """Pascal to six digits, watts to four; nothing else has a prefix."""
-    value = sign * size
-    for text, unit, digits in ((quantity(value, "Pa"), "Pa", 5e-6), (power(value), "W", 5.1e-4)):
-        number, prefixed = text.split()
-        assert float(number) * PREFIXES[prefixed.removesuffix(unit)] == pytest.approx(value, rel=digits)
-    assert quantity(value, "N/m") == f"{value:g} N/m"

@@ -1,1 +1,4 @@
-"""Report."""
+"""Figures, pages and answers in words, made from results alone.
+
+Imports every room except stages and cli.
+"""

@@ -1,1 +1,4 @@
-"""Tools."""
+"""Tools that know nothing of the physics: files, stamps, variables of files, units of ports, words.
+
+Imports only `vsb.errors`.
+"""

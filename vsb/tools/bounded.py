@@ -1,4 +1,4 @@
-"""Files that users name are read within bounds of size, memory and time: what a file announces is not believed."""
+"""Files named by users are read within bounds of size, memory and time."""
 
 import errno
 import gzip
@@ -14,13 +14,13 @@ from pathlib import Path
 from types import FrameType
 
 LARGEST = 2**28
-"""Bytes a text file may hold, unpacked: 40 years of hourly spectra are a third of it."""
+"""Most bytes of an unpacked text file; 40 years of hourly spectra are a third of it."""
 LARGEST_STUDY = 2**22
-"""Bytes a study file, or the profile of a shell, may hold."""
+"""Most bytes of a study file or of the profile of a shell."""
 MEMORY = (2**30, 200)
-"""Bytes a library may take to read a file, itself among them, and a byte of the file: lists of numbers."""
+"""Memory a library may use to read a file [bytes], and in addition per byte of the file."""
 SECONDS = (20.0, 2e-5)
-"""Seconds a library may take to read a file, and a byte of it: some wait for an end that was cut off."""
+"""Time a library may take to read a file [s], and in addition per byte of the file."""
 
 
 def open_regular(path: str | Path) -> io.BufferedReader:
@@ -75,7 +75,7 @@ def sha256_of(path: str | Path) -> str:
 
 @contextmanager
 def bounded_reading(path: str | Path) -> Iterator[None]:
-    """Let a library read a file inside, in memory and time that suit its size.
+    """Bound memory and time by the size of a file while a library reads it.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def bounded_reading(path: str | Path) -> Iterator[None]:
 
 @contextmanager
 def bounded_memory(more: int) -> Iterator[None]:
-    """Let this process take so many bytes of memory more inside, else `MemoryError`; on Linux, else unbounded."""
+    """Bound the additional memory of this process [bytes], else `MemoryError`; only on Linux."""
     try:
         import resource
 
@@ -110,7 +110,7 @@ def bounded_memory(more: int) -> Iterator[None]:
 
 @contextmanager
 def bounded_time(seconds: float) -> Iterator[None]:
-    """Let what is inside take so many seconds, else `TimeoutError`; in the main thread of a Unix, else unbounded."""
+    """Bound the time [s], else `TimeoutError`; only in the main thread of a Unix."""
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield
         return

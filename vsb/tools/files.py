@@ -1,4 +1,4 @@
-"""Files in and out: netCDF with the table of units applied, and text; written whole or not at all."""
+"""Files in and out: netCDF with units on every variable, and text; written completely or not at all."""
 
 import fcntl
 import gzip
@@ -25,19 +25,19 @@ if TYPE_CHECKING:
     import xarray as xr
 
 ROOT = "/"
-"""Name of a file's own group."""
+"""Name of the root group."""
 DELETE = "delete it, or let vsb verify --heal move it away, and run again"
-"""What heals a file that is not what it should be."""
+"""What to do about a file that is not what it should be."""
 CHANGED = "its contents are not those it was written with (checksum)"
 SEAL = b"sha256:"
-"""Begins the seal, which ends a netCDF file: sha256 of all bytes before it, behind what HDF5 reads.
+"""Start of the checksum appended to a netCDF file: sha256 of all bytes before it, after what HDF5 reads.
 
-HDF5 trusts its own structure: one flipped bit there can end the process. A tool that rewrites the file drops the seal.
+HDF5 trusts its own structure: one flipped bit there can end the process. A tool that rewrites the file drops it.
 """
 
 
 def _obstacle(folder: Path) -> str:
-    """Why nothing can be put into a folder, there already or not; empty if something can."""
+    """Why no file can be written into a folder, existing or not; empty if one can."""
     place = folder.absolute()
     try:
         while not place.exists() and place != place.parent:
@@ -50,7 +50,7 @@ def _obstacle(folder: Path) -> str:
 
 
 def check_folder(folder: str | Path) -> None:
-    """Check that files can be put into a folder, there already or not: hours of work must not end in an error.
+    """Check that files can be written into a folder, existing or not, before hours of work.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def check_folder(folder: str | Path) -> None:
 
 
 def check_file(path: str | Path) -> None:
-    """Check that a file can be written, see `check_folder`; neither folder nor device is ever replaced by it.
+    """Check that a file can be written, see `check_folder`; folders and devices are never replaced.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def check_file(path: str | Path) -> None:
 
 @contextmanager
 def atomic_write(path: str | Path) -> Iterator[Path]:
-    """Give a temporary file to write, beside `path`, and put it there when it is complete; or leave nothing behind.
+    """Yield a temporary file to write, which replaces `path` when it is complete; after an error nothing is left.
 
     Raises
     ------
@@ -104,8 +104,8 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
 
 
 def _remove_abandoned(folder: Path, begins: str) -> None:
-    """Remove what killed processes of this machine left of a file: whoever lives may still be writing it."""
-    for name in os.listdir(folder):  # of thousands of members there may be: no pattern is matched with each
+    """Remove temporary files of a target left by killed processes of this machine."""
+    for name in os.listdir(folder):  # quicker than a pattern with thousands of members
         if name.startswith(begins) and name.endswith(".tmp"):
             writer = name.removeprefix(begins).partition(".")[0]
             if writer.isdecimal() and not psutil.pid_exists(int(writer)):
@@ -114,20 +114,20 @@ def _remove_abandoned(folder: Path, begins: str) -> None:
 
 @contextmanager
 def locked(path: str | Path) -> Iterator[None]:
-    """Hold an exclusive lock on a file while several jobs refresh another."""
+    """Hold an exclusive lock on a file."""
     with Path(path).open("a") as handle:
         fcntl.flock(handle, fcntl.LOCK_EX)
         yield
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write a text file, complete or not at all; see `whole`."""
+    """Write a text file completely or not at all."""
     with atomic_write(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
 def read_text(path: str | Path) -> str:
-    """Read a text file as others write it: packed with gzip or not, in UTF-8 or UTF-16, with or without its mark.
+    """Read a text file, packed with gzip or not, in UTF-8 or UTF-16, with or without byte-order mark.
 
     Raises
     ------
@@ -148,7 +148,7 @@ def read_text(path: str | Path) -> str:
 
 
 def save(ds: "xr.Dataset", path: str | Path, groups: "Mapping[str, xr.Dataset] | None" = None) -> None:
-    """Write a dataset (and named groups) to netCDF-4 with its `checksum`, complete or not at all; see `whole`."""
+    """Write a dataset (and named groups) to netCDF-4 with its `checksum`, completely or not at all."""
     check_finite(ds, str(path))
     for name, group in (groups or {}).items():
         check_finite(group, f"{path}:{name}")
@@ -197,24 +197,24 @@ def _write(ds: "xr.Dataset", path: str, mode: Literal["w", "a"], group: str) -> 
     large = {name: {"zlib": True, "complevel": 1} for name, v in ds.data_vars.items() if v.size > 10_000}
     try:
         ds.to_netcdf(path, engine="netcdf4", mode=mode, group=group, encoding=large)
-    except RuntimeError as error:  # netCDF's own word for a full disk
+    except RuntimeError as error:  # netCDF's error for a full disk
         raise OSError(str(error)) from None
 
 
 def seal(path: str | Path) -> None:
-    """Put the seal behind the contents of a netCDF file."""
+    """Append the checksum to a netCDF file."""
     mark = seal_of(Path(path).read_bytes())
     with Path(path).open("ab") as file:
         file.write(mark)
 
 
 def seal_of(content: bytes) -> bytes:
-    """Return the seal that stands behind contents."""
+    """Return the checksum line of contents."""
     return SEAL + hashlib.sha256(content).hexdigest().encode()
 
 
 def sealed(path: str | Path) -> bool:
-    """Whether a file carries a seal; one it does not agree with raises `DatabaseError`."""
+    """Return whether a file ends with its checksum; a wrong one raises `DatabaseError`."""
     content = Path(path).read_bytes()
     end = content.rfind(SEAL, max(0, len(content) - len(SEAL) - 64))
     if end >= 0 and content[end + len(SEAL) :] != hashlib.sha256(memoryview(content)[:end]).hexdigest().encode():
@@ -272,7 +272,7 @@ def read_groups(path: str | Path) -> "dict[str, xr.Dataset]":
             with ds:
                 groups[name.removeprefix("/") or ROOT] = ds.load()
         found = checksum(groups)
-    except Exception as error:  # what a damaged file makes of the libraries that read it, nobody can list
+    except Exception as error:  # a damaged file may raise anything in the libraries that read it
         reason = " ".join(str(error).split()) or type(error).__name__
         raise DatabaseError(f"{path}: cannot be read as netCDF ({reason}); delete it and run again.") from None
     if groups[ROOT].attrs.get("checksum", found) != found:
@@ -281,7 +281,7 @@ def read_groups(path: str | Path) -> "dict[str, xr.Dataset]":
 
 
 def attributes(path: str | Path) -> dict[str, Any]:
-    """Return the attributes of a netCDF file after checking its contents: of a sealed one they are not even read.
+    """Return the attributes of a netCDF file after checking its contents.
 
     Raises
     ------
@@ -297,7 +297,7 @@ def attributes(path: str | Path) -> dict[str, Any]:
 
 
 def carries_stamp(path: str | Path) -> bool:
-    """Whether a file says of itself, damaged or not, that this package wrote it: by a seal or a content id."""
+    """Return whether this package wrote a file, damaged or not: it has a checksum or a content id."""
     with Path(path).open("rb") as file:
         file.seek(-min(len(SEAL) + 64, os.path.getsize(path)), os.SEEK_END)
         if file.read().startswith(SEAL):
@@ -319,13 +319,12 @@ def load(path: str | Path, group: str = ROOT, *, expected: str | None = None) ->
     path : str or Path
     group : str
     expected : str, optional
-        Content id the file must carry; without, it is taken for what it is.
+        Content id the file must carry.
 
     Raises
     ------
     DatabaseError
-        If the file is missing, damaged, not netCDF, not the one expected, or holds variables this project does not
-        know.
+        If the file is missing, damaged, not netCDF, not the one expected, or holds unknown variables.
     """
     groups = read_groups(path)
     if expected is not None:

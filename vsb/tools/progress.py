@@ -11,7 +11,7 @@ TOTAL = re.compile(r"^total\s+(\d+)$")
 DONE = re.compile(r"^(\d+) of (\d+) steps \(\d+%\) done$")
 FAILED = re.compile(r"\bvsb (\w+)\s.* > (\S+) 2>&1' returned non-zero exit status \d+")
 REMEMBERED = 600.0
-"""Time over which the rate is taken: jobs differ, and the last ones alone say little [s]."""
+"""Time over which the rate is averaged [s]."""
 
 
 class Rate(TextColumn):
@@ -27,17 +27,17 @@ class Rate(TextColumn):
 
 
 def followed(lines: Iterable[str], name: str, console: Console, last: MutableSequence[str]) -> None:
-    """Show what a run of Snakemake tells as one line that goes when the run ends.
+    """Show the progress of Snakemake as one line, erased when the run ends.
 
     Parameters
     ----------
     lines : iterable of str
     name : str
-        Of what is run.
+        Of the study or campaign.
     console : Console
         A terminal.
     last : sequence of str
-        Gets the lines, for the case that something goes wrong.
+        Receives the lines, for error messages.
     """
     columns = (
         TextColumn("{task.description}"), BarColumn(bar_width=20), MofNCompleteColumn(), TextColumn("jobs"), Rate(),
@@ -54,5 +54,5 @@ def followed(lines: Iterable[str], name: str, console: Console, last: MutableSeq
 
 
 def failed(lines: Iterable[str]) -> dict[str, str]:
-    """Return the rules that failed in what a run of Snakemake tells, by the log of the job."""
+    """Return the rules that failed in the output of Snakemake, by the log file of the job."""
     return {found[2]: found[1] for line in lines if (found := FAILED.search(line))}

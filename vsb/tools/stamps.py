@@ -1,7 +1,6 @@
-"""Stamps: what a file of the results should be (content id of its specification) and what it holds (checksum).
+"""Stamps of result files: content id of the specification, and checksum of the contents.
 
-NetCDF files carry theirs as the attributes `spec_id` and `checksum`; those of all other products of a study stand in
-its manifest.
+NetCDF files have them as attributes `spec_id` and `checksum`; all other products of a study in its manifest.
 """
 
 import hashlib
@@ -30,14 +29,14 @@ MANIFEST = "manifest.json"
 
 @dataclass(frozen=True)
 class Stamp:
-    """What a product that is no netCDF file should be, and what it holds."""
+    """Stamp of a product that is not a netCDF file."""
 
     spec_id: str
     checksum: str  # sha256 of its bytes
     size: int
 
     def __post_init__(self) -> None:
-        """Check that it can be of a file: a manifest may have been edited."""
+        """Check the form: a manifest may have been edited."""
         known = isinstance(self.spec_id, str) and re.fullmatch(r"[0-9a-f]{16}|capytaine [\w.]+", self.spec_id)
         summed = isinstance(self.checksum, str) and re.fullmatch("[0-9a-f]{64}", self.checksum)
         if not (known and summed and type(self.size) is int and self.size >= 0):
@@ -53,9 +52,8 @@ class Stamp:
 class Fault(NamedTuple):
     """Why a file is not what it should be.
 
-    `nameless` files carry no stamp, `stale` ones that of another specification, `damaged` ones do not hold what they
-    were written with, `foreign` ones cannot be read and may be a user's own, `derived` ones are written again from
-    others that are sound.
+    `nameless` files have no stamp, `stale` ones that of another specification, `damaged` ones have changed contents,
+    `foreign` ones cannot be read and may be a user's own, `derived` ones are written again from sound files.
     """
 
     path: str
@@ -73,7 +71,7 @@ def read_manifest(path: str | Path) -> Manifest:
     Raises
     ------
     DatabaseError
-        If it is no manifest, or names files outside the results: healing moves away what a manifest says is damaged.
+        If it is no manifest, or names files outside the results, which healing would move.
     """
     folder = Path(path).parent
     try:
@@ -87,7 +85,7 @@ def read_manifest(path: str | Path) -> Manifest:
 
 
 def _inside(folder: Path, name: str) -> str:
-    """The path of a product by its name in the manifest of a study's folder: there, or beside it among the results."""
+    """Path of a product by its name in the manifest of a study's folder, within the results."""
     results = os.path.abspath(folder / os.pardir)
     if os.path.isabs(name) or os.path.commonpath([results, os.path.abspath(folder / name)]) != results:
         raise ValueError(f"{name!r} is outside the results")
@@ -95,14 +93,14 @@ def _inside(folder: Path, name: str) -> str:
 
 
 def check_output(path: str | Path, inputs: Iterable[str | Path]) -> None:
-    """Check that a file a user names can be written, and that nothing is lost by it: it may replace earlier output.
+    """Check that an output file named by a user can be written and replaces at most earlier output.
 
     Parameters
     ----------
     path : str or Path
         File to write.
     inputs : iterable of paths
-        Files that are read on the way.
+        Files that are read.
 
     Raises
     ------
@@ -129,13 +127,13 @@ def _is_product(path: Path) -> bool:
     try:
         return any(str(path) in read_manifest(manifest) for manifest in manifests)
     except DatabaseError:
-        return True  # whose product it is cannot be told
+        return True  # it may be a product
 
 
 def record(manifest: str | Path, spec_id: str, paths: Iterable[str | Path]) -> None:
-    """Put the stamps of files just written into a manifest; those of files no longer there are dropped.
+    """Put the stamps of files just written into a manifest; those of missing files are dropped.
 
-    Jobs of one study share the manifest. One that cannot be read is begun anew: what it promised is computed again.
+    Jobs of one study share the manifest. An unreadable one is replaced; its other products are computed again.
     """
     written = {os.path.normpath(path): Stamp.of(path, spec_id) for path in paths}
     Path(manifest).parent.mkdir(parents=True, exist_ok=True)
@@ -165,7 +163,7 @@ def read_text(path: str | Path, manifest: str | Path, expected: str) -> str:
 
 
 def faults(files: Mapping[str, str], manifest: Manifest) -> list[Fault]:
-    """Return which of the files that are there are not what they should be.
+    """Return the faults of existing files.
 
     Parameters
     ----------

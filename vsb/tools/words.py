@@ -1,25 +1,25 @@
-"""Numbers and values as people read them."""
+"""Numbers and values in words."""
 
 from collections.abc import Sequence
 
 POWERS = ((1e7, 1e-6, "MW"), (1e4, 1e-3, "kW"), (0.0, 1.0, "W"))
-"""From which power on [W], factor to its unit, unit."""
+"""Smallest power [W], factor to its unit, unit."""
 
 PRESSURES = ((1e9, 1e-9, "GPa"), (1e6, 1e-6, "MPa"), (0.0, 1.0, "Pa"))
-"""From which pressure on [Pa], factor to its unit, unit."""
+"""Smallest pressure [Pa], factor to its unit, unit."""
 
 TENFOLD = 900.0
-"""Gain from which on percents say little [%]."""
+"""Gain from which a multiple is printed instead of per cent [%]."""
 
 SAME = 0.05
-"""A gain that is +-0.0 % when printed."""
+"""Gains below this are printed as 0.0 % [%]."""
 
 LONGEST = 80
-"""Characters of a value that are repeated."""
+"""Most characters of a value repeated in a message."""
 
 
 def shortened(text: str) -> str:
-    """Return a text as it is repeated to people: no page of it."""
+    """Return a text, cut if it is long."""
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"
 
 
@@ -39,7 +39,7 @@ def superscripts(unit: str) -> str:
 
 
 def quantity(value: object, unit: str) -> str:
-    """Return a value with its unit, `1` for none; a stiffness of a million pascal and more in MPa or GPa."""
+    """Return a value with its unit, `1` for none; pressures of a million pascal and more in MPa or GPa."""
     if not isinstance(value, float):
         return str(value)
     if unit == "Pa":
@@ -68,17 +68,17 @@ def power(value: float) -> str:
 
 
 def multiple(gain: float) -> str:
-    """Return a gain of tenfold and more [%] as what it is a multiple of; nothing of less, which percents say."""
+    """Return a gain of tenfold and more [%] as a multiple; empty for smaller gains."""
     return f"{1 + gain / 100:.3g} times as much" if gain >= TENFOLD else ""
 
 
 def the_rigid(name: str) -> str:
-    """Return how the rigid design is called: by its name, which may say so itself."""
+    """Return the rigid design in words; its name may already say so."""
     return "the rigid one" if name == "rigid" else f"the rigid {name}"
 
 
 def against_rigid(gain: float, name: str) -> str:
-    """Return how a gain over the rigid design stands [%]: as much as it, or how much more or less."""
+    """Return a gain over the rigid design [%] in words."""
     if abs(gain) < SAME:
         return f"as much as {the_rigid(name)}"
     return f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than {the_rigid(name)}"
