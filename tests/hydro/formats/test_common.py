@@ -13,6 +13,8 @@ from vsb.hydro.bodies import study as bodystudy
 from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
 from vsb.hydro.formats.common import (
     RIGID,
+    body_names,
+    checked,
     floating,
     mode_labels,
     mode_numbers,
@@ -87,9 +89,33 @@ def test_mode_numbers_and_labels():
     assert mode_numbers(["Twist", "Yaw", "Bend", "Surge", "Arch"]) == [7, 6, 8, 1, 9]  # as they stand
     assert mode_labels([1, 3, 5, 7, 12]) == ["Surge", "Heave", "Pitch", "Mode7", "Mode12"]
     assert rotations([1, 3, 4, 5, 6, 7]).tolist() == [0, 0, 1, 1, 1, 0]
+    assert body_names(["float", "spar_1"]) == ["float", "spar_1"]
+    assert body_names(["float"]) == [""]
+    for names in (["float", "float"], ["float", ""], ["a__b", "c"]):
+        assert body_names(names) == ["body1", "body2"]
     for labels in ([], ["Heave", "Bend", "Bend"]):
         with pytest.raises(DatabaseError, match="needs at least one, and none twice"):
             mode_numbers(labels)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda ds: ds.assign_coords(omega=[0.0, 0.9e-6, 1.0]), r"frequencies .*; needs them from 1e-06 to 1e\+06"),
+        (lambda ds: ds.assign_coords(omega=[0.5, 1.0, 1.1e6]), r"frequencies .*; needs them from 1e-06 to 1e\+06"),
+        (lambda ds: ds.isel(wave_direction=[]), r"wave directions \[\] degrees; needs finite ones, none twice"),
+        (lambda ds: ds.assign_attrs(displaced_volume=-1.0), "displaced_volume -1.0 m.3; needs a finite one, not neg"),
+        (lambda ds: ds.assign_attrs(centre_of_mass=[0.0, 1.0]), "centre_of_mass .* m; needs three finite numbers"),
+        (
+            lambda ds: ds.assign(added_mass=-2e40 * ds.added_mass / ds.added_mass),
+            r"added_mass holds 2e\+40; no body has",
+        ),
+    ],
+)
+def test_implausible_databases_are_refused(change, message):
+    checked(flexible(), "memory")
+    with pytest.raises(DatabaseError, match=f"^memory: {message}"):
+        checked(change(flexible()), "memory")
 
 
 def test_ulen_enters_once_more_for_every_rotation():

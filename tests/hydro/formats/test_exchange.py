@@ -219,6 +219,9 @@ def test_buoy_is_read_back_from_every_format(small, tmp_path):
         checks, unseen = source_checks(ds)
         assert all(check.verdict != "fail" for check in checks), kind
         assert bool(unseen) == (kind != "database")
+    export(small.database_path, tmp_path, "long", ["wamit"], length=2.0)
+    ds = read_source("wamit", str(tmp_path / "long"), water, 2.0)
+    assert ds.added_mass.values == pytest.approx(own.added_mass.values, rel=1e-5, abs=1e-2)
 
 
 def test_netcdf_files_of_capytaine_are_recognised(small, tmp_path):
