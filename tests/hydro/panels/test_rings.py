@@ -86,14 +86,6 @@ def test_coefficients_of_the_hemisphere_at_the_default_resolution(green, hemisph
     assert worst[2] < 6e-3, worst  # excitation
 
 
-@pytest.mark.parametrize(("ka", "added_mass", "damping"), [(1.0, 0.4284, 0.2484)])
-def test_heave_of_the_hemisphere_after_hulme_1982(green, ka, added_mass, damping):
-    result = unit_problem(green, 40, degrees=(1,)).solve([float(np.sqrt(ka))])
-    volume = 2 * np.pi / 3
-    assert result.added_mass.item() / volume == pytest.approx(added_mass, abs=1e-3)
-    assert result.radiation_damping.item() / volume / np.sqrt(ka) == pytest.approx(damping, abs=1e-3)
-
-
 def errors_at_infinity(green, hemisphere, rows, degrees=(0, 1, 2, 3)):
     exact = np.array(hemisphere["added_mass_infinite_frequency"])[np.ix_(degrees, degrees)]
     return [np.abs(unit_problem(green, n, degrees=degrees).at_infinity() - exact).max() for n in rows]

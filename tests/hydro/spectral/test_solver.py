@@ -370,7 +370,9 @@ def by_panels(green, body, labels, omega, depth):
     return a, b, np.array([wave.forces[dof] + force[dof] for dof in labels])
 
 
-@pytest.mark.parametrize(("height", "order", "depth"), [(1.5, 1, 8.0), (None, 2, np.inf)])
+@pytest.mark.parametrize(
+    ("height", "order", "depth"), [pytest.param(1.5, 1, 8.0, marks=pytest.mark.slow), (None, 2, np.inf)]
+)
 def test_capytaine_in_three_dimensions_converges_to_spectral_solution(green_folder, oblate, height, order, depth):
     """Every sign and phase, of displacements given to capytaine as vectors: a sphere, or the oblate shell."""
     shape = oblate().shell if height is None else rigid_sphere(5.0, height)
