@@ -25,7 +25,7 @@ TABLE = (
 OF_OPTIMA = ("power_bound", "impossible_share")
 """Variables only the tuning `constrained` has."""
 POWER, GAIN = (tuple(f"corrected_{name}" for name in names) for names in (POWER_IN_TIME, GAIN_IN_TIME))
-"""What runs in time say of a year (`vsb.results.verification`)."""
+"""Powers and gains of a year corrected by runs in time (`vsb.results.verification`)."""
 
 
 def stacked(members: Sequence[xr.Dataset], ids: Sequence[str]) -> xr.Dataset:
@@ -56,12 +56,12 @@ def gathered(spec: CampaignSpec, batches: Sequence[xr.Dataset]) -> xr.Dataset:
         name: (MEMBER if spec.vary.together else name, _values(values), {"units": unit(key, kind), "long_name": key})
         for (key, name), values in zip(names.items(), spec.vary.lists, strict=True)
     }
-    attrs = {"varied": " ".join(names.values()), **_told(spec)}
+    attrs = {"varied": " ".join(names.values()), **_attrs(spec)}
     return _unfolded(ordered, spec.vary, list(names.values())).assign_coords(coordinates).assign_attrs(attrs)
 
 
-def _told(spec: CampaignSpec) -> dict[str, str]:
-    """What a reader of the file must know of the campaign."""
+def _attrs(spec: CampaignSpec) -> dict[str, str]:
+    """Attributes of the file: names, reference design, conventions."""
     rigid = (name for name, design in spec.base["designs"].items() if not design["flexible"])
     names = {"campaign": spec.campaign, "study": spec.study, "climate": spec.climate_name}
     return {**names, "reference": next(rigid, ""), "Conventions": "CF-1.8", "port_kind": _port_kind(spec).load}
@@ -92,7 +92,7 @@ def _unfolded(ds: xr.Dataset, vary: Vary, names: Sequence[str]) -> xr.Dataset:
 
 
 def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Return the results of a campaign with what runs in time say, named by their model (`IN_TIME`).
+    """Return the results of a campaign with those of runs in time, named by their model (`IN_TIME`).
 
     The statistical intervals of their gains are wider by the errors of linear theory, whose ratio to runs they correct:
     coefficients, quadrature and shell modes left out are the same in both.
@@ -125,7 +125,7 @@ def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Data
 
 
 def in_time(model: str, name: str) -> str:
-    """Return the name in the results of a campaign of what runs of a model say, one of `POWER` and `GAIN`."""
+    """Return the name in a campaign of a result of runs in time, one of `POWER` and `GAIN`, by their model."""
     return name.replace("corrected", IN_TIME[model])
 
 
@@ -137,7 +137,7 @@ def _of_members(ds: xr.Dataset, values: Sequence[xr.DataArray]) -> tuple[tuple[s
 
 
 def as_csv(spec: CampaignSpec, ds: xr.Dataset) -> str:
-    """Return a row for each point, design and tuning; an empty cell is a result a design that is not viable has not."""
+    """Return a row for each point, design and tuning; an empty cell is a result that does not exist (not viable)."""
     points = [str(dim) for dim in ds.margin.dims]
     verified = ds.tuning == ds.attrs.get("verified_tuning")
     columns = {name: ds[name] for name in TABLE if name in ds} | {"damping": damper(ds), "reason": ds.reason}

@@ -408,7 +408,7 @@ def _slopes(years: Mapping[str, ConstrainedYear], waves: Mapping[str, InWaves]) 
 
 
 def _beyond(study: Study, one: ConstrainedYear, motion: PortMotion, climate: Climate) -> dict[str, float | FloatArray]:
-    """Which part of the seas of each bin lies beyond what is described, and their shares of the energy.
+    """Which part of the seas of each bin lies beyond validity, and their shares of the energy.
 
     Steepness is that of every sea; the motion is that of the mean spectrum of a bin, which marks all of it.
     """

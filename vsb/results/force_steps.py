@@ -1,7 +1,7 @@
-"""What a limit of the take-off's force costs in a sea: the optima at a handful of limits, for a page to step through.
+"""Optima in a sea at a few limits of the take-off's force, for an interactive page to step through.
 
 An irregular sea is taken to repeat: one realisation of its spectrum on equally spaced frequencies, the same for all
-designs and limits, as many as a budget of time allows. How many that is follows from no clock.
+designs and limits, as many as a budget of time allows. How many follows from the size of the problem, not from a clock.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,7 +26,7 @@ SECONDS = 4.0
 FEWEST, MOST = 64, 200
 """Harmonics of an irregular sea."""
 WITHIN = 16
-"""Frequencies at which a spectrum is looked at within the band of a harmonic."""
+"""Frequencies at which a spectrum is averaged within the band of a harmonic."""
 
 SeenPort = Callable[[FloatArray], Port]
 
@@ -36,9 +36,9 @@ class ForceSteps:
     """Optima at some limits of force in one sea."""
 
     limits: tuple[float, ...]  # ascending [N]
-    powers: Mapping[str, tuple[float | None, ...]]  # by design, at each limit [W]; none: not known
+    powers: Mapping[str, tuple[float | None, ...]]  # by design, at each limit [W]; None: not known
     of: str  # whose best damper needs the largest of the limits
-    repeats: float | None  # after which the sea is taken to repeat [s]; none: it is regular
+    repeats: float | None  # period after which the sea is taken to repeat [s]; None of a regular wave
 
 
 def harmonics_within(band: tuple[float, float], programmes: int) -> Harmonics:
@@ -68,7 +68,7 @@ def force_steps(
     seas: int = 1,
     stroke: float = np.inf,
 ) -> ForceSteps | None:
-    """Return the optima of all designs in one sea; none where waves move no port.
+    """Return the optima of all designs in one sea; None where waves move no port.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def _damper_force(port: Port, waves: Sea, harmonics: Harmonics) -> float:
 
 
 def _power(port: Port, waves: Sea, harmonics: Harmonics, force: float, stroke: float) -> float | None:
-    """Mean power of the best force within limits [W]; none where there is none, or none is found."""
+    """Mean power of the best force within limits [W]; None where there is none, or none is found."""
     if not port.moves:
         return 0.0
     try:

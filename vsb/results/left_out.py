@@ -1,4 +1,4 @@
-"""What the shell modes that a study leaves out would change: of mean powers and of gains, in every sea."""
+"""Errors by shell modes that a study leaves out: of mean powers and of gains, in every sea and over a year."""
 
 from collections.abc import Mapping, Sequence
 
@@ -26,9 +26,9 @@ from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea
 
 LEAST_RATIO = 1.4
-"""Of degrees that are compared: what is still to come is estimated for steps as large as those of the list."""
+"""Of degrees that are compared: the estimate of further degrees assumes steps as large as those of the list."""
 ENDS = ("low", "high")
-"""Of a range, about zero: where the value of all modes lies from the one computed."""
+"""Of a range about zero: the value with all modes less the one computed."""
 
 
 def modes_left_out(study: BuoySystem, seas: Sequence[tuple[Wave, Sea]]) -> xr.Dataset:
@@ -45,13 +45,13 @@ def modes_left_out(study: BuoySystem, seas: Sequence[tuple[Wave, Sea]]) -> xr.Da
     xarray.Dataset
         `power(design, wave, take_off, end)`, of the mean power [-], and `gain(design, wave, take_off, end)`, of the
         gain over the reference design [percentage points], `end` as `ENDS`, `take_off` as of
-        `vsb.scenes.mode_convergence.TAKE_OFFS`; nothing of what cannot be estimated.
+        `vsb.scenes.mode_convergence.TAKE_OFFS`; empty where it cannot be estimated.
 
     Notes
     -----
     The change from the basis of the study to the full basis of the highest degree tried, and what further degrees may
-    change (`vsb.scenes.mode_convergence`). Not known beside ports that turn, as pitch and lines: there the buoy
-    moves in more directions than heave.
+    change (`vsb.scenes.mode_convergence`). Not known of ports that turn, as pitch and lines, where the buoy moves in
+    more directions than heave.
     """
     if not study.flexible or not knows_port(study) or not seas:
         return xr.Dataset()
@@ -87,8 +87,7 @@ def gain_of_year(
     Returns
     -------
     ndarray, shape (design, end)
-        `end` as `ENDS`, the wider of the damper given and the optimal one [percentage points]; nothing beside ports
-        that turn.
+        `end` as `ENDS`, the wider of the damper given and the optimal one [percentage points]; 0 of ports that turn.
 
     Notes
     -----
@@ -128,12 +127,12 @@ def _bounds(before: FloatArray, tried: Sequence[FloatArray]) -> FloatArray:
 
 
 def _gains(power: FloatArray, at: int) -> FloatArray:
-    """Gains over the design in a place, of powers (design, sea, take-off) [percentage points]; nothing of no power."""
+    """Gains over one of the designs, of powers (design, sea, take-off) [percentage points]; 0 over no power."""
     base = np.broadcast_to(power[[at]], power.shape)
     return np.divide(100 * (power - base), base, out=np.zeros_like(power), where=base > 0)
 
 
 def _relative(bounds: FloatArray, size: FloatArray) -> FloatArray:
-    """Bounds (..., end) in terms of powers (...); nothing of no power."""
+    """Bounds (..., end) in terms of powers (...); 0 of no power."""
     there = np.broadcast_to((size > 0)[..., None], bounds.shape)
     return np.divide(bounds, size[..., None], out=np.zeros_like(bounds), where=there)

@@ -1,10 +1,10 @@
 """Mean power in irregular seas with intervals, the linear spectral prediction beside it.
 
-Of a sea of random amplitudes the interval is the 95 % confidence interval of its expected mean power, from records of
-the length and number computed. How much their means vary linear theory knows exactly (`record_covariance`); what it
-leaves out is estimated from batches of the records (`half_width`). Designs are run in the same waves, in which most of
-the scatter of their gain cancels. With fixed amplitudes every realisation has the energy of the sea and mean power
-hardly varies: the interval is of the realisations computed, and holds the error of the numbers alone.
+In a sea of random amplitudes the interval is the 95 % confidence interval of its expected mean power, from records of
+the length and number computed. The variance of their means by linear theory is known exactly (`record_covariance`);
+what linear theory leaves out is estimated from batches of the records (`half_width`). Designs are run in the same
+waves, in which most of the scatter of their gain cancels. With fixed amplitudes every realisation has the energy of the
+sea and mean power hardly varies: the interval is that of the realisations computed and holds the numerical error alone.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,7 +29,7 @@ CONFIDENCE = 0.95
 INSTANTS = 8
 """Instants per shortest period of a sea at which linear power is averaged."""
 AGREEMENT, AGREEMENT_WITH_DRAG = 0.005, 0.05
-"""Relative difference of mean power from linear theory in the same waves, from which on it is in doubt [-]."""
+"""Relative difference of mean power from linear theory in the same waves above which it is in doubt [-]."""
 
 
 class Estimate(NamedTuple):
@@ -91,13 +91,22 @@ def families(study: BaseStudy) -> dict[str, list[Irregular]]:
 
 
 class Sample(NamedTuple):
-    """What statistics keep of a run in an irregular sea."""
+    """What statistics keep of the run of a design in an irregular sea, or of all its realisations together."""
 
     batches: FloatArray  # mean power of each (batch,) [W]
     linear_batches: FloatArray  # by linear theory in the same waves (batch,) [W]
     linear: float  # expected by linear theory of the sea [W]
     components: ComplexArray  # u, |u|^2 their expected powers by linear theory (component,) [W^0.5]
     spacing: float  # of the components in frequency [rad/s]
+
+    @property
+    def linear_record(self) -> float:
+        """Mean power of linear theory in the same waves and window [W].
+
+        With drag, `linear` is that with its equivalent dampers, and scaled by the ratio without drag.
+        """
+        undragged = float(np.sum(np.abs(self.components) ** 2))
+        return self.linear * float(self.linear_batches.mean()) / undragged if undragged else 0.0
 
 
 def sample(
@@ -178,22 +187,22 @@ def record_covariance(first: ComplexArray, second: ComplexArray, spacing: float,
 
 
 def half_width(samples: FloatArray, alike: FloatArray, covariance: FloatArray) -> float:
-    """Return half the 95 % confidence interval of the mean of what batches of records say.
+    """Return half the 95 % confidence interval of the mean of samples, one for each batch of the records.
 
     Parameters
     ----------
     samples : ndarray, shape (batch,)
     alike : ndarray, shape (batch, k)
-        What linear theory says in the same waves.
+        By linear theory in the same waves.
     covariance : ndarray, shape (k, k)
         Of the means of `alike` over all records, which is known (`record_covariance`).
 
     Notes
     -----
     Samples are b.alike + rest by least squares: the mean of the first part has the variance b^T covariance b, whatever
-    the batches happen to say; that of the rest, which linear theory does not explain, is estimated from their scatter,
-    and degrees of freedom are Satterthwaite's. Batches alone cannot tell the variance of a record's mean: neighbours
-    are correlated, and few.
+    the batches are; that of the rest, which linear theory does not explain, is estimated from their scatter, with
+    Satterthwaite's degrees of freedom. Batches alone do not give the variance of a record's mean: they are few, and
+    neighbours are correlated.
     """
     count, explained = alike.shape
     centred, about = samples - samples.mean(), alike - alike.mean(axis=0)
@@ -228,25 +237,6 @@ def stratified_half_width(draws: FloatArray) -> float:
     """Return half the 95 % interval of the mean of draws; see `stratified_variance`."""
     variance, freedom = stratified_variance(draws)
     return student(freedom) * float(np.sqrt(variance))
-
-
-class _Records(NamedTuple):
-    """One design in all realisations of a sea."""
-
-    batches: FloatArray  # (batch,) [W]
-    alike: FloatArray  # by linear theory in the same waves (batch,) [W]
-    linear: float  # expected by linear theory [W]
-    components: ComplexArray
-    spacing: float
-
-    @property
-    def linear_record(self) -> float:
-        """Mean power of linear theory in the same waves and window [W].
-
-        Beside drag, whose dampers `linear` is beside, by as much more or less than expected as without.
-        """
-        undragged = float(np.sum(np.abs(self.components) ** 2))
-        return self.linear * float(self.alike.mean()) / undragged if undragged else 0.0
 
 
 def statistics(study: BaseStudy, samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
@@ -286,21 +276,22 @@ def _of_sea(study: BaseStudy, waves: Sequence[Irregular], samples: Mapping[tuple
     return lines
 
 
-def _together(some: Sequence[Sample]) -> _Records:
+def _together(some: Sequence[Sample]) -> Sample:
     """The realisations of a sea one after the other; their components are the same."""
-    batches, alike = (np.concatenate([getattr(one, name) for one in some]) for name in ("batches", "linear_batches"))
-    return _Records(batches, alike, float(np.mean([one.linear for one in some])), some[0].components, some[0].spacing)
+    batches, linear_batches = (np.concatenate([getattr(one, name) for one in some]) for name in Sample._fields[:2])
+    linear = float(np.mean([one.linear for one in some]))
+    return Sample(batches, linear_batches, linear, some[0].components, some[0].spacing)
 
 
-def _half_width(samples: FloatArray, records: Sequence[_Records], realisations: int, length: float) -> float | None:
-    """Half the interval of the mean of samples, by designs that explain them; none of too few."""
+def _half_width(samples: FloatArray, records: Sequence[Sample], realisations: int, length: float) -> float | None:
+    """Half the interval of the mean of samples, by designs that explain them; None of too few."""
     if len(samples) < FEWEST_BATCHES:
         return None
     covariance = [
         [record_covariance(one.components, other.components, one.spacing, length) for other in records]
         for one in records
     ]
-    alike = np.stack([one.alike for one in records], axis=1)
+    alike = np.stack([one.linear_batches for one in records], axis=1)
     return half_width(samples, alike, np.array(covariance) / realisations)
 
 
@@ -315,15 +306,16 @@ def linear_power(power: xr.DataArray, sea: Sea) -> float:
 
 
 def statistical_checks(study: BaseStudy, lines: Sequence[Line]) -> list[Check]:
-    """Return whether records are long enough for what is said of their sea, and agree with linear theory."""
+    """Return whether records are long enough for a confidence interval, and agree with linear theory."""
     checks = []
     for line in lines:
         where = {"design": line.design, "wave": line.sea}
         if line.amplitudes == "random" and line.power_low is None:
-            text = (
-                f"{line.batches} batches of ten peak periods or more are too few for a confidence interval: lengthen "
+            text = f"the record is too short for a confidence interval: it has {line.batches} batches of ten peak "
+            text += (
+                f"periods or more, needs {FEWEST_BATCHES}; lengthen simulation.duration and window, or ask for more "
             )
-            text += "simulation.duration and window, or ask for more realisations"
+            text += "realisations"
             checks.append(
                 check_at_most("record_length", FEWEST_BATCHES / line.batches, 1.0, "-", text, doubt=True, **where)
             )
@@ -340,7 +332,7 @@ def statistical_checks(study: BaseStudy, lines: Sequence[Line]) -> list[Check]:
 
 
 def _sharpness(line: Line, sea: Sequence[Line]) -> tuple[float, str]:
-    """Relative error of what is asked, and its words: of gains in the same waves, if they are known; else of power."""
+    """Relative statistical error of the gains in the same waves if they are known, else of power; and its words."""
     low, mean, high = line.power_low or 0.0, line.power_mean, line.power_high or 0.0
     share = 0.5 * (high - low) / abs(mean) if mean else 0.0
     gains = [_half_gain(one) for one in ([line] if line.gain_low is not None else sea)]

@@ -1,4 +1,4 @@
-"""Which seas of a climate lie beyond what linear waves and small motions describe, and their share of the energy."""
+"""Seas of a climate beyond the validity of linear waves and small motions, and their share of the energy."""
 
 from collections.abc import Mapping
 from functools import lru_cache
@@ -27,9 +27,9 @@ DEFORMATION = 0.1
 """Displacement of the shell over radius beyond which small deformations are [-]."""
 LIMITS = ("steepness", "breaking", "deformation", "heave")
 MARKED = LIMITS[:3]
-"""Limits that mark a sea; heave does not: in long waves a buoy rides with the water, however far."""
+"""Limits that mark a sea; heave does not: in long waves a buoy follows the water, however far."""
 NODES = 8
-"""Dampers at which variances are computed to be known at all between: to 1e-3 of them."""
+"""Dampers at which variances are computed, to interpolate between them to 1e-3."""
 
 Marks = dict[str, tuple[tuple[str, ...], FloatArray]]
 """Dimensions and values by name."""
@@ -44,7 +44,7 @@ class Beyond(NamedTuple):
     seas: BoolArray  # (sea,)
 
     def energy(self, power: FloatArray, hours: FloatArray) -> float:
-        """Return the part of a year's energy those seas bring; power and hours of each sea, shape (sea,)."""
+        """Return the part of a year's energy from those seas; power and hours of each sea, shape (sea,)."""
         total = float(power @ hours)
         return float((power * hours)[self.seas].sum()) / total if total > 0 else 0.0
 
@@ -79,7 +79,7 @@ def _beyond(name: str, values: FloatArray, limit: float) -> Beyond:
 
 
 def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness: float) -> dict[str, FloatArray]:
-    """Return the root mean squares `motion_limits` takes, each shape (sea,) [m].
+    """Return the root mean squares of heave and deformation in each sea, shape (sea,) [m].
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def _nodes(damping: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, radius: float) -> Marks:
-    """Return which part of the seas of each bin lies beyond what is described, and their shares of the energy.
+    """Return which part of the seas of each bin lies beyond validity, and their shares of the energy.
 
     Parameters
     ----------

@@ -1,1 +1,4 @@
-"""Scenes."""
+"""Scenes: what a study lets float, where it rests, its take-off, drag and ports, ready to be solved or simulated.
+
+May import from errors, tools, study, shell, waves, hydro, motion and integrators.
+"""
