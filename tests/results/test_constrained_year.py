@@ -14,7 +14,7 @@ from vsb.motion.force_bound import Harmonics, Limits
 from vsb.results.constrained_year import ConstrainedYear, Optima, affordable, constrained_year, harmonics_of_year
 from vsb.results.member import member
 from vsb.results.validity import LIMITS as WAVE_LIMITS
-from vsb.results.year import Bins, year
+from vsb.results.year import Bins
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.study.campaign import CONSTRAINED
@@ -98,12 +98,6 @@ def test_seas_in_which_no_force_keeps_the_stroke():
 def test_errors_of_the_constrained_year(changes, message):
     with pytest.raises(ConfigError, match=message):
         limited(Limits(), **changes)
-
-
-def test_optimal_damper_lies_between_scarce_force_and_the_matched_year():
-    free, scarce = within(Limits()), within(Limits(force=5e3))
-    damped = year({"A": PORT}, SEAS, WATER, ["each"]).annual_mean_power[0, 0]
-    assert scarce.annual_mean_power.mean < damped < free.annual_mean_power.mean
 
 
 @pytest.mark.slow

@@ -137,17 +137,6 @@ def sea_of_period(rng, spacing=0.05):
     return Sea(omega, 0.1 * rng.rayleigh(size=len(omega)) * np.exp(2j * np.pi * rng.uniform(size=len(omega))))
 
 
-def test_optimum_under_inactive_limits_is_the_matched_power():
-    waves = sea_of_period(np.random.default_rng(0))
-    rung = constrained_rung("A", "w", waves, oscillator, Limits(1e6, 1e6), (0.05, 3.0))
-    port = oscillator(waves.omega)
-    assert rung.power_mean == pytest.approx(waves.mean_of(port.matched_power), rel=1e-9)
-    assert (rung.gap, rung.damping, rung.stiffness) == (pytest.approx(0.0, abs=1e-6), None, None)
-    assert rung.limit_fraction == pytest.approx(1.0, rel=1e-9)
-    force = port.matched_force * waves.amplitude
-    assert rung.force_rms == pytest.approx(np.linalg.norm(force) / np.sqrt(2), rel=1e-9)
-
-
 def test_constrained_optimum_absorbs_at_least_as_much_as_any_damper_within_the_limits():
     """Dampers whose force and stroke stay within the limits over the whole period of the sea."""
     time = np.linspace(0.0, 2 * np.pi / 0.05, 4001)

@@ -19,7 +19,6 @@ from vsb.scenes.viability import static_modal_amplitude
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.shell import Shell
-from vsb.shell.surface import largest_strain
 from vsb.study.body import BodyStudy
 from vsb.study.device import Spheroid
 from vsb.study.reading import validated
@@ -28,8 +27,6 @@ from vsb.waves.dispersion import power_limit, wavenumber
 
 WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
 LENGTH = 2 * np.pi * 9.81 / WAVE.omega**2
-
-# the shell at rest --------------------------------------------------------------------------------------------------
 
 
 def test_vented_shell_of_the_seed_is_not_viable(seed):
@@ -117,15 +114,6 @@ def test_static_deformation_is_doubted_above_its_limit(seed, shape, moved, limit
         assert (strain.limit, strain.verdict != "ok") == (0.02, True)
 
 
-@pytest.mark.parametrize("mode", [1, 7])
-def test_largest_strain_equals_that_of_the_elastic_shell(seed, mode):
-    """To first order in the amplitude of a mode."""
-    basis = study_basis(seed)
-    q = 1e-7 * np.eye(len(basis.labels))[mode]
-    strains = ElasticShell(basis).strains(q, np.linspace(0.01, np.pi - 0.01, 361))
-    assert largest_strain(basis, q) == pytest.approx(np.abs(strains).max(), rel=1e-5)
-
-
 def test_gas_pressure_at_rest_follows_the_adiabatic_law(seed):
     """Of a stiff shell: p V^1.4 constant between the undeformed volume and that at rest."""
     device = {"internal_pressure": 2e4, "gas": {"adiabatic_index": 1.4}, "young_modulus": 1e9}
@@ -142,9 +130,6 @@ def test_gas_pressure_at_rest_follows_the_adiabatic_law(seed):
     assert found[1] == pytest.approx(whole, abs=1e-6)
     assert 0.005 * 2e4 < 2e4 - found[1] < 0.1 * 2e4
     assert found[0] == pytest.approx(whole, rel=5e-3)
-
-
-# seas and coefficients ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("lowest", "highest", "share"), [(1.25, 2.5, 0.375), (0.5, 2.5, 0.25)])
@@ -240,9 +225,6 @@ def test_angles_that_look_like_radians_are_doubted(seed, clamp, doubted):
     checks = ledger.angle_checks(varied(seed, designs={"A": {"clamp": clamp}}))
     assert [check.verdict for check in checks] == ["doubt"] * doubted
     assert all(f"designs.A.clamp.0 {clamp:g} (" in check.explanation for check in checks)
-
-
-# verdicts -----------------------------------------------------------------------------------------------------------
 
 
 def check(name, verdict="fail", design="", wave="", value=2.0):

@@ -57,7 +57,7 @@ def converged(vented):
     return convergence(vented)
 
 
-@pytest.mark.parametrize("degree", MULTIPOLES)
+@pytest.mark.parametrize("degree", [6, 40, pytest.param(80, marks=pytest.mark.slow)])
 def test_gains_of_the_full_basis_agree_with_independent_multipoles(vented, converged, degree):
     found = gains(converged.powers(Modes(basis="full", degree=degree)), vented)
     for design, expected in MULTIPOLES[degree].items():
@@ -86,6 +86,7 @@ def test_interval_of_a_truncated_basis_contains_the_converged_gain(vented, conve
     assert not found.sel(design="FSB").power.values.any()
 
 
+@pytest.mark.slow
 def test_few_modes_suffice_about_an_equilibrium(seed):
     """Gains at 16.5 kPa and 2.5 s from the independent computation."""
     study = varied(
@@ -126,6 +127,7 @@ def test_rigid_and_pitching_buoys_have_no_estimate(seed, changes):
     assert not left_out(varied(seed, **changes)).data_vars
 
 
+@pytest.mark.slow
 def test_interval_of_a_spheroid_contains_the_gain_of_more_modes(seed):
     """Gains of degree 16 from a separate Ritz and multipole computation."""
     waves = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (6.0, 4.0, 3.0, 2.5)]
@@ -143,6 +145,7 @@ def test_interval_of_a_spheroid_contains_the_gain_of_more_modes(seed):
     assert np.all(found.sel(end="high") - found.sel(end="low") < 1.0)
 
 
+@pytest.mark.slow
 def test_interval_of_a_year_contains_the_gain_of_many_modes(seed, tmp_path):
     omega = np.linspace(0.4, 3.0, 40)
     year = Climate.of_spectra(omega, jonswap_spectrum(omega, 1.0, 5.0, 1.0)[None], np.ones(1), "a sea")
@@ -168,6 +171,7 @@ def test_interval_of_a_year_contains_the_gain_of_many_modes(seed, tmp_path):
     assert np.all((gain - many)[1:, 1] > 0)  # more modes absorb less
 
 
+@pytest.mark.slow
 def test_about_an_equilibrium_the_rigid_design_depends_on_the_modes_through_its_shape(seed):
     study = varied(
         seed,

@@ -193,17 +193,6 @@ def test_linear_batches_of_a_regular_wave():
     assert found == pytest.approx(np.full(5, 0.5 * 8e3 * 0.25), rel=1e-9)
 
 
-def test_random_amplitudes_are_gaussian(coarse):
-    """|a|^2 has an exponential distribution about the spectrum; the phases are those of fixed amplitudes."""
-    wave = made_study(coarse).waves[0]
-    fixed, drawn = sea(expected(wave), 12.0, 4000.0), sea(wave, 12.0, 4000.0)
-    ratio = drawn.amplitude / fixed.amplitude
-    assert np.abs(ratio.imag).max() < 1e-12
-    squares, count = ratio.real**2, len(ratio)
-    assert squares.mean() == pytest.approx(1.0, abs=4 / np.sqrt(count))
-    assert np.mean(squares > 2) == pytest.approx(np.exp(-2), abs=4 * np.sqrt(np.exp(-2) / count))
-
-
 def test_sample_of_a_tuned_run_has_its_closed_form(coarse):
     """In the second of two wave directions, beside a spring, over whole periods of the beat of two waves."""
     band = {"kind": "white_noise", "hs": 1.0, "band": [1.9, 2.1], "amplitudes": "random"}

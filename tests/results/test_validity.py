@@ -9,7 +9,7 @@ from scenes.test_ports import water
 
 from vsb.results.validity import LIMITS, beyond_validity, motion_rms, wave_limits
 from vsb.results.year import band_weights, year
-from vsb.scenes.ports import POINTS, designs_in_waves
+from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.study.study import Water
 from vsb.waves.dispersion import wavenumber
@@ -63,13 +63,6 @@ def test_motions_under_individual_dampers_equal_a_loop_over_seas(shells):
         same = motion_rms(one, seas, np.full(12, 3e3), 2e4)
         for name, expected in zip(same, by_the_sea(one, seas, np.full(12, 3e3), 2e4), strict=True):
             np.testing.assert_allclose(same[name], expected, rtol=1e-12, err_msg=f"{design} {name}")
-
-
-def test_clamped_point_does_not_move(shells):
-    """The equator is the middle one of the points."""
-    _, waves, _ = shells
-    shell = waves["VSWEC90"].motion.shell[0]
-    assert np.abs(shell[:, POINTS // 2]).max() < 1e-9 * np.abs(shell).max()
 
 
 def test_seas_beyond_validity_are_marked_in_their_bins(shells):

@@ -1,7 +1,6 @@
 """The year of a site: a loop over its hours, tunings, the quadrature, usual practice, bins of IEC TS 62600-100."""
 
 import json
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -64,21 +63,6 @@ def test_climate_outside_the_band_is_refused():
     seas = climate()
     with pytest.raises(ConfigError, match=r"of its variance outside 0\.1 to 1 rad/s, .* raise hydro\.omega_max"):
         year({"A": port(np.linspace(0.1, 1.0, 100))}, seas, WATER, tunings=["one"])
-
-
-@pytest.mark.parametrize(("lowest", "highest"), [(0.1, 4.0), (0.52, 1.97)])
-def test_frequencies_divide_every_band_evenly(lowest, highest):
-    """Into steps of at most 0.5 %, as far as the hydrodynamics are known."""
-    seas = climate()
-    grid, edges = frequencies(seas, lowest, highest), np.unique(np.clip(seas.edges, lowest, highest))
-    assert grid[0] == max(lowest, seas.edges[0])
-    assert grid[-1] == min(highest, seas.edges[-1])
-    assert np.all(np.diff(grid) > 0)
-    assert set(edges) <= set(grid)
-    for low, high in pairwise(edges):
-        step, middle = np.diff(grid[(grid >= low) & (grid <= high)]), (low + high) / 2
-        assert np.ptp(step) < 1e-12
-        assert (len(step) - 1) * 0.005 * middle < high - low <= len(step) * 0.005 * middle * (1 + 1e-12)
 
 
 def test_port_that_does_not_move_absorbs_nothing():
@@ -220,12 +204,6 @@ def test_bins_are_half_open():
     assert bins.hs_centres.tolist() == [0.25, 0.75, 1.25]
     assert bins.te_centres[[0, -1]].tolist() == [0.5, 7.5]
     assert [v.tolist() for v in bins.centres] == [[0.25, 0.75, 1.25], [6.5, 7.5, 7.5]]
-
-
-def test_means_and_deviations_are_weighted_by_hours():
-    bins = Bins(np.array([0.1, 0.2]), np.array([0.1, 0.2]), np.array([0.25, 0.75]))
-    assert bins.mean(np.array([4.0, 8.0])) == pytest.approx(7.0)
-    assert bins.deviation(np.array([4.0, 8.0])) == pytest.approx(np.sqrt(3.0))
 
 
 SPECTRA = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"

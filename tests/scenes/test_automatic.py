@@ -46,7 +46,7 @@ def swell(amplitude, period):
 @pytest.mark.parametrize(
     ("design", "period", "amplitude"), [("FSB", 2.5, 0.2), ("VSWEC", 4.0, 0.05), ("VSWEC0", 2.5, 1e-3)]
 )
-@pytest.mark.parametrize("tolerance", [0.03, 0.003])
+@pytest.mark.parametrize("tolerance", [0.03, pytest.param(0.003, marks=pytest.mark.slow)])
 def test_error_of_the_chosen_model_is_within_its_statement(scenes_of, design, period, amplitude, tolerance):
     """Against body-exact motion of all modes with the radiation of the coefficients themselves."""
     scenes = scenes_of(design, swell(amplitude, period), **STIFF)
@@ -54,17 +54,6 @@ def test_error_of_the_chosen_model_is_within_its_statement(scenes_of, design, pe
     whole = steady_power(scenes.system(scenes.full), 1e-8, scenes.buoy.spectrum.transfer)
     assert abs(scenes.power(choice.description) / whole - 1) <= choice.error + 1e-7
     assert choice.error <= tolerance
-
-
-def test_error_of_the_gain_follows_from_those_of_the_powers(scenes_of):
-    both = [scenes_of(design, swell(0.1, 3.0), **STIFF) for design in ("FSB", "VSWEC")]
-    choices = [chosen(scenes, 0.01) for scenes in both]
-    found, whole = (
-        [scenes.power(d) for scenes, d in zip(both, descriptions, strict=True)]
-        for descriptions in ([c.description for c in choices], [scenes.full for scenes in both])
-    )
-    missed = abs(found[1] / found[0] / (whole[1] / whole[0]) - 1)
-    assert missed <= 1.05 * sum(choice.error for choice in choices) + 1e-3  # the memory of `full` is a fit
 
 
 def test_body_exact_forces_are_chosen_in_high_waves_only(scenes_of):
@@ -84,14 +73,6 @@ def test_stiffer_shells_need_fewer_modes(scenes_of):
     assert degrees[0] > RIGID == degrees[-1]
 
 
-def test_a_tighter_tolerance_leaves_out_less(scenes_of):
-    scenes = scenes_of("VSWEC", swell(0.1, 2.5), **STIFF)
-    found = [chosen(scenes, tolerance) for tolerance in (0.1, 0.001)]
-    assert [c.error for c in found] == sorted((c.error for c in found), reverse=True)
-    assert [c.description.memory for c in found] == sorted(c.description.memory for c in found)
-    assert found[0].description != found[-1].description
-
-
 @pytest.mark.parametrize("wave", [{"kind": "jonswap", "hs": 0.02, "tp": 4.0}, {"kind": "still"}])
 def test_aperiodic_motion_is_compared_on_a_record(scenes_of, wave):
     scenes = scenes_of("FSB", wave, simulation={"duration": 60.0, "initial_velocity": -0.1})
@@ -104,21 +85,6 @@ def test_aperiodic_motion_is_compared_on_a_record(scenes_of, wave):
 def test_linear_power_matches_harmonic_balance(scenes_of):
     system = scenes_of("VSWEC", swell(0.1, 3.0)).system(Description(6, 14, False))
     assert linear_power(system) == pytest.approx(harmonic_balance(system).power.pto, rel=1e-9)
-
-
-def test_bases_of_ascending_degree_are_nested_and_clamped(seed):
-    study = varied(seed, designs={"A": {"clamp": [0, 90]}})
-    basis = study_basis(study)
-    ladder = motion_ladder(study, basis, "A")
-    rows = basis.clamp_rows(np.deg2rad(study.designs["A"].clamp))
-    assert min(ladder) == RIGID
-    assert max(ladder) == 6
-    assert 0 not in ladder  # one mode, two clamps: nothing left
-    rungs = [ladder[d] for d in sorted(ladder)]
-    for smaller, larger in itertools.pairwise(rungs):
-        projector = larger @ np.linalg.pinv(larger)
-        assert np.allclose(projector @ smaller, smaller, atol=1e-10)
-        assert np.abs(rows @ larger).max() < 1e-12
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +104,7 @@ def test_truncated_memory_is_passive_and_converges(memory):
         assert np.linalg.eigvalsh(model.damping(omega)).min() > -1e-9 * np.abs(exact).max()
 
 
-@settings(max_examples=30)
+@settings(max_examples=10)
 @given(st.integers(0, 10_000), st.integers(1, 5))
 def test_truncation_of_any_passive_model_is_passive(seed_of_numbers, order):
     rng = np.random.default_rng(seed_of_numbers)
@@ -149,6 +115,7 @@ def test_truncation_of_any_passive_model_is_passive(seed_of_numbers, order):
     assert np.abs(defect).max() < 1e-9 * np.abs(small.state_matrix).max()
 
 
+@pytest.mark.slow
 def test_memory_in_a_high_long_wave_is_judged_body_exact(scenes_of):
     """Linear theory finds two states sufficient: 0.5 % lost there, 1.3 % with body-exact forces."""
     scenes = scenes_of("FSB", swell(0.36, 6.237), pto={"damping": 558.0})

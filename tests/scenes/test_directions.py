@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 from conftest import SEED
 
-from vsb.errors import ConfigError, ConvergenceError
+from vsb.errors import ConfigError
 from vsb.hydro.database import load_database
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
 from vsb.scenes.build import linear_buoy, linear_design
 from vsb.scenes.drag import LINEARISED
-from vsb.scenes.floating_system import towards
 from vsb.scenes.rest import (
     check_moored,
     check_spring,
@@ -25,7 +24,6 @@ from vsb.scenes.rest import (
 )
 from vsb.scenes.viability import viability
 from vsb.stages import make
-from vsb.stages.simulate import _steady
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load, parse
 from vsb.tools.files import load as load_data
@@ -85,9 +83,6 @@ def heaving(folder):
     return made(parse(data), folder, (*HYDRO, "response", "simulate"))
 
 
-# the chain ----------------------------------------------------------------------------------------------------------
-
-
 def responses(*plans):
     """Responses at the frequencies they share: beside its own resonances each has more."""
     found = [load_data(plan.response_files["response"]) for plan in plans]
@@ -129,9 +124,6 @@ def test_checks_and_report_include_surge_and_pitch(finished):
     assert all(check["verdict"] == "ok" for check in orders)
     page = Path(finished.folder, "report.html").read_text()
     assert "Surge, heave and pitch" in page
-
-
-# structure ----------------------------------------------------------------------------------------------------------
 
 
 def test_database_has_pitch_stiffness_and_mooring(solved):
@@ -199,33 +191,6 @@ def test_repelling_mooring_is_refused(place, name):
             check_moored(study, reference)
 
 
-def on_one_line(angle, **changes):
-    """A free buoy on a single horizontal line below its centre, in waves along that line; yaw is held beside."""
-    along, across = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-    pull = np.array([along, across, 0.0, 1.5 * across, -1.5 * along, 0.0])
-    rows = 2e4 * np.outer(pull, pull) + np.diag([0.0] * 5 + [1e4])
-    waves = [CALM | {"direction": angle}]
-    return study_with(**{**FREE, "mooring": rows.tolist(), "waves": waves, "pto": {"damping": 8000.0}} | changes)
-
-
-@pytest.mark.slow
-def test_oblique_mooring_line(folder):
-    """Line and waves rotated together: same frequencies and power; no mean position across the line."""
-    runs, frequencies = [], []
-    for study in (on_one_line(0.0, study="ahead"), on_one_line(20.0, study="oblique")):
-        check_stable(study, reference_shell(study))
-        plan = made(study, folder, (*HYDRO, "response"))
-        frequencies.append(load_data(plan.response_files["response"]).wet_natural_frequency.values)
-        runs.append([linear_design(plan.simulation(d, study.waves[0]), plan.hydro_files) for d in study.designs])
-    np.testing.assert_allclose(*frequencies, rtol=1e-8)
-    for ahead, turned in zip(*runs, strict=True):
-        assert turned.system.scene.unrestrained
-        powers = [_steady(run.system) for run in (ahead, turned)]
-        assert powers[0] == pytest.approx(powers[1], rel=1e-8)
-        with pytest.raises(ConvergenceError, match=r"^harmonic balance: nothing holds a coordinate in a mean place"):
-            harmonic_balance(turned.system)
-
-
 def test_stroke_limit_needs_a_restrained_port():
     study = study_with(pto={"port": "surge", "stroke_limit": 0.5}, mooring=None)
     with pytest.raises(
@@ -236,8 +201,6 @@ def test_stroke_limit_needs_a_restrained_port():
     with pytest.raises(ConfigError, match=r"pto.stiffness: received -1 N/m, .*needs more than 0 N/m"):
         check_spring(study_with(pto={"port": "surge", "stiffness": -1.0}, mooring=None), reference_shell(study))
 
-
-# ports --------------------------------------------------------------------------------------------------------------
 
 PORTS = {
     "surge": ("surge", 2), "line": ({"line_to": [12.0, -9.0], "line_from": [0.0, -1.0]}, 3),
@@ -275,9 +238,6 @@ def test_ports_of_all_orders_absorb_one_plus_two_n_wavelengths(solved):
         assert found == pytest.approx(5 * power_limit(w, np.inf, 1025.0, 9.81), rel=2e-4), order
 
 
-# time ---------------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("port", "mooring"),
     [("surge", None), pytest.param("pitch", [2e4, 0, 0, 0, 0, 0], marks=pytest.mark.slow)],
@@ -300,8 +260,6 @@ def test_mean_power_in_time_agrees_with_the_response(folder, port, mooring):
     power = buoy.port(omega, design_motions(study, basis, "VSWEC"), b).power(6000.0)[0] * 0.1**2
     assert mean == pytest.approx(power, rel=5e-3)
 
-
-# free: to all sides -------------------------------------------------------------------------------------------------
 
 OBLIQUE = 30.0
 FREE = {"motion": "free", "mooring": [2e4, 2e4, 0, 0, 0, 0], "device": {"ballast_yaw_inertia": 7e3}}
@@ -373,24 +331,6 @@ def test_powers_of_the_free_buoy_agree_in_time_and_frequency(free):
     assert "going to 30 degrees" in page
 
 
-@pytest.mark.parametrize("direction", [0.0, OBLIQUE])
-def test_ports_of_a_free_rigid_buoy_absorb_three_wavelengths(free_solved, direction):
-    """Surge and pitch share a radiation channel: (1 + 2) lambda/2 pi from any direction."""
-    buoy, basis = linear_buoy(free_solved.study, free_solved.database_path)
-    buoy = towards(buoy, direction)
-    motions, omega = design_motions(free_solved.study, basis, "FSB"), np.array([1.3, 2.1, 3.0])
-    names = ("Surge", "Sway", "Heave", "Roll", "Pitch")
-    ports = np.eye(len(buoy.labels))[[buoy.labels.index(name) for name in names]]
-    moved = buoy.free_motion(omega, motions, ports[0])[0]
-    forced = np.stack([buoy.free_motion(omega, motions, port)[1] @ ports.T for port in ports], axis=-1)
-    velocity = -1j * omega[:, None] * (moved @ ports.T)
-    admittance = -1j * omega[:, None, None] * forced
-    loss = np.linalg.pinv((admittance + admittance.conj().transpose(0, 2, 1)) / 2, rcond=1e-6, hermitian=True)
-    power = np.real(np.einsum("wi,wij,wj->w", velocity.conj(), loss, velocity)) / 8
-    limit = [3 * power_limit(w, np.inf, 1025.0, 9.81) for w in omega]
-    np.testing.assert_allclose(power, limit, rtol=2e-4)
-
-
 def test_yaw_has_inertia_but_moves_no_water(free_solved):
     ds = load_database(free_solved.database_path, Path(free_solved.database_path).stem)
     yaw = ds.sel(influenced_dof="Yaw", radiating_dof="Yaw")
@@ -407,8 +347,6 @@ def test_yaw_has_inertia_but_moves_no_water(free_solved):
     assert ds.azimuthal_order.values.tolist() == [0, 0, 0, 0, 1, 1, 1, 1, -1, -1, -1, -1, 2, -2, 0]
     np.testing.assert_allclose(ds.wave_direction, [0, np.pi / 4, np.pi / 2])
 
-
-# drag ---------------------------------------------------------------------------------------------------------------
 
 DRAG = {
     "surge": {"coefficient": 1.0, "area": 6.28}, "heave": {"coefficient": 1.0, "area": 12.57},
@@ -458,9 +396,6 @@ def test_drag_rotates_with_the_waves(folder):
     turned = y.notes["drag_damping"]
     np.testing.assert_allclose(turned, [0.0, surge, heave, pitch, 0.0, 0.0], rtol=1e-9, atol=1e-9 * surge)
     assert y.notes[LINEARISED] == pytest.approx(x.notes[LINEARISED], rel=1e-9)
-
-
-# pressure inside ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow

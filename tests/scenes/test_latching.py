@@ -21,7 +21,6 @@ from vsb.scenes.latching import (
     KNOWN_BODY_EXACT,
     NEAR,
     STEADY,
-    LatchingTime,
     best_damper_and_time,
     best_latching_time,
     body_exact_latching_time,
@@ -31,7 +30,7 @@ from vsb.scenes.latching import (
 )
 from vsb.study import study as config
 from vsb.study.sections import Simulation
-from vsb.waves.seas import NO_WAVES, Sea, sea
+from vsb.waves.seas import Sea, sea
 
 B, MASS, SPRING, LOSS = np.ones(1), 2.0, 50.0, 0.6
 SETTINGS = Simulation(duration=60.0, window=(20.0, 60.0), initial_position=0.0, initial_velocity=0.0)
@@ -168,9 +167,6 @@ def test_optimal_damper_and_latching_time_on_a_tilted_ridge(top):
     assert damper == pytest.approx(top[0], rel=0.2)
 
 
-# on the wet shell ---------------------------------------------------------------------------------------------------
-
-
 def test_latching_time_is_refined(latched):
     held, sea, best = latched
     off = best._replace(time=best.time - 0.8 * NEAR * np.pi / 2)
@@ -193,13 +189,6 @@ def test_maximum_is_found_within_the_stated_tolerance(top):
     assert best.within == 0.01
     steps = best_latching_time(lambda pause: float(pause >= 0.95), 1.0)
     assert (steps.time, steps.power) == (1.0, 1.0)
-
-
-def test_still_water_needs_no_latching():
-    none = linear_latching_time(scene(TakeOff(B, 2.0), NO_WAVES), NO_WAVES, SETTINGS)
-    assert none == (0.0, 0.0, 0.0)
-    for given in (none, LatchingTime(0.7, 5.0, 0.1)):
-        assert body_exact_latching_time(scene(TakeOff(B, 2.0), NO_WAVES), given, NO_WAVES, SETTINGS) == given
 
 
 @pytest.mark.slow

@@ -76,16 +76,6 @@ def test_power_slope_matches_responses_on_deformed_shapes(small, reference, fami
         np.testing.assert_allclose(changes.absorbed_power.sel(design=design), power(0 * direction, design), rtol=1e-12)
 
 
-def test_power_swing_is_the_largest_change_over_a_cycle(small, reference, family):
-    changes = shapedependence.power_changes(small, reference, family)
-    buoy = LinearSystem(with_structure(family.centre, reference), reference.basis.damping, LinearPto(small.pto.damping))
-    q = buoy.rao(np.array(OMEGAS), design_motions(small, reference.basis, "VSWEC"))
-    phase = np.linspace(0, 2 * np.pi, 2001)
-    motion = np.real(q[:, :, None] * np.exp(-1j * phase))
-    change = np.einsum("kw,wkt->wt", changes.power_slope.sel(design="VSWEC").values, motion)
-    np.testing.assert_allclose(changes.power_swing.sel(design="VSWEC"), change.max(axis=1), rtol=1e-5)
-
-
 def test_relative_slopes_are_logarithmic_derivatives(dataset, family):
     h = 0.01
     for name in ("added_mass", "excitation_force"):
@@ -198,6 +188,7 @@ def coarsely(monkeypatch, seed):
     return varied(seed, designs={"FSB": {"flexible": False}}), solved
 
 
+@pytest.mark.slow
 def test_interrupted_run_is_resumed(coarsely, tmp_path, monkeypatch):
     """No shape is solved twice, a complete file is not solved again, nothing else is left behind."""
     study, solved = coarsely

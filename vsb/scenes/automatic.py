@@ -1,8 +1,8 @@
-"""The cheapest description of a scene that gives the mean absorbed power to a tolerance, and what it leaves out.
+"""Model `auto`: the cheapest description of a scene that gives the mean absorbed power to a tolerance.
 
 A description is rigid or has shell modes up to some Legendre degree, has a radiation memory of some order, and is
 linear or body-exact. Powers come without simulating a transient where there is a steady state: linear from phasors,
-body-exact from harmonic balance. Elsewhere a record of the sea is followed both ways and compared with itself.
+body-exact from harmonic balance. Elsewhere both descriptions are simulated in the same record of the sea.
 """
 
 import json
@@ -33,19 +33,17 @@ from vsb.waves.seas import Sea
 RIGID = -1
 """Degree of a description without shell modes."""
 INFINITE = -1
-"""Memory of as many states as the coefficients themselves have."""
+"""Memory that is the coefficients themselves."""
 RECORD = (10.0, 40.0)
-"""Where a record is compared with itself, in periods of its largest component."""
+"""Part of a record over which powers are compared, in periods of its largest component."""
 PRECISION = 1e-7
-"""Of the motions that are compared."""
-
-
+"""Relative tolerance of the motions that are compared."""
 INTERPLAY = 1.25
 """Factor on the sum of errors measured one at a time: together they were up to 7 % more (0.271 for 0.254 permille)."""
 
 
 class Description(NamedTuple):
-    """What a scene is made of."""
+    """How much of a scene is kept."""
 
     degree: int  # highest Legendre degree of the shell modes, or `RIGID`
     memory: int  # states of the radiation memory
@@ -72,7 +70,7 @@ class Choice:
     description: Description
     left_out: tuple[LeftOut, ...]
     scene: Scene
-    unmeasured: str = ""  # why body-exact powers could not be had
+    unmeasured: str = ""  # why body-exact powers could not be computed
 
     @property
     def notes(self) -> dict[str, str | float]:
@@ -190,13 +188,13 @@ class Scenes:
 
 
 def linear_power(system: System) -> float:
-    """Return the mean power a linear scene takes off in its steady state, sum v^H D v/2 over the components [W]."""
+    """Return the mean power a linear scene absorbs in its steady state, sum v^H D v/2 over the components [W]."""
     velocity = steady_state(system)[:, system.free : 2 * system.free] @ system.shapes.T
     return 0.5 * float(sum(np.sum(system.scene.dissipated_power(part)[0]) for part in (velocity.real, velocity.imag)))
 
 
 def absorbed(system: System, motion: Motion, begin: float) -> float:
-    """Return the mean power taken off from a time on, by the trapezoidal rule [W]."""
+    """Return the mean power absorbed from a time on, by the trapezoidal rule [W]."""
     inside = motion.time >= begin
     power, _ = system.scene.dissipated_power(motion.velocity[inside] @ system.scene.motions.T)
     time = motion.time[inside]
@@ -210,13 +208,13 @@ def chosen(scenes: Scenes, tolerance: float) -> Choice:
     ----------
     scenes : Scenes
     tolerance : float
-        Relative; of what `INTERPLAY` leaves, a third each for modes, for memory, and for forces about the mean shape.
+        Relative; of it divided by `INTERPLAY` a third each for modes, for memory, and for forces about the mean shape.
 
     Notes
     -----
     Each error is measured, not extrapolated: modes against all modes, memory against the coefficients, linear against
     body-exact, with the modes kept and with all: forces may act through modes left out. If a body-exact power cannot be
-    had, no mode and no force is left out, and the choice says why.
+    computed, no mode and no force is left out, and the choice records why.
     """
     share = tolerance / (3 * INTERPLAY)
     try:

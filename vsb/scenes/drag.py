@@ -20,9 +20,9 @@ from vsb.waves.dispersion import horizontal_velocity, vertical_velocity
 from vsb.waves.seas import Sea
 
 LINEARISED = "linearised_power"
-"""What a run with drag records of its linear theory: mean power [W] under the drag's equivalent dampers."""
+"""Attribute of a run with drag: mean power of linear theory with the equivalent dampers of the drag [W]."""
 DAMPERS = "drag_damping"
-"""And those dampers, in the order of the drag's directions [N s/m], of rotations [N m s]."""
+"""Attribute: those dampers, in the order of the drag's directions [N s/m], of rotations [N m s]."""
 
 
 def coefficients(drag: Drag, density: float) -> FloatArray:
@@ -86,7 +86,7 @@ def dragged_port(
 def linearised(
     run: BuoySystem, floating: FloatingSystem, design: str, pto: LinearPto, wave: Wave, sea: Sea
 ) -> dict[str, Any]:
-    """Return what a run in a sea records of its drag by linear theory: its dampers and the mean power beside them."""
+    """Return the attributes of a run with drag: equivalent dampers and the mean power of linear theory with them."""
     if run.drag is None or not sea.omega.size:
         return {}
     at = dragged_port(run, floating, design, {heading(wave): sea.omega})

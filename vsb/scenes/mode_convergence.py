@@ -31,7 +31,7 @@ from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea, expected, sea
 
 SAFETY = 2.0
-"""What all further degrees may change, in terms of the last step of the list.
+"""What all further degrees may change, over the last step of the list.
 
 Steps of errors that fall like a power p of the degree shrink by 0.7^p, so that all further ones together are
 1/(0.7^-p - 1) of the last: below 2 for p > 1.1; errors of resolved bending layers fall faster than any power.
@@ -39,17 +39,16 @@ Steps of errors that fall like a power p of the degree shrink by 0.7^p, so that 
 PROBED = (0.4, 0.7, 1.0, 1.3)
 """Frequencies of regular waves that stand for the seas of a study in still water, in sqrt(g/radius)."""
 SOLVED = 2e-4
-"""Tolerance of the coefficients, at most: what they have wrong all degrees have wrong alike."""
+"""Largest tolerance of the coefficients: all degrees share their errors."""
 MOST_FREQUENCIES = 128
-"""Of a sea: those of more components are summed at so many frequencies."""
+"""Frequencies of a sea; seas of more components are summed at so many."""
 SAMPLED = 0.01
-"""What so few frequencies may miss of a change with the degree, as a part of it: 6e-3 with 24, 3e-4 with 40 [-]."""
-
+"""Relative error of a change with the degree by so few frequencies: 6e-3 with 24, 3e-4 with 40 [-]."""
 
 TAKE_OFFS = ("given", "optimal", "optimal_spring")
-"""The damper a study gives, where it gives one; the optimal damper of each design in each sea, and beside a spring."""
+"""The given damper, if there is one; the optimal damper of each design in each sea; the optimal damper and spring."""
 JUDGED = 2
-"""Take-offs whose powers are to be within the tolerance: the first so many."""
+"""Number of take-offs, the first ones, whose powers are to be within the tolerance."""
 
 
 class Sampled(NamedTuple):
@@ -171,7 +170,7 @@ class ModeConvergence:
 
     @cached_property
     def _size(self) -> FloatArray:
-        """What changes are relative to: each power, or that of the reference design where it is smaller [W]."""
+        """Power that changes are relative to: of each design, or of the reference design where that is smaller [W]."""
         power, reference = self._first, self.study.reference_design
         if reference is None:
             return power

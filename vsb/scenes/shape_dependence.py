@@ -1,4 +1,4 @@
-"""What the dependence of the coefficients on the shape means for a study: power, errors, a figure, one line.
+"""How the dependence of the coefficients on the shape changes the mean power of a study.
 
 When may it be ignored? A deformation eta of a sphere of radius a changes heave's coefficients, in terms of themselves,
 by about max(4/a, 2K) eta, K = omega^2/g: its size counts, and in damping e^{-2Kd} with the draft d (the seed: at
@@ -6,8 +6,8 @@ by about max(4/a, 2K) eta, K = omega^2/g: its size counts, and in damping e^{-2K
 percent five times that. Varying with the waves' frequency, first-order changes leave the mean power alone up to
 second order in eta; a lasting deformation does not: the shape at rest must be the one solved on.
 
-For a study's own motion the question is put to its mean power: with the coefficients of each shape its linear motion
-passes through, and with those of the shape the loaded shell takes at rest.
+For a study's own motion its mean power is computed with the coefficients of each shape that its linear motion passes
+through, and with those of the loaded shell's shape at rest.
 """
 
 import itertools
@@ -39,7 +39,7 @@ LEAST_REACH = 0.01
 NEGLIGIBLE = 0.01
 """Change of mean power that may be ignored [-]."""
 INSTANTS = 96
-"""Shapes of a motion that are looked at: in a period of regular waves, in a run of others."""
+"""Shapes of a motion that are computed: in a period of regular waves, in a run of others."""
 SAMPLES = 8
 """Random directions for each of `SIZES`."""
 TRIED = 20

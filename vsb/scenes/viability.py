@@ -1,4 +1,4 @@
-"""Whether a study's shell carries its load: what a sweep reports of a point instead of failing."""
+"""Whether a study's shell carries its load: a campaign reports it for each point instead of failing."""
 
 import json
 import math
@@ -26,7 +26,7 @@ from vsb.study.study import Study, canonical, parse
 from vsb.tools.arrays import FloatArray
 
 MODULUS = 1e9
-"""Young's modulus buckling is computed at: its load is proportional to it, and results must not depend on the order."""
+"""Young's modulus at which buckling is computed [Pa]: its load is proportional to it, and is cached by all else."""
 
 DOUBTED_STRAIN, INVALID_STRAIN = 0.02, 0.1
 """Membrane strain at rest above which Hooke's law is doubted, and above which it does not hold [-]."""
@@ -39,12 +39,12 @@ class Viability:
     study: Study
     reference: ReferenceShell | None
     margin: float  # 1 - static load over buckling load: 0 on the line, 1 where no load buckles [-]
-    reasons: Mapping[str, str]  # by design; of viable ones none
+    reasons: Mapping[str, str]  # of designs that are not viable
     doubts: Mapping[str, str] = field(default_factory=dict)  # by design
 
     @property
     def viable(self) -> tuple[Study, ReferenceShell] | None:
-        """The study of its viable designs alone, and their shell at rest; none if there is none."""
+        """The study of its viable designs alone, and their shell at rest; None if there are none."""
         designs = [design for design in self.study.designs if design not in self.reasons]
         return (with_designs(self.study, designs), self.reference) if designs and self.reference else None
 
@@ -106,8 +106,8 @@ def buckling_margin(study: Study) -> float:
 
     Notes
     -----
-    Without trapped gas the load is that of weight, water and internal pressure, which does not know the modulus: the
-    buckling load is proportional to it.
+    Without trapped gas the load is that of weight, water and internal pressure, which does not depend on the modulus:
+    the buckling load is proportional to it.
     """
     if not study.flexible:
         return 1.0
