@@ -202,7 +202,7 @@ def in_legs(plant, waves, settings, spectrum, longest):
     return parts, position, energy
 
 
-@pytest.mark.parametrize("method", ["auto", "structure_preserving"])
+@pytest.mark.parametrize("method", ["auto", pytest.param("structure_preserving", marks=pytest.mark.slow)])
 def test_run_split_into_legs_equals_the_whole_run(scene, method):
     changes = {"duration": 20.0, "window": (10.0, 20.0), "method": method}
     waves = [{"kind": "jonswap", "hs": 1.0, "tp": 4.0}]

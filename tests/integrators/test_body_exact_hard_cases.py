@@ -76,26 +76,6 @@ def test_sphere_that_touches_the_water_has_its_closed_form_force(paper, degree, 
     assert np.isfinite(moment).all()
 
 
-@pytest.mark.parametrize("kind", ["flat pole", "level belt"])
-def test_force_is_continuous_where_the_meridian_is_level_with_the_water(paper, kind):
-    """Both z and dz/dc vanish there."""
-    basis = mode_basis(paper.device, "membrane", 3)
-    at = 1.0 if kind == "flat pole" else 0.4
-    wet = WetShell(basis, 0.0)
-    rows = []
-    for mode in basis.shapes:
-        v, u, n = mode.radial, mode.meridional, mode.degree
-        p = np.polynomial.legendre.Legendre.basis(n)
-        value = v * at * p(at) + u * (1 - at**2) * p.deriv()(at)
-        rows.append((value, v * (p(at) + at * p.deriv()(at)) - u * n * (n + 1) * p(at)))
-    level = np.array(rows)[1:].T
-    q = np.concatenate([[0.0], np.linalg.lstsq(level, [-2.0 * at, -2.0], rcond=None)[0]])
-    forces = [wet.forces((q + np.eye(len(q))[0] * h)[None])[0][0] for h in (-1e-9, 0.0, 1e-9)]
-    assert np.isfinite(forces).all()
-    assert np.abs(np.diff(forces, axis=0)).max() < 1e-6
-    assert forces[1] == pytest.approx(DeformedShell(basis, 0.0, q).hydrostatic_force(1.0, 1.0, 200), abs=1e-6)
-
-
 def test_force_of_a_self_crossing_meridian_has_a_potential(paper):
     """No possible shell, but an integrator that meets it must not gain energy."""
     basis = mode_basis(paper.device, "membrane", 3)

@@ -10,7 +10,7 @@ from vsb.errors import ConvergenceError
 from vsb.integrators.collocation import NODES, SHORTEST, Collocation, collocated
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import legs, suited
-from vsb.motion.forces import Damper, Excitation, Force, Linear, QuadraticDrag, Spring, TakeOff
+from vsb.motion.forces import Damper, Excitation, Force, Linear, QuadraticDrag, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.study.study import Simulation
@@ -131,8 +131,3 @@ def test_discontinuous_force_is_refused():
         "study for forces that",
     ):
         collocated(system(friction=Jumping()), TIME, START, 1e-6)
-
-
-def test_switching_take_off_is_refused():
-    with pytest.raises(ValueError, match="received a take-off that switches, needs smooth forces"):
-        collocated(system(pto=TakeOff(np.ones(1), 1.0, limit=2.0)), TIME, START, 1e-6)

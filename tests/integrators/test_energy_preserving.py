@@ -123,6 +123,7 @@ def test_error_is_within_the_tolerance(scene, name, tolerance):
     assert np.abs(found.memory - exact.memory).max() < 10 * tolerance * np.abs(exact.memory).max()
 
 
+@pytest.mark.slow
 def test_shell_in_equilibrium_stays_at_rest(scene):
     """Its motion is round-off, which must not be followed by ever shorter steps."""
     rests = {"device": {"internal_pressure": 16.5e3}, "modes": {"basis": "full", "degree": 3}, "waves": STILL}

@@ -10,10 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import StabilityError
-from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_radiation
 from vsb.integrators.audit import energies, residual
-from vsb.integrators.energy_preserving import structure_preserving
 from vsb.integrators.exact import convolve, propagate, steady_state, transition
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
@@ -25,8 +23,6 @@ from vsb.motion.system import System
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.study.study import Simulation
 from vsb.waves.seas import Sea, sea
-
-CALM = DampingSpectrum(np.arange(1, 11) * 1.0, np.zeros((10, 1, 1)))
 
 
 def oscillator(forces):
@@ -185,16 +181,6 @@ def test_take_off_behind_an_air_chamber_absorbs_the_closed_form_power(pto):
     steady = harmonic_balance(system)
     assert steady.power.pto == pytest.approx(mean, rel=1e-9)
     assert steady.power.residual < 1e-9
-
-
-def test_air_chamber_in_other_integrators():
-    system, time = System.of(chambered(TAKE_OFFS[0])), np.linspace(0.0, 10.0, 201)
-    exact = propagate(system, time, (np.ones(2), np.zeros(2)))
-    other, _ = structure_preserving(system, time, (np.ones(2), np.zeros(2)), 1e-6)
-    assert other.position == pytest.approx(exact.position, abs=1e-4)
-    assert residual(energies(system, other)) < 1e-6
-    with pytest.raises(ValueError, match="convolution: received forces that remember besides radiation"):
-        convolve(system, CALM, time, (np.ones(2), np.zeros(2)))
 
 
 COUPLED = RadiationModel(

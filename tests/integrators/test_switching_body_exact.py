@@ -92,6 +92,7 @@ def test_energy_audit_closes_and_forces_balance(seed, name):
         assert 0.3 * lossless < np.abs(motion.position[:, 0]).max() - stop.stroke < lossless
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["saturated", "latching"])
 def test_order_is_six_across_events(seed, name):
     """Of the motion and of the energy audit."""

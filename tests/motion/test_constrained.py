@@ -11,10 +11,9 @@ from scipy.optimize import linprog, lsq_linear, minimize
 
 from vsb.errors import StabilityError
 from vsb.motion import constrained
-from vsb.motion.constrained import NoForceFoundError, constrained_optimum, optimum_in_sea
+from vsb.motion.constrained import NoForceFoundError, constrained_optimum
 from vsb.motion.force_bound import NODES, Harmonics, Limits, force_bound
 from vsb.results.ladder import GAP as PROVEN
-from vsb.waves.seas import Sea
 
 GAP = 1e-6
 """Tolerance of the best force of the harmonics of the band."""
@@ -188,16 +187,3 @@ def test_infeasible_limits_are_proved_by_a_linear_programme(seed):
     size = np.sqrt(2) * 0.75 * less * limits[0]
     least_there_is = -size / 2 * (np.linalg.norm(velocity) + size * y[:16].real.max())
     assert most < least == pytest.approx(least_there_is, rel=1e-5)
-
-
-@pytest.mark.parametrize("limits", [(3e3, np.inf), (np.inf, 0.3)])
-def test_optimum_in_a_sea_is_that_of_its_components(limits):
-    """Between them nothing moves it; force and stroke are limited as given."""
-    port, components = buoy_port(WAVES), np.array([1, 2, 5])
-    waves = Sea(WAVES.omega[components], np.array([0.5, -0.3j, 0.2 + 0.1j]))
-    amplitude = np.zeros(WAVES.count, dtype=complex)
-    amplitude[components] = waves.amplitude
-    found = optimum_in_sea(port, waves, WAVES, Limits(*limits))
-    expected = constrained_optimum(WAVES, port, amplitude, Limits(*limits))
-    assert (found.power, found.bound, found.steps) == (expected.power, expected.bound, expected.steps)
-    np.testing.assert_array_equal(found.force, expected.force)

@@ -125,7 +125,7 @@ def mean_power(system, period, count=24, last=6):
 def test_no_law_in_time_exceeds_the_bound_in_random_cases():
     """Followed exactly between switches until they repeat, each case under a law of its own."""
     ratios = []
-    for number in range(12):
+    for number in range(6):
         rng = np.random.default_rng(number)
         device, (harmonics, amplitude, omega, phasors) = Oscillator(rng), random_waves(rng)
         port, period = device.port(harmonics), 2 * np.pi / harmonics.spacing

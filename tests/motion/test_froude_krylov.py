@@ -95,14 +95,6 @@ def test_quadrature_has_converged(full, time):
     )
 
 
-def test_submerging_crest_and_dry_trough(full):
-    zero = np.zeros(len(full.labels))
-    long_wave = {"omega": 0.3}
-    assert force(full, 1.9, zero, swell(-3.0, **long_wave)) == pytest.approx(0.0, abs=1e-12)
-    drowned = force(full, -1.9, zero, swell(5.0, **long_wave))
-    assert drowned[0] == pytest.approx(4 / 3 * np.pi * 8, rel=0.05)  # Archimedes, but for the wave's own gradient
-
-
 @pytest.mark.parametrize(("depth", "radius"), [(np.inf, 2.0), (0.9, 1.3)])
 def test_elevation_and_pressure_are_sums_over_components(depth, radius):
     """Re a J_0(k x) exp(-i w t), and cosh k(z + d)/cosh kd below the water."""

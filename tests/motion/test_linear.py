@@ -73,15 +73,6 @@ def test_wet_damping_ratio_of_uncoupled_motions(structural, pto, radiated):
         assert ratio == pytest.approx(lost / (2 * frequency * mass), rel=1e-9, abs=1e-15)
 
 
-def test_water_lowers_the_breathing_mode_to_the_published_range(buoy_of, seed):
-    """Half submerged: from 51 rad/s dry to 13-17 rad/s wet (semi-analytic estimate)."""
-    frequencies, _ = buoy_of(seed).natural_modes(np.eye(8))
-    assert np.sum((frequencies > 13) & (frequencies < 17)) == 1
-    full = varied(seed, modes={"basis": "full"})
-    soft, _ = buoy_of(full).natural_modes(np.eye(13))
-    assert np.sum((soft > 5) & (soft < 11)) >= 2
-
-
 def changed(buoy, **factors):
     """A buoy with variables of its database multiplied."""
     return replace(buoy, database=buoy.database.assign({name: buoy.database[name] * f for name, f in factors.items()}))
@@ -202,22 +193,6 @@ def test_damping_where_the_excitation_vanishes(two_orders):
     force = np.zeros((4, 3), dtype=complex)
     force[:, 2] = 3.0 - omega
     np.testing.assert_allclose(channel.damping(omega, force)[:, 2, 2], omega**3 * (3.0 - omega) ** 2, rtol=1e-10)
-
-
-def test_channel_uses_the_direction_that_excites_it(two_orders):
-    """Like sway, excited by waves along y and not by those along x."""
-    ahead, aside = two_orders.excitation_force.copy(), two_orders.excitation_force.copy()
-    ahead[:, 0, 2] = 0.0
-    aside[:, 0, :2] *= 0.5
-    both = two_orders.drop_vars("excitation_force").assign(
-        excitation_force=xr.concat([ahead, aside], "wave_direction").transpose("omega", ...)
-    )
-    omega = np.array([0.25, 1.234, 5.5])
-    for heading, group, factor in ((1, [2], 1.0), (0, [0, 1], 2.0), (1, [0, 1], 8.0)):
-        channel, pick = Channel(both, np.array(group), heading), np.array(group)
-        found = channel.damping(omega, wave_force(omega))[:, pick[:, None], pick]
-        expected = factor * omega[:, None, None] ** 3 * one_channel(wave_force(omega)[:, pick])
-        np.testing.assert_allclose(found, expected, rtol=1e-10)
 
 
 RIGID = ["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]

@@ -6,14 +6,11 @@ import numpy as np
 import pytest
 
 from vsb.errors import ConvergenceError
-from vsb.hydro.statespace import RadiationModel
 from vsb.motion.builders import assumed_pressure_scene
 from vsb.motion.forces import (
     AssumedPressure,
     ConstantForce,
     Damper,
-    RadiationMemory,
-    RelaxingDamper,
     Spring,
 )
 from vsb.motion.port import LinearPto
@@ -33,20 +30,6 @@ def scene(motions=None, **more):
         "weight": ConstantForce(np.array([7.0, -1.0])),
     }
     return Scene(("Heave", "Membrane0"), np.eye(2), forces, np.eye(2) if motions is None else motions, **more)
-
-
-def test_radiation_memory_excludes_the_take_off():
-    """A gas chamber in front of a take-off has memory, too, and radiates nothing."""
-    memory = RadiationModel(np.array([[-0.5, 3.0], [-3.0, 0.0]]), np.eye(2), np.array([1.0, 0.0]))
-    chamber = RelaxingDamper(np.zeros((2, 2)), np.array([1.0, 0.5]), 4.0, 0.1)
-    water, through = {"radiation": RadiationMemory(memory)}, {"pto": chamber}
-    both, alone, dry = (
-        Scene(("Heave", "Membrane0"), np.eye(2), forces, np.eye(2)) for forces in (water | through, water, through)
-    )
-    assert (both.memory.order, alone.memory.order, dry.memory.order) == (3, 2, 1)
-    for one in (both, alone):
-        np.testing.assert_array_equal(one.radiation.state_matrix, memory.state_matrix)
-    assert dry.radiation is None
 
 
 def test_initial_state_is_heave_from_the_rest_position():

@@ -7,7 +7,6 @@ import pytest
 from conftest import EXAMPLE, only_run, varied
 
 from vsb.hydro.statespace import RadiationModel
-from vsb.integrators.exact import convolve, propagate
 from vsb.motion.forces import (
     ConstantForce,
     Damper,
@@ -20,7 +19,6 @@ from vsb.motion.forces import (
 )
 from vsb.motion.scene import Scene
 from vsb.motion.system import System, remainder
-from vsb.motion.udwadia_kalaba import constrained
 from vsb.scenes.build import assumed_pressure_design
 from vsb.study.study import load
 
@@ -74,17 +72,6 @@ def test_compiled_forces_match_the_python_forces(wet, slack):
     expected = system.added(time, z)
     assert np.abs(expected).max() > 1.0
     assert found == pytest.approx(expected, abs=1e-12 * np.abs(system.shapes.T @ wet.constant).max())
-
-
-def test_linear_methods_refuse_nonlinear_forces(wet):
-    system, time = System.of(wet), np.linspace(0.0, 1.0, 5)
-    start = wet.start(0.0, 0.0)
-    with pytest.raises(ValueError, match=r"exact propagation: received nonlinear forces, needs a linear scene; use"):
-        propagate(system, time, start)
-    with pytest.raises(ValueError, match=r"convolution: received nonlinear forces, needs a linear scene; use"):
-        convolve(system, None, time, start)
-    with pytest.raises(ValueError, match=r"Eq. 90: received the nonlinear forces water, weight, needs a linear scene"):
-        constrained(wet, wet.water.shell.basis.clamp_rows([0.0]))
 
 
 ALONG = np.array([0.5, -1.0, 2.0])
