@@ -16,7 +16,7 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import Mode, ModeBasis, natural_shapes
 from vsb.shell.shell import Shell
 from vsb.stages.campaign import swept_shape
-from vsb.study.meridian import capsule, spheroid, through
+from vsb.study.meridian import capsule, spheroid
 
 DENSITY, GRAVITY = 1025.0, 9.81
 
@@ -68,15 +68,10 @@ def test_a_spheroid_is_a_sphere_deformed_into_it():
         )
 
 
-BODIES = [
-    _at_rest(spheroid(2.0, 3.0), 0.4, 3),
-    _at_rest(spheroid(1.5, 5.0), -0.2, 3),
-    _at_rest(capsule(1.0, 1.0), 0.5, 2),
-    _at_rest(through(((0.0, 1.2), (0.6, 1.05), (1.0, 0.3), (0.9, -0.4), (0.6, -1.1), (0.0, -1.4)), 1.0), 0.1, 2),
-]
+BODIES = [_at_rest(spheroid(2.0, 3.0), 0.4, 3), _at_rest(capsule(1.0, 1.0), 0.5, 2)]
 
 
-@pytest.mark.parametrize("body", BODIES[:2])
+@pytest.mark.parametrize("body", BODIES, ids=["spheroid", "capsule"])
 def test_reciprocity_and_haskind_of_shell_modes(body):
     basis = body.basis
     asked = displacements(
