@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
+from vsb.stages.check import summary
 from vsb.stages.init import init
-from vsb.stages.planning import degree_lines, plan_of, with_degree
+from vsb.stages.planning import plan_of, with_degree
 from vsb.stages.run import ERROR, check_name, cores, run
 from vsb.stages.stage import STAGES, Stage
 from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.plan import BodyPlan, StudyPlan
+from vsb.study.plan import StudyPlan
 from vsb.study.quantities import Section
 from vsb.study.reading import nearest
 from vsb.study.study import Study, load
@@ -38,16 +39,9 @@ def begin(args: argparse.Namespace) -> int:
 
 def check(args: argparse.Namespace) -> int:
     """Validate a study or campaign, print what it would cost and what to doubt; solve nothing."""
-    from vsb.stages import body_preview, campaign_preview, preview
-
     plan = plan_of(args.config)
     check_name(plan)
-    if isinstance(plan, CampaignPlan):
-        print(*campaign_preview.campaign_summary(plan), *degree_lines(plan), sep="\n")
-    elif isinstance(plan, BodyPlan):
-        print(*body_preview.body_summary(plan), sep="\n")
-    else:
-        print(*preview.summary(plan.study, plan), *degree_lines(plan), sep="\n")
+    print(*summary(plan), sep="\n")
     return 0
 
 

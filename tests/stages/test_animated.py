@@ -1,13 +1,12 @@
 """The animation of a page shows the motion of the runs."""
 
-import base64
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.report.animation import PER_PERIOD, PERIODS, in_motion
+from vsb.report.animation import PER_PERIOD, PERIODS
 from vsb.report.interactive import packed
 from vsb.stages.report import MOVING_SEAS, animated_study
 from vsb.stages.stored import Inputs
@@ -40,26 +39,6 @@ def test_animation_shows_the_motion_of_the_runs(small, moved):
         sea = moved["seas"][0]
         time = sea["start"] + sea["step"] * np.arange(sea["frames"])
         assert frames["heave"] == packed(np.interp(time, run.time.values, run.position.values[:, 0]))
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [{"waves": [{"kind": "still"}]}, {"hydro": {"model": "assumed_pressure", "pressure": 1800.0}}],
-    ids=["still water", "assumed pressure"],
-)
-def test_animation_without_waves(small, changes):
-    calm = varied(small.study, **changes)
-    first = small.study.waves[0].label
-    runs = {
-        (design, wave.label): load(small.trajectory_path(design, first))
-        for design in calm.designs
-        for wave in calm.waves
-    }
-    inputs = SimpleNamespace(study=calm, runs=runs)
-    moved = animated_study(inputs, load(f"{small.folder}/modes.nc"), words(calm))
-    assert [sea["words"] for sea in moved["seas"]] == list(words(calm).values())
-    assert not any(np.frombuffer(base64.b64decode(sea["surface"]), dtype="<f4").any() for sea in moved["seas"])
-    assert in_motion(moved)["view"] == "Dotted: undeformed."
 
 
 def test_magnification_is_that_of_the_largest_motion_in_the_window(small):

@@ -13,14 +13,11 @@ from stages.test_members import folder  # noqa: F401
 
 from vsb.report.animation import PERIODS
 from vsb.report.campaign_answer import leading
-from vsb.results.year import Bins
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.stages import campaign_report as module
-from vsb.stages.campaign_report import Point, animated_year, most_energetic
+from vsb.stages.campaign_report import Point, animated_year
 from vsb.stages.climate import read_climate
-from vsb.study.study import Water
-from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea
 
 
@@ -29,24 +26,6 @@ def moved(swept):  # noqa: F811
     with chdir(plan.root + "/.."):
         seas = read_climate(plan.climate, plan.loaded.climate_path)
         return animated_year(plan.campaign, ds, *leading(ds), seas, plan.root)
-
-
-def test_animated_sea_is_nearest_to_the_mean_of_its_bin():
-    """In wave energy flux, weighted by hours; half of the year is calm and in another bin."""
-    random, omega = np.random.default_rng(0), np.linspace(0.3, 2.0, 60)
-    density = random.uniform(0.8, 1.2, (30, 1)) * np.exp(-(((omega - 0.8) / 0.1) ** 2))
-    density[0] *= 30.0
-    hours = np.where(np.arange(30) == 0, 1e-6, random.uniform(0.5, 1.5, 30))
-    density, hours = np.concatenate([1e-3 * density[1:], density]), np.concatenate([hours[1:], hours])
-    seas, water = Climate.of_spectra(omega, density, hours / hours.sum(), "a swell"), Water()
-    sea, row, column = most_energetic(seas, water)
-    flux, bins = seas.flux(water), Bins(seas.hs, seas.te, seas.hours)
-    inside = np.flatnonzero(bins.index == bins.index[sea])
-    assert bins.index[sea] == np.ravel_multi_index((row, column), bins.shape)
-    assert len(inside) > 5
-    mean = flux[inside] @ seas.hours[inside] / seas.hours[inside].sum()
-    assert np.abs(flux[inside] - mean).min() == pytest.approx(abs(flux[sea] - mean), rel=1e-9)
-    assert bins.total(flux * seas.hours).ravel()[bins.index[sea]] == bins.total(flux * seas.hours).max()
 
 
 def test_animation_of_a_campaign_page(swept, tmp_path):  # noqa: F811

@@ -17,8 +17,7 @@ from examples import barge
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.files import write_body
-from vsb.hydro.bodies.study import check_solvable, cost
-from vsb.stages.body_preview import body_before_run, body_summary, check_wave
+from vsb.stages.body_preview import body_before_run, check_wave
 from vsb.study.body import BodyStudy, located
 from vsb.study.plan import BodyPlan
 from vsb.study.reading import validated
@@ -145,47 +144,3 @@ def test_mass_must_equal_that_of_the_displaced_water(tmp_path, held, own, missed
     with pytest.raises(DatabaseError, match=refused) if missed else nullcontext():
         body_before_run(plan)
     body_before_run(of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), held, hydro={"accept": ["afloat"]}, own=own))
-
-
-def test_stroke_limit_needs_a_restrained_port(tmp_path):
-    """By a mooring, by the spring of the take-off, or held."""
-    vertices, faces = barge.box(30.0, 10.0, 2.0, 1)
-    shapes = rigid(vertices)[[0, 2]]
-    box = made(vertices, faces, shapes, ("Surge", "Heave"), mass=SALT * np.eye(2))
-    write_body(box, tmp_path / "box.nc")
-    (tmp_path / "box.yaml").write_text(yaml.safe_dump({"body": "box", "mesh": "box.nc", "modes": "box.nc", **BOX}))
-
-    def check(port, moored=0.0, spring=0.0, **design):
-        pto = {"damping": 1.0, "port": {"dof": port}, "law": "coulomb", "force_limit": 1.0, "stroke_limit": 2.5}
-        study = {
-            "study": "a",
-            "body": {"file": "box.yaml", "stiffness": {"Surge": moored}},
-            "waves": [{"kind": "still"}],
-        }
-        study |= {"designs": {"free": design}, "pto": pto | {"stiffness": spring}}
-        found = located(study, str(tmp_path / "a.yaml"))
-        body_before_run(BodyPlan(found.study, root=str(tmp_path / "results"), files=found.files))
-
-    with pytest.raises(
-        ConfigError, match=r"pto.stroke_limit: received 2.5 m, but nothing holds the port of design free"
-    ):
-        check("Surge")
-    check("Heave")
-    check("Surge", moored=1e3)
-    check("Surge", spring=1e3)
-    check("Surge", held=[{"Surge": 1.0}])
-
-
-def test_more_panels_than_any_machine_holds_are_refused_and_fewer_cost_what_is_told(tmp_path):
-    """Without symmetry 3200 panels take 642 MB and 6.6 s a frequency in capytaine."""
-    vertices, faces = barge.box(30.0, 10.0, 2.0, 1)
-    plan = of_a_box(tmp_path, vertices, faces, SALT, BOX)
-    (line,) = (line for line in body_summary(plan) if line.startswith("cost"))
-    assert line.startswith(f"cost         {len(faces)} panels: about ")
-    file = plan.study.body.file.model_copy(update={"symmetry": "none"})
-    small, large = (SimpleNamespace(vertices=vertices, faces=np.zeros((n, 4))) for n in (3200, 200_000))
-    assert cost(file, small) == (pytest.approx(0.642, rel=0.1), pytest.approx(6.6, rel=0.1))
-    with pytest.raises(
-        ConfigError, match=r"mesh: received 200000 panels, whose matrices take .* GB; needs at most 256"
-    ):
-        check_solvable(file, large)

@@ -2,9 +2,8 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
-from stages.test_members import MODULI, planned, with_seas
+from stages.test_members import planned, with_seas
 
 from vsb.errors import ConfigError
 from vsb.stages.campaign_preview import campaign_summary, check_campaign
@@ -24,17 +23,6 @@ def test_clamps_that_leave_no_free_mode_are_refused(folder):
     with pytest.raises(ConfigError, match=message):
         check_campaign(planned(folder, {"modes.degree": [4, 1]}, name="few", designs=designs, modes=modes))
     check_campaign(planned(folder, {"modes.degree": [4, 5]}, name="some", designs=designs, modes=modes))
-
-
-def test_climate_beyond_the_solved_band_is_refused(tmp_path, monkeypatch):
-    """Waves of one second, as in a tank, are above 5 rad/s."""
-    monkeypatch.setattr("stages.test_members.HERTZ", np.linspace(0.1, 3.0, 40))
-    with_seas(tmp_path, (0.02, 1.0), (0.03, 1.1))
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(
-        ConfigError, match=r"climate: \d+\.\d% of its variance lies outside .* to 5 rad/s, .* a larger hydro"
-    ):
-        check_campaign(planned(tmp_path, MODULI, name="tank"))
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 import re
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from browser import findings
@@ -76,13 +75,6 @@ def test_report_states_the_answer_of_its_data(plan, written):
     assert closing_answer(data) in words
     for path in plan.figure_paths:
         assert Path(path).stem in page
-
-
-def test_report_is_reproducible_and_matplotlib_settings_are_kept(plan, written):
-    """They hold no date and no random names."""
-    with mpl.rc_context({"axes.grid": True, "font.size": 31.0, "svg.hashsalt": None}):
-        assert answered(plan) == written
-        assert mpl.rcParams["font.size"] == 31.0
 
 
 def test_report_is_accessible(plan, written, tmp_path):

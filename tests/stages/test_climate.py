@@ -29,12 +29,6 @@ def short(tmp_path_factory):
     return path
 
 
-def test_text_spectra_of_a_buoy(short):
-    climate = read_climate(spec(short, "spectra"), str(short))
-    assert len(climate.hs) == 48 - sum("999" in line for line in short.read_text().splitlines()[1:])
-    assert climate.hours.sum() == pytest.approx(1.0)
-
-
 @pytest.mark.parametrize("form", ["NETCDF3_CLASSIC", "NETCDF4"])
 def test_netcdf_spectra_are_recognised_by_content(tmp_path, form):
     """Triangles of 2 and 8 m^2/Hz from 0.1 to 0.2 Hz have areas of 0.1 and 0.4 m^2."""

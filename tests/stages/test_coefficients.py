@@ -15,10 +15,7 @@ import vsb
 from vsb.api.results import Results
 from vsb.cli import main
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.exchange import read_source
-from vsb.results.ladder import study_ladder
 from vsb.scenes.build import TUNED, design_in_sea
-from vsb.stages import coefficients
 from vsb.study.body import load_body
 from vsb.study.plan import plan_for
 
@@ -103,22 +100,6 @@ def test_latching_equals_that_of_the_axisymmetric_chain(finished, general, both)
     assert scenes[1].scene.law.damping == body[TUNED] < 0.6 * alone
 
 
-@pytest.mark.parametrize("tuning", ["each", "one"])
-def test_damping_of_a_run_is_that_of_the_control_levels(finished, general, tuning):
-    waves = [{**SWELL, "period": period, "direction": 0.0} for period in (2.0, 3.5)]
-    with chdir(general):
-        raw = as_body(finished, pto={"tuning": tuning}, waves=waves)
-        Path("tuned.yaml").write_text(yaml.safe_dump(raw))
-        study = load_body("tuned.yaml").study
-        plan = plan_for(study)
-        paths = {"database": plan.database_path, "radiation": plan.radiation_path}
-        found = [design_in_sea(plan.simulation("VSWEC", wave), paths).notes[TUNED] for wave in study.waves]
-        name = {"each": "best_damper", "one": "best_damper_all_seas"}[tuning]
-        rungs = [r for r in study_ladder(plan.ladder, plan.database_path) if (r.design, r.rung) == ("VSWEC", name)]
-    assert found == pytest.approx([rung.damping for rung in rungs], rel=1e-6)
-    assert (found[0] == found[1]) == (tuning == "one")
-
-
 def test_checks_of_a_body(both):
     names = {check["name"] for check in both[1].checks.to_dict("records")}
     assert {"energy_residual", "radiation_fit", "passivity", "steepness", "transient", "hydro rank_one"} <= names
@@ -157,23 +138,6 @@ def test_database_with_failed_checks_is_refused(finished, workplace, capsys):
     with pytest.raises(DatabaseError, match=re.escape(refused)):
         vsb.run(vsb.load_body("dull.yaml"))
     assert not Path("results").exists()
-
-
-@pytest.mark.parametrize("uneven", [False, True])
-def test_asymmetric_hydrostatic_stiffness_is_symmetrised_and_reported(finished, tmp_path, uneven):
-    """The row of heave is kept where it differs from its column."""
-    (tmp_path / "one.yaml").write_text(yaml.safe_dump(as_body(finished)))
-    plan = plan_for(load_body(tmp_path / "one.yaml").study, str(tmp_path))
-    found = read_source("database", str(finished / SMALL_PLAN.database_path), plan.study.water)
-    stiffness = found.hydrostatic_stiffness.copy(deep=True)
-    if uneven:
-        stiffness.loc[{"influenced_dof": "Membrane1", "radiating_dof": "Heave"}] += 0.3 * float(stiffness.max())
-    coefficients.store(plan.database, found.assign(hydrostatic_stiffness=stiffness), str(tmp_path / "one.nc"))
-    with xr.open_dataset(tmp_path / "one.nc") as ds:
-        matrix = ds.hydrostatic_stiffness.values
-        told = [one for one in json.loads(ds.attrs["quality"]) if one["name"] == "hydrostatic_symmetry"]
-    np.testing.assert_allclose(matrix, matrix.T, atol=1e-6 * np.abs(matrix).max())
-    assert [(one["verdict"], "between" in one["explanation"]) for one in told] == uneven * [("doubt", True)]
 
 
 FORCES = ("Froude_Krylov_force", "diffraction_force")

@@ -1,17 +1,15 @@
 """The interactive chart of a page: it computes the powers of the study, and fits a phone."""
 
-import base64
 import json
 
 import numpy as np
 import pytest
 from browser import asked, evaluated
 from conftest import varied
-from scipy.integrate import quad
 
 from vsb.report import html
 from vsb.results.force_steps import SHARES
-from vsb.stages.report import _integral, interactive_study
+from vsb.stages.report import interactive_study
 from vsb.study.study import RegularWave
 from vsb.tools.files import load
 
@@ -38,23 +36,6 @@ def test_page_computes_the_optimal_powers_of_the_study(small, tables, tmp_path):
     assert np.ravel(found) == pytest.approx([line["best_power"] for line in tables["equal_tuning"]], rel=1e-6)
     assert [design["name"] for design in data["designs"]] == list(small.study.designs)
     assert [design["name"] for design in data["designs"] if design["reference"]] == [small.study.reference_design]
-
-
-def test_seas_with_the_same_frequencies_share_ports(small):
-    """Realisations are one sea; spectra are given by parameters, white noise by components; still water is left out."""
-    waves = [
-        {"kind": "jonswap", "hs": 1, "tp": 4, "realisations": 2}, {"kind": "pierson_moskowitz", "hs": 1, "tp": 4},
-        {"kind": "white_noise", "hs": 1, "band": [1.0, 2.0]}, {"kind": "still"},
-    ]  # fmt: skip
-    study = varied(small.study, waves=waves, pto={"damping": 8000.0, "efficiency": 0.8})  # without force limits
-    data = living(small, study, [{"design": "FSB", "sea": "jonswap_Hs1_Tp4_g3.3", "power": 7.0}])
-    assert [sea["grid"] for sea in data["seas"]] == [0, 0, 1]
-    assert [sea["jonswap"] and sea["jonswap"]["gamma"] for sea in data["seas"]] == [3.3, 1.0, None]
-    assert [sea["squares"] is None for sea in data["seas"]] == [True, True, False]
-    assert [sea["limited"][0] for sea in data["seas"]] == [7.0, None, None]
-    omega = np.frombuffer(base64.b64decode(data["grids"][0]["omega"]), "<f8")
-    apart = np.diff(omega)  # a component holds the energy between its neighbours
-    assert all(apart == pytest.approx(sea["jonswap"]["width"]) for sea in data["seas"][:2])
 
 
 def test_seas_from_two_directions_have_their_own_ports(small):
@@ -105,16 +86,3 @@ def test_page_fits_a_phone_with_readable_figures_and_no_script_errors(small, tmp
     found = asked(page, script, tmp_path, width=360)
     assert (found["errors"], found["hidden"], found["wide"]) == ([], False, 360)
     assert min(found["drawn"], found["charts"]) >= 9
-
-
-@pytest.mark.parametrize("gamma", [1.0, 3.3, 10.0])
-def test_spectrum_integral_equals_quadrature(gamma):
-    """1/(4 * 1.25) without a peak; the bump is gamma to the power exp(-(x - 1)^2/(2 s^2)), s 0.07 below, 0.09 above."""
-
-    def density(x):
-        bump = gamma ** np.exp(-((x - 1) ** 2) / (2 * (0.07 if x <= 1 else 0.09) ** 2))
-        return x**-5.0 * np.exp(-1.25 * x**-4.0) * bump
-
-    whole = quad(density, 0.05, 1.0, epsabs=1e-12)[0] + quad(density, 1.0, 2.0)[0] + quad(density, 2.0, np.inf)[0]
-    assert _integral(gamma) == pytest.approx(whole, rel=1e-4)
-    assert gamma > 1 or whole == pytest.approx(0.2, rel=1e-9)

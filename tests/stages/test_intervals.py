@@ -18,6 +18,8 @@ from vsb.study import study as config
 from vsb.study.body import load_body
 from vsb.study.plan import BodyPlan, StudyPlan
 
+pytestmark = pytest.mark.slow
+
 PERIODS = (2.0, 2.5, 3.0, 3.3, 4.0, 5.0, 8.0)
 
 

@@ -18,14 +18,6 @@ def test_second_run_in_a_folder_is_refused_until_the_first_ends(tmp_path):
         pass
 
 
-def test_dry_run_neither_waits_nor_writes(tmp_path):
-    with exclusive_lock(tmp_path), exclusive_lock(tmp_path / "none", waits=False) as handles:
-        assert handles == []
-    assert not (tmp_path / "none").exists()
-    with exclusive_lock(tmp_path), exclusive_lock(tmp_path, waits=False):
-        pass
-
-
 def test_lock_of_all_folders_excludes_every_run(tmp_path):
     for name in ("a", "b"):
         with exclusive_lock(tmp_path / name):

@@ -1,7 +1,5 @@
 """Jobs of a study outside Snakemake: they make every product once and in order, and only what is missing or stale."""
 
-from types import SimpleNamespace
-
 import pytest
 from conftest import SEED, shipped, varied
 
@@ -9,7 +7,7 @@ from vsb.stages.make import due
 from vsb.stages.stage import STAGES
 from vsb.study import study as config
 from vsb.study.campaign_plan import plan_of
-from vsb.study.jobs import Job, jobs, rules
+from vsb.study.jobs import Job, jobs
 from vsb.study.plan import StudyPlan
 
 STUDIES = {
@@ -34,26 +32,6 @@ def test_jobs_make_all_products_once_and_in_order(plan):
     assert len(made) == len(set(made))
     assert set(plan.products) <= set(made)
     assert set(made) - set(plan.ids) <= {f"{plan.green_folder}.done"}
-
-
-def test_jobs_pass_the_files_their_stage_needs(plan):
-    stages = {stage.name: stage for stage in STAGES}
-    for job in jobs(plan):
-        stage = stages[job.stage]
-        assert set(stage.files) <= set(job.files) <= {*stage.files, *stage.optional}, job.stage
-        assert (job.spec is None) == (stage.spec is None), job.stage
-
-
-def test_rules_of_several_jobs_tell_them_apart_by_their_files(plan):
-    found = {rule.stage: rule for rule in rules(plan)}
-    for job in jobs(plan):
-        rule = found[job.stage]
-        wildcards = SimpleNamespace(job=job.name) if job.name else SimpleNamespace()
-        assert [path.format(job=job.name) for path in rule.makes] == list(job.makes)
-        assert rule.needs(wildcards) == list(job.needs)
-        assert rule.text(wildcards) == job.text
-    assert "{job}" in found["simulate"].record("logs")
-    assert "{job}" not in found["compare"].record("logs")
 
 
 def test_jobs_of_a_campaign_make_all_its_products_in_order():

@@ -5,7 +5,7 @@ import json
 import meshio
 import numpy as np
 import pytest
-from conftest import SEED, shipped, varied
+from conftest import shipped, varied
 
 from vsb.hydro.panels import mesh as meshing
 from vsb.scenes.rest import reference_shell
@@ -13,21 +13,12 @@ from vsb.stages import panels, shell
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import SphereMesh
 from vsb.study.study import content_id, load
-from vsb.tools import files
 
 
 @pytest.fixture(scope="module", params=["seed", "pressurised"])
 def spec(request):
     study = varied(load(shipped(request.param)), hydro={"rows": 20, "omega_max": 6.0})
     return StudyPlan(study).mesh(6.0)
-
-
-def test_mean_mesh_reaches_from_waterline_to_keel_and_has_a_lid(spec):
-    ds = panels.mean_mesh(spec)
-    assert ds.meridian_height.values[0] == pytest.approx(0.0, abs=1e-9)
-    assert (ds.meridian_radius.values[-1], ds.lid_radius.values[0]) == pytest.approx((0.0, 0.0), abs=1e-9)
-    assert ds.lid_radius.values[-1] == pytest.approx(ds.meridian_radius.values[0], rel=1e-3)
-    assert np.all(np.diff(ds.meridian_height.values) < 0)
 
 
 def test_mean_mesh_is_that_of_the_sphere_or_of_the_loaded_shell(spec):
@@ -66,14 +57,6 @@ def test_deformed_shapes_are_the_rest_shape_and_each_mode_to_either_side(name, c
         difference = (shape.shell.modal_amplitude - rest.shell.modal_amplitude).tolist()
         assert difference.count(0.0) == len(difference) - 1
         assert sum(difference) == pytest.approx(shape.amplitude)
-
-
-def test_deformed_meshes_are_stored_by_name(tmp_path):
-    spec = StudyPlan(varied(load(SEED), modes={"degree": 0})).witness.meshes
-    panels.run_deformed(spec, str(tmp_path))
-    assert {path.name for path in tmp_path.iterdir()} == {"mean.nc", "Membrane0_minus.nc", "Membrane0_plus.nc"}
-    minus = files.load(tmp_path / "Membrane0_minus.nc", expected=content_id(spec))
-    assert (minus.attrs["deformed_by"], minus.attrs["amplitude"]) == ("Membrane0", pytest.approx(-0.1))
 
 
 def test_viewable_shapes_are_written_and_stamped(seed, tmp_path):

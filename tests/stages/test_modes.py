@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.scenes.rest import order_bases, reference_shell, study_basis
+from vsb.scenes.rest import study_basis
 from vsb.stages import shell
 from vsb.study.plan import StudyPlan
 from vsb.tools.files import load
@@ -22,20 +22,6 @@ def test_stored_modes_are_those_of_the_basis(seed, tmp_path):
     np.testing.assert_array_equal(ds.dry_frequency.values, basis.dry_frequencies)
     assert not ds.static_amplitude.values.any()
     assert ds.attrs["centre_height"] == study.centre_height
-
-
-def test_modes_of_higher_azimuthal_orders(seed):
-    """The static load is axisymmetric: modes of higher orders are not deflected."""
-    study = varied(seed, modes={"degree": 3}, motion="planar", device={"centre_of_mass": -0.5, "ballast_inertia": 9e3})
-    ds = shell.shell_modes(study, reference_shell(study))
-    (family,) = (each for each in order_bases(study, study_basis(study)) if not each.odd)
-    of_order = ds.isel(mode=ds.order.values == family.order)
-    radial, meridional, _ = family.field(ds.colatitude.values)
-    assert of_order.sizes["mode"] == len(family.modes) > 0
-    np.testing.assert_array_equal(of_order.radial.values, radial[family.rigid :])
-    np.testing.assert_array_equal(of_order.meridional.values, meridional[family.rigid :])
-    np.testing.assert_array_equal(of_order.dry_frequency.values, family.dry_frequencies)
-    np.testing.assert_array_equal(of_order.static_amplitude.values, 0.0)
 
 
 def test_rest_shape_of_a_spheroid(seed, tmp_path):

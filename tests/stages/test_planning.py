@@ -7,7 +7,7 @@ import pytest
 import yaml
 from conftest import EXAMPLE, varied
 
-from vsb.stages.planning import degree_lines, degree_spec, plan_of, with_degree
+from vsb.stages.planning import degree_lines, plan_of, with_degree
 from vsb.study.plan import StudyPlan
 from vsb.study.sections import DEGREES
 from vsb.study.study import content_id, load
@@ -58,16 +58,6 @@ def test_degree_stands_in_the_ids(asked, planned):
     given = StudyPlan(varied(asked, modes={"basis": "full", "degree": 20}), root=planned.root)
     assert with_degree(given) is given
     assert content_id(given.database) != content_id(planned.database)
-
-
-def test_tolerance_does_not_change_results_of_the_same_degree(asked):
-    rough, fine = (StudyPlan(varied(asked, modes={**TOLERANT, "tolerance": t})) for t in (0.02, 0.001))
-    assert content_id(degree_spec(rough.study)) != content_id(degree_spec(fine.study))
-    rough, fine = (
-        StudyPlan(varied(asked, modes={"basis": "full", "degree": 9, "tolerance": t})) for t in (0.02, 0.001)
-    )
-    assert content_id(rough.database) == content_id(fine.database)
-    assert content_id(rough.ladder) != content_id(fine.ladder)  # whose check knows it
 
 
 def test_campaign_has_the_degree_of_its_thinnest_shell(asked, tmp_path, monkeypatch):

@@ -56,12 +56,3 @@ def test_natural_frequencies_are_those_of_the_closed_form(seed):
     ).dry_frequencies.tolist()
     third = preview.shell_text(table).splitlines()[3].split()
     assert third == ["2", f"{upper[2]:.9f}", f"{lower[2]:.9f}", f"{table['paper_ritz'][2]['omega']:.9f}"]
-
-
-def test_a_stiff_shell_under_a_take_off_that_switches_is_told_to_take_long(seed):
-    def said(**device):
-        study = varied(seed, device=device, pto={"law": "saturated", "force_limit": 500.0})
-        return [line for line in preview.summary(study, StudyPlan(study)) if line.startswith("switches")]
-
-    assert said() == []
-    assert "for each run on one core" in said(young_modulus=2.1e11)[0]

@@ -1,7 +1,6 @@
 """Stage radiation: a passive state space whose damping and kernels are those of the database."""
 
 import numpy as np
-import pytest
 import xarray as xr
 
 from vsb.hydro.database import load_database
@@ -29,15 +28,6 @@ def test_damping_of_the_model_is_that_of_the_database(small):
     heave = {"influenced_dof": "Heave", "radiating_dof": "Heave"}
     truth = database.radiation_damping.sel(heave)
     assert float(np.abs(ds.damping_state_space.sel(heave) - truth).max()) < 0.01 * float(truth.max())
-
-
-@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
-def test_least_damping_does_not_depend_on_units(size):
-    """Nor on a motion that moves no water."""
-    damping = np.array([np.diag([2.0, 0.5, 0.0]), np.diag([4.0, 1.0, 0.0]), np.diag([3.0, -0.5, 0.0])])
-    for units in ([1.0, 1e3, 1.0], [1e3, 1.0, 1.0]):  # what draws energy is the larger motion, or the smaller
-        sized = damping * size * np.outer(units, units)
-        assert frequency.least_damping(DampingSpectrum(np.array([1.0, 2.0, 3.0]), sized), sized) == pytest.approx(-0.5)
 
 
 def test_every_azimuthal_order_has_its_own_memory():

@@ -15,6 +15,8 @@ from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
 
+pytestmark = pytest.mark.slow
+
 WAVES = [{"kind": "regular", "amplitude": 0.1, "period": 3.0}]
 SHORT = {"duration": 18.0, "window": [12.0, 18.0], "initial_velocity": 0.0}
 DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC90": {"clamp": 90}}

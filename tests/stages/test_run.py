@@ -9,10 +9,10 @@ from pathlib import Path
 import psutil
 import pytest
 import yaml
-from conftest import SEED, SMALL_PLAN, told
+from conftest import SEED, told
 from snakemake.cli import get_argument_parser
 from stages.test_coefficients import SWELL, as_body
-from stages.test_members import MODULI, planned, with_seas
+from stages.test_members import planned, with_seas
 from test_cli import written
 
 from vsb.cli import main
@@ -100,18 +100,6 @@ def test_failed_run_reports_rule_and_last_words_and_keeps_the_log(workplace, cap
     assert capsys.readouterr().err == "vsb: error: device.mass: too heavy\n"
 
 
-def test_unreadable_snakemake_records_are_removed(tmp_path):
-    """Snakemake would end in a traceback."""
-    good = [b'{"input": ["a.nc"], "params": ["x"], "log": []}', b'{"code": null, "params": null}', b"{}"]
-    bad = [b"", b"{", b"\xff\xfe", b"[]", b"[" * 100_000, b'{"params": 5}', b'{"log": {"a": 1}}']
-    (tmp_path / "@deeper").mkdir()
-    for number, content in enumerate([*good, *bad]):
-        (tmp_path / ("@deeper" if number % 2 else ".") / str(number)).write_bytes(content)
-    launcher.forget_damaged(tmp_path)
-    assert sorted(path.name for path in tmp_path.rglob("*") if path.is_file()) == ["0", "1", "2"]
-    launcher.forget_damaged(tmp_path / "nowhere")
-
-
 @pytest.mark.parametrize(
     ("kind", "message"),
     [
@@ -155,14 +143,12 @@ def test_stale_files_are_added_to_any_forcerun_option(options):
     assert told[0] == told[1]
 
 
-def test_a_run_locks_only_what_it_will_make_for_others_too(finished, workplace, monkeypatch):
-    """Who only reads needs no permission to write among the shared files: blocks are not made where a database is."""
-    shutil.copytree(finished / "results", "results")
-    shutil.rmtree("results/hydro/blocks")
-    assert launcher.unmade(SMALL_PLAN) == []
-    Path(SMALL_PLAN.radiation_path).unlink()
-    assert launcher.unmade(SMALL_PLAN) == [SMALL_PLAN.radiation_path]
-    Path(SMALL_PLAN.database_path).unlink()
-    blocks = {SMALL_PLAN.block_path(block) for block in SMALL_PLAN.sweep_blocks}
-    assert set(launcher.unmade(SMALL_PLAN)) >= {SMALL_PLAN.radiation_path, SMALL_PLAN.database_path, *blocks}
-    assert launcher.unmade(planned(with_seas(workplace, (1.0, 6.0)), MODULI)) == []
+def test_lost_table_is_remade_by_the_workflow(finished, tmp_path, monkeypatch):
+    """Through Snakemake, from results that Snakemake did not make; nothing else is computed again."""
+    shutil.copytree(finished, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+    lost, kept = (Path("results", "small", name) for name in ("statistics.csv", "response.nc"))
+    text, before = lost.read_text(), kept.stat().st_mtime_ns
+    lost.unlink()
+    assert main(["run", "small.yaml", "--cores", "1"]) == 0
+    assert (lost.read_text(), kept.stat().st_mtime_ns) == (text, before)

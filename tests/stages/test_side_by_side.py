@@ -1,19 +1,14 @@
 """Command compare: finished studies and campaigns side by side."""
 
 import json
-import re
-from contextlib import chdir
 from pathlib import Path
 
 import pytest
-import yaml
-from conftest import SMALL_PLAN, varied
 from stages.test_members import batches, gather, planned, with_seas
 
 from vsb.cli import main
-from vsb.errors import ConfigError, DatabaseError
+from vsb.errors import ConfigError
 from vsb.stages.side_by_side import compare, lines
-from vsb.study.study import canonical
 from vsb.tools.files import load
 
 
@@ -61,15 +56,6 @@ def test_campaign_is_compared_over_its_year(year):
         assert one.damping > 0
 
 
-def test_results_of_another_state_of_the_file_are_refused(finished, tmp_path, year):
-    changed = type(SMALL_PLAN)(varied(SMALL_PLAN.study, pto={"damping": 7777.0}), root=SMALL_PLAN.root)
-    with chdir(finished), pytest.raises(DatabaseError, match=r"tables\.json: "):
-        lines([changed])
-    other = planned(Path(year.loaded.source).parent, {"device.young_modulus": [1e8, 2e9]})
-    with pytest.raises(DatabaseError, match=r"campaign\.nc"):
-        lines([other])
-
-
 def test_errors_are_one_line(tmp_path, capsys):
     with pytest.raises(ConfigError, match=r"--out: received a\.txt, needs a file that ends in \.csv or \.html"):
         compare(["any"], "a.txt")
@@ -83,15 +69,3 @@ def test_errors_are_one_line(tmp_path, capsys):
             main(words)
         assert stopped.value.code == 2
         assert expected in capsys.readouterr().err
-
-
-def test_html_table_links_to_the_reports(finished, tmp_path, year):
-    config = tmp_path / "small.yaml"
-    config.write_text(yaml.safe_dump(json.loads(canonical(SMALL_PLAN.study))))
-    with chdir(finished):
-        compare([str(config)], str(tmp_path / "pages" / "beside.html"))
-        report = Path(SMALL_PLAN.folder, "report.html").absolute()
-    page = (tmp_path / "pages" / "beside.html").read_text()
-    (link,) = re.findall(r'<a href="(.*?)">small</a>', page)
-    assert (tmp_path / "pages" / link).resolve() == report.resolve()
-    assert SMALL_PLAN.study_id in page

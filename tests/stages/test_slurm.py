@@ -5,13 +5,10 @@ import re
 
 import pytest
 import yaml
-from conftest import varied
 
 from vsb.stages import slurm
 from vsb.stages.run import ended
 from vsb.study.campaign_plan import plan_of
-from vsb.study.plan import StudyPlan
-from vsb.study.study import load
 from vsb.tools.shipped import HOME
 
 SEED = HOME / "tests" / "data" / "seed.yaml"
@@ -48,13 +45,6 @@ def test_job_name_identifies_study_and_folder(queue, tmp_path, monkeypatch):
     assert slurm.run_name(plan) != name
 
 
-@pytest.mark.parametrize("name", ["x" * 80, "my study: 1"])
-def test_job_names_are_valid_for_the_plugin(name):
-    found = slurm.job_name(name)
-    assert re.fullmatch(r"[A-Za-z0-9_-]{1,50}", found)
-    assert found.endswith(f"-{os.getpid()}")
-
-
 def test_interrupted_run_cancels_its_jobs(queue, capsys):
     with pytest.raises(KeyboardInterrupt), ended("vsb-seed-31"):
         raise KeyboardInterrupt
@@ -83,28 +73,3 @@ def test_account_comes_from_the_profile_and_other_resources_are_left_to_the_plug
     assert {"--account=me", "--partition=day"} <= set(slurm.single_job(plan_of(str(SEED)), {**PROFILE, **given}))
     for more in ({"default-resources": ["slurm_extra=--gres=gpu:1"]}, {"slurm-qos": "high"}):
         assert slurm.single_job(plan_of(str(SEED)), {**PROFILE, **more}) == []
-
-
-LONG = {
-    "runs": {"waves": [{"kind": "jonswap", "hs": 1.0, "tp": 5.0, "realisations": 3}]},
-    "panels": {"hydro": {"solver": "panels"}},
-    "pauses": {"pto": {"law": "latching"}},
-}
-
-
-@pytest.mark.parametrize("changes", LONG.values(), ids=LONG)
-def test_long_study_is_one_job_per_rule(cluster, changes):
-    assert slurm.single_job(StudyPlan(varied(load(SEED), **changes)), PROFILE) == []
-
-
-@pytest.mark.parametrize(
-    ("seas", "duration", "short"),
-    [(2, 3600.0, True), (2, 3600.1, False), (3, 1.0, False)],
-)
-def test_eight_runs_of_eight_hours_in_total_are_short(seas, duration, short):
-    """Runs of four designs."""
-    waves = [{"kind": "regular", "amplitude": 0.1, "period": 3.0 + i} for i in range(seas)]
-    simulation = {"duration": duration, "window": [0.0, 1.0]}
-    plan = StudyPlan(varied(load(SEED), waves=waves, simulation=simulation))
-    assert len(plan.study.designs) == 4
-    assert slurm.is_short(plan) == short

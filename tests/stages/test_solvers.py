@@ -5,11 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import SEED, shipped, varied
-from study.test_shape import OBLATE, raw
+from conftest import shipped, varied
 
 from vsb.errors import DatabaseError
-from vsb.hydro.dofs import displacements
 from vsb.shell.deformed import rigid_sphere
 from vsb.stages import panels
 from vsb.stages import water as solving
@@ -17,7 +15,7 @@ from vsb.stages.make import make
 from vsb.stages.water import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import DatabaseSpec
-from vsb.study.study import content_id, load, parse
+from vsb.study.study import content_id, load
 from vsb.tools import files
 
 
@@ -30,32 +28,6 @@ def test_spectral_problem_is_that_of_the_wetted_shape(name):
     keel = problem.shell.meridian(np.array([np.pi])).z[0]
     sphere = rigid_sphere(study.device.radius, study.centre_height).meridian(np.array([np.pi])).z[0]
     assert (keel == pytest.approx(sphere)) == (not study.at_equilibrium)
-
-
-@pytest.mark.parametrize(("order", "labels"), [(0, ("Radial0", "Radial1")), (1, ("Surge", "Radial2"))])
-@pytest.mark.parametrize("shape", [None, OBLATE])
-def test_spectral_problem_has_the_water_order_and_shape_of_its_block(order, labels, shape):
-    study = load(SEED) if shape is None else parse(raw(shape, device={"mass": 9e3}))
-    water = study.water.model_copy(update={"depth": 9.0, "density": 1010.0, "gravity": 9.7})
-    block = StudyPlan(study).sweep_blocks[0]
-    problem = spectral_problem(block.model_copy(update={"water": water, "order": order, "displacements": labels}))
-    assert (problem.density, problem.gravity, problem.depth) == (1010.0, 9.7, 9.0)
-    assert (problem.displacements, problem.order) == (displacements(labels, order), order)
-    keel = problem.shell.meridian(np.array([np.pi])).z[0]
-    assert keel == pytest.approx(block.shape.centre_height - (study.device.radius if shape is None else 1.5))
-    assert problem.shell.meridian(np.array([np.pi / 2])).x[0] == pytest.approx(study.device.radius)
-
-
-@pytest.mark.parametrize("tabulated", [False, True])
-def test_spectral_block_is_swept_or_solved_at_every_frequency(small, tmp_path, tabulated):
-    plan = StudyPlan(varied(small.study, hydro={"omega": [1.0, 2.0]})) if tabulated else small
-    spec = (plan.tabulated_blocks if tabulated else plan.sweep_blocks)[0]
-    solving.run_spectral(spec, str(tmp_path / "block.nc"))
-    ds = files.load(tmp_path / "block.nc", expected=content_id(spec))
-    assert tuple(ds.omega.values) == spec.omega
-    assert (ds.attrs["solves"] < ds.attrs["frequencies"]) == (not tabulated)
-    assert ("interpolation_error" in ds.attrs) == (not tabulated)
-    assert ds.attrs["error_estimate"] <= spec.tolerance
 
 
 def test_panel_block_agrees_with_the_spectral_solver_within_its_error_estimate(seed, green_folder, tmp_path):
@@ -76,6 +48,7 @@ def test_panel_block_agrees_with_the_spectral_solver_within_its_error_estimate(s
         assert np.abs(one - other).max() < found["panels"].attrs["error_estimate"] * np.abs(other).max()
 
 
+@pytest.mark.slow
 def test_both_solvers_agree_within_their_error_estimates(seed, green_folder, tmp_path):
     """Of a rigid sphere on few rows."""
     spec = StudyPlan(varied(seed, designs={"FSB": {"flexible": False}})).witness
@@ -113,6 +86,7 @@ def test_failed_check_stops_unless_accepted(small, tmp_path):
     assert "accepted" in files.load(out).attrs["quality"]
 
 
+@pytest.mark.slow
 def test_sway_and_roll_are_surge_and_pitch_turned(seed, tmp_path):
     """By 90 degrees about the vertical axis, so that pitch becomes negative roll. Yaw moves no water; damping of surge is Haskind's, k |X|^2/(8 rho g v_g); the mooring is as given."""
     mooring = [2e4, 3e4, 1e3, 4e3, 5e3, 6e3]

@@ -80,11 +80,6 @@ def runs(seed, tmp_path):
     return StoredRuns(study, str(tmp_path))
 
 
-def test_runs_are_listed_sea_by_sea(runs):
-    assert list(runs) == [(design, wave.label) for wave in runs.study.waves for design in ("FSB", "VSWEC")]
-    assert [float(run.position[0, 0]) for run in runs.values()] == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
-
-
 @pytest.mark.parametrize("place", [0, 3])
 def test_run_stored_under_another_name_is_refused(runs, tmp_path, place):
     names = [trajectory_name(*run) for run in runs]

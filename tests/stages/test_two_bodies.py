@@ -2,7 +2,6 @@
 
 import json
 import re
-from contextlib import chdir
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,6 @@ from vsb.report.page import STILL
 from vsb.stages.make import make
 from vsb.study.body import load_body
 from vsb.study.plan import BodyPlan
-from vsb.tools.files import load
 
 RM3 = Path(__file__).parents[1] / "data" / "rm3"
 HEAVES = ["body1__Heave", "body2__Heave"]
@@ -140,17 +138,6 @@ def test_time_and_frequency_domain_agree_and_energy_is_conserved(rm3):
     assert list(map(str, run.dof.values)) == HEAVES
 
 
-def test_repairs_are_reported_as_doubts(rm3):
-    ledger = {check["name"]: check for check in rm3.checks.to_dict("records")}
-    for name, largest in (("positive_damping", 2e-3), ("kramers_kronig", 3e-3)):
-        check = ledger[f"hydro repaired {name}"]
-        assert check["verdict"] == "doubt"
-        assert 0 < check["value"] < largest
-    assert "damping made positive definite" in rm3.database.attrs["history"]
-    assert "hydro repaired kramers kronig" in rm3.report.read_text()
-    assert {"translation", "passivity", "radiation_fit"} <= set(ledger)
-
-
 def test_repaired_capytaine_file_gives_the_power_of_wamits(tmp_path, monkeypatch, rm3):
     """To 5 %: its panels resolve the thin plate less well."""
     monkeypatch.chdir(tmp_path)
@@ -163,14 +150,3 @@ def test_repaired_capytaine_file_gives_the_power_of_wamits(tmp_path, monkeypatch
     assert checks["positive_damping"]["verdict"] == "doubt"
     assert checks["positive_damping"]["explanation"].endswith("; repaired")
     assert 0.08 < checks["repaired positive_damping"]["value"] < 0.12
-
-
-def test_as_published_its_noise_leaves_a_memory_of_what_lies_below(tmp_path):
-    """0.1 % of added mass is 20 % of the spar's damping: a memory within 2 % of both up to 3 rad/s does not exist."""
-    with chdir(tmp_path):
-        found = load_body(study(tmp_path, wamit(), hydro={"repair": ["positive_damping"], "omega_max": 3.0}))
-        plan = BodyPlan(found.study, files=found.files)
-        make(plan, [plan.database_path, plan.radiation_path])
-        stored = load(plan.radiation_path)
-    assert 2.0 < stored.attrs["up_to"] < 2.9
-    assert "above which no passive memory follows the coefficients" in stored.attrs["history"]

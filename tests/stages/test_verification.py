@@ -8,16 +8,11 @@ import pytest
 import yaml
 from stages.test_members import BASE, batches, gather, told, with_seas
 
-from vsb.cli import main
 from vsb.report.campaign_answer import answer as answer_of
-from vsb.results.campaign import damper
 from vsb.stages import campaign_report, verification
-from vsb.stages.climate import read_climate
 from vsb.study.campaign_plan import plan_of
-from vsb.study.study import Simulation
 from vsb.tools import packed
 from vsb.tools.files import load
-from vsb.waves.climate import realised
 
 RUNS = {"duration": 60.0, "window": [40.0, 60.0], "tolerance": 1e-4}
 VERIFY = {"seas": 4, "seed": 3}
@@ -130,19 +125,6 @@ def test_linear_runs_need_no_correction(folder):
     assert " by linear runs in time" in answer_of(found, "FSB", "one")
 
 
-def test_run_reuses_finished_time_domain_runs(folder, checked, capsys):
-    """The workflow makes what is missing, to the same bytes."""
-    plan, _, _ = checked
-    kept, lost = (folder / path for path in plan.verification_paths)
-    data = folder / plan.data_path
-    before, stamp = {path: path.read_bytes() for path in (kept, lost, data)}, kept.stat().st_mtime_ns
-    lost.unlink(), data.unlink()
-    with chdir(folder):
-        assert main(["run", "checked.yaml", plan.data_path]) == 0, capsys.readouterr()
-    assert {path: path.read_bytes() for path in before} == before
-    assert kept.stat().st_mtime_ns == stamp
-
-
 def test_designs_that_are_not_viable_are_not_simulated(folder):
     """The seed without internal pressure buckles at its equilibrium."""
     plan = planned(folder, "lost", reference_shape="equilibrium", device={**BASE["device"], "internal_pressure": 0.0})
@@ -151,24 +133,3 @@ def test_designs_that_are_not_viable_are_not_simulated(folder):
     assert not found.viable.any()
     assert np.isnan(found.corrected_mean_power).all()
     assert np.isnan(found.corrected_gain_low).all()
-
-
-def test_time_domain_run_can_be_repeated_by_hand(folder, checked):
-    """Both designs in the same waves."""
-    plan, (first, _), found = checked
-    spec = next(iter(plan.verifications.values()))
-    dampers = damper(found.isel(mass=0)).sel(tuning="one")
-    with chdir(folder):
-        climate, designs = (
-            read_climate(spec.climate, plan.loaded.climate_path),
-            verification.in_time(spec.simulated, plan.root),
-        )
-    draw = 2
-    te = float(first.drawn_te[draw])
-    settings = Simulation(duration=13 * te, window=(3 * te, 13 * te), tolerance=RUNS["tolerance"])
-    for name, design in designs.items():
-        low, high = design.buoy.database.omega.values[[0, -1]]
-        sea = realised(climate, int(first.drawn_sea[draw]), 13 * te, int(first.drawn_seed[draw]), low, high)
-        powers = design.under(float(dampers.sel(design=name))).powers(sea, settings, "body_exact")
-        kept = first.sel(design=name).isel(draw=draw)
-        assert powers == pytest.approx((float(kept.run_power), float(kept.linear_run_power)), rel=1e-9)

@@ -1,7 +1,6 @@
 """Damaged, stale and foreign results: detected by verify and run, recomputed or refused."""
 
 import os
-import re
 import shutil
 from pathlib import Path
 
@@ -9,19 +8,18 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
-import yaml
 from conftest import SMALL as RAW
 from conftest import SMALL_PLAN as PLAN
 from tools.test_files import rewritten
 
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
-from vsb.stages import report, simulate
+from vsb.stages import report
 from vsb.stages.verify import differences, stale_products, study_faults, verify
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
 from vsb.tools import packed
-from vsb.tools.files import load, read_groups
+from vsb.tools.files import read_groups
 
 TOGETHER = ("report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json")
 
@@ -140,16 +138,6 @@ def test_changed_study_makes_dependent_results_stale(place, changes, stale):
     assert set(PLAN.display_paths).isdisjoint(found)
 
 
-def test_changed_damping_is_recomputed_without_snakemakes_records(place):
-    Path("small.yaml").write_text(yaml.safe_dump({**RAW, "pto": {"damping": 5000.0}}))
-    before = load(FSB)
-    assert main(["run", "small.yaml", "compare", "--quiet", "all"]) == 0
-    assert np.abs(load(FSB).position - before.position).max() > 1e-3
-    changed = set(stale_products(plan_of(pto={"damping": 5000.0}), dry=True))
-    assert changed.isdisjoint({FSB, VSWEC, RESPONSE, TABLE})
-    assert {FSB, VSWEC, RESPONSE, TABLE} < set(stale_products(PLAN, dry=True))
-
-
 def report_files():
     return {
         "tables": f"{PLAN.folder}/tables.json",
@@ -168,14 +156,6 @@ def test_stage_refuses_damaged_input(place, path, damage):
     with pytest.raises(DatabaseError, match=rf"{path}: .*delete"):
         report.run_report(PLAN.study, out="again.html", **report_files())
     assert not Path("again.html").exists()
-
-
-def test_radiation_model_of_another_study_is_refused(place):
-    other = f"results/hydro/radiation/{'0' * 16}.nc"
-    shutil.copy(PLAN.radiation_path, other)
-    files = {"database": PLAN.database_path, "radiation": other}
-    with pytest.raises(DatabaseError, match=rf"{other}: holds '\w+', needs '0+': stale or foreign"):
-        simulate.run_simulate(PLAN.simulation("FSB", WAVE), "out.nc", **files)
 
 
 def test_verify_checks_every_file_of_a_folder(place):
@@ -253,15 +233,6 @@ def test_differences_to_the_previous_study_are_listed(tmp_path):
     assert differences(many).endswith(" (and 2 more)")
     Path(before.folder, "study.json").write_text("{")
     assert differences(planned(pto={"damping": 9000.0})) == ""
-
-
-def test_missing_files_are_counted(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("small.yaml").write_text(yaml.safe_dump(RAW))
-    first, *others = sorted(set(PLAN.products))
-    line = f"{first}: is not there (and {len(others)} more); vsb run small.yaml makes it anew"
-    with pytest.raises(VsbError, match=f"^{re.escape(line)}$"):
-        verify("small.yaml", heal=False)
 
 
 def trashed(path):

@@ -31,6 +31,8 @@ from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical
 from vsb.tools.files import load, read_groups
 
+pytestmark = pytest.mark.slow
+
 BASE = yaml.safe_load(SEED.read_text())
 BASE["study"] = "base"
 BASE["modes"]["degree"] = 2
@@ -152,11 +154,6 @@ def test_all_products_are_there_and_consistent(folder):
     for kind in ("vtu", "nc"):
         names = {path.stem for path in (folder / "results" / "hydro" / "mesh").glob(f"*/*.{kind}")}
         assert names == {"mean", *(f"Membrane{n}_{side}" for n in range(3) for side in ("minus", "plus"))}
-
-
-def test_files_of_the_current_folder_are_not_executed(folder):
-    assert all((folder / name).is_file() for name in FOREIGN)
-    assert not (folder / "stranger").exists()
 
 
 def test_specification_longer_than_a_shell_argument(folder, monkeypatch, tmp_path):

@@ -12,6 +12,8 @@ from vsb.study.study import canonical
 from vsb.tools.files import load
 from vsb.waves.seas import jonswap_spectrum
 
+pytestmark = pytest.mark.slow
+
 HERTZ = np.linspace(0.04, 0.5, 24)
 SEAS = [(1.0, 6.0), (2.2, 9.0), (2.3, 9.5), (3.1, 12.0)]
 BASE = HEAVE | {"designs": {"FSB": {"flexible": False}, "VSWEC": {}}, "hydro": {"omega_max": 4.0}}

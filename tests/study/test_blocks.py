@@ -36,11 +36,6 @@ def test_wave_too_short_for_the_mesh_is_refused(seed):
         block_ids(varied(seed, hydro={"omega_max": 100.0}))
 
 
-def test_tolerance_beyond_the_finest_mesh_is_refused(seed):
-    with pytest.raises(ConfigError, match=r"hydro.tolerance: received 1e-05, needs at least 6.25e-05"):
-        block_ids(varied(seed, hydro={"tolerance": 1e-5}))
-
-
 @pytest.mark.parametrize("wider", [13.0, 19.2])
 def test_wider_band_reuses_the_blocks_of_the_narrow_one(seed, wider):
     narrow, wide = (
@@ -144,29 +139,6 @@ def test_longest_period_of_a_regular_wave(seed):
         longer.check_waves()
 
 
-@settings(max_examples=20)
-@given(st.floats(0.3, 5.0), st.floats(3.0, 12.0), st.sampled_from([1e-3, 1e-4, 1e-2]), st.sampled_from([math.inf, 9.0]))
-def test_database_reaches_the_highest_frequency_asked_for(seed, radius, highest, tolerance, depth):
-    device = {"radius": radius, "thickness": 0.005 * radius, "mass": 2100.0 * radius**3}
-    water = {"depth": depth}
-    study = varied(seed, device=device, water=water, hydro={"omega_max": highest, "tolerance": tolerance})
-    plan = StudyPlan(study)
-    assert highest - 1e-9 <= plan.highest_omega < highest + plan.step
-    assert plan.highest_omega in plan.sweep_blocks[-1].omega
-    on_grid = StudyPlan(varied(study, hydro={"omega_max": plan.highest_omega}))
-    assert content_id(on_grid.database) == content_id(plan.database)  # what is solved names it, not what was asked
-
-
-def test_lid_has_six_rows_per_wavelength_across_the_waterline(seed):
-    shallow = varied(seed, device={"mass": 5000.0, "thickness": 1e-3}, hydro={"omega_max": 9.7})
-    waterline = math.sqrt(4.0 - shallow.centre_height**2)
-    assert waterline < 1.8
-    for omega in (12.8, 11.0):
-        wanted = math.ceil(6 * waterline / (2 * math.pi * 9.81 / omega**2))
-        assert StudyPlan(shallow).resolution(omega).lid_rows == wanted > 16
-    assert StudyPlan(shallow).resolution(3.2).lid_rows == 16
-
-
 @pytest.mark.parametrize(
     ("changes", "order", "solved"),
     [
@@ -186,17 +158,6 @@ def test_lid_has_six_rows_per_wavelength_across_the_waterline(seed):
 def test_radiation_is_solved_for_displacements_that_move_water(seed, changes, order, solved):
     plan = StudyPlan(varied(seed, **{"hydro": {"solver": "auto"}, **changes}))
     assert " ".join(plan.displacements(order)) == solved
-
-
-@pytest.mark.parametrize(("mass", "flexible", "degree"), [(5e3, True, 2), (5e3, True, 9), (5e3, False, 9),
-                                                          (5e3, True, 0), (3e4, True, 5), (1.8e4, False, 2)])  # fmt: skip
-def test_required_band_grows_with_degree_and_shallow_draft(seed, mass, flexible, degree):
-    device = {"mass": mass, "thickness": 1e-3}
-    study = varied(seed, device=device, modes={"degree": degree}, designs={"A": {"flexible": flexible}})
-    radius, draft = math.sqrt(4.0 - study.centre_height**2), 2.0 - study.centre_height
-    higher = 5.2 * (degree - 2) if flexible and degree > 2 else 0.0
-    wavenumber = math.sqrt((4.2 / min(radius, draft)) ** 2 + higher / radius**2)
-    assert StudyPlan(study).least_band == pytest.approx(math.sqrt(9.81 * wavenumber), rel=1e-14)
 
 
 BALANCED = {"centre_of_mass": -0.5, "ballast_inertia": 8e3, "ballast_yaw_inertia": 7e3}

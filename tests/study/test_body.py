@@ -4,7 +4,7 @@ import pytest
 import yaml
 
 from vsb.errors import ConfigError
-from vsb.study.body import BodyDesign, BodyStudy, is_body, load_body, located
+from vsb.study.body import BodyStudy, is_body, load_body, located
 from vsb.study.quantities import canonical
 from vsb.study.reading import validated
 from vsb.study.study import parse
@@ -60,15 +60,6 @@ def test_invalid_body_study_is_refused(changes, message):
         study(**changes)
 
 
-def test_reference_is_the_first_rigid_design():
-    assert study().reference_design == "rigid"
-    both = {"a": {"dofs": ["Heave", "Mode7"]}, "b": {"dofs": ["float__Heave", "spar__Heave"]}}
-    assert study(designs=both).reference_design == "b"
-    assert study(designs={"z": {"dofs": "rigid"}, **both}).reference_design == "b"
-    assert study(designs={"a": {}}).reference_design is None
-    assert [BodyDesign(dofs=d).flexible for d in ("all", "rigid", ("Yaw",))] == [True, False, False]
-
-
 def test_content_of_files_is_part_of_the_study(tmp_path):
     (tmp_path / "raft.nc").write_bytes(b"one")
     (tmp_path / "raft.yaml").write_text(yaml.safe_dump(RAW))
@@ -79,27 +70,6 @@ def test_content_of_files_is_part_of_the_study(tmp_path):
     assert again == (first.study, {})
     (tmp_path / "raft.nc").write_bytes(b"two")
     assert load_body(tmp_path / "raft.yaml").study != first.study
-
-
-def test_every_wamit_file_is_part_of_the_study(tmp_path):
-    raw = {**RAW, "body": {"wamit": "run/raft"}}
-    (tmp_path / "run").mkdir()
-    for ending in (".1", ".3"):
-        (tmp_path / "run" / f"raft{ending}").write_text(ending)
-    with pytest.raises(ConfigError, match=r"body.wamit: .*raft.hst cannot be read \(No such file or directory\)"):
-        located(raw, str(tmp_path / "raft.yaml"))
-    (tmp_path / "run" / "raft.hst").write_text("")
-    three = located(raw, str(tmp_path / "raft.yaml")).study
-    (tmp_path / "run" / "raft.mmx").write_text("")
-    four = located(raw, str(tmp_path / "raft.yaml")).study
-    assert four != three
-    for ending in (".1", ".3", ".hst", ".mmx"):
-        file = tmp_path / "run" / f"raft{ending}"
-        held = file.read_text()
-        file.write_text("other")
-        assert located(raw, str(tmp_path / "raft.yaml")).study != four
-        file.write_text(held)
-    assert located(raw, str(tmp_path / "raft.yaml")).study == four
 
 
 def test_body_file_brings_its_water(tmp_path):

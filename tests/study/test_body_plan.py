@@ -1,11 +1,9 @@
 """Plans of bodies: content ids, files, runs."""
 
-import math
-
 import pytest
 
 from vsb.study.body import LocatedBody, located
-from vsb.study.plan import BodyPlan, plan_for
+from vsb.study.plan import BodyPlan
 from vsb.study.quantities import content_id
 
 RAW = {
@@ -48,15 +46,10 @@ def test_key_changes_the_ids_of_the_stages_that_read_it(changes, renamed):
     assert before.study_id != after.study_id
 
 
-def test_short_and_long_form_of_a_port():
-    short, long = plan(pto={"port": {"dof": "Heave"}}), plan(pto={"port": {"dofs": {"Heave": 1.0}}})
-    assert short.study_id == long.study_id
-
-
 def test_mesh_is_solved_with_a_green_function_table(tmp_path):
     body = {"body": "raft", "mesh": "sha256:m", "modes": "sha256:d", "omega": [0.6, 0.9]}
     own = plan(body={"file": body})
-    assert own.solves
+    assert own.solves_panels
     assert own.inputs == [f"{own.green_folder}.done"]
     assert own.sources == {"folder": "results/hydro/bodies", "green": own.green_folder}
     assert own.database.solver.startswith("capytaine")
@@ -67,12 +60,6 @@ def test_mesh_is_solved_with_a_green_function_table(tmp_path):
     assert read.root == "out"
     assert [name.endswith("raft.nc") for name in read.inputs] == [True]
     assert read.inputs == list(read.sources.values())
-
-
-def test_response_frequencies_are_those_of_regular_waves():
-    periods = (7.0, 3.0, 11.0, 5.0, 3.0)
-    waves = [{"kind": "regular", "amplitude": a, "period": t} for a, t in enumerate(periods, 1)]
-    assert plan(waves=waves).response.omega == tuple(2 * math.pi / t for t in (11.0, 7.0, 5.0, 3.0))
 
 
 def test_damping_of_a_run():
@@ -87,26 +74,3 @@ def test_damping_of_a_run():
             assert list(asked.designs) == [design]
         found = own.simulation("rigid", still).pto
         assert (found.damping, found.tuning) == ((5.0, "fixed") if tuning != "one" else (None, "one"))
-
-
-def test_one_realisation_is_drawn_and_all_are_run():
-    own = plan(waves=[{**RAW["waves"][1], "realisations": 3}])
-    assert [wave.seed for wave in own.study.waves] == [1, 2, 3]
-    assert [name for name in own.figures if name.startswith("port_motion")] == [
-        f"port_motion-{own.study.waves[0].label}"
-    ]
-    assert sum("/trajectories/" in path for path in own.products) == 2 * 3
-
-
-def test_inputs_of_a_wamit_body(tmp_path):
-    for ending in (".1", ".3", ".hst"):
-        (tmp_path / f"run{ending}").write_text(ending)
-    raw = {**RAW, "body": {"wamit": "run"}, "root": "out"}
-    own = BodyPlan.of(raw, str(tmp_path / "raft.yaml"))
-    assert [name.rpartition(".")[2] for name in own.inputs] == ["1", "3", "hst"]
-    solved = plan_for(plan(body={"file": MESHED}).study, root="out")
-    assert solved.sources == {"folder": "out/hydro/bodies", "green": solved.green_folder}
-    assert solved.green_folder.startswith("out/hydro/green/capytaine-")
-
-
-MESHED = {"body": "raft", "mesh": "sha256:m", "modes": "sha256:d", "omega": [0.6, 0.9]}

@@ -1,13 +1,11 @@
 """Campaign files: base study, points, errors."""
 
-import hashlib
-
 import pytest
 import yaml
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
-from vsb.study.campaign import leading_tuning, load, sections, study_at
+from vsb.study.campaign import load, sections, study_at
 from vsb.study.study import load as load_study
 from vsb.study.study import parse
 
@@ -52,15 +50,6 @@ def test_missing_files_are_reported_by_kind(folder):
         load(written(folder, climate={"spectra": "absent.txt"}))
 
 
-def test_climate_is_identified_by_its_content(folder):
-    before = load(written(folder)).climate_id
-    assert before == hashlib.sha256(b"spectra").hexdigest()[:16]
-    (folder / "other.txt").write_text("spectra")
-    assert load(written(folder, climate={"spectra": "other.txt"})).climate_id == before
-    (folder / "sea.txt").write_text("other spectra")
-    assert load(written(folder)).climate_id != before
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [({"campaign": "hydro"}, "campaign: received 'hydro'; 'hydro' is the name of a results folder"),
@@ -90,15 +79,6 @@ def test_errors_in_a_campaign_file(folder, changes, message):
     with pytest.raises(ConfigError, match=message) as caught:
         load(written(folder, **changes))
     assert "\n" not in str(caught.value)
-
-
-def test_fixed_tuning_needs_a_damping(folder):
-    raw = yaml.safe_load(SEED.read_text())
-    del raw["pto"]
-    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
-    assert load(written(folder)).tuning == ("one", "each")
-    with pytest.raises(ConfigError, match=r"tuning: received fixed, but seed\.yaml has no pto.damping"):
-        load(written(folder, tuning=["fixed"]))
 
 
 def test_point_sets_its_keys_only():
@@ -184,16 +164,3 @@ def test_switching_take_off_needs_time_domain_or_constrained_optimum(folder):
                 loaded.check_take_off(switching, "here")
         else:
             loaded.check_take_off(switching, "here")
-
-
-@pytest.mark.parametrize(
-    ("tunings", "leading"),
-    [
-        (("fixed", "one", "each", "constrained"), "one"),
-        (("constrained", "fixed", "each"), "each"),
-        (("constrained", "fixed"), "fixed"),
-        (("constrained",), "constrained"),
-    ],
-)
-def test_leading_tuning_of_a_campaign(tunings, leading):
-    assert leading_tuning(tunings) == leading

@@ -7,7 +7,7 @@ import yaml
 from conftest import SEED
 
 from vsb.errors import ConfigError
-from vsb.study.campaign_plan import MOST_BATCHES, CampaignPlan, plan_of
+from vsb.study.campaign_plan import CampaignPlan, plan_of
 from vsb.study.plan import StudyPlan
 from vsb.study.study import content_id
 
@@ -61,16 +61,6 @@ def test_member_ids_include_what_a_year_depends_on(planned, study):
     assert ids(planned(study={"reference_shape": "undeformed", **study})) != before
 
 
-def test_member_ids_include_climate_and_tuning(planned, tmp_path):
-    before = ids(planned())
-    assert ids(planned(tuning=["each"])) != before
-    table = ids(planned(climate={"scatter": "sea.txt"}))
-    assert table != before
-    assert ids(planned(climate={"scatter": "sea.txt", "gamma": 1.0})) != table
-    (tmp_path / "sea.txt").write_text("others")
-    assert ids(planned()) != before
-
-
 def test_widened_sweep_keeps_its_members(planned):
     narrow = planned({"device.young_modulus": {"log": [1e6, 1e9, 4]}})
     wide = planned({"device.young_modulus": {"log": [1e6, 1e10, 5]}, "device.thickness": [0.01, 0.02]})
@@ -102,23 +92,6 @@ def test_batches_follow_from_the_file_alone(planned, tmp_path, monkeypatch):
     assert sum(map(len, thicknesses)) <= 25 + 2  # shapes and buckling of each are computed in one batch, or in two
 
 
-@pytest.mark.parametrize(
-    ("key", "count", "jobs"),
-    [
-        ("young_modulus", 1, 1),
-        ("young_modulus", 374, 1),  # 2 s of one shape and 16 ms of each: just below 8 s
-        ("young_modulus", 376, 2),
-        ("mass", 4, 2),
-        ("mass", 150, MOST_BATCHES),
-    ],
-)
-def test_many_points_are_few_batches(planned, key, count, jobs):
-    lowest = {"young_modulus": 1e6, "mass": 1e4}[key]
-    plan = planned({f"device.{key}": {"linear": [lowest, 2 * lowest, count]}})
-    assert len(plan.batches) == jobs
-    assert sum(len(spec.points) for spec in plan.batches.values()) == count
-
-
 def test_invalid_point_names_the_file(planned):
     with pytest.raises(ConfigError, match=r"sweep.yaml: vary: with device.thickness: 1.0: device: thickness 1 m"):
         _ = planned({"device.thickness": [0.01, 1.0]}).members
@@ -134,38 +107,6 @@ def test_every_product_has_an_id(planned):
     own |= {f"results/sweep/verification/{one}.nc": one for one in plan.verifications}
     assert plan.ids == dict.fromkeys(plan.products, plan.campaign_id) | own
     assert len({*own.values(), plan.campaign_id}) == 7
-
-
-def verified(planned, name="sweep", study=None, **changes):
-    """Ids of the runs in time of a campaign."""
-    given = {"verify": {"seas": 4}, **changes}
-    return list(planned({"device.mass": [16000.0, 17000.0]}, name=name, study=study, **given).verifications)
-
-
-def test_verification_ids_include_what_they_depend_on(planned):
-    before = verified(planned)
-    assert len(set(before)) == 2
-    assert verified(planned, name="other", study={"study": "renamed"}, tuning=["each", "one"]) == before
-    for changes in ({"verify": {"seas": 6}}, {"verify": {"seas": 4, "seed": 2}}, {"tuning": ["each", "fixed"]}):
-        assert not set(verified(planned, **changes)) & set(before)
-    linear = planned({"device.mass": [16000.0, 17000.0]}, verify={"seas": 4, "model": "linear"})
-    assert {spec.hydro.model for spec in linear.verifications.values()} == {"linear"}
-    assert not set(linear.verifications) & set(before)
-    members = ids(linear)
-    assert verified(planned, study={"simulation": {"duration": 100.0}}) == before  # how long follows from the seas
-    assert not set(verified(planned, study={"simulation": {"tolerance": 1e-5}})) & set(before)
-    assert ids(planned({"device.mass": [16000.0, 17000.0]})) == members
-
-
-LIMITS = {"pto.force_limit": [1e4, 2e4]}
-
-
-def test_constrained_optima_depend_on_budget_and_seed(planned):
-    found = [
-        ids(planned(LIMITS, tuning=["constrained"], constrained=given)) for given in ({}, {"seconds": 5}, {"seed": 2})
-    ]
-    assert len({tuple(one) for one in found}) == 3
-    assert planned({}).members[0].spec.constrained is None
 
 
 RADII = {"device.radius": [2.0, 3.0]}

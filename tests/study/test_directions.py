@@ -4,7 +4,6 @@ import pytest
 from conftest import SEED
 
 from vsb.errors import ConfigError
-from vsb.study.campaign import sections, study_at
 from vsb.study.directions import RIGID
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load, parse
@@ -29,17 +28,6 @@ def planar(**changes):
 
 def free(**changes):
     return planar(motion="free", device={"ballast_yaw_inertia": 7e3}, **changes)
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_mooring_may_be_rounded(sign):
-    """Symmetric to the tenth digit of its largest number."""
-    rows = [[sign * 1e6 * (i == j) for j in range(6)] for i in range(6)]
-    rows[0][4], rows[4][0] = sign * 1e5, sign * (1e5 + 0.9e-3)
-    assert parse(planar(mooring=rows)).mooring[4][0] == sign * (1e5 + 0.9e-3)
-    rows[4][0] = sign * (1e5 + 1.1e-3)
-    with pytest.raises(ConfigError, match="needs a symmetric matrix"):
-        parse(planar(mooring=rows))
 
 
 @pytest.mark.parametrize("inside", ["surge", "heave", "pitch"])
@@ -133,12 +121,6 @@ def test_anchor_must_lie_outside_the_floating_sphere():
 def test_errors_of_heave(changes, match):
     with pytest.raises(ConfigError, match=match):
         parse(raw(**changes))
-
-
-def test_year_has_one_wave_direction():
-    with pytest.raises(ConfigError, match=r"motion: received 'free'; the seas of a year have no directions: needs"):
-        study_at(sections(parse(free())), {})
-    assert study_at(sections(parse(planar(mooring=[1.0] * 6))), {}).motion == "planar"
 
 
 def test_free_buoy_has_every_order_twice_and_yaw():

@@ -4,7 +4,6 @@ import pytest
 from conftest import SEED, varied
 
 from vsb.errors import ConfigError
-from vsb.study.directions import Drag
 from vsb.study.study import load
 
 PLATE = {"heave": {"coefficient": 0.5, "area": 12.57}}
@@ -39,10 +38,3 @@ def seed():
 def test_errors_of_drag(seed, sections, message):
     with pytest.raises(ConfigError, match=message):
         varied(seed, **{"drag": PLATE, **sections})
-
-
-def test_drag_acts_in_the_directions_it_is_given_for():
-    plate = {"coefficient": 1.0, "area": 2.0}
-    for name in Drag.model_fields:
-        own = plate | ({"lever": 3.0} if name in ("roll", "pitch", "yaw") else {})
-        assert {key: one.model_dump() for key, one in Drag(**{name: own}).directions.items()} == {name: own}

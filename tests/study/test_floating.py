@@ -5,17 +5,13 @@ import math
 import pytest
 import yaml
 from conftest import SEED
-from hypothesis import given
-from hypothesis import strategies as st
 
-import vsb
 from vsb.errors import ConfigError
 from vsb.study.device import (
     Device,
     Shape,
     cap_volume,
     centre_height,
-    floating_height,
     full_volume,
     keel_depth,
     volume_to,
@@ -41,18 +37,6 @@ def test_band_scales_with_the_root_of_gravity_over_radius(raw, radius, gravity, 
     others = {"device": device, "hydro": {}, "water": {"gravity": gravity}, "waves": [swell]}
     assert parse(raw | others).hydro.omega_max == omega_max
     assert omega_max == pytest.approx(5.4 * math.sqrt(gravity / radius), rel=0.02)
-
-
-def test_band_of_sections_made_in_python(raw):
-    device, wave = vsb.Device(**raw["device"]), vsb.RegularWave(kind="regular", amplitude=0.1, period=3.0)
-    wide = vsb.Device(**without(raw["device"], radius=8.0, thickness=0.04, mass=1e6))
-    for known, hydro, omega_max in (
-        (device, vsb.Hydro(), 12.0), (wide, vsb.Hydro(), 6.0), (wide, vsb.Hydro(omega_max=5.0), 5.0),
-        (wide, vsb.Hydro(tolerance=1e-4, solver="spectral"), 6.0), (wide, vsb.Hydro(tolerance=1e-4, omega_max=5.0), 5.0),
-        (wide, vsb.Hydro(omega_max=12.0), 12.0),
-    ):  # fmt: skip
-        study = vsb.Study(study="a", device=known, designs={"A": vsb.Design()}, hydro=hydro, waves=(wave,))
-        assert study.hydro.omega_max == omega_max
 
 
 @pytest.mark.parametrize("draft", [None, 1.0, 2.5])
@@ -104,16 +88,7 @@ def test_volume_of_spherical_caps():
     assert cap_volume(2.0, 2.0) == pytest.approx(4 / 3 * math.pi * 8)
 
 
-@given(st.floats(0.01, 100.0), st.floats(0.01, 1.99))
-def test_floating_height_displaces_the_volume(radius, height):
-    centre = floating_height(radius, cap_volume(radius, height))
-    assert centre == pytest.approx(radius * (1 - height), abs=1e-7 * radius)
-    below = cap_volume(radius, height) + cap_volume(radius, 2 - height)
-    assert below == pytest.approx(4 / 3 * math.pi * radius**3, rel=1e-12)
-
-
 SHELL = {"radius": 2.0, "thickness": 1e-3, "density": 1.0, "young_modulus": 1e7, "poisson_ratio": 0.3}
-EGG = [[0.0, 4.0], [0.6, 3.8], [1.2, 3.2], [1.7, 2.2], [2.0, 1.2], [1.6, 0.4], [0.9, 0.07], [0.0, 0.0]]
 
 
 @pytest.mark.parametrize("height", [1.0, 3.0, 7.0])
@@ -128,13 +103,6 @@ def test_spheroid_floats_as_the_stretched_sphere(part, height):
     assert waterline_radius(shape, 2.0, centre) == pytest.approx(2.0 * math.sqrt(part * (2 - part)), rel=1e-11)
     assert volume_to(device, part) == pytest.approx(volume, rel=1e-12)
     assert full_volume(device) == pytest.approx(2 / 3 * math.pi * 4.0 * height, rel=1e-12)
-
-
-@pytest.mark.parametrize("draft", [0.4, 1.2, 2.2, 3.2])
-def test_waterline_of_a_profile(draft):
-    shape = Shape.model_validate({"profile": EGG})
-    wanted = next(x for x, z in EGG if z == draft)
-    assert waterline_radius(shape, 2.0, 2.0 - draft) == pytest.approx(wanted, abs=5e-3)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """Froude scaling of every quantity of a study."""
 
 import inspect
-import re
 import typing
 from pathlib import Path
 
@@ -78,19 +77,6 @@ def test_take_off_scales_with_the_units_of_its_port(port, expected):
     assert tuple(found[key] for key in TAKE_OFF) == (*expected, 1.0)
 
 
-def test_scaling_there_and_back_is_the_identity():
-    study = config.load(SEED).model_dump(exclude={"study"})
-    twice = scaled(scaled(study, 4.0), 0.25)
-    assert config.parse({"study": "seed", **twice}, source="twice").model_dump() == config.load(SEED).model_dump()
-
-
-def test_damping_per_design_and_lists_scale():
-    raw = {"pto": {"damping": {"FSB": 2.0, "VSWEC": 3.0}}, "simulation": {"window": [4.0, 8.0]}, "hydro": {"rows": 40}}
-    assert scaled(raw, 4.0) == {
-        "pto": {"damping": {"FSB": 64.0, "VSWEC": 96.0}}, "simulation": {"window": [8.0, 16.0]}, "hydro": {"rows": 40}
-    }  # fmt: skip
-
-
 @pytest.mark.parametrize("scale", [0.25, 4.0])
 def test_natural_frequencies_scale_with_the_root_of_length(scale):
     study = config.load(SEED)
@@ -102,29 +88,5 @@ def test_natural_frequencies_scale_with_the_root_of_length(scale):
     assert np.sort(other) == pytest.approx(np.sort(own) / scale, rel=1e-9, abs=1e-6)
 
 
-DIMENSIONS = {
-    "m": "radius thickness stroke_limit amplitude initial_position lever centre_of_mass line_to line_from height length",
-    "m^2": "area", "kg": "mass", "kg m^2": "ballast_inertia ballast_yaw_inertia",
-    "s": "beta period duration window", "1/s": "alpha omega omega_max", "m/s": "initial_velocity",
-    "kg m/s^2": "force_limit", "kg/s^2": "stiffness", "kg/s": "damping",
-    "kg/m/s^2": "young_modulus internal_pressure pressure",
-}  # fmt: skip
 """Quantities by their units; a take-off's are those of a port that moves by a length."""
-OF_SCALE = {"m": 1.0, "kg": 3.0, "s": 0.5}
 """At the same density and gravity: kg/m^3 and m/s^2 stay."""
-
-
-def power_of_scale(unit):
-    """With which power of the length scale a unit goes."""
-    powers, sign = 0.0, 1.0
-    for part, divided in re.findall(r"([^/ ]+)([/ ]?)", unit):
-        name, _, exponent = part.partition("^")
-        powers += sign * OF_SCALE.get(name, 0.0) * float(exponent or 1)
-        sign = -1.0 if divided == "/" else 1.0
-    return powers
-
-
-def test_every_quantity_scales_as_its_units():
-    powers = {name: power_of_scale(unit) for unit, names in DIMENSIONS.items() for name in names.split()}
-    assert power_of_scale("kg/m^3") == power_of_scale("m/s^2") == 0.0
-    assert powers == FROUDE

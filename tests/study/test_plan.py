@@ -1,6 +1,5 @@
 """Plan of a study: ids, figures, frequencies of the response, memory."""
 
-import math
 from typing import get_args
 
 import pytest
@@ -71,14 +70,6 @@ def test_ids_do_not_depend_on_spelling(tmp_path, rewrite):
     for spec in ("database", "radiation", "display", "modes", "response", "comparison"):
         assert content_id(getattr(theirs, spec)) == content_id(getattr(ours, spec))
     assert block_ids(theirs.study) == block_ids(ours.study)
-
-
-def test_response_is_computed_at_tabulated_frequencies_and_regular_waves(seed):
-    waves = [{"kind": "regular", "amplitude": 0.1, "period": T} for T in (3.0, 2.5, 3.0)] + [{"kind": "still"}]
-    study = varied(seed, waves=waves[:2] + waves[3:], hydro={"solver": "spectral", "omega": [1e-3, 2.0, 5.0]})
-    plan = StudyPlan(study)
-    assert 1e-3 < plan.first_omega < 2.0
-    assert plan.response.omega == (2.0, 2 * math.pi / 3, 2 * math.pi / 2.5, 5.0)
 
 
 def test_paths_lie_under_the_root_and_name_their_ids(seed):

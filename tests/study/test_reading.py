@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import pytest
 import yaml
-from invariance import SEED
 from study.test_sections import changed
 
 from vsb.errors import ConfigError
@@ -68,18 +67,6 @@ def test_missing_file():
         config.load("nowhere.yaml")
 
 
-def test_file_that_is_no_text(tmp_path):
-    file = tmp_path / "binary.yaml"
-    file.write_bytes(b"\xff\xfe\x00a")
-    with pytest.raises(ConfigError, match=r"binary.yaml: not valid YAML \('utf-8' codec can't decode"):
-        config.load(file)
-
-
-def test_folder_in_place_of_a_file(tmp_path):
-    with pytest.raises(ConfigError, match=r"cannot be read \(it is no regular file\); give the path of a study file"):
-        config.load(tmp_path)
-
-
 def test_misspelt_key_comes_before_the_missing_one(seed):
     data = seed.model_dump()
     data["device"]["youngs_modulus"] = data["device"].pop("young_modulus")
@@ -136,26 +123,6 @@ def test_number_of_too_many_digits_is_refused(tmp_path):
     path.write_text(f"jobs: 2\nset:\n  mem: 0x{'f' * 20_000}\n")
     with pytest.raises(ConfigError, match=r"config.yaml:3: set.mem: received a number of too many digits"):
         reading.read_yaml(path, "a profile")
-
-
-def test_key_without_a_value_is_reported_at_its_line(written):
-    text = yaml.safe_dump(
-        SEED | {"device": {**SEED["device"], "poisson_ratio": None}, "published": None}, sort_keys=False
-    )
-    line = text.splitlines().index("  poisson_ratio: null") + 1
-    with pytest.raises(ConfigError, match=rf"given.txt:{line}: device.poisson_ratio: received None; needs a number"):
-        config.load(written(text))
-
-
-def test_check_across_sections_is_reported_at_its_line(written):
-    """At the second sea, not at the list."""
-    waves = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (3.0, 0.3)]
-    text = yaml.safe_dump(SEED | {"waves": waves}, sort_keys=False)
-    line = [i for i, one in enumerate(text.splitlines(), 1) if one.startswith("- ")][1]
-    with pytest.raises(
-        ConfigError, match=rf"given.txt:{line}: study: waves.1 regular_A0.1_T0.3: the wave is too short"
-    ):
-        config.load(written(text))
 
 
 @pytest.mark.parametrize(

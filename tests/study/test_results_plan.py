@@ -55,20 +55,6 @@ def test_study_id_covers_all_results(seed, pressed):
     assert {plan.ids[path] for path in plan.display_paths} == {content_id(plan.display)}
 
 
-def test_size_of_a_record(seed):
-    """Nine series per coordinate and ten others, 200 instants per period, thinned if too long."""
-    regular = {"kind": "regular", "amplitude": 0.1, "period": 2.0}
-    for designs, coordinates in (({"A": {"flexible": False}}, 1), ({"A": {}}, 8)):
-        for duration, kept in ((1e3, 1e5), (1e4, 1.25e5), (1e5, 1e6)):
-            run = {"duration": duration, "window": (0.0, duration)}
-            study = varied(seed, waves=[regular], simulation=run, designs=designs, modes={"degree": 6})
-            plan = StudyPlan(study)
-            assert plan.coordinates == coordinates
-            assert plan.record_megabytes(study.waves[0]) == pytest.approx(
-                8e-6 * (9 * coordinates + 10) * kept, abs=1.01
-            )
-
-
 def test_memory_of_runs_and_reports(seed):
     """Three records per run, one per design in the report, 0.6 kB per component of a spectrum."""
     waves = [

@@ -73,10 +73,6 @@ def test_invalid_value_is_one_line_with_file_key_and_need(tmp_path, path, value,
     assert "\n" not in str(error.value)
 
 
-def test_single_clamp():
-    assert config.Design(clamp=45) == config.Design(clamp=[45.0])
-
-
 @pytest.mark.parametrize(
     ("wave", "label", "words"),
     [

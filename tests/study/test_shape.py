@@ -3,13 +3,13 @@
 import math
 
 import pytest
-from conftest import SEED, varied
+from conftest import SEED
 
 from vsb.errors import ConfigError
-from vsb.study.device import Shape, centre_height, keel_depth, with_points
+from vsb.study.device import Shape
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
-from vsb.study.study import load, parse
+from vsb.study.study import parse
 
 OBLATE = {"spheroid": {"height": 3.0}}
 
@@ -29,23 +29,6 @@ def test_without_mass_half_of_the_volume_is_immersed():
     assert study.centre_height == pytest.approx(0.0, abs=1e-12)
     assert study.waterline_radius == pytest.approx(2.0, rel=1e-9)
     assert study.heave_frequency == pytest.approx(math.sqrt(9.81 * math.pi * 4 / (2 / 3 * math.pi * 4 * 1.5)), rel=1e-9)
-
-
-@pytest.mark.parametrize("shape", [OBLATE, {"capsule": {"length": 1.0}}, {"spheroid": {"height": 6.0}}])
-def test_draft_is_that_of_the_shape(shape):
-    study = parse(raw(shape, device={"draft": 1.2}))
-    assert study.draft == pytest.approx(1.2, rel=1e-9)
-    meridian = study.device.meridian
-    assert study.device.mass == pytest.approx(study.water.density * meridian.volume_below(meridian.keel + 1.2))
-    assert keel_depth(study.device, centre_height(study.device, study.water)) == study.draft
-
-
-def test_spheroid_of_two_radii_floats_as_the_sphere():
-    ball, sphere = parse(raw({"spheroid": {"height": 4.0}}, device={"draft": 1.3})), varied(load(SEED))
-    sphere = parse(raw(None, device={"draft": 1.3}))
-    for name in ("draft", "centre_height", "waterline_radius", "heave_frequency"):
-        assert getattr(ball, name) == pytest.approx(getattr(sphere, name), rel=1e-9), name
-    assert ball.device.shell_mass == pytest.approx(sphere.device.shell_mass, rel=1e-12)
 
 
 def test_profile_in_a_file(tmp_path):
@@ -113,23 +96,3 @@ def test_height_is_a_tenth_to_ten_diameters(key, size, limit, inwards):
     with pytest.raises(ValueError, match="needs") as refused:
         Shape(**{key: {size: limit / inwards}}).meridian(2.0)
     assert str(refused.value) == f"shape.{key}: received a height of {across:.4g} diameters, needs 0.1 to 10"
-
-
-@pytest.mark.parametrize("data", [b"\xff\xfe0,1", b'0,1\n"' + b"1" * 200_000])
-def test_profile_that_is_not_text(tmp_path, data):
-    """Bytes that are no letters, a cell longer than any."""
-    (tmp_path / "hull.csv").write_bytes(data)
-    with pytest.raises(ConfigError) as refused:
-        with_points({"device": {"shape": {"profile": "hull.csv"}}}, str(tmp_path / "study.yaml"))
-    expected = "device.shape.profile: received hull.csv, which cannot be read (no text); needs a CSV file"
-    assert str(refused.value) == f"{tmp_path / 'study.yaml'}: {expected}"
-
-
-def test_invalid_shape_is_the_only_error():
-    for more in ({}, {"draft": 1.0}):
-        with pytest.raises(ConfigError) as refused:
-            parse(raw({"spheroid": {"height": -1.0}}, device=more), source="here")
-        assert len(refused.value.mistakes) == 1
-        assert str(refused.value).startswith(
-            "here: device.shape.spheroid.height: received -1.0; needs a number above 0"
-        )

@@ -4,14 +4,14 @@ import json
 
 import numpy as np
 import pytest
-from conftest import SEED, varied
+from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from study.test_sections import RAW, changed
 
 from vsb.errors import ConfigError
 from vsb.study import study as config
-from vsb.study.study import canonical, content_id
+from vsb.study.study import canonical
 
 
 def shuffled(data, rnd):
@@ -41,28 +41,11 @@ def test_canonical_form_ignores_order_and_spelling(rnd):
     assert config.parse(json.loads(canonical(studies[0]))) == studies[0]
 
 
-@pytest.mark.parametrize("spelling", ["1e5", "1.0e+5", "'1e5'"])
-def test_spellings_of_one_number(tmp_path, spelling):
-    file = tmp_path / "a.yaml"
-    file.write_text(SEED.read_text().replace("10.0e6", spelling))
-    assert content_id(config.load(file)) == content_id(config.parse(changed(("device", "young_modulus"), 1e5)))
-
-
 @given(st.floats(1400.0, 34000.0))
 def test_any_floating_mass_is_that_of_the_displaced_water(mass):
     study = config.parse(changed(("device", "mass"), mass))
     assert 1025.0 * 3.141592653589793 * study.draft**2 * (6.0 - study.draft) / 3 == pytest.approx(mass, rel=1e-11)
     assert study.centre_height + study.draft == pytest.approx(2.0, rel=1e-14)
-
-
-def test_reference_is_the_first_rigid_design_by_name(seed):
-    assert seed.reference_design == "FSB"
-    assert seed.flexible
-    both = varied(seed, designs={"locked": {"flexible": False}, "free": {"flexible": False}})
-    read = config.parse(json.loads(canonical(both)))
-    assert both.reference_design == read.reference_design == "free"
-    rigidless = varied(seed, designs={"A": {}, "B": {"clamp": 0}})
-    assert rigidless.reference_design is None
 
 
 @pytest.mark.parametrize("mass", [6000.0, 17170.0, 28000.0])
@@ -124,15 +107,6 @@ def test_methods_of_each_model(seed):
                     match=rf"simulation.method '{method}': hydro.model '{model}' needs one of {suitable}( \(|$)",
                 ):
                     varied(seed, **asked)
-
-
-def test_automatic_model_needs_absorbed_power(seed):
-    idle = {"pto": {"damping": {name: 0.0 if name == "FSB" else 5.0 for name in seed.designs}}}
-    assert varied(seed, **idle).pto.idle
-    with pytest.raises(
-        ConfigError, match=r"hydro.model 'auto': judges by mean absorbed power; needs pto.damping above 0"
-    ):
-        varied(seed, hydro={"model": "auto"}, **idle)
 
 
 @pytest.mark.parametrize("law", ["latching", "declutching", "coulomb"])
@@ -214,14 +188,3 @@ def test_limits_of_duration_and_window(seed):
         ConfigError, match=r"needs to be at least 1 s long, because the motion in waves.1 .* takes 50 s"
     ):
         asked([fast, slow], window=(59.01, 60.0)).check_record()
-
-
-def test_fastest_motion_of_a_study(seed):
-    jonswap = {"kind": "jonswap", "hs": 0.1, "tp": 3.0}
-    study = varied(seed, waves=[REGULAR, jonswap, {"kind": "still"}], hydro={"omega_max": 8.0})
-    regular, sea, still = study.waves
-    assert study.fastest(regular) == regular.omega
-    assert study.fastest(sea) == 8.0 < sea.fastest
-    assert study.fastest(still) == study.heave_frequency
-    pressed = varied(seed, **{**PRESSED, "waves": [REGULAR, {**REGULAR, "period": 0.5}]})
-    assert [pressed.fastest(wave) for wave in pressed.waves] == [pressed.heave_frequency, pressed.waves[1].omega]

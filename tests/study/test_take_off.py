@@ -14,26 +14,6 @@ def seed():
     return load(SEED)
 
 
-@pytest.mark.parametrize("law", ["saturated", "coulomb"])
-def test_laws_with_a_limit_need_it(seed, law):
-    with pytest.raises(ConfigError, match=f"pto: force_limit: missing; law {law} needs one in N"):
-        varied(seed, pto={"law": law})
-
-
-def test_automatic_model_cannot_follow_a_law(seed):
-    wrong = (
-        "pto: received law saturated with force_limit 3000 N and stroke_limit inf m, for which hydro.model 'auto' "
-        "cannot choose; needs hydro.model: linear or body_exact, or law: linear without limits"
-    )
-    keys = {"law": "saturated", "force_limit": 3e3}
-    with pytest.raises(ConfigError, match=wrong):
-        varied(seed, pto=keys, hydro={"model": "auto"})
-    for model in ("linear", "body_exact"):
-        assert varied(seed, pto=keys, hydro={"model": model}).pto.law == "saturated"
-
-
-# tuning -------------------------------------------------------------------------------------------------------------
-
 SEA = {"kind": "jonswap", "hs": 0.5, "tp": 4.0, "realisations": 2}
 SWELL, STILL = {"kind": "regular", "amplitude": 0.1, "period": 3.0}, {"kind": "still"}
 
@@ -140,14 +120,3 @@ def test_damping_of_a_run(seed):
 )  # fmt: skip
 def test_unit_of_damping_follows_the_port(port, unit):
     assert port_kind(port).damping_unit == port_kind(Pto(port=port).port).damping_unit == unit
-
-
-def test_zero_damping_is_a_given_damping():
-    assert Pto(damping=0.0).idle
-    assert Pto(damping=0.0).tuning == "fixed"
-    assert Pto(damping={"FSB": 5.0, "VSWEC": 0.0}).idle
-    assert not Pto(damping={"FSB": 5.0, "VSWEC": 1.0}).idle
-    assert not Pto().idle
-    assert Pto(damping=None).tuning == "each"
-    with pytest.raises(ConfigError, match="damping: missing; tuning fixed needs one in N s/m"):
-        Pto(tuning="fixed", stiffness=5.0)

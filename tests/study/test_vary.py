@@ -1,14 +1,10 @@
 """What a campaign varies: values, points, dimensions, units."""
 
-import json
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.study.keys import KEYS
-from vsb.study.study import canonical
-from vsb.study.vary import _VARIED_IN, Vary, read_vary, unit
+from vsb.study.vary import Vary, read_vary, unit
 from vsb.tools.ports import MOMENT, PRESSURE
 
 TAKEN = ("damping", "hs")
@@ -21,19 +17,6 @@ def test_last_key_varies_fastest():
         {"device.mass": 1.0, "modes.basis": "membrane"},
         {"device.mass": 1.0, "modes.basis": "full"},
     ]
-
-
-def test_order_of_keys_survives_canonical_json():
-    """Canonical JSON sorts mappings."""
-    vary = read_vary({"device.young_modulus": [1.0, 2.0], "device.mass": [3.0, 4.0, 5.0]})
-    assert Vary.model_validate(json.loads(canonical(vary))) == vary
-    assert Vary.model_validate(json.loads(canonical(vary))).points == vary.points
-
-
-def test_pairs_vary_together():
-    vary = read_vary({"device.mass": [1.0, 2.0], "device.radius": [3.0, 4.0], "pairs": True})
-    assert vary.points == [{"device.mass": 1.0, "device.radius": 3.0}, {"device.mass": 2.0, "device.radius": 4.0}]
-    assert vary.shape == (2,)
 
 
 @pytest.mark.parametrize(
@@ -115,9 +98,3 @@ def test_errors_of_varied_keys(raw, message):
 )  # fmt: skip
 def test_units_of_the_take_off_follow_the_port(key, force, pressure, moment):
     assert (unit(key), unit(key, PRESSURE), unit(key, MOMENT)) == (force, pressure, moment)
-
-
-def test_unit_of_a_key_follows_from_its_last_word():
-    for section in _VARIED_IN:
-        for name, key in KEYS[section].items():
-            assert key.unit in ("", "-", unit(name)), (section, name)

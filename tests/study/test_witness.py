@@ -7,10 +7,9 @@ import xarray as xr
 from conftest import shipped, varied
 
 from vsb.results.ledger import witness_checks
-from vsb.study.blocks import LEAST_DEPTH_IN_WAVENUMBERS, LONGEST, lowest_modes, no_witness
+from vsb.study.blocks import no_witness
 from vsb.study.plan import StudyPlan, figure_names
 from vsb.study.study import load
-from vsb.waves.dispersion import wavenumber
 
 
 @pytest.mark.parametrize(
@@ -35,24 +34,6 @@ def test_reason_for_no_cross_check(name, change, reason, checks):
         assert all(reason in check.explanation for check in found)
 
 
-def test_twelve_modes_of_the_lowest_degrees(seed):
-    full = StudyPlan(varied(seed, modes={"basis": "full", "degree": 20})).witness.meshes
-    six = (*(f"Membrane{n}" for n in range(7)), *(f"Bending{n}" for n in range(2, 7)))
-    assert full.deformed == six
-    assert len(StudyPlan(varied(seed, modes={"basis": "full", "degree": 20})).deformed_paths) == 25
-    assert lowest_modes(tuple(f"Membrane{n}" for n in range(30))) == tuple(f"Membrane{n}" for n in range(12))
-    assert StudyPlan(varied(seed, modes={"degree": 12})).witness.meshes.rows == 44  # eight on a lobe
-    assert (StudyPlan(seed).witness.meshes.rows, StudyPlan(seed).witness.meshes.azimuth) == (32, 64)
-
-
-def test_shortest_wave_in_shallow_water(seed):
-    """A flat float whose draft is far below its radius."""
-    flat = varied(seed, device={"mass": 150.0, "thickness": 0.001}, water={"depth": 0.3})
-    low, _, high = (wavenumber(w, 0.3, 9.81) for w in StudyPlan(flat).witness.omega)
-    assert low == pytest.approx(LEAST_DEPTH_IN_WAVENUMBERS / 0.3, rel=1e-4)
-    assert high == pytest.approx(2 * low, rel=1e-4)
-
-
 @pytest.mark.parametrize("depth", [math.inf, 100.0, 20.0, 2.5])
 def test_waves_lie_within_reach_of_both_solvers(seed, depth):
     spec = StudyPlan(varied(seed, water={"depth": depth})).witness
@@ -64,14 +45,6 @@ def test_waves_lie_within_reach_of_both_solvers(seed, depth):
         assert wavenumbers[0] * 2.0 == pytest.approx(0.3, rel=1e-5)
     else:
         assert spec.omega[0] >= math.sqrt(9.81 * 0.3 / depth * math.tanh(0.3)) - 1e-5
-
-
-@pytest.mark.parametrize("depth", [3.0, 10.0, math.inf])
-def test_three_wavenumbers_are_in_geometric_progression(seed, depth):
-    spec = StudyPlan(varied(seed, water={"depth": depth})).witness
-    low, middle, high = (wavenumber(w, depth, 9.81) for w in spec.omega)
-    assert middle**2 == pytest.approx(low * high, rel=1e-4)
-    assert low == pytest.approx(max(LONGEST / 2.0, LEAST_DEPTH_IN_WAVENUMBERS / depth), rel=1e-4)
 
 
 def test_no_cross_check_of_other_shapes_or_very_shallow_water(seed):

@@ -69,7 +69,7 @@ def checked_body(plan: BodyPlan) -> tuple[LinearSystem, list[Check]]:
     study.check_dampers()
     check_stored(plan)
     moving = [wave for wave in study.waves if not isinstance(wave, StillWater)]
-    if moving and not plan.solves:
+    if moving and not plan.solves_panels:
         seas = [(wave, study_sea(study, wave, body.database)) for wave in moving]
         for design in floating.motions:
             port_in_seas(floating, design, seas)  # raises if the port is not passive where the seas are
@@ -118,7 +118,7 @@ def body_summary(plan: BodyPlan) -> list[str]:
         f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
         f"body         {len(body.labels)} degrees of freedom: {', '.join(body.labels)}; {', '.join(designs)}",
         f"hydro        {len(omega)} frequencies from {omega[0]:g} to {omega[-1]:g} rad/s, "
-        f"{'solved of the mesh' if plan.solves else 'read from ' + plan.files[study.body.kind]}",
+        f"{'solved of the mesh' if plan.solves_panels else 'read from ' + plan.files[study.body.kind]}",
         f"database     {plan.database_path}{there}",
     ]
     if isinstance(file := study.body.file, BodyFile):

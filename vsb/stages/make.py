@@ -3,6 +3,7 @@
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
+from vsb.stages.check import check_plan
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.planning import with_degree
 from vsb.stages.stage import STAGES
@@ -29,26 +30,15 @@ def run(study: Study | LocatedBody, folder: str | Path = "results") -> Study | B
     VsbError
         If the study cannot be run, a check of its hydrodynamics fails, or another run is at work in the folder.
     """
-    plan = _checked(study, str(folder))
+    if isinstance(study, LocatedBody):
+        plan: AnyPlan = BodyPlan(study.study, root=str(folder), files=study.files)
+    else:
+        plan = with_degree(StudyPlan(study, root=str(folder)))
+    check_plan(plan)
     check_folder(folder)
     with exclusive_lock(Path(plan.folder)):
         make(plan, plan.products, stale=stale_products(plan, dry=False))
     return plan.study
-
-
-def _checked(study: Study | LocatedBody, root: str) -> AnyPlan:
-    """The plan of a study after its checks."""
-    if isinstance(study, LocatedBody):
-        from vsb.stages.body_preview import body_before_run  # readers of meshes, which no buoy needs
-
-        plan = BodyPlan(study.study, root=root, files=study.files)
-        body_before_run(plan)
-        return plan
-    from vsb.stages.preview import check_before_run
-
-    found = with_degree(StudyPlan(study, root=root))
-    check_before_run(found.study, found)
-    return found
 
 
 def make(plan: AnyPlan, targets: Collection[str], stale: Collection[str] = ()) -> None:

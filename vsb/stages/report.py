@@ -32,8 +32,7 @@ from vsb.scenes.floating_system import FloatingSystem, band, floating_system, he
 from vsb.scenes.floating_system import towards as headed
 from vsb.stages.stored import Inputs
 from vsb.study.blocks import no_witness
-from vsb.study.body import AnyStudy, BodyStudy
-from vsb.study.plan import StudyPlan
+from vsb.study.body import AnyStudy
 from vsb.study.study import Irregular, IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, StillWater, Study, Wave
 from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
@@ -62,7 +61,7 @@ def run_figures(study: AnyStudy, trajectories: str, out: str, manifest: str, **f
         runs=found.runs,
         witness=found.witness,
         tuned=study.pto.damping is None,
-        limit=f"limit {found.response.attrs.get('limit', 'λ/2π')}" if isinstance(study, Study) else "λ/2π",
+        limit=f"limit {found.response.attrs.get('limit', 'λ/2π')}" if study.buoy else "λ/2π",
         spectra=_spectra(study, found.plan.highest),
         port=port_kind(study.pto.port),
     )
@@ -90,8 +89,8 @@ def _period(study: AnyStudy, wave: Wave, response: xr.Dataset) -> float:
 
 def _slowest(study: AnyStudy, response: xr.Dataset) -> float:
     """Lowest natural frequency [rad/s]; without BEM that of heave, sqrt(rho g pi r_w^2/m); 1 of what drifts alone."""
-    if isinstance(study, Study) and not study.needs_bem:
-        return study.heave_frequency
+    if study.buoy and not study.needs_bem:
+        return study.buoy.heave_frequency
     return float(response.wet_natural_frequency.min()) if response.wet_natural_frequency.size else 1.0
 
 
@@ -110,8 +109,8 @@ def animated_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) 
     words : mapping
         Every sea in words, by its label.
     """
-    study = stored.study
-    assert isinstance(study, Study)  # a body has no shell to draw
+    study = stored.study.buoy
+    assert study is not None  # a body has no shell to draw
     waves = [wave for wave in study.drawn_waves if not isinstance(wave, StillWater)]
     shown = waves or study.drawn_waves
     width, shell = SEEN * study.device.radius, list(map(str, modes.mode.values))
@@ -160,8 +159,7 @@ def interactive_study(
     A port has a free velocity for every direction waves go to: seas share a grid if they share both.
     """
     pto = study.pto
-    dragged = isinstance(study, Study) and study.drag
-    if not study.needs_bem or dragged or pto.spring_costs:
+    if not study.needs_bem or study.drag_of_buoy or pto.spring_costs:
         return None
     seen, waves = _Seen(study, floating_system(study, database)), _shown_seas(study)
     if not waves:
@@ -280,14 +278,8 @@ ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantane
 def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: str) -> None:
     """Write the report of a study, from its checked results alone."""
     stored = Inputs(study, trajectories, files)
-    study_id = stored.plan.study_id
+    buoy, study_id = study.buoy, stored.plan.study_id
     found = json.loads(read_text(files["tables"], manifest, study_id))
-    if isinstance(study, BodyStudy):
-        hydrodynamics = _body_facts(stored)
-    elif study.needs_bem:
-        hydrodynamics = _bem_facts(stored) | _witness_facts(stored, study)
-    else:
-        hydrodynamics = {"Hydrodynamics": ASSUMED.format(study.hydro.pressure)}
     page = Report(
         study=study.model_dump(),
         seas=_seas(study),
@@ -300,38 +292,37 @@ def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **fi
         checks=found["checks"],
         response=in_direction(stored.response, study.waves[0]) if study.needs_bem else None,
         reference=study.reference_design,
-        sketches=sketches(study) if isinstance(study, Study) else (),
-        thing="buoy" if isinstance(study, Study) else "body",
+        sketches=sketches(buoy) if buoy else (),
+        thing="buoy" if buoy else "body",
         flexible=study.flexible,
-        animated=_buoys(stored),
+        animated=animated_study(stored, stored.modes, _seas(study)) if buoy else None,
         interactive=interactive_study(study, stored.path("database"), stored.response, found["within_limits"]),
         figures={n: read_text(f"{files['figures']}/{n}.svg", manifest, study_id) for n in stored.plan.figures},
-        facts=_facts(study, hydrodynamics, stored.runs.attributes()),
+        facts=_facts(stored, stored.runs.attributes()),
     )
     write_text(out, render(page))
     record(manifest, study_id, [out])
 
 
-def _buoys(stored: Inputs) -> dict[str, Any] | None:
-    """Moving buoys of a page; of a body nothing is known that could be drawn."""
-    if not isinstance(stored.plan, StudyPlan):
-        return None
-    return animated_study(stored, stored.modes, _seas(stored.plan.study))
-
-
 def _seas(study: AnyStudy) -> dict[str, str]:
     """Every sea in words; an assumed pressure is no sea."""
-    if isinstance(study, BodyStudy) or study.needs_bem:
+    if study.needs_bem:
         names = {name: waves[0].description for name, waves in families(study).items()}
         return {wave.label: wave.description for wave in study.waves} | names
-    words = f"an assumed uniform pressure of {study.hydro.pressure:g} Pa and {{:g}} s period"
+    pressure = study.buoy.hydro.pressure if study.buoy else None
+    words = f"an assumed uniform pressure of {pressure:g} Pa and {{:g}} s period"
     return {
         w.label: w.description if isinstance(w, StillWater) else words.format(2 * np.pi / w.omega) for w in study.waves
     }
 
 
-def _facts(study: AnyStudy, hydrodynamics: dict[str, str], runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """How the results were made, in words; by what runs say of themselves."""
+def _facts(stored: Inputs, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """How the results were made, in words."""
+    study, buoy = stored.study, stored.study.buoy
+    hydrodynamics = _water_facts(stored) if study.needs_bem else {}
+    if buoy:
+        assumed = {"Hydrodynamics": ASSUMED.format(buoy.hydro.pressure)} if not study.needs_bem else {}
+        hydrodynamics |= _cross_check_facts(stored, buoy) if study.needs_bem else assumed
     return {
         "Program": f"vsb {__version__}, {clock.strftime('%Y-%m-%d')}",
         **hydrodynamics,
@@ -344,41 +335,30 @@ def _facts(study: AnyStudy, hydrodynamics: dict[str, str], runs: Sequence[Mappin
     }
 
 
-def _body_facts(stored: Inputs) -> dict[str, str]:
-    """Where the hydrodynamic coefficients of a body come from."""
-    ds, model = stored.database, stored.radiation.attrs
-    told = "; ".join(text for text in (ds.attrs.get("history", ""), model.get("history", "")) if text)
-    return {
-        "Coefficients": str(ds.attrs["solver"]),
-        "Hydro database": f"{Path(stored.path('database')).name}: {ds.sizes['omega']} frequencies from "
-        f"{float(ds.omega[0]):g} to {float(ds.omega[-1]):g} rad/s, degrees of freedom "
-        f"{', '.join(map(str, ds.influenced_dof.values))}",
-        "Radiation memory": f"{model['order']} states, rms error {model['fit_error']:.1e}, "
-        f"fitted in {model['seconds']:.1f} s",
-        **({"History": told} if told else {}),
-    }
-
-
-def _bem_facts(stored: Inputs) -> dict[str, str]:
+def _water_facts(stored: Inputs) -> dict[str, str]:
     """Where the hydrodynamic coefficients come from."""
-    ds, model = stored.database, stored.radiation.attrs
+    ds, model, labels = stored.database, stored.radiation.attrs, list(map(str, stored.database.influenced_dof.values))
+    history = "; ".join(text for text in (ds.attrs.get("history", ""), model.get("history", "")) if text)
+    solver, seconds = ds.attrs["solver"], ds.attrs.get("bem_seconds")
     return {
-        "BEM": "spectral integral equation" if ds.attrs["solver"] == "spectral" else ds.attrs["solver"],
-        "Hydro database": f"{Path(stored.path('database')).name}: {ds.sizes['omega']} frequencies up to "
-        f"{float(ds.omega[-1]):g} rad/s, {ds.sizes['influenced_dof']} degrees of freedom",
-        "Seconds of BEM": f"{ds.attrs['bem_seconds']:.1f} on one core",
+        "Coefficients": "spectral integral equation" if solver == "spectral" else str(solver),
+        "Hydro database": f"{Path(stored.path('database')).name}: {ds.sizes['omega']} frequencies from "
+        f"{float(ds.omega[0]):g} to {float(ds.omega[-1]):g} rad/s, {len(labels)} degrees of freedom: "
+        f"{', '.join(labels)}",
+        **({} if seconds is None else {"Seconds of solving": f"{float(seconds):.1f} on one core"}),
         "Radiation model": f"{model['order']} states, rms error {model['fit_error']:.1e}, "
         f"fitted in {model['seconds']:.1f} s",
+        **({"History": history} if history else {}),
     }
 
 
-def _witness_facts(stored: Inputs, study: Study) -> dict[str, str]:
-    """What the second solver was, and took."""
+def _cross_check_facts(stored: Inputs, study: Study) -> dict[str, str]:
+    """What the second solver was, and how long it took."""
     if reason := no_witness(study):
-        return {"Witness": f"none ({reason})"}
+        return {"Cross-check": f"none ({reason})"}
     ds, name = stored.witness, Path(stored.path("witness")).name
     panels, spectral = (float(ds.witness_seconds.sel(solver=solver).sum()) for solver in ("panels", "spectral"))
     return {
-        "Witness": f"{name}: {ds.sizes['shape']} shapes at {ds.sizes['omega']} frequencies by "
+        "Cross-check": f"{name}: {ds.sizes['shape']} shapes at {ds.sizes['omega']} frequencies by "
         f"{ds.attrs['panels']} on {ds.attrs['rows']} rows ({panels:.1f} s) and the spectral solver ({spectral:.1f} s)"
     }

@@ -22,12 +22,13 @@ import psutil
 
 from vsb.errors import ConfigError, VsbError
 from vsb.stages import make, slurm
+from vsb.stages.check import check_plan
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.planning import plan_of
 from vsb.stages.stage import STAGES
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.jobs import jobs
-from vsb.study.plan import AnyPlan, BodyPlan
+from vsb.study.plan import AnyPlan
 from vsb.study.reading import nearest, read_yaml
 from vsb.tools import completion
 from vsb.tools.shipped import HOME
@@ -49,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
 
     plan = plan_of(args.config)
     check_name(plan)
-    _check(plan)
+    check_plan(plan)
     for folder in (".", plan.root):  # snakemake writes to both
         check_folder(folder)
     check_options(args.snakemake, plan)
@@ -84,22 +85,6 @@ def run(args: argparse.Namespace) -> int:
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
         print(f"{plan.name}: {_answer(plan)}{report}")
     return 0
-
-
-def _check(plan: Plan) -> None:
-    """Raise what would fail later; only what a plan of this kind needs is read, for a run waits for it."""
-    if isinstance(plan, CampaignPlan):
-        from vsb.stages.campaign_preview import check_campaign
-
-        check_campaign(plan)
-    elif isinstance(plan, BodyPlan):
-        from vsb.stages.body_preview import body_before_run
-
-        body_before_run(plan)
-    else:
-        from vsb.stages.preview import check_before_run
-
-        check_before_run(plan.study, plan)
 
 
 def _command(args: argparse.Namespace, profile: Path, whole: Sequence[str]) -> list[str]:

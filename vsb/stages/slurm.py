@@ -10,7 +10,7 @@ from typing import Any
 
 from vsb.errors import VsbError
 from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.plan import AnyPlan, BodyPlan
+from vsb.study.plan import AnyPlan
 
 LONGEST = 50
 """Characters of a name the plug-in takes."""
@@ -87,8 +87,7 @@ def is_short(plan: AnyPlan | CampaignPlan) -> bool:
     study = plan.study
     runs = len(study.designs) * len(study.waves)
     motion = runs * study.simulation.duration
-    solves = plan.solves if isinstance(plan, BodyPlan) else plan.study.uses_panels
-    return runs <= MOST_RUNS and motion <= SHORT and not solves and not study.pto.pauses
+    return runs <= MOST_RUNS and motion <= SHORT and not plan.solves_panels and not study.pto.pauses
 
 
 def job_name(name: str) -> str:

@@ -10,8 +10,7 @@ import xarray as xr
 
 from vsb.hydro.database import load_database
 from vsb.study.body import AnyStudy
-from vsb.study.plan import ResultsPlan, StudyPlan, plan_for, trajectory_name
-from vsb.study.quantities import content_id
+from vsb.study.plan import ResultsPlan, plan_for, trajectory_name
 from vsb.tools.files import attributes, check_stamp, load
 
 
@@ -92,9 +91,8 @@ class Inputs:
     @cached_property
     def modes(self) -> xr.Dataset:
         """Shapes of the shell modes."""
-        if not isinstance(self.plan, StudyPlan):
-            return xr.Dataset()
-        return load(self.path("modes"), expected=content_id(self.plan.modes))
+        expected = [self.plan.shape_ids[path] for path in self.plan.modes_files.values()]
+        return load(self.path("modes"), expected=expected[0]) if expected else xr.Dataset()
 
     @cached_property
     def database(self) -> xr.Dataset:

@@ -125,7 +125,7 @@ def jobs(plan: AnyPlan | CampaignPlan) -> list[Job]:
 
 def _body(plan: BodyPlan) -> Iterator[Job]:
     """The hydro database of a body, solved or read."""
-    if plan.solves:
+    if plan.solves_panels:
         yield _green(plan)
     files = {**plan.sources, "out": plan.database_path}
     needs = tuple(plan.inputs)

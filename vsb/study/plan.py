@@ -156,6 +156,11 @@ class ResultsPlan(ResultsFolder):
         return {}
 
     @property
+    @abstractmethod
+    def solves_panels(self) -> bool:
+        """Whether coefficients are solved on panels, which takes minutes."""
+
+    @property
     def modes_files(self) -> dict[str, str]:
         """Shapes of the modes, by the option that names them; none of a body, likewise."""
         return {}
@@ -419,6 +424,11 @@ class StudyPlan(HydroPlan, ResultsPlan):
         return own | dict.fromkeys(self.display_paths, content_id(self.display))
 
     @property
+    def solves_panels(self) -> bool:
+        """Whether coefficients are solved on panels, which takes minutes."""
+        return self.study.uses_panels
+
+    @property
     def modes_files(self) -> dict[str, str]:
         """Shapes of the shell modes, by the option that names them."""
         return {"modes": f"{self.folder}/modes.nc"}
@@ -512,8 +522,8 @@ class BodyPlan(ResultsPlan):
             omega_max=study.hydro.omega_max,
             accept=tuple(sorted(study.hydro.accept)),
             repair=tuple(sorted(study.hydro.repair)),
-            solver=panel_solver() if self.solves else "",
-            solved=PHYSICS if self.solves else 0,
+            solver=panel_solver() if self.solves_panels else "",
+            solved=PHYSICS if self.solves_panels else 0,
         )
 
     def system(self, *names: str, **changed: Any) -> BodySystem:
@@ -549,7 +559,7 @@ class BodyPlan(ResultsPlan):
     @property
     def sources(self) -> dict[str, str]:
         """What the database is made from beside its spec, by option: the body's files, and where a mesh is solved."""
-        solving = {"folder": f"{self.root}/hydro/bodies", "green": self.green_folder} if self.solves else {}
+        solving = {"folder": f"{self.root}/hydro/bodies", "green": self.green_folder} if self.solves_panels else {}
         return {**self.files, **solving}
 
     @property
@@ -557,11 +567,11 @@ class BodyPlan(ResultsPlan):
         """Files the database is made from."""
         endings = {"wamit": WAMIT[:NEEDED]}
         files = [f"{path}{ending}" for kind, path in self.files.items() for ending in endings.get(kind, ("",))]
-        return [*files, f"{self.green_folder}.done"] if self.solves else files
+        return [*files, f"{self.green_folder}.done"] if self.solves_panels else files
 
     @property
-    def solves(self) -> bool:
-        """Whether the database is solved of a mesh, not read."""
+    def solves_panels(self) -> bool:
+        """Whether the database is solved on the panels of a mesh, not read."""
         return isinstance(self.study.body.file, BodyFile)
 
 

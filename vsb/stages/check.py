@@ -1,0 +1,44 @@
+"""What is checked before a run, and what `vsb check` prints, of a study of a buoy, of a body, or of a campaign.
+
+Each kind has a module of its own, imported only for a plan of that kind: a run waits for it.
+"""
+
+from vsb.stages.planning import AnyPlan, degree_lines
+from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.plan import StudyPlan
+
+
+def check_plan(plan: AnyPlan) -> None:
+    """Raise what would fail later in a run.
+
+    Raises
+    ------
+    ConfigError, DatabaseError
+    """
+    if isinstance(plan, CampaignPlan):
+        from vsb.stages.campaign_preview import check_campaign
+
+        check_campaign(plan)
+    elif isinstance(plan, StudyPlan):
+        from vsb.stages.preview import check_before_run
+
+        check_before_run(plan.study, plan)
+    else:
+        from vsb.stages.body_preview import body_before_run
+
+        body_before_run(plan)
+
+
+def summary(plan: AnyPlan) -> list[str]:
+    """Return the lines `vsb check` prints: what would be computed, at what cost, and what to doubt."""
+    if isinstance(plan, CampaignPlan):
+        from vsb.stages.campaign_preview import campaign_summary
+
+        return [*campaign_summary(plan), *degree_lines(plan)]
+    if isinstance(plan, StudyPlan):
+        from vsb.stages import preview
+
+        return [*preview.summary(plan.study, plan), *degree_lines(plan)]
+    from vsb.stages.body_preview import body_summary
+
+    return body_summary(plan)
