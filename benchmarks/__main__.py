@@ -12,13 +12,13 @@ from vsb.study.study import load
 
 
 class Command(NamedTuple):
-    """A command: what `benchmark` of the module of its name measures, is given, and writes."""
+    """A command: runs `benchmark` of the module of its name."""
 
     text: str
     arguments: tuple[str, ...]  # the last is what is written
     reads: Callable[[str], Any] = str  # the first argument
-    files: str = ""  # what is written into a folder, told at the end
-    fails: Callable[[Any], bool] = lambda found: False  # by what it returns: exit code 1
+    files: str = ""  # files in the folder, printed at the end
+    fails: Callable[[Any], bool] = lambda found: False  # of what it returns: exit code 1
 
 
 COMMANDS = {
@@ -40,7 +40,7 @@ COMMANDS = {
         ("count", "out"), int, fails=bool,
     ),
     "cluster": Command(
-        "A campaign on a Slurm of one node, killed and resumed: seconds, and whether bytes are the same; 1 if not.",
+        "A campaign on a Slurm of one node, killed and resumed: seconds, and whether the bytes are the same; 1 if not.",
         ("folder",), fails=lambda rows: any(row.verdict.startswith("other") for row in rows),
     ),
     "damage": Command(

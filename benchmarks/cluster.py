@@ -1,8 +1,7 @@
-"""A real Slurm of one node for whoever may start processes: a campaign on it, killed, resumed, the same bytes.
+"""A campaign on a real Slurm of one node: killed, resumed, and compared byte by byte.
 
-Of Debian's packages slurm-wlm and munge. No rights are needed and nothing outside a folder of its own is touched:
-daemons, key, sockets and state are the user's. srun stands on the path as a script because the jobs of Snakemake's
-plug-in forget SLURM_CONF.
+Needs Debian's packages slurm-wlm and munge but no rights: daemons, key, sockets and state are the user's, in a folder
+of their own. srun is on the path as a script because the jobs of Snakemake's plug-in lose SLURM_CONF.
 """
 
 import contextlib
@@ -26,9 +25,9 @@ from vsb.tools.shipped import HOME
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "srun", "squeue", "scancel", "sinfo")
 ADMIN = "/usr/sbin"
-"""Where daemons lie, which is on few users' path."""
+"""Folder of the daemons, not on every user's path."""
 PATIENCE = 600.0
-"""What a run may take [s]."""
+"""Longest run [s]."""
 CAMPAIGN = {
     "campaign": "shells",
     "study": "pressurised.yaml",

@@ -1,4 +1,4 @@
-"""How benchmarks measure, tell and tabulate, and what becomes of anything tried at random."""
+"""Timing, progress and tables of the benchmarks, and the outcome of random trials."""
 
 import sys
 import time
@@ -22,7 +22,7 @@ def timed(work: Callable[[], Any]) -> tuple[float, Any]:
 
 
 def say(line: str) -> None:
-    """Tell progress, on a terminal only."""
+    """Print progress, on a terminal only."""
     if sys.stderr.isatty():
         print(line, file=sys.stderr, flush=True)
 
@@ -33,14 +33,14 @@ def as_csv(rows: Sequence[Row], columns: Sequence[str]) -> str:
 
 
 class Outcome(NamedTuple):
-    """What became of something tried at random."""
+    """Outcome of a random trial."""
 
     verdict: str
     reason: str
 
     @classmethod
     def of(cls, error: Exception, verdict: str, lines: int = 1) -> "Outcome":
-        """Return what an exception means to a user, who is to be told in so many lines; else it is bad."""
+        """Return the verdict on an exception: it should be an error of ours with a message of so many lines."""
         if not isinstance(error, VsbError):
             return cls("traceback", " | ".join("".join(traceback.format_exception(error)).strip().splitlines()[-3:]))
         message = str(error)
@@ -50,7 +50,7 @@ class Outcome(NamedTuple):
 def tabulated(
     fates: Iterable[tuple[tuple[object, ...], Outcome]], columns: Sequence[str], bad: Sequence[str], out: str
 ) -> Counter[str]:
-    """Write what became of everything tried as a table, told bad ones at once; return how often each of these fell."""
+    """Write the outcome of every trial as a table, print bad ones at once; return the count of each bad verdict."""
     found: Counter[str] = Counter()
     rows = []
     for tried, (verdict, reason) in fates:

@@ -1,8 +1,8 @@
-"""The paper's own loading with every design at its own best damper: what its gains become under fair tuning.
+"""The paper's own loading with every design at its optimal damping.
 
-An assumed pressure does not answer to the motion, so no port tells the best damper: the settled power of each design,
-by harmonic balance on the instantaneous wet shell, is searched over its damper. Where no steady state is found from
-rest, or it is unstable, a damper is left out.
+An assumed pressure does not depend on the motion, so linear theory gives no optimal damper: the steady power of each
+design, by harmonic balance on the instantaneous wet shell, is maximised over its damper. Dampers with no stable steady
+state count as zero power.
 
     python -m examples.paper_at_optimal_damping config/paper_inferred.yaml results/paper_inferred/best_dampers.csv
 """
@@ -30,7 +30,7 @@ TOLERANCE = 1e-6
 
 
 class Row(NamedTuple):
-    """One design at the given damper and at its own best one; mean powers of the settled motion."""
+    """One design at the given damper and at its optimal one; mean powers of the steady motion."""
 
     design: str
     damping: float  # [N s/m]
@@ -42,7 +42,7 @@ class Row(NamedTuple):
 
 
 def power_of(study: Study, design: str) -> Callable[[float], float]:
-    """Return the settled mean power of a design over its damper, none of it where nothing settles [W]."""
+    """Return the steady mean power of a design as a function of its damper, zero if there is no steady state [W]."""
     run = StudyPlan(study).simulation(design, study.waves[0])
 
     def power(damping: float) -> float:
@@ -57,7 +57,7 @@ def power_of(study: Study, design: str) -> Callable[[float], float]:
 
 
 def best_damper(power: Callable[[float], float]) -> tuple[float, float]:
-    """Return the damper that takes most and what it takes: the best of a scan, refined between its neighbours."""
+    """Return the optimal damper and its power: the best of a scan, refined between its neighbours."""
     k = int(np.argmax([power(float(damping)) for damping in DAMPERS]))
     between = np.log(DAMPERS[[max(k - 1, 0), min(k + 1, len(DAMPERS) - 1)]])
     found = minimize_scalar(

@@ -1,7 +1,7 @@
 """When does a flexible buoy pay? Gain over wave period, force limit and Young's modulus, each design at its optimum.
 
-Both designs have the best force found under the same limit, within half a per cent of what no force can exceed. Limits
-are in units of the rms force of the rigid buoy's best damper in the same waves.
+Both designs have the optimal control force under the same limit, within half a per cent of a proven upper bound. Limits
+are in units of the rms force of the rigid buoy's optimal damper in the same waves.
 
     python -m examples.when_flexibility_pays results/when_flexibility_pays
 """
@@ -35,9 +35,9 @@ PERIODS = (2.0, 2.4, 2.7, 3.0, 3.3, 3.6, 4.0, 4.5, 5.0, 6.0, 7.0, 8.0)
 SOFTNESS = (0.25, 0.5, 1.0, 2.0, 4.0, 16.0, 100.0)
 """Young's modulus in terms of the study's."""
 LIMITS = (0.1, 0.3, 1.0, np.inf)
-"""Limits of the force, in terms of the rms force of the rigid buoy's best damper."""
+"""Limits of the force, relative to the rms force of the rigid buoy's optimal damper."""
 STEEPNESS = 0.01
-"""Wave height over length: what the limits are in terms of scales with it, so gains do not depend on it."""
+"""Wave height over length; the limits scale with it, so gains do not depend on it."""
 FLEXIBLE, RIGID = "VSWEC", "FSB"
 DEGREE = 14
 """Of the shell modes of a study that gives none: the example's shell needs 9, a softer one more."""
@@ -84,7 +84,7 @@ def waves_of(study: Study) -> Iterator[tuple[str, float, Sea]]:
 
 
 def best_damper_force(port: Port, waves: Sea, at: np.ndarray) -> float:
-    """Rms force of the damper that takes most of a sea, by search over a fine ladder of dampers [N]."""
+    """Rms force of the optimal damper of a sea, by search over closely spaced dampers [N]."""
     dampers = np.geomspace(0.1, 10.0, 200) * float(np.median(port.best_damping[at]))
     squares = np.abs(waves.amplitude) ** 2
     best = dampers[int(np.argmax(port.power(dampers)[:, at] @ squares))]
@@ -93,7 +93,7 @@ def best_damper_force(port: Port, waves: Sea, at: np.ndarray) -> float:
 
 
 def ports(buoy: LinearSystem, study: Study, basis: Any, omega: FloatArray) -> dict[str, Port]:
-    """Both designs as a take-off on heave sees them."""
+    """Return the ports of both designs for a take-off on heave."""
     direction = port_direction("heave", reference_shell(study).shape)
     return {name: buoy.extended_port(omega, design_motions(study, basis, name), direction) for name in study.designs}
 
@@ -118,7 +118,7 @@ def rows_of(study: Study, shell: str, folder: Path) -> Iterator[Row]:
 
 
 def mapped(studies: dict[str, str], folder: Path) -> list[Row]:
-    """The map of all shells; one that does not rest stably is left out, and said."""
+    """Return the map of all shells; shells without a stable shape at rest are left out with a message."""
     rows: list[Row] = []
     for shell, path in studies.items():
         for factor in SOFTNESS:
