@@ -49,7 +49,7 @@ def checked(finished, capsys, **changes):
         ({"pto": {"damping": 1.0, "stiffness": -1e6}}, "designs.FSB: the body does not rest: received a negative"),
         ({"water": {"density": 1000.0}}, "water.density: received 1000, needs 1025, as the body's files have"),
         ({"body": {"database": "gone.nc"}}, "body.database: gone.nc cannot be read"),
-        ({"waves": [{"kind": "still"}], "pto": {}}, "waves.0 still: no damper is best where nothing comes in"),
+        ({"waves": [{"kind": "still"}], "pto": {}}, "waves.0 still: still water has no optimal damping"),
     ],
 )
 def test_errors_of_a_body_study_are_reported_by_check(finished, workplace, capsys, changes, message):

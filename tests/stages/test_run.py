@@ -86,7 +86,7 @@ Exiting because a job execution failed. Look above for error messages
 
 def test_failed_run_reports_rule_and_last_words_and_keeps_the_log(workplace, capsys):
     plan, log = StudyPlan(load(SEED)), Path("results/logs/simulate/seed/FSB-still.log")
-    begins, ends = "vsb: error: the run of 'seed' did not complete: ", "all that was told is in results/logs/seed.log\n"
+    begins, ends = "vsb: error: the run of 'seed' did not complete: ", "the whole output is in results/logs/seed.log\n"
     assert launcher._failed(plan, 0.0, TOLD.splitlines(keepends=True)) == 1
     killed = "simulate ended without a word, as when it is killed or memory is out; "
     assert capsys.readouterr().err == begins + killed + ends

@@ -45,7 +45,7 @@ def test_realisations_are_seas_of_their_own():
     assert later.drawn_waves == (later.waves[0], later.waves[1], later.waves[4])
     assert later.one_of_each_sea == later.drawn_waves[1:]
     assert [found.tuning(wave) for wave in found.waves[-2:]] == ["fixed", "each"]
-    with pytest.raises(ConfigError, match=r"waves.3 still: no damper is best where nothing comes in"):
+    with pytest.raises(ConfigError, match=r"waves.3 still: still water has no optimal damping"):
         found.check_dampers()
 
 

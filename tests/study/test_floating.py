@@ -78,7 +78,9 @@ def test_waterline_must_stay_clear_of_the_poles(raw, height):
 
     for inside, outside in ((1.000001 * least, 0.999999 * least), (0.999999 * most, 1.000001 * most)):
         assert floating_system(inside).device.mass == inside
-        with pytest.raises(ConfigError, match=rf"needs {least:.6g} to {most:.6g} kg, because a waterline within 0.01"):
+        with pytest.raises(
+            ConfigError, match=rf"needs {least:.6g} to {most:.6g} kg, because the waterplane is too small within 0.01"
+        ):
             floating_system(outside)
 
 

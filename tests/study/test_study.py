@@ -65,15 +65,15 @@ PRESSED = {"hydro": {"model": "assumed_pressure", "pressure": 100.0}, "waves": [
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"device": {"gas": {}}}, "is the paper's vented shell; remove device.gas"),
+        ({"device": {"gas": {}}}, "has no trapped gas; remove device.gas"),
         ({"device": {"internal_pressure": -5.0}}, "needs device.internal_pressure: 0 and reference_shape: undeformed"),
         ({"waves": [REGULAR, {"kind": "jonswap", "hs": 1.0, "tp": 7.0}]}, "has one period, of a regular wave; remove"),
         *(
             ({"hydro": {**PRESSED["hydro"], key: value}}, f"hydro.{key}: hydro.model 'assumed_pressure' has no coeffi")
             for key, value in (("omega", [1.0]), ("rows", 20), ("accept", ["haskind"]))
         ),
-        ({"pto": {"damping": 5.0, "tuning": "each"}}, "pto.tuning 'each': an assumed pressure does not answer to"),
-        ({"pto": {"law": "declutching"}}, "pto.law 'declutching': how long it pauses is found in waves"),
+        ({"pto": {"damping": 5.0, "tuning": "each"}}, "pto.tuning 'each': an assumed pressure has no optimal"),
+        ({"pto": {"law": "declutching"}}, "pto.law 'declutching': its latching time is found in waves"),
         ({"pto": {"port": {"colatitude": 90.0}}}, "has no other port than heave; needs hydro.model: linear"),
         ({"simulation": {"method": "exact"}}, "needs one of auto, exponential, structure_preserving"),
     ],
@@ -158,7 +158,7 @@ def test_buoy_floats_between_its_poles_and_above_the_bed(seed):
     for mass in (1.001 * pole, full - 1.001 * pole):
         assert varied(seed, device={**device, "mass": mass}, water={"density": 900.0}).device.mass == mass
     for mass in (0.99999 * full, 1e-5 * full, 0.999 * pole, full - 0.999 * pole):
-        with pytest.raises(ConfigError, match=r"because a waterline within 0.01 radii of a pole is a puddle"):
+        with pytest.raises(ConfigError, match=r"because the waterplane is too small within 0.01 radii of a pole"):
             varied(seed, device={**device, "mass": mass}, water={"density": 900.0})
     with pytest.raises(ConfigError, match=rf"m: needs more than the draft of the buoy, {seed.draft:.4g} m"):
         varied(seed, water={"depth": seed.draft})

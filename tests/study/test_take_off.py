@@ -62,7 +62,7 @@ def test_errors_of_the_take_off(seed, keys, wrong):
     [
         (
             {"pto": {"damping": None}, "hydro": {"model": "assumed_pressure", "pressure": 9.0}},
-            r"pto.tuning 'each': an assumed pressure does not answer to the motion, so no damper is best; needs",
+            r"pto.tuning 'each': an assumed pressure has no optimal damping; needs",
         ),
         (
             {"pto": {"port": "volume"}, "hydro": {"model": "body_exact"}},
@@ -86,9 +86,7 @@ def test_combinations_a_model_cannot_compute(seed, changes, wrong):
 @pytest.mark.parametrize(("tuning", "wave"), [("each", "still"), ("one", "still")])
 def test_still_water_needs_a_given_damping(seed, tuning, wave):
     study = varied(seed, pto={"damping": None, "tuning": tuning}, waves=[STILL])
-    with pytest.raises(
-        ConfigError, match=r"waves.0 still: no damper is best where nothing comes in; needs pto.damping"
-    ):
+    with pytest.raises(ConfigError, match=r"waves.0 still: still water has no optimal damping; needs pto.damping"):
         study.check_dampers()
     varied(study, pto={"damping": 8000.0}).check_dampers()
 

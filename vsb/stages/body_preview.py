@@ -1,4 +1,4 @@
-"""What can be said of a study of a body before anything is solved: its files, its rest, its seas, its cost."""
+"""Checks of a body study before anything is solved: its files, its rest, its seas, its cost."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What can be said of a campaign before anything is solved. Read before each run, so it reads little itself."""
+"""Checks of a campaign before anything is solved; imported before each run, so it imports little."""
 
 from pathlib import Path
 

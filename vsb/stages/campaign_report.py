@@ -173,7 +173,7 @@ def interactive_year(
     ds : Dataset
         Results of the campaign.
     tuning : str
-        That the answer is told at.
+        That the answer is given for.
     reference : str or None
         The design gains are over.
     seas : Climate
@@ -194,7 +194,7 @@ def interactive_year(
 def _point(
     spec: CampaignSpec, ds: xr.Dataset, index: int, place: Mapping[str, int], seas: Climate, root: str
 ) -> dict[str, Any] | None:
-    """Words, ports, flux of the seas and given dampers of one point, if it can be looked at."""
+    """Words, ports, flux of the seas and given dampers of one point, if it can be shown."""
     point = sweep_point(spec, index, root)
     if point is None:
         return None

@@ -31,9 +31,9 @@ FORMATS = {
 TOLD = {
     "report.html": "the report: the answer, its figures, what to doubt",
     "comparison.csv": "what each design does in each sea",
-    "campaign.csv": "what each design takes of a year, point by point",
-    "campaign.nc": "what each design takes of a year, matrices included",
-    "ladder.csv": "what each design takes under ever better take-offs",
+    "campaign.csv": "power each design absorbs in a year, point by point",
+    "campaign.nc": "power each design absorbs in a year, matrices included",
+    "ladder.csv": "power each design absorbs by control level",
     "response.nc": "frequency response and port of each design",
     "statistics.csv": "mean powers of irregular seas with their intervals",
     "validity.json": "the ledger: what was checked, and how it stands",
@@ -43,7 +43,7 @@ TOLD = {
 
 
 def crate(config: str, out: str, licence: str | None = None, author: str | None = None) -> list[str]:
-    """Write the results of a study or campaign into an archive; return what to tell.
+    """Write the results of a study or campaign into an archive; return the lines to print.
 
     Parameters
     ----------

@@ -225,7 +225,7 @@ def at_port(spec: ResponseSpec, seen: Mapping[str, Port], reached: int) -> xr.Da
 
 
 def natural(spec: ResponseSpec, floating: FloatingSystem) -> xr.Dataset:
-    """Return wet natural frequencies and damping ratios of all designs; what drifts has none."""
+    """Return wet natural frequencies and damping ratios of all designs; an unrestrained motion has none."""
     wet: list[tuple[str, float, float]] = []
     for design in spec.designs:
         pto = LinearPto(spec.pto.damper(design) or 0.0, spec.pto.stiffness, floating.port)

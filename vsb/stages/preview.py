@@ -1,4 +1,4 @@
-"""What can be said of a study before anything is solved: its checks, its cost, its shell."""
+"""Checks, cost and dry shell frequencies of a study of a buoy before anything is solved."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,14 +21,14 @@ SECONDS_PER_PANEL_ROW2 = 3e-5
 SECONDS_PER_WITNESS_ROW2 = 8e-4
 """Seconds a shape costs both solvers per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
 
-SECONDS_PER_PAUSE = {"regular": 5.0, "body_exact": 20.0}
-"""Seconds the search for a pause in a regular wave costs, and what it costs beyond that on the wet shell."""
-SECONDS_PER_PAUSED_SECOND = {"irregular": 0.15, "body_exact": 0.5}
+SECONDS_PER_LATCHING_TIME = {"regular": 5.0, "body_exact": 20.0}
+"""Seconds the search for a latching time takes in a regular wave, and how many more on the wet shell."""
+SECONDS_PER_LATCHED_SECOND = {"irregular": 0.15, "body_exact": 0.5}
 """Likewise of each second of a run in another sea, all trials together."""
 SECONDS_PER_INSTANT, NOTABLE = 1e-4, 60.0
 """Seconds per instant at which switches are looked for, measured with 13 modes, and from which on a run is long."""
 FROM_REST = 8.0
-"""Times as many where a motion from rest takes less than the trials promise: all pauses are tried from rest then."""
+"""Factor where a motion from rest absorbs less than the trials predict: then all times are tried from rest."""
 
 
 def check_before_run(study: Study, plan: StudyPlan) -> None:
@@ -63,7 +63,7 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
         f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
         f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.max_degree})",
         *(_bem_lines(study, plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
-        *_pause_lines(study),
+        *_latching_lines(study),
         *_switching_lines(study),
     ]
     from vsb.results import ledger  # of no campaign: it reads all that runs in time
@@ -89,14 +89,14 @@ def _bem_lines(study: Study, plan: StudyPlan) -> list[str]:
     ]
 
 
-def _pause_lines(study: Study) -> list[str]:
-    """How long the search for pauses would take, of a take-off that pauses."""
+def _latching_lines(study: Study) -> list[str]:
+    """How long the search for latching times would take."""
     if not study.pto.pauses:
         return []
-    seconds = len(study.designs) * sum(_pause_seconds(study, wave) for wave in study.waves)
+    seconds = len(study.designs) * sum(_latching_seconds(study, wave) for wave in study.waves)
     return [
-        f"pauses       of {study.pto.law}, found in each run: together about {seconds:.0f} s on one core, up to "
-        f"{FROM_REST * seconds:.0f} s where motions from rest take less than the trials promise"
+        f"latching     times of {study.pto.law} are found in each run: about {seconds:.0f} s on one core, up to "
+        f"{FROM_REST * seconds:.0f} s where motions from rest absorb less than the trials predict"
     ]
 
 
@@ -114,12 +114,12 @@ def _switching_lines(study: Study) -> list[str]:
     ] * (seconds > NOTABLE)
 
 
-def _pause_seconds(study: Study, wave: Wave) -> float:
-    """Seconds the search for the pause of one design takes in a sea; twice as many with its damper."""
+def _latching_seconds(study: Study, wave: Wave) -> float:
+    """Seconds the search for the latching time of one design takes in a sea; twice as many with its damping."""
     if isinstance(wave, StillWater):
         return 0.0
     regular, wet = isinstance(wave, RegularWave), study.hydro.model != "linear"
-    costs = SECONDS_PER_PAUSE if regular else SECONDS_PER_PAUSED_SECOND
+    costs = SECONDS_PER_LATCHING_TIME if regular else SECONDS_PER_LATCHED_SECOND
     each = costs["regular" if regular else "irregular"] * (1 + (study.tuning(wave) == "each"))
     return (each + wet * costs["body_exact"]) * (1.0 if regular else study.simulation.duration)
 

@@ -88,7 +88,7 @@ def _period(study: AnyStudy, wave: Wave, response: xr.Dataset) -> float:
 
 
 def _slowest(study: AnyStudy, response: xr.Dataset) -> float:
-    """Lowest natural frequency [rad/s]; without BEM that of heave, sqrt(rho g pi r_w^2/m); 1 of what drifts alone."""
+    """Lowest natural frequency [rad/s]; without BEM that of heave without added mass; 1 if nothing is restrained."""
     if study.buoy and not study.needs_bem:
         return study.buoy.heave_frequency
     return float(response.wet_natural_frequency.min()) if response.wet_natural_frequency.size else 1.0
@@ -210,7 +210,7 @@ class _Seen:
 
 
 def _band(response: xr.Dataset, low: float, high: float) -> FloatArray:
-    """Frequencies of the curves over the band, up to where some design takes a hundredth of the most at its best."""
+    """Frequencies of the curves over the band, up to where no design absorbs more than a hundredth of its maximum."""
     omega, power = response.omega.values, response.best_power.max("design").values
     high = min(high, float(omega[power >= 0.01 * power.max()].max()))
     inside = omega[(omega >= low) & (omega <= high)]

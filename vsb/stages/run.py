@@ -38,7 +38,7 @@ Plan = AnyPlan | CampaignPlan
 Follow = Callable[[Iterable[str]], None]
 """Shows lines as they come."""
 KEPT = 400
-"""Last lines of what a run tells that are kept for the case that something goes wrong."""
+"""Last lines of the output that are kept in case a run fails."""
 ERROR = "vsb: error:"
 SNAKEFILE = HOME / "workflow" / "Snakefile"
 
@@ -196,7 +196,7 @@ def check_options(options: Sequence[str], plan: Plan) -> None:
 
 @contextlib.contextmanager
 def ended(prefix: str) -> Iterator[None]:
-    """End a run on Slurm as one here is: told to end, or interrupted, it leaves no jobs behind."""
+    """Cancel the jobs of a run on Slurm if it is terminated or interrupted."""
     try:
         yield
     except BaseException:
@@ -261,12 +261,12 @@ def finished(
     line: Follow | None = None,
     meanwhile: Callable[[], None] | None = None,
 ) -> int:
-    """Return the exit code of a command; told to end, or interrupted, end all that it started before anything else.
+    """Return the exit code of a command; if terminated or interrupted, first end all processes it started.
 
-    What it tells goes to `line`, if there is one; `meanwhile` is done while it begins.
+    Its output goes to `line`, if given; `meanwhile` is called while it starts.
     """
     heard = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
-    early: list[int] = []  # told while the command begins: ended once it is known
+    early: list[int] = []  # signals received while the command starts: handled once its process is known
     before = {number: signal.signal(number, lambda told, _: early.append(told)) for number in heard}
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # one that comes meanwhile waits
     interrupt = signal.signal(signal.SIGINT, signal.SIG_IGN)  # of it and its jobs: they are ended here, without a word
@@ -332,7 +332,7 @@ def _failed(plan: Plan, begun: float, told: Iterable[str] = ()) -> int:
 
 
 def _kept(plan: Plan, told: Sequence[str]) -> str:
-    """Which rules failed and the last words of each, or of the system; where all that was told is kept."""
+    """Which rules failed with the last line of each, or of the system; where the whole output is."""
     from vsb.tools.files import write_text
     from vsb.tools.progress import failed
 
@@ -341,9 +341,9 @@ def _kept(plan: Plan, told: Sequence[str]) -> str:
     path = f"{plan.root}/logs/{plan.name}.log"
     try:
         write_text(path, "".join(told))
-        words.append(f"all that was told is in {path}")
+        words.append(f"the whole output is in {path}")
     except (OSError, VsbError) as error:
-        words.append(f"what was told cannot be kept: {error}")
+        words.append(f"the output cannot be written: {error}")
     return f": {'; '.join(words)}"
 
 
@@ -355,7 +355,7 @@ def _last_words(log: Path) -> str:
 
 
 def cores(text: str) -> str:
-    """A number of cores as snakemake takes it; with none it would wait for ever."""
+    """A number of cores as snakemake accepts it; with none it would wait for ever."""
     if text != "all" and not (text.isdecimal() and int(text)):
         raise argparse.ArgumentTypeError(f"received {text}, needs a whole number above 0, or all")
     return text

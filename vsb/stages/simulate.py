@@ -74,7 +74,7 @@ def with_stroke(run: xr.Dataset, made: DesignInSea) -> xr.Dataset:
 def _steady(system: System) -> dict[str, float | str]:
     """Mean power of the steady state and what a period leaves of a transient; or why there is none.
 
-    Of a law that pauses, or whose force jumps, the power of a motion followed until its periods agree.
+    Under latching, or a force that jumps, the power of a motion followed until its periods agree.
     """
     if system.linear and system.scene.unrestrained:  # what nothing holds has no mean place
         return {"steady_power": _swinging_power(system), "steady_decay": 1.0}
@@ -88,7 +88,7 @@ def _steady(system: System) -> dict[str, float | str]:
 
 
 def _swinging_power(system: System) -> float:
-    """Mean power the take-off of a linear scene takes once transients are over [W]."""
+    """Mean power absorbed in a linear scene once transients are over [W]."""
     swinging, (damper, _) = steady_state(system)[:, system.free : 2 * system.free], system.dampers()
     return float(0.5 * np.real(np.einsum("wi,ij,wj->", swinging.conj(), damper, swinging)))
 

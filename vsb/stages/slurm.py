@@ -1,4 +1,4 @@
-"""Jobs a run hands over to Slurm: one of all that is short; cancelled when it is told to end, as processes here are."""
+"""Jobs a run hands over to Slurm: a short run is a single job; jobs are cancelled when the run is terminated."""
 
 import os
 import re

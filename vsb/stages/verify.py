@@ -29,7 +29,7 @@ TRASH = "trash"
 
 
 def verify(target: str, *, heal: bool, agreed: Callable[[Sequence[str]], bool] | None = None) -> list[str]:
-    """Check the results of a study file or of a folder, contents included; return what to tell.
+    """Check the results of a study file or of a folder, contents included; return the lines to print.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def study_faults(plan: Plan) -> list[Fault]:
 
 
 MOST_CHANGES = 6
-"""Changes of a study that are told."""
+"""Most changes of a study that are listed."""
 
 
 def differences(plan: Plan) -> str:

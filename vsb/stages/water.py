@@ -97,7 +97,7 @@ def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:
 
 
 def _at_rest(spec: DatabaseSpec) -> dict[str, object]:
-    """What other codes are told of another shape than the sphere, whose radius and height say it."""
+    """Volume and centres of a shape that is not a sphere, for other codes."""
     if (rest := spec.device.meridian) is None:
         return {}
     height = spec.centre_height

@@ -22,11 +22,11 @@ Tunings = Literal["fixed", "one", "each", "constrained"]
 """Damper as given, the best one of the year, the best one of each sea; the best force of any kind within limits."""
 CONSTRAINED: Literal["constrained"] = "constrained"
 LEADING: tuple[Tunings, ...] = ("one", "each", "fixed", "constrained")
-"""Tunings by what a campaign's answer is told at, if it has them."""
+"""Order in which a campaign's answer is given for the tunings it has."""
 
 
 def leading_tuning(tunings: Sequence[str]) -> Tunings:
-    """Return the tuning a campaign's answer is told at."""
+    """Return the tuning a campaign's answer is given for."""
     return next(name for name in LEADING if name in tunings)
 
 
@@ -244,7 +244,7 @@ class LoadedCampaign(Section):
         return (self.campaign.constrained or Constrained()) if "constrained" in self.tuning else None
 
     def check_take_off(self, study: Study, where: str) -> None:
-        """Check that nothing is told of a take-off that switches by linear theory alone, which would not see it.
+        """Check that a take-off that switches is not judged by linear theory alone, which does not see it.
 
         Raises
         ------

@@ -186,7 +186,7 @@ class CampaignPlan(ResultsFolder):
 
     @property
     def member_seconds(self) -> float:
-        """What a member takes, its coefficients there [s]."""
+        """Time a member takes once its coefficients are known [s]."""
         constrained = self.loaded.constrained
         return MEMBER_SECONDS + (constrained.seconds * len(self.loaded.base.designs) if constrained else 0.0)
 

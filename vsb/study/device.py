@@ -202,7 +202,7 @@ class Device(Sized):
 
     radius: Annotated[Positive, within(0.01, 1e3, "m", "below surface tension matters, above nothing floats")]
     thickness: Positive
-    young_modulus: Annotated[Positive, within(1.0, 1e16, "Pa", "diamond has 1.2e12 Pa; flexible: false is rigid")]
+    young_modulus: Annotated[Positive, within(1.0, 1e16, "Pa", "no material is; for a rigid buoy set flexible: false")]
     poisson_ratio: Annotated[
         Number, Field(gt=-1, lt=0.5), within(-0.99, 0.5, "", "no material keeps its shape so while it shrinks")
     ]
@@ -226,7 +226,7 @@ class Device(Sized):
         if not self.thickness >= THINNEST_SHELL * self.radius:
             raise ValueError(
                 f"thickness {self.thickness:g} m: needs at least radius/3e4 = {THINNEST_SHELL * self.radius:.4g} m, "
-                "because a thinner sphere is a film that wrinkles under a billionth of its modulus, no shell"
+                "because a thinner sphere wrinkles: it is a film, not a shell"
             )
         if (rest := self.meridian) is not None and not self.thickness < 0.1 * rest.sharpest:
             raise ValueError(
@@ -325,7 +325,7 @@ def waterline_radius(shape: Shape | None, radius: float, centre: float) -> float
 
 
 HEAVIEST = 1e300
-"""Mass [kg] of a buoy whose own cannot be told."""
+"""Mass [kg] that stands in where the real one cannot be computed."""
 BAND = 5.4
 """omega_max over sqrt(g/r): beyond it waves are shorter than a quarter of the radius, and the damping has died out."""
 
@@ -379,7 +379,10 @@ def _with_mass_of_shape(device: Mapping[str, Any], radius: float, density: float
         shape = device["shape"] if isinstance(device["shape"], Shape) else Shape.model_validate(device["shape"])
         rest = shape.meridian(radius)
     except ValueError:
-        return {"mass": 1.0, **{key: value for key, value in device.items() if key != "draft"}}  # its own check tells
+        return {
+            "mass": 1.0,
+            **{key: value for key, value in device.items() if key != "draft"},
+        }  # reported by its check
     draft, height = device.get("draft"), rest.highest - rest.lowest
     if "draft" in device and (isinstance(draft, bool) or not isinstance(draft, int | float) or not 0 < draft < height):
         raise ValueError(f"device.draft: received {draft!r}, needs more than 0 and less than the height, {height:g} m")
@@ -400,7 +403,7 @@ def _with_band(raw: Mapping[str, Any], radius: float, gravity: float) -> Any:
 
 
 def _without_words(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """A study without an omega_max that cannot be told, and with a mass no check of its device's finds too small."""
+    """A study without the omega_max that cannot be computed, and with a mass that passes the checks of the device."""
     found, hydro, device = dict(raw), raw.get("hydro"), raw.get("device")
     if isinstance(hydro, Mapping) and hydro.get("omega_max") == "auto":
         found["hydro"] = {key: value for key, value in hydro.items() if key != "omega_max"}

@@ -14,7 +14,7 @@ Coefficient = Annotated[NonNegative, within(0.0, 100.0, "", "no body of any shap
 
 
 class Plate(Section):
-    """Quadratic drag rho C A |u| u/2 on one direction: coefficient C [-] and area A [m^2] it is told by."""
+    """Quadratic drag rho C A |u| u/2 on one direction: coefficient C [-] and reference area A [m^2]."""
 
     coefficient: Coefficient
     area: Positive

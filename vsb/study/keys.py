@@ -75,7 +75,9 @@ KEYS: dict[str, dict[str, Key]] = {
         "internal_pressure": Key(
             "Pa", "20000.0", "gauge pressure inside: prestress that keeps the shell from buckling"
         ),
-        "gas": Key("", "{adiabatic_index: 1.4}", "gas trapped inside; without it the pressure is constant (vented)"),
+        "gas": Key(
+            "", "{adiabatic_index: 1.4}", "gas trapped inside; without it the internal pressure is constant"
+        ),
         "damping": Key("", "{beta: 1.0e-3}", "structural damping of the shell"),
         "centre_of_mass": Key(
             "m", "-0.5", "height of the whole buoy's centre of mass above the sphere's; pitch needs it"
@@ -185,7 +187,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "",
             "coulomb",
             "linear: a damper; saturated: one with a force limit; coulomb: friction of the force limit; latching, "
-            "declutching: a damper that holds the port, or lets it go, after each reversal, as long as takes most",
+            "declutching: a damper that holds the port, or lets it go, after each reversal, for the optimal time",
         ),
         "force_limit": Key("N", "5000.0", "largest force of the take-off; .inf is none"),
         "stroke_limit": Key("m", "0.5", "motion from rest at which an end stop begins; .inf is none"),
@@ -243,7 +245,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "entries of the mass matrix by one or two degrees of freedom, rows by a body, or all rows; in place of the "
             "file's",
         ),
-        "damping": Key("kg/s", "{Mode7: 1.0e+4}", "likewise of structural damping"),
+        "damping": Key("N s/m", "{Mode7: 1.0e+4}", "likewise of structural damping"),
         "stiffness": Key("N/m", "{Surge: 4.0e+4}", "likewise of structure and mooring, without the water's"),
     },
     "BodyDesign": {
@@ -262,7 +264,7 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
         "omega_max": Key("rad/s", "3.0", "frequencies of the database above it are left out"),
         "accept": Key("", "[haskind]", "checks of the database whose failure is accepted"),
-        "repair": Key("", "[positive_damping, kramers_kronig]", "checks whose noise is repaired, told as a doubt"),
+        "repair": Key("", "[positive_damping, kramers_kronig]", "checks whose noise is repaired, reported as a doubt"),
     },
     "StillWater": {"kind": Key("", "still", "no waves: free decay")},
     "RegularWave": {
@@ -347,7 +349,9 @@ KEYS: dict[str, dict[str, Key]] = {
         "gamma": Key("-", "3.3", "peak enhancement of JONSWAP"),
     },
     "Constrained": {
-        "seconds": Key("s", "10.0", "budget of each design at each point, of a usual core; no clock is looked at"),
+        "seconds": Key(
+            "s", "10.0", "budget of each design at each point, of a usual core, counted in work, not by the clock"
+        ),
         "seed": Key("-", "1", "seed of the phases of the waves"),
     },
     "Verify": {

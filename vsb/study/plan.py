@@ -258,13 +258,13 @@ class ResultsPlan(ResultsFolder):
         return math.ceil(8e-6 * (9 * self.coordinates + 10) * instants / thinning(instants + 1))
 
     def simulation_megabytes(self, wave: Wave) -> int:
-        """Memory that a run in a sea takes [MB]: its record thrice, what a leg takes, and the sea's components."""
+        """Memory of a run in a sea [MB]: three times its record, one leg, and the components of the sea."""
         band = self.highest if isinstance(wave, IrregularSea) else 0.0
         return 800 + 3 * self.record_megabytes(wave) + math.ceil(6e-4 * band * self.study.simulation.duration)
 
     @property
     def study_megabytes(self) -> int:
-        """Memory that the time series of all designs in a sea take at one time [MB], and what drawing them takes."""
+        """Memory of the time series of all designs in a sea at once [MB], and of drawing them."""
         largest = max(self.record_megabytes(wave) for wave in self.study.waves)
         return 800 + math.ceil(1.2 * len(self.study.designs) * largest)
 

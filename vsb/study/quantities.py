@@ -96,7 +96,7 @@ def of_bodies(labels: Iterable[str]) -> dict[str, list[int]]:
 
 
 OR_AUTO = WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"const": "auto"}]})
-"""Of a number that a study tells by the size of its buoy if it is not given: what editors are told."""
+"""JSON schema of a number that follows from the size of the buoy if it is not given."""
 
 
 def _mass_or_draft(schema: dict[str, Any]) -> None:

@@ -39,7 +39,7 @@ def schema_of(model: type[BaseModel]) -> Schema:
 
 
 def _told_defaults(schema: Schema, place: Schema, default: Schema) -> Schema:
-    """What the keys of a section's default say of their own: auto is told as such."""
+    """Defaults of a section by its keys, auto as it is written."""
     said = {
         key: its["default"]
         for form in _forms(schema, place)
@@ -115,11 +115,11 @@ SAME = {
     "significant_wave_height": {"hs": "hs"},
     "peak_period": {"tp": "tp"},
 }
-"""Words people know from other programs, the words here that mean the same, and how these are told."""
+"""Words of other programs -> words here that mean the same -> how they are suggested."""
 
 
 def same(word: str, words: Iterable[str]) -> str:
-    """Return what means the same as a word of other programs, as it is told; empty if nothing does."""
+    """Return the suggestion for a word of other programs; empty if there is none."""
     known = set(words)
     return next((text for one, text in SAME.get(word.lower(), {}).items() if one in known), "")
 
@@ -162,7 +162,7 @@ class _UniqueKeyLoader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
-        """Build an integer; one that Python does not read stands as the least it does not print, told by its key."""
+        """Build an integer; one too long for Python becomes the least unprintable one, whose key is reported."""
         try:
             return int(super().construct_yaml_int(node))
         except ValueError:
@@ -175,7 +175,7 @@ _UniqueKeyLoader.add_constructor("tag:yaml.org,2002:int", _UniqueKeyLoader.const
 Place = Sequence[str | int]
 """Keys and indices from the top of a file to something in it."""
 MOST_TOLD = 20
-"""Mistakes of one file that are told."""
+"""Most errors of one file that are listed."""
 DIGITS = 4300
 """Digits of an integer, more of which Python does not print."""
 _UNPRINTABLE: int = 10**DIGITS
@@ -329,7 +329,7 @@ def lines_of(error: ValidationError, raw: object, model: type[BaseModel]) -> lis
 
 
 def _ordered(error: ValidationError) -> list[ErrorDetails]:
-    """All mistakes, misspelt keys first; a check across sections may tell several, a line each."""
+    """All errors, misspelt keys first; a check across sections may report several, a line each."""
     found = [cast(ErrorDetails, {**one, "msg": text}) for one in error.errors() for text in _lines(one)]
     inner = {one["loc"][:n] for one in found for n in range(len(one["loc"]))}
     found = [one for one in found if one["type"] != "too_short" or one["loc"] not in inner]  # not of wrong items
@@ -337,7 +337,7 @@ def _ordered(error: ValidationError) -> list[ErrorDetails]:
 
 
 def _lines(error: ErrorDetails) -> list[str]:
-    """What a mistake is told in: only texts of this project have lines."""
+    """Lines of an error; only messages of this project have several."""
     text = error["msg"].removeprefix("Value error, ")
     return text.splitlines() if error["type"] == "value_error" else [text]
 
@@ -375,7 +375,7 @@ def _inside(raw: object, part: str | int) -> tuple[object] | None:
 
 
 def _told(error: ErrorDetails, title: str, raw: object, model: type[BaseModel] | None = None) -> str:
-    """A mistake in one line: key, value received, what is needed."""
+    """An error in one line: key, value received, what is needed."""
     place = _written(error, raw)
     key = shortened(".".join(map(str, place))) or _in_words(title)
     received = "" if isinstance(error["input"], dict | BaseModel) else f" received {shortened(repr(error['input']))};"

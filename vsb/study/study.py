@@ -153,7 +153,7 @@ class BaseStudy(Section):
         """Frequency of the fastest motion a run in a sea must show [rad/s]."""
 
     def tuning(self, wave: Wave) -> Tuning:
-        """Return how the damper of a run is found; none is best where nothing comes in: there the given one holds."""
+        """Return how the damping of a run is found; still water has no optimum, there it is the given one."""
         alone = isinstance(wave, StillWater) and (self.pto.tuning == "each" or not self.one_of_each_sea)
         return "fixed" if alone else self.pto.tuning
 
@@ -167,7 +167,7 @@ class BaseStudy(Section):
         for i, wave in enumerate(self.waves):
             if self.tuning(wave) == "fixed" and self.pto.damping is None:
                 raise ConfigError(
-                    f"waves.{i} {wave.label}: no damper is best where nothing comes in; needs pto.damping in "
+                    f"waves.{i} {wave.label}: still water has no optimal damping; needs pto.damping in "
                     f"{port_kind(self.pto.port).damping_unit}"
                 )
 
@@ -303,7 +303,7 @@ class Study(Buoy, BaseStudy):
     @model_validator(mode="before")
     @classmethod
     def _to_size(cls, raw: Any) -> Any:
-        """What is left to the size of the buoy is said before anything is named by it."""
+        """Fill in what follows from the size of the buoy before ids are computed."""
         return resolved(raw) if isinstance(raw, dict) else raw
 
     @model_validator(mode="after")
@@ -323,8 +323,8 @@ class Study(Buoy, BaseStudy):
         low, high = (volume_to(self.device, part) * self.water.density for part in (NEAREST_POLE, 2 - NEAREST_POLE))
         if not low <= self.device.mass <= high:
             raise ValueError(
-                f"device.mass {self.device.mass:g} kg: needs {low:.6g} to {high:.6g} kg, because a waterline within "
-                f"{NEAREST_POLE:g} radii of a pole is a puddle"
+                f"device.mass {self.device.mass:g} kg: needs {low:.6g} to {high:.6g} kg, because the waterplane is too "
+                f"small within {NEAREST_POLE:g} radii of a pole"
             )
         if not self.water.depth > self.draft:
             raise ValueError(
@@ -362,18 +362,18 @@ class Study(Buoy, BaseStudy):
             )
         if model == "assumed_pressure" and (self.reference_shape, self.device.internal_pressure) != ("undeformed", 0.0):
             raise ValueError(
-                f"hydro.model {model!r}: is the paper's vented shell about the undeformed sphere; needs "
+                f"hydro.model {model!r}: is the paper's undeformed shell, open to constant pressure; needs "
                 "device.internal_pressure: 0 and reference_shape: undeformed"
             )
         if model == "assumed_pressure" and self.device.gas:
-            raise ValueError(f"hydro.model {model!r}: is the paper's vented shell; remove device.gas")
+            raise ValueError(f"hydro.model {model!r}: has no trapped gas; remove device.gas")
         idle = [key for key in ("omega", "rows", "accept") if getattr(self.hydro, key)]
         if model == "assumed_pressure" and idle:
             raise ValueError(f"hydro.{idle[0]}: hydro.model {model!r} has no coefficients to solve or judge; remove it")
         if unknown := [name for name in self.hydro.accept if name not in CHECKS]:
             raise ValueError(f"hydro.accept {unknown}: no such check; needs some of {', '.join(CHECKS)}")
         if model == "auto" and self.pto.idle:
-            raise ValueError("hydro.model 'auto': judges by mean absorbed power; needs pto.damping above 0")
+            raise ValueError("hydro.model 'auto': selects the model by mean absorbed power; needs pto.damping above 0")
         if self.hydro.solver == "spectral" and self.hydro.rows:
             raise ValueError("hydro.solver 'spectral': has no rows; remove hydro.rows, or use 'panels'")
         if self.hydro.solver == "spectral" and self.water.depth < CLEARANCE * self.draft:
@@ -395,7 +395,7 @@ class Study(Buoy, BaseStudy):
         self.check_dampers_of_designs()
         if model == "assumed_pressure" and pto.tuning != "fixed":
             raise ValueError(
-                f"pto.tuning {pto.tuning!r}: an assumed pressure does not answer to the motion, so no damper is best; "
+                f"pto.tuning {pto.tuning!r}: an assumed pressure has no optimal damping; "
                 "needs pto.damping and tuning: fixed"
             )
         if pto.port != "heave" and model != "linear" and not (pto.on_shell and model == "body_exact"):
@@ -421,7 +421,7 @@ class Study(Buoy, BaseStudy):
             )
         if pto.pauses and model == "assumed_pressure":
             raise ValueError(
-                f"pto.law {pto.law!r}: how long it pauses is found in waves, which hydro.model {model!r} does not "
+                f"pto.law {pto.law!r}: its latching time is found in waves, which hydro.model {model!r} does not "
                 "have; needs hydro.model: linear or body_exact"
             )
         if pto.switches and method != "auto":
@@ -514,7 +514,7 @@ class Study(Buoy, BaseStudy):
 
     @property
     def rests_deformed(self) -> bool:
-        """Whether the water meets another shape than the device's own: solvers must be told it."""
+        """Whether the wetted shape at rest is not that of the device."""
         return self.flexible and self.reference_shape != "undeformed"
 
 

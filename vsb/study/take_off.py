@@ -128,7 +128,7 @@ Tuning = Literal["fixed", "each", "one"]
 Limit = Annotated[Number, Field(gt=0)]
 STIFFEST = 1e12
 """Damper [N s/m] and spring [N/m] beyond which nothing moves."""
-Damper = Annotated[NonNegative, within(0.0, STIFFEST, "N s/m", "a take-off that holds a ship still does not take off")]
+Damper = Annotated[NonNegative, within(0.0, STIFFEST, "N s/m", "this damping locks the take-off")]
 Dampers = Annotated[
     Annotated[Damper, Tag("")] | Annotated[dict[Name, Damper], Tag("design")],
     Discriminator(lambda value: "design" if isinstance(value, dict) else ""),
@@ -158,13 +158,11 @@ class Pto(Section):
     The law in time: `linear`, whose force saturates at a force limit [N] if there is one; `saturated` insists on the
     limit. `coulomb`: friction of the force limit, the pressure of a hydraulic take-off; the damping is then that of the
     linear response alone. `latching` holds the port after each reversal of its velocity, `declutching` lets it go, both
-    as long as takes most of each sea. At the stroke limit [m] an end stop begins.
+    for the latching time that maximises mean power in each sea. At the stroke limit [m] an end stop begins.
     """
 
     damping: Dampers | None = None
-    stiffness: Annotated[
-        Finite, within(-STIFFEST, STIFFEST, "N/m", "a spring that holds a ship still takes nothing off")
-    ] = 0.0
+    stiffness: Annotated[Finite, within(-STIFFEST, STIFFEST, "N/m", "this spring locks the take-off")] = 0.0
     tuning: Tuning = "fixed"
     efficiency: Annotated[Number, Field(gt=0, le=1)] = 1.0
     port: PortChoice = "heave"
@@ -184,7 +182,7 @@ class Pto(Section):
 
     @property
     def pauses(self) -> bool:
-        """Whether its law pauses after each reversal of the velocity."""
+        """Whether its law is latching or declutching."""
         return self.law in PAUSE
 
     @property
@@ -199,7 +197,7 @@ class Pto(Section):
 
     @property
     def idle(self) -> bool:
-        """Whether the damper given to some design takes nothing."""
+        """Whether the damping given to some design is zero."""
         given = self.damping.values() if isinstance(self.damping, dict) else [self.damping]
         return 0.0 in given
 
