@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from study.test_shape import raw
+from study.test_device import raw
 
 from vsb.hydro import database
 from vsb.hydro.formats.common import floating

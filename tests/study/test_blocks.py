@@ -4,19 +4,24 @@ import math
 
 import numpy as np
 import pytest
-from conftest import varied
+import xarray as xr
+from conftest import shipped, varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from study.test_plan import block_ids
 
 from vsb.errors import ConfigError
 from vsb.hydro.database import displacements_of, in_modes
+from vsb.hydro.panels.mesh import graded_colatitudes
 from vsb.hydro.quality import added_mass_difference
 from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.results.ledger import witness_checks
 from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.study.plan import StudyPlan
-from vsb.study.study import content_id
+from vsb.study import sections
+from vsb.study.blocks import frequency_step, no_witness, tolerance_rows, wave_rows
+from vsb.study.plan import StudyPlan, figure_names
+from vsb.study.study import content_id, load
 
 
 @pytest.fixture(scope="module")
@@ -185,3 +190,87 @@ def test_coordinates_are_rigid_motions_and_modes_of_every_order(seed, changes, l
     plan = StudyPlan(varied(seed, **{"hydro": {"solver": "auto"}, **changes, "device": device}))
     assert len(plan.mode_labels) == labels
     assert plan.coordinates == coordinates
+
+
+@given(st.floats(0.01, 1000.0), st.floats(1.0, 30.0))
+def test_step_is_the_largest_round_number_below_its_bound(radius, gravity):
+    step, bound = frequency_step(radius, gravity), 0.05 * math.sqrt(gravity / radius)
+    assert step <= bound * (1 + 1e-12)
+    assert bound < 2.5 * step * (1 + 1e-12)
+    assert f"{step:.0e}"[0] in "125"
+    assert float(f"{step:.0e}") == step
+
+
+@given(st.floats(1e-5, 0.1))
+def test_rows_give_second_order_error_below_the_tolerance(tolerance):
+    rows = tolerance_rows(tolerance)
+    assert rows % 2 == 0
+    assert 1e-3 * (40 / rows) ** 2 <= tolerance * (1 + 1e-12)  # second order: the error is met
+    assert rows == 2 or 1e-3 * (40 / (rows - 2)) ** 2 > tolerance * (1 - 1e-12)  # and by no fewer
+
+
+@pytest.mark.parametrize(("radius", "wavelength"), [(2.0, 0.1), (2.0, 0.43), (2.0, 3.0), (5.0, 1.0)])
+def test_six_rows_lie_within_half_a_wavelength_of_the_surface(radius, wavelength):
+    def within(rows):
+        depth = -radius * np.cos(graded_colatitudes(np.pi / 2, rows))
+        return np.sum(depth[1:] <= wavelength / 2 * (1 + 1e-12))
+
+    rows = wave_rows(radius, wavelength)
+    assert rows % 2 == 0
+    assert within(rows) >= 6 > within(rows - 2)
+
+
+@pytest.mark.parametrize(
+    ("instants", "every"),
+    [(0, 0), (1, 1), (2**17, 1), (2**17 + 1, 2), (9 * 2**17 + 1, 10), (2**22, 10)],
+)
+def test_long_records_are_thinned(instants, every):
+    assert sections.thinning(instants) == every
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "reason", "checks"),
+    [
+        ("seed", {"hydro": {"witness": "none"}}, "hydro.witness: none", 0),
+        ("paper", {}, "an assumed pressure has no coefficients", None),
+        ("seed", {"water": {"depth": 2.02}}, "the spectral solver needs a water.depth of 1.02 drafts", 1),
+    ],
+)
+def test_reason_for_no_cross_check(name, change, reason, checks):
+    study = varied(load(shipped(name)), **change)
+    plan = StudyPlan(study)
+    assert no_witness(study) == reason
+    assert plan.witness is None
+    assert plan.deformed_paths == []
+    assert plan.witness_files == {}
+    assert "witness" not in figure_names(study)
+    if checks is not None:
+        found = witness_checks(study, xr.Dataset(), xr.Dataset())
+        assert [check.verdict for check in found] == ["doubt"] * checks
+        assert all(reason in check.explanation for check in found)
+
+
+@pytest.mark.parametrize("depth", [math.inf, 100.0, 20.0, 2.5])
+def test_waves_lie_within_reach_of_both_solvers(seed, depth):
+    spec = StudyPlan(varied(seed, water={"depth": depth})).witness
+    assert len(spec.omega) == 3
+    assert list(spec.omega) == sorted(set(spec.omega))
+    wavenumbers = [w**2 / 9.81 for w in spec.omega]  # or larger
+    assert wavenumbers[-1] * 2.0 == pytest.approx(3.0, rel=1e-2)
+    if math.isinf(depth):
+        assert wavenumbers[0] * 2.0 == pytest.approx(0.3, rel=1e-5)
+    else:
+        assert spec.omega[0] >= math.sqrt(9.81 * 0.3 / depth * math.tanh(0.3)) - 1e-5
+
+
+def test_no_cross_check_of_other_shapes_or_very_shallow_water():
+    seed = load(shipped("seed"))
+    spheroid = {
+        "device": {"shape": {"spheroid": {"height": 3.0}}, "mass": 9e3},
+        "modes": {"basis": "full", "degree": 2},
+    }
+    assert no_witness(varied(seed, **spheroid)) == "panels are those of the sphere"
+    deep = varied(seed, water={"depth": 1.02 * seed.draft})
+    assert no_witness(deep) == ""
+    shallow = varied(seed, water={"depth": 1.0199 * seed.draft})
+    assert no_witness(shallow) == "the spectral solver needs a water.depth of 1.02 drafts"

@@ -3,10 +3,24 @@
 import math
 
 import pytest
+import yaml
+from conftest import SEED
 
 from vsb.errors import ConfigError
-from vsb.study.device import Device
-from vsb.study.reading import validated
+from vsb.study.device import (
+    Device,
+    Shape,
+    cap_volume,
+    centre_height,
+    full_volume,
+    keel_depth,
+    volume_to,
+    waterline_radius,
+)
+from vsb.study.plan import StudyPlan
+from vsb.study.reading import read_yaml, validated
+from vsb.study.sections import Water
+from vsb.study.study import canonical, parse
 
 GIVEN = {
     "radius": 2.0,
@@ -51,3 +65,202 @@ def test_spheroidal_shell_mass_and_thickness_limit():
     validated(Device, {**GIVEN, "shape": shape, "thickness": 0.0499}, "device")
     with pytest.raises(ConfigError, match=r"thickness 0.0501 m: .* a tenth of the shape's least radius of .*, 0.05 m"):
         validated(Device, {**GIVEN, "shape": shape, "thickness": 0.0501}, "device")
+
+
+OBLATE = {"spheroid": {"height": 3.0}}
+
+
+def raw(shape, **changes):
+    """The seed's study with a shape and no mass, its modes complete."""
+    found = read_yaml(SEED, "a study")
+    device = {key: value for key, value in found["device"].items() if key != "mass"}
+    modes, others = {"basis": "full", "degree": 3}, {key: value for key, value in changes.items() if key != "device"}
+    return {**found, "device": {**device, "shape": shape, **changes.get("device", {})}, "modes": modes, **others}
+
+
+def test_without_mass_half_of_the_volume_is_immersed():
+    study = parse(raw(OBLATE))
+    assert study.device.mass == pytest.approx(study.water.density * 2 / 3 * math.pi * 4 * 1.5, rel=1e-12)
+    assert study.draft == pytest.approx(1.5, rel=1e-12)
+    assert study.centre_height == pytest.approx(0.0, abs=1e-12)
+    assert study.waterline_radius == pytest.approx(2.0, rel=1e-9)
+    assert study.heave_frequency == pytest.approx(math.sqrt(9.81 * math.pi * 4 / (2 / 3 * math.pi * 4 * 1.5)), rel=1e-9)
+
+
+def test_profile_in_a_file(tmp_path):
+    points = [(2 * math.sin(math.pi * i / 16) if i % 16 else 0.0, 1.5 * math.cos(math.pi * i / 16)) for i in range(17)]
+    (tmp_path / "hull.csv").write_text("x,z\n" + "".join(f"{x!r},{z!r}\n" for x, z in points))
+    found = parse(raw({"profile": "hull.csv"}), source=str(tmp_path / "study.yaml"))
+    assert found.device.shape.profile == tuple(points)
+    assert found.device.meridian.volume == pytest.approx(4 / 3 * math.pi * 4 * 1.5, rel=1e-4)
+    assert StudyPlan.of(raw({"profile": "hull.csv"}), str(tmp_path / "study.yaml")).study == found
+    assert parse(raw({"profile": points})) == found
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, r"device.shape.profile: received hull.csv, which cannot be read \(No such file"),
+        ("x,z\n0,1\nup,0.5\n", "received 'up,0.5' in hull.csv, needs two numbers x,z"),
+        ("0,1\n1,0,3\n", "received '1,0,3' in hull.csv, needs two numbers x,z"),
+        (f"0,1\n{50 * 'u'},0.5\n", f"received '{40 * 'u'}' in hull.csv, needs two numbers x,z"),
+        ("0,1\n1,0\n0,-1\n", "shape.profile: received 3 points; needs at least five"),
+    ],
+)
+def test_errors_of_a_profile_file(tmp_path, text, message):
+    if text is not None:
+        (tmp_path / "hull.csv").write_text(text)
+    with pytest.raises(ConfigError, match=message) as refused:
+        parse(raw({"profile": "hull.csv"}), source=str(tmp_path / "study.yaml"))
+    assert "\n" not in str(refused.value)
+    assert str(refused.value).startswith(str(tmp_path / "study.yaml"))
+
+
+@pytest.mark.parametrize(
+    ("shape", "changes", "message"),
+    [({}, {}, "received none: needs one of spheroid, capsule and profile"),
+        ({**OBLATE, "capsule": {"length": 1.0}}, {}, "received spheroid and capsule: needs one of"),
+        ({"spheroid": {"height": 50.0}}, {}, r"shape.spheroid: received a height of 12.5 diameters, needs 0.1 to 10"),
+        ({"spheroid": {"height": 0.5}}, {"device": {"thickness": 0.01}}, "a tenth of the shape's least radius of curv"),
+        (OBLATE, {"device": {"mass": 1e6}}, "the buoy would sink; needs less than 25761"),
+        (OBLATE, {"hydro": {"model": "auto"}}, "hydro.model 'auto': is known of the sphere alone"),
+        (OBLATE, {"hydro": {"model": "assumed_pressure", "pressure": 1e3}}, "'assumed_pressure': is known of the sph"),
+        (OBLATE, {"hydro": {"solver": "panels"}}, "hydro.solver: panels are those of the sphere"),
+        (OBLATE, {"modes": {"basis": "membrane", "degree": 3}}, "modes.basis 'membrane': modes of another shape"),
+        (OBLATE, {"modes": {"basis": "full", "degree": 0}}, "modes.degree 0: device.shape needs at least 1"),
+        (OBLATE, {"device": {"internal_pressure": 1e4}}, "prestress and buckling are known of the sphere alone"),
+        (OBLATE, {"device": {"gas": {}}}, "prestress and buckling are known of the sphere alone"),
+        (OBLATE, {"reference_shape": "equilibrium"}, "prestress and buckling are known of the sphere alone"),
+        (OBLATE, {"motion": "planar", "device": {"centre_of_mass": -0.3, "ballast_inertia": 8e3}},
+         "motion 'planar': is known of the sphere alone; device.shape needs heave")],
+)  # fmt: skip
+def test_unsupported_combinations_are_refused(shape, changes, message):
+    with pytest.raises(ConfigError, match=message):
+        parse(raw(shape, **changes))
+
+
+@pytest.mark.parametrize(
+    ("key", "size", "limit", "inwards"),
+    [("spheroid", "height", 0.4, 1.001), ("spheroid", "height", 40.0, 0.999), ("capsule", "length", 36.0, 0.999)],
+)
+def test_height_is_a_tenth_to_ten_diameters(key, size, limit, inwards):
+    """At a radius of 2 m; a capsule has two caps beside its length."""
+    caps = 4.0 if key == "capsule" else 0.0
+    found = Shape(**{key: {size: limit * inwards}}).meridian(2.0)
+    assert found.highest - found.lowest == pytest.approx(limit * inwards + caps, rel=1e-9)
+    across = (limit / inwards + caps) / 4.0
+    with pytest.raises(ValueError, match="needs") as refused:
+        Shape(**{key: {size: limit / inwards}}).meridian(2.0)
+    assert str(refused.value) == f"shape.{key}: received a height of {across:.4g} diameters, needs 0.1 to 10"
+
+
+@pytest.fixture
+def raw_of_floating():
+    return yaml.safe_load(SEED.read_text())
+
+
+def without(section, *keys, **others):
+    return {key: value for key, value in section.items() if key not in keys} | others
+
+
+@pytest.mark.parametrize(("radius", "gravity", "omega_max"), [(2.0, 9.81, 12.0), (8.0, 9.81, 6.0), (5.0, 1.62, 3.1)])
+def test_band_scales_with_the_root_of_gravity_over_radius(raw_of_floating, radius, gravity, omega_max):
+    device = without(raw_of_floating["device"], "mass", radius=radius, thickness=radius / 200)
+    swell = {"kind": "regular", "amplitude": 0.1, "period": 10.0}
+    others = {"device": device, "hydro": {}, "water": {"gravity": gravity}, "waves": [swell]}
+    assert parse(raw_of_floating | others).hydro.omega_max == omega_max
+    assert omega_max == pytest.approx(5.4 * math.sqrt(gravity / radius), rel=0.02)
+
+
+@pytest.mark.parametrize("draft", [None, 1.0, 2.5])
+def test_mass_is_that_of_the_displaced_water(raw_of_floating, draft):
+    """Without mass and draft half the sphere is immersed."""
+    device = without(raw_of_floating["device"], "mass", **({} if draft is None else {"draft": draft}))
+    study, sunk = parse(raw_of_floating | {"device": device}), draft or 2.0
+    assert study.device.mass == pytest.approx(1025 * math.pi * sunk**2 * (6 - sunk) / 3, rel=1e-12)
+    assert study.draft == pytest.approx(sunk, rel=1e-12)
+    assert "draft" not in canonical(study)
+
+
+@pytest.mark.parametrize(
+    ("device", "wrong"),
+    [
+        ({"mass": 1e4, "draft": 1.0}, r"device: received mass and draft, needs one of them"),
+        ({"draft": 4.0}, r"device.draft: received 4.0, needs more than 0 and less than two radii, 4 m"),
+        ({"draft": -1}, r"device.draft: received -1, needs more than 0"),
+        ({"draft": "deep"}, r"device.draft: received 'deep', needs more than 0"),
+        ({"draft": True}, r"device.draft: received True, needs more than 0"),
+        ({"mass": 1e4, "radius": "x"}, r"device.radius: received 'x'; needs a number$"),
+        ({"mass": 1e4, "radius": True}, r"device.radius: received True; a number is needed, not true/false$"),
+    ],
+)
+def test_errors_of_mass_and_draft(raw_of_floating, device, wrong):
+    with pytest.raises(ConfigError, match=wrong):
+        parse(
+            raw_of_floating
+            | {"device": without(raw_of_floating["device"], "mass") | device, "hydro": {"omega_max": "auto"}}
+        )
+
+
+@pytest.mark.parametrize("height", [1.0, 3.0])
+def test_waterline_must_stay_clear_of_the_poles(raw_of_floating, height):
+    """A hundredth of the half height."""
+    least, most = (1025 * cap_volume(2.0, part) * height / 4.0 for part in (0.01, 1.99))
+    shell = {"shape": {"spheroid": {"height": height}}, "density": 1.0, "thickness": 1e-3}  # next to nothing
+    others = {"modes": {"basis": "full", "degree": 2}, "designs": {"FSB": {"flexible": False}}}
+
+    def floating_system(mass):
+        return parse(raw_of_floating | others | {"device": without(raw_of_floating["device"], mass=mass, **shell)})
+
+    for inside, outside in ((1.000001 * least, 0.999999 * least), (0.999999 * most, 1.000001 * most)):
+        assert floating_system(inside).device.mass == inside
+        with pytest.raises(
+            ConfigError, match=rf"needs {least:.6g} to {most:.6g} kg, because the waterplane is too small within 0.01"
+        ):
+            floating_system(outside)
+
+
+def test_volume_of_spherical_caps():
+    assert cap_volume(2.0, 0.0) == 0.0
+    assert cap_volume(2.0, 1.0) == pytest.approx(2 / 3 * math.pi * 8)
+    assert cap_volume(2.0, 2.0) == pytest.approx(4 / 3 * math.pi * 8)
+
+
+SHELL = {"radius": 2.0, "thickness": 1e-3, "density": 1.0, "young_modulus": 1e7, "poisson_ratio": 0.3}
+
+
+@pytest.mark.parametrize("height", [1.0, 3.0, 7.0])
+@pytest.mark.parametrize("part", [0.2, 1.0, 1.7])
+def test_spheroid_floats_as_the_stretched_sphere(part, height):
+    volume = cap_volume(2.0, part) * height / 4.0
+    shape = Shape.model_validate({"spheroid": {"height": height}})
+    device, water = Device(**SHELL, mass=800.0 * volume, shape=shape), Water(density=800.0)
+    centre = centre_height(device, water)
+    assert centre == pytest.approx(height / 2 * (1 - part), abs=1e-12 * height)
+    assert keel_depth(device, centre) == pytest.approx(part * height / 2, rel=1e-11)
+    assert waterline_radius(shape, 2.0, centre) == pytest.approx(2.0 * math.sqrt(part * (2 - part)), rel=1e-11)
+    assert volume_to(device, part) == pytest.approx(volume, rel=1e-12)
+    assert full_volume(device) == pytest.approx(2 / 3 * math.pi * 4.0 * height, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"device": {"radius": "wide"}}, "device.radius: received 'wide'; needs a number"),
+        (
+            {"device": {"radius": 1e5, "thickness": 100.0}},
+            "device.radius: received 100000.0; needs at most 1000 m, because",
+        ),
+        ({"water": {"density": "heavy"}}, "water.density: received 'heavy'; needs a number"),
+        ({"water": {"gravity": 0.0}}, "water.gravity: received 0.0; needs a number above 0"),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("given", [{}, {"draft": 1.0}, {"mass": 17170.0}])
+def test_invalid_radius_or_water_is_the_only_error(raw_of_floating, changes, expected, given):
+    """A missing mass is not reported as a second error."""
+    device = without(raw_of_floating["device"], "mass", **given) | changes.get("device", {})
+    with pytest.raises(ConfigError) as refused:
+        parse(raw_of_floating | {"water": changes.get("water", {}), "device": device}, source="here")
+    assert len(refused.value.mistakes) == 1
+    assert str(refused.value).startswith(f"here: {expected}")
