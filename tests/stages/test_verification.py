@@ -122,7 +122,7 @@ def test_linear_runs_need_no_correction(folder):
         _, found = run(plan)
     assert found.in_time_mean_power.dims == ("design",)
     np.testing.assert_allclose(found.in_time_mean_power, found.annual_mean_power.sel(tuning="one"), rtol=2e-3)
-    assert " by linear runs in time" in answer_of(found, "FSB", "one")
+    assert " by linear time-domain runs" in answer_of(found, "FSB", "one")
 
 
 def test_designs_that_are_not_viable_are_not_simulated(folder):
