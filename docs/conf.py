@@ -14,10 +14,14 @@ from vsb import __version__  # noqa: E402
 
 project, author, release = "vsb", "the authors of vsb", __version__
 project_copyright = "the authors of vsb, GPL-3.0-or-later"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
 html_math_renderer = "mathml"  # drawn by browsers: pages need neither scripts nor a network
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
+nb_execution_mode = "force"  # notebooks are run from the root of the repository; finished results are reused
+nb_execution_timeout = 900
+nb_execution_raise_on_error = True
+nb_merge_streams = True
 exclude_patterns = ["_build", "requirements.*"]
 html_theme, html_title = "furo", f"vsb {release}"
 html_copy_source = html_show_sourcelink = False
