@@ -75,9 +75,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "internal_pressure": Key(
             "Pa", "20000.0", "gauge pressure inside: prestress that keeps the shell from buckling"
         ),
-        "gas": Key(
-            "", "{adiabatic_index: 1.4}", "gas trapped inside; without it the internal pressure is constant"
-        ),
+        "gas": Key("", "{adiabatic_index: 1.4}", "gas trapped inside; without it the internal pressure is constant"),
         "damping": Key("", "{beta: 1.0e-3}", "structural damping of the shell"),
         "centre_of_mass": Key(
             "m", "-0.5", "height of the whole buoy's centre of mass above the sphere's; pitch needs it"
