@@ -9,8 +9,10 @@ import shutil
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
+from meshio import Mesh
 
 import vsb
 from vsb.cli import main, parser
@@ -18,6 +20,9 @@ from vsb.hydro.bodies.body import detected_symmetry
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import linear_share
 from vsb.hydro.bodies.study import read_config
+from vsb.hydro.panels.mesh import revolved
+from vsb.stages import planning
+from vsb.stages.body_preview import checked_body
 from vsb.study.body import BodyFile, BodyStudy, load_body
 from vsb.study.campaign_plan import plan_of
 from vsb.study.reading import dotted, schema_of
@@ -93,7 +98,7 @@ def blocks(page, language):
 
 def test_body_of_the_documentation(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (program,), (file, made, *_) = blocks("own-body.md", "python"), blocks("own-body.md", "yaml")
+    (program,), (_, _, file, made, *_) = blocks("own-body.md", "python"), blocks("own-body.md", "yaml")
     exec(program, {})
     Path("raft.yaml").write_text(file)
     Path("my_raft.yaml").write_text(made)
@@ -104,6 +109,20 @@ def test_body_of_the_documentation(tmp_path, monkeypatch):
     assert body.volume == pytest.approx(20.0 * 8.0 * 2.0)
     assert detected_symmetry(body) == "xOz+yOz"
     assert linear_share(body) is None  # its bending is a beam's
+
+
+def test_rigid_body_of_the_documentation(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    file, made, *_ = blocks("own-body.md", "yaml")
+    Path("float.yaml").write_text(file)
+    Path("study.yaml").write_text(made)
+    vertices, faces = revolved(np.array([0.0, 5.0, 5.0, 0.0]), np.array([1.0, 1.0, -3.0, -3.0]), 12)
+    triangles = np.concatenate([faces[:, :3], faces[:, [0, 2, 3]]])
+    with np.errstate(invalid="ignore"):  # normals of those without area
+        Mesh(vertices, [("triangle", triangles)]).write("cylinder.stl")
+    body = checked_body(planning.plan_of("study.yaml"))[0]
+    assert body.labels == ("Surge", "Heave", "Pitch")
+    assert body.mass[1, 1] == pytest.approx(1025.0 * 6 * 25 * np.sin(np.pi / 6) * 3.0, rel=1e-6)
 
 
 def test_study_of_the_tutorial(tmp_path):

@@ -7,7 +7,7 @@ import numpy as np
 
 from vsb.errors import ConfigError, StabilityError
 from vsb.hydro import database, quality
-from vsb.hydro.bodies.files import read_body
+from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.study import check_solvable, cost
 from vsb.hydro.bodies.verdict import mesh_checks
 from vsb.hydro.database import Check
@@ -41,7 +41,7 @@ def checked_body(plan: BodyPlan) -> tuple[LinearSystem, list[Check]]:
     """
     study, files, source = plan.study, plan.files, plan.study.body
     if isinstance(source.file, BodyFile):
-        mesh = read_body(files["mesh"], files["modes"], source.file.water.gravity)
+        mesh = build_body(source.file, files)
         check_solvable(source.file, mesh)
         ds = within_band(dry_database(mesh, source.file), study.hydro.omega_max)
         body = complete_body(source, study.dofs, ds)
@@ -122,7 +122,7 @@ def body_summary(plan: BodyPlan) -> list[str]:
         f"database     {plan.database_path}{there}",
     ]
     if isinstance(file := study.body.file, BodyFile):
-        mesh = read_body(plan.files["mesh"], plan.files["modes"], file.water.gravity)
+        mesh = build_body(file, plan.files)
         memory, seconds = cost(file, mesh)
         lines.append(
             f"cost         {len(mesh.faces)} panels: about {seconds:.2g} s a frequency on one core, {memory:.2g} GB"

@@ -8,7 +8,7 @@ import xarray as xr
 
 from vsb import __version__
 from vsb.hydro import database, quality
-from vsb.hydro.bodies.files import read_body
+from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.study import solved
 from vsb.hydro.database import Check
 from vsb.hydro.formats import bemio, checks, wamit
@@ -50,7 +50,7 @@ def run_coefficients(spec: BodySpec, out: str, **files: str) -> None:
         If a file is not what it should be, or a check fails that the study does not accept.
     """
     if isinstance(spec.body.file, BodyFile):
-        mesh = read_body(files["mesh"], files["modes"], spec.body.file.water.gravity)
+        mesh = build_body(spec.body.file, files)
         found, _ = solved(spec.body.file, mesh, files["folder"], files["green"])
     else:
         found = read_source(spec.body.kind, files[spec.body.kind], spec.water, spec.body.length)

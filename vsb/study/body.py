@@ -22,7 +22,7 @@ from pydantic import (
 )
 
 from vsb.errors import ConfigError
-from vsb.study.quantities import Count, Finite, Name, Number, Positive, Section, is_rigid
+from vsb.study.quantities import RIGID, Count, Finite, Name, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Published, Simulation, Water
 from vsb.study.study import BaseStudy, Study, check_all
@@ -35,6 +35,20 @@ PHYSICS = 4
 Frequency = Annotated[Number, Field(ge=1e-3, le=1e3)]
 """Frequencies of gravity waves on Earth, tsunamis and ripples among them [rad/s]."""
 Direction = Annotated[Number, Field(ge=-360, le=360)]
+RigidMotion = Literal["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
+Modes = Annotated[
+    Annotated[str, Tag("path")] | Annotated[tuple[RigidMotion, ...], Tag("names")],
+    Discriminator(lambda value: "names" if isinstance(value, list | tuple) else "path"),
+]
+"""A file of displacements, `rigid` for the six rigid motions, or some of these by their names."""
+Mass = Annotated[
+    Annotated[Literal["afloat"], Tag("afloat")] | Annotated[Positive, Tag("number")],
+    Discriminator(lambda value: "afloat" if isinstance(value, str) else "number"),
+]
+"""A mass [kg], or that of the water displaced."""
+Point = tuple[Finite, Finite, Finite]
+DRY = ("mass", "density", "centre_of_mass", "radii_of_gyration")
+"""Keys of the dry body, for rigid motions that are made; a file of displacements has its own."""
 
 
 class BodyFile(Section):
@@ -44,11 +58,19 @@ class BodyFile(Section):
     of panels on the water inside between the middle and the waterline; without it (0) coefficients at irregular
     frequencies are wrong. Below them there is none.
     With a `tolerance` [-] of interpolation only as many of the frequencies are solved as it asks for, without all.
+
+    Modes `rigid`, or names of rigid motions, are made here, rotations about `centre_of_mass` [m]. Their mass matrix is
+    that of `mass` [kg] or of a `density` [kg/m^3], with `radii_of_gyration` about the axes through the centre of mass
+    [m]. Centre and radii that are not given are those of the mesh filled evenly, for which it must be closed.
     """
 
     body: Name
     mesh: str
-    modes: str
+    modes: Modes
+    mass: Mass | None = None
+    density: Positive | None = None
+    centre_of_mass: Point | None = None
+    radii_of_gyration: tuple[Positive, Positive, Positive] | None = None
     water: Water = Water()
     omega: tuple[Frequency, ...]
     wave_direction: tuple[Direction, ...] = (0.0,)
@@ -68,6 +90,39 @@ class BodyFile(Section):
                 f"omega {self.omega[0]:g} rad/s: in {water.depth:g} m of water needs at least {lowest:.4g}"
             )
         return self
+
+    @model_validator(mode="after")
+    def _dry(self) -> Self:
+        """Masses are of rigid motions made here, and of one source."""
+        given = [name for name in DRY if getattr(self, name) is not None]
+        if self.rigid_motions is None:
+            if given:
+                raise ValueError(f"{given[0]}: stands in the file of modes; remove it, or use modes: rigid")
+            return self
+        if not self.rigid_motions or len(set(self.rigid_motions)) < len(self.rigid_motions):
+            raise ValueError(f"modes {list(self.rigid_motions)}: needs at least one rigid motion, and none twice")
+        if {"mass", "density"} <= {*given}:
+            raise ValueError("density: received both density and mass; needs one of them")
+        if "radii_of_gyration" in given and not {"mass", "density"} & {*given}:
+            raise ValueError("radii_of_gyration: received no mass; needs mass or density as well")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out keys of the dry body that are not given."""
+        return {key: value for key, value in dump(self).items() if value is not None or key not in DRY}
+
+    @property
+    def rigid_motions(self) -> tuple[str, ...] | None:
+        """Names of the rigid motions to be made; none if a file has the displacements."""
+        if isinstance(self.modes, str):
+            return RIGID if self.modes == "rigid" else None
+        return self.modes
+
+    @property
+    def paths(self) -> dict[str, str]:
+        """Names of the files it is read from, by key."""
+        return {"mesh": self.mesh} | ({"modes": str(self.modes)} if self.rigid_motions is None else {})
 
 
 CONTENTS = "sha256:"
@@ -350,7 +405,7 @@ def _of_a_mesh(study: BodyStudy, path: Path, source: str, own_water: bool) -> Lo
     body = validated(BodyFile, read_yaml(path, "a body file, as `vsb body` takes"), str(path))
     if own_water and study.water != body.water:
         raise ConfigError(f"{source}: water: is not that of {path}; needs the same, or leave it to the body file")
-    files = {name: str(path.parent / getattr(body, name)) for name in ("mesh", "modes")}
+    files = {name: str(path.parent / file) for name, file in body.paths.items()}
     known = {name: _contents([file], f"{path}: {name}") for name, file in files.items()}
     solved = body.model_copy(update={**known, "body": "body"})
     return LocatedBody(_known_by(study.model_copy(update={"water": body.water}), {"file": solved}), files)

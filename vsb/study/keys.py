@@ -309,7 +309,23 @@ KEYS: dict[str, dict[str, Key]] = {
         "mesh": Key(
             "", "raft.stl", "wetted surface, closed by the waterline, normals outward; path from the file's folder"
         ),
-        "modes": Key("", "raft_modes.nc", "displacements of the mesh's corners, rigid motions among them"),
+        "modes": Key(
+            "",
+            "raft_modes.nc",
+            "file of the displacements of the mesh's corners; or rigid, or a list such as [Heave, Pitch]: made here",
+        ),
+        "mass": Key("kg", "afloat", "mass for rigid modes; afloat is that of the displaced water"),
+        "density": Key("kg/m^3", "500.0", "mean density in place of a mass; the mesh must be closed above water, too"),
+        "centre_of_mass": Key(
+            "m",
+            "[0.0, 0.0, -1.0]",
+            "rotations of rigid modes are about it; without it, that of the mesh filled evenly with the mass",
+        ),
+        "radii_of_gyration": Key(
+            "m",
+            "[2.0, 2.0, 3.0]",
+            "about the x, y and z axis through the centre of mass; without them, of the mesh filled evenly",
+        ),
         "water": Key("", "{depth: 20.0}", "the sea without its waves"),
         "omega": Key("rad/s", "[0.5, 1.0, 1.5]", "frequencies of the database"),
         "wave_direction": Key("degrees", "[0.0, 45.0]", "directions the waves go to, from the x axis"),

@@ -186,14 +186,7 @@ def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None)
     """
     vertices, faces = read_mesh(mesh)
     labels, values, by_vertex, known = _displacements(modes, (len(vertices), len(faces)), mesh)
-    kept, notes = np.flatnonzero(~without_area(vertices, faces)), []
-    if (path := Path(mesh)).suffix.lower() == ".gdf":
-        gdf = read_gdf(path)
-        notes.append(gdf.note)
-        if gravity:
-            _check_gravity(path, gdf.gravity, gravity)
-    if dropped := len(faces) - len(kept):
-        notes.append(f"panels without area dropped: {dropped} of {len(faces)}")
+    kept, notes = panels_with_area(mesh, vertices, faces, gravity)
     faces, values = faces[kept], values if by_vertex else values[:, kept]
     try:
         if wet := wetted(vertices, faces):
@@ -214,6 +207,32 @@ def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None)
         check_apart(body)
     except (ConfigError, IndexError) as error:
         raise ConfigError(f"{mesh}, {modes}: {error}") from None
+    return with_gaps_noted(body)
+
+
+def panels_with_area(
+    mesh: str | Path, vertices: FloatArray, faces: IntArray, gravity: float | None = None
+) -> tuple[IntArray, list[str]]:
+    """Return which panels of a mesh file have an area, shape (panel,), and notes on what is dropped.
+
+    Raises
+    ------
+    ConfigError
+        If the file is a GDF whose lengths are not metres, in water of a gravity [m/s^2].
+    """
+    kept, notes = np.flatnonzero(~without_area(vertices, faces)), list[str]()
+    if (path := Path(mesh)).suffix.lower() == ".gdf":
+        gdf = read_gdf(path)
+        notes.append(gdf.note)
+        if gravity:
+            _check_gravity(path, gdf.gravity, gravity)
+    if dropped := len(faces) - len(kept):
+        notes.append(f"panels without area dropped: {dropped} of {len(faces)}")
+    return kept, notes
+
+
+def with_gaps_noted(body: FlexibleBody) -> FlexibleBody:
+    """Return a body whose history tells of gaps between its panels."""
     if (gap := body.gaps).width <= FLAT * body.size:
         return body
     note = (

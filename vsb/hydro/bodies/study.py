@@ -25,7 +25,7 @@ from vsb.hydro.bodies.body import (
     panel_diameters,
     panel_size,
 )
-from vsb.hydro.bodies.files import read_body
+from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.bodies.lid import first_irregular_frequency, interior_lid
 from vsb.hydro.bodies.mesh import rotation_centre
@@ -77,8 +77,9 @@ def run(config: str | Path, out: str | Path, tables: str | Path | None = None) -
 def read_study(config: str | Path, out: str | Path) -> tuple[BodyFile, FlexibleBody]:
     """Return a body file and its body, whose `history` records repairs; `out` may hold no input."""
     study, folder = read_config(config, BodyFile), Path(config).parent
-    check_output(Path(out, f"{study.body}.nc"), [folder / study.mesh, folder / study.modes])
-    return study, read_body(folder / study.mesh, folder / study.modes, study.water.gravity)
+    paths = {name: folder / file for name, file in study.paths.items()}
+    check_output(Path(out, f"{study.body}.nc"), list(paths.values()))
+    return study, build_body(study, paths)
 
 
 def solve(study: BodyFile, body: FlexibleBody, out: str | Path, tables: str | Path | None = None) -> list[Check]:

@@ -1,0 +1,126 @@
+"""Bodies of a mesh alone: rigid motions made here, and the mass of a mesh filled evenly."""
+
+import json
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+from vsb.errors import ConfigError
+from vsb.hydro.bodies.body import FlexibleBody
+from vsb.hydro.bodies.build import build_body
+from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.hydro.bodies.solver import BodyProblem
+from vsb.hydro.panels import rings as bem
+from vsb.hydro.panels.mesh import graded_colatitudes, revolved
+from vsb.study.body import BodyFile
+from vsb.study.quantities import RIGID
+from vsb.study.reading import validated
+
+DATA = Path(__file__).parents[2] / "data"
+L, B, H, DRAUGHT = 6.0, 4.0, 3.0, 2.0  # m, of a box with a deck
+
+
+def described(path, **changes) -> tuple[BodyFile, FlexibleBody]:
+    """A body file of a mesh, and its body."""
+    raw = {"body": "b", "mesh": path.name, "modes": "rigid", "omega": [1.0], **changes}
+    file = validated(BodyFile, raw, "b.yaml")
+    return file, build_body(file, {"mesh": path})
+
+
+@pytest.fixture
+def stl(tmp_path):
+    """Function vertices, quadrilaterals -> STL of the triangles that have an area."""
+
+    def write(vertices, faces):
+        triangles = np.concatenate([faces[:, :3], faces[:, [0, 2, 3]]])
+        corner = vertices[triangles]
+        area = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+        meshio.Mesh(vertices, [("triangle", triangles[area > 1e-9])]).write(tmp_path / "hull.stl")
+        return tmp_path / "hull.stl"
+
+    return write
+
+
+def box():
+    """Corners and sides, normals outward; the deck is the last."""
+    x, y, z = (np.array([-1, 1, 1, -1] * 2) * L / 2, np.array([-1, -1, 1, 1] * 2) * B / 2, np.repeat([0.0, H], 4))
+    sides = np.array([[3, 2, 1, 0], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7], [4, 5, 6, 7]])
+    return np.column_stack([x, y, z - DRAUGHT]), sides
+
+
+def test_mass_of_a_box_filled_evenly(stl):
+    """Inertia m (a^2 + b^2)/12 about the centre of mass, which is that of the box, deck included."""
+    _, body = described(stl(*box()), density=700.0)
+    m = 700.0 * L * B * H
+    expected = m * np.array([1, 1, 1, (B**2 + H**2) / 12, (L**2 + H**2) / 12, (L**2 + B**2) / 12])
+    assert body.labels == RIGID
+    assert body.centre_of_mass == pytest.approx([0.0, 0.0, H / 2 - DRAUGHT], abs=1e-7)
+    assert body.mass == pytest.approx(np.diag(expected), rel=1e-6, abs=1e-6 * m)
+    assert body.volume == pytest.approx(L * B * DRAUGHT)
+    assert "clipped at z = 0" in body.history
+    pitch = body.modes[4] - np.cross([0, 1, 0], body.centres - body.centre_of_mass)
+    assert np.abs(pitch).max() < 1e-6
+
+
+def test_mass_afloat_with_its_centre_and_radii(stl):
+    """An open hull has the mass and metacentric height it is told."""
+    vertices, sides = box()
+    given = {"mass": "afloat", "centre_of_mass": [0.0, 0.0, -0.5], "radii_of_gyration": [1.5, 2.0, 2.2]}
+    file, body = described(stl(vertices, sides[:-1]), modes=["Heave", "Pitch"], **given)
+    m = file.water.density * L * B * DRAUGHT
+    assert body.mass == pytest.approx(np.diag([m, m * 4.0]), rel=1e-6, abs=1e-6 * m)
+    metacentric = -DRAUGHT / 2 + L**2 / 12 / DRAUGHT + 0.5
+    stiffness = hydrostatic_stiffness(body, file.water.density, file.water.gravity)
+    assert stiffness[1, 1] == pytest.approx(m * file.water.gravity * metacentric, rel=1e-6)
+
+
+def test_heave_of_a_hemisphere_from_an_stl(stl, green_folder):
+    """Added mass, damping and Haskind's force of a whole sphere in an STL, cut at the water, against multipoles."""
+    phi = np.concatenate([graded_colatitudes(np.pi / 2, 10) - np.pi / 2, graded_colatitudes(np.pi / 2, 10)[1:]])
+    vertices, faces = revolved(np.sin(phi) * (phi < np.pi - 1e-9), np.cos(phi), 24)
+    file, body = described(stl(vertices, faces), modes=["Heave"], water={"density": 1.0, "gravity": 1.0})
+    found = BodyProblem(bem.green_function(green_folder), body, file.water).solve(1.0, np.zeros(1)).isel(omega=0)
+    known = json.loads((DATA / "hemisphere.json").read_text())
+    at = known["Ka"].index(1.0)
+    added, damping = known["added_mass"][at][1][1], known["radiation_damping"][at][1][1]
+    assert found.added_mass.item() == pytest.approx(added, rel=0.03)
+    assert found.radiation_damping.item() == pytest.approx(damping, rel=0.03)
+    force = abs(found.Froude_Krylov_force.item() + found.diffraction_force.item())
+    assert force == pytest.approx(np.sqrt(2 * damping), rel=0.03)
+    assert abs(found.haskind_force.item()) == pytest.approx(np.sqrt(2 * damping), rel=0.03)
+
+
+def test_yaw_of_a_round_body_is_left_out(tmp_path):
+    """It moves no water, and has a place only where it is asked for by name."""
+    vertices, faces = revolved(np.array([1.0, 1.0, 0.0]), np.array([0.0, -1.0, -1.0]), 16)
+    meshio.Mesh(vertices, [("quad", faces)]).write(tmp_path / "round.vtu")
+    _, body = described(tmp_path / "round.vtu", centre_of_mass=[0.0, 0.0, -0.5])
+    assert body.labels == RIGID[:5]
+    assert "Yaw left out: it moves no water" in body.history
+    with pytest.raises(ConfigError, match="modes: Yaw moves no water; remove it"):
+        described(tmp_path / "round.vtu", centre_of_mass=[0.0, 0.0, -0.5], modes=["Heave", "Yaw"])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"mass": "afloat"},
+            "hull.stl: centre_of_mass: received none, and the mesh is not closed above the water; needs",
+        ),
+        ({"mass": 1e4, "centre_of_mass": [0, 0, 0]}, "radii_of_gyration: received none, and the mesh is not closed"),
+        ({"modes": ["Heave"], "density": 500.0}, "mass: received none, and the mesh is not closed"),
+        ({}, "centre_of_mass is missing; a body that rotates needs it"),
+        ({"mass": 1.0, "density": 1.0}, "density: received both density and mass; needs one of them"),
+        ({"radii_of_gyration": [1, 1, 1]}, "radii_of_gyration: received no mass; needs mass or density as well"),
+        ({"modes": ["Heave", "Heave"]}, "needs at least one rigid motion, and none twice"),
+        ({"modes": "shapes.nc", "mass": 1.0}, "mass: stands in the file of modes; remove it, or use modes: rigid"),
+        ({"mass": "heavy"}, "mass: received 'heavy'"),
+    ],
+)
+def test_a_dry_body_that_is_not_known_is_refused(stl, changes, message):
+    vertices, sides = box()
+    with pytest.raises(ConfigError, match=message):
+        described(stl(vertices, sides[:-1]), **changes)

@@ -1,0 +1,141 @@
+"""The body a body file describes: its displacements read from a file, or rigid motions made here with their mass."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from vsb.errors import ConfigError
+from vsb.hydro.bodies.body import FlexibleBody, check_apart
+from vsb.hydro.bodies.files import panels_with_area, read_body, read_mesh, with_gaps_noted
+from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, gaps, owners, wetted
+from vsb.study.body import BodyFile
+from vsb.study.quantities import RIGID, ROTATIONS
+from vsb.tools.arrays import FloatArray, IntArray
+
+_WHOLE = "it, or a mesh closed above the water, deck included"
+
+
+class Solid(NamedTuple):
+    """A closed mesh filled evenly."""
+
+    volume: float  # [m^3]
+    centre: FloatArray  # (xyz) [m]
+    moments: FloatArray  # (xyz, xyz): int r r^T dV/V about the centre [m^2]
+
+
+def build_body(file: BodyFile, paths: Mapping[str, str | Path]) -> FlexibleBody:
+    """Return the body of a body file, its files found at `paths`, by key.
+
+    Panels above the water are cut off, those without area dropped: the body's `history` records it.
+
+    Raises
+    ------
+    ConfigError
+        In one line, whatever is wrong with the files, or missing of the dry body.
+    """
+    if file.rigid_motions is None:
+        return read_body(paths["mesh"], paths["modes"], file.water.gravity)
+    mesh = paths["mesh"]
+    vertices, faces = read_mesh(mesh)
+    kept, notes = panels_with_area(mesh, vertices, faces, file.water.gravity)
+    try:
+        return _rigid_body(file, vertices, faces[kept], notes)
+    except ConfigError as error:
+        raise ConfigError(f"{mesh}: {error}") from None
+
+
+def _rigid_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: list[str]) -> FlexibleBody:
+    """The body of a mesh in the rigid motions of a body file."""
+    labels = list(file.rigid_motions or ())
+    rotates, weighed = bool(set(ROTATIONS) & set(labels)), file.mass is not None or file.density is not None
+    centre = None if file.centre_of_mass is None else np.array(file.centre_of_mass)
+    solid = filled(vertices, faces)
+    if solid is None and (needed := _missing(file, rotates)):
+        raise ConfigError(f"{needed}: received none, and the mesh is not closed above the water; needs {_WHOLE}")
+    if centre is None and weighed and solid:
+        centre = solid.centre
+        notes = [*notes, "centre of mass that of the mesh filled evenly"]
+    wet = wetted(vertices, faces)
+    points, panels = (wet.vertices, wet.faces) if wet else (vertices, faces)
+    if file.modes == "rigid" and _still(points, panels, _motion("Yaw", centre)):
+        labels.remove("Yaw")
+        notes = [*notes, "Yaw left out: it moves no water"]
+    motions = [_motion(label, centre) for label in labels]
+    shapes = np.array([motion.at(points) for motion in motions])
+    history = "; ".join(filter(None, [*notes, wet.history if wet else ""]))
+    modes = at_centres(points, panels, shapes)
+    body = FlexibleBody(points, panels, tuple(labels), modes, shapes, centre_of_mass=centre, history=history)
+    check_apart(body)
+    if weighed:
+        body = replace(body, mass=_mass_matrix(file, body, solid, motions))
+    return with_gaps_noted(body)
+
+
+def _still(vertices: FloatArray, faces: IntArray, motion: Rigid) -> bool:
+    """Whether a motion moves no water, on panels of single precision as well."""
+    centres = at_centres(vertices, faces, vertices[None])[0]
+    corner = vertices[faces]
+    area = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]) / 2
+    moved = motion.at(centres)
+    flux = np.abs(np.einsum("px,px->p", moved, area))
+    return bool(flux.max() <= AT_SURFACE * np.linalg.norm(area, axis=1).max() * np.abs(moved).max())
+
+
+def _missing(file: BodyFile, rotates: bool) -> str | None:
+    """The first key that only a closed mesh can stand for."""
+    if file.density is not None:
+        return "mass"
+    if not rotates or file.mass is None:
+        return None
+    return next((key for key in ("centre_of_mass", "radii_of_gyration") if getattr(file, key) is None), None)
+
+
+def _mass_matrix(file: BodyFile, body: FlexibleBody, solid: Solid | None, motions: Sequence[Rigid]) -> FloatArray:
+    """Mass matrix of rigid motions, shape (dof, dof) [kg]: m v_i.v_j + a_i.I a_j, v_i at the centre of mass."""
+    if file.density is not None and solid:
+        mass = file.density * solid.volume
+    else:
+        mass = file.water.density * body.volume if file.mass == "afloat" else float(file.mass or 0)
+    if file.radii_of_gyration is not None:
+        inertia = np.diag(np.square(file.radii_of_gyration))
+    else:
+        inertia = np.trace(solid.moments) * np.eye(3) - solid.moments if solid else np.zeros((3, 3))
+    centre = np.zeros(3) if body.centre_of_mass is None else body.centre_of_mass
+    moved = np.array([motion.at(centre) for motion in motions])
+    turned = np.array([motion.rotation for motion in motions])
+    return np.asarray(mass * (moved @ moved.T + turned @ inertia @ turned.T))
+
+
+def filled(vertices: FloatArray, faces: IntArray) -> Solid | None:
+    """Return the solid inside the panels of a mesh, filled evenly; None if they do not close it, deck included."""
+    found = gaps(vertices, owners(vertices)[faces], np.inf)
+    if len(found.open) or len(found.turned):
+        return None
+    origin = vertices[np.unique(faces)].mean(axis=0)
+    corner = vertices[np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])] - origin
+    part = np.einsum("tx,tx->t", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])) / 6
+    volume = float(part.sum())
+    if volume <= 0:
+        return None
+    total = corner.sum(axis=1)
+    centre = part @ total / 4 / volume
+    second = (np.einsum("t,tx,ty->xy", part, total, total) + np.einsum("t,tkx,tky->xy", part, corner, corner)) / 20
+    moments = second / volume - np.outer(centre, centre)
+    size = float(np.linalg.norm(np.ptp(corner.reshape(-1, 3), axis=0)))
+    place = origin + centre
+    return Solid(
+        volume,
+        np.where(np.abs(place) < SAME * size, 0.0, place),
+        np.where(np.abs(moments) < SAME * size**2, 0.0, moments),
+    )
+
+
+def _motion(label: str, centre: FloatArray | None) -> Rigid:
+    """A unit rigid motion by its name, rotations about the centre of mass, or about the origin without one."""
+    axis, k = np.eye(3)[RIGID.index(label) % 3], RIGID.index(label)
+    if k < 3:
+        return Rigid(axis, np.zeros(3))
+    return Rigid(np.zeros(3) if centre is None else -np.cross(axis, centre), axis)
