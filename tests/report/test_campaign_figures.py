@@ -126,7 +126,15 @@ def test_power_matrices_share_a_scale_and_mark_empty_and_invalid_bins():
     np.testing.assert_allclose(meshes[0].get_array().filled(np.nan), [[10.0, np.nan], [5.0, 20.0]])
     crosses = [ax.collections[1].get_offsets() for ax in figure.axes[:2]]
     assert len(crosses[0]) == 0
-    np.testing.assert_array_equal(crosses[1], [[6.5, 1.25]])
+    np.testing.assert_allclose(crosses[1], [[6.85, 1.425]])  # above and right of the number
+
+
+def test_power_matrices_have_numbers_where_they_fit():
+    figure = power_matrices(campaign(), "one", "FSB")
+    for ax, expected in zip(figure.axes, ({"10", "5", "20"}, {"11", "5.4", "22"}), strict=False):
+        assert {text.get_text() for text in ax.texts} == expected
+    wide = campaign().isel(te=np.arange(20) % 2).assign_coords(te=5.5 + np.arange(20))
+    assert not any(ax.texts for ax in power_matrices(wide, "one", "FSB").axes)
 
 
 def test_cells_of_a_map_are_centred_on_their_values():

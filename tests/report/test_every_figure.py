@@ -9,7 +9,13 @@ import xarray as xr
 from matplotlib.colors import to_hex
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
-from report import test_campaign_figures, test_curves, test_hydro_figures, test_side_by_side
+from report import (
+    test_campaign_figures,
+    test_curves,
+    test_hydro_figures,
+    test_response_figures,
+    test_side_by_side,
+)
 
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.canvas import style
@@ -38,7 +44,10 @@ def swimming():
     fading = np.exp(-time)[:, None, None] * sizes
     kernels = {"kernel": (("time", *pair[1:]), fading), "kernel_state_space": (("time", *pair[1:]), 1.1 * fading)}
     radiation = xr.Dataset(kernels, {"time": time, "influenced_dof": labels, "radiating_dof": labels})
-    given = test_curves.data(database=database, radiation=radiation)
+    pushed = 5e4 * bump[None, :, None] * np.exp(0.3j * OMEGA[:, None] * np.arange(1, 4))
+    database["excitation_force"] = (("wave_direction", "omega", "influenced_dof"), pushed)
+    given = test_curves.data(database=database.assign_coords(wave_direction=[0.0]), radiation=radiation)
+    given = replace(given, response=test_curves.responding().response, raos=test_response_figures.raos())
     for k, found in enumerate(given.runs.values()):
         found.energy.loc[{"term": "stored"}] *= -1.0
         found.energy.loc[{"term": "radiated"}] *= 0.01  # less than a kilojoule
@@ -95,6 +104,8 @@ CASES = {
     },
     "absorbed_power": lambda: draw("absorbed_power", test_curves.responding()),
     "reactance": lambda: draw("reactance", test_curves.responding()),
+    "rao": lambda: draw("rao", swimming()),
+    "excitation": lambda: draw("excitation", swimming()),
     **{
         name: (lambda name=name: draw(name, swimming()))
         for name in ("mode_shapes", "added_mass_damping", "radiation_kernel")

@@ -188,7 +188,7 @@ def test_limit_of_axisymmetric_buoys_is_not_claimed_for_bodies():
 def test_neglected_effects_come_first():
     limited, plain = captions("without drag", given=True, body=False), captions(given=True, body=False)
     changed = {name for name in plain if limited[name] != plain[name]}
-    assert changed == {"absorbed_power", "reactance"}
+    assert changed == {"absorbed_power", "reactance", "rao"}
     assert all(limited[name] == f"Without drag: {plain[name]}" for name in changed)
     assert not any("{" in text for text in plain.values())
 

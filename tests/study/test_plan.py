@@ -43,8 +43,8 @@ def test_labels_are_those_of_the_basis(seed):
 def test_figures_follow_from_the_study(seed):
     waves = [{"kind": "still"}, {"kind": "regular", "amplitude": 0.1, "period": 3.0}]
     study = varied(seed, waves=waves)
-    assert len(figure_names(study)) == 6 + 2 * 8
-    assert len(figure_names(varied(study, designs={"FSB": {"flexible": False}}))) == 6 + 2 * 5
+    assert len(figure_names(study)) == 8 + 2 * 8
+    assert len(figure_names(varied(study, designs={"FSB": {"flexible": False}}))) == 8 + 2 * 5
     assumed = varied(study, hydro={"model": "assumed_pressure", "pressure": 100.0})
     assert len(figure_names(assumed)) == 1 + 2 * 8
     assert not {"absorbed_power", "radiation_kernel"} & set(figure_names(assumed))

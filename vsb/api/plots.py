@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 
-from vsb.report.canvas import style
+from vsb.report.canvas import number_cells, style
 from vsb.results.year import HEIGHT, PERIOD
 from vsb.study.study import BaseStudy
 
@@ -254,12 +254,7 @@ def _matrix(values: xr.DataArray, label: str, ax: Axes | None) -> Axes:
     values = values.transpose("hs", "te").dropna("hs", how="all").dropna("te", how="all")
     image = axes.pcolormesh(_edges(values.te, PERIOD), _edges(values.hs, HEIGHT), values, cmap="viridis")
     largest = float(values.max())
-    for hs in values.hs.values:
-        for te in values.te.values:
-            value = float(values.sel(hs=hs, te=te))
-            if np.isfinite(value):
-                colour = "black" if value > 0.6 * largest else "white"
-                axes.text(te, hs, f"{value:.3g}", ha="center", va="center", fontsize=6, color=colour)
+    number_cells(axes, values.te.values, values.hs.values, values.values, largest)
     axes.grid(visible=False)
     axes.set(xlabel="energy period Te [s]", ylabel="significant wave height Hs [m]")
     axes.figure.colorbar(image, ax=axes, label=label)

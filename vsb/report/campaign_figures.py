@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,13 +12,17 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from vsb.report.campaign_answer import is_verified, reported_bounds, reported_gain, shown_member
-from vsb.report.canvas import grid_of_axes, legend_above, note, plain_numbers, style
+from vsb.report.canvas import grid_of_axes, legend_above, note, number_cells, plain_numbers, style
 from vsb.results.campaign import damper
 from vsb.results.year import HEIGHT, PERIOD
 from vsb.study.campaign import CONSTRAINED
 from vsb.tools.ports import kind_of
 from vsb.tools.words import quantity, superscripts
 
+MOST_ACROSS, MOST_CELLS, SIDE_BY_SIDE = 18, 18 * 14, 12
+"""Bins of period, and all bins, up to which a matrix has numbers; bins of period up to which two stand side by side."""
+CELL, CORNER = 0.17, 0.35
+"""Height of a bin with a number [inch], and how far from its middle a mark beside the number is [bin]."""
 GAIN = "RdBu"
 """Colours of gains: blue more than the rigid design, red less."""
 NOT_VIABLE = "no design is viable"
@@ -30,12 +35,16 @@ MOST_TICKS = 5
 
 
 def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
-    """Draw mean power over the bins of height and period, designs side by side in one scale."""
+    """Draw mean power over the bins of height and period, all designs in one scale, with numbers where they fit."""
     one, designs = shown_member(ds, tuning, reference), list(ds.design.values)
-    columns = min(2, len(designs))
-    rows = -(-len(designs) // columns)
-    figure, axes = grid_of_axes(0.6 + 2.3 * rows, rows, columns, sharex=True, sharey=True)
     power = one.power_matrix.sel(tuning=tuning).where(one["count"] > 0) / 1e3
+    occupied = one["count"] > 0
+    across, up = (_span(occupied.any(dim).values) for dim in ("hs", "te"))
+    numbered = across <= MOST_ACROSS and across * up <= MOST_CELLS
+    columns = 1 if numbered and across > SIDE_BY_SIDE else min(2, len(designs))
+    rows = -(-len(designs) // columns)
+    height = max(2.3, 0.7 + CELL * up) if numbered else 2.3
+    figure, axes = grid_of_axes(0.6 + 0.6 * numbered + height * rows, rows, columns, sharex=True, sharey=True)
     image = None
     for ax, design in zip(axes.ravel(), designs, strict=False):
         ax.grid(visible=False)
@@ -45,7 +54,9 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
             continue
         edges = (_edges(ds.te.values, PERIOD), _edges(ds.hs.values, HEIGHT))
         image = ax.pcolormesh(*edges, power.sel(design=design), vmin=0, vmax=float(power.max()), cmap="viridis")
-        _mark_beyond(ax, one.beyond_validity.sel(design=design, tuning=tuning))
+        if numbered:
+            number_cells(ax, ds.te.values, ds.hs.values, power.sel(design=design).values, float(power.max()))
+        _mark_beyond(ax, one.beyond_validity.sel(design=design, tuning=tuning), CORNER * numbered)
     for ax in axes.ravel()[len(designs) :]:
         ax.set_visible(False)
     for ax in axes[-1]:
@@ -53,17 +64,27 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
     for ax in axes[:, 0]:
         ax.set_ylabel("Hs [m]")
     if image is not None:
-        occupied = (one["count"] > 0).any("hs").values
-        axes[0, 0].set_xlim(*_edges(ds.te.values[occupied], PERIOD)[[0, -1]])
-        figure.colorbar(image, ax=axes, label="mean power [kW]")
+        axes[0, 0].set_xlim(*_edges(ds.te.values[occupied.any("hs").values], PERIOD)[[0, -1]])
+        axes[0, 0].set_ylim(*_edges(ds.hs.values[occupied.any("te").values], HEIGHT)[[0, -1]])
+        bar: dict[str, Any] = {"orientation": "horizontal", "aspect": 50} if numbered else {}  # width is for numbers
+        figure.colorbar(image, ax=axes, label="mean power [kW]", **bar)
     return figure
 
 
-def _mark_beyond(ax: Axes, share: xr.DataArray) -> None:
-    """Mark bins with seas beyond the validity of linear theory with a cross, the larger the more of them."""
+def _span(occupied: np.ndarray) -> int:
+    """How many bins there are from the first to the last occupied one."""
+    return int(np.ptp(np.flatnonzero(occupied))) + 1 if occupied.any() else 0
+
+
+def _mark_beyond(ax: Axes, share: xr.DataArray, aside: float) -> None:
+    """Mark bins with seas beyond the validity of linear theory with a cross, the larger the more of them.
+
+    It stands so much of a bin right of and above the middle.
+    """
     beyond = share.stack(bin=("hs", "te"), create_index=False)
     beyond = beyond[(beyond > 0).values]
-    ax.scatter(beyond.te, beyond.hs, s=4 + 20 * beyond, marker="x", color="#d55e00", linewidths=0.9)
+    x, y = beyond.te + aside * PERIOD, beyond.hs + aside * HEIGHT
+    ax.scatter(x, y, s=4 + (6 if aside else 20) * beyond, marker="x", color="#d55e00", linewidths=0.9)
 
 
 def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:

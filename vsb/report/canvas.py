@@ -17,6 +17,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from vsb.report.band import lowest
 from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import plain
@@ -25,6 +26,12 @@ WIDTH = 6.3
 """Width of a figure [inch]: a page of text."""
 PERIODS = 15
 """Most periods of a sea shown in time series."""
+LIGHT = 0.6
+"""Share of the largest value from which on the colours viridis are light."""
+FEW_DIGITS = 99.5
+"""From where on a number has three digits before the point."""
+PORT = "take-off port"
+"""Label of the port among the motions of `StudyData.raos`."""
 # Okabe & Ito's colour-blind-safe palette: the paper's designs, then others in the order of the study. Its orange marks
 # the waves and is replaced by wine red.
 STYLES = {
@@ -55,6 +62,7 @@ class StudyData:
     limit: str = "limit λ/2π"  # what a capture width of a wavelength over 2 pi is called
     spectra: xr.DataArray = field(default_factory=xr.DataArray)  # of irregular seas (sea, omega) [m^2 s/rad]
     port: PortKind = FORCE
+    raos: xr.DataArray = field(default_factory=xr.DataArray)  # (wave_direction, design, omega, dof), `PORT` among dof
 
 
 def style(design: str, designs: Sequence[str]) -> dict[str, Any]:
@@ -79,9 +87,11 @@ def grid_of_axes(height: float, rows: int = 1, columns: int = 1, **options: Any)
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
-def legend_above(figure: Figure, axes: Axes) -> None:
-    """One legend for all axes, above them, where it covers no data."""
-    handles, labels = axes.get_legend_handles_labels()
+def legend_above(figure: Figure, *axes: Axes) -> None:
+    """One legend of the curves of some axes, each name once, above all axes, where it covers no data."""
+    entries = [zip(*ax.get_legend_handles_labels(), strict=True) for ax in axes]
+    named = {label: handle for own in entries for handle, label in own}
+    handles, labels = list(named.values()), list(named)
     columns = min(len(labels), max(1, int(80 / (6 + max(map(len, labels))))))
     figure.legend(handles, labels, loc="outside upper center", ncols=columns, fontsize=8)
     figure.set_figheight(figure.get_figheight() + 0.17 * (math.ceil(len(labels) / columns) - 1))
@@ -97,6 +107,15 @@ def period_axis(ax: Any, ticks: Sequence[float] = (1.5, 2, 2.5, 3, 4, 6, 10)) ->
 def _period(omega: FloatArray) -> FloatArray:
     """2 pi over the argument: period of a frequency, frequency of a period."""
     return 2 * np.pi / np.maximum(omega, 1e-6)
+
+
+def shown_band(data: StudyData) -> tuple[float, float]:
+    """Frequencies shown: from the `lowest` on to where no design absorbs 1 % of its largest power, and all waves."""
+    power = data.response.absorbed_power.max(dim="design")
+    absorbs = power.omega.where(power > 0.01 * power.max(), drop=True) if float(power.max()) > 0 else power.omega
+    last = float(absorbs.max())
+    ends = np.array([lowest(float(power.omega[0]), last), last, *data.wave_frequencies])
+    return float(ends.min()), float(ends.max())
 
 
 def note(ax: Axes, text: str) -> None:
@@ -117,6 +136,15 @@ def plain_numbers(axis: Axis) -> None:
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
     axis.set_minor_formatter(NullFormatter())
+
+
+def number_cells(ax: Axes, x: FloatArray, y: FloatArray, values: FloatArray, largest: float, size: float = 6.0) -> None:
+    """Write the values (y, x) of a map in the colours viridis into its cells, to two digits; none where unknown."""
+    for (i, j), value in np.ndenumerate(values):
+        if np.isfinite(value):
+            colour = "black" if value > LIGHT * largest else "white"
+            text = f"{value:.0f}" if abs(value) >= FEW_DIGITS else plain(float(value), 2)
+            ax.text(float(x[j]), float(y[i]), text, ha="center", va="center", fontsize=size, color=colour)
 
 
 def folded(name: str, width: int = 16) -> str:

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vsb.report.band import lowest, useful_band
+from vsb.report.band import useful_band
 from vsb.report.canvas import (
     StudyData,
     folded,
@@ -19,11 +19,13 @@ from vsb.report.canvas import (
     note,
     panels,
     period_axis,
+    shown_band,
     shown_window,
     style,
     zero_axis,
 )
 from vsb.report.hydro_figures import added_mass_damping, radiation_kernel, spectra, witness
+from vsb.report.response_figures import excitation, rao
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
 from vsb.study.quantities import RIGID, ROTATIONS
 from vsb.tools.words import superscripts
@@ -51,7 +53,7 @@ def absorbed_power(data: StudyData) -> Figure:
         period_axis(top)
         _mark_waves(data, (top, *below))
     largest = max(float(power.where(_shown(data)).max()) for power in powers.values()) / 1e3
-    axes[0, 0].set(ylabel="absorbed power\nper amplitude² [kW/m²]", xlim=_band(data))
+    axes[0, 0].set(ylabel="absorbed power\nper amplitude² [kW/m²]", xlim=shown_band(data))
     axes[0, 0].set_ylim(0, 1.25 * largest or float(limit.median()) or 1.0)
     if _compares(data):
         _limit_gain(data, powers.values(), axes[1, 0])
@@ -72,7 +74,7 @@ def reactance(data: StudyData) -> Figure:
     shown = quality.where(_shown(data))
     largest = max(0.1, float(shown.max().fillna(0.0)))
     top.set(ylabel="Q = |X|/R [-]", yscale="log", ylim=(0.05, 1.5 * largest))
-    top.set_xlim(_band(data))
+    top.set_xlim(shown_band(data))
     bottom.set(
         xlabel="wave frequency [rad/s]", ylabel="share at optimal damping\n2/(1 + √(1 + Q²)) [-]", ylim=(0, 1.02)
     )
@@ -87,7 +89,7 @@ WAVE: dict[str, Any] = {"color": "#E69F00", "linestyle": "none", "marker": "^", 
 
 def _shown(data: StudyData) -> xr.DataArray:
     """Which frequencies figures over the band show."""
-    omega, (low, high) = data.response.omega, _band(data)
+    omega, (low, high) = data.response.omega, shown_band(data)
     shown: xr.DataArray = (omega > low) & (omega < high)
     return shown
 
@@ -98,15 +100,6 @@ def _mark_waves(data: StudyData, axes: Iterable[Axes]) -> None:
     for ax in axes if omegas else ():
         label = "study's wave" if len(omegas) == 1 else "study's waves"
         ax.plot(omegas, 0 * np.array(omegas), transform=ax.get_xaxis_transform(), zorder=5, label=label, **WAVE)
-
-
-def _band(data: StudyData) -> tuple[float, float]:
-    """Frequencies shown: from the `lowest` on to where no design absorbs 1 % of its largest power, and all waves."""
-    power = data.response.absorbed_power.max(dim="design")
-    absorbs = power.omega.where(power > 0.01 * power.max(), drop=True) if float(power.max()) > 0 else power.omega
-    last = float(absorbs.max())
-    ends = np.array([lowest(float(power.omega[0]), last), last, *data.wave_frequencies])
-    return float(ends.min()), float(ends.max())
 
 
 def _compares(data: StudyData) -> bool:
@@ -255,8 +248,11 @@ def draw(name: str, data: StudyData) -> Figure:
     kind, _, wave = name.partition("-")
     per_study = {
         f.__name__: f
-        for f in (absorbed_power, reactance, spectra, mode_shapes, added_mass_damping, radiation_kernel, witness)
-    }
+        for f in (
+            absorbed_power, reactance, rao, spectra, mode_shapes, added_mass_damping, excitation, radiation_kernel,
+            witness,
+        )
+    }  # fmt: skip
     per_wave = {
         f.__name__: f
         for f in (
@@ -272,6 +268,11 @@ CAPTIONS = {
     "{limit}.{useful}",
     "reactance": "The reason: at its port a design is one impedance R + iX. Optimal damping absorbs the share "
     "2/(1 + √(1 + Q²)), Q = |X|/R, of the most any take-off could{same}.",
+    "rao": "Response amplitude operators of the rigid motions and of the take-off's port, {taken}: amplitude per wave "
+    "amplitude, and phase lag behind the wave crest at the origin. Motions of less than a thousandth of the largest "
+    "are left out, as is the port where it moves as one of the motions.",
+    "excitation": "Wave excitation per wave amplitude: amplitude, and phase lag behind the wave crest at the origin."
+    "{modal}",
     "spectra": "Spectra of the irregular seas. Simulations use components up to the highest frequency of the study.",
     "mode_shapes": "Shapes of the shell modes and their natural frequencies in vacuum. Displacements along the "
     "meridian are included.",
@@ -300,7 +301,7 @@ CAPTIONS = {
     "the figure, heave and wave are to scale.",
 }
 HEAVE = "heave and modes. Heave (dotted) coincides with the mode of degree 1 where both move the surface alike"
-OF_THE_RESPONSE = ("absorbed_power", "reactance")
+OF_THE_RESPONSE = ("absorbed_power", "reactance", "rao")
 """Figures of the frequency response, which does not depend on amplitude."""
 OPTIMAL = "each design at its optimal damping at every frequency"
 LIMIT = "a capture width of a wavelength over 2π"
@@ -334,6 +335,8 @@ def captions(neglected: str = "", *, given: bool, body: bool, limit: str = "", c
         "gain": ", and the gain over the rigid design" if compared else "",
         "useful": " Gains are drawn where at least 5 % of the largest power is absorbed." if compared else "",
         "same": "" if body else SAME,
+        "taken": "with the given damping" if given else OPTIMAL,
+        "modal": "" if body else " Modes: generalised forces on the first of them.",
         "moving": "all degrees of freedom; dotted: heave" if body else HEAVE,
     }
     found = {name: text.format(**words) for name, text in CAPTIONS.items()}

@@ -18,7 +18,7 @@ import yaml
 from vsb import __version__
 from vsb.report.animation import PERIODS, SEEN, frames_data, largest_shell, shapes_data
 from vsb.report.band import lowest
-from vsb.report.canvas import StudyData
+from vsb.report.canvas import PORT, StudyData
 from vsb.report.figures import draw
 from vsb.report.interactive import Grid, InteractiveSea, designs_data, study_data, thinned
 from vsb.report.page import Report, render
@@ -64,12 +64,25 @@ def run_figures(study: AnyStudy, trajectories: str, out: str, manifest: str, **f
         limit=f"limit {found.response.attrs.get('limit', 'λ/2π')}" if study.buoy else "λ/2π",
         spectra=_spectra(study, found.plan.highest),
         port=port_kind(study.pto.port),
+        raos=_raos(study, found),
     )
     written: list[str] = []
     with mpl.rc_context():  # the caller's own figures keep their looks
         for name in found.plan.figures:
             written += drawn(draw(name, data), name).write(out, name)
     record(manifest, found.plan.study_id, written)
+
+
+def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:
+    """Response amplitude operators, (wave_direction, design, omega, dof), the take-off's port among the motions."""
+    if not study.needs_bem:
+        return xr.DataArray()
+    rao = found.response.rao
+    rao = rao if "wave_direction" in rao.dims else rao.expand_dims(wave_direction=[0.0])
+    port = xr.DataArray(floating_system(study, found.path("database")).port, {"dof": rao.dof.values}, ("dof",))
+    moved = (rao * port).sum("dof").expand_dims(dof=[PORT], axis=-1)
+    together: xr.DataArray = xr.concat([rao, moved], "dof")
+    return together
 
 
 def _spectra(study: AnyStudy, highest: float) -> xr.DataArray:

@@ -331,7 +331,15 @@ FIGURES_OF_THE_SHELL = ("extreme_shapes", "shapes_3d", "volume_area")
 
 def figure_names(study: Study) -> list[str]:
     """Return the names of all figures of a study."""
-    of_bem = ("absorbed_power", "reactance", "mode_shapes", "added_mass_damping", "radiation_kernel")
+    of_bem = (
+        "absorbed_power",
+        "reactance",
+        "rao",
+        "mode_shapes",
+        "added_mass_damping",
+        "excitation",
+        "radiation_kernel",
+    )
     names = of_bem if study.needs_bem else ("mode_shapes",)
     if study.has_spectra:
         names = (*names, "spectra")
@@ -491,7 +499,7 @@ def _either_sign(modes: tuple[str, ...]) -> list[str]:
     return [f"{mode}_{sign}" for mode in modes for sign in ("minus", "plus")]
 
 
-OF_THE_BAND = ("absorbed_power", "reactance", "added_mass_damping", "radiation_kernel")
+OF_THE_BAND = ("absorbed_power", "reactance", "rao", "added_mass_damping", "excitation", "radiation_kernel")
 OF_A_SEA = ("port_motion", "degrees_of_freedom", "power_energy", "energy_audit")
 _MOST_MOTIONS, _HIGHEST = 40, 20.0  # for memory alone: degrees of freedom and band of a body whose file is not read yet
 
