@@ -98,7 +98,7 @@ def blocks(page, language):
 
 def test_body_of_the_documentation(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (program,), (_, _, file, made, *_) = blocks("own-body.md", "python"), blocks("own-body.md", "yaml")
+    (program,), (_, _, _, file, made, *_) = blocks("own-body.md", "python"), blocks("own-body.md", "yaml")
     exec(program, {})
     Path("raft.yaml").write_text(file)
     Path("my_raft.yaml").write_text(made)
@@ -113,9 +113,10 @@ def test_body_of_the_documentation(tmp_path, monkeypatch):
 
 def test_rigid_body_of_the_documentation(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    file, made, *_ = blocks("own-body.md", "yaml")
+    file, made, whole, *_ = blocks("own-body.md", "yaml")
     Path("float.yaml").write_text(file)
     Path("study.yaml").write_text(made)
+    Path("capsule.yaml").write_text(whole)
     vertices, faces = revolved(np.array([0.0, 5.0, 5.0, 0.0]), np.array([1.0, 1.0, -3.0, -3.0]), 12)
     triangles = np.concatenate([faces[:, :3], faces[:, [0, 2, 3]]])
     with np.errstate(invalid="ignore"):  # normals of those without area
@@ -123,6 +124,8 @@ def test_rigid_body_of_the_documentation(tmp_path, monkeypatch):
     body = checked_body(planning.plan_of("study.yaml"))[0]
     assert body.labels == ("Surge", "Heave", "Pitch")
     assert body.mass[1, 1] == pytest.approx(1025.0 * 6 * 25 * np.sin(np.pi / 6) * 3.0, rel=1e-6)
+    capsule = checked_body(planning.plan_of("capsule.yaml"))[0]
+    assert capsule.mass.item() == pytest.approx(1025.0 * np.pi * 4 * (4.0 + 4 / 3), rel=0.03)
 
 
 def test_study_of_the_tutorial(tmp_path):

@@ -89,6 +89,32 @@ def test_body_file_brings_its_water(tmp_path):
         located({**RAW, "body": "file.yaml", "water": {"depth": 30.0}}, str(tmp_path / "raft.yaml"))
 
 
+def test_body_file_within_a_study(tmp_path):
+    """Its mesh is found from the study's folder; the study travels to a stage unchanged."""
+    (tmp_path / "hull.stl").write_text("hull")
+    sphere = {"kind": "sphere", "radius": 2.0, "draft": 2.0, "panel": 0.5}
+    for mesh, files in (("hull.stl", {"mesh": str(tmp_path / "hull.stl")}), (sphere, {})):
+        file = {"body": "raft", "mesh": mesh, "modes": "rigid", "omega": [0.6, 0.9], "water": {"depth": 20.0}}
+        found = located({**RAW, "body": {"file": file}}, str(tmp_path / "raft.yaml"))
+        assert found.files == files
+        assert found.study.water.depth == 20.0
+        assert str(tmp_path) not in canonical(found.study)
+        assert located(found.study.model_dump(), "elsewhere/raft.yaml") == (found.study, {})
+
+
+@pytest.mark.parametrize(
+    ("mesh", "message"),
+    [
+        ({"kind": "sphere", "radius": 1.0, "panel": 0.1}, "mesh.*draft: missing"),
+        ({"kind": "cone", "radius": 1.0}, "mesh.*kind 'cone': needs one of 'sphere', 'cylinder', 'capsule', 'box'"),
+        ({"kind": "capsule", "radius": 2.0, "height": 3.0, "draft": 1.0, "panel": 1.0}, "height 3 m: needs at least"),
+    ],
+)
+def test_plain_hulls_that_are_none_are_refused(mesh, message):
+    with pytest.raises(ConfigError, match=message):
+        validated(BodyFile, {**RAFT, "mesh": mesh, "modes": "rigid"}, "raft.yaml")
+
+
 def test_body_study_is_not_a_buoy_study():
     assert is_body(RAW)
     assert not is_body({"body": "raft", "mesh": "m.nc"})

@@ -51,6 +51,67 @@ DRY = ("mass", "density", "centre_of_mass", "radii_of_gyration")
 """Keys of the dry body, for rigid motions that are made; a file of displacements has its own."""
 
 
+class Hull(Section):
+    """A plain hull on the z axis whose lowest point lies `draft` [m] below still water, in panels of a size [m]."""
+
+    draft: Positive
+    panel: Positive
+
+
+class SphereHull(Hull):
+    """A sphere."""
+
+    kind: Literal["sphere"]
+    radius: Positive
+
+    @property
+    def height(self) -> float:
+        """From the lowest point to the highest [m]."""
+        return 2 * self.radius
+
+
+class CylinderHull(Hull):
+    """An upright cylinder."""
+
+    kind: Literal["cylinder"]
+    radius: Positive
+    height: Positive
+
+
+class CapsuleHull(Hull):
+    """An upright cylinder between two hemispheres, of a height over all."""
+
+    kind: Literal["capsule"]
+    radius: Positive
+    height: Positive
+
+    @model_validator(mode="after")
+    def _with_ends(self) -> Self:
+        if self.height < 2 * self.radius:
+            raise ValueError(f"height {self.height:g} m: needs at least that of its two ends, {2 * self.radius:g} m")
+        return self
+
+
+class BoxHull(Hull):
+    """A box, its length along x, its width along y."""
+
+    kind: Literal["box"]
+    length: Positive
+    width: Positive
+    height: Positive
+
+
+Mesh = Annotated[
+    Annotated[str, Tag("path")]
+    | Annotated[
+        Annotated[SphereHull | CylinderHull | CapsuleHull | BoxHull, Field(discriminator="kind")],
+        Tag("hull"),
+    ],
+    Discriminator(lambda value: "path" if isinstance(value, str) else "hull"),
+]
+"""A mesh file, or a plain hull that is meshed here."""
+
+
 class BodyFile(Section):
     """A body file: mesh, modes, water, frequencies [rad/s], wave directions [degrees], symmetry and lid.
 
@@ -65,7 +126,7 @@ class BodyFile(Section):
     """
 
     body: Name
-    mesh: str
+    mesh: Mesh
     modes: Modes
     mass: Mass | None = None
     density: Positive | None = None
@@ -96,6 +157,10 @@ class BodyFile(Section):
         """Masses are of rigid motions made here, and of one source."""
         given = [name for name in DRY if getattr(self, name) is not None]
         if self.rigid_motions is None:
+            if not isinstance(self.mesh, str):
+                raise ValueError(
+                    f"modes: received {self.modes!r}; a {self.mesh.kind} needs rigid, or names such as Heave"
+                )
             if given:
                 raise ValueError(f"{given[0]}: stands in the file of modes; remove it, or use modes: rigid")
             return self
@@ -122,7 +187,8 @@ class BodyFile(Section):
     @property
     def paths(self) -> dict[str, str]:
         """Names of the files it is read from, by key."""
-        return {"mesh": self.mesh} | ({"modes": str(self.modes)} if self.rigid_motions is None else {})
+        mesh = {"mesh": self.mesh} if isinstance(self.mesh, str) else {}
+        return mesh | ({"modes": str(self.modes)} if self.rigid_motions is None else {})
 
 
 CONTENTS = "sha256:"
@@ -382,12 +448,16 @@ def located(raw: object, source: str) -> LocatedBody:
     """
     study = validated(BodyStudy, raw, source)
     body, folder = study.body, Path(source).parent
-    given = getattr(body, body.kind)
-    if not isinstance(given, str) or given.startswith(CONTENTS):
+    given, own_water = getattr(body, body.kind), "water" in raw if isinstance(raw, dict) else False
+    if isinstance(given, BodyFile):
+        known = given.paths and all(name.startswith(CONTENTS) for name in given.paths.values())
+        return LocatedBody(study, {}) if known else _of_a_mesh(study, given, source, source, own_water)
+    if given.startswith(CONTENTS):
         return LocatedBody(study, {})
     path = folder / given
     if body.kind == "file":
-        return _of_a_mesh(study, path, source, "water" in raw if isinstance(raw, dict) else False)
+        file = validated(BodyFile, read_yaml(path, "a body file, as `vsb body` takes"), str(path))
+        return _of_a_mesh(study, file, str(path), source, own_water)
     files = {body.kind: str(path)}
     names = [f"{path}{ending}" for ending in WAMIT] if body.kind == "wamit" else [str(path)]
     needed = names[:NEEDED] if body.kind == "wamit" else names
@@ -400,12 +470,11 @@ def load_body(path: str | Path) -> LocatedBody:
     return located(read_yaml(path, "a study file of a body such as config/barge.yaml"), str(path))
 
 
-def _of_a_mesh(study: BodyStudy, path: Path, source: str, own_water: bool) -> LocatedBody:
-    """A study of a body file, in its water."""
-    body = validated(BodyFile, read_yaml(path, "a body file, as `vsb body` takes"), str(path))
+def _of_a_mesh(study: BodyStudy, body: BodyFile, path: str, source: str, own_water: bool) -> LocatedBody:
+    """A study of a body file, which stands at a path, in its water."""
     if own_water and study.water != body.water:
         raise ConfigError(f"{source}: water: is not that of {path}; needs the same, or leave it to the body file")
-    files = {name: str(path.parent / file) for name, file in body.paths.items()}
+    files = {name: str(Path(path).parent / file) for name, file in body.paths.items()}
     known = {name: _contents([file], f"{path}: {name}") for name, file in files.items()}
     solved = body.model_copy(update={**known, "body": "body"})
     return LocatedBody(_known_by(study.model_copy(update={"water": body.water}), {"file": solved}), files)

@@ -27,6 +27,14 @@ _GOING = {
 }
 """Of all waves."""
 
+_HULL = {
+    "draft": Key("m", "2.0", "depth of the lowest point below still water"),
+    "panel": Key("m", "0.5", "size of the panels"),
+}
+_HEIGHT = {"height": Key("m", "5.0", "from the lowest point to the highest")}
+_RADIUS = {"radius": Key("m", "2.0", "radius of the hull")}
+"""Of hulls that are meshed."""
+
 KEYS: dict[str, dict[str, Key]] = {
     "Study": {
         "study": Key("", "my_buoy", "name of the study and of its folder of results"),
@@ -304,10 +312,28 @@ KEYS: dict[str, dict[str, Key]] = {
         "source": Key("", "Table II of a paper", "where the figures are from"),
         "values": Key("", "{FSB: {energy: 43420.0}}", "design, measure and value, SI units"),
     },
+    "SphereHull": {"kind": Key("", "sphere", "a sphere"), **_RADIUS, **_HULL},
+    "CylinderHull": {"kind": Key("", "cylinder", "an upright cylinder"), **_RADIUS, **_HEIGHT, **_HULL},
+    "CapsuleHull": {
+        "kind": Key("", "capsule", "an upright cylinder between two hemispheres"),
+        **_RADIUS,
+        **_HEIGHT,
+        **_HULL,
+    },
+    "BoxHull": {
+        "kind": Key("", "box", "a box"),
+        "length": Key("m", "10.0", "length along x"),
+        "width": Key("m", "6.0", "width along y"),
+        **_HEIGHT,
+        **_HULL,
+    },
     "BodyFile": {
         "body": Key("", "raft", "name of the body and of its database"),
         "mesh": Key(
-            "", "raft.stl", "wetted surface, closed by the waterline, normals outward; path from the file's folder"
+            "",
+            "raft.stl",
+            "file of the hull's panels, normals outward, path from the file's folder; or a plain hull: "
+            "sphere, cylinder, capsule, box",
         ),
         "modes": Key(
             "",

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody
+from vsb.hydro.bodies.body import FlexibleBody, detected_symmetry
 from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.bodies.solver import BodyProblem
@@ -64,6 +64,31 @@ def test_mass_of_a_box_filled_evenly(stl):
     assert np.abs(pitch).max() < 1e-6
 
 
+R, T = 2.0, 1.2  # radius and draft of round shapes [m]
+SHAPES = {
+    "sphere": ({"radius": R}, np.pi * T**2 * (R - T / 3), 4 / 3 * np.pi * R**3),
+    "cylinder": ({"radius": R, "height": 3.0}, np.pi * R**2 * T, np.pi * R**2 * 3.0),
+    "capsule": ({"radius": R, "height": 5.0}, np.pi * T**2 * (R - T / 3), np.pi * R**2 * (1 + 4 / 3 * R)),
+    "box": ({"length": L, "width": B, "height": H}, L * B * T, L * B * H),
+}
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+def test_shapes_displace_and_hold_their_volumes(kind):
+    """Symmetric in both planes, uncut at the waterline, Yaw only where it moves water."""
+    sizes, displaced, whole = SHAPES[kind]
+    raw = {"body": "b", "mesh": {"kind": kind, "draft": T, "panel": 0.2, **sizes}, "modes": "rigid", "omega": [1.0]}
+    body = build_body(file := validated(BodyFile, {**raw, "density": 500.0}, "b.yaml"), {})
+    assert file.paths == {}
+    assert body.volume == pytest.approx(displaced, rel=5e-3)
+    assert body.mass[0, 0] == pytest.approx(500.0 * whole, rel=5e-3)
+    assert detected_symmetry(body) == "xOz+yOz"
+    assert "0 of" in body.history
+    assert body.labels == (RIGID if kind == "box" else RIGID[:5])
+    with pytest.raises(ConfigError, match=r"mesh.panel: received 1e-05 m, which makes .* panels; needs larger ones"):
+        build_body(validated(BodyFile, {**raw, "mesh": {**raw["mesh"], "panel": 1e-5}}, "b.yaml"), {})
+
+
 def test_mass_afloat_with_its_centre_and_radii(stl):
     """An open hull has the mass and metacentric height it is told."""
     vertices, sides = box()
@@ -92,15 +117,11 @@ def test_heave_of_a_hemisphere_from_an_stl(stl, green_folder):
     assert abs(found.haskind_force.item()) == pytest.approx(np.sqrt(2 * damping), rel=0.03)
 
 
-def test_yaw_of_a_round_body_is_left_out(tmp_path):
-    """It moves no water, and has a place only where it is asked for by name."""
-    vertices, faces = revolved(np.array([1.0, 1.0, 0.0]), np.array([0.0, -1.0, -1.0]), 16)
-    meshio.Mesh(vertices, [("quad", faces)]).write(tmp_path / "round.vtu")
-    _, body = described(tmp_path / "round.vtu", centre_of_mass=[0.0, 0.0, -0.5])
-    assert body.labels == RIGID[:5]
-    assert "Yaw left out: it moves no water" in body.history
+def test_yaw_of_a_round_body_is_refused_by_name():
+    mesh = {"kind": "sphere", "radius": 1.0, "draft": 1.0, "panel": 0.4}
+    raw = {"body": "b", "mesh": mesh, "modes": ["Heave", "Yaw"], "mass": "afloat", "omega": [1.0]}
     with pytest.raises(ConfigError, match="modes: Yaw moves no water; remove it"):
-        described(tmp_path / "round.vtu", centre_of_mass=[0.0, 0.0, -0.5], modes=["Heave", "Yaw"])
+        build_body(validated(BodyFile, raw, "b.yaml"), {})
 
 
 @pytest.mark.parametrize(

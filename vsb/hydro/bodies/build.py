@@ -10,6 +10,7 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, check_apart
 from vsb.hydro.bodies.files import panels_with_area, read_body, read_mesh, with_gaps_noted
+from vsb.hydro.bodies.hulls import hull_panels
 from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, gaps, owners, wetted
 from vsb.study.body import BodyFile
 from vsb.study.quantities import RIGID, ROTATIONS
@@ -38,6 +39,8 @@ def build_body(file: BodyFile, paths: Mapping[str, str | Path]) -> FlexibleBody:
     """
     if file.rigid_motions is None:
         return read_body(paths["mesh"], paths["modes"], file.water.gravity)
+    if not isinstance(file.mesh, str):
+        return _rigid_body(file, *hull_panels(file.mesh), [])
     mesh = paths["mesh"]
     vertices, faces = read_mesh(mesh)
     kept, notes = panels_with_area(mesh, vertices, faces, file.water.gravity)

@@ -361,6 +361,12 @@ def read_panels(path: str | Path | IO[str], form: str) -> tuple[FloatArray, IntA
     return np.asarray(mesh.vertices), np.asarray(mesh.faces)
 
 
+def box_panels(size: tuple[float, float, float], counts: tuple[int, int, int]) -> tuple[FloatArray, IntArray]:
+    """Return vertices and panels of a box around the origin, normals outward; sides [m] and panels along x, y, z."""
+    mesh = cpt.mesh_parallelepiped(size=size, resolution=counts)
+    return np.asarray(mesh.vertices), np.asarray(mesh.faces)
+
+
 def immersed_panels(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray, IntArray]:
     """Return vertices and panels of the part of a mesh below z = 0, and the panel each of them is a piece of."""
     corners = [face[: 3 if face[2] == face[3] else 4] for face in faces.tolist()]
