@@ -64,6 +64,15 @@ def test_mass_of_a_box_filled_evenly(stl):
     assert np.abs(pitch).max() < 1e-6
 
 
+def test_panels_that_face_inward_are_turned(stl):
+    vertices, sides = box()
+    _, body = described(stl(vertices, sides[:, ::-1]), density=700.0)
+    assert "panels turned: their normals pointed inward" in body.history
+    _, as_drawn = described(stl(vertices, sides), density=700.0)
+    assert body.volume == pytest.approx(as_drawn.volume)
+    assert body.mass == pytest.approx(as_drawn.mass, rel=1e-6, abs=1.0)
+
+
 R, T = 2.0, 1.2  # radius and draft of round shapes [m]
 SHAPES = {
     "sphere": ({"radius": R}, np.pi * T**2 * (R - T / 3), 4 / 3 * np.pi * R**3),

@@ -56,6 +56,8 @@ def _rigid_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: li
     rotates, weighed = bool(set(ROTATIONS) & set(labels)), file.mass is not None or file.density is not None
     centre = None if file.centre_of_mass is None else np.array(file.centre_of_mass)
     solid = filled(vertices, faces)
+    if solid is None and (solid := filled(vertices, _turned(faces))):
+        faces, notes = _turned(faces), [*notes, "panels turned: their normals pointed inward"]
     if solid is None and (needed := _missing(file, rotates)):
         raise ConfigError(f"{needed}: received none, and the mesh is not closed above the water; needs {_WHOLE}")
     if centre is None and weighed and solid:
@@ -134,6 +136,12 @@ def filled(vertices: FloatArray, faces: IntArray) -> Solid | None:
         np.where(np.abs(place) < SAME * size, 0.0, place),
         np.where(np.abs(moments) < SAME * size**2, 0.0, moments),
     )
+
+
+def _turned(faces: IntArray) -> IntArray:
+    """Panels with opposite normals; triangles still repeat their last corner."""
+    triangle = (faces[:, 2] == faces[:, 3])[:, None]
+    return np.asarray(np.where(triangle, faces[:, [0, 2, 1, 1]], faces[:, [0, 3, 2, 1]]))
 
 
 def _motion(label: str, centre: FloatArray | None) -> Rigid:
