@@ -27,10 +27,15 @@ def test_figures_are_grouped_by_sea():
     of_all, first, second = html.captioned(svgs, {"a": "of a sea", "b": "of all"}, {"v": "a chop"})
     assert of_all == {
         "sea": "", "open": False,
-        "figures": [{"name": "b", "number": 1, "caption": "of all", "svg": "<svg>2</svg>"}],
+        "figures": [{"name": "b", "number": 1, "caption": "of all", "svg": "<svg>2</svg>", "folded": ""}],
     }  # fmt: skip
     assert [(group["sea"], group["open"]) for group in (first, second)] == [("w-1", True), ("a chop", False)]
-    assert first["figures"] == [{"name": "a-w-1", "number": 2, "caption": "of a sea", "svg": "<svg/>"}]
+    assert first["figures"] == [{"name": "a-w-1", "number": 2, "caption": "of a sea", "svg": "<svg/>", "folded": ""}]
+
+
+def test_figures_for_specialists_are_folded():
+    svgs, captions = {"energy_audit-w": "<svg/>"}, {"energy_audit": "balance"}
+    assert html.captioned(svgs, captions)[0]["figures"][0]["folded"] == "Energy balance"
 
 
 def test_missing_value_of_a_template_raises():

@@ -1,6 +1,7 @@
 """A self-contained HTML page: what the reports of studies and of campaigns have in common."""
 
 import importlib.resources
+import re
 import urllib.parse
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -17,11 +18,20 @@ INLINE = 1_000_000
 """Most bytes of figures inside a page; further ones are only linked."""
 SCRIPTS = ("algebra.js", "chart.js", "interactive.js", "interactive_year.js", "buoys.js", "start.js")
 """Scripts of every page, in this order; the page can be read without them."""
+FOLDED = {
+    "radiation_kernel": "Radiation kernel",
+    "witness": "Cross-check of two solvers",
+    "energy_audit": "Energy balance",
+}
+"""Figures for specialists, folded under these titles."""
+SECTION = re.compile(r'<section id="(\w+)">\s*<h2>(.*?)</h2>')
+CONTENTS = '<nav aria-label="Contents"></nav>'
+"""Place of the table of contents in a page."""
 NO_SEAS: Mapping[str, str] = {}
 
 
 def page(template: str, **values: Any) -> str:
-    """Return a page from a template of this package; a missing value raises."""
+    """Return a page from a template of this package, with its contents; a missing value raises."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("vsb.report"), autoescape=True, undefined=jinja2.StrictUndefined
     )
@@ -35,7 +45,9 @@ def page(template: str, **values: Any) -> str:
         "kinds": FIGURE_KINDS,
         "scripts": SCRIPTS,
     }
-    return environment.get_template(template).render(**values)
+    text = environment.get_template(template).render(**values)
+    links = " ".join(f'<a href="#{name}">{title}</a>' for name, title in SECTION.findall(text))
+    return text.replace(CONTENTS, CONTENTS.replace("><", f">{links}<"), 1)
 
 
 def text_of(name: str) -> str:
@@ -62,6 +74,8 @@ def captioned(
 ) -> list[dict[str, Any]]:
     """Return figures in groups: those of no sea, then those of each sea, the first of them unfolded.
 
+    A figure for specialists has a title under which it is `folded`.
+
     Parameters
     ----------
     figures : mapping name -> str
@@ -78,6 +92,7 @@ def captioned(
         drawn = svg[svg.index("<svg") :]
         room -= len(drawn.encode())
         shown = {"name": name, "number": number, "caption": captions[kind], "svg": drawn if room >= 0 else ""}
+        shown["folded"] = FOLDED.get(kind, "")
         groups.setdefault(sea, []).append(shown)
     first = next((sea for sea in groups if sea), "")
     return [{"sea": seas.get(sea, sea), "open": sea == first, "figures": of} for sea, of in groups.items()]
