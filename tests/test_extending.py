@@ -31,10 +31,8 @@ from vsb.stages.stage import Stage
 from vsb.study import specs
 from vsb.study.meridian import RestMeridian
 from vsb.study.study import canonical, content_id
-from vsb.study.waves import WhiteNoise
 from vsb.tools.files import write_text
 from vsb.tools.stamps import faults, read_manifest, record
-from vsb.waves import seas
 
 
 def recipe(title, number=1, **names):
@@ -71,14 +69,6 @@ def test_recipe_of_a_force():
     assert residual(found) < 1e-6
     assert np.ptp(force.potential_energy(motion.position)) > 5.0
     assert found["pto"][-1] == pytest.approx(np.trapezoid(1.2 * motion.velocity[:, 0] ** 2, time), rel=1e-3)
-
-
-def test_recipe_of_a_sea_spectrum(monkeypatch):
-    swell = recipe("A sea spectrum", np=np)["swell"]
-    monkeypatch.setattr(seas, "spectrum", lambda wave, omega: swell(omega, wave.hs, 1.0, 0.05))
-    sea = seas.irregular(WhiteNoise(kind="white_noise", hs=1.5, band=(0.5, 1.5)), 3.0, 600.0)
-    assert 16 * np.sum(np.abs(sea.amplitude) ** 2) / 2 == pytest.approx(1.5**2, rel=1e-6)
-    assert sea.omega[np.argmax(np.abs(sea.amplitude))] == pytest.approx(1.0, abs=0.01)
 
 
 def test_recipe_of_an_integrator_converges_at_first_order(monkeypatch):
@@ -144,7 +134,11 @@ def test_recipe_of_a_stage(seed, tmp_path, monkeypatch):
     """Run from the text of its specification; that of another version is refused."""
     monkeypatch.setitem(specs.PHYSICS, "draft", 1)
     made = recipe(
-        "A stage", FloatingSpec=specs.FloatingSpec, write_text=write_text, record=record, content_id=content_id
+        "A stage of the workflow",
+        FloatingSpec=specs.FloatingSpec,
+        write_text=write_text,
+        record=record,
+        content_id=content_id,
     )
     monkeypatch.setitem(sys.modules, "vsb.stages.draft", SimpleNamespace(run_draft=made["run_draft"]))
     stage, spec = (

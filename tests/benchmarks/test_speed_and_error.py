@@ -65,6 +65,7 @@ def test_times_faster_are_interpolated_between_runs_and_never_beyond():
     assert found["slow"] == (0.0, False)
 
 
+@pytest.mark.slow
 def test_errors_of_integrators_fall_with_their_setting_and_the_reference_is_confirmed(paper):
     runs = {
         "exponential Adams": [(paper.exponential(tolerance), 1) for tolerance in (1e-4, 1e-6, 1e-8)],

@@ -121,7 +121,13 @@ CASES = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("model", "design", "name", "method", "more"), CASES)
+@pytest.mark.parametrize(
+    ("model", "design", "name", "method", "more"),
+    [
+        pytest.param(*case, marks=pytest.mark.slow) if case[:1] + case[3:4] == ("body_exact", "switching") else case
+        for case in CASES
+    ],
+)
 def test_work_of_every_force_equals_force_times_velocity(model, design, name, method, more):
     """Each term of the audit against the integral of -f.v less the potential energy; all powers give the kinetic energy."""
     more = dict(more)

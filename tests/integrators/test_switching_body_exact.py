@@ -42,6 +42,7 @@ def scene(seed, degree, law=None, stop=None, damping=0.0):
     return replace(found, forces={**found.forces, **forces})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [2])
 def test_unlimited_law_equals_the_smooth_damper(seed, degree):
     """By the exponential Adams method at 1e-11."""

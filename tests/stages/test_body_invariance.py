@@ -98,7 +98,7 @@ def results(tmp_path_factory):
     return run
 
 
-@pytest.mark.parametrize("case", ["port", "turn"])
+@pytest.mark.parametrize("case", ["port", pytest.param("turn", marks=pytest.mark.slow)])
 def test_results_of_a_body_do_not_depend_on_units(results, case):
     units = UNITS | TURNED if case == "turn" else UNITS
     assert_same_in_other_units(results(case, "own"), results(case, "units"), units, FREE)

@@ -76,6 +76,7 @@ def test_motion_in_time_equals_that_of_the_axisymmetric_chain(both):
         assert body["energy_residual"] < 1e-9
 
 
+@pytest.mark.slow
 def test_latching_equals_that_of_the_axisymmetric_chain(finished, general, both):
     """Damping and latching time optimised together; the damping is far below the optimum without latching."""
     pto, wave = {"law": "latching", "tuning": "each"}, {"kind": "regular", "amplitude": 0.1, "period": 5.0}

@@ -63,11 +63,14 @@ def results(tmp_path_factory):
     return lambda raw, look=False: run(json.dumps(raw), look)
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize(
+    "name", [name if name == "gas" else pytest.param(name, marks=pytest.mark.slow) for name in STUDIES]
+)
 def test_results_do_not_depend_on_units(results, name):
     assert_same_in_other_units(results(STUDIES[name]), results(restated(STUDIES[name])))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["limits", "exact", "planar"])
 def test_results_do_not_depend_on_the_order_of_designs_and_seas(results, name):
     raw = STUDIES[name]
@@ -106,6 +109,7 @@ def curves(plan):
     return found
 
 
+@pytest.mark.slow
 def test_figures_and_page_do_not_depend_on_the_order(results):
     """The same curves and bars, and the same words equally often."""
     raw = STUDIES["drag"]

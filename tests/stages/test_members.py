@@ -192,6 +192,7 @@ def test_damaged_member_is_recomputed_to_the_same_bytes(folder, swept, capsys):
     assert data.read_bytes() == whole
 
 
+@pytest.mark.slow
 def test_killed_campaign_resumes_to_the_same_bytes(folder):
     """Killed three times at random instants."""
     plan = planned(folder, {"device.young_modulus": {"log": [1e6, 1e9, 6]}}, name="killed")
@@ -251,6 +252,7 @@ def test_no_gain_is_given_where_the_rigid_design_absorbs_nothing(folder, pto, mi
     assert float(found.annual_mean_power.sel(design="VSWEC", tuning="one")) > 0
 
 
+@pytest.mark.slow
 def test_absorbed_power_increases_with_the_force_limit(folder):
     """Under optimal control within the limit, and below the bound."""
     plan = planned(folder, {"pto.force_limit": [2e3, 2e4]}, name="scarce", tuning=["constrained"])

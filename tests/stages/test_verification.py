@@ -109,12 +109,13 @@ def test_table_and_report_give_the_corrected_gain(folder, checked):
         in sentence
     )
     assert (
-        f"linear theory says {float(one.gain_percent):+.1f} %; {float(best.body_exact_mean_power) * 8766e-6:.4g}"
+        f"linear theory gives {float(one.gain_percent):+.1f} %; {float(best.body_exact_mean_power) * 8766e-6:.4g}"
         in sentence
     )
     assert sentence in (folder / plan.folder / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_linear_runs_need_no_correction(folder):
     """But for the fitted memory and the end of the transient."""
     plan = planned(folder, "same", verify={**VERIFY, "model": "linear"})
