@@ -79,6 +79,7 @@ def test_errors_of_integrators_fall_with_their_setting_and_the_reference_is_conf
     assert paper.errors(paper.general("DOP853", 1e-12))["error"] < 1e-10
 
 
+@pytest.mark.slow
 def test_rows_and_figure_of_a_scene(paper, monkeypatch):
     monkeypatch.setattr(time_domain, "SCIPY", ())
     monkeypatch.setattr(time_domain, "ADAMS", (1e-3, 1e-5))

@@ -31,7 +31,7 @@ def at_home(monkeypatch):
 
 @pytest.mark.usefixtures("at_home")
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow) if name == "narrow_band" else name for name in CHEAP]
+    "name", [name if name == "port_within" else pytest.param(name, marks=pytest.mark.slow) for name in CHEAP]
 )
 def test_page_gives_what_the_script_finds(name, folder):
     found = surprises.CASES[name](folder)

@@ -56,7 +56,7 @@ def test_unlimited_law_equals_the_smooth_damper(seed, degree):
         assert getattr(found, part) == pytest.approx(getattr(expected, part), abs=1e-8 * scale)
 
 
-@pytest.mark.parametrize("name", ["saturated", "end stop"])
+@pytest.mark.parametrize("name", [pytest.param("saturated", marks=pytest.mark.slow), "end stop"])
 def test_motion_agrees_with_an_explicit_method(seed, name):
     """Laws with kinks only: DOP853 steps over them, with some loss of accuracy."""
     one, time = scene(seed, 0, *LAWS[name]), np.linspace(0.0, DURATION, 101)

@@ -195,6 +195,7 @@ def same(one, other):
     return one.keys() == other.keys() and all(one[name].identical(other[name]) for name in one)
 
 
+@pytest.mark.slow
 def test_every_flipped_bit_is_detected(place):
     rng, files = np.random.default_rng(11), [*PLAN.ids, "results/hydro/INDEX.tsv"]
     sizes = [os.path.getsize(path) for path in files]
