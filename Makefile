@@ -75,7 +75,7 @@ container: ## the image `vsb` from Dockerfile, by what is at hand of docker, pod
 		> $$(.venv-docs/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')/vsb.pth
 	@touch $@
 
-# Likewise Snakemake's plug-in for Slurm: every start of snakemake would import it, and it brings pandas along.
+# Likewise Snakemake's plug-in for Slurm: every start of snakemake would import it.
 .venv-cluster/.installed: benchmarks/cluster-requirements.lock $(READY)
 	@$(PYTHON) -m venv --clear .venv-cluster
 	@.venv-cluster/bin/pip install --quiet --disable-pip-version-check --no-deps -r benchmarks/cluster-requirements.lock

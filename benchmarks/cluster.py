@@ -192,7 +192,7 @@ def benchmark(place: str | Path) -> list[Row]:
 
 
 def _said(row: Row) -> Row:
-    """The row, told at once."""
+    """The row, reported at once."""
     print(f"{row.step:24} {row.seconds:6.1f} s  {row.verdict}", flush=True)
     return row
 

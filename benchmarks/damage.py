@@ -1,6 +1,7 @@
 """Damage to finished results at random: flipped bits in any file, cuts and edits of those that hold JSON.
 
-Each is told in one line, by `vsb verify` and by a run that decides what is to be done, or changes nothing that is read.
+Each is reported in one line, by `vsb verify` and by a run that decides what is to be done, or changes nothing
+that is read.
 `--heal` then leaves results that are what they should be, but for files to be made anew.
 """
 
@@ -59,7 +60,7 @@ def small_text(duration: float, **hydro: str) -> str:
 
 
 def finish() -> StudyPlan:
-    """Put the study and its results into the current folder; sound ones, or every damage to them would be told."""
+    """Put the study and its results into the current folder; sound ones, or every damage to them would be reported."""
     write_text(STUDY, small_text(8.0, witness="none"))
     plan = StudyPlan(load(STUDY))
     make(plan, plan.products)
@@ -107,12 +108,12 @@ def fate(plan: StudyPlan, damage: Damage, heals: bool = True) -> Outcome:
     path.write_bytes(damage.content)
     os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
     try:
-        told = [_answer(lambda: verify(STUDY, heal=False)), _answer(lambda: _decided(plan))]
-        worst = next((one for one in told if one.verdict in BAD), None)
-        if worst or told[0].verdict == "told":
+        outcomes = [_answer(lambda: verify(STUDY, heal=False)), _answer(lambda: _decided(plan))]
+        worst = next((one for one in outcomes if one.verdict in BAD), None)
+        if worst or outcomes[0].verdict == "reported":
             if heals:
                 shutil.copytree("results", kept)
-            return worst or (_healed(told[0]) if heals else told[0])
+            return worst or (_healed(outcomes[0]) if heals else outcomes[0])
         return Outcome("harmless", "") if _read(path) == read else Outcome("silent", damage.what)
     finally:
         if kept.is_dir():
@@ -130,7 +131,7 @@ def _read(path: Path) -> object:
 
 
 def _decided(plan: StudyPlan) -> None:
-    """What a run makes anew is told by it in one line, like a mistake."""
+    """What a run makes anew is reported in one line, like an error."""
     said = io.StringIO()
     with redirect_stdout(said):
         stale = stale_products(plan, dry=True)
@@ -139,23 +140,23 @@ def _decided(plan: StudyPlan) -> None:
 
 
 def _answer(ask: Callable[[], object]) -> Outcome:
-    """What a command answers: told or harmless, or one of `BAD`."""
+    """What a command answers: reported or harmless, or one of `BAD`."""
     try:
         ask()
     except Exception as error:
-        return Outcome.of(error, "told", lines=2)
+        return Outcome.of(error, "reported", lines=2)
     return Outcome("harmless", "")
 
 
-def _healed(told: Outcome) -> Outcome:
+def _healed(found: Outcome) -> Outcome:
     """Heal, and look whether what is left is as it should be, and all else still there."""
     healing, left = _answer(lambda: verify("results", heal=True)), _answer(lambda: verify(STUDY, heal=False))
     if healing.verdict != "harmless":
         return Outcome("not healed", healing.reason)
     if not Path(STUDY).is_file():
-        return Outcome("lost", told.reason)
+        return Outcome("lost", found.reason)
     gone = left.verdict == "harmless" or ": is not there" in left.reason
-    return told if gone else Outcome("not healed", left.reason)
+    return found if gone else Outcome("not healed", left.reason)
 
 
 def trials(flips: int, edits: int) -> Iterator[Damage]:

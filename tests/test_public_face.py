@@ -1,5 +1,6 @@
 """The public names of the package, and the example that uses them."""
 
+import json
 import re
 import runpy
 import subprocess
@@ -122,6 +123,8 @@ def test_results_are_opened_by_their_folder_alone(example, monkeypatch):
     assert "<table" in found._repr_html_()
     with pytest.raises(DatabaseError, match="holds no results"):
         vsb.open("results/hydro")
+    monkeypatch.chdir("results/first_steps")
+    assert vsb.open(".").comparison.equals(run.comparison)
 
 
 def test_optimum_without_limits_is_the_matched_power(results):
@@ -133,27 +136,45 @@ def test_optimum_without_limits_is_the_matched_power(results):
     assert limited.force_peak <= free.force_peak / 4 * (1 + 1e-9)
 
 
-def test_coulomb_damper_from_python_absorbs_its_force_times_the_path(results):
-    """A small friction force F at a harmonic motion of amplitude z absorbs 4 F z per period."""
-    force, wave = 50.0, results.study.waves[0]
-    scene = results.scene("rigid", pto=vsb.Pto(law="coulomb", force_limit=force, damping=8e3))
+def test_weak_coulomb_damper_from_python_rubs_along_the_free_motion(results):
+    """A friction force far below the wave's hardly changes the motion: 4 |z| of path in a period, by the RAO."""
+    wave = results.study.waves[0]
+    scene = results.scene("rigid", pto=vsb.Pto(law="coulomb", force_limit=5.0, damping=8e3))
     run, _, _ = vsb.simulate(scene.system, scene.sea, results.study.simulation, scene.spectrum)
     heave = (run.position @ scene.scene.motions.T)[:, 0]
     start = np.searchsorted(run.time, run.time[-1] - 5 * wave.period)
     path = np.abs(np.diff(heave[start:])).sum()
-    speed = (run.velocity @ scene.scene.motions.T)[start:, 0]
-    assert force * path == pytest.approx(force * np.trapezoid(np.abs(speed), run.time[start:]), rel=1e-3)
-    free = abs(results.response.rao.sel(design="rigid", dof="Heave", omega=wave.omega)).item() * wave.amplitude
-    assert path > 4 * 5 * free  # less force than the damper's: the buoy moves more
+    free = abs(results.port("rigid", [wave.omega]).velocity[0]) / wave.omega * wave.amplitude
+    assert path == pytest.approx(5 * 4 * free, rel=0.03)
 
 
-def test_year_of_seas_like_the_studys_wave(results):
-    """A scatter table with one cell: power is that of its spectrum by the port."""
+def test_year_knows_the_spring_of_the_take_off(results):
+    """A spring turns power into that of a port with the spring beside it, sea by sea over the spectra."""
     climate = vsb.read_seas(HOME / "config" / "climate" / "PacWave-South_Oregon_Wave-Resource.csv", "jonswap")
-    year = results.year(climate, ("one", "each"))
-    assert (year.annual_mean_power.sel(tuning="each") >= year.annual_mean_power.sel(tuning="one")).all()
-    energy = vsb.annual_energy(year.capture_width_matrix[0, 0], year.flux_matrix, year.occurrence)
-    assert energy / 1e6 == pytest.approx(float(year.annual_energy[0, 0]), rel=1e-9)
+    plain = results.year(climate, ("one", "each"))
+    energy = vsb.annual_energy(plain.capture_width_matrix[0, 0], plain.flux_matrix, plain.occurrence)
+    assert energy / 1e6 == pytest.approx(float(plain.annual_energy[0, 0]), rel=1e-9)
+    pto = results.study.pto.model_copy(update={"stiffness": -2e4})
+    sprung = vsb.Results(results.study.model_copy(update={"pto": pto})).year(climate, ("one",))
+    assert (sprung.annual_mean_power > 1.02 * plain.annual_mean_power.sel(tuning=["one"])).all()  # nearer to resonance
+    lossy = results.study.pto.model_copy(update={"efficiency": 0.8})
+    with pytest.raises(ConfigError, match="efficiency"):
+        vsb.Results(results.study.model_copy(update={"pto": lossy})).year(climate)
+
+
+def test_annual_energy_and_matrices_agree_with_mhkit():
+    published = json.loads((HERE / "data" / "mhkit_performance.json").read_text(encoding="utf-8"))
+    hs, te, flux = (np.array(published[name]) for name in ("hm0", "te", "flux"))
+    width = np.array(published["power"]) / flux
+    matrices = [vsb.power_matrix(hs, te, each) for each in (width, flux)]
+    share = vsb.power_matrix(hs, te, flux, "frequency")
+    row, column, mean, deviation, *_ = np.array(published["matrices"]).T
+    at = row.astype(int), column.astype(int)
+    assert matrices[0].values[at] == pytest.approx(mean, rel=1e-10)
+    assert vsb.power_matrix(hs, te, width, "std").values[at] == pytest.approx(deviation, rel=1e-10, abs=1e-10)
+    assert vsb.annual_energy(*matrices, share) == pytest.approx(published["maep_Wh"], rel=1e-10)
+    with pytest.raises(ConfigError, match="bins with seas but without a value"):
+        vsb.annual_energy(matrices[0] * np.nan, matrices[1], share)
 
 
 def test_figures_take_and_return_axes(results):
@@ -166,8 +187,19 @@ def test_figures_take_and_return_axes(results):
     drawn = {line.get_label(): line.get_ydata() for line in ax.lines}
     for design in results.study.designs:
         assert drawn[design] == pytest.approx(abs(results.response.rao.sel(design=design, dof="Heave")).values)
-    for plot in (results.plot.rao_phase, results.plot.excitation, results.plot.power, results.plot.motion):
-        assert plot().get_ylabel()
+    with pytest.raises(ConfigError, match="dof: received 'Roll', needs one of Heave"):
+        results.plot.rao("Roll")
+    force = results.database.excitation_force.sel(influenced_dof="Heave").isel(wave_direction=0)
+    line = results.plot.excitation().lines[0]
+    assert line.get_ydata() == pytest.approx(abs(force).values / 1e3)
+    best = {line.get_label(): line.get_ydata() for line in results.plot.power().lines}
+    assert best["rigid"] == pytest.approx(results.response.best_power.sel(design="rigid").values / 1e3)
+    lag = {line.get_label(): line.get_ydata() for line in results.plot.rao_phase().lines}["rigid"]
+    rao = results.response.rao.sel(design="rigid", dof="Heave")
+    assert np.exp(1j * np.radians(lag)) == pytest.approx((rao / abs(rao)).values)
+    run = results.trajectory("rigid").sel(time=slice(*results.study.simulation.window))
+    drawn = {line.get_label(): line.get_ydata() for line in results.plot.motion().lines}
+    assert drawn["rigid"] == pytest.approx(run.position.sel(dof="Heave").values)
     assert results.plot.animate("flexible").new_frame_seq()
     plt.close("all")
 

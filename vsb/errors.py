@@ -10,7 +10,7 @@ class VsbError(Exception):
 class ConfigError(VsbError):
     """The study file cannot be used: names the file, the key, the value received and the value needed.
 
-    `mistakes` are all that were found, one line each; the error itself tells the first.
+    `mistakes` are all that were found, one line each; the message of the error is the first.
     """
 
     def __init__(self, message: str, mistakes: Sequence[str] = ()) -> None:

@@ -103,7 +103,7 @@ def test_what_passes_the_check_runs(tmp_path_factory, seed):
 def test_damage_at_random_is_told_in_one_line_and_healed(place):
     files = {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
     met = [(one, damage.fate(PLAN, one)) for one in damage.trials(6, 12)]
-    assert [each for each in met if each[1].verdict not in ("told", "harmless")] == []
+    assert [each for each in met if each[1].verdict not in ("reported", "harmless")] == []
     assert {one.path for one, _ in met} > {MANIFEST, f"{PLAN.folder}/study.json"}
     assert {path: path.read_bytes() for path in place.rglob("*") if path.is_file()} == files
 
@@ -118,7 +118,7 @@ def test_a_manifest_that_names_a_file_outside_the_results_does_not_have_it_remov
     """Once `vsb verify results --heal` removed whatever an edited manifest named."""
     for name in ("../../small.yaml", str(place / "small.yaml")):
         outcome = damage.fate(PLAN, renamed(name))
-        assert outcome.verdict == "told"
+        assert outcome.verdict == "reported"
         assert "is outside the results); delete it" in outcome.reason or "is not in the manifest" in outcome.reason
 
 

@@ -191,7 +191,7 @@ def test_waves_that_were_not_solved_are_refused():
 def test_unstable_body_is_refused():
     bare = floating_body(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
     capsizing = linear_body(bare.database, mass=bare.mass, damping=0 * bare.mass, stiffness=np.diag([0.0, -29.0]))
-    told = r"^the body does not rest: received a negative stiffness of Pitch, growing by 2/s;"
+    told = r"^the body is statically unstable: received a negative stiffness of Pitch, growing by 2/s;"
     with pytest.raises(StabilityError, match=told):
         linear_scene(capsizing, None, {})
 

@@ -10,12 +10,15 @@ from conftest import varied
 from vsb.motion.port import Port
 from vsb.results import statistics as seastatistics
 from vsb.results.statistics import (
+    FEWEST_BATCHES,
+    Line,
     Sample,
     batch_means,
     half_width,
     linear_batches,
     record_covariance,
     sample,
+    statistical_checks,
     statistics,
 )
 from vsb.scenes.build import TUNED
@@ -223,3 +226,42 @@ def test_sample_of_a_tuned_run_has_its_closed_form(coarse):
     power = 4e3 * np.real(np.exp(-1j * np.outer(instants, omega[[14, 15]])) @ speed) ** 2
     assert kept.linear_batches.mean() == pytest.approx(np.trapezoid(power) / 40000, rel=1e-3)
     assert sample(study, wave, "A", known, waves, spectral, response).linear == pytest.approx(3.0, rel=1e-9)
+
+
+def line_of_100_watts(half=1.0, apart=0.0, batches=20):
+    """A line of 100 W, its half interval and its distance from linear theory [W]."""
+    low, high = (None, None) if batches < FEWEST_BATCHES else (100.0 - half, 100.0 + half)
+    return [Line("FSB", "sea", "random", 1, batches, 100.0 + apart, low, high, 90.0, 100.0, None, None, None)]
+
+
+@pytest.mark.parametrize(
+    ("name", "limit", "changed"), [("statistical_error", 0.1, "half"), ("spectral_prediction", 0.005, "apart")]
+)
+def test_checks_of_irregular_seas_change_their_verdict_at_their_limit(seed, name, limit, changed):
+    for share, verdict in ((0.99, "ok"), (1.01, "doubt")):
+        found = {
+            check.name: check for check in statistical_checks(seed, line_of_100_watts(**{changed: 100 * share * limit}))
+        }
+        assert (found[name].verdict, found[name].limit) == (verdict, limit)
+        assert found[name].value == pytest.approx(share * limit, rel=2e-3)
+
+
+def test_record_with_too_few_batches_is_reported(seed):
+    assert [check.name for check in statistical_checks(seed, line_of_100_watts(batches=6))] == [
+        "statistical_error", "spectral_prediction"
+    ]  # fmt: skip
+    short, _ = statistical_checks(seed, line_of_100_watts(batches=5))
+    assert (short.name, short.verdict, short.value) == ("record_length", "doubt", 1.2)
+
+
+def test_sharp_gain_of_a_scattered_power_is_ok(seed):
+    """In the same waves: power to 60 %, gain to 0.2 %."""
+    rigid = Line("FSB", "sea", "random", 1, 20, 100.0, 40.0, 160.0, 100.0, 100.0, None, None, None)
+    soft = Line("VSWEC", "sea", "random", 1, 20, 120.0, 50.0, 190.0, 120.0, 120.0, 20.0, 19.76, 20.24)
+    checks = {
+        (check.design, check.wave): check
+        for check in statistical_checks(seed, [rigid, soft, rigid._replace(sea="other")])
+        if check.name == "statistical_error"
+    }
+    assert checks["VSWEC", "sea"].value == checks["FSB", "sea"].value == pytest.approx(0.002)
+    assert (checks["FSB", "other"].value, checks["FSB", "other"].verdict) == (pytest.approx(0.6), "fail")

@@ -155,7 +155,9 @@ def test_softest_spring_behind_a_chamber(seed):
     b = port_direction("volume", reference.shape)
     least = -1 / (chamber + b @ np.linalg.solve(opened.total, b))
     check_spring(varied(study, pto={"stiffness": float(0.999 * least)}), reference)
-    with pytest.raises(ConfigError, match=r"pto.stiffness: received -[\d.]+ N/m, with which a buoy does not rest"):
+    with pytest.raises(
+        ConfigError, match=r"pto.stiffness: received -[\d.]+ N/m, which makes the buoy statically unstable"
+    ):
         check_spring(varied(study, pto={"stiffness": float(1.001 * least)}), reference)
 
 
@@ -198,6 +200,6 @@ def test_mooring_limits_a_negative_spring_on_surge(seed):
 
     check_spring(with_spring(-19990.0), reference)
     with pytest.raises(
-        ConfigError, match=r"received -20010 N/m, with which a buoy does not rest; needs more than -20000"
+        ConfigError, match=r"received -20010 N/m, which makes the buoy statically unstable; needs more than -20000"
     ):
         check_spring(with_spring(-20010.0), reference)

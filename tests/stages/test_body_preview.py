@@ -46,7 +46,10 @@ def checked(finished, capsys, **changes):
         ({"waves": [{**SWELL, "period": 500.0}]}, "waves.0 regular_A0.1_T500: received a frequency of 0.01257 rad/s"),
         ({"designs": {"a": {"dofs": ["Roof"]}}}, "designs: received dofs Roof; needs some of Heave, Membrane0"),
         ({"pto": {"damping": 1.0, "port": {"dof": "Roof"}}}, "pto.port: received Roof; needs some of Heave"),
-        ({"pto": {"damping": 1.0, "stiffness": -1e6}}, "designs.FSB: the body does not rest: received a negative"),
+        (
+            {"pto": {"damping": 1.0, "stiffness": -1e6}},
+            "designs.FSB: the body is statically unstable: received a negative",
+        ),
         ({"water": {"density": 1000.0}}, "water.density: received 1000, needs 1025, as the body's files have"),
         ({"body": {"database": "gone.nc"}}, "body.database: gone.nc cannot be read"),
         ({"waves": [{"kind": "still"}], "pto": {}}, "waves.0 still: still water has no optimal damping"),

@@ -77,7 +77,7 @@ def test_terminated_run_kills_all_its_child_processes(tmp_path, number, code):
     assert children == []
 
 
-TOLD = """Building DAG of jobs...
+OUTPUT = """Building DAG of jobs...
 CalledProcessError in file "workflow/rules/simulate.smk", line 24:
 Command 'set -euo pipefail;  vsb simulate  --out a.nc <<< '{"designs":{}}' > results/logs/simulate/seed/FSB-still.log 2>&1' returned non-zero exit status 137.
 Exiting because a job execution failed. Look above for error messages
@@ -87,13 +87,13 @@ Exiting because a job execution failed. Look above for error messages
 def test_failed_run_reports_rule_and_last_words_and_keeps_the_log(workplace, capsys):
     plan, log = StudyPlan(load(SEED)), Path("results/logs/simulate/seed/FSB-still.log")
     begins, ends = "vsb: error: the run of 'seed' did not complete: ", "the whole output is in results/logs/seed.log\n"
-    assert launcher._failed(plan, 0.0, TOLD.splitlines(keepends=True)) == 1
+    assert launcher._failed(plan, 0.0, OUTPUT.splitlines(keepends=True)) == 1
     killed = "simulate ended without a word, as when it is killed or memory is out; "
     assert capsys.readouterr().err == begins + killed + ends
-    assert Path("results/logs/seed.log").read_text() == TOLD
+    assert Path("results/logs/seed.log").read_text() == OUTPUT
     log.parent.mkdir(parents=True)
     log.write_text("Traceback\nMemoryError: no room\n\n")
-    assert launcher._failed(plan, 0.0, TOLD.splitlines(keepends=True)) == 1
+    assert launcher._failed(plan, 0.0, OUTPUT.splitlines(keepends=True)) == 1
     assert capsys.readouterr().err == begins + "simulate ended with MemoryError: no room; " + ends
     log.write_text("vsb: error: device.mass: too heavy\n")
     assert launcher._failed(plan, 0.0, ["Building DAG\n"]) == 2
@@ -103,7 +103,7 @@ def test_failed_run_reports_rule_and_last_words_and_keeps_the_log(workplace, cap
 @pytest.mark.parametrize(
     ("kind", "message"),
     [
-        ("study", "pto.stiffness: received -1e+06 N/m, with which a buoy does not rest"),
+        ("study", "pto.stiffness: received -1e+06 N/m, which makes the buoy statically unstable"),
         ("body", "waves.0.direction: received 30 degrees, needs one of 0"),
         ("campaign", "hydro.omega_max: received 2.5 rad/s, needs at least "),
     ],

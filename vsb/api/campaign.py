@@ -1,10 +1,12 @@
 """Results of a campaign: a year, or a sweep, as labelled arrays and a table."""
 
+import io
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -12,7 +14,9 @@ from vsb.api.performance import annual_energy
 from vsb.api.plots import CampaignPlots
 from vsb.errors import ConfigError
 from vsb.report.campaign_answer import closing_answer
+from vsb.study.campaign import CONSTRAINED
 from vsb.tools.files import load
+from vsb.tools.stamps import read_text
 
 
 @dataclass(frozen=True, repr=False)
@@ -35,7 +39,9 @@ class Campaign:
     @property
     def table(self) -> pd.DataFrame:
         """A row per point, design and tuning."""
-        return pd.read_csv(f"{self.folder}/campaign.csv", keep_default_na=True)
+        path = f"{self.folder}/campaign.csv"
+        text = read_text(path, f"{self.folder}/manifest.json", str(self.data.attrs["spec_id"]))
+        return pd.read_csv(io.StringIO(text))
 
     @property
     def name(self) -> str:
@@ -73,27 +79,42 @@ class Campaign:
         Parameters
         ----------
         **point
-            Values by dimension, as `scale=4.0`; of numbers the nearest.
+            Values by dimension, as `scale=4.0`.
 
         Raises
         ------
         ConfigError
-            If nothing of that name is varied.
+            If nothing of that name is varied, or not to that value.
         """
         data = self.data
-        if unknown := [name for name in point if name not in data.dims]:
-            raise ConfigError(f"{unknown[0]}: is not varied; needs one of {', '.join(self.varied) or 'nothing'}")
         for name, value in point.items():
-            method = "nearest" if isinstance(value, int | float) else None
-            data = data.sel({name: value}, method=method)
+            if name not in self.varied:
+                raise ConfigError(f"{name}: is not varied; needs one of {', '.join(self.varied) or 'nothing'}")
+            known = data[name].values
+            same = np.isclose(known, value, rtol=1e-9, atol=0) if known.dtype.kind == "f" else known == value
+            if not np.any(same):
+                raise ConfigError(f"{name}: received {value}; needs one of {', '.join(map(str, known.tolist()))}")
+            data = data.isel({name: int(np.argmax(same))})
         return data.isel({name: 0 for name in self.varied if name in data.dims})
 
     def maep(self, design: str, tuning: str | None = None, **point: Any) -> float:
         """Return the mean annual energy production of a design by its capture width matrix [Wh], IEC TS 62600-100.
 
         It differs from `annual_energy`, which sums the seas one by one, by what bins lose.
+
+        Raises
+        ------
+        ConfigError
+            If there is no such design or tuning, the design is not viable, or the tuning is `constrained`, whose
+            optimum is not solved in every bin.
         """
-        one = self.at(**point).sel(design=design, tuning=tuning or self.tunings[0])
+        chosen = tuning or self.tunings[0]
+        if chosen == CONSTRAINED:
+            raise ConfigError("tuning: received constrained, whose bins are not all solved; use annual_energy")
+        for what, name, names in (("design", design, self.designs), ("tuning", chosen, self.tunings)):
+            if name not in names:
+                raise ConfigError(f"{what}: received {name!r}, needs one of {', '.join(names)}")
+        one = self.at(**point).sel(design=design, tuning=chosen)
         return annual_energy(one.capture_width_matrix, one.flux_matrix, one.occurrence)
 
     def __repr__(self) -> str:

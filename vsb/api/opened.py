@@ -1,6 +1,7 @@
 """Open what a run left in a folder."""
 
 import json
+import os
 from pathlib import Path
 
 from vsb.api.campaign import Campaign
@@ -23,12 +24,19 @@ def open(path: str | Path) -> Results | Campaign:
     DatabaseError
         If the folder holds no results.
     """
-    folder = Path(path)
+    root, name = os.path.split(Path(path).resolve())
+    root = os.path.relpath(root)
+    folder = Path(root, name)
     if (folder / "campaign.nc").is_file():
         return Campaign(str(folder))
     text = folder / "study.json"
     if not text.is_file():
         raise DatabaseError(f"{folder}: holds no results; needs the folder of a study or campaign, as results/buoy")
-    raw = json.loads(text.read_text(encoding="utf-8"))
+    try:
+        raw = json.loads(text.read_text(encoding="utf-8"))
+    except ValueError:
+        raise DatabaseError(f"{text}: is damaged; delete it and run vsb run CONFIG again") from None
     study = located(raw, str(text)).study if is_body(raw) else parse(raw, source=str(text))
-    return Results(study, str(folder.parent))
+    if name != study.study:
+        raise DatabaseError(f"{folder}: holds the study {study.study}; needs a folder of that name")
+    return Results(study, root)

@@ -37,8 +37,10 @@ def power_matrix(
         raise ConfigError(
             f"power_matrix: received {height.shape} hs, {period.shape} te, {value.shape} values; needs as many of each"
         )
-    if not all(np.isfinite(each).all() for each in (height, period, value)):
-        raise ConfigError("power_matrix: received a number that is not finite; needs finite numbers")
+    if not all(np.isfinite(each).all() for each in (height, period, value)) or min(height.min(), period.min()) < 0:
+        raise ConfigError("power_matrix: needs finite numbers, heights and periods not below 0")
+    if statistic not in ("mean", "std", "frequency"):
+        raise ConfigError(f"power_matrix: received {statistic!r}, needs one of mean, std, frequency")
     bins = Bins(height, period, np.full(len(height), 1 / len(height)))
     matrix = {"mean": bins.mean, "std": bins.deviation}[statistic](value) if statistic != "frequency" else bins.share
     at = {"hs": bins.hs_centres, "te": bins.te_centres}
@@ -53,21 +55,29 @@ def annual_energy(capture_width: npt.ArrayLike, energy_flux: npt.ArrayLike, freq
     capture_width : array_like, shape (hs, te) [m]
     energy_flux : array_like, shape (hs, te) [W/m]
     frequency : array_like, shape (hs, te) [-]
-        Share of the year of each bin; empty cells may be NaN.
+        Share of the year of each bin. A bin without seas may be NaN in all three.
 
     Raises
     ------
     ConfigError
-        If the shapes differ, or shares sum to more than 1.
+        If the shapes differ, shares sum to more than 1, or a bin with seas has no value.
     """
-    width, flux, share = (np.nan_to_num(np.asarray(each, float)) for each in (capture_width, energy_flux, frequency))
-    if not width.shape == flux.shape == share.shape:
+    width, flux, share = (np.asarray(each, dtype=float) for each in (capture_width, energy_flux, frequency))
+    if not width.shape == flux.shape == share.shape or not width.size:
         raise ConfigError(f"annual_energy: received shapes {width.shape}, {flux.shape}, {share.shape}; needs one shape")
+    share = np.where(np.isnan(share), 0.0, share)
     if share.sum() > 1 + 1e-9 or share.min() < 0:
         raise ConfigError(
             f"annual_energy: received shares that sum to {share.sum():.6g}; needs at most 1, none below 0"
         )
-    return float(YEAR_HOURS * np.sum(width * flux * share))
+    occupied = share > 0
+    energy = (width * flux * share)[occupied]
+    if not np.isfinite(energy).all():
+        raise ConfigError(
+            f"annual_energy: received {np.count_nonzero(~np.isfinite(energy))} bins with seas but without a value, as "
+            "of a design that is not viable; needs a value in each"
+        )
+    return float(YEAR_HOURS * energy.sum())
 
 
 def annual_energy_of_series(capture_width: npt.ArrayLike, energy_flux: npt.ArrayLike) -> float:

@@ -8,8 +8,11 @@ import xarray as xr
 from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 
+from vsb.errors import ConfigError
+from vsb.motion.linear import direction_index
 from vsb.report.canvas import number_cells, style
 from vsb.results.year import HEIGHT, PERIOD
+from vsb.study.quantities import ROTATIONS, motion_of
 from vsb.study.study import BaseStudy
 
 FRAMES_PER_PERIOD = 24
@@ -66,56 +69,60 @@ class StudyPlots:
     def __init__(self, results: StudyResults) -> None:
         self._results = results
 
-    def rao(self, dof: str = "Heave", ax: Axes | None = None) -> Axes:
+    def rao(self, dof: str = "Heave", direction: float | None = None, ax: Axes | None = None) -> Axes:
         """Draw the modulus of the response amplitude operator of a degree of freedom over frequency.
 
         Its take-off is the given damper, or where none is given the optimal damping at each frequency.
-        """
-        rao = self._results.response.rao.sel(dof=dof)
-        return self._curves(abs(rao), f"|RAO| of {dof} [m/m]", ax)
-
-    def rao_phase(self, dof: str = "Heave", ax: Axes | None = None) -> Axes:
-        """Draw the phase of the response amplitude operator, by which the motion lags the wave crest at the axis."""
-        rao = self._results.response.rao.sel(dof=dof)
-        degrees = xr.apply_ufunc(np.degrees, xr.apply_ufunc(np.angle, rao))
-        return self._curves(degrees.where(abs(rao) > 0), f"phase of {dof} [degrees]", ax)
-
-    def excitation(self, dof: str = "Heave", direction: float = 0.0, ax: Axes | None = None) -> Axes:
-        """Draw modulus (solid) and phase (dashed, right axis) of the wave excitation of a degree of freedom.
 
         Parameters
         ----------
         dof : str
-        direction : float [degrees]
-            The nearest direction of the hydro database is drawn.
+        direction : float [degrees], optional
+            Of the waves, where the response has several; by default the first.
         ax : Axes, optional
         """
+        return self._curves(abs(self._rao(dof, direction)), f"|RAO| of {dof} [{_unit(dof)}/m]", ax)
+
+    def rao_phase(self, dof: str = "Heave", direction: float | None = None, ax: Axes | None = None) -> Axes:
+        """Draw the phase by which a degree of freedom lags the wave crest at the origin; parameters as of `rao`."""
+        rao = self._rao(dof, direction)
+        degrees = xr.apply_ufunc(np.degrees, xr.apply_ufunc(np.angle, rao))
+        return self._curves(degrees.where(abs(rao) > 0), f"phase of {dof} [degrees]", ax)
+
+    def _rao(self, dof: str, direction: float | None) -> xr.DataArray:
+        """The response amplitude operator of a degree of freedom in one direction (design, omega)."""
+        rao = self._results.response.rao
+        return _along(_motion(rao, "dof", dof), direction)
+
+    def excitation(self, dof: str = "Heave", direction: float | None = None, ax: Axes | None = None) -> Axes:
+        """Draw modulus (solid) and phase (dashed, right axis) of the wave excitation; parameters as of `rao`."""
         axes = _axes(ax)
-        force = self._results.database.excitation_force.sel(influenced_dof=dof)
-        force = force.sel(wave_direction=np.deg2rad(direction), method="nearest")
+        force = _along(_motion(self._results.database.excitation_force, "influenced_dof", dof), direction)
         axes.plot(force.omega, abs(force) / 1e3, color="black")
-        axes.set(xlabel="wave frequency [rad/s]", ylabel=f"|excitation| of {dof} [kN/m]")
+        unit = "kN" if _unit(dof) == "m" else "kN m"
+        axes.set(xlabel="wave frequency [rad/s]", ylabel=f"|excitation| of {dof} [{unit}/m]")
         phase = axes.twinx()
         phase.plot(force.omega, np.degrees(np.angle(force)), color="black", linestyle="--")
         phase.set_ylabel("phase [degrees]")
         return axes
 
-    def power(self, at: str = "best", ax: Axes | None = None) -> Axes:
+    def power(self, at: str = "best", direction: float | None = None, ax: Axes | None = None) -> Axes:
         """Draw absorbed power over frequency.
 
         Parameters
         ----------
         at : {'best', 'given'}
             Optimal damping at each frequency, or the take-off of the study.
+        direction : float [degrees], optional
+            As of `rao`.
         ax : Axes, optional
         """
         response = self._results.response
-        axes = self._curves(
-            (response.best_power if at == "best" else response.absorbed_power) / 1e3,
-            "absorbed power per amplitude² [kW/m²]",
-            ax,
-        )
-        limit = response.power_limit / 1e3
+        power = {"best": response.best_power, "given": response.absorbed_power}
+        if at not in power:
+            raise ConfigError(f"at: received {at!r}, needs one of {', '.join(power)}")
+        axes = self._curves(_along(power[at], direction) / 1e3, "absorbed power per amplitude² [kW/m²]", ax)
+        limit = _along(response.power_limit, direction) / 1e3
         top = axes.get_ylim()[1]
         axes.plot(limit.omega, limit, color="0.6", linewidth=3, alpha=0.6, label="limit", zorder=0)
         axes.set_ylim(0, top)
@@ -131,7 +138,7 @@ class StudyPlots:
             if dof in run.dof.values:
                 run = run.sel(time=slice(start, end))
                 axes.plot(run.time, run.position.sel(dof=dof), **style(design, list(results.study.designs)))
-        axes.set(xlabel="time [s]", ylabel=f"{dof} [m, of rotations rad]")
+        axes.set(xlabel="time [s]", ylabel=f"{dof} [{_unit(dof)}]")
         axes.legend(frameon=False)
         return axes
 
@@ -148,6 +155,8 @@ class StudyPlots:
         """
         results = self._results
         modes, run = results.modes, results.trajectory(design, wave)
+        if "order" in modes and bool((modes["order"] > 0).any()):
+            raise ConfigError("motion: an animation in Python is of axisymmetric motion; needs motion: heave")
         end = results.study.simulation.window[1]
         first = results.study.simulation.window[0]
         period = results.period(wave)
@@ -225,8 +234,7 @@ class CampaignPlots:
     def scatter(self, ax: Axes | None = None) -> Axes:
         """Draw how often seas of each Hs and Te occur in the year, in per cent, numbers in the cells."""
         data = self._campaign.at()
-        share = 100 * data.occurrence if "occurrence" in data else 100 * data["count"] / data["count"].sum()
-        return _matrix(share.where(data["count"] > 0), "occurrence [%]", ax)
+        return _matrix(100 * data.occurrence.where(data["count"] > 0), "occurrence [%]", ax)
 
     def power(self, tuning: str | None = None, ax: Axes | None = None, **point: Any) -> Axes:
         """Draw annual mean power of the designs as bars [kW]."""
@@ -237,6 +245,30 @@ class CampaignPlots:
         axes.bar(designs, data.annual_mean_power / 1e3, color=colours)
         axes.set_ylabel("annual mean power [kW]")
         return axes
+
+
+def _motion(values: xr.DataArray, dim: str, dof: str) -> xr.DataArray:
+    """Values of a degree of freedom."""
+    if dof not in (known := [str(label) for label in values[dim].values]):
+        raise ConfigError(f"dof: received {dof!r}, needs one of {', '.join(known)}")
+    return values.sel({dim: dof})
+
+
+def _along(values: xr.DataArray, direction: float | None) -> xr.DataArray:
+    """Values in waves of one direction [degrees], by default the first; a buoy in heave has one for all."""
+    if "wave_direction" not in values.dims:
+        return values
+    known = values.wave_direction.values
+    place = 0 if direction is None else direction_index(known, np.deg2rad(direction))
+    if place is None:
+        needed = ", ".join(f"{each:g}" for each in np.degrees(known))
+        raise ConfigError(f"direction: received {direction:g} degrees, needs one of {needed}")
+    return values.isel(wave_direction=place)
+
+
+def _unit(dof: str) -> str:
+    """Unit of a degree of freedom."""
+    return "rad" if motion_of(dof) in ROTATIONS else "m"
 
 
 def _axes(ax: Axes | None) -> Axes:
@@ -251,7 +283,11 @@ def _axes(ax: Axes | None) -> Axes:
 def _matrix(values: xr.DataArray, label: str, ax: Axes | None) -> Axes:
     """Values over bins of Hs and Te as coloured cells with numbers."""
     axes = _axes(ax)
-    values = values.transpose("hs", "te").dropna("hs", how="all").dropna("te", how="all")
+    values = values.transpose("hs", "te")
+    rows, columns = (np.flatnonzero(values.notnull().any(dim)) for dim in ("te", "hs"))
+    if not rows.size:
+        raise ConfigError("matrix: no bin has a value, as of a design that is not viable")
+    values = values[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     image = axes.pcolormesh(_edges(values.te, PERIOD), _edges(values.hs, HEIGHT), values, cmap="viridis")
     largest = float(values.max())
     number_cells(axes, values.te.values, values.hs.values, values.values, largest)
@@ -262,9 +298,8 @@ def _matrix(values: xr.DataArray, label: str, ax: Axes | None) -> Axes:
 
 
 def _edges(centres: xr.DataArray, width: float) -> np.ndarray:
-    """Edges of bins from their first to their last centre, gaps between them included."""
-    low, high = float(centres[0]), float(centres[-1])
-    return np.arange(low - width / 2, high + width, width)[: round((high - low) / width) + 2]
+    """Edges of bins of equal width."""
+    return np.append(centres.values - width / 2, float(centres[-1]) + width / 2)
 
 
 def _deformed(modes: xr.Dataset, position: xr.DataArray, magnify: float) -> tuple[np.ndarray, np.ndarray]:

@@ -186,11 +186,21 @@ class Results:
         tunings : sequence of {'fixed', 'one', 'each'}
             The damper as given, one optimal damper for the year, the optimal one in each sea.
         direction : float [degrees]
-            All seas come from.
+            All seas go to.
+
+        Raises
+        ------
+        ConfigError
+            If the study has drag or an efficiency below 1, which a year by linear theory does not know.
         """
+        pto = self.study.pto
+        if self.study.drag_of_buoy is not None:
+            raise ConfigError("drag: a year by linear theory does not know it; needs a study without drag")
+        if pto.efficiency != 1.0:
+            raise ConfigError(f"pto.efficiency: received {pto.efficiency:g}; a year needs 1")
         omega = frequencies(climate, float(self.database.omega[0]), band(self.study, self.database)[1])
-        ports = {design: self.port(design, omega, direction) for design in self.study.designs}
-        given = {design: damping for design in ports if (damping := self.study.pto.damper(design)) is not None}
+        ports = {design: self.port(design, omega, direction).beside(pto.stiffness) for design in self.study.designs}
+        given = {design: damping for design in ports if (damping := pto.damper(design)) is not None}
         return year(ports, climate, self.study.water, tunings, given, self.study.reference_design).dataset()
 
     def period(self, wave: str | None = None) -> float:
@@ -260,6 +270,9 @@ class Results:
         """Rows as a table with units, those of the take-off as its port has them."""
         found, port = pd.DataFrame(rows), port_kind(self.study.pto.port)
         units = UNITS | {"damping": port.damping_unit, "stiffness": port.stiffness_unit}
+        if self.study.buoy is None:  # columns are of the port's motion
+            units |= {"displacement_pp": port.motion_unit, "velocity_pp": port.rate_unit}
+        units |= {"best_damping": port.damping_unit, "best_power": "W", "power": "W"}
         units |= {"force_rms": port.load_unit, "force_peak": port.load_unit, "stroke_peak": port.motion_unit}
         found.attrs["units"] = {name: units[name] for name in found.columns if name in units}
         return found

@@ -142,16 +142,16 @@ def account(
     taken, stopped = np.empty((2, last + 1))
     for piece, nodes in pieces.items():
         for at in np.array_split(np.array(nodes), 1 + len(nodes) // AT_ONCE):
-            pushed = driven[:, at] + piece.phase.added(leaving[at])
-            jet = piece.jet(states[at], pushed)
+            forcing = driven[:, at] + piece.phase.added(leaving[at])
+            jet = piece.jet(states[at], forcing)
             rates[at], stopped[at] = jet[1][:, n : 2 * n], piece.at_port(piece.stopped, jet)[0]
             taken[at] = piece.at_port(piece.taken, jet)[0]
             if piece.phase.held:
-                taken[at] = -piece.phase.push(states[at], pushed[0], piece.stopped.constant)
+                taken[at] = -piece.phase.push(states[at], forcing[0], piece.stopped.constant)
             at = at[at < last]
             received = driven[:, at + 1] + piece.phase.added(states[at + 1])
             ends = piece.jet(states[at + 1], received)
-            before = piece.powers(jet[:, : len(at)], pushed[:, : len(at)], damper, channel)
+            before = piece.powers(jet[:, : len(at)], forcing[:, : len(at)], damper, channel)
             after = piece.powers(ends, received, damper, channel)
             works[:, at + 1] = integrated(before, after, time[at + 1] - time[at])
     return Account(rates, taken, stopped, np.cumsum(works, axis=1))

@@ -92,7 +92,7 @@ class DraggedPort:
         """
         rate = -1j * omega
         moved = [buoy.free_motion(omega, motions, one) for one in dragged]
-        forced = np.stack([pushed for _, pushed in moved], axis=-1)  # (omega, dof, dragged)
+        forced = np.stack([free_velocity for _, free_velocity in moved], axis=-1)  # (omega, dof, dragged)
         port = buoy.port(omega, motions, direction)
         across = rate[:, None] * np.einsum("wdk,d->wk", forced, direction)
         return cls(
@@ -165,8 +165,8 @@ class DraggedPort:
         out = np.empty(drag.shape[:2])
         for sea, square in enumerate(squares):
             braking = drag[:, sea, None, :] * seen.with_drag(drag[:, sea], every)
-            pushed = self.port.velocity - np.einsum("wk,lwk->lw", self.across, braking)
-            speed = 0.5 * square * np.abs(pushed / (1 + self.port.admittance * load)) ** 2
+            free_velocity = self.port.velocity - np.einsum("wk,lwk->lw", self.across, braking)
+            speed = 0.5 * square * np.abs(free_velocity / (1 + self.port.admittance * load)) ** 2
             mean = speed.sum(axis=1), (speed / self.port.omega**2).sum(axis=1)
             out[:, sea] = electrical_power(damping, stiffness, *mean, efficiency)
         return out

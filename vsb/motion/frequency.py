@@ -34,8 +34,8 @@ def free_motion(
     stiffness: ComplexArray, excitation: ComplexArray, motions: FloatArray, direction: FloatArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return `LinearSystem.free_motion` from a `dynamic_stiffness`, which all designs of a shape share."""
-    pushed = np.broadcast_to(allowed_part(direction, motions), (len(excitation), motions.shape[1]))
-    solved = np.linalg.solve(motions.T @ stiffness @ motions, np.stack([excitation @ motions, pushed], axis=-1))
+    port_load = np.broadcast_to(allowed_part(direction, motions), (len(excitation), motions.shape[1]))
+    solved = np.linalg.solve(motions.T @ stiffness @ motions, np.stack([excitation @ motions, port_load], axis=-1))
     return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
 
 

@@ -50,6 +50,11 @@ class LinearSystem:
     direction: float = 0.0  # the waves go to [rad]
     axisymmetric: bool = True  # each azimuthal order has one radiation channel; False: a body of any shape
 
+    def __post_init__(self) -> None:
+        """Check a body of any shape, whose numbers and port may come from anywhere."""
+        if not self.axisymmetric:
+            _check_body(self)
+
     @property
     def labels(self) -> tuple[str, ...]:
         """Names of the degrees of freedom."""
@@ -314,8 +319,8 @@ class LinearSystem:
         if values[0] < -size:
             most = np.abs(motions @ shapes[:, 0]) * np.sqrt(np.diag(inertia))
             raise StabilityError(
-                f"the body does not rest: received a negative stiffness of {self.labels[int(most.argmax())]}, growing "
-                f"by {np.sqrt(-values[0]):.3g}/s; needs a lower centre of mass, a mooring, or this motion held."
+                f"the body is statically unstable: received a negative stiffness of {self.labels[int(most.argmax())]}, "
+                f"growing by {np.sqrt(-values[0]):.3g}/s; needs a lower centre of mass, a mooring, or this motion held."
             )
         return np.asarray(shapes[:, values <= size])
 
@@ -496,9 +501,7 @@ def linear_body(
     complete = chosen.drop_vars([name for name in DRY if name in chosen]).assign(
         inertia_matrix=(PAIR, chosen_mass), structural_stiffness=(PAIR, chosen_stiffness)
     )
-    body = LinearSystem(complete, chosen_damping, pto, axisymmetric=False)
-    _check_body(body)
-    return body
+    return LinearSystem(complete, chosen_damping, pto, axisymmetric=False)
 
 
 def _check_body(body: LinearSystem) -> None:

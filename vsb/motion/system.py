@@ -344,10 +344,10 @@ class System:
         positions = np.linalg.solve(self.position, motion.position.T).T
         return np.hstack([positions, np.linalg.solve(self.modes, motion.velocity.T).T, motion.memory])
 
-    def motion(self, time: FloatArray, states: FloatArray, pushed: FloatArray, seconds: float) -> Motion:
-        """Return the motion of states z under n and waves `pushed`, shape (time, free)."""
+    def motion(self, time: FloatArray, states: FloatArray, forcing: FloatArray, seconds: float) -> Motion:
+        """Return the motion of states z under n and waves `forcing`, shape (time, free)."""
         n = self.free
-        rates = states @ self.matrix[n : 2 * n].T + pushed
+        rates = states @ self.matrix[n : 2 * n].T + forcing
         return Motion(
             time,
             states[:, :n] @ self.position.T,

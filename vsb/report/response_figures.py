@@ -60,7 +60,8 @@ def excitation(data: StudyData) -> Figure:
     """Draw amplitude and phase of the wave excitation of the rigid motions by heading, and of the first modes."""
     force = data.database.excitation_force.rename(influenced_dof="dof")
     if force.sizes["wave_direction"] > MOST_HEADINGS:  # of many those of the study's waves
-        force = force.sel(wave_direction=data.raos.wave_direction.values, method="nearest")
+        apart = force.wave_direction.values - data.raos.wave_direction.values[:, None]
+        force = force.isel(wave_direction=np.abs(np.exp(1j * apart) - 1).argmin(axis=1))  # nearest, modulo full turns
     force = _few_headings(force).transpose("wave_direction", "omega", "dof")
     labels = [str(dof) for dof in force.dof.values]
     headings = force.wave_direction.values

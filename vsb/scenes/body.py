@@ -41,14 +41,14 @@ def within_band(ds: xr.Dataset, omega_max: float | None) -> xr.Dataset:
         )
     if kept.all():
         return ds
-    told = f"{ds.attrs.get('history', '')}; left out: {np.count_nonzero(~kept)} frequencies".lstrip("; ")
-    return ds.isel(omega=np.flatnonzero(kept)).assign_attrs(history=told)
+    noted = f"{ds.attrs.get('history', '')}; left out: {np.count_nonzero(~kept)} frequencies".lstrip("; ")
+    return ds.isel(omega=np.flatnonzero(kept)).assign_attrs(history=noted)
 
 
 def without_negative_ends(ds: xr.Dataset, labels: Sequence[str]) -> xr.Dataset:
     """Return a database without the frequencies at the ends of its band where a motion's own damping is not positive.
 
-    That is noise of files of others where hardly any waves are made; no sea need reach there, and the history tells.
+    That is noise of files of others where hardly any waves are made; no sea need reach there, and the history says so.
     Where fewer than four frequencies would be left, or damping is negative inside, the database stays as it is.
     """
     part = ds.sel(influenced_dof=list(labels), radiating_dof=list(labels))
@@ -60,10 +60,10 @@ def without_negative_ends(ds: xr.Dataset, labels: Sequence[str]) -> xr.Dataset:
     if len(kept) == len(own):
         return ds
     first, last = ds.omega.values[kept[[0, -1]]]
-    told = (
+    noted = (
         f"left out: {len(own) - len(kept)} frequencies outside {first:g} to {last:g} rad/s, where damping is negative"
     )
-    history = f"{ds.attrs.get('history', '')}; {told}".lstrip("; ")
+    history = f"{ds.attrs.get('history', '')}; {noted}".lstrip("; ")
     return ds.isel(omega=kept).assign_attrs(history=history)
 
 
@@ -83,8 +83,8 @@ def with_hydrostatics(body: Body, ds: xr.Dataset) -> xr.Dataset:
             "water and mooring in N/m, of rotations in N m (or capytaine's fill_dataset with hydrostatics=True)"
         )
     none = np.zeros((ds.sizes["influenced_dof"],) * 2)
-    told = f"{ds.attrs.get('history', '')}; no hydrostatic stiffness: the study's is all there is".lstrip("; ")
-    return ds.assign(hydrostatic_stiffness=(PAIR, none)).assign_attrs(history=told)
+    noted = f"{ds.attrs.get('history', '')}; no hydrostatic stiffness: the study's is all there is".lstrip("; ")
+    return ds.assign(hydrostatic_stiffness=(PAIR, none)).assign_attrs(history=noted)
 
 
 def complete_body(body: Body, dofs: Sequence[str] | None, ds: xr.Dataset) -> LinearSystem:

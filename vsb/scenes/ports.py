@@ -29,7 +29,7 @@ from vsb.study.study import Study, Water
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 POINTS = 13
-"""Points of the meridian the shell's motion is told at, both poles and the equator among them."""
+"""Points of the meridian the shell's motion is given at, both poles and the equator among them."""
 KEPT = 32
 """Combinations of displacements whose coefficients are kept: as many thicknesses as a sweep may well have."""
 

@@ -326,8 +326,8 @@ def check_spring(study: Study, reference: ReferenceShell) -> None:
         least = max(least, -1 / yields if yields > 0 else -np.inf)
     if not (study.pto.stiffness > least or study.pto.stiffness == least == 0.0):
         raise ConfigError(
-            f"pto.stiffness: received {study.pto.stiffness:g} N/m, with which a buoy does not rest; needs more than "
-            f"{least + 0.0:.6g} N/m"
+            f"pto.stiffness: received {study.pto.stiffness:g} N/m, which makes the buoy statically unstable; needs "
+            f"more than {least + 0.0:.6g} N/m"
         )
 
 

@@ -37,7 +37,8 @@ def checked_body(plan: BodyPlan) -> tuple[LinearSystem, list[Check]]:
     Raises
     ------
     ConfigError, DatabaseError, StabilityError
-        If its files are not what they should be, it does not rest, nothing moves, or its seas are not in its band.
+        If its files are not what they should be, it is statically unstable, nothing moves, or its seas are
+        not in its band.
     """
     study, files, source = plan.study, plan.files, plan.study.body
     if isinstance(source.file, BodyFile):
@@ -129,5 +130,5 @@ def body_summary(plan: BodyPlan) -> list[str]:
         )
     lines += [part for part in str(body.database.attrs.get("history", "")).split("; ") if part.startswith("left out")]
     doubts = [replace(check, name=f"hydro {check.name}") for check in checks if check.verdict != "ok"]
-    told = [*doubts, *ledger.angle_checks(study), *ledger.seas_checks(study, body.database)]
-    return [*lines, *(check.line for check in told)]
+    checks = [*doubts, *ledger.angle_checks(study), *ledger.seas_checks(study, body.database)]
+    return [*lines, *(check.line for check in checks)]

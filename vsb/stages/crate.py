@@ -28,7 +28,7 @@ FORMATS = {
     ".csv": "text/csv", ".html": "text/html", ".json": "application/json", ".nc": "application/netcdf",
     ".pdf": "application/pdf", ".svg": "image/svg+xml", ".vtu": "application/xml", ".yaml": "application/yaml",
 }  # fmt: skip
-TOLD = {
+DESCRIPTIONS = {
     "report.html": "the report: the answer, its figures, what to doubt",
     "comparison.csv": "what each design does in each sea",
     "campaign.csv": "power each design absorbs in a year, point by point",
@@ -137,13 +137,13 @@ def _file(name: str, path: str, identity: str | None) -> dict[str, Any]:
     """One file of an archive."""
     content = Path(path).read_bytes()
     pure = PurePosixPath(name)
-    told = {"description": TOLD[pure.name]} if pure.name in TOLD else {}
+    described = {"description": DESCRIPTIONS[pure.name]} if pure.name in DESCRIPTIONS else {}
     known = {"identifier": identity} if identity else {}
     return {
         "@id": _address(name),
         "@type": "File",
         "name": pure.name,
-        **told,
+        **described,
         **known,
         "encodingFormat": FORMATS.get(pure.suffix, "application/octet-stream"),
         "contentSize": str(len(content)),

@@ -144,13 +144,13 @@ def run_response(spec: ResponseSpec, database: str, out: str) -> None:
     waves = headings[0]
     if spec.directions:
         waves = xr.concat(headings, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(spec.directions))
-    told = {"take_off": TAKE_OFF[spec.pto.damping is None], "port": canonical(spec.pto.port).strip('"')}
-    told["port_kind"] = port_kind(spec.pto.port).load
+    attrs = {"take_off": TAKE_OFF[spec.pto.damping is None], "port": canonical(spec.pto.port).strip('"')}
+    attrs["port_kind"] = port_kind(spec.pto.port).load
     reached = floating.channels
     if reached > 1:
-        told["limit"] = f"{reached} λ/2π"
+        attrs["limit"] = f"{reached} λ/2π"
     found = xr.merge([waves, at_port(spec, seen[0], reached), natural(spec, floating)])
-    save(found.assign_attrs(told, **stamp(spec, database)), out)
+    save(found.assign_attrs(attrs, **stamp(spec, database)), out)
 
 
 def refined(omega: FloatArray, extra: Iterable[float]) -> FloatArray:

@@ -130,12 +130,11 @@ def animated_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) 
     seas, largest, duration = [], 0.0, study.simulation.duration
     for wave in itertools.islice(shown, MOVING_SEAS):
         runs = {design: stored.runs[design, wave.label].position for design in study.designs}
-        settled = slice(*study.simulation.window)
-        largest = max(largest, *(largest_shell(run.sel(time=settled), shell) for run in runs.values()))
+        window, water = study.simulation.window, study.water
+        largest = max(largest, *(largest_shell(run.sel(time=slice(*window)), shell) for run in runs.values()))
         moved = sea(wave, study.hydro.omega_max, duration) if study.needs_bem else NO_WAVES
         period = duration / PERIODS if isinstance(wave, StillWater) else 2 * math.pi / wave.omega
         towards = math.radians(heading(wave))
-        window, water = study.simulation.window, study.water
         seas.append(frames_data(words[wave.label], runs, moved, window, period, width, water, shell, towards))
     return {
         "designs": designs_data(list(study.designs), study.reference_design),

@@ -60,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
     paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', os.defpath)}"
     environment = {**os.environ, "PATH": paths, "PYTHONSAFEPATH": "1"}  # nor modules of the current folder
     forget_damaged(Path(".snakemake", "metadata"))
-    begun, told = time.time(), deque[str](maxlen=KEPT)
+    begun, lines = time.time(), deque[str](maxlen=KEPT)
     with (
         exclusive_lock(Path(plan.folder), waits=not dry) as own,
         shared_lock(plan.root, () if dry else unmade(plan)) as shared,
@@ -77,11 +77,11 @@ def run(args: argparse.Namespace) -> int:
             if on_slurm
             else contextlib.nullcontext()
         ):
-            line = _line(args.snakemake, plan, told)
+            line = _line(args.snakemake, plan, lines)
             fds, answering = [*own, *shared], partial(_prepare_answer, plan)
             code = finished(command, env=environment, pass_fds=fds, line=line, meanwhile=answering)
     if code:
-        return _failed(plan, begun, told)
+        return _failed(plan, begun, lines)
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
         print(f"{plan.name}: {_answer(plan)}{report}")
     return 0
@@ -174,14 +174,14 @@ def check_options(options: Sequence[str], plan: Plan) -> None:
     from snakemake.cli import get_argument_parser
     from snakemake.exceptions import CliException
 
-    told, parser = io.StringIO(), get_argument_parser()
+    output, parser = io.StringIO(), get_argument_parser()
     try:
-        with contextlib.redirect_stderr(told), contextlib.redirect_stdout(told):
+        with contextlib.redirect_stderr(output), contextlib.redirect_stdout(output):
             given = parser.parse_args(list(options))
     except SystemExit as stop:
         if not stop.code:  # of --help and --version
             return
-        what = told.getvalue().strip().splitlines()[-1].partition("error: ")[2]
+        what = output.getvalue().strip().splitlines()[-1].partition("error: ")[2]
         known = [*completion.options(parser), "--profile", "--cores"]
         near = nearest(what.rpartition(" ")[2], known) if what.startswith("unrecognized arguments") else ""
         raise VsbError(f"{what}, of snakemake" + (f"; did you mean {near}?" if near else "")) from None
@@ -267,7 +267,7 @@ def finished(
     """
     heard = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
     early: list[int] = []  # signals received while the command starts: handled once its process is known
-    before = {number: signal.signal(number, lambda told, _: early.append(told)) for number in heard}
+    before = {number: signal.signal(number, lambda heard, _: early.append(heard)) for number in heard}
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # one that comes meanwhile waits
     interrupt = signal.signal(signal.SIGINT, signal.SIG_IGN)  # of it and its jobs: they are ended here, without a word
     try:
@@ -276,9 +276,9 @@ def finished(
         signal.signal(signal.SIGINT, interrupt)
         try:
             for number in heard:
-                signal.signal(number, _told_to_end)
-            for told in early:
-                _told_to_end(told, None)
+                signal.signal(number, _ask_to_end)
+            for received in early:
+                _ask_to_end(received, None)
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
             if meanwhile:
                 meanwhile()
@@ -296,7 +296,7 @@ def finished(
             signal.signal(number, handler)
 
 
-def _told_to_end(number: int, _: object) -> NoReturn:
+def _ask_to_end(number: int, _: object) -> NoReturn:
     """End as a shell reports it, after one line."""
     print("vsb: ended; run the same command again to go on from here", file=sys.stderr)
     raise SystemExit(128 + number)
@@ -317,7 +317,7 @@ def _end(pid: int) -> None:
             one.kill()
 
 
-def _failed(plan: Plan, begun: float, told: Iterable[str] = ()) -> int:
+def _failed(plan: Plan, begun: float, output: Iterable[str] = ()) -> int:
     """Repeat the failing rule's own line last, where it is seen; 2 if it was the user's to mend, else 1.
 
     If no rule says what is wrong, what nobody has seen yet is kept in a file: it is for those who know Snakemake.
@@ -325,22 +325,22 @@ def _failed(plan: Plan, begun: float, told: Iterable[str] = ()) -> int:
     logs = [path for path in Path(plan.root, "logs").rglob("*.log") if path.stat().st_mtime >= begun - 1.0]
     lines = [line for path in logs for line in path.read_text(encoding="utf-8", errors="replace").splitlines()]
     mistakes = [line for line in lines if line.startswith(ERROR)]
-    unseen = list(told)
+    unseen = list(output)
     whole = f"{ERROR} the run of {plan.name!r} did not complete" + (_kept(plan, unseen) if unseen else ", see above")
     print(mistakes[-1] if mistakes else whole, file=sys.stderr)
     return 2 if mistakes else 1
 
 
-def _kept(plan: Plan, told: Sequence[str]) -> str:
+def _kept(plan: Plan, lines: Sequence[str]) -> str:
     """Which rules failed with the last line of each, or of the system; where the whole output is."""
     from vsb.tools.files import write_text
     from vsb.tools.progress import failed
 
-    words = [f"{rule} ended{_last_words(Path(log))}" for log, rule in failed(told).items()]
-    words = words or [found[1] for line in told if (found := re.search(r"\[Errno \d+\] (.+)", line))][-1:]
+    words = [f"{rule} ended{_last_words(Path(log))}" for log, rule in failed(lines).items()]
+    words = words or [found[1] for line in lines if (found := re.search(r"\[Errno \d+\] (.+)", line))][-1:]
     path = f"{plan.root}/logs/{plan.name}.log"
     try:
-        write_text(path, "".join(told))
+        write_text(path, "".join(lines))
         words.append(f"the whole output is in {path}")
     except (OSError, VsbError) as error:
         words.append(f"the output cannot be written: {error}")

@@ -41,9 +41,20 @@ Modes = Annotated[
     Discriminator(lambda value: "names" if isinstance(value, list | tuple) else "path"),
 ]
 """A file of displacements, `rigid` for the six rigid motions, or some of these by their names."""
+
+
+def _mass_kind(value: object) -> str:
+    """Whether a mass is a word; YAML reads 1e3 as one, too."""
+    try:
+        float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return "displaced" if isinstance(value, str) else "number"
+    return "number"
+
+
 Mass = Annotated[
-    Annotated[Literal["afloat"], Tag("afloat")] | Annotated[Positive, Tag("number")],
-    Discriminator(lambda value: "afloat" if isinstance(value, str) else "number"),
+    Annotated[Literal["displaced"], Tag("displaced")] | Annotated[Positive, Tag("number")],
+    Discriminator(_mass_kind),
 ]
 """A mass [kg], or that of the water displaced."""
 Point = tuple[Finite, Finite, Finite]
@@ -55,7 +66,7 @@ class Hull(Section):
     """A plain hull on the z axis whose lowest point lies `draft` [m] below still water, in panels of a size [m]."""
 
     draft: Positive
-    panel: Positive
+    panel: Annotated[Number, Field(ge=1e-3)]
 
 
 class SphereHull(Hull):
@@ -361,16 +372,16 @@ class BodyStudy(BaseStudy):
         if not isinstance(raw, dict):
             return raw
         hydro = raw.get("hydro")
-        told = [f"{key}: {why}; remove it" for key, why in NOT_OF_A_BODY.items() if key in raw]
-        told += [
+        refused = [f"{key}: {why}; remove it" for key, why in NOT_OF_A_BODY.items() if key in raw]
+        refused += [
             f"hydro.{key}: {why}; remove it"
             for key, why in NOT_OF_ITS_HYDRO.items()
             if isinstance(hydro, Mapping) and key in hydro
         ]
         if isinstance(hydro, Mapping) and hydro.get("model", "linear") != "linear":
-            told.append(f"hydro.model {hydro['model']!r}: is of the spherical shell; a body is linear; remove it")
-        if told:
-            raise ValueError("\n".join(told))
+            refused.append(f"hydro.model {hydro['model']!r}: is of the spherical shell; a body is linear; remove it")
+        if refused:
+            raise ValueError("\n".join(refused))
         return raw
 
     @model_validator(mode="after")
@@ -451,7 +462,9 @@ def located(raw: object, source: str) -> LocatedBody:
     given, own_water = getattr(body, body.kind), "water" in raw if isinstance(raw, dict) else False
     if isinstance(given, BodyFile):
         known = given.paths and all(name.startswith(CONTENTS) for name in given.paths.values())
-        return LocatedBody(study, {}) if known else _of_a_mesh(study, given, source, source, own_water)
+        if not known and own_water and "water" not in given.model_fields_set:
+            given = given.model_copy(update={"water": study.water})
+        return LocatedBody(study, {}) if known else _of_a_mesh(study, given, f"{source}: body.file", source, own_water)
     if given.startswith(CONTENTS):
         return LocatedBody(study, {})
     path = folder / given

@@ -340,7 +340,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "raft_modes.nc",
             "file of the displacements of the mesh's corners; or rigid, or a list such as [Heave, Pitch]: made here",
         ),
-        "mass": Key("kg", "afloat", "mass for rigid modes; afloat is that of the displaced water"),
+        "mass": Key("kg", "displaced", "mass for rigid modes; displaced is that of the displaced water"),
         "density": Key("kg/m^3", "500.0", "mean density in place of a mass; the mesh must be closed above water, too"),
         "centre_of_mass": Key(
             "m",

@@ -34,11 +34,11 @@ def schema_of(model: type[BaseModel]) -> Schema:
                 unit = f" [{said.unit}]" if said.unit else ""
                 place |= {"description": said.meaning + unit, "examples": [yaml.safe_load(said.example)]}
             if isinstance(default := place.get("default"), dict):
-                default |= _told_defaults(found, place, default)
+                default |= _described_defaults(found, place, default)
     return {"$schema": DIALECT, **found}
 
 
-def _told_defaults(schema: Schema, place: Schema, default: Schema) -> Schema:
+def _described_defaults(schema: Schema, place: Schema, default: Schema) -> Schema:
     """Defaults of a section by its keys, auto as it is written."""
     said = {
         key: its["default"]
@@ -174,7 +174,7 @@ _UniqueKeyLoader.add_constructor("tag:yaml.org,2002:int", _UniqueKeyLoader.const
 
 Place = Sequence[str | int]
 """Keys and indices from the top of a file to something in it."""
-MOST_TOLD = 20
+MOST_REPORTED = 20
 """Most errors of one file that are listed."""
 DIGITS = 4300
 """Digits of an integer, more of which Python does not print."""
@@ -287,10 +287,12 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
         return model.model_validate(raw)
     except ValidationError as error:
         found = _ordered(error)
-        told = [f"{source}{_line_of(one, raw)}: {_told(one, error.title, raw, model)}" for one in found[:MOST_TOLD]]
-        rest = len(found) - len(told)
+        lines = [
+            f"{source}{_line_of(one, raw)}: {_message(one, error.title, raw, model)}" for one in found[:MOST_REPORTED]
+        ]
+        rest = len(found) - len(lines)
         last = [f"{source}: and {rest} more mistakes like these"] if rest else []
-        raise ConfigError(told[0] + _more(found), [*told, *last]) from None
+        raise ConfigError(lines[0] + _more(found), [*lines, *last]) from None
 
 
 def _check_digits(raw: object, source: str) -> None:
@@ -320,12 +322,12 @@ def _unprintable(raw: object) -> Place:
 def one_line(error: ValidationError, raw: object) -> str:
     """Return the first error of a validation in one line, and how many more: a misspelt key before what it left out."""
     found = _ordered(error)
-    return _told(found[0], error.title, raw) + _more(found)
+    return _message(found[0], error.title, raw) + _more(found)
 
 
 def lines_of(error: ValidationError, raw: object, model: type[BaseModel]) -> list[str]:
     """Return all errors of a validation, a line each."""
-    return [_told(one, error.title, raw, model) for one in _ordered(error)]
+    return [_message(one, error.title, raw, model) for one in _ordered(error)]
 
 
 def _ordered(error: ValidationError) -> list[ErrorDetails]:
@@ -374,7 +376,7 @@ def _inside(raw: object, part: str | int) -> tuple[object] | None:
     return (raw[part],) if isinstance(raw, list | tuple) and isinstance(part, int) and part < len(raw) else None
 
 
-def _told(error: ErrorDetails, title: str, raw: object, model: type[BaseModel] | None = None) -> str:
+def _message(error: ErrorDetails, title: str, raw: object, model: type[BaseModel] | None = None) -> str:
     """An error in one line: key, value received, what is needed."""
     place = _written(error, raw)
     key = shortened(".".join(map(str, place))) or _in_words(title)

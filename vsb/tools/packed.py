@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 SUFFIX = ".npz"
 """Of such files."""
 _HEADER = "."
-"""Name of what tells dimensions, coordinates and attributes: no variable is called so."""
+"""Name of the entry with dimensions, coordinates and attributes: no variable is called so."""
 
 
 def save(ds: "xr.Dataset", path: str | Path) -> None:

@@ -93,15 +93,15 @@ def test_shapes_displace_and_hold_their_volumes(kind):
     assert body.mass[0, 0] == pytest.approx(500.0 * whole, rel=5e-3)
     assert detected_symmetry(body) == "xOz+yOz"
     assert "0 of" in body.history
-    assert body.labels == (RIGID if kind == "box" else RIGID[:5])
-    with pytest.raises(ConfigError, match=r"mesh.panel: received 1e-05 m, which makes .* panels; needs larger ones"):
-        build_body(validated(BodyFile, {**raw, "mesh": {**raw["mesh"], "panel": 1e-5}}, "b.yaml"), {})
+    assert body.labels == RIGID[: {"box": 6, "sphere": 3}.get(kind, 5)]
+    with pytest.raises(ConfigError, match=r"mesh.panel: received 0.001 m, which makes .* panels; needs larger ones"):
+        build_body(validated(BodyFile, {**raw, "mesh": {**raw["mesh"], "panel": 1e-3}}, "b.yaml"), {})
 
 
-def test_mass_afloat_with_its_centre_and_radii(stl):
+def test_displaced_mass_with_its_centre_and_radii(stl):
     """An open hull has the mass and metacentric height it is told."""
     vertices, sides = box()
-    given = {"mass": "afloat", "centre_of_mass": [0.0, 0.0, -0.5], "radii_of_gyration": [1.5, 2.0, 2.2]}
+    given = {"mass": "displaced", "centre_of_mass": [0.0, 0.0, -0.5], "radii_of_gyration": [1.5, 2.0, 2.2]}
     file, body = described(stl(vertices, sides[:-1]), modes=["Heave", "Pitch"], **given)
     m = file.water.density * L * B * DRAUGHT
     assert body.mass == pytest.approx(np.diag([m, m * 4.0]), rel=1e-6, abs=1e-6 * m)
@@ -128,7 +128,7 @@ def test_heave_of_a_hemisphere_from_an_stl(stl, green_folder):
 
 def test_yaw_of_a_round_body_is_refused_by_name():
     mesh = {"kind": "sphere", "radius": 1.0, "draft": 1.0, "panel": 0.4}
-    raw = {"body": "b", "mesh": mesh, "modes": ["Heave", "Yaw"], "mass": "afloat", "omega": [1.0]}
+    raw = {"body": "b", "mesh": mesh, "modes": ["Heave", "Yaw"], "mass": "displaced", "omega": [1.0]}
     with pytest.raises(ConfigError, match="modes: Yaw moves no water; remove it"):
         build_body(validated(BodyFile, raw, "b.yaml"), {})
 
@@ -137,7 +137,7 @@ def test_yaw_of_a_round_body_is_refused_by_name():
     ("changes", "message"),
     [
         (
-            {"mass": "afloat"},
+            {"mass": "displaced"},
             "hull.stl: centre_of_mass: received none, and the mesh is not closed above the water; needs",
         ),
         ({"mass": 1e4, "centre_of_mass": [0, 0, 0]}, "radii_of_gyration: received none, and the mesh is not closed"),
@@ -154,3 +154,16 @@ def test_a_dry_body_that_is_not_known_is_refused(stl, changes, message):
     vertices, sides = box()
     with pytest.raises(ConfigError, match=message):
         described(stl(vertices, sides[:-1]), **changes)
+
+
+def test_sphere_hull_has_no_rotations_about_its_own_centre():
+    """They move no water; its panels only nearly leave it at rest, which looks like a soft roll."""
+    mesh = {"kind": "sphere", "radius": 2.0, "draft": 2.0, "panel": 1.0}
+    raw = {"body": "b", "mesh": mesh, "modes": "rigid", "mass": "displaced", "omega": [1.0]}
+
+    def built(**changes):
+        return build_body(validated(BodyFile, {**raw, **changes}, "b.yaml"), {})
+
+    assert built().labels == ("Surge", "Sway", "Heave")
+    assert built(centre_of_mass=[0.0, 0.0, -1.0]).labels == ("Surge", "Sway", "Heave", "Roll", "Pitch")
+    assert built(mass="1e3").mass[0, 0] == pytest.approx(1e3)

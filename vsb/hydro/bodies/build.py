@@ -12,7 +12,7 @@ from vsb.hydro.bodies.body import FlexibleBody, check_apart
 from vsb.hydro.bodies.files import panels_with_area, read_body, read_mesh, with_gaps_noted
 from vsb.hydro.bodies.hulls import hull_panels
 from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, gaps, owners, wetted
-from vsb.study.body import BodyFile
+from vsb.study.body import BodyFile, SphereHull
 from vsb.study.quantities import RIGID, ROTATIONS
 from vsb.tools.arrays import FloatArray, IntArray
 
@@ -60,7 +60,7 @@ def _rigid_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: li
         faces, notes = _turned(faces), [*notes, "panels turned: their normals pointed inward"]
     if solid is None and (needed := _missing(file, rotates)):
         raise ConfigError(f"{needed}: received none, and the mesh is not closed above the water; needs {_WHOLE}")
-    if centre is None and weighed and solid:
+    if centre is None and solid:
         centre = solid.centre
         notes = [*notes, "centre of mass that of the mesh filled evenly"]
     wet = wetted(vertices, faces)
@@ -68,6 +68,9 @@ def _rigid_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: li
     if file.modes == "rigid" and _still(points, panels, _motion("Yaw", centre)):
         labels.remove("Yaw")
         notes = [*notes, "Yaw left out: it moves no water"]
+    if file.modes == "rigid" and _turns_about_its_centre(file.mesh, centre):
+        labels = [label for label in labels if label not in ROTATIONS]
+        notes = [*notes, "Roll and Pitch left out: about its own centre a sphere moves no water"]
     motions = [_motion(label, centre) for label in labels]
     shapes = np.array([motion.at(points) for motion in motions])
     history = "; ".join(filter(None, [*notes, wet.history if wet else ""]))
@@ -77,6 +80,14 @@ def _rigid_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: li
     if weighed:
         body = replace(body, mass=_mass_matrix(file, body, solid, motions))
     return with_gaps_noted(body)
+
+
+def _turns_about_its_centre(mesh: object, centre: FloatArray | None) -> bool:
+    """Whether rotations are those of a sphere about its own centre, which its panels only nearly leave at rest."""
+    if not isinstance(mesh, SphereHull) or centre is None:
+        return False
+    own = np.array([0.0, 0.0, mesh.radius - mesh.draft])
+    return bool(np.abs(centre - own).max() <= 1e-3 * mesh.radius)
 
 
 def _still(vertices: FloatArray, faces: IntArray, motion: Rigid) -> bool:
@@ -103,7 +114,7 @@ def _mass_matrix(file: BodyFile, body: FlexibleBody, solid: Solid | None, motion
     if file.density is not None and solid:
         mass = file.density * solid.volume
     else:
-        mass = file.water.density * body.volume if file.mass == "afloat" else float(file.mass or 0)
+        mass = file.water.density * body.volume if file.mass == "displaced" else float(file.mass or 0)
     if file.radii_of_gyration is not None:
         inertia = np.diag(np.square(file.radii_of_gyration))
     else:

@@ -232,7 +232,7 @@ def panels_with_area(
 
 
 def with_gaps_noted(body: FlexibleBody) -> FlexibleBody:
-    """Return a body whose history tells of gaps between its panels."""
+    """Return a body whose history notes gaps between its panels."""
     if (gap := body.gaps).width <= FLAT * body.size:
         return body
     note = (
