@@ -18,17 +18,7 @@ from vsb.tools.files import check_folder
 def run(study: Study | LocatedBody, folder: str | Path = "results") -> Study | BodyStudy:
     """Run a whole study in this process and return it as it was run: files and numbers are those of `vsb run`.
 
-    Parameters
-    ----------
-    study : Study or LocatedBody
-        See `vsb.load`, `vsb.load_body`.
-    folder : str or Path
-        Folder of all results; studies in it share their hydrodynamics.
-
-    Raises
-    ------
-    VsbError
-        If the study cannot be run, a check of its hydrodynamics fails, or another run is at work in the folder.
+    `vsb.run` (`vsb.api.results`) opens its results as well.
     """
     if isinstance(study, LocatedBody):
         plan: AnyPlan = BodyPlan(study.study, root=str(folder), files=study.files)
