@@ -144,7 +144,7 @@ def test_all_products_are_there_and_consistent(folder):
     for name in ("witness", "witness_derivatives", "witness_database"):
         assert verdicts[name] == "ok"
     report = (results / "report.html").read_text()
-    assert report.count('<div class="drawn"') == 14
+    assert report.count('<div class="drawn"') == 16
     assert "http://" not in report.replace("http://www.w3.org", "").replace("http://purl.org", "").replace(
         "http://creativecommons.org", ""
     )

@@ -15,7 +15,7 @@ from vsb.tools.compiled import sources_id
 def test_edited_force_reaches_the_loops_that_call_it(tmp_path):
     """In a copy of the package, with a force and a loop that compile at once."""
     shutil.copytree(HERE.parent / "vsb", tmp_path / "vsb", ignore=shutil.ignore_patterns("__pycache__"))
-    force, loop = tmp_path / "vsb" / "motion" / "wetted.py", tmp_path / "vsb" / "integrators" / "exponential_steps.py"
+    force, loop = tmp_path / "vsb" / "motion" / "wetted.py", tmp_path / "vsb" / "integrators" / "exponential.py"
     compiled = "\n\n@njit(cache=True)\ndef {}():\n    return {}\n"
     text = force.read_text()
     loop.write_text(

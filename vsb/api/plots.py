@@ -102,7 +102,7 @@ class StudyPlots:
         unit = "kN" if _unit(dof) == "m" else "kN m"
         axes.set(xlabel="wave frequency [rad/s]", ylabel=f"|excitation| of {dof} [{unit}/m]")
         phase = axes.twinx()
-        phase.plot(force.omega, np.degrees(np.angle(force)), color="black", linestyle="--")
+        phase.plot(force.omega, np.degrees(np.unwrap(np.angle(force))), color="black", linestyle="--")
         phase.set_ylabel("phase [degrees]")
         return axes
 
