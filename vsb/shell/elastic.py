@@ -3,12 +3,12 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from vsb.shell.deformed import DeformedShell, Meridian, gauss_rule
-from vsb.shell.modes import ModeBasis, bending_block, strain_shapes
+from vsb.shell.modes import ModeBasis, curvature_shapes, strain_shapes
 from vsb.shell.shell import Shell
 from vsb.tools.arrays import FloatArray
 
@@ -20,6 +20,7 @@ class Tables(NamedTuple):
     area: FloatArray  # of the ring of each point, (point,) [m^2]
     dphi: FloatArray  # weights of int f dphi, (point,) [rad]
     strains: tuple[FloatArray, FloatArray, FloatArray]  # `strain_shapes`
+    curvatures: tuple[FloatArray, FloatArray]  # `curvature_shapes`
     meridian: Meridian
 
 
@@ -32,16 +33,19 @@ def _tables(basis: ModeBasis, points: int) -> Tables:
         at = basis.shell.at_rest(colatitude)
         area = 2 * np.pi * at.x * np.hypot(at.dx, at.dz) * weight / np.sin(colatitude)
     meridian = DeformedShell(basis, 0.0).meridian(colatitude)
-    return Tables(colatitude, area, weight / np.sin(colatitude), strain_shapes(basis, colatitude), meridian)
+    strains, curvatures = strain_shapes(basis, colatitude), curvature_shapes(basis, colatitude)
+    return Tables(colatitude, area, weight / np.sin(colatitude), strains, curvatures, meridian)
 
 
 @dataclass(frozen=True)
 class ElasticShell:
-    """Exact elastic energy and enclosed volume over the amplitudes of a basis; bending always included.
+    """Elastic energy and enclosed volume over the amplitudes of a basis; bending always included.
 
-    The Green-Lagrange membrane strains E_phi = e_phi + (e_phi^2 + beta^2)/2 and E_theta = e_theta + e_theta^2/2 are
-    those of the deformed surface; bending is quadratic. Every integrand is a polynomial in cos phi, of degree at most
-    4N (energy) or 3N+2 (volume), so Gauss-Legendre quadrature with 2N+2 points or more is exact.
+    The energy is the integral of the wall's, Psi(E, kappa), over the undeformed surface (`vsb.shell.materials`). The
+    Green strains E_phi = e_phi + (e_phi^2 + beta^2)/2 and E_theta = e_theta + e_theta^2/2 are those of the deformed
+    surface, whatever the displacements; changes of curvature kappa are linear in them. With Hooke's law every integrand
+    is a polynomial in cos phi, of degree at most 4N (energy) or 3N+2 (volume), so Gauss-Legendre quadrature with 2N+2
+    points or more is exact; rubber is given further points.
     """
 
     basis: ModeBasis
@@ -50,6 +54,8 @@ class ElasticShell:
     def _tables(self) -> Tables:
         prestress = converged_degree(self.basis.shell) // 2  # points for membrane forces of more degrees than the basis
         further = 4 * (self.basis.turns + 16) if self.basis.shell.rest is not None else 0
+        if self.basis.shell.rubber is not None:
+            further += 2 * self.basis.highest_degree + 16
         return _tables(self.basis.immaterial, 2 * self.basis.highest_degree + 2 + prestress + further)
 
     @property
@@ -57,51 +63,61 @@ class ElasticShell:
         """Colatitudes of the quadrature points [rad] and the areas of their rings [m^2], each shape (point,)."""
         return self._tables.colatitude, self._tables.area
 
-    @cached_property
-    def bending(self) -> FloatArray:
-        """Stiffness of bending, shape (dof, dof) [N/m]; the curvatures hold V - U alone, so one number per degree."""
-        if self.basis.shell.rest is not None:
-            return self.basis.integrated("bending")
-        n, shape = np.array(self.basis.degrees), np.array([mode.radial - mode.meridional for mode in self.basis.shapes])
-        scale = np.array([bending_block(self.basis.shell, degree)[0, 0] for degree in self.basis.degrees])
-        return np.where(n[:, None] == n, np.outer(scale * shape, shape), 0.0)
-
     def strains(self, q: FloatArray, colatitude: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Return Green-Lagrange strains E_phi, E_theta, each shape (point,) [-]; at the quadrature points if none."""
         shapes = self._tables.strains if colatitude is None else strain_shapes(self.basis, colatitude)
         meridional, hoop, rotation = (q @ shape for shape in shapes)
         return meridional + (meridional**2 + rotation**2) / 2, hoop + hoop**2 / 2
 
-    def resultants(self, q: FloatArray, colatitude: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
-        """Return membrane forces N_phi = C (E_phi + nu E_theta), N_theta, each (point,) [N per metre undeformed]."""
-        return self._hooke(*self.strains(q, colatitude))
+    def deformation(self, q: FloatArray, colatitude: FloatArray | None = None) -> FloatArray:
+        """Return strains and changes of curvature E_phi, E_theta, kappa_phi, kappa_theta, shape (4, point)."""
+        shapes = self._tables.curvatures if colatitude is None else curvature_shapes(self.basis, colatitude)
+        return np.array([*self.strains(q, colatitude), *(q @ shape for shape in shapes)])
 
-    def _hooke(self, meridional: FloatArray, hoop: FloatArray) -> tuple[FloatArray, FloatArray]:
-        shell = self.basis.shell
-        stiffness, nu = shell.membrane_stiffness, shell.poisson_ratio
+    def resultants(self, q: FloatArray, colatitude: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return the membrane forces N_phi = dPsi/dE_phi, N_theta, each (point,) [N per metre undeformed]."""
+        meridional, hoop, *_ = self.basis.shell.wall.resultants(self.deformation(q, colatitude))
+        return meridional, hoop
+
+    def linear_resultants(self, q: FloatArray, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the membrane forces of small strains, C (e_phi + nu e_theta), N_theta, each shape (point,) [N/m]."""
+        meridional, hoop, _ = (q @ shape for shape in strain_shapes(self.basis, colatitude))
+        stiffness, nu = self.basis.shell.membrane_stiffness, self.basis.shell.poisson_ratio
         return stiffness * (meridional + nu * hoop), stiffness * (hoop + nu * meridional)
 
-    def _strain_gradients(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of E_phi and E_theta by the amplitudes, each shape (dof, point) [1/m]."""
-        meridional, hoop, rotation = self._tables.strains
-        return (1 + q @ meridional) * meridional + (q @ rotation) * rotation, (1 + q @ hoop) * hoop
+    def admits(self, q: FloatArray) -> bool:
+        """Return whether the material can be strained so."""
+        return self.basis.shell.law.admits(*self.strains(q))
 
     def energy(self, q: FloatArray) -> float:
-        """Return U = pi C int (E_phi^2 + E_theta^2 + 2 nu E_phi E_theta) r^2 sin phi dphi + bending [J]."""
-        density = sum(strain * force for strain, force in zip(self.strains(q), self.resultants(q), strict=True)) / 2
-        energy: float = np.dot(density, self._tables.area) + np.dot(q, self.bending @ q) / 2
-        return energy
+        """Return U = int Psi dA [J]; of amplitudes (time, dof) shape (time,)."""
+        return cast(float, self.basis.shell.wall.energy(self.deformation(q)) @ self._tables.area)
 
     def force(self, q: FloatArray) -> FloatArray:
-        """Return the elastic force -dU/dq, shape (dof,) [N]."""
-        (a, t), (meridional, hoop), area = self._strain_gradients(q), self.resultants(q), self._tables.area
-        return -(a @ (area * meridional) + t @ (area * hoop) + self.bending @ q)
+        """Return the elastic force -dU/dq, shape (dof,) [N]; of amplitudes (time, dof) that shape."""
+        (e, t, b), (kappa, around), area = self._tables.strains, self._tables.curvatures, self._tables.area
+        meridional, hoop, moment, other = area * self.basis.shell.wall.resultants(self.deformation(q))
+        along, across = (meridional * (1 + q @ e)) @ e.T + (meridional * (q @ b)) @ b.T, (hoop * (1 + q @ t)) @ t.T
+        return np.asarray(-(along + across + moment @ kappa.T + other @ around.T))
+
+    def _gradients(self, q: FloatArray) -> tuple[FloatArray, ...]:
+        """Derivatives of `deformation` by the amplitudes, each shape (dof, point)."""
+        meridional, hoop, rotation = self._tables.strains
+        along = (1 + q @ meridional) * meridional + (q @ rotation) * rotation
+        return along, (1 + q @ hoop) * hoop, *self._tables.curvatures
 
     def material_stiffness(self, q: FloatArray) -> FloatArray:
         """Return the part of the Hessian of U that holds the elastic moduli, bending included, (dof, dof) [N/m]."""
-        (a, t), area = self._strain_gradients(q), self._tables.area
-        meridional, hoop = self._hooke(a, t)
-        return (area * a) @ meridional.T + (area * t) @ hoop.T + self.bending
+        gradients, moduli = (
+            self._gradients(q),
+            self._tables.area * self.basis.shell.wall.moduli(self.deformation(q)).normal,
+        )
+        return np.asarray(
+            sum(
+                one @ sum(c * other for c, other in zip(row, gradients, strict=True)).T
+                for one, row in zip(gradients, moduli, strict=True)
+            )
+        )
 
     def geometric_stiffness(self, meridional: FloatArray, hoop: FloatArray) -> FloatArray:
         """Return int [N_phi (e_phi e_phi + beta beta) + N_theta e_theta e_theta] dA, shape (dof, dof) [N/m]."""

@@ -15,7 +15,7 @@ from scipy.optimize import brentq, minimize_scalar
 from vsb.errors import ConvergenceError
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell, converged_degree
-from vsb.shell.modes import Mode, ModeBasis, strain_shapes
+from vsb.shell.modes import Mode, ModeBasis
 from vsb.shell.shell import Shell
 from vsb.study.study import Device, Gas, Water
 from vsb.tools.arrays import FloatArray
@@ -121,8 +121,7 @@ class LoadedShell:
         degree = max(converged_degree(self.basis.shell), self.basis.highest_degree)
         basis = complete_basis(self.basis.shell, degree, self.basis.total_mass)
         q = replace(self, elastic=ElasticShell(basis)).first_order
-        e, t, _ = strain_shapes(basis, colatitude)
-        return self.elastic._hooke(q @ e, q @ t)
+        return ElasticShell(basis).linear_resultants(q, colatitude)
 
     @cached_property
     def prestress_stiffness(self) -> FloatArray:

@@ -281,8 +281,8 @@ class ModeBasis:
     @cached_property
     def immaterial(self) -> "ModeBasis":
         """The same shapes of a dummy material: quantities that depend on shapes alone are cached by this basis."""
-        shell = replace(self.shell, thickness=1e-9 * self.shell.radius, young_modulus=1.0, density=1.0)
-        return replace(self, shell=shell, total_mass=1.0, alpha=0.0, beta=0.0)
+        shell = replace(self.shell, thickness=1e-9 * self.shell.radius)
+        return replace(self, shell=shell.of_unit_material, total_mass=1.0, alpha=0.0, beta=0.0)
 
 
 @lru_cache(maxsize=64)
@@ -384,7 +384,7 @@ def shell_modes(shell: Shell, basis: Basis, degree: int) -> tuple[Mode, ...]:
 
     Mass and stiffness scale with these, so shapes follow from Poisson's ratio and thickness over radius alone.
     """
-    return _shapes(replace(shell, young_modulus=1.0, density=1.0), basis, degree)
+    return _shapes(shell.of_unit_material, basis, degree)
 
 
 @lru_cache(maxsize=64)
@@ -421,3 +421,18 @@ def strain_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArray,
     n, r = np.array(basis.degrees)[:, None], basis.shell.radius
     hoop = (radial - n * (n + 1) * meridional) * p - meridional * ddp
     return (radial * p + meridional * ddp) / r, hoop / r, (radial - meridional) * dp / r
+
+
+def curvature_shapes(basis: ModeBasis, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return meridional and hoop changes of curvature per unit amplitude, each shape (dof, point) [1/m^2].
+
+    kappa_phi = -(v'' - u')/r^2, kappa_theta = -cot phi (v' - u)/r^2 = (n(n+1) P_n + P_n'') (V - U)/r^2 of a degree. On
+    another meridian, between its poles, those of `vsb.shell.ritz`.
+    """
+    if basis.shell.rest is not None:
+        found, shapes = strains(basis.shell.rest, basis.highest_degree, colatitude), basis.displacements
+        return shapes @ found.meridional_bending, shapes @ found.hoop_bending
+    p, _, ddp = (table[list(basis.degrees)] for table in legendre(basis.highest_degree, colatitude))
+    n, r = np.array(basis.degrees)[:, None], basis.shell.radius
+    turned = np.array([[mode.radial - mode.meridional] for mode in basis.shapes]) / r**2
+    return -turned * ddp, turned * (n * (n + 1) * p + ddp)

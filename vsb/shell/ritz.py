@@ -13,7 +13,7 @@ With the tangent t and the normal n of the meridian and ds = |(x', z')| dphi, a 
 On the sphere these are the strains and curvatures of `vsb.shell.modes`.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -170,7 +170,7 @@ def natural_modes(shell: Shell, degree: int) -> NaturalModes:
     K s = omega^2 M s among displacements that are orthogonal to rigid heave. Membrane and bending stiffness differ by
     (h/r)^2; both are solved together in units of the mass.
     """
-    mass, membrane, bending = matrices(replace(shell, young_modulus=1.0, density=1.0), degree)  # the modes are the same
+    mass, membrane, bending = matrices(shell.of_unit_material, degree)  # the modes are the same
     held = np.linalg.qr(np.column_stack([mass @ heave(degree), np.eye(len(mass))]))[0][:, 1:]
     squares, shapes = eigh(held.T @ (membrane + bending) @ held, held.T @ mass @ held)
     scale = np.sqrt(shell.young_modulus / shell.density)

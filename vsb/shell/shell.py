@@ -1,12 +1,13 @@
 """Closed shell of revolution: meridian and material; for the sphere also natural frequencies and classical buckling."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from scipy.special import legendre_p_all
 
+from vsb.shell.materials import HookeLaw, Incompressible, Law, Wall
 from vsb.study.meridian import RestMeridian, spheroid
 from vsb.study.study import Device
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -90,10 +91,11 @@ class Shell:
 
     radius: float  # largest [m]
     thickness: float  # [m]
-    young_modulus: float  # [Pa]
-    poisson_ratio: float  # [-]
+    young_modulus: float  # of small strains [Pa]
+    poisson_ratio: float  # of small strains [-]
     density: float  # [kg/m^3]
     rest: RestMeridian | None = None  # another meridian than the sphere's
+    rubber: Incompressible | None = None  # in place of Hooke's law
 
     def __post_init__(self) -> None:
         """Check the thin-shell limit and the material."""
@@ -102,10 +104,16 @@ class Shell:
                 f"thin-shell theory (C3) needs 0 < thickness < radius/10, got thickness={self.thickness} m "
                 f"for radius={self.radius} m; use a thinner shell."
             )
-        if not (self.young_modulus > 0 and self.density > 0 and -1 < self.poisson_ratio < 0.5):
+        if not (self.young_modulus > 0 and self.density > 0 and -1 < self.poisson_ratio <= 0.5):
             raise ValueError(
-                f"a material needs E > 0, density > 0 and -1 < nu < 0.5, got E={self.young_modulus} Pa, "
+                f"a material needs E > 0, density > 0 and -1 < nu <= 0.5, got E={self.young_modulus} Pa, "
                 f"density={self.density} kg/m^3, nu={self.poisson_ratio}."
+            )
+        law = self.law
+        if (law.young_modulus, law.poisson_ratio) != (self.young_modulus, self.poisson_ratio):
+            raise ValueError(
+                f"a shell of rubber needs E and nu of its small strains, {law.young_modulus} Pa and "
+                f"{law.poisson_ratio}, got E={self.young_modulus} Pa, nu={self.poisson_ratio}."
             )
         if self.rest is not None:
             self._check_rest(self.rest)
@@ -126,6 +134,21 @@ class Shell:
         return cls(
             device.radius, device.thickness, device.young_modulus, device.poisson_ratio, device.density, device.meridian
         )
+
+    @property
+    def law(self) -> Law:
+        """The law of elasticity of its material."""
+        return self.rubber or HookeLaw(self.young_modulus, self.poisson_ratio)
+
+    @property
+    def wall(self) -> Wall:
+        """Energy of its wall by strains and changes of curvature."""
+        return Wall(self.law, self.thickness)
+
+    @property
+    def of_unit_material(self) -> "Shell":
+        """The same shell of unit modulus and density, which has the same natural modes."""
+        return replace(self, young_modulus=1.0, density=1.0, rubber=None)
 
     @property
     def meridian(self) -> RestMeridian:
@@ -162,12 +185,12 @@ class Shell:
 
     @property
     def membrane_stiffness(self) -> float:
-        """E h/(1 - nu^2) [N/m]."""
+        """E h/(1 - nu^2) of small strains [N/m]."""
         return self.young_modulus * self.thickness / (1 - self.poisson_ratio**2)
 
     @property
     def bending_stiffness(self) -> float:
-        """D = E h^3/12(1 - nu^2) [N m]."""
+        """D = E h^3/12(1 - nu^2) of small strains [N m]."""
         return self.membrane_stiffness * self.thickness**2 / 12
 
     @property
