@@ -10,6 +10,7 @@ import vsb
 from vsb.cli import parser
 from vsb.study.body import BodyFile, BodyStudy
 from vsb.study.campaign import Campaign
+from vsb.study.design import Optimisation
 from vsb.study.keys import KEYS
 from vsb.study.reading import Schema, schema_of
 from vsb.study.study import Study
@@ -36,6 +37,11 @@ FILES = {
         Campaign,
         "A campaign file",
         "Also for `vsb run` and `vsb check`: a study over a site's year, with some of its keys varied.",
+    ),
+    "Optimisation": (
+        Optimisation,
+        "A design file",
+        "Also for `vsb run` and `vsb check`: the buoy that absorbs most in a site's year, within limits.",
     ),
 }
 

@@ -10,8 +10,8 @@ import pytest
 
 HOME = Path(__file__).parent.parent
 ROOMS = (
-    "errors", "tools", "study", "shell", "waves", "hydro", "motion", "integrators", "scenes", "results", "report",
-    "stages", "api", "cli", "__main__",
+    "errors", "tools", "study", "shell", "waves", "hydro", "motion", "integrators", "scenes", "results", "design",
+    "report", "stages", "api", "cli", "__main__",
 )  # fmt: skip
 """Each imports only from itself and those before it."""
 TREES = {

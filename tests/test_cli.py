@@ -225,8 +225,12 @@ def test_study_and_campaign_may_not_share_a_results_folder(workplace, capsys):
 
 
 @pytest.mark.parametrize(
-    ("kind", "title"), [("study", "Study"), ("body-study", "BodyStudy"), ("body", "BodyFile"), ("campaign", "Campaign")]
-)
+    ("kind", "title"),
+    [
+        ("study", "Study"), ("body-study", "BodyStudy"), ("body", "BodyFile"), ("campaign", "Campaign"),
+        ("design", "Optimisation"),
+    ],
+)  # fmt: skip
 def test_schema_of_every_kind_of_file(capsys, kind, title):
     assert main(["schema", kind]) == 0
     assert json.loads(capsys.readouterr().out)["title"] == title

@@ -46,12 +46,13 @@ def check(args: argparse.Namespace) -> int:
 
 
 def schema(args: argparse.Namespace) -> int:
-    """Print the JSON schema of study, body or campaign files, by which editors complete, explain and check them."""
+    """Print the JSON schema of study, body, campaign or design files, for editors to complete and check them."""
     from vsb.study.body import BodyFile, BodyStudy
     from vsb.study.campaign import Campaign
+    from vsb.study.design import Optimisation
     from vsb.study.reading import schema_of
 
-    models: dict[str, type[Section]] = {"study": Study, "campaign": Campaign}
+    models: dict[str, type[Section]] = {"study": Study, "campaign": Campaign, "design": Optimisation}
     models |= {"body-study": BodyStudy, "body": BodyFile}
     print(json.dumps(schema_of(models[args.kind]), indent=1, allow_nan=False))
     return 0
@@ -246,7 +247,7 @@ def _add_commands(commands: Any) -> None:
     one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
     _command(commands, "check", "validate a study or campaign, solve nothing", check, config="CONFIG")
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
-    kinds = ("study", "body-study", "body", "campaign")
+    kinds = ("study", "body-study", "body", "campaign", "design")
     one.add_argument("kind", nargs="?", choices=kinds, default="study", help="of which files")
     one = _command(commands, "completion", "completion for a shell", complete)
     one.add_argument("shell", choices=tuple(completion.SHELLS), help="which")

@@ -14,6 +14,7 @@ from vsb.study import reading
 from vsb.study import study as config
 from vsb.study.body import BodyFile, BodyStudy
 from vsb.study.campaign import Campaign
+from vsb.study.design import Optimisation
 from vsb.study.keys import KEYS
 from vsb.study.reading import hint, schema_of
 from vsb.study.study import Study
@@ -153,10 +154,11 @@ def test_several_checks_across_sections_are_reported_together():
     assert "\n" not in f"{first}{second}"
 
 
-MODELS = {"campaign": Campaign, "study": Study, "body-study": BodyStudy, "body": BodyFile}
+MODELS = {"campaign": Campaign, "design": Optimisation, "study": Study, "body-study": BodyStudy, "body": BodyFile}
 FILES = {path: path.read_text() for path in EXAMPLE.parent.glob("*.yaml")}
 CAMPAIGNS = sorted(path for path, text in FILES.items() if "\ncampaign:" in text)
-STUDIES = sorted(path for path, text in FILES.items() if "\nstudy:" in text and "\ncampaign:" not in text)
+DESIGNS = sorted(path for path, text in FILES.items() if "\ndesign:" in text)
+STUDIES = sorted({path for path, text in FILES.items() if "\nstudy:" in text} - {*CAMPAIGNS, *DESIGNS})
 
 
 def sections(schema):
@@ -211,6 +213,15 @@ def test_shipped_campaigns_are_valid_by_the_schema(path):
     ):
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate(given | wrong, schema_of(Campaign))
+
+
+@pytest.mark.parametrize("path", DESIGNS, ids=lambda path: path.stem)
+def test_shipped_designs_are_valid_by_the_schema(path):
+    given = numbers(yaml.safe_load(path.read_text()))
+    jsonschema.validate(given, schema_of(Optimisation))
+    for wrong in ({"variables": {"device.mass": [1.0]}}, {"variables": {}}, {"limits": {"beams": 1.0}}):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate(given | wrong, schema_of(Optimisation))
 
 
 @pytest.mark.parametrize(

@@ -380,6 +380,53 @@ KEYS: dict[str, dict[str, Key]] = {
         "constrained": Key("", "{seconds: 10.0}", "work for the optima within limits"),
         "verify": Key("", "{seas: 24}", "seas simulated in time beside linear theory, which they correct"),
     },
+    "Optimisation": {
+        "design": Key("", "best_buoy", "name of the design problem and of its folder of results"),
+        "study": Key(
+            "", "buoy.yaml", "study file, relative to this one: all that is not varied; its waves are not used"
+        ),
+        "optimise": Key(
+            "", "VSWEC", "flexible design of the study that is optimised; the first one by name if not given"
+        ),
+        "climate": Key("", "{spectra: sea.txt}", "seas of the year: measured spectra, or a table of occurrences"),
+        "variables": Key(
+            "",
+            "{device.radius: [1.4, 2.6], device.young_modulus: {log: [1.0e+6, 1.0e+9]}}",
+            "keys of the study that are free, each between two bounds; log: by the logarithm. Without pto.damping "
+            "every buoy has the damper that is optimal for its year",
+        ),
+        "maximise": Key(
+            "",
+            "power_per_mass",
+            "annual_mean_power; gain: over the rigid buoy of the same shape and mass; or power over rms force, mass, "
+            "surface",
+        ),
+        "limits": Key("", "{load_factor: 1.5, beam: 4.8, force_rms: 2.0e+4}", "what every buoy keeps within"),
+        "competitor": Key("", "{variables: [device.radius, device.mass]}", "the rigid sphere that is optimised too"),
+        "starts": Key("-", "8", "how many places the optimiser starts from: the study's own and others spread evenly"),
+        "seed": Key("-", "1", "seed of the places it starts from"),
+        "pareto": Key("", "{force_rms: [1.0e+4, 2.0e+4]}", "limits whose other values give a Pareto front"),
+        "uncertain": Key(
+            "-", "{device.young_modulus: 0.1}", "relative standard deviations of inputs, for the interval of the gain"
+        ),
+        "verify": Key("", "{seas: 48}", "seas in which the best buoys are simulated in time"),
+    },
+    "Limits": {
+        "load_factor": Key("-", "1.5", "least buckling load over static load"),
+        "static_strain": Key("-", "0.1", "largest strain of the shell at rest"),
+        "beam": Key("m", "4.8", "largest diameter at rest"),
+        "draft": Key("m", "3.0", "depth of the keel at rest"),
+        "mass": Key("kg", "20000.0", "mass of shell and ballast"),
+        "surface": Key("m^2", "60.0", "area of the shell"),
+        "volume": Key("m^3", "40.0", "volume the shell encloses"),
+        "force_rms": Key("N", "20000.0", "root mean square of the take-off's force over the year"),
+        "stroke_rms": Key("m", "0.6", "likewise of its motion"),
+    },
+    "Competitor": {
+        "variables": Key(
+            "", "[device.radius, device.mass]", "variables the rigid sphere is optimised in; without it all it has"
+        ),
+    },
     "Spectra": {
         "spectra": Key("", "sea.txt.gz", "NDBC's spectral text, plain or gz, or netCDF of wavespectra's names")
     },

@@ -1,0 +1,208 @@
+"""The optimiser and its certificate on problems whose optima are known in closed form."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from vsb.design.certificate import multipliers
+from vsb.design.optimise import KKT, VIOLATION, converged, first_possible, optimised, start_places
+from vsb.design.problem import Problem, Term
+from vsb.errors import ConvergenceError
+from vsb.study.design import Variable
+
+MASS, SPRING = (Variable(key="device.mass", low=0.5, high=8.0), Variable(key="pto.stiffness", low=-4.0, high=4.0))
+
+
+@dataclass
+class Buoy:
+    quantities: dict
+
+
+class Analytic:
+    """A model of functions of the variables."""
+
+    def __init__(self, function):
+        self.function = function
+
+    def at(self, values):
+        return Buoy(self.function(np.array(values)))
+
+
+def problem(function, limits=None, variables=(MASS, SPRING), maximise="annual_mean_power", **others):
+    return Problem(Analytic(function), variables, maximise, limits or {}, {}, flexible=False, **others)
+
+
+def nearest(values):
+    """Power 20 - |x - (3, 1)|^2; the mass limits a disc about the origin."""
+    away = values - [3.0, 1.0]
+    return {
+        "annual_mean_power": Term(20 - away @ away, -2 * away),
+        "mass": Term(float(np.hypot(*values)), values / np.hypot(*values)),
+    }
+
+
+@pytest.mark.parametrize("start", [(0.5, -4.0), (8.0, 4.0), (1.0, 0.0)])
+def test_nearest_point_of_a_disc_and_its_multiplier(start):
+    """The point of the disc of radius 2 nearest to (3, 1), and dP/dR = 2 (sqrt(10) - 2)."""
+    of = problem(nearest, {"mass": 2.0})
+    found = optimised(of, of.at(of.place(start)))
+    assert found.accepted
+    assert found.kkt <= KKT
+    assert found.violation <= VIOLATION
+    assert found.point.values == pytest.approx(2 * np.array([3, 1]) / np.sqrt(10), abs=1e-7)
+    power = 20 - (np.sqrt(10) - 2) ** 2
+    assert found.objective == pytest.approx(power, rel=1e-9)
+    assert found.multipliers == {"mass": pytest.approx(2 * 2 * (np.sqrt(10) - 2) / power, rel=1e-5)}
+
+
+def test_multiplier_is_what_a_wider_limit_gives():
+    """A multiplier is d ln(objective) / d ln(limit)."""
+    powers = []
+    for limit in (2.0 * (1 - 1e-4), 2.0, 2.0 * (1 + 1e-4)):
+        of = problem(nearest, {"mass": limit})
+        powers.append(optimised(of, of.at(np.array([0.2, 0.5]))).objective)
+    of = problem(nearest, {"mass": 2.0})
+    (value,) = optimised(of, of.at(np.array([0.2, 0.5]))).multipliers.values()
+    assert np.log(powers[2] / powers[0]) / 2e-4 == pytest.approx(value, rel=1e-4)
+
+
+def test_bounds_that_hold_are_named():
+    of = problem(nearest, variables=(MASS.model_copy(update={"high": 2.0}), SPRING))
+    found = optimised(of, of.at(np.array([0.1, 0.1])))
+    assert found.accepted
+    assert found.multipliers.keys() == {"upper bound of device.mass"}
+    assert found.point.values == pytest.approx([2.0, 1.0], abs=1e-7)
+
+
+def test_a_flat_ridge_is_named_and_accepted():
+    """Only the product of the two counts: with logarithms a straight ridge."""
+    stiff = Variable(key="device.young_modulus", low=1.0, high=100.0, log=True)
+    thick = Variable(key="device.thickness", low=1.0, high=100.0, log=True)
+
+    def product(values):
+        e, h = values
+        away = np.log(e * h / 50.0)
+        return {"annual_mean_power": Term(10 - away**2, -2 * away / values)}
+
+    of = problem(product, variables=(stiff, thick))
+    found = optimised(of, of.at(np.array([0.3, 0.2])))
+    assert found.accepted
+    assert np.prod(found.point.values) == pytest.approx(50.0, rel=1e-6)
+    assert found.flat == ("+device.young_modulus -device.thickness",) or found.flat == (
+        "-device.young_modulus +device.thickness",
+    )
+
+
+def test_a_saddle_is_not_accepted():
+    def saddle(values):
+        m, k = values - [4.25, 0.0]
+        return {"annual_mean_power": Term(10 - m**2 + k**2, np.array([-2 * m, 2 * k]))}
+
+    of = problem(saddle)
+    found = optimised(of, of.at(np.array([0.9, 0.5])))  # on the line along which the saddle is a maximum
+    assert not found.accepted
+    assert "saddle" in found.message
+
+
+def test_the_line_search_backs_off_where_the_shell_does_not_rest():
+    def partly(values):
+        if values[0] > 3.2:
+            raise ConvergenceError("the shell does not rest")
+        return nearest(values)
+
+    of = problem(partly)
+    found = optimised(of, of.at(np.array([0.05, 0.9])))
+    assert found.accepted
+    assert found.point.values == pytest.approx([3.0, 1.0], abs=1e-6)
+
+
+def test_an_optimum_beyond_the_last_shell_that_rests_is_shown_and_not_accepted():
+    def partly(values):
+        if values[0] > 2.5:
+            raise ConvergenceError("the shell does not rest")
+        return nearest(values)
+
+    of = problem(partly)
+    found = optimised(of, of.at(np.array([0.05, 0.6])))
+    assert not found.accepted
+    assert "first-order" in found.message
+    assert found.point.values[0] <= 2.5
+
+
+def test_starts_are_a_function_of_the_seed_and_those_without_a_buoy_are_replaced():
+    first, again = ([*start_places(5, 3, 7, np.full(3, 0.5))] for _ in range(2))
+    assert all((a[0] == b[0]).all() for a, b in zip(first, again, strict=True))
+    assert (first[0][0] == 0.5).all()
+    assert len({tuple(one[0]) for one in first}) == 5
+    other = [*start_places(5, 3, 8, None)]
+    assert (other[1][0] != first[1][0]).any()
+
+    def partly(values):
+        if values[0] < 4.0:
+            raise ConvergenceError("sinks")
+        return nearest(values)
+
+    start, reasons = first_possible(problem(partly), [np.array([x, 0.5]) for x in (0.1, 0.2, 0.9)])
+    assert start.place[0] == 0.9
+    assert reasons == ["sinks", "sinks"]
+    with pytest.raises(ConvergenceError, match="none of 1 buoys tried rests: sinks"):
+        first_possible(problem(partly), [np.zeros(2)])
+
+
+def test_objectives_over_a_quantity_have_the_quotients_derivative():
+    rng = np.random.default_rng(1)
+
+    def smooth(values):
+        m, k = values
+        return {
+            "annual_mean_power": Term(m * np.exp(0.1 * k), np.array([np.exp(0.1 * k), 0.1 * m * np.exp(0.1 * k)])),
+            "mass": Term(m**2 + 1, np.array([2 * m, 0.0])),
+            "surface": Term(m + k**2, np.array([1.0, 2 * k])),
+            "force_rms": Term(np.sqrt(m), np.array([0.5 / np.sqrt(m), 0.0])),
+        }
+
+    for maximise in ("power_per_mass", "power_per_surface", "power_per_force", "gain"):
+        twin = Analytic(lambda v: {"annual_mean_power": Term(v[0] ** 3, np.array([3 * v[0] ** 2, 0.0]))})
+        of = problem(smooth, {"surface": 5.0}, maximise=maximise, twin=twin if maximise == "gain" else None)
+        place = rng.uniform(0.2, 0.8, 2)
+        here = of.at(place)
+        for i, step in enumerate(1e-5 * np.eye(2)):
+            ahead, behind = of.at(place + step), of.at(place - step)
+            assert (ahead.cost - behind.cost) / 2e-5 == pytest.approx(here.slope[i], rel=1e-6, abs=1e-9)
+            assert (ahead.excess - behind.excess) / 2e-5 == pytest.approx(here.jacobian[:, i], rel=1e-6, abs=1e-9)
+
+
+def test_load_factors_and_the_thin_shell_are_limits():
+    radius = Variable(key="device.radius", low=1.0, high=3.0)
+
+    def of_radius(values):
+        kappa = {f"load_factor_inverse_{i}": Term(0.5 - 0.1 * i, np.zeros(1)) for i in range(4)}
+        return {"annual_mean_power": Term(values[0], np.ones(1)), **kappa}
+
+    of = Problem(Analytic(of_radius), (radius,), "annual_mean_power", {"load_factor": 1.5},
+                 {"device.radius": 2.0, "device.thickness": 0.15})  # fmt: skip
+    point = of.at(of.place([1.2]))
+    assert of.limit_names == ["load_factor_0", "load_factor_1", "load_factor_2", "load_factor_3", "thin_shell"]
+    assert point.excess == pytest.approx([-0.25, -0.4, -0.55, -0.7, 0.25])
+    assert point.jacobian[-1] == pytest.approx([-10 * 0.15 / 1.2**2 * 2.0])
+    assert multipliers(of.at(of.place([1.5]))).limits == pytest.approx(np.zeros(5))
+
+
+def test_modes_are_added_until_the_objective_stands():
+    """A truncated model whose objective errs by 0.5^degree: solved at 2, 4, 6, 8; the change after 6 is small."""
+
+    def of(degree):
+        def truncated(values):
+            found = nearest(values)
+            left = 0.5**degree
+            power = found["annual_mean_power"]
+            return {"annual_mean_power": Term(power.value * (1 - left), power.gradient * (1 - left))}
+
+        return problem(truncated)
+
+    found = converged(of, (2, 4, 6, 8, 10), 0.02, [np.array([0.5, 0.5])])
+    assert found.optimum.accepted
+    assert found.degree == 6
+    assert found.truncation == pytest.approx((1 - 0.5**8) / (1 - 0.5**6) - 1)
+    assert found.optimum.objective == pytest.approx(20 * (1 - 0.5**6))

@@ -1,0 +1,134 @@
+"""Design files: variables, limits, errors with file, line and key."""
+
+import pytest
+import yaml
+from conftest import SEED
+
+from vsb.errors import ConfigError
+from vsb.study.design import is_design, load
+
+RAW = {
+    "design": "best",
+    "study": "seed.yaml",
+    "climate": {"spectra": "sea.txt"},
+    "variables": {"device.radius": [1.4, 2.6], "device.young_modulus": {"log": [1e6, 1e9]}, "device.mass": [7e3, 2e4]},
+    "limits": {"beam": 4.8},
+}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "seed.yaml").write_text(SEED.read_text())
+    (tmp_path / "sea.txt").write_text("spectra")
+    return tmp_path
+
+
+def written(folder, **changes):
+    raw = {key: value for key, value in {**RAW, **changes}.items() if value is not None}
+    (folder / "design.yaml").write_text(yaml.safe_dump(raw, sort_keys=False))
+    return folder / "design.yaml"
+
+
+def test_a_design_file_names_variables_limits_and_a_competitor(folder):
+    loaded = load(written(folder))
+    radius, modulus, _mass = loaded.problem.variables
+    assert (radius.key, radius.low, radius.high, radius.log) == ("device.radius", 1.4, 2.6, False)
+    assert modulus.log
+    assert modulus.value(0.5) == pytest.approx(10**7.5)
+    assert modulus.scaled(modulus.value(0.3)) == pytest.approx(0.3)
+    step = 1e-6
+    for one in (radius, modulus):
+        slope = (one.value(0.4 + step) - one.value(0.4 - step)) / (2 * step)
+        assert one.slope(one.value(0.4)) == pytest.approx(slope, rel=1e-8)
+    assert [one.key for one in loaded.competing] == ["device.radius", "device.mass"]
+    assert loaded.problem.limits.given == {"load_factor": 1.5, "static_strain": 0.1, "beam": 4.8}
+    assert loaded.problem.limits.without_shell().given == {"beam": 4.8}
+    assert loaded.flexible == "VSWEC"
+    assert loaded.rigid == "FSB"
+    assert loaded.rigid_sections["designs"] == {"FSB": {"flexible": False}}
+    assert "modes" not in loaded.rigid_sections
+    assert is_design(RAW)
+    assert not is_design({"campaign": "year"})
+
+
+def test_what_to_know_before_solving(folder):
+    """Power grows with size; and a damper that is optimal for power does not give way to a limit of its force."""
+    assert load(written(folder)).notes == []
+    (note,) = load(written(folder, limits={"mass": 2e4})).notes
+    assert "the radius will stand at its bound, 2.6 m" in note
+    (note,) = load(written(folder, limits={"force_rms": 2e4})).notes
+    assert note.startswith("limits.force_rms: the damper is the optimal one for power")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"variables": {"device.radius": [2.6, 1.4]}}, r"design.yaml:5: variables: device.radius: received \[2.6, 1.4\], needs the lower bound first"),
+        ({"variables": {"device.radius": 2}}, r"variables: device.radius: received 2, needs \[lowest, highest\] or"),
+        ({"variables": {"device.radius": [1, 2, 3]}}, r"device.radius: received \[1, 2, 3\], needs \[lowest, highest\]"),
+        ({"variables": {"device.radius": [True, 2]}}, "device.radius: received"),
+        ({"variables": {"device.poisson_ratio": [0.3, 0.6]}}, "needs bounds between -1 and 0.5"),
+        ({"variables": {"device.thickness": [0, 0.1]}}, "needs bounds above 0"),
+        ({"variables": {"pto.stiffness": {"log": [-1, 1]}}}, "needs bounds above 0 to be varied by the logarithm"),
+        ({"variables": {"device.mass": [1, float("inf")]}}, "needs finite bounds"),
+        ({"variables": {"device.masss": [1, 2]}}, "device.masss: needs one of .*; did you mean device.mass?"),
+        ({"variables": {}}, r"variables: received \{\}, needs keys of the study"),
+        ({"variables": {"device.thickness": [0.3, 0.4]}}, r"design.yaml:6: variables.device.thickness: thickness from 0.3 m"),
+        ({"limits": {"bream": 4.8}}, r"design.yaml:\d+: limits.bream: received 4.8; unknown key; did you mean beam?"),
+        ({"limits": {"mass": 1e3}, "variables": {"device.thickness": [0.01, 0.02]}}, r"design.yaml:\d+: limits.mass: received 1000 kg, and the mass is 17170 kg"),
+        ({"limits": {"beam": -1}}, "limits.beam: received -1"),
+        ({"maximise": "money"}, "maximise: received 'money'"),
+        ({"competitor": {"variables": ["device.thickness"]}}, "competitor.variables: received device.thickness; a rigid sphere has only"),
+        ({"competitor": {"variables": ["pto.stiffness"]}}, "competitor.variables: received pto.stiffness, which has no bounds"),
+        ({"optimise": "FSB"}, "optimise: received 'FSB', needs a flexible design: VSWEC"),
+        ({"design": "hydro"}, "'hydro' is the name of a results folder"),
+        ({"design": "seed"}, "design: received 'seed', the name of its study"),
+        ({"pareto": {"forces": [1.0]}}, r"design.yaml:\d+: pareto.forces: needs one of load_factor, .*did you mean force_rms"),
+        ({"uncertain": {"pto.damping": 0.1}}, "uncertain.pto.damping: needs one of device.radius"),
+        ({"uncertain": {"device.internal_pressure": 0.1}}, "uncertain.device.internal_pressure: seed.yaml has no"),
+        ({"climate": {"spectra": "absent.txt"}}, r"design.yaml:\d+: climate: received absent.txt, which cannot be read"),
+        ({"starts": 0}, "starts: received 0"),
+        ({"study": "absent.yaml"}, "absent.yaml: cannot be read"),
+    ],
+)  # fmt: skip
+def test_errors_in_a_design_file(folder, changes, message):
+    with pytest.raises(ConfigError, match=message):
+        load(written(folder, **changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"designs": {"FSB": {"flexible": False}}}, "study: received seed.yaml without a flexible design"),
+        ({"hydro": {"model": "assumed_pressure", "pressure": 1800.0}}, "which knows no waves"),
+        ({"pto": {"damping": 8000.0, "force_limit": 1000.0}}, "a take-off that switches"),
+        ({"pto": {"damping": 8000.0, "efficiency": 0.9}}, r"design.yaml:2: study: pto.efficiency: received 0.9"),
+    ],
+)
+def test_studies_whose_year_has_no_derivatives_are_refused(folder, changes, message):
+    raw = {**yaml.safe_load(SEED.read_text()), **changes}
+    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
+    with pytest.raises(ConfigError, match=message):
+        load(written(folder))
+
+
+def test_a_radius_without_its_mass_is_refused_where_the_draft_is_given(folder):
+    raw = yaml.safe_load(SEED.read_text())
+    del raw["device"]["mass"]
+    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
+    with pytest.raises(ConfigError, match=r"design.yaml:6: variables.device.radius: received with the draft"):
+        load(written(folder, variables={"device.radius": [1.4, 2.6]}))
+    assert load(written(folder)).problem.variables
+
+
+def test_a_study_of_a_body_is_refused(folder):
+    (folder / "seed.yaml").write_text("study: raft\nbody: raft.nc\n")
+    with pytest.raises(ConfigError, match=r"study: received seed.yaml, a study of a body; needs a buoy"):
+        load(written(folder))
+
+
+def test_all_mistakes_are_reported_together(folder):
+    with pytest.raises(ConfigError) as error:
+        load(written(folder, optimise="FSB", pareto={"x": [1.0]}))
+    assert len(error.value.mistakes) == 2
+    assert str(error.value).endswith("(and 1 more)")

@@ -1,0 +1,278 @@
+"""The best buoy from one start: sequential quadratic programming with exact gradients, then a certificate of its own.
+
+The optimiser is scipy's SLSQP (Kraft 1988). Where an evaluation fails, because the shell does not rest, its line search
+backs off. What it ends at is moved to the optimum of its active set by Newton steps and certified
+(`vsb.design.certificate`); what is not certified is returned all the same and says why.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.stats import qmc
+
+from vsb.design.certificate import (
+    KKT,
+    VIOLATION,
+    Curvature,
+    Multipliers,
+    bound_names,
+    curvature,
+    multipliers,
+    newton_step,
+)
+from vsb.design.problem import IMPOSSIBLE, SMALLEST, Point, Problem
+from vsb.errors import ConvergenceError
+from vsb.tools.arrays import FloatArray
+
+ROUNDS, ITERATIONS = 4, 100
+"""Runs of the optimiser, each from where the last one ended, and iterations of each."""
+ACCURACY = 1e-7
+"""Change of the objective at which it ends; the Newton steps after it do the rest in fewer evaluations."""
+NEWTON_STEPS, LONGEST_STEP = 6, 0.05
+"""Most Newton steps, and the longest of them in ranges."""
+HELD = 1e-4
+"""Distance from a limit within which it is taken for active before the Newton steps."""
+TRIES = 16
+"""Places tried for one start until a buoy rests."""
+Progress = Callable[[Point], None]
+"""Is called with every buoy that is evaluated."""
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """Where one start ended, and its certificate.
+
+    `accepted` says that first-order conditions and limits hold to `KKT` and `VIOLATION`, and that it is no saddle.
+    """
+
+    point: Point
+    objective: float
+    multipliers: dict[str, float]  # of limits and bounds that hold: relative gain per relative widening of a limit
+    kkt: float
+    violation: float
+    curvatures: tuple[float, ...]  # of the Lagrangian on the directions left free, ascending; none where not known
+    flat: tuple[str, ...]
+    accepted: bool
+    message: str
+    evaluations: int  # of the problem so far
+
+
+def start_places(count: int, variables: int, seed: int, given: FloatArray | None) -> Iterator[list[FloatArray]]:
+    """Yield the places each start tries in turn: the study's own first, then those of a scrambled Sobol sequence.
+
+    They are a function of the seed and the numbers alone.
+    """
+    drawn = qmc.Sobol(variables, seed=seed).random_base2(int(np.ceil(np.log2(count * TRIES))))
+    for i in range(count):
+        own = [given] if given is not None and i == 0 else []
+        others = [drawn[count + i * (TRIES - 1) + k] for k in range(TRIES - 1)]
+        yield [*own, drawn[i], *others]
+
+
+def first_possible(problem: Problem, places: Sequence[FloatArray]) -> tuple[Point, list[str]]:
+    """Return the first buoy that rests, and why those before it do not.
+
+    Raises
+    ------
+    ConvergenceError
+        If none does.
+    """
+    reasons: list[str] = []
+    for place in places:
+        try:
+            return problem.at(place), reasons
+        except IMPOSSIBLE as error:
+            reasons.append(str(error))
+    raise ConvergenceError(f"none of {len(places)} buoys tried rests: {reasons[-1]}")
+
+
+def optimised(problem: Problem, start: Point, seen: Progress | None = None) -> Optimum:
+    """Return the best buoy from a start.
+
+    Parameters
+    ----------
+    problem : Problem
+    start : Point
+        Of this problem or of one with the same variables; its objective is the scale of this run.
+    seen : callable, optional
+        Is called with every buoy evaluated.
+    """
+    scaled = problem.rescaled(start)
+    point, best = scaled.at(start.place), None
+    for _ in range(ROUNDS):
+        point, message = _searched(scaled, point, seen)
+        best = _certified(scaled, *_polished(scaled.rescaled(point), point), message)
+        point = best.point
+        if best.accepted:
+            break
+        scaled = scaled.rescaled(point)
+        point = scaled.at(point.place)
+    assert best is not None
+    return best
+
+
+def _searched(problem: Problem, start: Point, seen: Progress | None) -> tuple[Point, str]:
+    """Where SLSQP ends, and what it says; of a search that broke off the best point it has seen."""
+    last = [start]
+    visited = [start]
+
+    def at(place: FloatArray) -> Point | None:
+        try:
+            found = problem.at(np.clip(place, 0.0, 1.0))
+        except IMPOSSIBLE:
+            return None
+        last[0] = found
+        visited.append(found)
+        if seen:
+            seen(found)
+        return found
+
+    def cost(place: FloatArray) -> float:
+        found = at(place)
+        return found.cost if found else visited[0].cost + BARRIER
+
+    def slope(place: FloatArray) -> FloatArray:
+        return (at(place) or last[0]).slope
+
+    def room(place: FloatArray) -> FloatArray:
+        return -(at(place) or last[0]).excess
+
+    def room_slope(place: FloatArray) -> FloatArray:
+        return -(at(place) or last[0]).jacobian
+
+    limits: Any = [{"type": "ineq", "fun": room, "jac": room_slope}] if start.excess.size else []
+    options: Any = {"maxiter": ITERATIONS, "ftol": ACCURACY}
+    bounds = [(0.0, 1.0)] * len(start.place)
+    found = minimize(cost, start.place, jac=slope, bounds=bounds, constraints=limits, method="SLSQP", options=options)
+    end = at(found.x)
+    return (end or min(visited, key=_merit)), str(found.message)
+
+
+BARRIER = 1e6
+"""Cost, in the objective's scale, of a buoy that does not rest."""
+
+
+def _merit(point: Point) -> float:
+    """What orders points: cost, and far more any violation."""
+    return point.cost + BARRIER * point.violation
+
+
+def _polished(problem: Problem, point: Point) -> tuple[Point, Multipliers, Curvature | None]:
+    """A point moved to the optimum of its active set by Newton steps, with its multipliers and curvature."""
+    point = problem.at(point.place)
+    found = multipliers(point, HELD)
+    curved = curvature(problem, point, found)
+    for _ in range(NEWTON_STEPS):
+        exact = multipliers(point)
+        if curved is None or (exact.kkt <= 0.1 * KKT and point.violation <= 0.1 * VIOLATION):
+            break
+        step = newton_step(point, found, curved)
+        if np.abs(step).max(initial=0.0) > LONGEST_STEP:
+            break
+        try:
+            moved = problem.at(np.clip(point.place + step, 0.0, 1.0))
+        except IMPOSSIBLE:
+            break
+        after = multipliers(moved, HELD)
+        if max(multipliers(moved).kkt, moved.violation) >= max(exact.kkt, point.violation):
+            break
+        point, found = moved, after
+    return point, multipliers(point), curved
+
+
+def _certified(problem: Problem, point: Point, found: Multipliers, curved: Curvature | None, message: str) -> Optimum:
+    """The certificate of a point, whose objective is scaled to itself; the first-order conditions to the start."""
+    keys = tuple(one.key for one in problem.variables)
+    kkt = found.kkt * max(abs(point.objective), SMALLEST) / problem.scale
+    named = {name: float(value) for name, value in zip(problem.limit_names, found.limits, strict=True) if value > 0}
+    named |= {name: float(value) for name, value in bound_names(found, keys).items()}
+    saddle = curved is not None and curved.saddle
+    accepted = kkt <= KKT and point.violation <= VIOLATION and not saddle
+    why = "" if accepted else _why(kkt, point, saddle=saddle, message=message)
+    return Optimum(
+        point=point,
+        objective=point.objective,
+        multipliers=named,
+        kkt=kkt,
+        violation=point.violation,
+        curvatures=tuple(map(float, curved.reduced)) if curved else (),
+        flat=tuple(curved.flat(keys)) if curved else (),
+        accepted=accepted,
+        message=why,
+        evaluations=problem.evaluations,
+    )
+
+
+def _why(kkt: float, point: Point, *, saddle: bool, message: str) -> str:
+    """Why a point is not accepted."""
+    if point.violation > VIOLATION:
+        return f"limits are exceeded by {point.violation:.2g} ({message})"
+    if kkt > KKT:
+        return f"the first-order conditions hold to {kkt:.2g} only ({message})"
+    return "a saddle: some direction gives more" if saddle else ""
+
+
+@dataclass(frozen=True)
+class Converged:
+    """The best buoy from one start, with as many shell modes as its objective needs."""
+
+    optimum: Optimum
+    start: Point
+    reasons: tuple[str, ...]  # why places tried before do not rest
+    degree: int | None  # highest Legendre degree; none of a rigid buoy
+    truncation: float | None  # change of the objective by the next degree, relative; none where there is none
+    evaluations: int
+
+
+def converged(
+    problem_of: Callable[[int | None], Problem],
+    degrees: Sequence[int | None],
+    tolerance: float,
+    places: Sequence[FloatArray],
+    seen: Progress | None = None,
+) -> Converged:
+    """Return the best buoy from one start, solved again with more shell modes until they change little.
+
+    An optimiser exploits what a basis leaves out, so that the modes a study converged with are not enough. Within each
+    run the degree is fixed: the objective stays smooth.
+
+    Parameters
+    ----------
+    problem_of : callable
+        Degree -> the problem.
+    degrees : sequence of int, or of one None
+        To be tried, ascending; with the last one nothing is known of what it leaves out.
+    tolerance : float
+        Change of the objective by the next degree, relative, that is small enough.
+    places : sequence of ndarray, shape (variable,)
+        Tried in turn until a buoy rests.
+    seen : callable, optional
+        Is called with every buoy evaluated.
+
+    Raises
+    ------
+    ConvergenceError
+        If no buoy rests.
+    """
+    problem = problem_of(degrees[0])
+    start, reasons = first_possible(problem, places)
+    found, evaluations, truncation = optimised(problem, start, seen), problem.evaluations, None
+    degree = degrees[0]
+    for finer in degrees[1:]:
+        problem = problem_of(finer)
+        evaluations += 1
+        try:
+            again = problem.at(found.point.place)
+        except IMPOSSIBLE as error:
+            message = f"with degree {finer} the shell does not rest: {error}"
+            found = replace(found, accepted=False, message=message)
+            break
+        truncation = again.objective / found.objective - 1
+        if abs(truncation) <= tolerance and again.violation <= tolerance:
+            break
+        found, degree, truncation = optimised(problem, again, seen), finer, None
+        evaluations += problem.evaluations - 1
+    return Converged(found, start, tuple(reasons), degree, truncation, evaluations)

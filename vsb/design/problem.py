@@ -1,0 +1,200 @@
+"""A design problem as an optimiser sees it: variables between 0 and 1, objective and limits without units.
+
+With x the variables scaled to their bounds, f(x) = -objective / scale is minimised subject to g(x) <= 0, where
+g = q/L - 1 for a quantity q limited from above by L. The load factor 1/kappa is limited from below: g = L kappa - 1 for
+the largest kappa, which are smooth where the load factor passes through infinity. 10 h/r - 1 <= 0 keeps the shell thin.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+
+from vsb.errors import ConfigError, ConvergenceError, StabilityError
+from vsb.study.design import DIVISORS, THINNEST_RATIO, Objective, Variable
+from vsb.tools.arrays import FloatArray
+
+POWER, INVERSE_LOAD_FACTOR = "annual_mean_power", "load_factor_inverse"
+"""Names of quantities; of the inverse load factor the largest ones follow, numbered from 0."""
+THIN_SHELL = "thin_shell"
+"""Name of the implied limit."""
+SMALLEST = 1e-300
+"""Least scale of an objective."""
+IMPOSSIBLE = (ConfigError, ConvergenceError, StabilityError, np.linalg.LinAlgError)
+"""What an evaluation raises where there is no such buoy: the shell does not rest, or the buoy sinks."""
+
+
+class Differentiable(Protocol):
+    """A value and its derivatives by the variables, shape (variable,)."""
+
+    @property
+    def value(self) -> float: ...  # noqa: D102
+    @property
+    def gradient(self) -> FloatArray: ...  # noqa: D102
+
+
+class Evaluated(Protocol):
+    """Quantities of one buoy by name."""
+
+    @property
+    def quantities(self) -> Mapping[str, Differentiable]: ...  # noqa: D102
+
+
+class Model(Protocol):
+    """What evaluates a buoy: `vsb.design.evaluation.DesignModel`."""
+
+    def at(self, values: Sequence[float]) -> Evaluated: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class Term:
+    """A value and its gradient by the variables, shape (variable,)."""
+
+    value: float
+    gradient: FloatArray
+
+
+def objective(found: Evaluated, maximise: Objective, reference: Evaluated | None = None) -> Term:
+    """Return what is maximised: annual mean power, over a quantity, or over the power of a reference.
+
+    Parameters
+    ----------
+    found : Evaluated
+    maximise : {'annual_mean_power', 'gain', 'power_per_force', 'power_per_mass', 'power_per_surface'}
+    reference : Evaluated, optional
+        The rigid buoy of the same shape and mass, which `gain` needs: the term is 1 + gain.
+    """
+    power = found.quantities[POWER]
+    if maximise == POWER:
+        return Term(power.value, power.gradient)
+    other = reference.quantities[POWER] if reference else found.quantities[DIVISORS[maximise]]
+    ratio = power.value / other.value
+    return Term(ratio, (power.gradient - ratio * other.gradient) / other.value)
+
+
+@dataclass(frozen=True)
+class Point:
+    """A buoy as the optimiser sees it: objective f and its gradient, excess g over limits and its Jacobian."""
+
+    place: FloatArray  # of each variable between its bounds, 0 to 1
+    values: FloatArray
+    objective: float  # with its unit
+    cost: float  # f
+    slope: FloatArray  # df/dx
+    excess: FloatArray  # g, shape (limit,)
+    jacobian: FloatArray  # dg/dx, shape (limit, variable)
+    evaluated: Evaluated
+
+    @property
+    def violation(self) -> float:
+        """Largest excess over a limit, relative to it; 0 within all."""
+        return float(max(0.0, *self.excess)) if self.excess.size else 0.0
+
+
+Known = tuple[Evaluated, Evaluated | None]
+"""A buoy, and the rigid one its gain is over."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A design problem in scaled variables, which remembers its evaluations."""
+
+    model: Model
+    variables: tuple[Variable, ...]
+    maximise: Objective
+    limits: Mapping[str, float]  # by name, as in a design file
+    fixed: Mapping[str, float]  # device.radius and device.thickness of the study, for the limit they imply
+    flexible: bool = True
+    twin: Model | None = None  # the rigid buoy of the same shape and mass, which the gain is over
+    scale: float = 1.0  # of the objective
+    known: dict[bytes, Known | Exception] = field(default_factory=dict)  # evaluations by place
+
+    @property
+    def limit_names(self) -> list[str]:
+        """Names of the limits in the order of the excesses; of the load factor one for each of the largest kappa."""
+        found = []
+        for name in self.limits:
+            found += [f"load_factor_{i}" for i in range(4)] if name == "load_factor" else [name]
+        return [*found, *([THIN_SHELL] if self._thin else [])]
+
+    @property
+    def _thin(self) -> bool:
+        """Whether radius or thickness vary, so that the shell may cease to be thin."""
+        return self.flexible and bool({"device.radius", "device.thickness"} & {one.key for one in self.variables})
+
+    def values(self, place: FloatArray) -> FloatArray:
+        """Return the values of the variables at a place."""
+        return np.array([one.value(float(x)) for one, x in zip(self.variables, place, strict=True)])
+
+    def place(self, values: Sequence[float]) -> FloatArray:
+        """Return the place of values, those out of bounds moved to them."""
+        return np.array([one.scaled(one.clipped(v)) for one, v in zip(self.variables, values, strict=True)])
+
+    def at(self, place: FloatArray) -> Point:
+        """Return a buoy.
+
+        Raises
+        ------
+        ConvergenceError, ConfigError, StabilityError
+            Where there is no such buoy at rest.
+        """
+        place = np.array(place, dtype=float)
+        key = place.tobytes()
+        if key not in self.known:
+            values = [float(value) for value in self.values(place)]
+            try:
+                self.known[key] = self.model.at(values), self.twin.at(values) if self.twin else None
+            except IMPOSSIBLE as error:
+                self.known[key] = error
+        found = self.known[key]
+        if isinstance(found, Exception):
+            raise found
+        return self._point(place, *found)
+
+    @property
+    def evaluations(self) -> int:
+        """Number of buoys evaluated so far, those that do not rest among them."""
+        return len(self.known)
+
+    def rescaled(self, point: Point) -> "Problem":
+        """Return the same problem with its objective scaled to that of a point."""
+        return replace(self, scale=max(abs(point.objective), SMALLEST))
+
+    def _point(self, place: FloatArray, found: Evaluated, twin: Evaluated | None) -> Point:
+        """A buoy, evaluated."""
+        values = self.values(place)
+        slopes = np.array([one.slope(float(v)) for one, v in zip(self.variables, values, strict=True)])
+        aim = objective(found, self.maximise, twin)
+        terms = [*self._excesses(found), *([self._thickness(values)] if self._thin else [])]
+        excess = np.array([term.value for term in terms])
+        jacobian = np.array([term.gradient for term in terms]).reshape(len(terms), len(values)) * slopes
+        cost, slope = -aim.value / self.scale, -aim.gradient * slopes / self.scale
+        if not all(np.isfinite(part).all() for part in (cost, slope, excess, jacobian)):
+            raise ConvergenceError("a quantity of the buoy, or a derivative, is not finite")
+        return Point(place, values, aim.value, cost, slope, excess, jacobian, found)
+
+    def _excesses(self, found: Evaluated) -> list[Term]:
+        """Excess over the limits that are given."""
+        terms = []
+        for name, limit in self.limits.items():
+            if name == "load_factor":
+                parts = [found.quantities[f"{INVERSE_LOAD_FACTOR}_{i}"] for i in range(4)]
+                terms += [Term(limit * one.value - 1, limit * one.gradient) for one in parts]
+            else:
+                one = found.quantities[name]
+                terms.append(Term(one.value / limit - 1, one.gradient / limit))
+        return terms
+
+    def _thickness(self, values: FloatArray) -> Term:
+        """Excess of thickness over radius/10."""
+        keys = [one.key for one in self.variables]
+        now = {**self.fixed, **dict(zip(keys, map(float, values), strict=True))}
+        radius, thickness = now["device.radius"], now["device.thickness"]
+        gradient = np.zeros(len(keys))
+        for i, key in enumerate(keys):
+            if key == "device.thickness":
+                gradient[i] = THINNEST_RATIO / radius
+            elif key == "device.radius":
+                gradient[i] = -THINNEST_RATIO * thickness / radius**2
+        return Term(THINNEST_RATIO * thickness / radius - 1, gradient)

@@ -1,0 +1,402 @@
+"""A design problem: which buoy of a study absorbs most in a site's year, within limits; validated and frozen.
+
+Imports nothing heavy: the Snakefile reads a design file at every parse.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
+
+from vsb.errors import ConfigError
+from vsb.study.campaign import ClimateFile, Verify, sections, study_at
+from vsb.study.quantities import Count, Name, NonNegative, Positive, Section
+from vsb.study.reading import Located, nearest, read_yaml, validated
+from vsb.study.study import RESERVED_NAMES, Study
+from vsb.study.study import load as load_study
+from vsb.tools.bounded import sha256_of
+
+RANGES: dict[str, tuple[float, float]] = {
+    "device.radius": (0.0, math.inf),
+    "device.thickness": (0.0, math.inf),
+    "device.young_modulus": (0.0, math.inf),
+    "device.poisson_ratio": (-1.0, 0.5),
+    "device.density": (0.0, math.inf),
+    "device.internal_pressure": (-math.inf, math.inf),
+    "device.mass": (0.0, math.inf),
+    "pto.damping": (0.0, math.inf),
+    "pto.stiffness": (-math.inf, math.inf),
+}
+"""Keys a design may vary, and the open interval their values lie in."""
+OF_RIGID = ("device.radius", "device.mass", "pto.damping", "pto.stiffness")
+"""Those a rigid sphere has as well."""
+Objective = Literal["annual_mean_power", "gain", "power_per_force", "power_per_mass", "power_per_surface"]
+DIVISORS = {"power_per_force": "force_rms", "power_per_mass": "mass", "power_per_surface": "surface"}
+"""Objective -> the quantity annual mean power is divided by."""
+AT_LEAST = ("load_factor",)
+"""Limits from below; all others are from above."""
+OF_SHELL = ("load_factor", "static_strain")
+"""Limits of a flexible shell; a rigid sphere meets them."""
+LIMIT_UNITS = {
+    "load_factor": "1", "static_strain": "1", "beam": "m", "draft": "m", "mass": "kg", "surface": "m^2",
+    "volume": "m^3", "force_rms": "N", "stroke_rms": "m",
+}  # fmt: skip
+OF_SIZE = ("beam", "surface", "volume", "force_rms")
+"""Limits of which one must hold where the radius is free, or power grows with it up to its bound."""
+THINNEST_RATIO = 10.0
+"""Radius over thickness that thin-shell theory needs at least: an implied limit."""
+_ENDS = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+_BOUNDS: dict[str, Any] = {
+    "type": "object",
+    "minProperties": 1,
+    "additionalProperties": {
+        "anyOf": [_ENDS, {"type": "object", "properties": {"log": _ENDS}, "additionalProperties": False}]
+    },
+}
+"""What a file may say of its variables, as JSON schema."""
+_FORMS = "[lowest, highest] or {log: [lowest, highest]}"
+
+
+class Variable(Section):
+    """A key of the study, its bounds, and whether it is varied by its logarithm."""
+
+    key: str
+    low: float
+    high: float
+    log: bool = False
+
+    def scaled(self, value: float) -> float:
+        """Return the place of a value between the bounds, 0 to 1."""
+        if self.log:
+            return math.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+    def value(self, place: float) -> float:
+        """Return the value at a place, 0 to 1."""
+        if self.log:
+            return self.low * (self.high / self.low) ** place
+        return self.low + (self.high - self.low) * place
+
+    def slope(self, value: float) -> float:
+        """Return the derivative of the value by its place."""
+        return value * math.log(self.high / self.low) if self.log else self.high - self.low
+
+    def clipped(self, value: float) -> float:
+        """Return the value nearest to another within the bounds."""
+        return min(max(value, self.low), self.high)
+
+
+def _read_variables(raw: object) -> object:
+    """Variables with their bounds as a file has them: a list, because canonical JSON sorts mappings."""
+    if isinstance(raw, list | tuple):
+        return raw
+    if not isinstance(raw, Mapping) or not raw:
+        raise ValueError(f"received {raw!r}, needs keys of the study, each with {_FORMS}")
+    return tuple(_variable(str(key), given) for key, given in raw.items())
+
+
+def _variable(key: str, given: object) -> Variable:
+    """One variable."""
+    if key not in RANGES:
+        near = nearest(key, RANGES)
+        raise ValueError(f"{key}: needs one of {', '.join(RANGES)}" + (f"; did you mean {near}?" if near else ""))
+    ends: Any = given
+    log = isinstance(given, Mapping) and set(given) == {"log"}
+    if isinstance(given, Mapping) and log:
+        ends = given["log"]
+    try:
+        if isinstance(ends, str | Mapping) or any(isinstance(end, bool) for end in ends):
+            raise ValueError
+        low, high = (float(end) for end in ends)
+    except (TypeError, ValueError):
+        raise ValueError(f"{key}: received {given!r}, needs {_FORMS}") from None
+    least, most = RANGES[key]
+    if not (math.isfinite(low) and math.isfinite(high)):
+        raise ValueError(f"{key}: received {given!r}, needs finite bounds")
+    if not low < high:
+        raise ValueError(f"{key}: received {given!r}, needs the lower bound first, and another above it")
+    if not (least < low and high < most):
+        need = f"above {least:g}" if math.isinf(most) else f"between {least:g} and {most:g}"
+        raise ValueError(f"{key}: received {given!r}, needs bounds {need}")
+    if log and low <= 0:
+        raise ValueError(f"{key}: received {given!r}, needs bounds above 0 to be varied by the logarithm")
+    return Variable(key=key, low=low, high=high, log=log)
+
+
+Variables = Annotated[tuple[Variable, ...], BeforeValidator(_read_variables), WithJsonSchema(_BOUNDS)]
+
+
+class Limits(Section):
+    """What a buoy must keep within: `load_factor` from below, all others from above."""
+
+    load_factor: Positive | None = 1.5
+    static_strain: Positive | None = 0.1
+    beam: Positive | None = None
+    draft: Positive | None = None
+    mass: Positive | None = None
+    surface: Positive | None = None
+    volume: Positive | None = None
+    force_rms: Positive | None = None
+    stroke_rms: Positive | None = None
+
+    @property
+    def given(self) -> dict[str, float]:
+        """Limits that hold, by name."""
+        return {name: value for name, value in self if value is not None}
+
+    def without_shell(self) -> Self:
+        """Return the limits of a rigid sphere."""
+        return self.model_copy(update=dict.fromkeys(OF_SHELL))
+
+
+class Competitor(Section):
+    """The rigid sphere the best flexible buoy is compared with: which of the variables it is optimised in."""
+
+    variables: Annotated[tuple[str, ...], Field(min_length=1)] | None = None  # none: all it has
+
+
+class Optimisation(Section):
+    """One design file; names of files are relative to it."""
+
+    design: Name
+    study: str
+    optimise: Name | None = None  # none: the first flexible design by name
+    climate: ClimateFile
+    variables: Variables
+    maximise: Objective = "annual_mean_power"
+    limits: Limits = Limits()
+    competitor: Competitor = Competitor()
+    starts: Annotated[Count, Field(ge=1, le=200)] = 8
+    seed: Annotated[Count, Field(ge=0, lt=2**32)] = 1
+    pareto: dict[str, Annotated[tuple[Positive, ...], Field(min_length=1, max_length=100)]] = Field(
+        default_factory=dict
+    )
+    uncertain: dict[str, Annotated[NonNegative, Field(le=1)]] = Field(default_factory=dict)
+    verify: Verify | None = None
+
+    @field_validator("design")
+    @classmethod
+    def _not_reserved(cls, value: str) -> str:
+        if value in RESERVED_NAMES:
+            raise ValueError(
+                f"{value!r} is the name of a results folder; choose another than {', '.join(RESERVED_NAMES)}"
+            )
+        return value
+
+
+def is_design(raw: object) -> bool:
+    """Whether what a file holds is a design problem, neither a study nor a campaign."""
+    return isinstance(raw, dict) and "design" in raw
+
+
+class LoadedDesign(Section):
+    """A design problem, the study it varies and its climate file, by content."""
+
+    problem: Optimisation
+    source: str
+    base: Study
+    climate_path: str
+    climate_id: str
+
+    @property
+    def flexible(self) -> str:
+        """Name of the flexible design that is optimised."""
+        return self.problem.optimise or next(name for name, one in sorted(self.base.designs.items()) if one.flexible)
+
+    @property
+    def rigid(self) -> str:
+        """Name of the rigid competitor."""
+        return self.base.reference_design or "FSB"
+
+    @property
+    def competing(self) -> tuple[Variable, ...]:
+        """Variables of the competitor."""
+        chosen = self.problem.competitor.variables
+        names = OF_RIGID if chosen is None else chosen
+        return tuple(one for one in self.problem.variables if one.key in names)
+
+    @property
+    def sections(self) -> dict[str, Any]:
+        """What the problem depends on of the study, with the design that is optimised and a rigid one."""
+        found = sections(self.base)
+        designs = {name: found["designs"][name] for name in (self.flexible,)}
+        return {**found, "designs": {self.rigid: {"flexible": False}, **designs}}
+
+    @property
+    def rigid_sections(self) -> dict[str, Any]:
+        """The same of the competitor: a rigid sphere, undeformed."""
+        found = {key: value for key, value in self.sections.items() if key not in ("modes", "reference_shape")}
+        return {**found, "designs": {self.rigid: {"flexible": False}}}
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be said about the problem before it is solved."""
+        problem, limits = self.problem, self.problem.limits.given
+        keys = {one.key: one for one in problem.variables}
+        found = []
+        if problem.maximise == "annual_mean_power" and "device.radius" in keys and not set(OF_SIZE) & set(limits):
+            found.append(
+                "variables.device.radius: no limit on "
+                f"{', '.join(OF_SIZE[:-1])} or {OF_SIZE[-1]}, and power grows with size: the radius will stand at its "
+                f"bound, {keys['device.radius'].high:g} m"
+            )
+        bound = [name for name in ("force_rms", "stroke_rms") if name in limits]
+        if bound and "pto.damping" not in keys:
+            found.append(
+                f"limits.{bound[0]}: the damper is the optimal one for power, whatever the limit; with pto.damping "
+                "among the variables it could give way"
+            )
+        return found
+
+
+def load(path: str | Path) -> LoadedDesign:
+    """Read and validate a design file and the study it names.
+
+    Raises
+    ------
+    ConfigError
+        One line with the file, the key, the value received and the value needed.
+    """
+    return read(read_yaml(path, "a design file such as config/best_buoy.yaml"), str(path))
+
+
+def read(raw: object, source: str) -> LoadedDesign:
+    """Validate a design problem given as nested mappings, its files relative to that of its source; see `load`."""
+    problem = validated(Optimisation, raw, source)
+    folder = Path(source).parent
+    given = read_yaml(folder / problem.study, "a study file such as config/buoy.yaml")
+    mistakes = _Mistakes(source, raw)
+    if isinstance(given, dict) and "body" in given:
+        mistakes.end("study", f"received {problem.study}, a study of a body; needs a buoy with a device")
+    study = load_study(folder / problem.study)
+    _check_study(problem, study, mistakes)
+    _check_variables(problem, study, given, mistakes)
+    _check_competitor(problem, mistakes)
+    _check_others(problem, study, mistakes)
+    climate = folder / problem.climate.file
+    try:
+        digest = sha256_of(climate)[:16]
+    except OSError as error:
+        mistakes.add(
+            "climate",
+            f"received {problem.climate.file}, which cannot be read ({error.strerror}); needs the path of a file, "
+            "relative to this one",
+        )
+    mistakes.check()
+    loaded = LoadedDesign(problem=problem, source=source, base=study, climate_path=str(climate), climate_id=digest)
+    try:
+        study_at(loaded.sections, {})
+    except ConfigError as error:
+        mistakes.end("study", str(error).removeprefix("with nothing varied: "))
+    return loaded
+
+
+class _Mistakes:
+    """Mistakes of a file, with the lines they stand in."""
+
+    def __init__(self, source: str, raw: object) -> None:
+        self.source, self.raw = source, raw
+        self.found: list[str] = []
+
+    def add(self, place: str | Sequence[str | int], text: str) -> None:
+        """Add a mistake at a key, or at a key within a section."""
+        path = [place] if isinstance(place, str) else [*place]
+        line = self.raw.line(path) if isinstance(self.raw, Located) else None
+        where = self.source if line is None else f"{self.source}:{line}"
+        self.found.append(f"{where}: {'.'.join(map(str, path))}: {text}")
+
+    def end(self, place: str | Sequence[str | int], text: str) -> None:
+        """Add a mistake and report all."""
+        self.add(place, text)
+        self.check()
+
+    def check(self) -> None:
+        """Report all mistakes; `ConfigError`."""
+        if self.found:
+            more = f" (and {len(self.found) - 1} more)" if len(self.found) > 1 else ""
+            raise ConfigError(self.found[0] + more, self.found)
+
+
+def _check_study(problem: Optimisation, study: Study, mistakes: _Mistakes) -> None:
+    """Check that the study is one whose year has derivatives."""
+    flexible = [name for name, one in study.designs.items() if one.flexible]
+    if not flexible:
+        mistakes.end("study", f"received {problem.study} without a flexible design; needs one among its designs")
+    if problem.optimise and problem.optimise not in flexible:
+        mistakes.add("optimise", f"received {problem.optimise!r}, needs a flexible design: {', '.join(flexible)}")
+    if problem.design == study.study:
+        mistakes.add("design", f"received {problem.design!r}, the name of its study; needs another")
+    if study.hydro.model == "assumed_pressure":
+        mistakes.add(
+            "study", f"{problem.study} has hydro.model 'assumed_pressure', which knows no waves; needs coefficients"
+        )
+    if study.motion != "heave":
+        mistakes.add("study", f"{problem.study} has motion {study.motion!r}; derivatives are known of heave alone")
+    if study.pto.switches:
+        mistakes.add(
+            "study", f"{problem.study} has a take-off that switches; needs law: linear without force or stroke limit"
+        )
+
+
+def _check_variables(problem: Optimisation, study: Study, given: object, mistakes: _Mistakes) -> None:
+    """Check the variables against the study."""
+    keys = {one.key: one for one in problem.variables}
+    device = given.get("device", {}) if isinstance(given, Mapping) else {}
+    for key in keys:
+        section, _, word = key.partition(".")
+        if section == "device" and getattr(study.device, word, None) is None:
+            mistakes.add(("variables", key), f"{problem.study} has no {key}; remove it from the variables")
+    if "device.radius" in keys and "device.mass" not in keys and "mass" not in device:
+        mistakes.add(
+            ("variables", "device.radius"),
+            f"received with the draft that {problem.study} asks for, which is of one radius; needs device.mass among "
+            "the variables, or a mass in the study",
+        )
+    if problem.limits.mass and "device.mass" not in keys and study.device.mass > problem.limits.mass:
+        mistakes.add(
+            ("limits", "mass"),
+            f"received {problem.limits.mass:g} kg, and the mass is {study.device.mass:g} kg; needs device.mass among "
+            "the variables",
+        )
+    radius, thickness = keys.get("device.radius"), keys.get("device.thickness")
+    largest = radius.high if radius else study.device.radius
+    least = thickness.low if thickness else study.device.thickness
+    if THINNEST_RATIO * least > largest:
+        place = ("variables", "device.thickness" if thickness else "device.radius")
+        mistakes.add(
+            place,
+            f"thickness from {least:g} m and radius up to {largest:g} m leave no thin shell; needs thickness below "
+            f"radius/{THINNEST_RATIO:g}",
+        )
+
+
+def _check_competitor(problem: Optimisation, mistakes: _Mistakes) -> None:
+    """Check what the competitor is optimised in."""
+    keys = [one.key for one in problem.variables]
+    for key in problem.competitor.variables or ():
+        if key not in OF_RIGID:
+            mistakes.add(("competitor", "variables"), f"received {key}; a rigid sphere has only {', '.join(OF_RIGID)}")
+        elif key not in keys:
+            mistakes.add(
+                ("competitor", "variables"), f"received {key}, which has no bounds; needs it among variables too"
+            )
+
+
+def _check_others(problem: Optimisation, study: Study, mistakes: _Mistakes) -> None:
+    """Check Pareto fronts and uncertain inputs."""
+    for name in problem.pareto:
+        if name not in LIMIT_UNITS:
+            near = nearest(name, LIMIT_UNITS)
+            mistakes.add(
+                ("pareto", name),
+                f"needs one of {', '.join(LIMIT_UNITS)}" + (f"; did you mean {near}?" if near else ""),
+            )
+    for key in problem.uncertain:
+        section, _, word = key.partition(".")
+        if key not in RANGES or section != "device":
+            known = [one for one in RANGES if one.startswith("device.")]
+            mistakes.add(("uncertain", key), f"needs one of {', '.join(known)}")
+        elif not getattr(study.device, word, None):
+            mistakes.add(("uncertain", key), f"{problem.study} has no {key}, or 0; a share of it says nothing")
