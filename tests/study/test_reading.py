@@ -138,7 +138,7 @@ def test_suggestion_for_a_misspelt_kind(kind, meant):
         config.parse(changed(("waves",), [{"kind": kind, "amplitude": 0.1, "period": 3.0}]))
     asked = f"; did you mean {meant}?" if meant else ""
     assert str(error.value).endswith(f"kind '{kind}': needs one of 'still', 'regular', 'jonswap', 'pierson_moskowitz', "
-                                     f"'white_noise'{asked}")  # fmt: skip
+                                     f"'white_noise', 'record'{asked}")  # fmt: skip
 
 
 def test_several_checks_across_sections_are_reported_together():

@@ -118,7 +118,7 @@ KEPT = {
 a profile has the radius of its buoy."""
 
 
-NOWHERE = {"hs", "tp", "band"}
+NOWHERE = {"hs", "tp", "band", "step", "elevation"}
 """Irregular seas: a campaign's are the climate's, and the study that is begun with has none."""
 
 

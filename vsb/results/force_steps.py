@@ -15,9 +15,9 @@ from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers
 from vsb.results.constrained_year import SECONDS_AT_LEAST, SECONDS_PER_CUBE
-from vsb.study.study import Irregular, IrregularSea, RegularWave
+from vsb.study.study import Irregular, IrregularSea, RecordedSea, RegularWave, SpectralSea
 from vsb.tools.arrays import FloatArray
-from vsb.waves.seas import Sea, regular, spectrum
+from vsb.waves.seas import Sea, band_variances, regular, spectrum
 
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
 """Limits of force, over the largest force of the reference's best damper [-]."""
@@ -52,11 +52,20 @@ def harmonics_within(band: tuple[float, float], programmes: int) -> Harmonics:
 
 
 def repeating(wave: Irregular, harmonics: Harmonics) -> Sea:
-    """Return a realisation of a spectrum on harmonics, each with the variance of the band around it."""
+    """Return a realisation of a spectrum on harmonics, each with the variance of the band around it.
+
+    A record's own phases are not of these harmonics: it has random ones, too.
+    """
     inside = (np.arange(WITHIN) + 0.5) / WITHIN - 0.5
-    density = spectrum(wave, (harmonics.omega[:, None] + harmonics.spacing * inside).ravel())
-    amplitude = np.sqrt(2 * harmonics.spacing * density.reshape(-1, WITHIN).mean(axis=1))
-    phase = np.random.default_rng(wave.seed).uniform(0.0, 2 * np.pi, harmonics.count)
+    if isinstance(wave, RecordedSea):
+        low, high = (harmonics.omega + side * harmonics.spacing / 2 for side in (-1, 1))
+        amplitude = np.sqrt(2 * band_variances(wave, low, high))
+    else:
+        density = spectrum(wave, (harmonics.omega[:, None] + harmonics.spacing * inside).ravel())
+        amplitude = np.sqrt(2 * harmonics.spacing * density.reshape(-1, WITHIN).mean(axis=1))
+    phase = np.random.default_rng(wave.seed if isinstance(wave, SpectralSea) else 1).uniform(
+        0.0, 2 * np.pi, harmonics.count
+    )
     return Sea(harmonics.omega, amplitude * np.exp(1j * phase))
 
 

@@ -50,7 +50,7 @@ from vsb.study.specs import BodySystem, BuoySystem, Dynamics, SimulateSpec
 from vsb.study.study import RegularWave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
-from vsb.waves.seas import NO_WAVES, Sea, expected, sea
+from vsb.waves.seas import NO_WAVES, Sea, expected
 
 UNFOLLOWED = 1e-3
 """Share of a sea's variance that may lie where a radiation memory does not follow the coefficients."""
@@ -197,11 +197,11 @@ def _dampers(floating: LinearSystem, motions: FloatArray, sea: Sea) -> list[floa
 
 def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     """What a scene of one design in one sea is made of; a damper is tuned to that sea, or to those named."""
-    (design,), (wave,), (system, hydro) = run.designs, run.waves, _buoy_of(run)
+    (design,), (wave,), (system, _) = run.designs, run.waves, _buoy_of(run)
     bare, basis = linear_buoy(system, paths["database"])
     model, orders = radiation_model(paths["radiation"]), order_bases(system, basis)
-    waves, spectral = (sea(w, hydro.omega_max, run.simulation.duration) for w in (wave, expected(wave)))
-    others = [(w, sea(expected(w), hydro.omega_max, run.simulation.duration)) for w in run.seas]
+    waves, spectral = (study_sea(run, w, bare.database) for w in (wave, expected(wave)))
+    others = [(w, study_sea(run, expected(w), bare.database)) for w in run.seas]
     shape, motions = rest_shape(system, bare, basis), design_motions(system, basis, design)
     floating = FloatingSystem(bare, {design: motions}, study_port(system, bare, basis))
     dragged = None if system.drag is None else partial(dragged_port, system)

@@ -23,6 +23,7 @@ from vsb.hydro.shape_dependence import ShapeDatabase, ShapeFamily, shape_databas
 from vsb.motion.frequency import dynamic_stiffness
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
+from vsb.scenes.floating_system import study_sea
 from vsb.scenes.rest import design_motions, loaded_shell, reference_shell
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.loaded import equilibrium
@@ -151,7 +152,7 @@ class StudyMotion:
     @cached_property
     def runs(self) -> dict[tuple[str, str], tuple[Sea, FloatArray]]:
         """Sea and allowed motions by design and wave; still water is none."""
-        seas = {w.label: sea(w, self.study.hydro.omega_max, self.study.simulation.duration) for w in self.study.waves}
+        seas = {wave.label: study_sea(self.study, wave, self.buoy.database) for wave in self.study.waves}
         motions = {design: design_motions(self.study, self.reference.basis, design) for design in self.study.designs}
         return {(d, label): (s, motions[d]) for d in motions for label, s in seas.items() if s.omega.size}
 

@@ -22,7 +22,7 @@ from vsb.stages.coefficients import REMEDY, judged, of_own_mass
 from vsb.study.body import BodyFile
 from vsb.study.plan import BodyPlan
 from vsb.study.quantities import content_id
-from vsb.study.waves import IrregularSea, StillWater, Wave
+from vsb.study.waves import IrregularSea, RecordedSea, StillWater, Wave
 from vsb.tools.files import load
 
 
@@ -93,6 +93,9 @@ def check_wave(i: int, wave: Wave, body: LinearSystem) -> None:
             f"waves.{i}.direction: received {wave.direction:g} degrees, needs one of "
             f"{', '.join(f'{d:g}' for d in np.degrees(known))}, the directions of the body's database"
         )
+    if isinstance(wave, RecordedSea):
+        wave.check_band(float(first), float(last), f"waves.{i}.file")
+        return
     low, high = wave.reach if isinstance(wave, IrregularSea) else (wave.omega, wave.omega)
     if not first - 1e-9 <= high <= last + 1e-9 or (low < first - 1e-9 and not isinstance(wave, IrregularSea)):
         raise ConfigError(

@@ -28,7 +28,7 @@ from vsb.report.svg import drawn
 from vsb.results.comparison import in_direction
 from vsb.results.force_steps import SeenPort, force_steps
 from vsb.results.statistics import families
-from vsb.scenes.floating_system import FloatingSystem, band, floating_system, heading
+from vsb.scenes.floating_system import FloatingSystem, band, floating_system, heading, study_sea
 from vsb.scenes.floating_system import towards as headed
 from vsb.stages.stored import Inputs
 from vsb.study.blocks import no_witness
@@ -39,7 +39,7 @@ from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 from vsb.waves.dispersion import group_velocity
-from vsb.waves.seas import NO_WAVES, components, jonswap_spectrum, sea, spectrum
+from vsb.waves.seas import NO_WAVES, components, jonswap_spectrum, spectrum
 
 FREQUENCIES = 2000
 """At which spectra are drawn."""
@@ -132,7 +132,7 @@ def animated_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) 
         runs = {design: stored.runs[design, wave.label].position for design in study.designs}
         window, water = study.simulation.window, study.water
         largest = max(largest, *(largest_shell(run.sel(time=slice(*window)), shell) for run in runs.values()))
-        moved = sea(wave, study.hydro.omega_max, duration) if study.needs_bem else NO_WAVES
+        moved = study_sea(study, wave, stored.database) if study.needs_bem else NO_WAVES
         period = duration / PERIODS if isinstance(wave, StillWater) else 2 * math.pi / wave.omega
         towards = math.radians(heading(wave))
         seas.append(frames_data(words[wave.label], runs, moved, window, period, width, water, shell, towards))
@@ -341,10 +341,17 @@ def _facts(stored: Inputs, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
         "Time domain": f"{runs[0]['method']}, {study.simulation.duration:g} s of motion in "
         f"{max(run['seconds'] for run in runs):.3f} s or less per design and sea",
         "Largest energy residual": f"{max(run['energy_residual'] for run in runs):.1e}",
-        "Study": yaml.safe_dump(
-            study.model_dump(exclude_none=True), sort_keys=False, default_flow_style=None, width=100
-        ),
+        "Study": yaml.safe_dump(_printed(study), sort_keys=False, default_flow_style=None, width=100),
     }
+
+
+def _printed(study: AnyStudy) -> dict[str, Any]:
+    """A study as nested mappings, of records how many samples there are in their place."""
+    found = study.model_dump(exclude_none=True)
+    for wave in found["waves"]:
+        if wave["kind"] == "record":
+            wave["file"]["elevation"] = f"{len(wave['file']['elevation'])} samples"
+    return found
 
 
 def _water_facts(stored: Inputs) -> dict[str, str]:

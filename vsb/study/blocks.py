@@ -20,7 +20,7 @@ from vsb.study.specs import (
     SphereMesh,
     WitnessSpec,
 )
-from vsb.study.study import CLEARANCE, IrregularSea, RegularWave, Study, content_id
+from vsb.study.study import CLEARANCE, IrregularSea, RecordedSea, RegularWave, Study, content_id
 
 BlockSpec = PanelsSpec | SpectralSpec
 BLOCK = 32
@@ -244,7 +244,9 @@ class HydroPlan:
                 raise ConfigError(
                     f"waves.{i}.period: received {wave.period:g} s, needs at most {longest:.4g} s, the longest solved"
                 )
-            if isinstance(wave, IrregularSea) and wave.reach[0] < self.first_omega:
+            if isinstance(wave, RecordedSea):
+                wave.check_band(self.first_omega, self.study.hydro.omega_max, f"waves.{i}.file")
+            elif isinstance(wave, IrregularSea) and wave.reach[0] < self.first_omega:
                 raise ConfigError(
                     f"waves.{i}: received {wave.label}, from {wave.reach[0]:.4g} rad/s on; needs at least "
                     f"{self.first_omega:.4g} rad/s, the lowest solved"

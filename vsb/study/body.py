@@ -24,6 +24,7 @@ from pydantic import (
 from vsb.errors import ConfigError
 from vsb.study.quantities import RIGID, Count, Finite, Name, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
+from vsb.study.records import with_records
 from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Published, Simulation, Water
 from vsb.study.study import BaseStudy, Study, check_all
 from vsb.study.take_off import DofPort, Pto
@@ -386,7 +387,13 @@ class BodyStudy(BaseStudy):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        check_all(self.check_labels, self.check_dampers_of_designs, self.check_published, self._check_take_off)
+        check_all(
+            self.check_labels,
+            self.check_records,
+            self.check_dampers_of_designs,
+            self.check_published,
+            self._check_take_off,
+        )
         return self
 
     def _check_take_off(self) -> None:
@@ -457,7 +464,7 @@ def located(raw: object, source: str) -> LocatedBody:
     ConfigError
         One line with the file, the key, the value received and the value needed.
     """
-    study = validated(BodyStudy, raw, source)
+    study = validated(BodyStudy, with_records(raw, source), source)
     body, folder = study.body, Path(source).parent
     given, own_water = getattr(body, body.kind), "water" in raw if isinstance(raw, dict) else False
     if isinstance(given, BodyFile):

@@ -298,6 +298,19 @@ KEYS: dict[str, dict[str, Key]] = {
         "kind": Key("", "white_noise", "constant spectral density over a band"),
         "band": Key("rad/s", "[1.0, 3.0]", "lowest and highest frequency"),
     },
+    "RecordedSea": {
+        **_GOING,
+        "kind": Key("", "record", "a sea that was measured, followed from the record's beginning"),
+        "file": Key(
+            "",
+            "elevation.csv",
+            "file of two columns, time [s] in equal steps and elevation [m] at the buoy's axis; or step and elevation",
+        ),
+    },
+    "Samples": {
+        "step": Key("s", "0.5", "time between samples"),
+        "elevation": Key("m", str([0.1, -0.2] * 16), "elevation at each instant, from the first of the run on"),
+    },
     "Simulation": {
         "duration": Key("s", "60.0", "time followed"),
         "window": Key("s", "[40.0, 60.0]", "part of it that means and extremes are taken from, after the transient"),

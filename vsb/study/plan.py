@@ -39,7 +39,7 @@ from vsb.study.specs import (
     WitnessSpec,
 )
 from vsb.study.study import BaseStudy, Study, parse
-from vsb.study.waves import IrregularSea, RegularWave, Wave
+from vsb.study.waves import IrregularSea, RecordedSea, RegularWave, Wave
 
 FIGURE_KINDS = ("svg", "pdf", "csv")
 """Files of every figure: for a page, for print, and the data behind it."""
@@ -260,7 +260,8 @@ class ResultsPlan(ResultsFolder):
     def simulation_megabytes(self, wave: Wave) -> int:
         """Memory of a run in a sea [MB]: three times its record, one leg, and the components of the sea."""
         band = self.highest if isinstance(wave, IrregularSea) else 0.0
-        return 800 + 3 * self.record_megabytes(wave) + math.ceil(6e-4 * band * self.study.simulation.duration)
+        length = wave.file.length if isinstance(wave, RecordedSea) else self.study.simulation.duration
+        return 800 + 3 * self.record_megabytes(wave) + math.ceil(6e-4 * band * length)
 
     @property
     def study_megabytes(self) -> int:

@@ -28,6 +28,7 @@ from vsb.study.device import (
 from vsb.study.directions import Drag, Mooring, Motion, check_directions, check_followed, check_heading
 from vsb.study.quantities import Name, Section, canonical, content_id, result_id
 from vsb.study.reading import read_yaml, validated
+from vsb.study.records import with_records
 from vsb.study.sections import (
     RECORDS_PER_PERIOD,
     Design,
@@ -44,7 +45,9 @@ from vsb.study.waves import (
     IrregularSea,
     Jonswap,
     PiersonMoskowitz,
+    RecordedSea,
     RegularWave,
+    SpectralSea,
     StillWater,
     Travelling,
     Wave,
@@ -87,7 +90,7 @@ class BaseStudy(Section):
         """Seas of several realisations become as many seas, of seeds one after the other."""
         seas: list[Wave] = []
         for wave in value:
-            if isinstance(wave, IrregularSea):
+            if isinstance(wave, SpectralSea):
                 seeds = range(wave.seed, wave.seed + wave.realisations)
                 seas += [wave.model_copy(update={"seed": seed, "realisations": 1}) for seed in seeds]
             else:
@@ -99,6 +102,15 @@ class BaseStudy(Section):
         labels = [wave.label for wave in self.waves]
         if len(set(labels)) < len(labels):
             raise ValueError(f"waves {labels}: the same sea is listed twice")
+
+    def check_records(self) -> None:
+        """Check that no run is longer than the record of its sea; `ValueError`."""
+        for i, wave in enumerate(self.waves):
+            if isinstance(wave, RecordedSea) and self.simulation.duration > wave.file.length * (1 + 1e-9):
+                raise ValueError(
+                    f"simulation.duration {self.simulation.duration:g} s: is longer than the record waves.{i}; needs "
+                    f"at most {wave.file.length:.6g} s"
+                )
 
     def check_dampers_of_designs(self) -> None:
         """Check that dampers given one by one are those of the designs; `ValueError`."""
@@ -213,8 +225,10 @@ __all__ = [
     "Pto",
     "Published",
     "RayleighDamping",
+    "RecordedSea",
     "RegularWave",
     "Simulation",
+    "SpectralSea",
     "StillWater",
     "Study",
     "Water",
@@ -308,8 +322,8 @@ class Study(Buoy, BaseStudy):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        checks = (self._check_afloat, self._check_waves, self._check_model, self._check_take_off, self._check_shape)
-        check_all(*checks)
+        of_the_sea = (self._check_afloat, self._check_waves, self.check_records)
+        check_all(*of_the_sea, self._check_model, self._check_take_off, self._check_shape)
         return self
 
     def _check_afloat(self) -> None:
@@ -533,7 +547,7 @@ def parse(raw: object, source: str = "study") -> Study:
     """Validate a study given as nested mappings; see `load`."""
     if isinstance(raw, dict) and "body" in raw and "device" not in raw:
         raise ConfigError(f"{source}: body: received a study of a body, needs one of a buoy, with a device")
-    raw = with_points(raw, source)
+    raw = with_records(with_points(raw, source), source)
     try:
         return validated(Study, raw, source)
     except OverflowError:

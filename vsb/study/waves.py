@@ -5,11 +5,14 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 
 import math
 from abc import abstractmethod
-from typing import Annotated, Literal, Self
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from vsb.errors import ConfigError
 from vsb.study.quantities import Count, Number, Positive, Section, within
+from vsb.study.records import LEFT_OUT, Samples, read_record
 
 Height = Annotated[Positive, within(1e-9, 100.0, "m", "the highest wave ever measured had 30 m, molecules have 1e-9 m")]
 Period = Annotated[Positive, within(1e-3, 1e7, "s", "waves of gravity take longer than ripples and less than seasons")]
@@ -76,7 +79,50 @@ class RegularWave(Travelling):
 
 
 class IrregularSea(Travelling):
-    """A sea of many components: significant height [m], seed, number of realisations, amplitudes.
+    """A sea of many components."""
+
+    if TYPE_CHECKING:
+        hs: float  # significant height [m]
+        amplitudes: Literal["fixed", "random"]  # of a realisation: those of the sea, or about them
+
+    @property
+    @abstractmethod
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+
+    @property
+    @abstractmethod
+    def label(self) -> str:
+        """Name of the sea in tables and file names."""
+
+    @property
+    @abstractmethod
+    def description(self) -> str:
+        """The sea in words."""
+
+    @property
+    @abstractmethod
+    def omega(self) -> float:
+        """Frequency of the peak, of the middle of the band, or of the energy period [rad/s]."""
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Frequencies the sea must find solved [rad/s]: below 0.4 times the peak there is less than 1e-10 of it."""
+        return 0.4 * self.omega, self.omega
+
+    @property
+    def fastest(self) -> float:
+        """Frequency above which no component has a twentieth of the largest amplitude [rad/s]."""
+        return 4.3 * self.omega
+
+    @property
+    def memory(self) -> float:
+        """Time after which the waves have forgotten what they were [s]: ten peak periods."""
+        return 20 * math.pi / self.omega
+
+
+class SpectralSea(IrregularSea):
+    """A sea of a spectrum: significant height [m], seed, number of realisations, amplitudes.
 
     Phases are random. `fixed` amplitudes follow the spectrum, so that every realisation carries the energy of the sea;
     `random` ones are Rayleigh-distributed about it, as in records of a Gaussian sea. Realisations have seeds one after
@@ -95,16 +141,6 @@ class IrregularSea(Travelling):
         return self
 
     @property
-    @abstractmethod
-    def family(self) -> str:
-        """Name of the sea without its seed."""
-
-    @property
-    @abstractmethod
-    def omega(self) -> float:
-        """Frequency of the peak or of the middle of the band [rad/s]."""
-
-    @property
     def _drawn(self) -> str:
         """What random amplitudes add to a name."""
         return "_random" if self.amplitudes == "random" else ""
@@ -115,27 +151,12 @@ class IrregularSea(Travelling):
         return ", amplitudes random" if self.amplitudes == "random" else ""
 
     @property
-    def reach(self) -> tuple[float, float]:
-        """Frequencies the sea must find solved [rad/s]: below 0.4 times the peak there is less than 1e-10 of it."""
-        return 0.4 * self.omega, self.omega
-
-    @property
-    def fastest(self) -> float:
-        """Frequency above which no component has a twentieth of the largest amplitude [rad/s]."""
-        return 4.3 * self.omega
-
-    @property
-    def memory(self) -> float:
-        """Time after which the waves have forgotten what they were [s]: ten peak periods."""
-        return 20 * math.pi / self.omega
-
-    @property
     def label(self) -> str:
         """Name of the sea in tables and file names."""
         return f"{self.family}_s{self.seed}"
 
 
-class Jonswap(IrregularSea):
+class Jonswap(SpectralSea):
     """JONSWAP sea: significant height [m], peak period [s], peakedness [-], random seed."""
 
     kind: Literal["jonswap"]
@@ -158,7 +179,7 @@ class Jonswap(IrregularSea):
         return 2 * math.pi / self.tp
 
 
-class PiersonMoskowitz(IrregularSea):
+class PiersonMoskowitz(SpectralSea):
     """Fully developed sea of Pierson and Moskowitz: significant height [m], peak period [s], random seed."""
 
     kind: Literal["pierson_moskowitz"]
@@ -180,7 +201,7 @@ class PiersonMoskowitz(IrregularSea):
         return 2 * math.pi / self.tp
 
 
-class WhiteNoise(IrregularSea):
+class WhiteNoise(SpectralSea):
     """Sea of constant spectral density over a band [rad/s]: significant height [m], random seed."""
 
     kind: Literal["white_noise"]
@@ -225,5 +246,72 @@ class WhiteNoise(IrregularSea):
         return 0.5 * (self.band[0] + self.band[1])
 
 
-Irregular = Jonswap | PiersonMoskowitz | WhiteNoise
+class RecordedSea(IrregularSea):
+    """A sea that was measured: elevations at the buoy's axis, of which a run follows the beginning."""
+
+    kind: Literal["record"]
+    file: Samples
+
+    @field_validator("file", mode="before", json_schema_input_type=str | Samples)
+    @classmethod
+    def _read(cls, value: Any) -> Any:
+        """A path stands for the file there."""
+        return read_record(Path(value), "file") if isinstance(value, str | Path) else value
+
+    @property
+    def hs(self) -> float:  # type: ignore[override]
+        """Significant height of the record [m]."""
+        return self.file.hs
+
+    @property
+    def amplitudes(self) -> Literal["fixed"]:  # type: ignore[override]
+        """Those of the record: nothing is drawn."""
+        return "fixed"
+
+    @property
+    def family(self) -> str:
+        """Name of the sea: its height, its energy period, and what the record holds."""
+        return f"record_Hs{self.hs:.3g}_Te{2 * math.pi / self.omega:.3g}_{self.file.digest}{self._towards}"
+
+    @property
+    def label(self) -> str:
+        """Name of the sea in tables and file names."""
+        return self.family
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        size = f"Hs = {self.hs:.3g} m and Te = {2 * math.pi / self.omega:.3g} s"
+        return f"a record of {self.file.length:g} s of {size}{self._going}"
+
+    @property
+    def omega(self) -> float:
+        """Frequency of the energy period [rad/s]."""
+        return self.file.energy_frequency
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Frequencies the sea must find solved [rad/s]; see `check_band` for what may lie outside."""
+        return self.file.lowest, self.omega
+
+    @property
+    def fastest(self) -> float:
+        """Frequency above which no component has a twentieth of the largest amplitude [rad/s]."""
+        return self.file.fastest
+
+    def check_band(self, low: float, high: float, where: str) -> None:
+        """Check that a band [rad/s] holds the record, but for little of its variance.
+
+        Raises
+        ------
+        ConfigError
+        """
+        if (share := self.file.share_outside(low, high)) > LEFT_OUT:
+            raise ConfigError(
+                f"{where}: received a record with {100 * share:.3g} % of its variance outside the band solved, needs "
+                f"at most {100 * LEFT_OUT:g} % outside {low:.4g} to {high:.4g} rad/s; filter the record, or solve more"
+            )
+
+
+Irregular = Jonswap | PiersonMoskowitz | WhiteNoise | RecordedSea
 Wave = Annotated[StillWater | RegularWave | Irregular, Field(discriminator="kind")]

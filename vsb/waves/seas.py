@@ -4,7 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vsb.study.study import Irregular, IrregularSea, Jonswap, RegularWave, Wave, WhiteNoise
+from vsb.study.study import (
+    Irregular,
+    Jonswap,
+    PiersonMoskowitz,
+    RecordedSea,
+    RegularWave,
+    SpectralSea,
+    Wave,
+    WhiteNoise,
+)
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 FEW = 32
@@ -12,6 +21,8 @@ FEW = 32
 _TABLE = 2**14  # cosines at a time: they fit the cache
 _AT_ONCE = 2**21  # complex numbers of a transform, for as many signals as fit
 _SAME = 4e-15  # round-off, relative to the highest frequency
+SMOOTHED = 0.05
+"""Of the frequency of the energy period: width of the bands a record's spectrum is averaged over."""
 
 
 def superposed(omega: FloatArray, phasors: ComplexArray, time: FloatArray) -> FloatArray:
@@ -123,15 +134,34 @@ def regular(wave: RegularWave) -> Sea:
 
 
 def spectrum(wave: Irregular, omega: FloatArray) -> FloatArray:
-    """Return the spectral density of an irregular sea, shape (omega,) [m^2 s/rad], 16 m0 = hs^2."""
+    """Return the spectral density of an irregular sea, shape (omega,) [m^2 s/rad], 16 m0 = hs^2.
+
+    That of a record is averaged over bands of a twentieth of the frequency of its energy period.
+    """
+    if isinstance(wave, RecordedSea):
+        width = SMOOTHED * wave.omega
+        return band_variances(wave, omega - width / 2, omega + width / 2) / width
     if isinstance(wave, WhiteNoise):
         low, high = wave.band
         return np.where((omega >= low) & (omega <= high), wave.hs**2 / 16 / (high - low), 0.0)
     return jonswap_spectrum(omega, wave.hs, wave.tp, wave.gamma if isinstance(wave, Jonswap) else 1.0)
 
 
+def band_variances(wave: RecordedSea, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return the variance of a record between frequencies [rad/s], (band,) [m^2].
+
+    Each of its harmonics stands for the band of frequencies nearest to it, and is cut with it.
+    """
+    spacing = 2 * np.pi / wave.file.length
+    edges = spacing * (np.arange(len(wave.file.omega) + 1) + 0.5)
+    below = np.concatenate([[0.0], np.cumsum(wave.file.variances)])
+    return np.asarray(np.interp(high, edges, below) - np.interp(low, edges, below))
+
+
 def share_above(wave: Irregular, omega: float) -> float:
     """Return the share of an irregular sea's energy above a frequency [rad/s]."""
+    if isinstance(wave, RecordedSea):
+        return wave.file.share_outside(0.0, omega)
     if isinstance(wave, WhiteNoise):
         low, high = wave.band
         return min(1.0, max(0.0, (high - omega) / (high - low)))
@@ -141,6 +171,8 @@ def share_above(wave: Irregular, omega: float) -> float:
 
 def share_below(wave: Irregular, omega: float) -> float:
     """Return the share of an irregular sea's energy below a frequency [rad/s]."""
+    if isinstance(wave, RecordedSea):
+        return wave.file.share_outside(omega, np.inf)
     if isinstance(wave, WhiteNoise):
         low, high = wave.band
         return min(1.0, max(0.0, (omega - low) / (high - low)))
@@ -158,12 +190,20 @@ def components(wave: Irregular, omega_max: float, duration: float) -> tuple[Floa
     count = int(np.ceil((high - low) * 1.1 * duration / (2 * np.pi)))
     width = (high - low) / count
     omega = low + (np.arange(count) + 0.5) * width
+    if isinstance(wave, RecordedSea):
+        return omega, np.sqrt(2 * band_variances(wave, omega - width / 2, omega + width / 2))
     inside = int(np.ceil(width / (0.02 * wave.omega)))  # the spectrum may peak within a band of a short record
     fine = low + (np.arange(count * inside) + 0.5) * width / inside
     return omega, np.sqrt(2 * spectrum(wave, fine).reshape(count, inside).mean(axis=1) * width)
 
 
-def irregular(wave: Irregular, omega_max: float, duration: float) -> Sea:
+def recorded(wave: RecordedSea, omega_max: float) -> Sea:
+    """Return the harmonics of a record up to a frequency [rad/s]: with all of them its elevation is the record."""
+    kept = wave.file.omega <= omega_max + 1e-9
+    return Sea(wave.file.omega[kept], wave.file.phasors[kept])
+
+
+def irregular(wave: Jonswap | PiersonMoskowitz | WhiteNoise, omega_max: float, duration: float) -> Sea:
     """Return a realisation that does not repeat within the run: random phases, amplitudes of `components`.
 
     Random amplitudes are Rayleigh-distributed about those, |a_j|^2 exponential of that mean: real and imaginary parts
@@ -180,13 +220,15 @@ def irregular(wave: Irregular, omega_max: float, duration: float) -> Sea:
 
 def expected(wave: Wave) -> Wave:
     """Return a sea with the amplitudes of its spectrum, |a_j|^2 = E |a_j|^2, so that powers are expected values."""
-    return wave.model_copy(update={"amplitudes": "fixed"}) if isinstance(wave, IrregularSea) else wave
+    return wave.model_copy(update={"amplitudes": "fixed"}) if isinstance(wave, SpectralSea) else wave
 
 
 def sea(wave: Wave, omega_max: float, duration: float) -> Sea:
     """Return the sea of a study's wave; still water has no components."""
     if isinstance(wave, RegularWave):
         return regular(wave)
-    if isinstance(wave, IrregularSea):
+    if isinstance(wave, RecordedSea):
+        return recorded(wave, omega_max)
+    if isinstance(wave, SpectralSea):
         return irregular(wave, omega_max, duration)
     return NO_WAVES

@@ -1,0 +1,154 @@
+"""Records of the sea: what is read, what is refused, and that a run meets the elevations that were measured."""
+
+import gzip
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from conftest import EXAMPLE, SMALL, SMALL_PLAN, varied
+
+from vsb.errors import ConfigError
+from vsb.stages.simulate import run_simulate
+from vsb.study.plan import StudyPlan, plan_for
+from vsb.study.records import read_record
+from vsb.study.study import RecordedSea, load, parse
+from vsb.tools.files import load as stored
+from vsb.waves.seas import components, sea, share_above, share_below, spectrum
+
+STEP = 0.25
+
+
+def measured(count=400, seed=3):
+    """Elevations of a sea between 1.2 and 4 rad/s, by sums of cosines of the record's own length."""
+    time, rng = STEP * np.arange(count), np.random.default_rng(seed)
+    omega = 2 * np.pi / (STEP * count) * np.arange(1, count)
+    omega = omega[(omega > 1.2) & (omega < 4.0)]
+    phase = rng.uniform(0, 2 * np.pi, len(omega))
+    return time, 0.02 * np.cos(np.outer(time, omega) + phase).sum(axis=1)
+
+
+def text(time, elevation, head="time [s],elevation [m]\n", between=","):
+    return head + "".join(f"{t:.6f}{between}{e:.9f}\n" for t, e in zip(time, elevation, strict=True))
+
+
+def recorded(elevation, step=STEP, **keys):
+    return RecordedSea(kind="record", file={"step": step, "elevation": tuple(elevation)}, **keys)
+
+
+@pytest.mark.parametrize("count", [64, 65])
+def test_harmonics_pass_through_every_sample(count):
+    """Of any record, white noise about a mean level: even and odd numbers of samples, the highest harmonic included."""
+    elevation = 0.4 + np.random.default_rng(count).normal(size=count)
+    wave = recorded(elevation)
+    found = sea(wave, np.inf, 1.0).elevation(STEP * np.arange(count))
+    assert found == pytest.approx(elevation - elevation.mean(), abs=1e-13)
+    if count % 2:  # else the highest harmonic has its crests at the samples: half its variance lies between them
+        assert wave.hs == pytest.approx(4 * elevation.std(), rel=1e-12)
+
+
+def test_phase_is_that_of_the_convention():
+    time = STEP * np.arange(64)
+    found = sea(recorded(0.3 * np.cos(2 * np.pi * 4 * time / 16.0 - 0.7)), np.inf, 1.0)
+    assert found.omega[3] == pytest.approx(np.pi / 2)
+    assert found.amplitude[3] == pytest.approx(0.3 * np.exp(0.7j), abs=1e-14)  # Re(a exp(-i omega t))
+
+
+def test_spectrum_and_bands_hold_the_variance_of_the_record():
+    _, elevation = measured()
+    wave, omega = recorded(elevation), np.linspace(0.0, 12.0, 12001)
+    assert np.trapezoid(spectrum(wave, omega), omega) == pytest.approx(elevation.var(), rel=1e-5)
+    _, amplitude = components(wave, 12.0, 20.0)
+    assert np.sum(amplitude**2) / 2 == pytest.approx(elevation.var(), rel=1e-9)
+    assert share_above(wave, 2.5) + share_below(wave, 2.5) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("form", ["comma", "semicolon", "blanks", "packed"])
+def test_files_are_read_and_known_by_what_they_hold(form, tmp_path):
+    time, elevation = measured()
+    between = {"semicolon": "; ", "blanks": "  "}.get(form, ",")
+    content = "# a buoy\n" + text(time, elevation, between=between, head="" if form == "blanks" else "t, eta\n")
+    data = content.encode() if form != "packed" else gzip.compress(content.encode())
+    (tmp_path / "one.csv").write_bytes(data)
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(SMALL | {"waves": [{"kind": "record", "file": "one.csv"}]}))
+    study = load(tmp_path / "study.yaml")
+    again = parse(study.model_dump())
+    assert np.allclose(study.waves[0].file.elevation, elevation, atol=1e-9)
+    assert study.waves[0].file.step == pytest.approx(STEP)
+    assert plan_for(study).study_id == plan_for(again).study_id
+    assert (
+        study.waves[0].label == parse(SMALL | {"waves": [recorded(np.round(elevation, 9)).model_dump()]}).waves[0].label
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda rows: [*rows[:50], *rows[51:]], r"e.csv:51: time: received 12.5 s after 12 s, needs equal steps, here of 0.25 s"),
+        (lambda rows: [*rows[:9], "2.001,0.1", *rows[10:]], r"e.csv:10: time: received 2.001 s after 1.75 s"),
+        (lambda rows: [*rows[:9], "2.0,MM", *rows[10:]], r"e.csv:10: received '2.0,MM', needs two numbers"),
+        (lambda rows: [*rows[:9], "2.0,99.00", *rows[10:]], r"e.csv:10: elevation: received 99 m at 2 s, needs at most 50 m"),
+        (lambda rows: [*rows[:9], "2.0,nan", *rows[10:]], r"e.csv:10: elevation: received nan m at 2 s"),
+        (lambda rows: rows[:20], r"s.yaml: waves.0.file: received 19 samples in e.csv, needs 32 to 131072"),
+        (lambda rows: [row.split(",")[0] + ",0.5" for row in rows], r"elevation: received 0.5 m throughout, needs waves"),
+    ],
+)  # fmt: skip
+def test_gaps_and_what_is_no_record_are_refused(change, message, tmp_path):
+    rows = text(*measured()).splitlines()
+    (tmp_path / "e.csv").write_text("\n".join(change(rows)))
+    raw = SMALL | {"waves": [{"kind": "record", "file": "e.csv"}]}
+    with pytest.raises(ConfigError, match=message):
+        parse(raw, source=str(tmp_path / "s.yaml"))
+
+
+def test_missing_and_uneven_files_are_refused(tmp_path):
+    with pytest.raises(ConfigError, match=r"received no\.csv, which cannot be read"):
+        read_record(tmp_path / "no.csv", "file")
+    time, elevation = measured()
+    (tmp_path / "drift.csv").write_text(text(time * (1 + 4e-6 * time), elevation))
+    with pytest.raises(ConfigError, match="time: received"):
+        read_record(tmp_path / "drift.csv", "file")
+
+
+def test_run_longer_than_the_record_and_waves_outside_the_band_are_refused():
+    _, elevation = measured()
+    with pytest.raises(
+        ConfigError, match=r"simulation\.duration 120 s: is longer than the record waves.0; needs at most 100 s"
+    ):
+        varied(SMALL_PLAN.study, waves=[recorded(elevation).model_dump()], simulation={"duration": 120.0})
+    quick = StudyPlan(varied(SMALL_PLAN.study, waves=[recorded(elevation, step=0.15).model_dump()]))
+    with pytest.raises(ConfigError, match=r"waves.0.file: received a record with [\d.]+ % of its variance outside"):
+        quick.check_waves()
+
+
+@pytest.mark.parametrize("model", ["linear", pytest.param("body_exact", marks=pytest.mark.slow)])
+def test_elevation_of_a_run_is_the_record(model, small, tmp_path):
+    """Recorded every instant of a run that coincides with a sample; the rigid buoy follows the waves."""
+    _, elevation = measured()
+    study = varied(
+        small.study, waves=[recorded(elevation).model_dump()], hydro={"model": model},
+        simulation={"duration": 8.0, "window": [4.0, 8.0]},
+    )  # fmt: skip
+    plan, wave = StudyPlan(study), study.waves[0]
+    plan.check_waves()
+    run_simulate(plan.simulation("FSB", wave), str(tmp_path / "run.nc"), **small.hydro_files)
+    run = stored(tmp_path / "run.nc")
+    exact = sea(wave, 5.0, 8.0).elevation(run.time.values)
+    assert run.elevation.values == pytest.approx(exact, abs=1e-12)
+    at_samples = np.interp(STEP * np.arange(32), run.time, run.elevation)
+    assert np.abs(at_samples - (elevation - elevation.mean())[:32]).max() < 0.02 * np.abs(elevation).max()
+    assert sea(wave, 5.0, 8.0).elevation(STEP * np.arange(400)) == pytest.approx(
+        elevation - elevation.mean(), abs=1e-12
+    )
+    assert float(abs(run.position.sel(dof="Heave")).max()) > 0.05
+
+
+def test_record_of_the_documentation(tmp_path):
+    """Its study reads the record its program writes."""
+    page = (Path(__file__).parents[2] / "docs" / "own-buoy.md").read_text().split("## Measured waves\n")[1]
+    program, section = page.split("```python\n")[1].split("```")[0], page.split("```yaml\n")[1].split("```")[0]
+    exec(program.replace('"elevation.csv"', repr(str(tmp_path / "elevation.csv"))), {})
+    raw = yaml.safe_load(EXAMPLE.read_text()) | yaml.safe_load(section)
+    study = parse(raw, source=str(tmp_path / "study.yaml"))
+    assert study.waves[0].hs == pytest.approx(1.0, rel=0.1)
+    assert study.simulation.duration <= study.waves[0].file.length
