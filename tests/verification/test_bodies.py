@@ -1,5 +1,6 @@
-"""Bodies of panels: a cylinder against matched eigenfunctions, hinges against Newman's rigid forms."""
+"""Bodies of panels against matched eigenfunctions, Newman's rigid forms, and boxes by hand."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -155,3 +156,132 @@ def test_hinge(agree, command, tmp_path):
     own = stiff.sel(influenced_dof="Hinge", radiating_dof="Hinge")
     agree("hinges", "stiffness by parts' rotations [N/m]", mixed @ stiff.values @ mixed, 2 * one_box * 0.05**2, 1e-6)
     agree("hinges", "stiffness of the hinge's own field [N/m]", float(own), 2 * one_box * 0.05**2, 1e-6)
+
+
+def hull(low: tuple, high: tuple, counts: dict[str, tuple[int, int]]) -> tuple[np.ndarray, np.ndarray]:
+    """Corners and panels of a closed box; every face in its own counts, so that neighbours need not meet."""
+    faces, corners = [], []
+    for axis, name in enumerate("xyz"):
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        for side, outward in ((low, False), (high, True)):
+            n, m = counts[name]
+            s, t = np.linspace(low[first], high[first], n + 1), np.linspace(low[second], high[second], m + 1)
+            points = np.zeros((n + 1, m + 1, 3))
+            points[..., axis], points[..., first], points[..., second] = side[axis], s[:, None], t
+            i, j = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
+            quads = np.stack(
+                [i * (m + 1) + j, (i + 1) * (m + 1) + j, (i + 1) * (m + 1) + j + 1, i * (m + 1) + j + 1], -1
+            )
+            quads = quads.reshape(-1, 4) + sum(len(one) for one in corners)
+            faces.append(quads if outward else quads[:, ::-1])
+            corners.append(points.reshape(-1, 3))
+    return np.concatenate(corners), np.concatenate(faces)
+
+
+def rigid_database(command, folder: Path, name: str, mesh: tuple, **body) -> xr.Dataset:
+    """What `vsb body` makes of a mesh file in rigid motions."""
+    vertices, faces = mesh
+    xr.Dataset({"vertices": (("vertex", "xyz"), vertices), "faces": (("panel", "corner"), faces)}).to_netcdf(
+        folder / f"{name}.nc"
+    )
+    told = {"body": name, "mesh": f"{name}.nc", "modes": "rigid", "mass": "displaced", **body}
+    told["water"] = {"density": RHO, "depth": float("inf"), "gravity": G}
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump(told), encoding="utf-8")
+    command("body", folder / f"{name}.yaml", folder / name)
+    with xr.open_dataset(folder / name / f"{name}.nc") as found:
+        return found.load()
+
+
+def test_closed_and_clipped_box(agree, command, tmp_path):
+    """A box with its deck, off the axis, whose panels cross the water's surface and do not meet at the edges.
+
+    By hand: C33 = rho g L B, C44 = rho g (L B^3/12 + V (z_B - z_G)), C55 likewise, C34 and C35 by the place of the
+    centre of mass, V = L B T; inertia of mass m: m (b^2 + c^2)/12 of the box filled evenly.
+    """
+    low, high = np.array([-3.0, -1.5, -1.3]), np.array([5.0, 2.5, 0.9])
+    counts = {"x": (5, 3), "y": (4, 9), "z": (10, 6)}
+    found = rigid_database(command, tmp_path, "box", hull(low, high, counts), omega=[0.8], wave_direction=[0.0], lid=0)
+    length, beam, draft, height = 8.0, 4.0, 1.3, 2.2
+    volume, rise = length * beam * draft, -draft / 2 - (low + high)[2] / 2
+    names = ["Heave", "Roll", "Pitch"]
+    at = {"influenced_dof": names, "radiating_dof": names}
+    pitch = RHO * G * (beam * length**3 / 12 + volume * rise)
+    roll = RHO * G * (length * beam**3 / 12 + volume * rise)
+    wanted = np.diag([RHO * G * length * beam, roll, pitch])
+    agree("meshes", "stiffness of a box clipped at the water", found.hydrostatic_stiffness.sel(at), wanted, 1e-6)
+    mass = RHO * volume
+    wanted = np.diag([mass, mass * (beam**2 + height**2) / 12, mass * (length**2 + height**2) / 12])
+    agree("meshes", "mass matrix of a box filled evenly", found.inertia_matrix.sel(at), wanted, 1e-6)
+
+
+def test_phases_and_headings(agree, command, tmp_path):
+    """Froude-Krylov forces of a box off the origin by hand, and the whole excitation in long waves.
+
+    The wave a exp(i (k.x - omega t)) + k z presses with rho g: on the bottom, C1 of exp(i k.x - k T); on the ends,
+    differences of it. In long waves the body is forced as the water it displaces, and its added mass, accelerate.
+    """
+    low, high = np.array([8.0, 1.0, -2.0]), np.array([14.0, 5.0, 0.5])
+    directions, omega = [0.0, 50.0, 180.0, 270.0], [0.25, 1.2]
+    mesh = hull(low, high, {"x": (8, 10), "y": (10, 12), "z": (12, 8)})
+    found = rigid_database(command, tmp_path, "barge", mesh, omega=omega, wave_direction=directions, lid=0)
+    high[2] = 0.0
+    names, volume = ["Surge", "Sway", "Heave"], float(np.prod(high - low))
+    froude = found.Froude_Krylov_force.sel(influenced_dof=names)
+    total = froude + found.diffraction_force.sel(influenced_dof=names)
+    froude, total = (each.sel(complex="re").values + 1j * each.sel(complex="im").values for each in (froude, total))
+    by_hand = np.zeros((len(omega), len(directions), 3), dtype=complex)
+    for i, w in enumerate(omega):
+        k = w**2 / G
+        for j, beta in enumerate(np.deg2rad(directions)):
+            kx, ky = k * np.cos(beta), k * np.sin(beta)
+
+            def along(wave: float, axis: int) -> complex:
+                """Integral of exp(i k x) between the ends."""
+                half, middle = (high - low)[axis] / 2, (high + low)[axis] / 2
+                return 2 * half * np.sinc(wave * half / np.pi) * np.exp(1j * wave * middle)
+
+            deep = (1 - np.exp(k * low[2])) / k
+            ends = [np.exp(1j * q * high[a]) - np.exp(1j * q * low[a]) for a, q in ((0, kx), (1, ky))]
+            by_hand[i, j] = (
+                RHO
+                * G
+                * np.array(
+                    [
+                        -ends[0] * along(ky, 1) * deep,
+                        -ends[1] * along(kx, 0) * deep,
+                        np.exp(k * low[2]) * along(kx, 0) * along(ky, 1),
+                    ]
+                )
+            )
+    for i, name in enumerate(names):
+        agree("phases", f"Froude-Krylov force of {name} by hand", froude[..., i], by_hand[..., i], 1e-3)
+    k, middle = omega[0] ** 2 / G, (high + low) / 2
+    added = [float(found.added_mass.sel(influenced_dof=n, radiating_dof=n).sel(omega=omega[0])) for n in names[:2]]
+    for i, name in enumerate(names[:2]):
+        beta = np.deg2rad(directions)
+        part = (np.cos(beta), np.sin(beta))[i]
+        phase = np.exp(1j * k * (middle[0] * np.cos(beta) + middle[1] * np.sin(beta)))
+        wanted = -1j * G * k * part * (RHO * volume + added[i]) * phase
+        agree("phases", f"excitation of {name} in long waves", total[0, :, i], wanted, 1.5e-2)
+
+
+def test_gap_resonance(agree, command, tmp_path):
+    """Two barges of 32 x 8 x 4 m, 0.8 m apart: damping of their heave is largest where the water between resonates.
+
+    Molin (2001), Journal of Fluid Mechanics 430, in two dimensions: omega^2 = g/(T + (b/pi) (3/2 + ln(B/2b))).
+    """
+    length, beam, draft, gap = 32, 8, 4, 0.8
+    counts = {"x": (beam, draft), "y": (draft, length), "z": (length, beam)}
+    corners, panels = hull((-length / 2, gap / 2, -draft), (length / 2, gap / 2 + beam, 0.0), counts)
+    panels = panels[: -length * beam]  # no deck
+    vertices = np.concatenate([corners, corners * [1, -1, 1]])
+    faces = np.concatenate([panels, panels[:, ::-1] + len(corners)])
+    molin = np.sqrt(G / (draft + gap / np.pi * (1.5 + np.log(beam / (2 * gap)))))
+    omega = [round(float(molin * (1 + share)), 4) for share in np.linspace(-0.06, 0.06, 9)]
+    heave = {"Heave": np.transpose([np.zeros(len(vertices)), np.zeros(len(vertices)), np.ones(len(vertices))])}
+    centres = [[0, (gap + beam) / 2, 0], [0, -(gap + beam) / 2, 0]]
+    found = database(command, tmp_path, "barges", vertices, faces, heave, centres, omega=omega, lid=0)
+    peak = float(found.omega[int(found.radiation_damping.values.ravel().argmax())])
+    agree("gaps", "resonance of the water between two barges [rad/s]", peak, molin, 4e-2)
+    warned = next(check for check in json.loads(found.attrs["quality"]) if check["name"] == "error_estimate")
+    assert f"near {molin:.3g} rad/s the water resonates in a gap of 0.8 m" in warned["explanation"]

@@ -1,8 +1,10 @@
-"""Shells that are spheroids at rest, against an own Ritz solution and multipoles on their meridian."""
+"""Shells that are spheroids at rest, and shells their load deforms, against own solutions on the meridian."""
 
 import numpy as np
 import pytest
 from scipy.linalg import eigh, null_space
+from verification.conftest import SEED
+from verification.rest import Floating
 from verification.revolution import Spheroid
 
 PERIODS = (2.5, 3.0, 4.0, 6.0)
@@ -67,3 +69,24 @@ def test_long_wave_force(agree, pair):
     agree("rest shapes", f"long-wave force of six modes of the {name}", np.asarray(found), wanted, 2e-3)
     still = own.long_wave_force() @ vectors[:, :6]
     agree("rest shapes", f"the same by -rho g int n.psi dS, {name}", np.asarray(found).real, still, 3e-2)
+
+
+def test_rest_shape(agree, run):
+    """The seed's shell under 20 kPa, afloat with its load: the more degrees, the nearer to splines' least energy."""
+    phi = np.linspace(0, np.pi, 181)
+    x, z = Floating(2.0, 0.01, 1e7, 0.3, 17170.0, 20e3).displacement(phi)
+    for degree, tolerance in ((6, 1e-2), (14, 1.5e-3)):
+        modes = run(
+            f"rest{degree}",
+            device={**SEED["device"], "internal_pressure": 20e3},
+            modes={"basis": "full", "degree": degree},
+            reference_shape="equilibrium",
+            designs={"VSWEC": {}},
+            hydro={"tolerance": 1e-2, "omega_max": 12.0, "witness": "none"},
+            pto={"damping": 8000.0},
+            waves=[{"kind": "still"}],
+            simulation={"duration": 10.0, "window": [5.0, 10.0]},
+        ).modes
+        v, u = ((modes.static_amplitude @ modes[name]).values for name in ("radial", "meridional"))
+        own = [v * np.sin(phi) + u * np.cos(phi), v * np.cos(phi) - u * np.sin(phi) + modes.attrs["centre_height"]]
+        agree("rest shape", f"displacement by static load, degree {degree}", own, [x, z], tolerance)
