@@ -6,10 +6,12 @@ The workflow's rules, a run in one process and the plan of a dry run all follow 
 import re
 import shlex
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 from typing import Any
 
+from vsb.study.body import BodyFile
+from vsb.study.body_cost import solve_resources
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, figure_paths
 from vsb.study.quantities import canonical
@@ -128,8 +130,11 @@ def _body(plan: BodyPlan) -> Iterator[Job]:
     if plan.solves_panels:
         yield _green(plan)
     files = {**plan.sources, "out": plan.database_path}
-    needs = tuple(plan.inputs)
-    yield Job("coefficients", plan.database, files, (plan.database_path,), needs, megabytes=4000, minutes=600)
+    job = Job("coefficients", plan.database, files, (plan.database_path,), tuple(plan.inputs), megabytes=4000)
+    if isinstance(file := plan.study.body.file, BodyFile):
+        memory, minutes = solve_resources(file, plan.files)
+        job = replace(job, megabytes=memory, minutes=minutes)
+    yield job
 
 
 def _shell(plan: StudyPlan) -> Iterator[Job]:

@@ -48,6 +48,7 @@ from vsb.hydro.sweep import FORCES, MOST_SOLVES, IncidentWave, joined, on_grid
 from vsb.hydro.variables import PAIR
 from vsb.study.blocks import panel_solver
 from vsb.study.body import PHYSICS, BodyFile
+from vsb.study.body_cost import GIGABYTES, SECONDS
 from vsb.study.quantities import ROTATIONS, Section, canonical, content_id
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import Water
@@ -59,7 +60,6 @@ from vsb.waves.dispersion import wavenumber
 Spec = dict[str, Any]
 Model = TypeVar("Model", bound=Section)
 _COARSEST = 4.0  # wavelengths in a panel from which on nothing is solved
-_GIGABYTES, _SECONDS = 6.3e-8, 6.5e-7  # per squared number of panels, of a frequency on one core; with 3200 panels
 _MOST_GIGABYTES = 256.0  # a body may need
 _GROUPS = ("fewer_panels", "radiated_waves")  # of a block's file
 
@@ -151,7 +151,7 @@ def cost(study: BodyFile, body: FlexibleBody) -> tuple[float, float]:
     """Return the memory a frequency takes [GB], and the seconds on one core; planes of symmetry halve both."""
     planes = SYMMETRIES[detected_symmetry(body) if study.symmetry == "auto" else study.symmetry]
     size = len(body.faces) ** 2 / 2 ** len(planes)
-    return _GIGABYTES * size, _SECONDS * size
+    return GIGABYTES * size, SECONDS * size
 
 
 # Files of single frequencies
