@@ -170,7 +170,12 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
         q = _at_rest(replace(loaded, elastic=ElasticShell(undamped)))
     else:
         q = np.zeros(len(basis.labels))
-    shape = DeformedShell(basis, study.centre_height, q)
+    return ReferenceShell(DeformedShell(basis, study.centre_height, q), stiffness_about(study, loaded, q))
+
+
+def stiffness_about(study: AtRest, loaded: LoadedShell, q: FloatArray) -> dict[str, FloatArray]:
+    """Return the stiffness of a study's shell about a shape at rest, by the names of `reference_shell`, (dof, dof)."""
+    basis = loaded.basis
     stiffness = {"structural": basis.stiffness, "hydrostatic": loaded.hydrostatic_stiffness(q)}
     if study.at_equilibrium:
         stiffness["structural"] = loaded.elastic.material_stiffness(q)
@@ -180,7 +185,7 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
         stiffness["prestress"] = loaded.prestress_stiffness
     if study.device.gas and study.flexible:
         stiffness["gas"] = loaded.gas_stiffness(q)
-    return ReferenceShell(shape, {name: (k + k.T) / 2 for name, k in stiffness.items()})
+    return {name: (k + k.T) / 2 for name, k in stiffness.items()}
 
 
 def seen_by_take_off(study: Study, reference: ReferenceShell) -> tuple[ReferenceShell, float]:

@@ -136,13 +136,23 @@ class DeformedShell:
         """Colatitude intervals below the free surface: none (dry), one, or several (more than one waterline)."""
         grid, (_, z, _) = self._grid, self._on_grid
         crossings = [
-            float(brentq(lambda phi: float(self.curve(np.array([phi])).z[0]), a, b, xtol=1e-15, rtol=1e-15))
-            for a, b, za, zb in zip(grid[:-1], grid[1:], z[:-1], z[1:], strict=True)
+            self._crossing(a, b)
+            for a, b, za, zb in zip(grid[:-1], grid[1:], z.real[:-1], z.real[1:], strict=True)
             if (za < 0) != (zb < 0)
         ]
         edges = [0.0, *crossings, np.pi]
         middles = self.curve(np.array([(a + b) / 2 for a, b in itertools.pairwise(edges)])).z
-        return [(a, b) for a, b, z in zip(edges[:-1], edges[1:], middles, strict=True) if z < 0]
+        return [(a, b) for a, b, z in zip(edges[:-1], edges[1:], middles.real, strict=True) if z < 0]
+
+    def _crossing(self, a: float, b: float) -> float:
+        """Colatitude of the waterline between two others; of a complex step one of Newton's from the real one."""
+
+        def height(phi: float) -> float:
+            return float(self.curve(np.array([phi])).z.real[0])
+
+        found = float(brentq(height, a, b, xtol=1e-15, rtol=1e-15))
+        at = self.curve(np.array([found]))
+        return found - 1j * at.z.imag[0] / at.dz.real[0] if np.iscomplexobj(at.z) else found
 
     def _wet_points(self, points: int) -> Iterator[tuple[FloatArray, FloatArray]]:
         """Colatitudes and weights of Gauss-Legendre quadrature, `points` per wet segment, some at a time."""
@@ -186,7 +196,8 @@ class DeformedShell:
         pressure). Symmetric, for a pressure field has a potential; capytaine's own matrix drops terms of it and is not.
         """
         dof = len(self.basis.labels)
-        force, jacobian = np.zeros(dof), np.zeros((dof, dof))
+        number = np.result_type(self.modal_amplitude, self.centre_height, self.basis.shell.radius)
+        force, jacobian = np.zeros(dof, number), np.zeros((dof, dof), number)
         for phi, weight in self._wet_points(points):
             m = self.meridian(phi)
             ring, column = weight * m.x, weight * m.z * m.x

@@ -154,5 +154,5 @@ class ElasticShell:
 
 def converged_degree(shell: Shell) -> int:
     """Return 1.6 times the classical degree of buckling, sqrt(r/h) [12 (1 - nu^2)]^(1/4), and at least 40."""
-    slenderness = shell.radius / shell.thickness
-    return max(40, math.ceil(1.6 * math.sqrt(slenderness * math.sqrt(12 * (1 - shell.poisson_ratio**2)))))
+    slenderness = (shell.radius / shell.thickness).real
+    return max(40, math.ceil(1.6 * math.sqrt(slenderness * math.sqrt(12 * (1 - shell.poisson_ratio.real**2)))))

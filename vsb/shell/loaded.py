@@ -50,7 +50,8 @@ class LoadedShell:
     def pressure(self, q: FloatArray) -> float:
         """Return the internal gauge pressure, (p_atm + p_i)(V_0/V)^gamma - p_atm for a trapped gas [Pa]."""
         index, outside, reference = self._contents
-        return float((outside + self.internal_pressure) * (reference / self.elastic.volume(q)) ** index - outside)
+        pressure: float = (outside + self.internal_pressure) * (reference / self.elastic.volume(q)) ** index - outside
+        return pressure
 
     def _water(self, q: FloatArray) -> tuple[DeformedShell, int]:
         """The shell in the water, and the points per wet arc that resolve integrands of degree 4N+3."""
@@ -112,9 +113,8 @@ class LoadedShell:
     @cached_property
     def first_order(self) -> FloatArray:
         """Modal amplitudes to first order in the load, K_unloaded^-1 force(0), heave zero, shape (dof,) [m]."""
-        q = np.zeros(len(self.basis.labels))
-        q[1:] = np.linalg.solve(self.unloaded_stiffness[1:, 1:], self.force(q)[1:])
-        return q
+        force = self.force(np.zeros(len(self.basis.labels)))
+        return np.append(0.0, np.linalg.solve(self.unloaded_stiffness[1:, 1:], force[1:]))
 
     def linear_resultants(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the membrane forces that carry the load on the undeformed sphere, each shape (point,) [N/m]."""
@@ -140,7 +140,7 @@ class LoadedShell:
     def pressure_inside(self) -> float:
         """Gauge pressure inside at rest, to first order of the load; trapped gas expands with the shell [Pa]."""
         (index, outside, volume), q = self._contents, np.zeros(len(self.basis.labels))
-        expansion = float(self.elastic.volume_gradient(q) @ self.first_order / volume)
+        expansion: float = np.dot(self.elastic.volume_gradient(q), self.first_order) / volume
         return self.internal_pressure - index * outside * expansion
 
 
@@ -231,19 +231,19 @@ class Buckling:
     linear_strain: float  # largest strain of the linear static solution: over-estimates large ones [-]
 
 
-def _pencil(loaded: LoadedShell) -> tuple[FloatArray, FloatArray]:
+def buckling_pencil(loaded: LoadedShell) -> tuple[FloatArray, FloatArray]:
     """Return K_0 and K_1 of K(L) = K_0 + L K_1 over the shell modes, the buoy free to heave, (mode, mode) [N/m]."""
     zero = np.zeros(len(loaded.basis.labels))
     gas = loaded.gas_stiffness(zero) - loaded.scaled(0.0).gas_stiffness(zero)
     load = loaded.prestress_stiffness + loaded.hydrostatic_stiffness(zero) + gas
-    if load[0, 0] > 0.0:  # a floating buoy finds its own heave: L cancels in the coupling over the waterplane
+    if load[0, 0].real > 0.0:  # a floating buoy finds its own heave: L cancels in the coupling over the waterplane
         load = load - np.outer(load[:, 0], load[0]) / load[0, 0]
     return loaded.unloaded_stiffness[1:, 1:], load[1:, 1:]
 
 
 def buckling(loaded: LoadedShell) -> Buckling:
     """Return the least L > 0 at which K_elastic + L (prestress + hydrostatic stiffness) is singular, heave free."""
-    elastic, load = _pencil(loaded)
+    elastic, load = buckling_pencil(loaded)
     values, vectors = eigh(-load, elastic)
     draft = max(0.0, loaded.basis.shell.radius - loaded.centre_height)
     external = loaded.water_density * loaded.gravity * draft - loaded.pressure_inside
@@ -271,11 +271,11 @@ def viable_pressure(device: Device, centre_height: float, water: Water, margin: 
     use a margin.
     """
     empty = complete_shell(device, centre_height, water, 0.0)
-    elastic, load = _pencil(empty)
+    elastic, load = buckling_pencil(empty)
     breathing = 2 * empty.basis.shell.membrane_stiffness * (1 + device.poisson_ratio) / device.radius  # fails at it
     left = (replace(empty, internal_pressure=breathing).pressure_inside - empty.pressure_inside) / breathing
     highest = breathing / left
-    added = (_pencil(replace(empty, internal_pressure=highest))[1] - load) / highest
+    added = (buckling_pencil(replace(empty, internal_pressure=highest))[1] - load) / highest
 
     def least(pressure: float) -> float:
         matrix = elastic + margin * (load + pressure * added)

@@ -22,7 +22,7 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -297,6 +297,10 @@ class Wall:
         """Distance of the layers from the middle surface, h/sqrt(12) [m]."""
         return self.thickness / math.sqrt(12)
 
+    def _number(self, strains: FloatArray) -> np.dtype[Any]:
+        """Type of numbers of what follows from strains: complex in a complex step of any of its arguments."""
+        return np.result_type(strains, self.thickness, self.law.young_modulus, self.law.poisson_ratio)
+
     def _layers(self, strains: FloatArray) -> tuple[tuple[float, FloatArray], ...]:
         """Signed distance of each layer, and its strains E + Z lambda_3 k, shape (2, ...)."""
         thin = self.law.thinning(strains[0], strains[1]).stretch
@@ -309,7 +313,7 @@ class Wall:
 
     def resultants(self, strains: FloatArray) -> FloatArray:
         """Return dPsi by E_1, E_2 (membrane forces [N/m]) and by k_1, k_2 (moments [N]), shape (4, ...)."""
-        thin, total = self.law.thinning(strains[0], strains[1]), np.zeros_like(strains)
+        thin, total = self.law.thinning(strains[0], strains[1]), np.zeros(strains.shape, self._number(strains))
         for z, layer in self._layers(strains):
             stress = np.array(self.law.stresses(*layer))
             moment = (stress * strains[2:]).sum(axis=0)
@@ -320,12 +324,13 @@ class Wall:
     def moduli(self, strains: FloatArray) -> WallModuli:
         """Return the second derivatives of Psi, those by shear about no shear."""
         thin, shape = self.law.thinning(strains[0], strains[1]), strains.shape[1:]
-        normal, shear = (np.zeros((n, n, *shape), dtype=strains.dtype) for n in (4, 2))
+        number = self._number(strains)
+        normal, shear = (np.zeros((n, n, *shape), dtype=number) for n in (4, 2))
         for z, layer in self._layers(strains):
             stress, c = np.array(self.law.stresses(*layer)), self.law.moduli(*layer)
             tangent = np.array([[c.first, c.mixed], [c.mixed, c.second]])
             moment = (stress * strains[2:]).sum(axis=0)
-            by = np.zeros((2, 4, *shape), dtype=strains.dtype)  # derivatives of the layer's strains
+            by = np.zeros((2, 4, *shape), dtype=number)  # derivatives of the layer's strains
             for i in range(2):
                 by[i, i], by[i, 2 + i] = 1.0, z * thin.stretch
                 by[i, :2] += z * strains[2 + i] * np.array(thin.by)

@@ -202,6 +202,7 @@ class ModeBasis:
         else:
             matrix = self.integrated("mass")
             matrix[0, 1:] = matrix[1:, 0] = 0.0  # exact: natural modes are orthogonal to rigid heave
+        matrix = matrix.astype(np.result_type(matrix, self.total_mass))
         matrix[0, 0] = self.total_mass
         return matrix
 

@@ -98,13 +98,13 @@ class Shell:
     rubber: Incompressible | None = None  # in place of Hooke's law
 
     def __post_init__(self) -> None:
-        """Check the thin-shell limit and the material."""
-        if not 0.0 < self.thickness < 0.1 * self.radius:
+        """Check the thin-shell limit and the material; of numbers of a complex step their real parts."""
+        if not 0.0 < self.thickness.real < 0.1 * self.radius.real:
             raise ValueError(
                 f"thin-shell theory (C3) needs 0 < thickness < radius/10, got thickness={self.thickness} m "
                 f"for radius={self.radius} m; use a thinner shell."
             )
-        if not (self.young_modulus > 0 and self.density > 0 and -1 < self.poisson_ratio <= 0.5):
+        if not (self.young_modulus.real > 0 and self.density.real > 0 and -1 < self.poisson_ratio.real <= 0.5):
             raise ValueError(
                 f"a material needs E > 0, density > 0 and -1 < nu <= 0.5, got E={self.young_modulus} Pa, "
                 f"density={self.density} kg/m^3, nu={self.poisson_ratio}."

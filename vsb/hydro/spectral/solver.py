@@ -117,25 +117,35 @@ class SpectralProblem:
         return map(np.add, surface, FiniteDepthWavePart(self.meridian, self.depth, float(deep.min())).influences(deep))
 
     def solve(self, omegas: list[float]) -> xr.Dataset:
-        """Solve at positive, finite frequencies (else: `ConfigError`); dataset as of rings of panels."""
-        if not omegas or not all(0 < omega < np.inf for omega in omegas):
-            raise ConfigError(f"omega: received {omegas} rad/s; needs positive, finite frequencies")
-        incident = self.incident(self.wavenumbers(omegas))
-        columns = [self._at(*each) for each in zip(omegas, incident, self._waves(omegas), strict=True)]
-        return solved_dataset(omegas, self.displacements, columns)
-
-    def _at(self, omega: float, incident: ComplexArray, waves: ComplexArray) -> tuple[FloatArray | ComplexArray, ...]:
-        """Added mass, damping, Froude-Krylov and diffraction force at one frequency.
+        """Solve at positive, finite frequencies (else: `ConfigError`); dataset as of rings of panels.
 
         Pressure i omega rho phi, so A + iB/omega = -rho int phi_j w_i dS; incident potential -i g/omega `incident`.
         """
-        m = self.meridian
-        single, double = m.rankine.sum(axis=0) + waves * m.areas
-        right = np.column_stack([-single @ self.velocities.T, 4 * np.pi * incident])
-        potential = self.onto @ m.solve(double, right)
-        froude_krylov = self.gravity * (self.onto @ incident[: m.nodes])
-        radiated, total = potential[:, :-1], self.gravity * potential[:, -1]
-        return radiated.real, omega * radiated.imag, froude_krylov, total - froude_krylov
+        columns: list[tuple[FloatArray | ComplexArray, ...]] = []
+        for omega, incident, potentials in self._solved(omegas):
+            forces = self.onto @ potentials
+            froude_krylov = self.gravity * (self.onto @ incident[: self.meridian.nodes])
+            radiated, total = forces[:, :-1], self.gravity * forces[:, -1]
+            columns.append((radiated.real, omega * radiated.imag, froude_krylov, total - froude_krylov))
+        return solved_dataset(omegas, self.displacements, columns)
+
+    def potentials(self, omegas: list[float]) -> ComplexArray:
+        """Return the potentials at the nodes at positive, finite frequencies, shape (omega, node, displacement + 1).
+
+        Of motion of unit normal velocity of each displacement [m^2/s per m/s], and last of the incident wave with the
+        body held, in terms of -i g/omega and the wave's amplitude [-].
+        """
+        return np.array([potentials for _, _, potentials in self._solved(omegas)])
+
+    def _solved(self, omegas: list[float]) -> Iterator[tuple[float, ComplexArray, ComplexArray]]:
+        """Frequency, incident wave at the equations' points and `potentials` of each frequency."""
+        if not omegas or not all(0 < omega < np.inf for omega in omegas):
+            raise ConfigError(f"omega: received {omegas} rad/s; needs positive, finite frequencies")
+        m, incoming = self.meridian, self.incident(self.wavenumbers(omegas))
+        for omega, incident, waves in zip(omegas, incoming, self._waves(omegas), strict=True):
+            single, double = m.rankine.sum(axis=0) + waves * m.areas
+            right = np.column_stack([-single @ self.velocities.T, 4 * np.pi * incident])
+            yield omega, incident, m.solve(double, right)
 
     def error_estimate(self, omegas: list[float]) -> xr.Dataset:
         """Return estimates of the errors of a run, relative to the largest entry at each frequency.

@@ -1,0 +1,32 @@
+"""A pressurised shell, a rigid buoy and a small climate, for tests of derivatives."""
+
+import numpy as np
+import pytest
+
+from vsb.study.study import parse
+from vsb.waves.climate import Climate
+
+DEVICE = {
+    "radius": 2.0, "thickness": 0.01, "young_modulus": 10.0e6, "poisson_ratio": 0.3, "density": 2700.0,
+    "mass": 17170.0, "internal_pressure": 16.5e3, "damping": {"beta": 1.0e-3},
+}  # fmt: skip
+
+
+def study_of(**changes):
+    """A study of designs of a pressurised shell at equilibrium, with other sections."""
+    raw = {
+        "study": "shell",
+        "device": DEVICE | changes.pop("device", {}),
+        "modes": {"basis": "full", "degree": 4},
+        "reference_shape": "equilibrium",
+        "designs": {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC90": {"clamp": 90}},
+        "waves": [{"kind": "still"}],
+    }
+    return parse(raw | changes)
+
+
+@pytest.fixture(scope="session")
+def climate():
+    """Two bands of waves."""
+    omega, density = np.array([0.8, 1.2, 1.6]), np.array([[0.4, 0.6, 0.0]])
+    return Climate.of_spectra(omega, density, np.ones(1), "two bands")

@@ -1,0 +1,118 @@
+"""Derivatives of a design against differences, scaling laws and limits that are known in closed form."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.design.conftest import study_of
+from vsb.design.evaluation import DesignModel
+from vsb.design.year import FrequencyGrid
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.waves.climate import Climate
+
+LENGTHS = {
+    "device.radius": 1, "device.thickness": 1, "device.young_modulus": 1, "device.internal_pressure": 1,
+    "device.mass": 3, "device.poisson_ratio": 0, "device.density": 0,
+}  # fmt: skip
+"""Exponents of the scale in Froude's law, at the same water and gravity."""
+
+
+def model_of(study, design, climate, variables):
+    """A model of fewer frequencies and nodes: derivatives are those of the discrete model."""
+    model = DesignModel.of(study, design, climate, variables)
+    return replace(model, nodes=28, grid=FrequencyGrid.of(climate, 12.0, 8, 3))
+
+
+def differences(model, variable, part):
+    """Derivatives of all quantities by one variable, central differences extrapolated by Richardson."""
+    point = np.array(model.point)
+
+    def central(step):
+        up, down = (model.at(point + sign * step * np.eye(len(point))[variable]).quantities for sign in (1, -1))
+        return {name: (up[name].value - down[name].value) / (2 * step) for name in up}
+
+    step = part * (abs(point[variable]) or 1e4)
+    fine, coarse = central(step), central(2 * step)
+    return {name: (4 * fine[name] - coarse[name]) / 3 for name in fine}
+
+
+@pytest.mark.parametrize(
+    ("design", "changes", "key"),
+    [
+        ("VSWEC", {}, "device.radius"),
+        ("VSWEC", {}, "device.internal_pressure"),
+        ("VSWEC90", {"water": {"depth": 4.0}}, "device.poisson_ratio"),
+        ("VSWEC", {"device": {"gas": {}}}, "device.thickness"),
+        ("FSB", {}, "device.mass"),
+        ("VSWEC", {"reference_shape": "undeformed"}, "device.mass"),
+        ("VSWEC90", {"pto": {"stiffness": -5e3, "damping": 1e5}}, "pto.damping"),
+        ("FSB", {"pto": {"stiffness": -5e3}}, "pto.stiffness"),
+    ],
+)
+def test_derivatives_are_those_of_differences(climate, design, changes, key):
+    model = model_of(study_of(**changes), design, climate, [key])
+    found, expected = model.at(model.point).quantities, differences(model, 0, 1e-5)
+    scale = abs(model.point[0]) or 1e4
+    for name, quantity in found.items():
+        error = (quantity.gradient[0] - expected[name]) * scale
+        assert abs(error) <= 1e-6 * max(abs(quantity.value), 0.1 * abs(quantity.gradient[0] * scale)), name
+
+
+def test_what_waves_do_not_matter_for_scales_by_froude(climate):
+    model = model_of(study_of(), "VSWEC", climate, list(LENGTHS))
+    found = model.at(model.point).quantities
+    weights = np.array(list(LENGTHS.values())) * model.point
+    powers = {"beam": 1, "draft": 1, "surface": 2, "volume": 3, "mass": 3, "static_strain": 0}
+    for name, power in (powers | {f"load_factor_inverse_{i}": 0 for i in range(4)}).items():
+        one, scale = found[name], np.abs(found[name].gradient * weights).max()
+        assert one.gradient @ weights == pytest.approx(power * one.value, abs=1e-8 * scale), name
+
+
+def test_a_rigid_sphere_in_long_waves_absorbs_its_stiffness():
+    """P = w a^2 K/4 at c = K/w, a^2 = 2 S dw; K = rho g pi x^2 by the waterline's radius x, x^2 = r^2 - z^2.
+
+    The cap below it holds the displaced volume, pi h^2 (3 r - h)/3 = m/rho with h = r - z: dz/dm = -1/(rho pi x^2) and
+    dz/dr = 1 + h^2/x^2.
+    """
+    omega, radius, mass = 0.02, 2.0, 12000.0
+    density, step = np.array([[0.0, 1.0, 0.0]]), 1e-3
+    long = Climate.of_spectra(omega + step * np.array([-1.0, 0.0, 1.0]), density, np.ones(1), "long waves")
+    study = study_of(designs={"FSB": {"flexible": False}}, device={"radius": radius, "mass": mass})
+    model = model_of(study, "FSB", long, ["device.mass", "device.radius"])
+    found, z = model.at(model.point), study.centre_height
+    stiffness = 1025.0 * 9.81 * np.pi * (radius**2 - z**2)
+    by_mass = 2 * 9.81 * z / (radius**2 - z**2)
+    by_radius = 1025.0 * 9.81 * 2 * np.pi * (radius - z * (1 + (radius - z) / (radius + z)))
+    power, damping = found["annual_mean_power"], found["damping"]
+    assert damping.value == pytest.approx(stiffness / omega, rel=2e-3)
+    assert power.value == pytest.approx(omega * 2 * step * stiffness / 4, rel=3e-3)
+    for gradient, by in zip(power.gradient, (by_mass, by_radius), strict=True):
+        assert gradient / power.value == pytest.approx(by / stiffness, rel=3e-3)
+
+
+def test_power_of_the_optimal_damper_does_not_change_with_the_damper(climate):
+    best = model_of(study_of(), "VSWEC", climate, ["device.radius"]).at([2.0])
+    model = model_of(study_of(), "VSWEC", climate, ["device.radius", "pto.damping"])
+    given = model.at([2.0, best["damping"].value])
+    power = best["annual_mean_power"]
+    assert given["annual_mean_power"].value == pytest.approx(power.value, rel=1e-12)
+    assert given["annual_mean_power"].gradient[0] == pytest.approx(power.gradient[0], rel=1e-9)
+    assert abs(given["annual_mean_power"].gradient[1]) * best["damping"].value < 1e-9 * power.value
+
+
+def test_what_cannot_be_evaluated_is_named(climate):
+    for changes, design, keys, words in (
+        ({}, "none", [], "design: received 'none'"),
+        ({}, "FSB", ["device.colour"], "variables: received device.colour"),
+        ({"pto": {"port": "volume"}}, "VSWEC", [], "pto.port"),
+        ({"motion": "planar", "device": {"centre_of_mass": -0.5, "ballast_inertia": 1e4}}, "FSB", [], "motion"),
+        ({"modes": {"basis": "membrane", "degree": 4}}, "VSWEC", [], "modes.basis"),
+    ):
+        with pytest.raises(ConfigError, match=words):
+            DesignModel.of(study_of(**changes), design, climate, keys)
+    model = model_of(study_of(), "VSWEC", climate, ["device.internal_pressure"])
+    with pytest.raises(ConvergenceError, match="buckles"):
+        model.at([-3.0e4])
+    with pytest.raises(ConfigError, match=r"device\.thickness"):
+        model_of(study_of(), "VSWEC", climate, ["device.thickness"]).at([0.3])

@@ -1,0 +1,165 @@
+"""A design evaluated: the year's mean power and everything that limits it, each with its exact derivatives."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+
+from vsb.design.limits import hull, inverse_load_factors, static_strain
+from vsb.design.linearised import Linearised, linearised, of_all
+from vsb.design.resting import OF_DEVICE, RestingBuoy
+from vsb.design.year import FrequencyGrid, PortYear
+from vsb.errors import ConfigError
+from vsb.study.campaign import sections, study_at
+from vsb.study.study import Study
+from vsb.tools.arrays import FloatArray
+from vsb.waves.climate import Climate
+
+DAMPER, SPRING = "pto.damping", "pto.stiffness"
+VARIABLES = (*(f"device.{name}" for name in OF_DEVICE), DAMPER, SPRING)
+"""Keys of a study that derivatives are taken by."""
+SOLVES, POINTS, NODES = 20, 6, 32
+"""Frequencies solved, points of quadrature in each band of a climate, nodes of the boundary elements."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A value and its derivatives by the variables of a design."""
+
+    value: float
+    gradient: FloatArray  # (variable,)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What a design does and needs, by name: see `DesignModel.at`."""
+
+    quantities: Mapping[str, Quantity]
+
+    def __getitem__(self, name: str) -> Quantity:
+        """Return a quantity by name."""
+        return self.quantities[name]
+
+
+@dataclass(frozen=True)
+class DesignModel:
+    """One design of a study over a climate as a smooth function of some keys of the study.
+
+    Degree, nodes and frequencies are frozen, so that values of close designs differ by the designs alone.
+    """
+
+    study: Study
+    design: str
+    climate: Climate
+    variables: tuple[str, ...]
+    degree: int  # highest Legendre degree of the shell's displacements
+    nodes: int  # of the boundary elements on the wet meridian
+    grid: FrequencyGrid
+
+    @classmethod
+    def of(
+        cls, study: Study, design: str, climate: Climate, variables: Sequence[str], degree: int | None = None
+    ) -> "DesignModel":
+        """Return the model of a design; the degree is that of the study if not given.
+
+        Raises
+        ------
+        ConfigError
+            If it has no such design or variable, or its year depends on more than axisymmetric motion.
+        """
+        if design not in study.designs:
+            raise ConfigError(f"design: received {design!r}; needs one of {', '.join(study.designs)}")
+        if unknown := [key for key in variables if key not in VARIABLES]:
+            raise ConfigError(f"variables: received {unknown[0]}; needs some of {', '.join(VARIABLES)}")
+        if study.motion != "heave":
+            raise ConfigError(f"motion: received {study.motion!r}; derivatives of designs need heave")
+        if study.pto.port != "heave":
+            raise ConfigError(f"pto.port: received {study.pto.port}; derivatives of designs need heave")
+        if study.flexible and study.modes.basis != "full":
+            raise ConfigError(f"modes.basis: received {study.modes.basis!r}; derivatives of designs need full")
+        if degree is None:
+            degree = study.modes.max_degree if study.flexible else 1
+        grid = FrequencyGrid.of(climate, study.hydro.omega_max, SOLVES, POINTS)
+        return cls(study, design, climate, tuple(variables), degree, NODES, grid)
+
+    @cached_property
+    def point(self) -> tuple[float, ...]:
+        """Values of the variables in the study itself, 0 of a damper that is not given."""
+        found = []
+        for key in self.variables:
+            section, _, name = key.rpartition(".")
+            value = self.study.pto.damper(self.design) if key == DAMPER else getattr(getattr(self.study, section), name)
+            found.append(float(value or 0.0))
+        return tuple(found)
+
+    def study_at(self, values: Sequence[float]) -> Study:
+        """Return the study with values of the variables.
+
+        Raises
+        ------
+        ConfigError
+            If no study has such values.
+        """
+        return study_at(sections(self.study), dict(zip(self.variables, values, strict=True)))
+
+    def at(self, values: Sequence[float]) -> Evaluation:
+        """Return the year and the limits of the design at values of the variables, with their derivatives.
+
+        Returns
+        -------
+        Evaluation
+            `annual_mean_power` [W] under one damper all year, the optimal one unless it is a variable; `damping`, that
+            damper [N s/m]; root mean squares of the take-off's `force_rms` [N] and `stroke_rms` [m]; `beam` and `draft`
+            of the hull at rest [m], its `surface` [m^2] and `volume` [m^3]; `mass` [kg]. If the study has a flexible
+            design also the four largest inverse load factors of buckling `load_factor_inverse_0` to `_3` [-], and
+            `static_strain`, the largest membrane strain at rest [-].
+
+        Raises
+        ------
+        ConfigError
+            If no study has such values.
+        ConvergenceError
+            If the shell buckles before it carries its load.
+        """
+        study = self.study_at(values)
+        buoy = RestingBuoy.of(study, self.degree)
+        of_device = [i for i, key in enumerate(self.variables) if key.startswith("device.")]
+        keys = [self.variables[i] for i in of_device]
+        stepped = [buoy.with_step(key) for key in keys]
+        values_and_changes = linearised(buoy, self.design, stepped, self.grid.solved, self.nodes)
+        found = self._year(study, *values_and_changes, of_device)
+        slopes = hull(buoy, stepped)
+        if study.flexible:
+            slopes["static_strain"] = static_strain(buoy, stepped)
+            factors = inverse_load_factors(study, keys)
+            slopes |= {f"load_factor_inverse_{i}": factor for i, factor in enumerate(factors)}
+        count = len(self.variables)
+        found |= {
+            name: Quantity(value, of_all(np.array(change), of_device, count))
+            for name, (value, change) in slopes.items()
+        }
+        return Evaluation(found)
+
+    def _year(self, study: Study, buoy: Linearised, change: Linearised, places: Sequence[int]) -> dict[str, Quantity]:
+        """Power, damper, force and stroke over the year; derivatives of matrices are by the variables at `places`."""
+        count, k = len(self.variables), study.pto.stiffness
+        parts = {field.name: of_all(getattr(change, field.name), places, count) for field in fields(change)}
+        is_damper, k_change = (np.array([float(key == name) for key in self.variables]) for name in (DAMPER, SPRING))
+        parts["stiffness"] = parts["stiffness"] + k_change[:, None, None] * np.outer(buoy.port, buoy.port)
+        port = PortYear.of(self.grid, buoy, Linearised(**parts), k)
+        if is_damper.any():
+            c, c_change = study.pto.damper(self.design) or 0.0, is_damper
+        else:
+            c = port.optimal_damping
+            c_change = port.optimal_damping_change(c)
+        speed, speed_change = port.mean_square(c, self.grid.omega**2, c_change)
+        stroke, stroke_change = port.mean_square(c, np.ones_like(self.grid.omega), c_change)
+        force = np.sqrt(c**2 * speed + k**2 * stroke)
+        half = c**2 * speed_change / 2 + c * c_change * speed + k**2 * stroke_change / 2 + k * k_change * stroke
+        return {
+            "annual_mean_power": Quantity(c * speed, c * speed_change + c_change * speed),
+            "damping": Quantity(c, c_change),
+            "force_rms": Quantity(float(force), half / force),
+            "stroke_rms": Quantity(float(np.sqrt(stroke)), stroke_change / (2 * np.sqrt(stroke))),
+        }

@@ -1,0 +1,107 @@
+"""What limits a design: the size of its hull, the strain of its shell at rest, its distance from buckling."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.optimize import minimize_scalar
+
+from vsb.design.resting import RestingBuoy, Stepped, with_variable
+from vsb.scenes.rest import complete_loaded_shell, loaded_shell
+from vsb.shell.deformed import gauss_rule
+from vsb.shell.loaded import buckling_pencil
+from vsb.shell.modes import rigid_basis
+from vsb.study.study import Study
+from vsb.tools.arrays import AnyArray, FloatArray
+
+FACTORS = 4
+"""Largest inverse load factors that are given: those of several buckling modes may cross."""
+Slopes = tuple[float, list[float]]
+"""A value and its derivatives by the variables of the device."""
+
+
+def hull(buoy: RestingBuoy, stepped: Sequence[Stepped]) -> dict[str, Slopes]:
+    """Return beam and draft [m], surface [m^2] and volume [m^3] of the hull at rest, and mass [kg], with derivatives.
+
+    Where the hull is widest and deepest does not matter for derivatives: both are extrema along the meridian.
+    """
+    widest, deepest = (
+        _highest(lambda phi: buoy.shape.curve(phi).x, buoy),
+        _highest(lambda phi: -buoy.shape.curve(phi).z, buoy),
+    )
+    functions: dict[str, Callable[[RestingBuoy], AnyArray]] = {
+        "beam": lambda b: 2 * b.shape.curve(widest).x[0],
+        "draft": lambda b: -b.shape.curve(deepest).z[0],
+        "surface": _surface,
+        "volume": lambda b: np.asarray(b.loaded.elastic.volume(b.modal_amplitude)),
+        "mass": lambda b: np.asarray(b.loaded.basis.total_mass),
+    }
+    return {
+        name: (float(function(buoy)), [float(one.derivative(function)) for one in stepped])
+        for name, function in functions.items()
+    }
+
+
+def _surface(buoy: RestingBuoy) -> AnyArray:
+    """Area of the hull, int 2 pi x ds."""
+    node, weight = gauss_rule(8 * buoy.loaded.basis.turns + 48)
+    at = buoy.shape.curve(np.pi / 2 * (node + 1))
+    return np.asarray(np.pi**2 * (at.x * np.sqrt(at.dx**2 + at.dz**2)) @ weight)
+
+
+def _highest(function: Callable[[FloatArray], FloatArray], buoy: RestingBuoy) -> FloatArray:
+    """Colatitude where a function of it is largest, shape (1,) [rad]."""
+    grid = np.linspace(0.0, np.pi, 40 * (buoy.loaded.basis.turns + 1) + 1)
+    at = int(np.argmax(function(grid)))
+    bounds = grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)]
+    found = minimize_scalar(lambda phi: -float(function(np.array([phi]))[0]), bounds=bounds, options={"xatol": 1e-10})
+    return np.array([found.x if -found.fun > function(grid[at : at + 1])[0] else grid[at]])
+
+
+def static_strain(buoy: RestingBuoy, stepped: Sequence[Stepped]) -> Slopes:
+    """Return the largest Green-Lagrange membrane strain of the shell at rest [-], with derivatives.
+
+    Of the linear static solution about a shell that is taken as undeformed.
+    """
+
+    def strains(b: RestingBuoy, phi: FloatArray) -> AnyArray:
+        q = b.modal_amplitude
+        if not b.study.at_equilibrium:
+            q = np.linalg.solve(b.matrices.stiffness, b.loaded.force(0 * q))
+        return np.array(b.loaded.elastic.strains(q, phi))
+
+    phi = np.linspace(0.0, np.pi, 40 * (buoy.loaded.basis.turns + 1) + 1)
+    which = int(np.abs(strains(buoy, phi)).max(axis=1).argmax())
+    at = _highest(lambda phi: np.abs(strains(buoy, phi)[which]), buoy)
+
+    def largest(b: RestingBuoy) -> AnyArray:
+        return np.asarray(strains(b, at)[which, 0])
+
+    value = float(largest(buoy))
+    return abs(value), [float(np.sign(value) * one.derivative(largest)) for one in stepped]
+
+
+def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:
+    """Return the largest inverse load factors of linear buckling [-], descending, with derivatives by keys of a device.
+
+    Notes
+    -----
+    Eigenvalues kappa of -K_1 x = kappa K_0 x (`vsb.shell.loaded.buckling_pencil`): 1 buckles under its load, 0 and less
+    under no load. They are smooth where load factors leap to infinity. With x^T K_0 x = 1
+    dkappa = -x^T (dK_1 + kappa dK_0) x.
+    """
+    loaded = complete_loaded_shell(study)
+    elastic, load = buckling_pencil(loaded)
+    kappa, x = eigh(-load, elastic, subset_by_index=[len(load) - FACTORS, len(load) - 1])
+    rigid = RestingBuoy(study, loaded_shell(study, rigid_basis(study.device)), np.zeros(1))  # it floats undeformed
+    slopes = []
+    for key in keys:
+        step = rigid.with_step(key)
+        changed = with_variable(loaded, key, 1j * step.size)
+        d_elastic, d_load = map(
+            np.imag, buckling_pencil(replace(changed, centre_height=step.buoy.loaded.centre_height))
+        )
+        change = [-v @ (d_load + k * d_elastic) @ v / step.size for k, v in zip(kappa, x.T, strict=True)]
+        slopes.append(change)
+    return [(float(kappa[j]), [float(change[j]) for change in slopes]) for j in range(FACTORS)[::-1]]

@@ -1,0 +1,141 @@
+"""A buoy where it rests, its matrices there, and how both change with a variable of its design.
+
+Derivatives are by the complex step: with a function that is analytic, df/dx = Im f(x + i h)/h without any subtraction,
+exact to round-off for a tiny h (Squire and Trapp, SIAM Review 40, 1998). Shell theory and hydrostatics are evaluated
+with such numbers by the same code as with real ones, so there is no second copy of the model.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vsb.errors import ConfigError
+from vsb.scenes.rest import loaded_shell, stiffness_about
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.loaded import LoadedShell, complete_basis, equilibrium
+from vsb.shell.modes import rigid_basis
+from vsb.shell.shell import Curve, Shell
+from vsb.study.study import Study
+from vsb.tools.arrays import AnyArray, FloatArray
+
+STEP = 1e-20
+"""Imaginary step, in terms of the variable or of one unit of it if it is zero: its square vanishes in round-off."""
+OF_SHELL = ("radius", "thickness", "young_modulus", "poisson_ratio", "density")
+"""Variables of a device that are those of its shell."""
+OF_DEVICE = (*OF_SHELL, "internal_pressure", "mass")
+"""Variables of a device."""
+
+
+class Matrices(NamedTuple):
+    """Mass [kg], structural damping [N s/m] and stiffness [N/m] about the shape at rest, each (dof, dof)."""
+
+    mass: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+
+
+@dataclass(frozen=True)
+class RestingBuoy:
+    """The loaded shell of a study at rest, in heave and separate radial and meridional functions.
+
+    These do not depend on thickness or material, as natural modes do: derivatives are taken at fixed functions.
+    """
+
+    study: Study
+    loaded: LoadedShell
+    modal_amplitude: FloatArray  # heave and modes at rest (dof,) [m]; zero about the undeformed shell
+
+    @classmethod
+    def of(cls, study: Study, degree: int) -> "RestingBuoy":
+        """Return the buoy of a study at rest, its shell in functions to a degree.
+
+        Raises
+        ------
+        ConvergenceError
+            If the shell buckles before it carries its load.
+        """
+        device = study.device
+        basis = complete_basis(Shell.of(device), degree, device.mass) if study.flexible else rigid_basis(device)
+        loaded = loaded_shell(study, replace(basis, alpha=device.damping.alpha, beta=device.damping.beta))
+        return cls(study, loaded, equilibrium(loaded) if study.at_equilibrium else np.zeros(len(basis.labels)))
+
+    @cached_property
+    def shape(self) -> DeformedShell:
+        """The shape at rest."""
+        return DeformedShell(self.loaded.basis, self.loaded.centre_height, self.modal_amplitude)
+
+    @cached_property
+    def matrices(self) -> Matrices:
+        """Mass, damping and stiffness about the shape at rest."""
+        basis = self.loaded.basis
+        stiffness = stiffness_about(self.study, self.loaded, self.modal_amplitude)
+        return Matrices(basis.inertia, basis.damping, np.asarray(sum(stiffness.values())))
+
+    def with_step(self, key: str) -> "Stepped":
+        """Return the buoy at rest with an imaginary step of a variable of its device, floating freely.
+
+        The forces at rest stay in balance, so the shape changes by K^-1 df/dx, f the force and K its tangent
+        stiffness; an undeformed shell only floats higher or lower.
+        """
+        size = step_of(self.study, key)
+        changed = with_variable(self.loaded, key, 1j * size)
+        rate = self.compliance @ changed.force(self.modal_amplitude).imag / size
+        stepped = replace(changed, centre_height=changed.centre_height + 1j * size * rate[0])
+        shell = rate * (np.arange(len(rate)) > 0)
+        amplitude = self.modal_amplitude + 1j * size * shell if shell.any() else self.modal_amplitude
+        return Stepped(replace(self, loaded=stepped, modal_amplitude=amplitude), size)
+
+    @cached_property
+    def compliance(self) -> FloatArray:
+        """Displacement at rest per steady force on the shell as it comes to rest, shape (dof, dof) [m/N]."""
+        stiffness, found = self.loaded.stiffness(self.modal_amplitude), np.zeros((len(self.modal_amplitude),) * 2)
+        free = len(found) if self.study.at_equilibrium else 1
+        found[:free, :free] = np.linalg.inv(stiffness[:free, :free])
+        return found
+
+
+@dataclass(frozen=True)
+class Stepped:
+    """A buoy with an imaginary step of one variable."""
+
+    buoy: RestingBuoy
+    size: float  # of the step
+
+    def derivative(self, of: Callable[[RestingBuoy], AnyArray]) -> FloatArray:
+        """Return the derivative by the variable of an analytic function of the buoy."""
+        return np.asarray(np.imag(of(self.buoy)) / self.size)
+
+    def displacement(self, colatitude: FloatArray) -> Curve:
+        """Return how points of the meridian move per unit of the variable."""
+        return Curve(*(np.asarray(np.imag(part) / self.size) for part in self.buoy.shape.curve(colatitude)))
+
+
+def step_of(study: Study, key: str) -> float:
+    """Return the size of the imaginary step of a variable of the device."""
+    return STEP * (abs(float(getattr(study.device, key.removeprefix("device.")))) or 1.0)
+
+
+def with_variable(loaded: LoadedShell, key: str, step: complex) -> LoadedShell:
+    """Return a loaded shell with a step of a variable of its device, at the same height of the centre.
+
+    Raises
+    ------
+    ConfigError
+        If it is not a variable of the shell.
+    """
+    name, basis = key.removeprefix("device."), loaded.basis
+    changed: dict[str, Any]
+    if name == "internal_pressure":
+        changed = {name: loaded.internal_pressure + step}
+        return replace(loaded, **changed)
+    if name == "mass":
+        changed = {"total_mass": basis.total_mass + step}
+    elif name in OF_SHELL:
+        of_shell: dict[str, Any] = {name: getattr(basis.shell, name) + step}
+        changed = {"shell": replace(basis.shell, **of_shell)}
+    else:
+        raise ConfigError(f"variables: received {key}; needs one of {', '.join(OF_DEVICE)} of the device")
+    return replace(loaded, elastic=replace(loaded.elastic, basis=replace(basis, **changed)))

@@ -1,0 +1,152 @@
+"""The year's mean power of one buoy and take-off, what the take-off bears, and their derivatives.
+
+With D = -w^2 (M + R) - i w C + K + k b b^T, R = A + i B/w (C1), the motion without a damper is q = D^-1 X, and
+l = D^-1 b that under a unit force; the port moves by u = u_0/(1 - i w c y), u_0 = b^T q, y = b^T l. D is symmetric, so
+l is also the adjoint state: du_0 = l^T (dX - dD q), dy = -l^T dD l. With the year's mean variance density S,
+
+    mean power P = int c w^2 S |u|^2 dw,  stroke^2 = int S |u|^2 dw,  force^2 = int (c^2 w^2 + k^2) S |u|^2 dw.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from vsb.design.linearised import Linearised
+from vsb.hydro.spectral.meridian import unit_rule
+from vsb.motion.port import Port
+from vsb.motion.tuning import best_damper_of_each
+from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.waves.climate import Climate
+
+
+@dataclass(frozen=True)
+class FrequencyGrid:
+    """Frequencies that coefficients are solved at, and those that the year is integrated over.
+
+    Coefficients are polynomials in the root of frequency through Chebyshev's points: smooth down to the low frequencies
+    where added mass goes like w^2 log w. The year is integrated by Gauss' rule in each band of the climate, in which
+    its density is constant.
+    """
+
+    solved: FloatArray  # ascending (solved,) [rad/s]
+    omega: FloatArray  # (omega,) [rad/s]
+    variance: FloatArray  # S dw of each (omega,) [m^2]
+
+    @classmethod
+    def of(cls, climate: Climate, omega_max: float, solves: int, points: int) -> "FrequencyGrid":
+        """Return the grid of a climate up to a highest frequency [rad/s], with `points` in each band."""
+        edges = climate.edges
+        held = np.flatnonzero(climate.mean_density)
+        low, high = edges[held[0]], min(edges[held[-1] + 1], omega_max)
+        if low == 0.0:
+            low = edges[1] * 1e-2
+        bounds = np.clip(edges, low, high)
+        node, weight = unit_rule(points)
+        width = np.diff(bounds)[:, None]
+        omega, variance = bounds[:-1, None] + width * node, climate.mean_density[:, None] * width * weight
+        used = (variance > 0).ravel()
+        middle, half = (np.sqrt(low) + np.sqrt(high)) / 2, (np.sqrt(high) - np.sqrt(low)) / 2
+        solved = (middle - half * np.cos(np.pi * (np.arange(solves) + 0.5) / solves)) ** 2
+        return cls(solved, omega.ravel()[used], variance.ravel()[used])
+
+    @cached_property
+    def interpolation(self) -> FloatArray:
+        """Values at the frequencies of the year per value at those solved, shape (omega, solved) [-]; barycentric."""
+        count = len(self.solved)
+        weight = (-1.0) ** np.arange(count) * np.sin(np.pi * (np.arange(count) + 0.5) / count)
+        apart = np.sqrt(self.omega)[:, None] - np.sqrt(self.solved)
+        terms = weight / np.where(apart == 0.0, 1e-300, apart)
+        return np.asarray(terms / terms.sum(axis=1, keepdims=True))
+
+
+@dataclass(frozen=True)
+class PortYear:
+    """The port of a buoy over the year beside its spring, without its damper; derivatives by each variable."""
+
+    grid: FrequencyGrid
+    motion: ComplexArray  # u_0 (omega,) [m/m]
+    receptance: ComplexArray  # y (omega,) [m/N]
+    motion_change: ComplexArray  # (variable, omega)
+    receptance_change: ComplexArray
+
+    @classmethod
+    def of(cls, grid: FrequencyGrid, buoy: Linearised, change: Linearised, spring: float) -> "PortYear":
+        """Return the port of a buoy beside a spring [N/m] and its derivatives."""
+        w, between, b = grid.omega, grid.interpolation, buoy.port
+        count, free = change.port.shape
+        radiation = (between @ buoy.radiation.reshape(-1, free**2)).reshape(-1, free, free)
+        excitation, along_port = between @ buoy.excitation, np.outer(b, b)
+        dynamic = (
+            -(w**2)[:, None, None] * (buoy.mass + radiation)
+            - 1j * w[:, None, None] * buoy.damping
+            + buoy.stiffness
+            + spring * along_port
+        )
+        load = np.broadcast_to(b, excitation.shape)
+        q, under = np.moveaxis(np.linalg.solve(dynamic, np.stack([excitation, load], axis=-1)), -1, 0)
+        turned = change.port[:, :, None] * b
+        stiffness_change = change.stiffness + spring * (turned + turned.swapaxes(1, 2))
+
+        def forces(motion: ComplexArray) -> ComplexArray:
+            """l^T dD motion for each variable, shape (variable, omega)."""
+            pairs = (under[:, :, None] * motion[:, None, :]).reshape(-1, free**2).T
+            mass, damping, stiffness = (
+                values.reshape(count, free**2) @ pairs for values in (change.mass, change.damping, stiffness_change)
+            )
+            radiated = (change.radiation.reshape(-1, free**2) @ pairs).reshape(count, -1, len(w))
+            return np.asarray(-(w**2) * (mass + (radiated * between.T).sum(axis=1)) - 1j * w * damping + stiffness)
+
+        pushed = (between @ change.excitation * under).sum(axis=-1)
+        return cls(
+            grid, q @ b, under @ b, pushed - forces(q) + change.port @ q.T, 2 * change.port @ under.T - forces(under)
+        )
+
+    @property
+    def optimal_damping(self) -> float:
+        """The damper that absorbs most over the year [N s/m]."""
+        w = self.grid.omega
+        port = Port(w, -1j * w * self.receptance, -1j * w * self.motion, 0.0)
+        found = float(best_damper_of_each([port], 2 * self.grid.variance)[0])
+        for _ in range(3):  # Newton's method in log c, from an error of 1e-8
+            slope, bend, _ = self._optimality(found)
+            found *= float(np.exp(-slope / (bend * found)))
+        return found
+
+    def _optimality(self, c: float) -> tuple[float, float, FloatArray]:
+        """dP/dc, d2P/dc2 and the derivatives of dP/dc by the variables at fixed c, shape (variable,).
+
+        P = sum c s/E, s = w^2 S |u_0|^2, E = |1 - i w c y|^2 = 1 + 2 w c Im y + (w c |y|)^2.
+        """
+        w, y, u = self.grid.omega, self.receptance, self.motion
+        s = w**2 * self.grid.variance * np.abs(u) ** 2
+        a, d = 2 * w * y.imag, (w * np.abs(y)) ** 2
+        e, e_c = 1 + a * c + d * c**2, a + 2 * d * c
+        top, top_c = 1 - d * c**2, -2 * d * c
+        slope, bend = (s * top / e**2).sum(), (s * (top_c / e**2 - 2 * top * e_c / e**3)).sum()
+        ds = 2 * w**2 * self.grid.variance * (u.conj() * self.motion_change).real
+        da, dd = 2 * w * self.receptance_change.imag, 2 * w**2 * (y.conj() * self.receptance_change).real
+        change = ds * top / e**2 - s * (dd * c**2 / e**2 + 2 * top * (da * c + dd * c**2) / e**3)
+        return float(slope), float(bend), np.asarray(change.sum(axis=-1))
+
+    def optimal_damping_change(self, c: float) -> FloatArray:
+        """Return the derivatives of the optimal damper, -(d2P/dc dx)/(d2P/dc2), shape (variable,)."""
+        _, bend, change = self._optimality(c)
+        return -change / bend
+
+    def mean_square(self, c: float, weight: FloatArray, c_change: FloatArray) -> tuple[float, FloatArray]:
+        """Return sum weight S |u|^2 dw under a damper and its derivatives, weights fixed, by the variables.
+
+        Parameters
+        ----------
+        c : float [N s/m]
+        weight : ndarray, shape (omega,)
+        c_change : ndarray, shape (variable,)
+            Derivatives of the damper.
+        """
+        w, y = self.grid.omega, self.receptance
+        below = 1 - 1j * w * c * y
+        u = self.motion / below
+        change = (self.motion_change + 1j * w * u * (c * self.receptance_change + c_change[:, None] * y)) / below
+        square = weight * self.grid.variance
+        return float(square @ np.abs(u) ** 2), np.asarray(2 * (u.conj() * change).real @ square)
