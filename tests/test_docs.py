@@ -48,7 +48,12 @@ def test_every_key_stands_in_the_reference(generate):
     for model in (Study, BodyStudy, BodyFile):
         for name in dotted(schema_of(model)):
             assert f"\n| `{name.rpartition('.')[2]}` |" in page
-    assert page.count("| `young_modulus` | Young's modulus of the shell | Pa | **required** | from 1 to 1e+16 |") == 1
+    assert (
+        page.count(
+            "| `young_modulus` | Young's modulus of the shell; required but of rubber | Pa | none | from 1 to 1e+16 |"
+        )
+        == 1
+    )
     assert "| `depth` | depth of the sea; .inf is deep water | m | `.inf` | above 0 |" in page
 
 

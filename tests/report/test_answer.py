@@ -118,7 +118,7 @@ def test_best_design_is_chosen_among_valid_ones():
     assert "the best flexible design, A, absorbs 5.0 % more" in found.stands[0]
     assert found.below == [
         "Not valid and not part of this answer: A in a chop, computed to absorb 50.0 % more than the rigid FSB; "
-        "the strain reaches 12 %, beyond the 10 % limit of Hooke's law."
+        "the strain reaches 12 %, beyond the limit of its material's law (Hooke's: 10 %)."
     ]
 
 

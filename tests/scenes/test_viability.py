@@ -99,3 +99,34 @@ def test_strain_at_rest_is_judged_as_in_a_study(seed, modulus, verdict):
     assert found.reasons.get("VSWEC", "").startswith("overstrained: 14.8 % at rest" if verdict == "fail" else "")
     assert ("VSWEC" in found.reasons, "VSWEC" in found.doubts) == (verdict == "fail", verdict == "doubt")
     assert "FSB" not in {**found.reasons, **found.doubts}
+
+
+def rubber(seed, **device):
+    """The seed's buoy of neo-Hookean rubber about its rest shape."""
+    raw = seed.model_dump()
+    given = {"material": {"law": "neo_hookean", "mu": 1e6}, "thickness": 0.05, "density": 1100.0} | device
+    hooke = ("young_modulus", "poisson_ratio")
+    raw["device"] = {key: value for key, value in raw["device"].items() if key not in hooke} | given
+    return parse({**raw, "modes": {"basis": "full", "degree": 4}, "reference_shape": "equilibrium"}, source="rubber")
+
+
+def test_rubber_is_judged_by_its_own_law_and_its_path(seed):
+    study = rubber(seed, internal_pressure=2e4)
+    found, reference = viability(study), reference_shell(study)
+    assert not found.reasons
+    assert not found.doubts
+    assert found.margin == pytest.approx(1 - 1 / 1.69, abs=0.01)
+    checks = {check.name: check for check in ledger.shell_checks(study, reference)}
+    assert {name: check.verdict for name, check in checks.items()} == dict.fromkeys(checks, "ok")
+    assert checks["load_path"].value == pytest.approx(1 - found.margin)
+    assert checks["static_strain"].value == pytest.approx(0.12, abs=0.01)
+
+
+def test_rubber_that_wrinkles_or_bursts_is_told(seed):
+    check = ledger.wrinkling_check(rubber(seed, internal_pressure=1.4e4))
+    assert check.verdict in ("doubt", "fail")
+    assert "compressive membrane force at rest" in check.explanation
+    burst = viability(rubber(seed, internal_pressure=4e4))
+    assert burst.reference is None
+    assert burst.margin < 0
+    assert "the shell passes its limit point at 0." in burst.reasons["VSWEC"]

@@ -264,3 +264,50 @@ def test_invalid_radius_or_water_is_the_only_error(raw_of_floating, changes, exp
         parse(raw_of_floating | {"water": changes.get("water", {}), "device": device}, source="here")
     assert len(refused.value.mistakes) == 1
     assert str(refused.value).startswith(f"here: {expected}")
+
+
+RUBBER = {"radius": 2.0, "thickness": 0.05, "density": 1100.0, "mass": 17170.0}
+
+
+@pytest.mark.parametrize(
+    ("material", "modulus"),
+    [
+        ({"law": "neo_hookean", "mu": 4e5}, 1.2e6),
+        ({"law": "mooney_rivlin", "c1": 1.6e5, "c2": 4e4}, 1.2e6),
+        ({"law": "gent", "mu": 4e5, "jm": 30.0}, 1.2e6),
+    ],
+    ids=lambda value: value["law"] if isinstance(value, dict) else "",
+)
+def test_rubber_implies_its_moduli_and_stands_in_their_place(material, modulus):
+    device = Device(**RUBBER, material=material)
+    assert (device.young_modulus, device.poisson_ratio) == (pytest.approx(modulus), 0.5)
+    said = device.model_dump()
+    assert said["material"] == material
+    assert not {"young_modulus", "poisson_ratio"} & said.keys()
+    assert Device(**said) == device
+
+
+def test_hookes_law_is_the_default_and_changes_no_id():
+    said = Device(**GIVEN, material={"law": "hookean"}).model_dump()
+    assert said == Device(**GIVEN).model_dump()
+    assert "material" not in said
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"material": {"law": "gent", "mu": 4e5, "jm": 30.0}, "young_modulus": 1e7},
+            "young_modulus: received 10000000.0 beside material gent, which has its own; remove it",
+        ),
+        ({"material": {"law": "gent", "mu": 4e5}}, "material.jm: missing, but required"),
+        ({"material": {"law": "wood"}}, "material: kind 'wood': needs one of 'hookean', 'neo_hookean'"),
+        ({"material": {"law": "neo_hookean", "mu": -1.0}}, "material.mu: received -1.0"),
+        ({"young_modulus": 1e7, "poisson_ratio": 0.5}, "poisson_ratio 0.5: needs less than 0.5, or a material of rub"),
+        ({}, "young_modulus: missing, but required"),
+    ],
+    ids=["both", "no_jm", "wood", "negative", "half", "none"],
+)
+def test_what_a_material_may_not_be(changes, message):
+    with pytest.raises(ConfigError, match=message):
+        validated(Device, {**RUBBER, **changes}, "device")

@@ -15,16 +15,17 @@ import xarray as xr
 
 from vsb.errors import ConvergenceError
 from vsb.hydro import witness
-from vsb.hydro.database import Check, check_at_most, stored_checks
+from vsb.hydro.database import Check, Verdict, check_at_most, stored_checks
 from vsb.results.budget import MODES
 from vsb.results.comparison import Row
 from vsb.results.ladder import Rung
 from vsb.scenes.floating_system import band
 from vsb.scenes.mode_convergence import knows_port
-from vsb.scenes.rest import carries_load, computed_buckling, loaded_shell
-from vsb.scenes.viability import DOUBTED_STRAIN, static_modal_amplitude, static_strain
+from vsb.scenes.rest import carries_load, complete_at_rest, complete_loaded_shell, computed_buckling, loaded_shell
+from vsb.scenes.viability import MOST_LOAD, rubber_load_factor, static_modal_amplitude, static_strain
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.loaded import viable_pressure
+from vsb.shell.materials import Range
 from vsb.shell.shell import Shell
 from vsb.shell.surface import largest_displacement
 from vsb.study.blocks import no_witness
@@ -39,6 +40,10 @@ from vsb.waves.seas import share_above, share_below
 HEAVING = "an axisymmetric heaving body"
 DEGREES = {name for keys in KEYS.values() for name, key in keys.items() if key.unit == "degrees"}
 """Last words of the keys that are angles."""
+RESERVE = 1.5
+"""Factor of its load a shell of rubber should bear: thickness and modulus are known to some ten per cent."""
+WRINKLED = 1e-6
+"""Compression over tension that is round-off."""
 LIKE_RADIANS = 4e-3
 """How near to a multiple of pi/12 an angle looks like radians: 1.57 and 6.28 do."""
 
@@ -86,10 +91,12 @@ def wave_checks(wave: Wave, water: Water, omega_max: float, omega_min: float = 0
 
 
 def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
-    """Return what the static load does to a flexible shell: buckling by two criteria, deformation, strain."""
+    """Return what the static load does to a flexible shell: buckling by two criteria, deformation, strain, wrinkles."""
     if not study.flexible:
         return []
     checks, static = viability_checks(study), static_checks(study, reference)
+    if reference.basis.shell.rubber and study.at_equilibrium:
+        return [*checks, *static, wrinkling_check(study)]
     if study.device.shape is not None:
         return [*checks, *static]
     return [classical_check(study, reference, all(check.verdict != "fail" for check in checks)), *checks, *static]
@@ -122,10 +129,10 @@ def viability_checks(study: Study) -> list[Check]:
 
     With internal pressure linear buckling is advice: a shell that comes to a stable rest shape along the nonlinear
     path of the growing load carries it, and the check is a doubt at most. About the equilibrium there is nothing to
-    add: a shell that buckles on that path is refused there.
+    add: a shell that buckles on that path is refused there. How near rubber is to the end of that path is told.
     """
     if study.at_equilibrium:
-        return []
+        return [_path_check(study)] if Shell.of(study.device).rubber else []
     if study.device.shape is not None:
         text = "buckling is computed of the sphere alone: whether this shell carries its load is not known"
         return [Check("computed_buckling", 1.0, 1.0, "-", "doubt", text)]
@@ -139,6 +146,25 @@ def viability_checks(study: Study) -> list[Check]:
         text += _viable_text(study)
     check = check_at_most("computed_buckling", 1 / found.load_factor, 1.0, "-", text)
     return [replace(check, verdict="doubt") if carried else check]
+
+
+def _path_check(study: Study) -> Check:
+    """Return the static load over that at which the growing load makes a shell of rubber unstable."""
+    factor = rubber_load_factor(complete_loaded_shell(study))
+    text = "static load over that at which the growing load buckles the shell or takes it to its limit point"
+    if factor >= MOST_LOAD:
+        text += f"; it is stable at {MOST_LOAD:g} times its load"
+    return check_at_most("load_path", 1 / factor, 1 / RESERVE, "-", text, doubt=True)
+
+
+def wrinkling_check(study: Study) -> Check:
+    """Return whether a membrane force of the shell at rest is compressive, and folds it into wrinkles."""
+    loaded, q = complete_at_rest(study)
+    meridional, hoop = loaded.elastic.resultants(q)
+    least, most = float(np.minimum(meridional, hoop).min()), float(np.maximum(meridional, hoop).max())
+    text = f"compressive membrane force at rest, {plain(max(0.0, -least))} N/m, over the largest tension: a thin shell "
+    text += "wrinkles across it"
+    return check_at_most("wrinkling", max(0.0, -least) / (max(most, -least) or 1.0), WRINKLED, "-", text, doubt=True)
 
 
 def _viable_text(study: Study) -> str:
@@ -157,13 +183,20 @@ def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:
     """Return displacement and strain of the shell at rest, about which motion is linearised or which is left out."""
     basis, static = reference.basis, static_modal_amplitude(study, reference)
     left_out = "" if study.at_equilibrium else "; the reference shape is undeformed"
-    limit = 0.2 if study.at_equilibrium else 0.05
-    moved, strain = largest_displacement(basis, static) / basis.shell.radius, static_strain(basis, static)
+    shell = basis.shell
+    limit, holds = (0.5 if shell.rubber else 0.2) if study.at_equilibrium else 0.05, shell.law.range
+    moved, strain = largest_displacement(basis, static) / shell.radius, static_strain(basis, static)
     text = f"static displacement of the shell over its radius{left_out}"
     return [
         check_at_most("static_deformation", moved, limit, "-", text, doubt=True),
-        check_at_most("static_strain", strain, DOUBTED_STRAIN, "-", "largest membrane strain at rest", doubt=True),
+        strain_check("static_strain", strain, holds, " at rest"),
     ]
+
+
+def strain_check(name: str, strain: float, holds: Range, when: str = "", **where: str) -> Check:
+    """Return whether a strain, as the law of the material measures it, is within the range of that law."""
+    verdict: Verdict = "ok" if strain <= holds.doubted else "doubt" if strain <= holds.invalid else "fail"
+    return Check(name, strain, holds.doubted, "-", verdict, f"{holds.measure}{when}", **where)
 
 
 # coefficients and linear theory -------------------------------------------------------------------------------------

@@ -128,10 +128,22 @@ def _at_rest(loaded: LoadedShell) -> FloatArray:
     return q
 
 
+def complete_at_rest(study: AtRest) -> tuple[LoadedShell, FloatArray]:
+    """Return the loaded shell in a basis that resolves its buckling, and its equilibrium, shape (dof,) [m].
+
+    Raises
+    ------
+    ConvergenceError
+        If the growing load does not lead it to a stable rest shape.
+    """
+    loaded = complete_loaded_shell(study)
+    return loaded, _at_rest(loaded)
+
+
 def carries_load(study: AtRest) -> bool:
     """Return whether the growing load leads the shell to a stable rest shape, in a basis that resolves its buckling."""
     try:
-        _at_rest(complete_loaded_shell(study))
+        complete_at_rest(study)
     except ConvergenceError:
         return False
     return True
@@ -163,7 +175,7 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
     loaded = loaded_shell(study, basis)
     if study.at_equilibrium:
         try:
-            _at_rest(complete_loaded_shell(study))
+            complete_at_rest(study)
         except ConvergenceError as error:
             raise ConfigError(f"reference_shape: received 'equilibrium', but {error}") from None
         undamped = replace(basis, alpha=0.0, beta=0.0)  # at rest nothing moves

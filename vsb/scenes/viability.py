@@ -12,6 +12,7 @@ from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.port import LinearPto, port_direction
 from vsb.scenes.rest import (
     check_upright,
+    complete_loaded_shell,
     computed_buckling,
     design_stiffness,
     loaded_shell,
@@ -21,15 +22,17 @@ from vsb.scenes.rest import (
 )
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.elastic import ElasticShell
+from vsb.shell.loaded import LoadedShell, stable_path
 from vsb.shell.modes import ModeBasis
+from vsb.study.material import Hookean
 from vsb.study.study import Study, canonical, parse
 from vsb.tools.arrays import FloatArray
 
 MODULUS = 1e9
 """Young's modulus at which buckling is computed [Pa]: its load is proportional to it, and is cached by all else."""
 
-DOUBTED_STRAIN, INVALID_STRAIN = 0.02, 0.1
-"""Membrane strain at rest above which Hooke's law is doubted, and above which it does not hold [-]."""
+MOST_LOAD = 2.0
+"""Factor of its load to which a shell of rubber is followed."""
 
 
 @dataclass(frozen=True)
@@ -74,11 +77,12 @@ def viability(study: Study) -> Viability:
     reasons = {design: f"unstable: least stiffness {k:.3g} N/m" for design, k in least.items() if k <= 0}
     flexible = [design for design, one in study.designs.items() if one.flexible]
     strain = static_strain(reference.basis, static_modal_amplitude(study, reference)) if flexible else 0.0
-    if strain > INVALID_STRAIN:
-        words = f"overstrained: {100 * strain:.3g} % at rest, Hooke's law ends at {100 * INVALID_STRAIN:g} %"
+    holds = reference.basis.shell.law.range
+    if strain > holds.invalid:
+        words = f"overstrained: {100 * strain:.3g} % at rest, {holds.law} ends at {100 * holds.invalid:g} %"
         return Viability(study, reference, margin, dict.fromkeys(flexible, words) | reasons)
-    words = f"doubtful: strained by {100 * strain:.3g} % at rest, above {100 * DOUBTED_STRAIN:g} %"
-    doubts = dict.fromkeys(flexible, words) if strain > DOUBTED_STRAIN else {}
+    words = f"doubtful: strained by {100 * strain:.3g} % at rest, above {100 * holds.doubted:g} %"
+    doubts = dict.fromkeys(flexible, words) if strain > holds.doubted else {}
     return Viability(study, reference, margin, reasons, doubts)
 
 
@@ -91,8 +95,8 @@ def static_modal_amplitude(study: Study, reference: ReferenceShell) -> FloatArra
 
 
 def static_strain(basis: ModeBasis, modal_amplitude: FloatArray) -> float:
-    """Return the largest membrane strain of the shell at rest [-]."""
-    return float(np.abs(ElasticShell(basis).strains(modal_amplitude)).max())
+    """Return the strain of the shell at rest as its law measures it, `Law.strained` [-]."""
+    return float(basis.shell.law.strained(*ElasticShell(basis).strains(modal_amplitude)).max())
 
 
 def _no_equilibrium(error: Exception) -> str:
@@ -107,13 +111,23 @@ def buckling_margin(study: Study) -> float:
     Notes
     -----
     Without trapped gas the load is that of weight, water and internal pressure, which does not depend on the modulus:
-    the buckling load is proportional to it.
+    the buckling load is proportional to it. Rubber at its equilibrium is followed along the growing load instead, to
+    `MOST_LOAD` at most.
     """
     if not study.flexible:
         return 1.0
-    if study.device.gas:
+    rubber = not isinstance(study.device.material, Hookean)
+    if rubber and study.at_equilibrium:
+        return 1.0 - 1.0 / rubber_load_factor(complete_loaded_shell(study))
+    if rubber or study.device.gas:
         return 1.0 - 1.0 / computed_buckling(study).load_factor
     return 1.0 - MODULUS / study.device.young_modulus * _load_share(_at_modulus(study))
+
+
+@lru_cache(maxsize=16)
+def rubber_load_factor(loaded: LoadedShell) -> float:
+    """Return the factor of its load at which a shell of rubber becomes unstable, `MOST_LOAD` at most [-]."""
+    return max(stable_path(loaded, until=MOST_LOAD).reached, 1e-3)
 
 
 def _at_modulus(study: Study) -> str:

@@ -7,6 +7,7 @@ the axisymmetric modes. Buckling into shapes that vary with azimuth is outside t
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, eigh
@@ -171,31 +172,58 @@ def _dominant_degree(elastic: ElasticShell, q: FloatArray) -> int:
     return int(np.bincount(elastic.basis.degrees, q * (elastic.stiffness(0 * q) @ q)).argmax())
 
 
-def equilibrium(loaded: LoadedShell, motions: FloatArray | None = None) -> FloatArray:
-    """Return the static equilibrium reached from the undeformed shell as the load grows, shape (dof,) [m].
+class Path(NamedTuple):
+    """How far the growing load leads a shell in stable equilibrium."""
 
-    Newton's method along gravity and internal pressure times a factor 0..1 in adaptive steps. The tangent stiffness
-    must stay positive definite: a step that would jump past a buckling point is halved, and in the end refused with
-    `ConvergenceError`. `motions`, shape (dof, free), are those that clamps allow; all if not given.
+    amplitudes: FloatArray  # of the last stable state, (dof,) [m]
+    reached: float  # factor of gravity and internal pressure there
+
+
+def stable_path(loaded: LoadedShell, motions: FloatArray | None = None, until: float = 1.0) -> Path:
+    """Return where a shell comes to as gravity and internal pressure grow from 0 to a factor of theirs.
+
+    Newton's method in adaptive steps. The tangent stiffness must stay positive definite and the material within what it
+    can bear: a step that would jump past a buckling or limit point is halved, and the path ends within 0.001 of it.
+    `motions`, shape (dof, free), are those that clamps allow; all if not given.
     """
     n = np.eye(len(loaded.basis.labels)) if motions is None else motions
     q: FloatArray = np.zeros(n.shape[0])
     reached, step = 0.0, 0.25
-    while reached < 1.0:
-        trial = min(1.0, reached + step)
+    while reached < until:
+        trial = min(until, reached + step)
         found = _newton(loaded.scaled(trial), n, q)
         if found is not None:
             q, reached, step = found, trial, 2 * step
         elif step < 1e-3:
-            raise ConvergenceError(_buckled(loaded, n, q, reached))
+            break
         else:
             step /= 2
-    return q
+    return Path(q, reached)
+
+
+def equilibrium(loaded: LoadedShell, motions: FloatArray | None = None) -> FloatArray:
+    """Return the static equilibrium reached from the undeformed shell as the load grows, shape (dof,) [m].
+
+    Trapped gas loses pressure as the shell expands, and so leads a shell of rubber past the limit point it would burst
+    at under constant pressure.
+
+    Raises
+    ------
+    ConvergenceError
+        If `stable_path` ends before the whole load is reached.
+    """
+    path = stable_path(loaded, motions)
+    if path.reached < 1.0:
+        n = np.eye(len(loaded.basis.labels)) if motions is None else motions
+        raise ConvergenceError(_lost(loaded, n, path))
+    return path.amplitudes
 
 
 def _newton(loaded: LoadedShell, n: FloatArray, q: FloatArray) -> FloatArray | None:
     """Newton's method in the motions n; none if it leaves the stable region or does not converge."""
     for _ in range(12):
+        if not loaded.elastic.admits(q):
+            return None
         try:
             force, stiffness = loaded.force_and_stiffness(q)
             correction = n @ cho_solve(cho_factor(n.T @ stiffness @ n), n.T @ force)
@@ -209,15 +237,25 @@ def _newton(loaded: LoadedShell, n: FloatArray, q: FloatArray) -> FloatArray | N
     return None
 
 
-def _buckled(loaded: LoadedShell, n: FloatArray, q: FloatArray, reached: float) -> str:
-    """Message with the load and shape at which the shell buckles: the softest motion of the last stable state."""
-    stiffness, unloaded = loaded.scaled(max(reached, 1e-3)).stiffness(q), loaded.unloaded_stiffness.copy()
+def _lost(loaded: LoadedShell, n: FloatArray, path: Path) -> str:
+    """Message with the load and shape at which stability ends: the softest motion of the last stable state."""
+    q, reached = path
+    there = loaded.scaled(max(reached, 1e-3))
+    stiffness, unloaded = there.stiffness(q), loaded.unloaded_stiffness.copy()
     unloaded[0, 0] = stiffness[0, 0]  # heave has no elastic stiffness to lose
     softest = n @ eigh(n.T @ stiffness @ n, n.T @ unloaded @ n, subset_by_index=[0, 0])[1][:, 0]
+    degree, thickness = _dominant_degree(loaded.elastic, softest), loaded.basis.shell.thickness
+    if degree == 0 and there.pressure(q) > 0:
+        return (
+            f"the shell passes its limit point at {reached:.3g} of its load, at an internal pressure of "
+            f"{there.pressure(q):.4g} Pa: beyond it less pressure inflates it further; lower device.internal_pressure "
+            f"(now {loaded.internal_pressure:g} Pa, gauge), trap the gas (device.gas), or raise device.thickness (now "
+            f"{thickness:g} m)"
+        )
     return (
-        f"the shell buckles at {reached:.3g} of its load, into a shape of degree "
-        f"{_dominant_degree(loaded.elastic, softest)}; raise device.internal_pressure (now "
-        f"{loaded.internal_pressure:g} Pa, gauge) or device.thickness (now {loaded.basis.shell.thickness:g} m)"
+        f"the shell buckles at {reached:.3g} of its load, into a shape of degree {degree}; raise "
+        f"device.internal_pressure (now {loaded.internal_pressure:g} Pa, gauge) or device.thickness (now {thickness:g} "
+        "m)"
     )
 
 

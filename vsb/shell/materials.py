@@ -26,6 +26,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from vsb.study import material
+from vsb.study.material import Rubber
 from vsb.tools.arrays import FloatArray
 
 
@@ -48,8 +50,9 @@ class Thinning(NamedTuple):
 
 
 class Range(NamedTuple):
-    """How far a law holds: what is measured, in words, and the values above which it is doubted, and does not hold."""
+    """How far a law holds: its name, what is measured, the values above which it is doubted, and does not hold."""
 
+    law: str
     measure: str
     doubted: float
     invalid: float
@@ -104,7 +107,7 @@ class HookeLaw(Law):
 
     young_modulus: float
     poisson_ratio: float
-    range: ClassVar[Range] = Range("largest membrane strain", 0.02, 0.1)
+    range: ClassVar[Range] = Range("Hooke's law", "largest membrane strain", 0.02, 0.1)
 
     @property
     def _modulus(self) -> float:
@@ -218,7 +221,7 @@ class NeoHookeanLaw(Incompressible):
     """W = mu/2 (I_1 - 3): rubber to stretches of about 1.5 (Treloar, The Physics of Rubber Elasticity, 1975)."""
 
     mu: float  # shear modulus [Pa]
-    range: ClassVar[Range] = Range("largest change of length", 0.5, 1.0)
+    range: ClassVar[Range] = Range("a neo-Hookean material", "largest change of length", 0.5, 1.0)
 
     def of_invariants(self, first: FloatArray, second: FloatArray) -> FloatArray:
         """Return it."""
@@ -235,7 +238,7 @@ class MooneyRivlinLaw(Incompressible):
 
     c1: float  # [Pa]
     c2: float
-    range: ClassVar[Range] = Range("largest change of length", 1.0, 2.0)
+    range: ClassVar[Range] = Range("a Mooney-Rivlin material", "largest change of length", 1.0, 2.0)
 
     def of_invariants(self, first: FloatArray, second: FloatArray) -> FloatArray:
         """Return it."""
@@ -255,7 +258,9 @@ class GentLaw(Incompressible):
 
     mu: float  # shear modulus of small strains [Pa]
     jm: float  # [-]
-    range: ClassVar[Range] = Range("largest I1 - 3 over that of lock-up", 0.5, 0.9)
+    range: ClassVar[Range] = Range(
+        "Gent's law, in I1 - 3 over that of lock-up,", "largest I1 - 3 over that of lock-up", 0.5, 0.9
+    )
 
     def strained(self, first: FloatArray, second: FloatArray) -> FloatArray:
         """Return (I_1 - 3)/Jm."""
@@ -273,6 +278,15 @@ class GentLaw(Incompressible):
         """Return them."""
         left = self.jm - first
         return Derivatives(self.mu * self.jm / (2 * left), 0.0, self.mu * self.jm / (2 * left**2))
+
+
+def law_of(rubber: Rubber) -> Incompressible:
+    """Return the law of the rubber of a study."""
+    if isinstance(rubber, material.NeoHookean):
+        return NeoHookeanLaw(rubber.mu)
+    if isinstance(rubber, material.MooneyRivlin):
+        return MooneyRivlinLaw(rubber.c1, rubber.c2)
+    return GentLaw(rubber.mu, rubber.jm)
 
 
 class WallModuli(NamedTuple):

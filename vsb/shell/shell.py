@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import legendre_p_all
 
-from vsb.shell.materials import HookeLaw, Incompressible, Law, Wall
+from vsb.shell.materials import HookeLaw, Incompressible, Law, Wall, law_of
+from vsb.study.material import Hookean
 from vsb.study.meridian import RestMeridian, spheroid
 from vsb.study.study import Device
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -131,9 +132,10 @@ class Shell:
     @classmethod
     def of(cls, device: Device) -> "Shell":
         """Return the shell of a study's device."""
-        return cls(
-            device.radius, device.thickness, device.young_modulus, device.poisson_ratio, device.density, device.meridian
-        )
+        given, size = device.material, (device.radius, device.thickness)
+        rubber = None if isinstance(given, Hookean) else law_of(given)
+        law = rubber or HookeLaw(device.young_modulus, device.poisson_ratio)
+        return cls(*size, law.young_modulus, law.poisson_ratio, device.density, device.meridian, rubber)
 
     @property
     def law(self) -> Law:

@@ -11,11 +11,12 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from vsb.errors import ConfigError
+from vsb.study.material import Hookean, Material, with_moduli
 from vsb.study.meridian import RestMeridian, capsule, spheroid, through
-from vsb.study.quantities import Finite, NonNegative, Number, Positive, Section, Sized, within
+from vsb.study.quantities import Finite, NonNegative, Number, Positive, Section, mass_or_draft, within
 from vsb.study.sections import Hydro, Water
 from vsb.tools.bounded import LARGEST_STUDY, read_bounded
 
@@ -189,10 +190,17 @@ class Gas(Section):
 Inertia = Annotated[NonNegative, within(0.0, 1e18, "kg m^2", "no buoy is as heavy")]
 
 
-class Device(Sized):
+def _material_or_moduli(schema: dict[str, Any]) -> None:
+    """Tell editors that a material of rubber may stand for the moduli, and a draft for the mass."""
+    mass_or_draft(schema)
+    for key in ("young_modulus", "poisson_ratio"):
+        schema["required"].remove(key)
+
+
+class Device(Section):
     """Buoy: largest radius [m], shell thickness [m], E [Pa], nu [-], shell density [kg/m^3], total mass [kg].
 
-    A sphere, unless it has a `shape`.
+    A sphere, unless it has a `shape`. E and nu are those of Hooke's law; a `material` of rubber implies its own.
 
     In a study file a `draft` [m] may stand for the mass, half immersion for both. The internal pressure [Pa] is gauge
     and constant; with `gas` it is that of the undeformed volume. Pitch needs the height of the whole buoy's centre of
@@ -200,21 +208,43 @@ class Device(Sized):
     about the vertical axis.
     """
 
+    model_config = ConfigDict(json_schema_extra=_material_or_moduli)
+
     radius: Annotated[Positive, within(0.01, 1e3, "m", "below surface tension matters, above nothing floats")]
     thickness: Positive
     young_modulus: Annotated[Positive, within(1.0, 1e16, "Pa", "no material is; for a rigid buoy set flexible: false")]
     poisson_ratio: Annotated[
-        Number, Field(gt=-1, lt=0.5), within(-0.99, 0.5, "", "no material keeps its shape so while it shrinks")
+        Number, Field(gt=-1, le=0.5), within(-0.99, 0.5, "", "no material keeps its shape so while it shrinks")
     ]
     density: Annotated[Positive, within(0.1, 2.5e4, "kg/m^3", "aerogel has 0.2 kg/m^3, osmium 22 590 kg/m^3")]
     mass: Positive
     internal_pressure: Annotated[Finite, within(-1e8, 1e8, "Pa", "no vessel holds a thousand atmospheres")] = 0.0
     gas: Gas | None = None
     damping: RayleighDamping = RayleighDamping()
+    material: Material = Hookean()
     centre_of_mass: Annotated[Finite, within(-1e3, 1e3, "m", "no buoy is larger")] | None = None
     ballast_inertia: Inertia | None = None
     ballast_yaw_inertia: Inertia | None = None
     shape: Shape | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_material(cls, raw: Any) -> Any:
+        return with_moduli(raw)
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Say what a file says: Hooke's law by its moduli, rubber by its law."""
+        said: dict[str, Any] = dump(self)
+        for key in ("material",) if isinstance(self.material, Hookean) else ("young_modulus", "poisson_ratio"):
+            said.pop(key, None)
+        return said
+
+    @model_validator(mode="after")
+    def _changes_volume(self) -> Self:
+        if isinstance(self.material, Hookean) and self.poisson_ratio == 0.5:
+            raise ValueError("poisson_ratio 0.5: needs less than 0.5, or a material of rubber")
+        return self
 
     @model_validator(mode="after")
     def _thin_and_light(self) -> Self:

@@ -75,8 +75,9 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "{spheroid: {height: 3.0}}", "another shape at rest than the sphere: spheroid, capsule, profile"
         ),
         "thickness": Key("m", "0.01", "thickness of the shell; thin-shell theory needs less than radius/10"),
-        "young_modulus": Key("Pa", "1.0e+7", "Young's modulus of the shell"),
-        "poisson_ratio": Key("-", "0.3", "Poisson's ratio of the shell"),
+        "young_modulus": Key("Pa", "1.0e+7", "Young's modulus of the shell; required but of rubber"),
+        "poisson_ratio": Key("-", "0.3", "Poisson's ratio of the shell; required but of rubber"),
+        "material": Key("", "{law: neo_hookean, mu: 4.0e+5}", "law of elasticity of the shell: Hooke's, or of rubber"),
         "density": Key("kg/m^3", "2700.0", "density of the shell's material"),
         "mass": Key("kg", "17170.0", "mass of shell and ballast together; it decides the draft"),
         "draft": Key("m", "2.0", "in place of the mass: depth of the keel; without both the sphere is half immersed"),
@@ -107,6 +108,21 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "Spheroid": {"height": Key("m", "3.0", "height from pole to pole")},
     "Capsule": {"length": Key("m", "1.0", "length of the cylinder; its height is two radii more")},
+    "Hookean": {"law": Key("", "hookean", "Hooke's law, with young_modulus and poisson_ratio of the device")},
+    "NeoHookean": {
+        "law": Key("", "neo_hookean", "rubber to stretches of about 1.5"),
+        "mu": Key("Pa", "4.0e+5", "shear modulus; Young's modulus of small strains is three times as large"),
+    },
+    "MooneyRivlin": {
+        "law": Key("", "mooney_rivlin", "rubber to stretches of about 2"),
+        "c1": Key("Pa", "1.6e+5", "modulus of the first invariant; the shear modulus is 2 (c1 + c2)"),
+        "c2": Key("Pa", "4.0e+4", "modulus of the second invariant"),
+    },
+    "Gent": {
+        "law": Key("", "gent", "rubber up to the stretch at which its chains are straight"),
+        "mu": Key("Pa", "4.0e+5", "shear modulus of small strains"),
+        "jm": Key("-", "30.0", "first invariant, less 3, at which the chains are straight"),
+    },
     "RayleighDamping": {
         "alpha": Key("1/s", "0.0", "damping per modal mass"),
         "beta": Key("s", "1.0e-3", "damping per modal stiffness"),

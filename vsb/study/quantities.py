@@ -99,7 +99,7 @@ OR_AUTO = WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {
 """JSON schema of a number that follows from the size of the buoy if it is not given."""
 
 
-def _mass_or_draft(schema: dict[str, Any]) -> None:
+def mass_or_draft(schema: dict[str, Any]) -> None:
     """Tell editors that a draft may stand for a mass, or nothing."""
     schema["required"].remove("mass")
     schema["properties"]["draft"] = {"type": "number", "exclusiveMinimum": 0}
@@ -123,12 +123,6 @@ class Section(BaseModel, metaclass=_Reported):
     """A part of a study: unknown keys are errors, values never change."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
-
-
-class Sized(Section):
-    """A section whose mass a study may leave to a draft, or to half immersion (`vsb.study.device`)."""
-
-    model_config = ConfigDict(json_schema_extra=_mass_or_draft)
 
 
 def canonical(data: object) -> str:

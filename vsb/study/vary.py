@@ -16,7 +16,8 @@ from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import shortened
 
 FROUDE = {
-    "radius": 1.0, "thickness": 1.0, "young_modulus": 1.0, "mass": 3.0, "internal_pressure": 1.0, "alpha": -0.5,
+    "radius": 1.0, "thickness": 1.0, "young_modulus": 1.0, "mu": 1.0, "c1": 1.0, "c2": 1.0, "mass": 3.0,
+    "internal_pressure": 1.0, "alpha": -0.5,
     "beta": 0.5, "omega_max": -0.5, "omega": -0.5, "pressure": 1.0, "damping": 2.5, "stiffness": 2.0,
     "force_limit": 3.0, "stroke_limit": 1.0, "amplitude": 1.0, "period": 0.5, "duration": 0.5, "window": 0.5,
     "initial_position": 1.0, "initial_velocity": 0.5, "area": 2.0, "lever": 1.0,
@@ -94,8 +95,8 @@ MOST_POINTS = 10_000
 SECTIONS = ("device", "reference_shape", "modes", "designs", "water", "hydro", "pto")
 """Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""
 _VARIED_IN = (
-    "Device", "Shape", "Spheroid", "Capsule", "RayleighDamping", "Gas", "Drag", "Vane", "Plate", "Modes", "Design",
-    "Water", "Hydro", "Pto", "ShellPort", "LinePort", "BetweenPort",
+    "Device", "Shape", "Spheroid", "Capsule", "RayleighDamping", "Gas", "NeoHookean", "MooneyRivlin", "Gent", "Drag",
+    "Vane", "Plate", "Modes", "Design", "Water", "Hydro", "Pto", "ShellPort", "LinePort", "BetweenPort",
 )  # fmt: skip
 """What those sections are made of, as `vsb.study.keys` names it."""
 UNITS = {name: key.unit for section in _VARIED_IN for name, key in KEYS[section].items() if key.unit not in ("", "-")}
