@@ -113,6 +113,32 @@ def export(args: argparse.Namespace) -> int:
     return 0
 
 
+def series(args: argparse.Namespace) -> int:
+    """Write the time series of a run under the names of WEC-Sim's output: motion, forces by name, power; CSV or netCDF.
+
+    The run is a file of finished results, such as results/buoy/trajectories/FSB-regular_A0.179_T2.5.nc.
+    """
+    from vsb.api.opened import open as opened
+    from vsb.api.results import Results
+    from vsb.results.series import as_csv
+    from vsb.tools.files import atomic_write, attributes, write_text
+
+    path, out = Path(args.config), Path(args.out)
+    if out.suffix not in (".csv", ".nc"):
+        raise ConfigError(f"{out}: received a name without .csv or .nc, needs one of them")
+    run, results = attributes(path), opened(path.absolute().parent.parent)
+    if not isinstance(results, Results) or not {"design", "wave"} <= set(run):
+        raise ConfigError(f"{path}: is no run of a study, needs a file of results/STUDY/trajectories")
+    found = results.series(str(run["design"]), str(run["wave"]))
+    if out.suffix == ".csv":
+        write_text(out, as_csv(found))
+    else:
+        with atomic_write(out) as temporary:
+            found.to_netcdf(temporary, engine="netcdf4")
+    print(f"{out}: {found.sizes['time']} instants of {len(found.data_vars)} variables")
+    return 0
+
+
 def import_wamit(args: argparse.Namespace) -> int:
     """Read WAMIT's output, generalized modes included, into a hydro database with the verdict of its identities."""
     from vsb.stages import coefficients
@@ -286,6 +312,9 @@ def _add_imports(commands: Any) -> None:
     words = "database as WAMIT files and WEC-Sim .h5"
     one = _command(commands, "export", words, export, config="CONFIG|DATABASE.nc", folder="FOLDER")
     one.set_defaults(writes=("{folder}/",))
+    words = "time series of a run with WEC-Sim's names"
+    one = _command(commands, "series", words, series, config="TRAJECTORY.nc", out="OUT.csv|OUT.nc")
+    one.set_defaults(writes=("{out}",))
     words, places = "hydro database from WAMIT's output", {"folder": "FOLDER", "name": "NAME", "out": "DATABASE.nc"}
     one = _command(commands, "import-wamit", words, import_wamit, **places)
     one.add_argument("--density", type=float, default=1025.0, help="of the water [kg/m^3] (default: 1025)")

@@ -20,6 +20,7 @@ from vsb.motion.constrained import ConstrainedOptimum, optimum_in_sea
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.report.answer import closing_line
+from vsb.results.series import time_series
 from vsb.results.year import Tuning, frequencies, year
 from vsb.scenes.build import DesignInSea, design_in_sea
 from vsb.scenes.floating_system import FloatingSystem, band, floating_system, study_sea, towards
@@ -136,6 +137,29 @@ class Results:
         found = self._wave(wave)
         path = self.plan.trajectory_path(self._design(design), found.label)
         return load(path, expected=self.plan.trajectory_id(design, found))
+
+    def series(self, design: str, wave: str | None = None) -> xr.Dataset:
+        """Return the time series of a design in a sea under the names of WEC-Sim's `output`: motion, forces, power.
+
+        Parameters
+        ----------
+        design : str
+        wave : str, optional
+            By default the first.
+
+        Returns
+        -------
+        Dataset
+            See `vsb.results.series.time_series`: forces act on the body, `power_absorbed` is positive where power is
+            absorbed, and its mean over the averaging window is `power_mean` of `comparison`.
+        """
+        run = self.trajectory(design, wave)
+        if self.study.needs_bem:
+            labels = list(map(str, self.database.influenced_dof.values))
+            port = xr.DataArray(self._floating.port, {"dof": labels}, ("dof",))
+        else:  # an assumed pressure knows no other port than heave
+            port = xr.DataArray([1.0], {"dof": ["Heave"]}, ("dof",))
+        return time_series(run, port)
 
     # models ----------------------------------------------------------------------------------------------------------
 
