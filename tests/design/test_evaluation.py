@@ -7,8 +7,13 @@ import pytest
 
 from tests.design.conftest import study_of
 from vsb.design.evaluation import DesignModel
+from vsb.design.linearised import displacements
 from vsb.design.year import FrequencyGrid
 from vsb.errors import ConfigError, ConvergenceError
+from vsb.hydro.database import Coefficients, with_excitation
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.scenes.ports import ShapeWater, designs_in_waves
+from vsb.scenes.rest import reference_shell
 from vsb.waves.climate import Climate
 
 LENGTHS = {
@@ -116,3 +121,43 @@ def test_what_cannot_be_evaluated_is_named(climate):
         model.at([-3.0e4])
     with pytest.raises(ConfigError, match=r"device\.thickness"):
         model_of(study_of(), "VSWEC", climate, ["device.thickness"]).at([0.3])
+
+
+@pytest.mark.parametrize(
+    ("design", "changes"),
+    [
+        ("FSB", {}),
+        ("VSWEC90", {"pto": {"stiffness": 5e3}}),
+        ("VSWEC", {"reference_shape": "undeformed", "water": {"depth": 5.0}, "device": {"thickness": 0.1}}),
+    ],
+)
+def test_the_year_is_that_of_a_campaign(climate, design, changes):
+    """Natural modes, the study's ports and coefficients solved where the year is integrated."""
+    study = study_of(**changes)
+    model = DesignModel.of(study, design, climate, [])
+    found, grid = model.at([]), model.grid
+    reference = reference_shell(study)
+    moved = displacements(study.modes.degree)
+    water = study.water
+    problem = SpectralProblem(reference.shape, moved, water.density, water.gravity, model.nodes, water.depth)
+    solved = with_excitation(problem.solve(list(grid.omega)))
+    coefficients = Coefficients(
+        solved.added_mass.values, solved.radiation_damping.values, solved.excitation_force.values[:, 0]
+    )
+    waves = designs_in_waves(study, reference, ShapeWater(moved, grid.omega, coefficients))
+    port = waves[design].port.beside(study.pto.stiffness)
+    damping = np.array([found["damping"].value * factor for factor in (0.99, 1.0, 1.01)])
+    power = port.power(damping) @ (2 * grid.variance)
+    assert found["annual_mean_power"].value == pytest.approx(power[1], rel=1e-7)
+    assert power[1] == power.max()
+
+
+def test_numerical_errors_are_small(climate):
+    model = DesignModel.of(
+        study_of(water={"depth": 6.0}), "VSWEC", climate, ["device.radius", "device.internal_pressure"]
+    )
+    found, finer = model.at(model.point), model.finer.at(model.point)
+    for name in ("annual_mean_power", "force_rms", "stroke_rms", "damping"):
+        one, other = found[name], finer[name]
+        assert one.value == pytest.approx(other.value, rel=1e-8)
+        np.testing.assert_allclose(one.gradient, other.gradient, rtol=1e-6)

@@ -1,16 +1,19 @@
 """A design evaluated: the year's mean power and everything that limits it, each with its exact derivatives."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
 
 from vsb.design.limits import hull, inverse_load_factors, static_strain
-from vsb.design.linearised import Linearised, linearised, of_all
+from vsb.design.linearised import Linearised, displacements, linearised, of_all
 from vsb.design.resting import OF_DEVICE, RestingBuoy
-from vsb.design.year import FrequencyGrid, PortYear
+from vsb.design.year import FrequencyGrid, PortYear, band, chebyshev, interpolation
 from vsb.errors import ConfigError
+from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import rigid_basis
 from vsb.study.campaign import sections, study_at
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -19,8 +22,14 @@ from vsb.waves.climate import Climate
 DAMPER, SPRING = "pto.damping", "pto.stiffness"
 VARIABLES = (*(f"device.{name}" for name in OF_DEVICE), DAMPER, SPRING)
 """Keys of a study that derivatives are taken by."""
-SOLVES, POINTS, NODES = 20, 6, 32
-"""Frequencies solved, points of quadrature in each band of a climate, nodes of the boundary elements."""
+NODES, MOST_NODES = 32, 128
+"""Nodes of the boundary elements: derivatives by shape are then right to 1e-8 where the shape itself is resolved."""
+SOLVES, FURTHER, MOST_SOLVES = 16, 4, 64
+"""Frequencies solved, and by how many they increase until coefficients between them are known."""
+POINTS = 6
+"""Points of quadrature in each band of a climate."""
+RESOLVED = 1e-8
+"""Relative error of coefficients that is aimed at, by frequencies and by nodes."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +89,16 @@ class DesignModel:
             raise ConfigError(f"modes.basis: received {study.modes.basis!r}; derivatives of designs need full")
         if degree is None:
             degree = study.modes.max_degree if study.flexible else 1
-        grid = FrequencyGrid.of(climate, study.hydro.omega_max, SOLVES, POINTS)
-        return cls(study, design, climate, tuple(variables), degree, NODES, grid)
+        nodes, solves = _resolution(study, band(climate, study.hydro.omega_max), degree)
+        grid = FrequencyGrid.of(climate, study.hydro.omega_max, solves, POINTS)
+        return cls(study, design, climate, tuple(variables), degree, nodes, grid)
+
+    @property
+    def finer(self) -> "DesignModel":
+        """The same by half again as many nodes, frequencies solved and twice the points: for the numerical error."""
+        high = self.study.hydro.omega_max
+        grid = FrequencyGrid.of(self.climate, high, 3 * len(self.grid.solved) // 2, 2 * POINTS)
+        return replace(self, nodes=3 * self.nodes // 2, grid=grid)
 
     @cached_property
     def point(self) -> tuple[float, ...]:
@@ -163,3 +180,23 @@ class DesignModel:
             "force_rms": Quantity(float(force), half / force),
             "stroke_rms": Quantity(float(np.sqrt(stroke)), stroke_change / (2 * np.sqrt(stroke))),
         }
+
+
+def _resolution(study: Study, between: tuple[float, float], degree: int) -> tuple[int, int]:
+    """Nodes and frequencies that resolve the coefficients of the undeformed buoy in a band [rad/s].
+
+    Those of other designs need about as many: radius and frequency enter as omega^2 r/g.
+    """
+    basis, water = rigid_basis(study.device), study.water
+    shell, moved = DeformedShell(basis, study.centre_height), displacements(degree if study.flexible else 0)
+    problem = SpectralProblem(shell, moved, water.density, water.gravity, NODES, water.depth)
+    ends = [between[0], sum(between) / 2, between[1]]
+    while problem.nodes < MOST_NODES and float(max(problem.error_estimate(ends).max().values())) > RESOLVED:
+        problem = replace(problem, nodes=problem.nodes * 3 // 2)
+    solves, error = SOLVES, np.inf
+    while error > RESOLVED and solves < MOST_SOLVES:
+        coarse, fine = (chebyshev(*between, count) for count in (solves, 2 * solves))
+        between_them, known = (problem.onto @ problem.potentials(list(omega)) for omega in (coarse, fine))
+        guessed = np.tensordot(interpolation(coarse, fine), between_them, 1)
+        error, solves = float(np.abs(guessed - known).max() / np.abs(known).max()), solves + FURTHER
+    return problem.nodes, solves - FURTHER

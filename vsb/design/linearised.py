@@ -11,7 +11,7 @@ from vsb.hydro.dofs import Displacement
 from vsb.hydro.spectral.shape_derivative import shape_derivative
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.motion.port import port_direction
-from vsb.scenes.rest import design_motions, mooring_stiffness
+from vsb.scenes.rest import design_motions
 from vsb.shell.shell import Curve
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
 
@@ -45,7 +45,7 @@ def linearised(
     """
     basis, water, count = buoy.loaded.basis, buoy.study.water, len(stepped)
     motions = design_motions(buoy.study, basis, design)
-    moved = _displacements(basis.highest_degree if buoy.study.designs[design].flexible else 0)
+    moved = displacements(basis.highest_degree if buoy.study.designs[design].flexible else 0)
     transform = shares(moved, basis).T @ motions if len(moved) > 1 else np.eye(1)
     problem = SpectralProblem(buoy.shape, moved, water.density, water.gravity, nodes, water.depth)
 
@@ -67,12 +67,11 @@ def linearised(
 
     solved = shape_derivative(problem, list(omega), directions)
     mass, damping, stiffness = buoy.matrices
-    held = sum(mooring_stiffness(buoy.study, basis.labels).values(), np.zeros_like(stiffness))
     port = motions.T @ port_direction(buoy.study.pto.port, buoy.shape)
     values = Linearised(
         reduced(mass),
         reduced(damping),
-        reduced(stiffness + held),
+        reduced(stiffness),
         radiated(solved.radiation),
         solved.excitation @ transform,
         port,
@@ -88,8 +87,8 @@ def linearised(
     return values, changes
 
 
-def _displacements(degree: int) -> tuple[Displacement, ...]:
-    """Radial and meridional functions to a degree, or rigid heave alone for degree 0."""
+def displacements(degree: int) -> tuple[Displacement, ...]:
+    """Return radial and meridional functions to a degree, or rigid heave alone for degree 0."""
     if not degree:
         return (Displacement("heave"),)
     radial = [Displacement("radial", n) for n in range(degree + 1)]

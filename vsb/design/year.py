@@ -13,11 +13,42 @@ from functools import cached_property
 import numpy as np
 
 from vsb.design.linearised import Linearised
+from vsb.errors import ConfigError
 from vsb.hydro.spectral.meridian import unit_rule
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_damper_of_each
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.climate import Climate
+
+
+def band(climate: Climate, omega_max: float) -> tuple[float, float]:
+    """Return lowest and highest frequency of a climate's waves, the latter at most a given one [rad/s]."""
+    edges, held = climate.edges, np.flatnonzero(climate.mean_density)
+    low = edges[held[0]] or LOWEST * edges[held[0] + 1]
+    if not low < omega_max:
+        raise ConfigError(
+            f"hydro.omega_max: received {omega_max:g} rad/s; the climate's waves begin at {low:.4g} rad/s"
+        )
+    return float(low), float(min(edges[held[-1] + 1], omega_max))
+
+
+def chebyshev(low: float, high: float, count: int) -> FloatArray:
+    """Return Chebyshev's points between two frequencies, in the root of frequency, ascending [rad/s]."""
+    middle, half = (np.sqrt(low) + np.sqrt(high)) / 2, (np.sqrt(high) - np.sqrt(low)) / 2
+    return np.asarray((middle - half * np.cos(np.pi * (np.arange(count) + 0.5) / count)) ** 2)
+
+
+def interpolation(solved: FloatArray, omega: FloatArray) -> FloatArray:
+    """Return values at frequencies per value at Chebyshev's points, shape (omega, solved) [-]; barycentric."""
+    count = len(solved)
+    weight = (-1.0) ** np.arange(count) * np.sin(np.pi * (np.arange(count) + 0.5) / count)
+    apart = np.sqrt(omega)[:, None] - np.sqrt(solved)
+    terms = weight / np.where(apart == 0.0, 1e-300, apart)
+    return np.asarray(terms / terms.sum(axis=1, keepdims=True))
+
+
+LOWEST = 0.01
+"""Lowest frequency solved in a band that begins at 0, in its width."""
 
 
 @dataclass(frozen=True)
@@ -36,28 +67,18 @@ class FrequencyGrid:
     @classmethod
     def of(cls, climate: Climate, omega_max: float, solves: int, points: int) -> "FrequencyGrid":
         """Return the grid of a climate up to a highest frequency [rad/s], with `points` in each band."""
-        edges = climate.edges
-        held = np.flatnonzero(climate.mean_density)
-        low, high = edges[held[0]], min(edges[held[-1] + 1], omega_max)
-        if low == 0.0:
-            low = edges[1] * 1e-2
-        bounds = np.clip(edges, low, high)
+        low, high = band(climate, omega_max)
+        bounds = np.clip(climate.edges, low, high)
         node, weight = unit_rule(points)
         width = np.diff(bounds)[:, None]
         omega, variance = bounds[:-1, None] + width * node, climate.mean_density[:, None] * width * weight
         used = (variance > 0).ravel()
-        middle, half = (np.sqrt(low) + np.sqrt(high)) / 2, (np.sqrt(high) - np.sqrt(low)) / 2
-        solved = (middle - half * np.cos(np.pi * (np.arange(solves) + 0.5) / solves)) ** 2
-        return cls(solved, omega.ravel()[used], variance.ravel()[used])
+        return cls(chebyshev(low, high, solves), omega.ravel()[used], variance.ravel()[used])
 
     @cached_property
     def interpolation(self) -> FloatArray:
         """Values at the frequencies of the year per value at those solved, shape (omega, solved) [-]; barycentric."""
-        count = len(self.solved)
-        weight = (-1.0) ** np.arange(count) * np.sin(np.pi * (np.arange(count) + 0.5) / count)
-        apart = np.sqrt(self.omega)[:, None] - np.sqrt(self.solved)
-        terms = weight / np.where(apart == 0.0, 1e-300, apart)
-        return np.asarray(terms / terms.sum(axis=1, keepdims=True))
+        return interpolation(self.solved, self.omega)
 
 
 @dataclass(frozen=True)
@@ -94,7 +115,7 @@ class PortYear:
             mass, damping, stiffness = (
                 values.reshape(count, free**2) @ pairs for values in (change.mass, change.damping, stiffness_change)
             )
-            radiated = (change.radiation.reshape(-1, free**2) @ pairs).reshape(count, -1, len(w))
+            radiated = (change.radiation.reshape(-1, free**2) @ pairs).reshape(count, len(grid.solved), len(w))
             return np.asarray(-(w**2) * (mass + (radiated * between.T).sum(axis=1)) - 1j * w * damping + stiffness)
 
         pushed = (between @ change.excitation * under).sum(axis=-1)

@@ -84,16 +84,20 @@ class DeformedShell:
         )
 
     @cached_property
-    def _series(self) -> tuple[FloatArray, ...]:
-        """Legendre coefficients in cos(phi) of v and v', and of W' and W'', where u = dW/dphi = -sin(phi) W'."""
+    def _series(self) -> FloatArray:
+        """Legendre coefficients in cos(phi) of v and v', and of W' and W'', where u = dW/dphi = -sin(phi) W'.
+
+        Shape (degree, 4), zero where a derivative has fewer.
+        """
         radial, meridional = self.modal_amplitude @ self.basis.shares
         first = legder(meridional)
-        return radial, legder(radial), first, legder(first)
+        series = radial, legder(radial), first, legder(first)
+        return np.array([np.pad(one, (0, len(radial) - len(one))) for one in series]).T
 
     def curve(self, colatitude: FloatArray) -> Curve:
         """Return `meridian` without the shapes of the modes: one sum over degrees for any number of modes."""
         at, sin, cos = self.basis.shell.at_rest(colatitude), np.sin(colatitude), np.cos(colatitude)
-        v, slope, first, second = (legval(cos, series) for series in self._series)
+        v, slope, first, second = legval(cos, self._series)
         u, dv, du = -sin * first, -sin * slope, sin**2 * second - cos * first
         return Curve(
             at.x + v * sin + u * cos,

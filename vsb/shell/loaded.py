@@ -64,7 +64,12 @@ class LoadedShell:
         The weight acts as -g times the heave row of the inertia: a mode orthogonal to rigid heave feels none. So the
         ballast hangs from the shell as the shell's own weight does, evenly over its area.
         """
-        return self.force_and_stiffness(q)[0]
+        return self._force(q, self._hydrostatics(q)[0])
+
+    def _force(self, q: FloatArray, water: FloatArray) -> FloatArray:
+        """The same, with that of the water given."""
+        pressure = self.pressure(q) * self.elastic.volume_gradient(q)
+        return np.asarray(self.elastic.force(q) + pressure + water - self.gravity * self.basis.inertia[0])
 
     def pressure_stiffness(self, q: FloatArray) -> FloatArray:
         """Return the follower part of a constant internal pressure, -p d2V/dq2, shape (dof, dof) [N/m]."""
@@ -100,10 +105,8 @@ class LoadedShell:
     def force_and_stiffness(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return `force` and `stiffness`, which share the meridian in the water."""
         water, stiffness = self._hydrostatics(q)
-        pressure = self.pressure(q) * self.elastic.volume_gradient(q)
-        force = self.elastic.force(q) + pressure + water - self.gravity * self.basis.inertia[0]
         contents = self.pressure_stiffness(q) + self.gas_stiffness(q)
-        return force, self.elastic.stiffness(q) + contents + stiffness
+        return self._force(q, water), self.elastic.stiffness(q) + contents + stiffness
 
     @cached_property
     def unloaded_stiffness(self) -> FloatArray:
@@ -121,8 +124,8 @@ class LoadedShell:
         """Return the membrane forces that carry the load on the undeformed sphere, each shape (point,) [N/m]."""
         degree = max(converged_degree(self.basis.shell), self.basis.highest_degree)
         basis = complete_basis(self.basis.shell, degree, self.basis.total_mass)
-        q = replace(self, elastic=ElasticShell(basis)).first_order
-        return ElasticShell(basis).linear_resultants(q, colatitude)
+        complete = self if basis == self.basis else replace(self, elastic=ElasticShell(basis))
+        return complete.elastic.linear_resultants(complete.first_order, colatitude)
 
     @cached_property
     def prestress_stiffness(self) -> FloatArray:
