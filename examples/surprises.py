@@ -18,11 +18,10 @@ import numpy as np
 from benchmarks.hard_cases import hydro_files
 from examples import command
 from examples.paper_at_optimal_damping import rows_of
-from examples.when_flexibility_pays import ports
 from vsb.errors import ConfigError
 from vsb.results.ladder import Rung, study_ladder
 from vsb.scenes.build import linear_design
-from vsb.scenes.floating_system import linear_buoy
+from vsb.scenes.floating_system import floating_system
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load, parse
 from vsb.waves.seas import sea
@@ -201,9 +200,9 @@ def scarce_force(folder: Path) -> Figures:
 
 def free_velocity(study: Study, folder: Path) -> dict[str, float]:
     """Return the rms velocity of heave in the first sea without a take-off, by design [m/s]."""
-    buoy, basis = linear_buoy(study, hydro_files(study, folder)["database"])
+    floating = floating_system(study, hydro_files(study, folder)["database"])
     waves = sea(study.waves[0], study.hydro.omega_max, study.simulation.duration)
-    seen = ports(buoy, study, basis, waves.omega)
+    seen = {name: floating.extended_port(name, waves.omega) for name in study.designs}
     return {name: float(np.linalg.norm(port.velocity * waves.amplitude) / np.sqrt(2)) for name, port in seen.items()}
 
 

@@ -10,7 +10,7 @@ import argparse
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -20,12 +20,10 @@ from examples import command
 from vsb.errors import ConfigError
 from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.force_bound import Harmonics, Limits
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import Port, port_direction
-from vsb.scenes.floating_system import linear_buoy
-from vsb.scenes.rest import computed_buckling, design_motions, reference_shell
+from vsb.motion.port import Port
+from vsb.scenes.floating_system import floating_system
+from vsb.scenes.rest import computed_buckling
 from vsb.study.study import Study, load, parse
-from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.tables import csv_text, svg_text
 from vsb.waves.seas import Sea, sea
@@ -92,19 +90,13 @@ def best_damper_force(port: Port, waves: Sea, at: np.ndarray) -> float:
     return float(best * np.sqrt(np.sum(np.abs(velocity) ** 2 * squares) / 2))
 
 
-def ports(buoy: LinearSystem, study: Study, basis: Any, omega: FloatArray) -> dict[str, Port]:
-    """Return the ports of both designs for a take-off on heave."""
-    direction = port_direction("heave", reference_shell(study).shape)
-    return {name: buoy.extended_port(omega, design_motions(study, basis, name), direction) for name in study.designs}
-
-
 def rows_of(study: Study, shell: str, folder: Path) -> Iterator[Row]:
     """All points of one shell."""
-    buoy, basis = linear_buoy(study, hydro_files(study, folder)["database"])
+    floating = floating_system(study, hydro_files(study, folder)["database"])
     factor = computed_buckling(study).load_factor
     for kind, period, waves in waves_of(study):
-        harmonics = Harmonics.of_sea(waves.omega, float(buoy.database.omega[0]), study.hydro.omega_max)
-        seen = ports(buoy, study, basis, harmonics.port_omega)
+        harmonics = Harmonics.of_sea(waves.omega, float(floating.linear.database.omega[0]), study.hydro.omega_max)
+        seen = {name: floating.extended_port(name, harmonics.port_omega) for name in study.designs}
         at = np.searchsorted(harmonics.omega, waves.omega - 1e-9)
         unit = best_damper_force(seen[RIGID], waves, at)
         for limit in LIMITS:

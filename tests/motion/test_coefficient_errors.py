@@ -12,7 +12,7 @@ from vsb.motion.coefficient_errors import (
     sensitivity,
     sensitivity_of_forces,
 )
-from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
+from vsb.motion.frequency import LinearEquation
 from vsb.waves.dispersion import group_velocity, wavenumber
 
 OMEGA = np.array([0.7, 1.1, 1.9])
@@ -37,9 +37,8 @@ def water(rng):
 
 def at_work(c, motions, load, stiffness=STIFFNESS):
     """Motions, port and power of a design under a take-off."""
-    matrix = dynamic_stiffness(OMEGA, c, MASS, DAMPING, stiffness)
-    moved = free_motion(matrix, c.excitation, motions, B)
-    port = port_of_motion(OMEGA, *moved, c.damping + DAMPING, stiffness, motions, B)
+    equation = LinearEquation(OMEGA, c, MASS, DAMPING, stiffness)
+    moved, port = equation.free_motion(motions, B), equation.port(motions, B)
     impedance = np.conj(port.impedance) if load is None else port.load(*load)
     power = np.sum(0.5 * SQUARES * impedance.real * np.abs(port.velocity_under(impedance)) ** 2)
     return moved, port, impedance, power

@@ -9,7 +9,7 @@ from conftest import only_run, varied
 from vsb.errors import DatabaseError
 from vsb.hydro.statespace import RadiationModel
 from vsb.scenes.build import SCENES, Memory, check_followed
-from vsb.scenes.floating_system import linear_buoy
+from vsb.scenes.floating_system import floating_system
 from vsb.scenes.rest import design_motions
 from vsb.study.plan import StudyPlan
 from vsb.waves.seas import Sea
@@ -25,15 +25,15 @@ def built(plan, design, **changes):
 @pytest.mark.parametrize("model", ["linear", "body_exact"])
 def test_scene_has_the_motions_and_the_sea_of_its_design(small, design, model):
     found = built(small, design, hydro={"model": model})
-    _, basis = linear_buoy(small.study, small.database_path)
-    np.testing.assert_array_equal(found.scene.motions, design_motions(small.study, basis, design))
+    motions = floating_system(small.study, small.database_path).motions
+    np.testing.assert_array_equal(found.scene.motions, motions[design])
     assert found.scene.flexible == small.study.designs[design].flexible
     assert found.scene.linear["pto"].damping[0, 0] == small.study.pto.damping
     assert found.sea.omega.tolist() == [small.study.waves[0].omega]
     assert found.notes["model"] == model
     assert (found.scene.water is not None) == (model == "body_exact")
     assert found.system.free == found.scene.motions.shape[1]
-    assert found.spectrum.kernel(np.array([0.0])).shape == (1, len(basis.labels), len(basis.labels))
+    assert found.spectrum.kernel(np.array([0.0])).shape == (1, *found.scene.mass.shape)
 
 
 def test_assumed_pressure_needs_no_coefficients(small):

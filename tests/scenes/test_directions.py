@@ -12,14 +12,14 @@ from vsb.hydro.database import load_database
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
-from vsb.scenes.build import linear_buoy, linear_design
+from vsb.scenes.build import linear_design
 from vsb.scenes.drag import LINEARISED
+from vsb.scenes.floating_system import floating_system
 from vsb.scenes.rest import (
     check_moored,
     check_spring,
     check_stable,
     check_upright,
-    design_motions,
     reference_shell,
 )
 from vsb.scenes.viability import viability
@@ -225,11 +225,12 @@ def test_matched_power_is_limited_by_the_orders_of_the_port(folder, port, limit)
 
 def test_ports_of_all_orders_absorb_one_plus_two_n_wavelengths(solved):
     """1/8 V0^H (Re Y)^-1 V0 of one port of each order."""
-    buoy, basis = linear_buoy(study_with(), solved.database_path)
-    motions, omega = design_motions(study_with(), basis, "VSWEC"), np.array([1.3, 2.1, 3.0])
-    ports = np.eye(len(buoy.labels))[[buoy.labels.index(name) for name in ("Heave", "Pitch", "Membrane2c2")]]
-    free = buoy.free_motion(omega, motions, ports[0])[0]
-    forced = np.stack([buoy.free_motion(omega, motions, port)[1] @ ports.T for port in ports], axis=-1)
+    floating, omega = floating_system(study_with(), solved.database_path), np.array([1.3, 2.1, 3.0])
+    labels, motions = floating.linear.labels, floating.motions["VSWEC"]
+    ports = np.eye(len(labels))[[labels.index(name) for name in ("Heave", "Pitch", "Membrane2c2")]]
+    equation = floating.linear.equation(omega)
+    free = equation.free_motion(motions, ports[0])[0]
+    forced = np.stack([equation.free_motion(motions, port)[1] @ ports.T for port in ports], axis=-1)
     velocity = -1j * omega[:, None] * (free @ ports.T)
     admittance = -1j * omega[:, None, None] * forced
     loss = (admittance + admittance.conj().transpose(0, 2, 1)) / 2
@@ -254,10 +255,8 @@ def test_mean_power_in_time_agrees_with_the_response(folder, port, mooring):
     assert residual(energy) < 1e-9
     last = motion.time >= 90.0 - 1e-9
     mean = np.polyfit(motion.time[last], energy["pto"][last], 1)[0]
-    buoy, basis = linear_buoy(study, plan.database_path)
-    omega = np.array([2 * np.pi / 3])
-    b = np.eye(len(buoy.labels))[buoy.labels.index(port.capitalize())]
-    power = buoy.port(omega, design_motions(study, basis, "VSWEC"), b).power(6000.0)[0] * 0.1**2
+    seen = floating_system(study, plan.database_path).ports(np.array([2 * np.pi / 3]))["VSWEC"]
+    power = seen.power(6000.0)[0] * 0.1**2
     assert mean == pytest.approx(power, rel=5e-3)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import varied
 from hydro.formats.test_capytaine import LABELS
-from motion.test_bodies import floating_body
+from motion.test_bodies import floating_body as made_body
 
 from vsb.errors import ConfigError
 from vsb.hydro.variables import PAIR
@@ -16,15 +16,14 @@ from vsb.motion.tuning import best_dampers, mean_power
 from vsb.scenes.floating_system import (
     FloatingSystem,
     body_motions,
-    body_port,
+    floating_body,
+    floating_system,
     headings,
     held_rows,
-    linear_buoy,
     moved,
     port_in_seas,
     stored_body,
     study_sea,
-    towards,
 )
 from vsb.scenes.rest import reference_shell
 from vsb.study.body import BodyDesign, BodyStudy
@@ -78,17 +77,18 @@ def study(port, **changes):
 
 
 def test_ports_of_a_body():
-    assert body_port(study({"dofs": {"Heave": 1.0, "Pitch": -30.0}}), RIGID) == pytest.approx([0, 1, -30, 0])
-    assert body_port(study("heave"), RIGID) == pytest.approx([0, 1, 0, 0])
+    body = made_body(("Surge", "Heave", "Pitch"), [1.0, 2.0, 3.0], [1.0, 2.0, 3.0])
+    assert floating_body(study({"dofs": {"Heave": 1.0, "Pitch": -30.0}}), body).port == pytest.approx([0, 1, -30])
+    assert floating_body(study("heave"), body).port == pytest.approx([0, 1, 0])
     with pytest.raises(ConfigError, match=r"pto.port: received Heave; needs some of Surge"):
-        body_port(study("heave"), ["Surge"])
+        floating_body(study("heave"), made_body(("Surge",), [1.0], [1.0]))
 
 
 @pytest.fixture(scope="module")
 def floating():
     """A damped body in waves along x and at 45 degrees, its take-off on heave and pitch together."""
     port = LinearPto(3.0, 0.0, np.array([1.0, -0.6]))
-    bare = floating_body(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0], directions=np.deg2rad([0.0, 45.0]))
+    bare = made_body(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0], directions=np.deg2rad([0.0, 45.0]))
     body = replace(bare, structural_damping=np.diag([1.0, 0.5]), pto=port)
     return FloatingSystem(body, {"a": np.eye(2)}, port.port)
 
@@ -104,9 +104,7 @@ def test_seas_of_several_directions_form_one_port(floating):
     for (wave, _), place, row in zip(seas, seen.places, seen.squares, strict=True):
         assert seen.port.omega[place] == pytest.approx([wave.omega])
         assert np.flatnonzero(row) == pytest.approx(place)
-        own = towards(floating.linear, wave.direction).port(
-            np.array([wave.omega]), floating.motions["a"], floating.port
-        )
+        own = floating.ports(np.array([wave.omega]), wave.direction)["a"]
         alone.append(0.3**2 * own.power(3.0)[0])
     found = mean_power(seen.port, seen.squares, np.full(3, 3.0), np.zeros(3))
     assert found == pytest.approx(alone, rel=1e-12)
@@ -163,9 +161,9 @@ def test_gas_is_a_chamber_for_a_take_off_of_the_volume(small, tmp_path, port, ch
     study = varied(small.study, device={"gas": {"adiabatic_index": 1.4}}, pto={"port": port})
     gas, path = reference_shell(study).stiffness["gas"], tmp_path / Path(small.database_path).name
     files.save(files.load(small.database_path).assign(gas_stiffness=(PAIR, gas)), path)
-    buoy, _ = linear_buoy(study, str(path))
+    buoy = floating_system(study, str(path)).linear
     assert buoy.chamber == pytest.approx(chamber, rel=1e-6)
-    vented, _ = linear_buoy(small.study, small.database_path)
+    vented = floating_system(small.study, small.database_path).linear
     held = gas if port == "heave" else 0.0 * gas
     assert buoy.stiffness == pytest.approx(vented.stiffness + held, rel=1e-12, abs=1e-6)
 

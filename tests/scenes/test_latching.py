@@ -16,7 +16,7 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.tuning import best_dampers, squares
 from vsb.scenes.build import SCENES
-from vsb.scenes.floating_system import linear_buoy, study_port
+from vsb.scenes.floating_system import floating_system
 from vsb.scenes.latching import (
     KNOWN_BODY_EXACT,
     NEAR,
@@ -130,12 +130,9 @@ def test_latching_buoy_is_between_its_optimal_damper_and_the_constrained_optimum
         simulation={"duration": 40.0, "window": (20.0, 40.0), "initial_velocity": 0.0},
     )
     files, (wave,) = hydro_files(study, tmp_path_factory.getbasetemp() / "pause"), study.waves
-    (buoy, basis), waves = linear_buoy(study, files["database"]), sea(wave, 7.0, 40.0)
-    harmonics = Harmonics.of_sea(waves.omega, float(buoy.database.omega[0]), 7.0)
-    seen, port = (
-        buoy.extended_port(omega, np.ones((1, 1)), study_port(study, buoy, basis))
-        for omega in (waves.omega, harmonics.port_omega)
-    )
+    floating, waves = floating_system(study, files["database"]), sea(wave, 7.0, 40.0)
+    harmonics = Harmonics.of_sea(waves.omega, float(floating.linear.database.omega[0]), 7.0)
+    seen, port = (floating.extended_port("FSB", omega) for omega in (waves.omega, harmonics.port_omega))
     (passive,) = best_dampers(seen, squares([waves], waves.omega)).power
     repeats = 2 * np.pi / harmonics.spacing
     begin = np.ceil(40.0 / repeats) * repeats

@@ -11,10 +11,8 @@ import yaml
 from conftest import SEED
 
 from vsb.errors import VsbError
-from vsb.motion.linear import LinearSystem
 from vsb.results.year import frequencies, year
-from vsb.scenes.floating_system import linear_buoy, study_port
-from vsb.scenes.rest import design_motions
+from vsb.scenes.floating_system import floating_system
 from vsb.stages import campaign, campaign_report
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
@@ -106,14 +104,9 @@ def test_campaign_member_equals_the_year_of_its_study(folder, swept):
     study = plan.members[1].study
     one = StudyPlan(study, root=str(folder / "apart"))
     make(one, [one.database_path])
-    buoy, basis = linear_buoy(study, one.database_path)
-    assert isinstance(buoy, LinearSystem)
+    floating = floating_system(study, one.database_path)
     seas = read_climate(plan.climate, plan.loaded.climate_path)
-    omega = frequencies(seas, *buoy.database.omega.values[[0, -1]])
-    ports = {
-        name: buoy.port(omega, design_motions(study, basis, name), np.eye(len(basis.labels))[0])
-        for name in BASE["designs"]
-    }
+    ports = floating.ports(frequencies(seas, *floating.linear.database.omega.values[[0, -1]]))
     apart = year(ports, seas, study.water, ("fixed", "one", "each"), dict.fromkeys(ports, 8000.0), "FSB").dataset()
     at = found.sel(young_modulus=study.device.young_modulus)
     for name in ("annual_mean_power", "annual_energy", "capture_width"):
@@ -138,11 +131,9 @@ def test_year_of_a_buoy_in_surge_and_pitch(folder):
     study = plan.members[0].study
     one = StudyPlan(study, root=plan.root)
     make(one, [one.database_path])
-    buoy, basis = linear_buoy(study, one.database_path)
-    port = study_port(study, buoy, basis)
+    floating = floating_system(study, one.database_path)
     seas = read_climate(plan.climate, plan.loaded.climate_path)
-    omega = frequencies(seas, *buoy.database.omega.values[[0, -1]])
-    ports = {name: buoy.port(omega, design_motions(study, basis, name), port) for name in BASE["designs"]}
+    ports = floating.ports(frequencies(seas, *floating.linear.database.omega.values[[0, -1]]))
     apart = year(ports, seas, study.water, ("fixed", "one", "each"), dict.fromkeys(ports, 8000.0), "FSB").dataset()
     at = found.sel(centre_of_mass=-0.6)
     assert at.viable.values.all()

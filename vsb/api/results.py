@@ -23,7 +23,7 @@ from vsb.report.answer import closing_line
 from vsb.results.series import time_series
 from vsb.results.year import Tuning, frequencies, year
 from vsb.scenes.build import DesignInSea, design_in_sea
-from vsb.scenes.floating_system import FloatingSystem, band, floating_system, study_sea, towards
+from vsb.scenes.floating_system import FloatingSystem, band, floating_system, heading, study_sea
 from vsb.stages import make
 from vsb.stages.planning import with_degree
 from vsb.study.body import AnyStudy, LocatedBody
@@ -196,8 +196,7 @@ class Results:
         low, high = band(self.study, self.database)
         sea = study_sea(self.study, found, self.database)
         harmonics = Harmonics.of_sea(sea.omega, float(max(low, self.database.omega[0])), high)
-        motions, linear = self._floating.motions[self._design(design)], self._floating.towards(found)
-        port = linear.extended_port(harmonics.port_omega, motions, self._floating.port)
+        port = self._floating.extended_port(self._design(design), harmonics.port_omega, heading(found))
         return optimum_in_sea(port, sea, harmonics, Limits(force_limit, stroke_limit))
 
     def year(self, climate: Climate, tunings: Sequence[Tuning] = ("one", "each"), direction: float = 0.0) -> xr.Dataset:
@@ -243,9 +242,8 @@ class Results:
         direction : float [degrees]
             Of the waves.
         """
-        motions, linear = self._floating.motions[self._design(design)], towards(self._floating.linear, direction)
-        at = linear.database.omega.values if omega is None else np.asarray(omega, dtype=float)
-        return linear.port(at, motions, self._floating.port)
+        at = self.database.omega.values if omega is None else np.asarray(omega, dtype=float)
+        return self._floating.ports(at, direction)[self._design(design)]
 
     # pages -----------------------------------------------------------------------------------------------------------
 

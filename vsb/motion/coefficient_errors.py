@@ -72,7 +72,7 @@ def sensitivity(
     ----------
     omega : ndarray, shape (omega,) [rad/s]
     moved : tuple of ndarray, each shape (omega, dof)
-        Motions free of the take-off and under its unit force, of `vsb.motion.linear.LinearSystem.free_motion`.
+        Motions free of the take-off and under its unit force, of `vsb.motion.frequency.LinearEquation.free_motion`.
     port : Port
         At these frequencies, as the load sees it.
     load : ndarray, shape (omega,) [N s/m]

@@ -91,9 +91,10 @@ class DraggedPort:
         coefficient : ndarray, shape (dragged,) [kg/m]
         """
         rate = -1j * omega
-        moved = [buoy.free_motion(omega, motions, one) for one in dragged]
+        equation = buoy.equation(omega)
+        moved = [equation.free_motion(motions, one) for one in dragged]
         forced = np.stack([free_velocity for _, free_velocity in moved], axis=-1)  # (omega, dof, dragged)
-        port = buoy.port(omega, motions, direction)
+        port = equation.port(motions, direction)
         across = rate[:, None] * np.einsum("wdk,d->wk", forced, direction)
         return cls(
             port,

@@ -1,6 +1,8 @@
 """The equation of motion in the frequency domain: dynamic stiffness, motion without take-off, port, restraint."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import eigh, null_space
@@ -13,54 +15,85 @@ UNRESTRAINED = 1e-6
 """Share of a steady force without restoring force from which on the port is unrestrained [-]."""
 
 
-def dynamic_stiffness(
-    omega: FloatArray, c: Coefficients, mass: FloatArray, damping: FloatArray, stiffness: FloatArray
-) -> ComplexArray:
-    """Return -w^2 (M + A) - i w (B + D) + K, shape (omega, dof, dof) [N/m].
+@dataclass(frozen=True)
+class LinearEquation:
+    """The linear equation of motion at some frequencies, in waves of unit amplitude.
 
-    Parameters
-    ----------
-    omega : ndarray, shape (omega,) [rad/s]
-    c : Coefficients
-        At these frequencies.
-    mass, damping, stiffness : ndarray, shape ([omega,] dof, dof) [kg], [N s/m], [N/m]
-        Of everything but radiation.
+        [-w^2 (M + A) - i w (B + D) + K] q = X - b F          (C1)
+
+    Every design of a floating system moves by it within its own motions N.
     """
-    w = omega[:, None, None]
-    return np.asarray(-(w**2) * (mass + c.added_mass) - 1j * w * (c.damping + damping) + stiffness, dtype=complex)
 
+    omega: FloatArray  # (omega,) [rad/s]
+    water: Coefficients  # A, B, X at these frequencies
+    mass: FloatArray  # M (dof, dof) [kg]
+    damping: FloatArray  # D of everything but radiation ([omega,] dof, dof) [N s/m]
+    stiffness: FloatArray  # K ([omega,] dof, dof) [N/m]
+    chamber: float = 0.0  # compliance in series with a port, of the gas before a turbine [m^3/Pa]
 
-def free_motion(
-    stiffness: ComplexArray, excitation: ComplexArray, motions: FloatArray, direction: FloatArray
-) -> tuple[ComplexArray, ComplexArray]:
-    """Return `LinearSystem.free_motion` from a `dynamic_stiffness`, which all designs of a shape share."""
-    port_load = np.broadcast_to(allowed_part(direction, motions), (len(excitation), motions.shape[1]))
-    solved = np.linalg.solve(motions.T @ stiffness @ motions, np.stack([excitation @ motions, port_load], axis=-1))
-    return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
+    @cached_property
+    def dynamic_stiffness(self) -> ComplexArray:
+        """-w^2 (M + A) - i w (B + D) + K, shape (omega, dof, dof) [N/m]."""
+        w, (added_mass, radiated, _) = self.omega[:, None, None], self.water
+        inertia, lossy = self.mass + added_mass, radiated + self.damping
+        return np.asarray(-(w**2) * inertia - 1j * w * lossy + self.stiffness, dtype=complex)
 
+    def response(self, load: ComplexArray, motions: FloatArray) -> ComplexArray:
+        """Return the motion of a design under a load, both of shape (..., omega, dof) [N], [m].
 
-def port_of_motion(
-    omega: FloatArray,
-    free: ComplexArray,
-    forced: ComplexArray,
-    lossy: FloatArray,
-    stiffness: FloatArray,
-    motions: FloatArray,
-    direction: FloatArray,
-) -> Port:
-    """Return `LinearSystem.port` from the motions of `free_motion`; `lossy` is B + D.
+        Parameters
+        ----------
+        load : ndarray, shape (..., omega, dof)
+        motions : ndarray, shape (dof, free)
+            N, the motions the design allows.
+        """
+        projected = motions.T @ self.dynamic_stiffness @ motions
+        return np.asarray(np.linalg.solve(projected, (load @ motions)[..., None])[..., 0] @ motions.T)
 
-    Notes
-    -----
-    Re Y is what a unit force loses, w^2 q^H (B + D) q: of a port that is nearly all spring, Re Y/|Y| down to 1e-13, the
-    real part of b.q is round-off.
-    """
-    allowed, rate = allowed_part(direction, motions), -1j * omega
-    along = motions @ allowed
-    parts = np.stack([forced.real, forced.imag], axis=-1)
-    loss = omega**2 * (parts * (lossy @ parts)).sum(axis=(1, 2))
-    yields = compliance(motions.T @ stiffness @ motions, allowed)
-    return Port(omega, loss + 1j * (rate * (forced @ along)).imag, rate * (free @ along), yields)
+    def free_motion(self, motions: FloatArray, direction: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return displacements without take-off, per wave amplitude [m/m], and under its unit force [m/N].
+
+        Parameters
+        ----------
+        motions : ndarray, shape (dof, free)
+            The motions the design allows.
+        direction : ndarray, shape (dof,)
+            b: the take-off moves with b.q.
+
+        Returns
+        -------
+        free, forced : ndarray, each shape (omega, dof)
+            A take-off's force F against the motion leaves free - F forced.
+        """
+        load = np.broadcast_to(allowed_part(direction, motions), (len(self.omega), motions.shape[1]))
+        loads = np.stack([self.water.excitation @ motions, load], axis=-1)
+        solved = np.linalg.solve(motions.T @ self.dynamic_stiffness @ motions, loads)
+        return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
+
+    def port(self, motions: FloatArray, direction: FloatArray) -> Port:
+        """Return the port of a design, V0 = -i w b.q_free and Y = -i w b.q_forced; parameters as `free_motion`.
+
+        A chamber is in series with it.
+        """
+        return self.port_of_motion(*self.free_motion(motions, direction), motions, direction)
+
+    def port_of_motion(
+        self, free: ComplexArray, forced: ComplexArray, motions: FloatArray, direction: FloatArray
+    ) -> Port:
+        """Return `port` from the motions of `free_motion`.
+
+        Notes
+        -----
+        Re Y is what a unit force loses, w^2 q^H (B + D) q: of a port that is nearly all spring, Re Y/|Y| down to
+        1e-13, the real part of b.q is round-off.
+        """
+        allowed, rate = allowed_part(direction, motions), -1j * self.omega
+        along = motions @ allowed
+        parts = np.stack([forced.real, forced.imag], axis=-1)
+        loss = self.omega**2 * (parts * ((self.water.damping + self.damping) @ parts)).sum(axis=(1, 2))
+        yields = compliance(motions.T @ self.stiffness @ motions, allowed)
+        port = Port(self.omega, loss + 1j * (rate * (forced @ along)).imag, rate * (free @ along), yields)
+        return port.behind(self.chamber)
 
 
 def compliance(stiffness: FloatArray, force: FloatArray) -> float:

@@ -23,7 +23,7 @@ from vsb.hydro.orders import heading_shares, most_exciting, order_groups, orders
 from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_lowest, sizes
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.variables import PAIR
-from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion, softest, unrestrained_motions
+from vsb.motion.frequency import LinearEquation, softest, unrestrained_motions
 from vsb.motion.port import LinearPto, Port
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
@@ -233,56 +233,25 @@ class LinearSystem:
         omega : ndarray, shape (omega,) [rad/s]
         motions : ndarray, shape (dof, free)
             The motions the design allows.
-
-        Notes
-        -----
-        [-w^2 (M + A) - i w (B + D) + K + C] q = X (C1), projected on the motions.
         """
-        c = self.coefficients(omega)
-        matrices = (self.mass, self.damping_at(omega), self.held_at(omega))
-        projected = motions.T @ dynamic_stiffness(omega, c, *matrices) @ motions
-        return np.linalg.solve(projected, (c.excitation @ motions)[..., None])[..., 0] @ motions.T
+        equation = self.equation(omega)
+        loaded = replace(equation, damping=self.damping_at(omega), stiffness=self.held_at(omega))
+        return loaded.response(equation.water.excitation, motions)
 
-    def free_motion(
-        self, omega: FloatArray, motions: FloatArray, direction: FloatArray
-    ) -> tuple[ComplexArray, ComplexArray]:
-        """Return displacements without take-off, per wave amplitude [m/m], and under its unit force [m/N].
-
-        Parameters
-        ----------
-        omega : ndarray, shape (omega,) [rad/s]
-        motions : ndarray, shape (dof, free)
-            The motions the design allows.
-        direction : ndarray, shape (dof,)
-            b: the take-off moves with b.q.
-
-        Returns
-        -------
-        free, forced : ndarray, each shape (omega, dof)
-            A take-off's force F against the motion leaves free - F forced.
-        """
-        c = self.coefficients(omega)
-        matrix = dynamic_stiffness(omega, c, self.mass, self.structural_damping, self.stiffness)
-        return free_motion(matrix, c.excitation, motions, direction)
+    def equation(self, omega: FloatArray) -> LinearEquation:
+        """Return its equation of motion at frequencies, without take-off."""
+        return LinearEquation(
+            omega, self.coefficients(omega), self.mass, self.structural_damping, self.stiffness, self.chamber
+        )
 
     def port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
-        """Return the port of a design, V0 = -i w b.q_free and Y = -i w b.q_forced; parameters as `free_motion`.
-
-        A chamber is in series with the port.
-        """
-        return self._port(omega, self.coefficients(omega), motions, direction)
+        """Return what a take-off sees of a design; see `vsb.motion.frequency.LinearEquation.port`."""
+        return self.equation(omega).port(motions, direction)
 
     def extended_port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
         """Return `port` at any frequency: outside the band solved with the coefficients of its nearest end."""
         first, last = self.database.omega.values[[0, -1]]
-        return self._port(omega, self.coefficients(np.clip(omega, first, last)), motions, direction)
-
-    def _port(self, omega: FloatArray, c: Coefficients, motions: FloatArray, direction: FloatArray) -> Port:
-        """The port by coefficients at these frequencies."""
-        matrix = dynamic_stiffness(omega, c, self.mass, self.structural_damping, self.stiffness)
-        moved = free_motion(matrix, c.excitation, motions, direction)
-        found = port_of_motion(omega, *moved, c.damping + self.structural_damping, self.stiffness, motions, direction)
-        return found.behind(self.chamber) if self.chamber else found
+        return replace(self.equation(np.clip(omega, first, last)), omega=omega).port(motions, direction)
 
     def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
         """Return the mean absorbed power per squared wave amplitude, c w^2 |b.q|^2/2, shape (omega,) [W/m^2]."""

@@ -240,8 +240,7 @@ def constrained_rungs(study: LadderSpec, floating: FloatingSystem, seas: Mapping
     of_force, rungs = (float(ds.omega[0]), band(study, ds)[1]), []
     for design, wave in product(study.designs, study.waves):
         if wave.label in seas:
-            linear = floating.towards(wave)
-            port_at = partial(linear.extended_port, motions=floating.motions[design], direction=floating.port)
+            port_at = partial(floating.extended_port, design, direction=heading(wave))
             rungs.append(constrained_rung(design, wave.label, seas[wave.label], port_at, limits, of_force))
     return rungs
 
@@ -381,10 +380,11 @@ def with_errors(
 
 def _slopes(floating: FloatingSystem, wave: Wave, sea: Sea, rungs: Sequence[Rung]) -> _Slopes:
     """Derivatives of the powers of levels in a sea; the matched force is that of the conjugate impedance."""
-    linear, squares, found = floating.towards(wave), np.abs(sea.amplitude) ** 2, {}
+    linear, squares, found = floating.towards(heading(wave)), np.abs(sea.amplitude) ** 2, {}
+    equation = linear.equation(sea.omega)
     for design, motions in floating.motions.items():
-        port = linear.port(sea.omega, motions, floating.port)
-        moved = linear.free_motion(sea.omega, motions, floating.port)
+        moved = equation.free_motion(motions, floating.port)
+        port = equation.port_of_motion(*moved, motions, floating.port)
         for rung in (rung for rung in rungs if rung.design == design):
             load = np.conj(port.impedance)
             if rung.damping is not None and rung.stiffness is not None:

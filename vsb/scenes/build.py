@@ -21,14 +21,9 @@ from vsb.motion.system import System
 from vsb.scenes import automatic
 from vsb.scenes.drag import dragged_port, linearised, with_drag
 from vsb.scenes.floating_system import (
-    FloatingSystem,
-    body_system,
+    floating_system,
     heading,
     held_rows,
-    linear_buoy,
-    rest_shape,
-    stored_body,
-    study_port,
     study_sea,
 )
 from vsb.scenes.latching import (
@@ -198,18 +193,17 @@ def _dampers(floating: LinearSystem, motions: FloatArray, sea: Sea) -> list[floa
 def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     """What a scene of one design in one sea is made of; a damper is tuned to that sea, or to those named."""
     (design,), (wave,), (system, _) = run.designs, run.waves, _buoy_of(run)
-    bare, basis = linear_buoy(system, paths["database"])
-    model, orders = radiation_model(paths["radiation"]), order_bases(system, basis)
-    waves, spectral = (study_sea(run, w, bare.database) for w in (wave, expected(wave)))
-    others = [(w, study_sea(run, expected(w), bare.database)) for w in run.seas]
-    shape, motions = rest_shape(system, bare, basis), design_motions(system, basis, design)
-    floating = FloatingSystem(bare, {design: motions}, study_port(system, bare, basis))
+    floating, model = floating_system(system, paths["database"]), radiation_model(paths["radiation"])
+    shape, motions, ds = floating.shell, floating.motions[design], floating.linear.database
+    orders = order_bases(system, shape.basis)
+    waves, spectral = (study_sea(run, w, ds) for w in (wave, expected(wave)))
+    others = [(w, study_sea(run, expected(w), ds)) for w in run.seas]
     dragged = None if system.drag is None else partial(dragged_port, system)
     pto = tuned_take_off(run.pto, design, floating, others or [(wave, spectral)], dragged)
     notes = {} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
     notes |= linearised(system, floating, design, pto, wave, spectral)
-    buoy = replace(bare, direction=float(np.deg2rad(heading(wave))), pto=pto)
-    held = all_clamp_rows(system.designs[design].clamp, basis, orders)
+    buoy = replace(floating.towards(heading(wave)), pto=pto)
+    held = all_clamp_rows(system.designs[design].clamp, shape.basis, orders)
     return _FromBem(buoy, shape, model, waves, motions, notes, held, orders)
 
 
@@ -217,14 +211,14 @@ def body_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of a body, linear about its rest; a damper to be tuned is to suit its sea, or those named."""
     (design,), (wave,), system = run.designs, run.waves, run.system
     assert isinstance(system, BodySystem)
-    body = stored_body(paths["database"])
-    floating = body_system(system, body)
+    floating = floating_system(system, paths["database"])
+    body = floating.linear
     waves = study_sea(run, wave, body.database)
     tuned_in = [(one, study_sea(run, expected(one), body.database)) for one in run.seas or (wave,)]
     pto = tuned_take_off(run.pto, design, floating, tuned_in)
     notes = {"model": "linear"} | ({} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)})
     motions = floating.motions[design]
-    equipped = replace(body, pto=pto, direction=float(np.deg2rad(heading(wave))))
+    equipped = replace(floating.towards(heading(wave)), pto=pto)
     memory = body_memory(paths["radiation"])
     check_followed(memory, waves, wave.label)
     scene = linear_scene(equipped, memory.model, waves, motions, memory.added_mass_inf)

@@ -11,7 +11,7 @@ from vsb.motion.forces import QuadraticDrag
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.tuning import squares
-from vsb.scenes.floating_system import FloatingSystem, heading, towards
+from vsb.scenes.floating_system import FloatingSystem, heading
 from vsb.study.directions import Drag, Vane
 from vsb.study.specs import BuoySystem
 from vsb.study.study import Wave
@@ -76,7 +76,7 @@ def dragged_port(
     return DraggedPort.joined(
         [
             DraggedPort.of(
-                towards(floating.linear, at), omega, motions, floating.port, directions, flow(run, omega, at), strength
+                floating.towards(at), omega, motions, floating.port, directions, flow(run, omega, at), strength
             )
             for at, omega in going.items()
         ]

@@ -1,6 +1,7 @@
 """What a study lets float, a buoy or a body: its linear motion, the motions of its designs, its port, its seas.
 
-All that is linear, the response, the ladder of take-offs, the tuning of a damper, asks this and knows no other kind.
+All that is linear, the response, the control levels, the tuning of a damper, a site's year, asks this and knows no
+other kind.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,11 +17,11 @@ from vsb.errors import ConfigError
 from vsb.hydro import database
 from vsb.hydro.dofs import flexible
 from vsb.motion.linear import LinearSystem, with_open_chamber
-from vsb.motion.port import LinearPto, Port, channels_reached, combination, port_direction
+from vsb.motion.port import Port, channels_reached, combination, port_direction
 from vsb.motion.tuning import frequencies
 from vsb.scenes.rest import design_motions, order_bases
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import ModeBasis, check_rank, mode_basis, rigid_basis
+from vsb.shell.modes import check_rank, mode_basis, rigid_basis
 from vsb.study.body import BodyDesign, BodyStudy
 from vsb.study.quantities import is_rigid
 from vsb.study.specs import AnyBuoy, BodySystem, LadderSpec, SimulateSpec, SystemSpec
@@ -37,59 +38,58 @@ InSeas = Study | BodyStudy | LadderSpec | SimulateSpec
 
 @dataclass(frozen=True)
 class FloatingSystem:
-    """A buoy or a body without take-off, in waves from one direction, and what designs and take-off make of it."""
+    """A buoy or a body without take-off, and what designs and take-off make of it."""
 
     linear: LinearSystem
     motions: Mapping[str, FloatArray]  # design -> N (dof, free)
     port: FloatArray  # b (dof,)
     channels: int = 1  # azimuthal orders the port reaches: each may radiate, so that power is limited by as many λ/2π
+    shape: DeformedShell | None = None  # a buoy moves about
 
-    def towards(self, wave: Wave) -> LinearSystem:
-        """Return its motion in waves of a sea's direction."""
-        return towards(self.linear, heading(wave))
+    @property
+    def shell(self) -> DeformedShell:
+        """The shape a buoy moves about."""
+        assert self.shape is not None
+        return self.shape
 
+    def towards(self, direction: float) -> LinearSystem:
+        """Return its motion in waves of a direction [degrees]; a buoy of revolution that heaves answers all alike."""
+        return replace(self.linear, direction=float(np.deg2rad(direction)))
 
-def towards(linear: LinearSystem, direction: float) -> LinearSystem:
-    """Return a motion in waves of a direction [degrees]; a buoy of revolution that heaves answers all alike."""
-    return replace(linear, direction=float(np.deg2rad(direction)))
+    def ports(self, omega: FloatArray, direction: float = 0.0) -> dict[str, Port]:
+        """Return what the take-off sees of all designs in waves of one direction [degrees]."""
+        equation = self.towards(direction).equation(omega)
+        return {design: equation.port(motions, self.port) for design, motions in self.motions.items()}
+
+    def extended_port(self, design: str, omega: FloatArray, direction: float = 0.0) -> Port:
+        """Return what the take-off sees of a design, also outside the band of the database."""
+        return self.towards(direction).extended_port(omega, self.motions[design], self.port)
 
 
 def floating_system(study: AnyBuoy | AnyBody | SystemSpec, database_path: str) -> FloatingSystem:
     """Return what floats in a study, or in the specification of a stage, from its database."""
     system = study.system if isinstance(study, SystemSpec) else study
     if isinstance(system, BodyStudy | BodySystem):
-        return body_system(system, stored_body(database_path))
-    buoy, basis = linear_buoy(system, database_path)
-    motions = {design: design_motions(system, basis, design) for design in system.designs}
-    port = study_port(system, buoy, basis)
-    return FloatingSystem(buoy, motions, port, channels_reached(port, buoy.orders))
+        return floating_body(system, stored_body(database_path))
+    return _floating_buoy(system, database_path)
 
 
 # a buoy -------------------------------------------------------------------------------------------------------------
 
 
-def linear_buoy(study: AnyBuoy, database_path: str) -> tuple[LinearSystem, ModeBasis]:
-    """Return the linear buoy of a study, without take-off, from its database, and its axisymmetric shell modes.
-
-    To a take-off of the volume trapped gas is a chamber before it.
-    """
+def _floating_buoy(study: AnyBuoy, database_path: str) -> FloatingSystem:
+    """The buoy of a study from its database; to a take-off of the volume trapped gas is a chamber before it."""
     ds = database.load_database(database_path, Path(database_path).stem)
     shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
     modes = study.modes
     basis = mode_basis(study.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(study.device)
-    damping = block_diag(basis.damping, *(order.damping for order in order_bases(study, basis)))
-    buoy = LinearSystem(ds, damping, LinearPto(0.0))
-    return (with_open_chamber(buoy, study_port(study, buoy, basis)) if study.opens_chamber else buoy), basis
-
-
-def rest_shape(study: AnyBuoy, buoy: LinearSystem, basis: ModeBasis) -> DeformedShell:
-    """Return the shell a linear buoy moves about."""
-    return DeformedShell(basis, study.centre_height, buoy.database.reference_amplitude.values[: len(basis.labels)])
-
-
-def study_port(study: AnyBuoy, buoy: LinearSystem, basis: ModeBasis) -> FloatArray:
-    """Return b of the take-off of a study, shape (dof,); see `vsb.motion.port.port_direction`."""
-    return port_direction(study.pto.port, rest_shape(study, buoy, basis), order_bases(study, basis))
+    orders = order_bases(study, basis)
+    shape = DeformedShell(basis, study.centre_height, ds.reference_amplitude.values[: len(basis.labels)])
+    port = port_direction(study.pto.port, shape, orders)
+    buoy = LinearSystem(ds, block_diag(basis.damping, *(order.damping for order in orders)))
+    motions = {design: design_motions(study, basis, design) for design in study.designs}
+    linear = with_open_chamber(buoy, port) if study.opens_chamber else buoy
+    return FloatingSystem(linear, motions, port, channels_reached(port, buoy.orders), shape)
 
 
 # a body -------------------------------------------------------------------------------------------------------------
@@ -101,16 +101,12 @@ def stored_body(database_path: str) -> LinearSystem:
     return LinearSystem(ds, np.asarray(ds.structural_damping_matrix.values), axisymmetric=False)
 
 
-def body_system(study: AnyBody, body: LinearSystem) -> FloatingSystem:
-    """Return what a study lets float of a body."""
+def floating_body(study: AnyBody, body: LinearSystem) -> FloatingSystem:
+    """Return what a study lets float of a body; its take-off is on heave if it says nothing else."""
     motions = {name: body_motions(name, design, body.labels) for name, design in study.designs.items()}
-    return FloatingSystem(body, motions, body_port(study, body.labels))
-
-
-def body_port(study: AnyBody, labels: Sequence[str]) -> FloatArray:
-    """Return b of the take-off of a study of a body, shape (dof,); by default heave."""
     port = study.pto.port
-    return combination(labels, port.dofs if isinstance(port, DofPort) else {"Heave": 1.0})
+    shares = port.dofs if isinstance(port, DofPort) else {"Heave": 1.0}
+    return FloatingSystem(body, motions, combination(body.labels, shares))
 
 
 def moved(design: BodyDesign, labels: Sequence[str]) -> tuple[str, ...]:
@@ -204,8 +200,7 @@ def port_in_seas(floating: FloatingSystem, design: str, seas: Sequence[tuple[Wav
     """
     ports, places, before = [], [np.zeros(0, dtype=np.intp)] * len(seas), 0
     for direction, omega in headings(seas).items():
-        linear = towards(floating.linear, direction)
-        ports.append(linear.port(omega, floating.motions[design], floating.port))
+        ports.append(floating.towards(direction).port(omega, floating.motions[design], floating.port))
         for i in (i for i, (wave, _) in enumerate(seas) if _goes(wave, direction)):
             places[i] = before + np.searchsorted(omega, seas[i][1].omega)
         before += len(omega)

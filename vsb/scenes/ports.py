@@ -11,7 +11,7 @@ from vsb.hydro.database import Coefficients, shares
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.orders import order_shares
 from vsb.motion.coefficient_errors import INTERPOLATION, RESOLUTION, CoefficientError, haskind_misfits, relative_error
-from vsb.motion.frequency import dynamic_stiffness, free_motion, port_of_motion
+from vsb.motion.frequency import LinearEquation
 from vsb.motion.linear import channelled
 from vsb.motion.port import Port, PortMotion, port_direction
 from vsb.scenes.rest import (
@@ -117,26 +117,25 @@ def designs_in_waves(
     degree : int, optional
         Of a study in heave: higher shell modes of its basis are held.
     """
-    basis, omega, families = reference.basis, water.omega, order_bases(study, reference.basis)
-    coefficients = water.in_modes(basis, families)
-    direction = port_direction(study.pto.port, reference.shape, families)
+    basis, families = reference.basis, order_bases(study, reference.basis)
     seen, chamber = seen_by_take_off(study, reference)
     inertia, damping = (
         side_by_side(getattr(basis, name), *(getattr(each, name) for each in families))
         for name in ("inertia", "damping")
     )
-    stiffness, lossy = whole_stiffness(study, seen), coefficients.damping + damping
-    dynamic = dynamic_stiffness(omega, coefficients, inertia, damping, stiffness)
-    shapes = shell_shapes(basis, families)
+    equation = LinearEquation(
+        water.omega, water.in_modes(basis, families), inertia, damping, whole_stiffness(study, seen), chamber
+    )
+    direction, shapes = port_direction(study.pto.port, reference.shape, families), shell_shapes(basis, families)
     found = {}
     for design in study.designs:
-        free = design_motions(study, basis, design)
+        motions = design_motions(study, basis, design)
         if degree is not None:
-            free = motions_to_degree(study, basis, design, degree)
-        moved = free_motion(dynamic, coefficients.excitation, free, direction)
-        port = port_of_motion(omega, *moved, lossy, stiffness, free, direction)
+            motions = motions_to_degree(study, basis, design, degree)
+        moved = equation.free_motion(motions, direction)
         heave, shell = zip(*((one[:, 0], _of_shell(one, shapes)) for one in moved), strict=True)
-        found[design] = InWaves(port.behind(chamber), PortMotion(heave, shell), moved)
+        port = equation.port_of_motion(*moved, motions, direction)
+        found[design] = InWaves(port, PortMotion(heave, shell), moved)
     return found
 
 

@@ -20,7 +20,7 @@ import xarray as xr
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.hydro.database import Coefficients, with_structure
 from vsb.hydro.shape_dependence import ShapeDatabase, ShapeFamily, shape_database
-from vsb.motion.frequency import dynamic_stiffness
+from vsb.motion.frequency import LinearEquation
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.scenes.floating_system import study_sea
@@ -67,6 +67,11 @@ def given_damper(study: Study) -> float:
     return pto.damping
 
 
+def damped(buoy: LinearSystem, omega: FloatArray, c: Coefficients) -> LinearEquation:
+    """Return the equation of motion of a buoy and its damper with other coefficients at some frequencies."""
+    return LinearEquation(omega, c, buoy.mass, buoy.damping_at(omega), buoy.stiffness)
+
+
 def power_slope(buoy: LinearSystem, slopes: xr.Dataset, motions: FloatArray) -> FloatArray:
     """Return the derivative of absorbed power per squared wave amplitude by shape, shape (shape_dof, omega) [W/m^3].
 
@@ -74,11 +79,11 @@ def power_slope(buoy: LinearSystem, slopes: xr.Dataset, motions: FloatArray) -> 
     Z q = X gives dq = Z^-1 (dX - dZ q) with dZ = -w^2 dA - i w dB; inertia and stiffness stay.
     """
     omega = buoy.database.omega.values
-    c, w, q = buoy.coefficients(omega), omega[:, None, None], buoy.rao(omega, motions)
-    impedance = dynamic_stiffness(omega, c, buoy.mass, buoy.damping_at(omega), buoy.stiffness)
+    equation, w = damped(buoy, omega, buoy.coefficients(omega)), omega[:, None, None]
+    q = equation.response(equation.water.excitation, motions)
     change = -(w**2) * slopes.added_mass.values - 1j * w * slopes.radiation_damping.values
     load = slopes.excitation_force.values[:, :, 0] - np.einsum("kwij,wj->kwi", change, q)
-    response = np.linalg.solve(motions.T @ impedance @ motions, (load @ motions)[..., None])[..., 0] @ motions.T
+    response = equation.response(load, motions)
     return np.asarray(buoy.pto.damping * omega**2 * (q[:, 0].conj() * response[..., 0]).real)
 
 
@@ -127,9 +132,7 @@ def study_family(study: Study, reference: ReferenceShell, frequencies: int = 60)
 
 def mean_power(buoy: LinearSystem, c: Coefficients, waves: Sea, motions: FloatArray) -> float:
     """Return the mean absorbed power in a sea [W] of a buoy with other coefficients, those at the sea's frequencies."""
-    impedance = dynamic_stiffness(waves.omega, c, buoy.mass, buoy.damping_at(waves.omega), buoy.stiffness)
-    load = (c.excitation @ motions)[..., None]
-    rao = np.linalg.solve(motions.T @ impedance @ motions, load)[..., 0] @ motions.T
+    rao = damped(buoy, waves.omega, c).response(c.excitation, motions)
     return waves.mean_of(buoy.absorbed_power(waves.omega, rao))
 
 

@@ -17,7 +17,7 @@ from vsb.motion.frequency import allowed_part, compliance
 from vsb.motion.linear import LinearSystem, direction_index
 from vsb.results import ledger
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
-from vsb.scenes.floating_system import body_system, port_in_seas, study_sea
+from vsb.scenes.floating_system import floating_body, port_in_seas, study_sea
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
 from vsb.study.body import BodyFile
 from vsb.study.plan import BodyPlan
@@ -52,7 +52,7 @@ def checked_body(plan: BodyPlan) -> tuple[LinearSystem, list[Check]]:
         ds = read_source(source.kind, files[source.kind], study.water, source.length)
         check_water(study.water, ds)
         body, _, checks, _ = judged(plan.database, within_band(ds, study.hydro.omega_max))
-    floating = body_system(study, body)
+    floating = floating_body(study, body)
     for design, motions in floating.motions.items():
         held = body.held + study.pto.stiffness * np.outer(floating.port, floating.port)
         try:
@@ -115,7 +115,7 @@ def check_stored(plan: BodyPlan) -> None:
 def body_summary(plan: BodyPlan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
     (body, checks), study = checked_body(plan), plan.study
-    floating, omega = body_system(study, body), body.database.omega.values
+    floating, omega = floating_body(study, body), body.database.omega.values
     there = " (there)" if Path(plan.database_path).exists() else ""
     designs = (f"{name} moves in {motions.shape[1]}" for name, motions in floating.motions.items())
     lines = [

@@ -17,11 +17,10 @@ from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
 from vsb.hydro.variables import PAIR
 from vsb.motion import frequency as response
-from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto, Port
 from vsb.report.band import with_extremes
 from vsb.results.ladder import as_csv, study_ladder
-from vsb.scenes.floating_system import FloatingSystem, floating_system, stored_body, towards
+from vsb.scenes.floating_system import FloatingSystem, floating_system, stored_body
 from vsb.stages.stage import stamp
 from vsb.study.specs import LadderSpec, RadiationSpec, ResponseSpec
 from vsb.study.study import canonical
@@ -136,11 +135,11 @@ def run_response(spec: ResponseSpec, database: str, out: str) -> None:
     else:
         omega = refined(floating.linear.database.omega.values, spec.omega)
     omega = with_resonances(spec, floating, omega)
-    moving = [towards(floating.linear, at) for at in spec.directions or (0.0,)]
+    directions = spec.directions or (0.0,)
     if spec.reference_design and len(spec.designs) > 1:
-        omega = with_extremes(partial(best_powers, spec, floating, moving[0]), omega, spec.reference_design)
-    seen = [ports(floating, one, omega) for one in moving]
-    headings = [in_waves(spec, floating, one, its) for one, its in zip(moving, seen, strict=True)]
+        omega = with_extremes(partial(best_powers, spec, floating, directions[0]), omega, spec.reference_design)
+    seen = [floating.ports(omega, at) for at in directions]
+    headings = [in_waves(spec, floating, at, its) for at, its in zip(directions, seen, strict=True)]
     waves = headings[0]
     if spec.directions:
         waves = xr.concat(headings, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(spec.directions))
@@ -168,15 +167,10 @@ def with_resonances(spec: ResponseSpec, floating: FloatingSystem, omega: FloatAr
     return np.unique(every[(every >= omega[0]) & (every <= omega[-1])])
 
 
-def best_powers(spec: ResponseSpec, floating: FloatingSystem, linear: LinearSystem, omega: FloatArray) -> xr.DataArray:
+def best_powers(spec: ResponseSpec, floating: FloatingSystem, direction: float, omega: FloatArray) -> xr.DataArray:
     """Return the power of all designs at the best damper of each frequency, dims (design, omega) [W/m^2]."""
-    best = [port.best_power for port in beside_spring(spec, ports(floating, linear, omega)).values()]
+    best = [port.best_power for port in beside_spring(spec, floating.ports(omega, direction)).values()]
     return xr.DataArray(best, {"design": list(spec.designs), "omega": omega}, ("design", "omega"))
-
-
-def ports(floating: FloatingSystem, linear: LinearSystem, omega: FloatArray) -> dict[str, Port]:
-    """Return what the take-off sees of all designs in waves of one direction."""
-    return {design: linear.port(omega, motions, floating.port) for design, motions in floating.motions.items()}
 
 
 def beside_spring(spec: ResponseSpec, seen: Mapping[str, Port]) -> dict[str, Port]:
@@ -185,11 +179,10 @@ def beside_spring(spec: ResponseSpec, seen: Mapping[str, Port]) -> dict[str, Por
     return {design: port.beside(spring) if spring else port for design, port in seen.items()}
 
 
-def in_waves(
-    spec: ResponseSpec, floating: FloatingSystem, linear: LinearSystem, seen: Mapping[str, Port]
-) -> xr.Dataset:
+def in_waves(spec: ResponseSpec, floating: FloatingSystem, direction: float, seen: Mapping[str, Port]) -> xr.Dataset:
     """Return what all designs do in waves of one direction, by their ports."""
     pto, rao, power, best = spec.pto, [], [], beside_spring(spec, seen)
+    linear = floating.towards(direction)
     omega = next(iter(seen.values())).omega
     for design, motions in floating.motions.items():
         damper = pto.damper(design)

@@ -29,7 +29,6 @@ from vsb.results.comparison import in_direction
 from vsb.results.force_steps import SeenPort, force_steps
 from vsb.results.statistics import families
 from vsb.scenes.floating_system import FloatingSystem, band, floating_system, heading, study_sea
-from vsb.scenes.floating_system import towards as headed
 from vsb.stages.stored import Inputs
 from vsb.study.blocks import no_witness
 from vsb.study.body import AnyStudy
@@ -200,9 +199,8 @@ class _Seen:
 
     def ports(self, towards: float) -> dict[str, SeenPort]:
         """Ports by design, to be had at any frequencies."""
-        linear, port = headed(self.floating.linear, towards), self.floating.port
-        motions = self.floating.motions
-        return {name: partial(linear.extended_port, motions=n, direction=port) for name, n in motions.items()}
+        floating = self.floating
+        return {name: partial(floating.extended_port, name, direction=towards) for name in floating.motions}
 
     def grid(self, omega: FloatArray, towards: float) -> Grid:
         """Ports beside the spring, and what energy waves bring, at some frequencies."""

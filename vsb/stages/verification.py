@@ -24,9 +24,8 @@ from vsb.results.verification import (
 )
 from vsb.results.year import Year
 from vsb.scenes.build import radiation_model
-from vsb.scenes.floating_system import linear_buoy, rest_shape, study_port
+from vsb.scenes.floating_system import floating_system
 from vsb.scenes.ports import design_ports
-from vsb.scenes.rest import design_motions
 from vsb.scenes.viability import viability
 from vsb.shell.deformed import ReferenceShell
 from vsb.stages.campaign import swept_shape
@@ -76,12 +75,11 @@ def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
     """Return the designs of a study ready for any sea, without a damper yet; its database made if it is not there."""
     plan = StudyPlan(study, root=root)
     make(plan, [plan.database_path, plan.radiation_path])
-    buoy, basis = linear_buoy(study, plan.database_path)
-    radiation, shape = radiation_model(plan.radiation_path), rest_shape(study, buoy, basis)
-    take_off = LinearPto(0.0, study.pto.stiffness, study_port(study, buoy, basis))
+    floating, radiation = floating_system(study, plan.database_path), radiation_model(plan.radiation_path)
+    take_off = LinearPto(0.0, study.pto.stiffness, floating.port)
     return {
-        design: DesignInTime(buoy, shape, radiation, design_motions(study, basis, design), take_off, study.pto)
-        for design in study.designs
+        design: DesignInTime(floating.linear, floating.shell, radiation, motions, take_off, study.pto)
+        for design, motions in floating.motions.items()
     }
 
 
