@@ -17,7 +17,7 @@ from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell, enclosed
 from vsb.stages.water import spectral_problem
 from vsb.study.plan import StudyPlan
-from vsb.study.take_off import BetweenPort, LinePort, ShellPort
+from vsb.study.take_off import BetweenPort, LinePort, ShellPort, StrainPort
 from vsb.waves.dispersion import power_limit
 
 
@@ -47,8 +47,13 @@ def lossless(seed):
 
 
 @pytest.mark.parametrize(
-    "choice", ["heave", ShellPort(colatitude=60), "volume", BetweenPort(between=(0, 180))], ids=str
-)
+    "choice",
+    [
+        "heave", ShellPort(colatitude=60), "volume", BetweenPort(between=(0, 180)), StrainPort(strain="area"),
+        StrainPort(strain="hoop", belt=(60, 120)),
+    ],
+    ids=str,
+)  # fmt: skip
 def test_matched_power_is_the_radiation_limit_of_one_channel(lossless, choice):
     """lambda/(2 pi) of crest for every port and shell; a rigid buoy does not move a port within the shell."""
     (study, buoy), omega = lossless, np.arange(0.2, 4.5, 0.0137)
@@ -119,8 +124,24 @@ def test_port_directions_match_finite_differences(seed):
     def volume(shell):
         return enclosed(basis, shell.modal_amplitude[None])[0][0]
 
+    def area(shell):
+        return enclosed(basis, shell.modal_amplitude[None])[1][0]
+
+    belt = np.linspace(np.pi / 3, 2 * np.pi / 3, 8001)
+    still = DeformedShell(basis, 0.3, rest).meridian(belt)
+    ring = still.x * np.hypot(still.dx, still.dz)  # its area per angle
+
+    def hoop(shell):
+        return np.trapezoid(ring * shell.meridian(belt).x / still.x, belt) / np.trapezoid(ring, belt)
+
+    def meridional(shell):
+        m = shell.meridian(belt)
+        return np.trapezoid(ring * np.hypot(m.dx, m.dz) / np.hypot(still.dx, still.dz), belt) / np.trapezoid(ring, belt)
+
     for choice, quantity in (
-        (BetweenPort(between=(30, 140)), apart), (ShellPort(colatitude=70), height), ("volume", volume)
+        (BetweenPort(between=(30, 140)), apart), (ShellPort(colatitude=70), height), ("volume", volume),
+        (StrainPort(strain="area"), area), (StrainPort(strain="hoop", belt=(60, 120)), hoop),
+        (StrainPort(strain="meridional", belt=(60, 120)), meridional),
     ):  # fmt: skip
         found = port_direction(choice, shape)
         assert found == pytest.approx(np.array(moved(1e-5, quantity)) / 2e-5, rel=1e-6, abs=1e-7 * np.abs(found).max())

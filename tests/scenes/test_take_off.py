@@ -17,7 +17,7 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.tuning import frequencies, squares
 from vsb.scenes.build import SCENES
-from vsb.scenes.floating_system import FloatingSystem
+from vsb.scenes.floating_system import FloatingSystem, floating_system
 from vsb.scenes.take_off import LAWS, end_stop, tuned_take_off, with_take_off
 from vsb.study.study import load
 from vsb.study.take_off import Pto
@@ -161,6 +161,34 @@ def test_laws_act_on_ports_of_the_shell(seed, port, tmp_path_factory):
     assert followed(law="saturated", force_limit=0.5 * force)[1] == pytest.approx(0.5 * force)
     assert followed(law="coulomb", force_limit=0.5 * force)[1] == pytest.approx(0.5 * force)
     assert followed(stroke_limit=0.5 * stroke)[0] < 0.6 * stroke
+
+
+HELD = [None, {"place": "heave"}, {"place": "ring", "colatitude": 110}]
+
+
+@pytest.mark.parametrize("model", ["linear", pytest.param("body_exact", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("held", HELD, ids=["free", "heave", "ring"])
+def test_power_from_strain_in_time_is_that_of_the_port(held, model, tmp_path_factory):
+    """A damper on the change of area, what the mooring holds stays; at finite amplitude along the gradient at rest."""
+    study = varied(
+        load(CONFIG / "pressurised.yaml"),
+        designs={"VSWEC": {}},
+        modes={"degree": 2},
+        hydro={"omega_max": 4.5, "model": model},
+        pto={"damping": 2e3, "port": {"strain": "area"}, "held": held},
+        waves=[{"kind": "regular", "amplitude": 0.01, "period": 3.0}],
+        simulation={"duration": 60.0, "window": (48.0, 60.0), "initial_velocity": 0.0, "tolerance": 1e-9},
+    )
+    files = hydro_files(study, tmp_path_factory.getbasetemp() / "wet")
+    found = SCENES[model](only_run(study), files)
+    (leg,) = legs(found.system, found.sea, study.simulation, None)
+    assert leg.balance.residual < 1e-6
+    moved = leg.motion.position @ found.scene.motions.T
+    np.testing.assert_allclose(moved @ found.held.T, 0.0, atol=1e-12)
+    assert len(found.held) == (held is not None)
+    start, end = np.interp([48.0, 60.0], leg.motion.time, leg.energy["pto"])
+    seen = floating_system(study, files["database"]).ports(np.array([2 * np.pi / 3.0]))["VSWEC"]
+    assert (end - start) / 12.0 == pytest.approx(0.01**2 * seen.power(2e3)[0], rel=5e-3 if model == "linear" else 1e-2)
 
 
 @pytest.mark.slow

@@ -66,7 +66,21 @@ def test_errors_of_the_take_off(seed, keys, wrong):
         ),
         (
             {"pto": {"port": "volume"}, "hydro": {"model": "body_exact"}},
-            r"pto.port: hydro.model 'body_exact' has no other port than heave and those at points of the shell; needs",
+            r"pto.port: hydro.model 'body_exact' has no other port than heave and those of the shell; needs",
+        ),
+        (
+            {"pto": {"port": {"strain": "hoop", "belt": [90, 30]}}},
+            r"pto.port.belt: received .90, 30.; needs two colatitudes, the upper one first",
+        ),
+        ({"pto": {"held": {"place": "point"}}}, r"pto.held.*a point force on a thin shell has no limit as shell modes"),
+        ({"pto": {"held": {"place": "heave"}}}, r"pto.held .place: heave.: leaves the rigid design FSB no motion"),
+        (
+            {"pto": {"held": {"place": "heave"}}, "designs": {"A": {}}},  # the seed starts with a velocity
+            r"holds the take-off's port, heave; needs another pto.port",
+        ),
+        (
+            {"pto": {"port": {"strain": "area"}, "held": {"place": "heave"}}, "designs": {"A": {}}},
+            r"starts at rest; needs simulation.initial_position and initial_velocity of 0",
         ),
         (
             {"pto": {"port": {"between": [0, 180]}}, "hydro": {"model": "auto"}},
@@ -111,7 +125,7 @@ def test_damping_of_a_run(seed):
 
 @pytest.mark.parametrize(
     ("port", "unit"),
-    [("heave", "N s/m"), ("surge", "N s/m"), ("pitch", "N m s"), ("volume", "Pa s/m^3"), ({"colatitude": 90.0}, "N s/m"),
+    [("heave", "N s/m"), ("surge", "N s/m"), ({"strain": "area"}, "N s/m^3"), ({"strain": "hoop"}, "N m s"), ("pitch", "N m s"), ("volume", "Pa s/m^3"), ({"colatitude": 90.0}, "N s/m"),
      ({"dofs": {"Pitch": 1.0}}, "N m s"), ({"dofs": {"float__Roll": 1.0, "spar__Pitch": -1.0}}, "N m s"),
      ({"dofs": {"float__Pitch": 1.0, "float__Heave": 2.0}}, "N s/m")],
     ids=str,

@@ -112,7 +112,7 @@ SEED = Path(__file__).parents[1] / "data" / "seed.yaml"
 KEPT = {
     "poisson_ratio", "density", "adiabatic_index", "atmospheric_pressure", "degree", "clamp", "depth",
     "gravity", "power_tolerance", "tolerance", "rows", "efficiency", "colatitude", "between", "seed", "realisations",
-    "gamma", "values", "coefficient", "jm", "order", "direction", "dofs", "profile",
+    "gamma", "values", "coefficient", "jm", "order", "direction", "dofs", "profile", "belt",
 }  # fmt: skip
 """Numbers without dimension, angles, and what stays as it is: material, water, air, figures published elsewhere;
 a profile has the radius of its buoy."""
@@ -166,6 +166,8 @@ TAKE_OFF = {"damping": 1.0, "stiffness": 1.0, "force_limit": 1.0, "stroke_limit"
         ({"line_to": [0.0, -20.0]}, (32.0, 16.0, 64.0, 4.0)),
         ("volume", (1 / 8, 1 / 16, 4.0, 64.0)),  # Pa s/m^3, Pa/m^3, Pa, m^3
         ("pitch", (512.0, 256.0, 256.0, 1.0)),  # N m s, N m, N m, rad
+        ({"strain": "area"}, (2.0, 1.0, 16.0, 16.0)),  # N s/m^3, N/m^3, N/m, m^2
+        ({"strain": "hoop", "belt": [60, 120]}, (512.0, 256.0, 256.0, 1.0)),  # N m s, N m, N m, -
     ],
 )
 def test_take_off_scales_with_the_units_of_its_port(port, expected):

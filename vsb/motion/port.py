@@ -19,7 +19,7 @@ from vsb.hydro.dofs import multiplicity
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.orders import OrderBasis
-from vsb.study.take_off import BetweenPort, DofPort, LinePort, PortChoice, ShellPort
+from vsb.study.take_off import BetweenPort, DofPort, LinePort, PortChoice, ShellPort, StrainPort
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 _ROUND_OFF = 1e-6
@@ -207,11 +207,11 @@ ROUND_OFF = 1e-12
 
 
 def port_direction(choice: PortChoice, shape: DeformedShell, orders: Sequence[OrderBasis] = ()) -> FloatArray:
-    """Return b of a port, whose velocity is b.q', shape (dof,) [-]; of the volume [m^2], per rad of pitch [m].
+    """Return b of a port, whose velocity is b.q', shape (dof,) [-]; of volume [m^2], area [m], strain [1/m], pitch [m].
 
     Parameters
     ----------
-    choice : "heave", "surge", "pitch", "volume", ShellPort, BetweenPort, LinePort or DofPort
+    choice : "heave", "surge", "pitch", "volume", ShellPort, BetweenPort, StrainPort, LinePort or DofPort
     shape : DeformedShell
         The shape at rest.
     orders : sequence of OrderBasis
@@ -221,7 +221,8 @@ def port_direction(choice: PortChoice, shape: DeformedShell, orders: Sequence[Or
     -----
     A ring of points moves radially by v and vertically by v cos phi - u sin phi, heave included, m >= 1 on average not;
     between two points of the meridian theta = 0 counts what lengthens the line that joins them, of a line to the sea
-    bed likewise, attached to the frame; of the volume, its gradient int n.psi dS.
+    bed likewise, attached to the frame; of the volume, its gradient int n.psi dS; of strain, that of the shape at rest
+    (`DeformedShell.strain_gradients`), to which orders m >= 1 add nothing.
     """
     labels = [*shape.basis.labels, *(label for basis in orders for label in basis.labels)]
     if isinstance(choice, LinePort):
@@ -274,7 +275,7 @@ def _between(choice: PortChoice, shape: DeformedShell, basis: OrderBasis) -> Flo
 
 
 def _axisymmetric_port(
-    choice: Literal["heave", "volume"] | ShellPort | BetweenPort, shape: DeformedShell
+    choice: Literal["heave", "volume"] | ShellPort | BetweenPort | StrainPort, shape: DeformedShell
 ) -> FloatArray:
     """Share of heave and axisymmetric modes in a port."""
     heave = np.eye(len(shape.basis.labels))[0]
@@ -282,6 +283,10 @@ def _axisymmetric_port(
         return np.asarray(heave)
     if choice == "volume":
         direction: FloatArray = ElasticShell(shape.basis).volume_gradient(shape.modal_amplitude)
+    elif isinstance(choice, StrainPort):
+        upper, lower = np.deg2rad(choice.belt)
+        hoop, meridional, area = shape.strain_gradients(float(upper), float(lower))
+        direction = {"hoop": hoop, "meridional": meridional, "area": area * (hoop + meridional)}[choice.strain]
     elif isinstance(choice, BetweenPort):
         m = shape.meridian(np.deg2rad(choice.between))
         chord = np.array([np.diff(m.x)[0], np.diff(m.z)[0]])
@@ -291,7 +296,7 @@ def _axisymmetric_port(
         at = np.deg2rad([choice.colatitude])
         radial, _ = shape.basis.displacement(at)
         direction = (radial if choice.direction == "radial" else shape.meridian(at).shape_z)[:, 0]
-    if choice == "volume" or isinstance(choice, BetweenPort) or choice.against == "frame":
+    if not isinstance(choice, ShellPort) or choice.against == "frame":
         direction = direction * (1 - heave)  # rigid heave does not move these
     kept = np.abs(direction) > ROUND_OFF * np.abs(direction).max()
     return np.asarray(np.where(kept, direction, 0.0))

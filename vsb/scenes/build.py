@@ -36,7 +36,7 @@ from vsb.scenes.latching import (
     strongest,
     with_latching_time,
 )
-from vsb.scenes.rest import design_motions, order_bases, study_basis
+from vsb.scenes.rest import design_motions, mooring_rows, order_bases, study_basis
 from vsb.scenes.take_off import tuned_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.orders import OrderBasis, all_clamp_rows
@@ -204,6 +204,8 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     notes |= linearised(system, floating, design, pto, wave, spectral)
     buoy = replace(floating.towards(heading(wave)), pto=pto)
     held = all_clamp_rows(system.designs[design].clamp, shape.basis, orders)
+    if not orders:
+        held = np.concatenate([held, mooring_rows(system, shape.basis)])
     return _FromBem(buoy, shape, model, waves, motions, notes, held, orders)
 
 

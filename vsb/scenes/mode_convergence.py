@@ -25,7 +25,7 @@ from vsb.shell.deformed import DeformedShell
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
 from vsb.study.study import RegularWave, StillWater, Study
-from vsb.study.take_off import Pto, ShellPort
+from vsb.study.take_off import Pto, ShellPort, StrainPort
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea, expected, sea
@@ -259,8 +259,9 @@ def converged_degree(spec: DegreeSpec, climate: Climate | None = None) -> int:
 
 
 def knows_port(study: AnyBuoy) -> bool:
-    """Whether powers are known by degree: of heave, the volume and points of the shell, not of turning."""
-    return study.motion == "heave" or study.pto.port in ("heave", "volume") or isinstance(study.pto.port, ShellPort)
+    """Whether powers are known by degree: of heave, volume, strain and rings of the shell, not of turning."""
+    port = study.pto.port
+    return study.motion == "heave" or port in ("heave", "volume") or isinstance(port, ShellPort | StrainPort)
 
 
 def mean_sea(climate: Climate, highest: float = np.inf) -> Sea:

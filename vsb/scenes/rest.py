@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, null_space
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.frequency import allowed_part, compliance, softest, unrestrained_motions
@@ -20,7 +20,7 @@ from vsb.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, eq
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw
 from vsb.study.directions import RIGID
-from vsb.study.specs import AnyBuoy, AtRest, Designed, RestSpec
+from vsb.study.specs import AnyBuoy, AtRest, Designed, ModesSpec, RestSpec
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
@@ -65,7 +65,7 @@ def whole_labels(study: Moving, reference: ReferenceShell) -> tuple[str, ...]:
 def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray:
     """Return the motions a design allows, shape (dof, free) [-]: heave alone, or heave and the unclamped modes.
 
-    Likewise of the other azimuthal orders, where the buoy moves in more directions.
+    Likewise of the other azimuthal orders, where the buoy moves in more directions; less what the mooring holds.
 
     Raises
     ------
@@ -82,7 +82,19 @@ def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray
             f"designs.{design}.clamp: received {list(chosen.clamp)}, which leaves none of the {len(basis.modes)} shell "
             f"modes free; use fewer clamps, a larger modes.degree, or flexible: false"
         )
+    if (held := mooring_rows(study, basis)).size:
+        free = free @ null_space(held @ free)
     return side_by_side(free, *others)
+
+
+def mooring_rows(study: Designed, basis: ModeBasis) -> FloatArray:
+    """Return what `pto.held` holds at zero of heave and axisymmetric modes, Phi q = 0, shape (constraint, dof) [-]."""
+    held = None if isinstance(study, ModesSpec) else study.pto.held
+    if held is None:
+        return np.zeros((0, len(basis.labels)))
+    if held.place == "heave":
+        return np.eye(1, len(basis.labels))
+    return DeformedShell(basis, 0.0).meridian(np.deg2rad([held.colatitude])).shape_z.T
 
 
 def motions_to_degree(study: Designed, basis: ModeBasis, design: str, degree: int) -> FloatArray:

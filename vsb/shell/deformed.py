@@ -83,6 +83,24 @@ class DeformedShell:
             dshape_z,
         )
 
+    def strain_gradients(self, upper: float, lower: float) -> tuple[FloatArray, FloatArray, float]:
+        """Return the derivatives of the mean strains between two colatitudes [rad] by the amplitudes, and the area.
+
+        Returns
+        -------
+        hoop, meridional : ndarray, shape (dof,) [1/m]
+            Means over the surface of x_j/x and (x' x_j' + z' z_j')/s^2, s^2 = x'^2 + z'^2, strains of this shape.
+        area : float [m^2]
+            Its derivative by the amplitudes is area times the sum of both.
+        """
+        node, weight = gauss_rule(4 * self.basis.turns + 24)
+        m = self.meridian(upper + (lower - upper) * (1 + node) / 2)
+        weight, length = np.pi * (lower - upper) * weight, np.hypot(m.dx, m.dz)
+        area = float(weight @ (m.x * length))
+        hoop = m.shape_x @ (weight * length) / area
+        along = (m.dshape_x * m.dx + m.dshape_z * m.dz) @ (weight * m.x / length) / area
+        return hoop, along, area
+
     @cached_property
     def _series(self) -> FloatArray:
         """Legendre coefficients in cos(phi) of v and v', and of W' and W'', where u = dW/dphi = -sin(phi) W'.

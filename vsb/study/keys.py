@@ -203,8 +203,9 @@ KEYS: dict[str, dict[str, Key]] = {
             "",
             "{colatitude: 90}",
             "what the take-off acts on: heave, surge, pitch, a line to the sea bed, a ring of the shell, two points, "
-            "or its volume",
+            "its strain, or its volume",
         ),
+        "held": Key("", "{place: heave}", "what the mooring holds of all designs: heave of the frame, or a ring"),
         "law": Key(
             "",
             "coulomb",
@@ -218,6 +219,17 @@ KEYS: dict[str, dict[str, Key]] = {
         "colatitude": Key("degrees", "90", "ring of the shell the take-off acts on, from the top pole"),
         "direction": Key("", "radial", "direction of the port's motion"),
         "against": Key("", "frame", "what the take-off stands on: the sea bed, or sphere centre and ballast"),
+    },
+    "StrainPort": {
+        "strain": Key(
+            "", "area", "stretch of the shell the take-off acts on: change of its area, mean hoop or meridional strain"
+        ),
+        "belt": Key("degrees", "[60, 120]", "colatitudes of the part of the shell meant; all of it"),
+    },
+    "HeldHeave": {"place": Key("", "heave", "what the mooring holds: heave of the frame, sphere centre and ballast")},
+    "HeldRing": {
+        "place": Key("", "ring", "what the mooring holds: a ring of the shell, against vertical motion"),
+        "colatitude": Key("degrees", "110", "the ring, from the top pole"),
     },
     "LinePort": {
         "line_to": Key("m", "[20.0, -50.0]", "anchor, x from the buoy's axis at rest and z from still water"),

@@ -403,17 +403,32 @@ class Study(Buoy, BaseStudy):
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
         self.check_published()
 
+    def _check_held(self) -> None:
+        """What is held must leave every design something to move, of a buoy that heaves."""
+        if (held := self.pto.held) is None:
+            return
+        given = f"pto.held {{place: {held.place}}}"
+        if self.motion != "heave" or self.hydro.model not in ("linear", "body_exact"):
+            raise ValueError(f"{given}: needs motion: heave, and hydro.model: linear or body_exact")
+        if rigid := [name for name, design in self.designs.items() if not design.flexible]:
+            raise ValueError(f"{given}: leaves the rigid design {rigid[0]} no motion; needs flexible designs alone")
+        if held.place == "heave" and self.pto.port == "heave":
+            raise ValueError(f"{given}: holds the take-off's port, heave; needs another pto.port")
+        if self.simulation.initial_position or self.simulation.initial_velocity:
+            raise ValueError(f"{given}: starts at rest; needs simulation.initial_position and initial_velocity of 0")
+
     def _check_take_off(self) -> None:
         """Dampers must be those of the designs, and model and method able to follow the take-off."""
         model, method, pto = self.hydro.model, self.simulation.method, self.pto
         self.check_dampers_of_designs()
+        self._check_held()
         if model == "assumed_pressure" and pto.tuning != "fixed":
             raise ValueError(
                 f"pto.tuning {pto.tuning!r}: an assumed pressure has no optimal damping; "
                 "needs pto.damping and tuning: fixed"
             )
         if pto.port != "heave" and model != "linear" and not (pto.on_shell and model == "body_exact"):
-            at_shell = " and those at points of the shell" if model == "body_exact" else ""
+            at_shell = " and those of the shell" if model == "body_exact" else ""
             raise ValueError(
                 f"pto.port: hydro.model {model!r} has no other port than heave{at_shell}; needs hydro.model: linear"
             )

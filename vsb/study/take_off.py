@@ -28,7 +28,7 @@ from vsb.study.quantities import (
     motion_of,
     within,
 )
-from vsb.tools.ports import FORCE, MOMENT, PRESSURE, PortKind
+from vsb.tools.ports import FORCE, MOMENT, PRESSURE, TENSION, WORK, PortKind
 from vsb.tools.words import shortened
 
 
@@ -54,6 +54,40 @@ class BetweenPort(Section):
         if value[0] == value[1]:
             raise ValueError("needs two different colatitudes")
         return value
+
+
+class StrainPort(Section):
+    """Port that moves with the stretch of the shell between two colatitudes [degrees], by default of all of it.
+
+    `area`: the change of its area [m^2]; `hoop`, `meridional`: the mean strain around the axis or along the meridian.
+    """
+
+    strain: Literal["area", "hoop", "meridional"]
+    belt: tuple[Colatitude, Colatitude] = (0.0, 180.0)
+
+    @field_validator("belt")
+    @classmethod
+    def _from_the_top(cls, value: tuple[float, float]) -> tuple[float, float]:
+        if value[0] >= value[1]:
+            raise ValueError("needs two colatitudes, the upper one first: the smaller from the top pole")
+        return value
+
+
+class HeldHeave(Section):
+    """Restraint of the frame, sphere centre and ballast: it does not heave, as on a pile or with stiff tethers."""
+
+    place: Literal["heave"]
+
+
+class HeldRing(Section):
+    """Restraint of a ring of the shell at a colatitude [degrees] against vertical motion, as by tethers all around."""
+
+    place: Literal["ring"]
+    colatitude: Annotated[Colatitude, Field(gt=0, lt=180)]
+
+
+Held = Annotated[HeldHeave | HeldRing, Field(discriminator="place")]
+"""What the mooring of all designs restrains, whatever their clamps hold against the frame."""
 
 
 class LinePort(Section):
@@ -104,7 +138,14 @@ def _port_kind(value: object) -> str:
     """Which kind of port is meant, by its form."""
     if isinstance(value, dict | Section):
         keys = dict(value)
-        kinds = {"between": "points", "dofs": "motions", "dof": "motions", "line_to": "line", "line_from": "line"}
+        kinds = {
+            "strain": "stretch",
+            "between": "points",
+            "dofs": "motions",
+            "dof": "motions",
+            "line_to": "line",
+            "line_from": "line",
+        }
         return next((kind for key, kind in kinds.items() if key in keys), "shell")
     return "name"
 
@@ -113,12 +154,13 @@ PortChoice = Annotated[
     Annotated[Literal["heave", "surge", "pitch", "volume"], Tag("name")]
     | Annotated[ShellPort, Tag("shell")]
     | Annotated[BetweenPort, Tag("points")]
+    | Annotated[StrainPort, Tag("stretch")]
     | Annotated[LinePort, Tag("line")]
     | Annotated[DofPort, Tag("motions")],
     Discriminator(_port_kind),
 ]
-"""What the take-off acts on: rigid motion against the sea bed, enclosed volume (pressure against flow), shell, line, or
-a combination of degrees of freedom."""
+"""What the take-off acts on: rigid motion against the sea bed, enclosed volume (pressure against flow), points or
+strain of the shell, a line, or a combination of degrees of freedom."""
 
 
 Law = Literal["linear", "saturated", "coulomb", "latching", "declutching"]
@@ -138,9 +180,12 @@ Dampers = Annotated[
 
 def port_kind(port: object) -> PortKind:
     """Return what a take-off acts with at a port, given as `pto.port` or its canonical form."""
-    dofs = port.get("dofs", {}) if isinstance(port, dict) else getattr(port, "dofs", {})
+    said = port if isinstance(port, dict) else dict(port) if isinstance(port, Section) else {}
+    dofs = said.get("dofs", {})
     if port == "volume":
         return PRESSURE
+    if strain := said.get("strain"):
+        return TENSION if strain == "area" else WORK
     turned = port == "pitch" or (bool(dofs) and all(motion_of(name) in ROTATIONS for name in dofs))
     return MOMENT if turned else FORCE
 
@@ -166,6 +211,7 @@ class Pto(Section):
     tuning: Tuning = "fixed"
     efficiency: Annotated[Number, Field(gt=0, le=1)] = 1.0
     port: PortChoice = "heave"
+    held: Held | None = None
     law: Law = "linear"
     force_limit: Limit = math.inf
     stroke_limit: Limit = math.inf
@@ -192,8 +238,8 @@ class Pto(Section):
 
     @property
     def on_shell(self) -> bool:
-        """Whether its port is at points of the shell."""
-        return isinstance(self.port, ShellPort | BetweenPort)
+        """Whether its port is at points of the shell, or moves with its strain."""
+        return isinstance(self.port, ShellPort | BetweenPort | StrainPort)
 
     @property
     def idle(self) -> bool:
@@ -204,6 +250,17 @@ class Pto(Section):
     def damper(self, design: str) -> float | None:
         """Return the damping given to a design [N s/m]; none where there is none."""
         return self.damping[design] if isinstance(self.damping, dict) else self.damping
+
+    @field_validator("held", mode="before")
+    @classmethod
+    def _no_point(cls, raw: Any) -> Any:
+        """A shell has no response to a force at a point."""
+        if isinstance(raw, dict) and raw.get("place") == "point":
+            raise ValueError(
+                "place 'point': a point force on a thin shell has no limit as shell modes are added; needs ring, with "
+                "a colatitude between 0 and 180"
+            )
+        return raw
 
     @model_validator(mode="before")
     @classmethod

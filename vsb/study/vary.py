@@ -12,6 +12,7 @@ from typing import Any, Self
 
 from vsb.study.keys import KEYS
 from vsb.study.quantities import Section
+from vsb.study.take_off import port_kind
 from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import shortened
 
@@ -25,8 +26,6 @@ FROUDE = {
     "height": 1.0, "length": 1.0,
 }  # fmt: skip
 """Power of the length scale each quantity goes with, at the same water and gravity."""
-STROKES = {"volume": 3.0, "pitch": 0.0}
-"""That of what a take-off's port moves by, where it is no length."""
 
 
 def scaled(raw: Any, scale: float, power: float = 0.0) -> Any:
@@ -68,8 +67,7 @@ def scaled_take_off(raw: Any, scale: float) -> Any:
     """Return a take-off scaled by Froude: its force times what its port moves by is a work, of the fourth power."""
     if not isinstance(raw, dict):
         return raw
-    port = raw.get("port")
-    stroke = STROKES.get(port, 1.0) if isinstance(port, str) else 1.0
+    stroke = port_kind(raw.get("port")).stroke
     powers = {
         "damping": 4.5 - 2 * stroke,
         "stiffness": 4 - 2 * stroke,
@@ -96,7 +94,7 @@ SECTIONS = ("device", "reference_shape", "modes", "designs", "water", "hydro", "
 """Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""
 _VARIED_IN = (
     "Device", "Shape", "Spheroid", "Capsule", "RayleighDamping", "Gas", "NeoHookean", "MooneyRivlin", "Gent", "Drag",
-    "Vane", "Plate", "Modes", "Design", "Water", "Hydro", "Pto", "ShellPort", "LinePort", "BetweenPort",
+    "Vane", "Plate", "Modes", "Design", "Water", "Hydro", "Pto", "ShellPort", "StrainPort", "LinePort", "BetweenPort",
 )  # fmt: skip
 """What those sections are made of, as `vsb.study.keys` names it."""
 UNITS = {name: key.unit for section in _VARIED_IN for name, key in KEYS[section].items() if key.unit not in ("", "-")}
