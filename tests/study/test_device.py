@@ -311,3 +311,29 @@ def test_hookes_law_is_the_default_and_changes_no_id():
 def test_what_a_material_may_not_be(changes, message):
     with pytest.raises(ConfigError, match=message):
         validated(Device, {**RUBBER, **changes}, "device")
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"hydro": {"model": "auto"}, "pto": {"damping": 8e3}}, "hydro.model 'auto': knows no rubber"),
+        (
+            {
+                "hydro": {"model": "body_exact"},
+                "simulation": {"duration": 60, "window": [40, 60], "method": "exponential"},
+            },
+            "simulation.method 'exponential': cannot follow a shell of rubber",
+        ),
+        (
+            {"hydro": {"model": "body_exact"}, "pto": {"damping": 8e3, "force_limit": 1e3}},
+            "with hydro.model 'body_exact' rubber cannot be followed beside a take-off that switches",
+        ),
+    ],
+    ids=["auto", "method", "switches"],
+)
+def test_what_cannot_follow_rubber(changes, message):
+    device = {**RUBBER, "material": {"law": "neo_hookean", "mu": 1e6}}
+    study = {"study": "rubber", "device": device, "designs": {"VSWEC": {}}, "waves": [{"kind": "still"}]}
+    with pytest.raises(ConfigError, match=message):
+        parse({**study, **changes})
+    parse({**study, **changes, "designs": {"FSB": {"flexible": False}}})  # does not stretch

@@ -193,8 +193,8 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     `turned` is no term of the sum: kinetic energy, and a billionth of the energy stored, below which all is round-off.
     With the state space, radiated power is |L^T x|^2/2 and the memory stores x.x/2, both from the memory states alone:
     the audit then checks the whole chain. With the convolution the radiation force's work stands for both.
-    Where forces jump between records the motion brings its works along. A nonlinear force that is not the water's
-    dissipates what it does not store: the take-off as `pto`, others as a term of their own name.
+    Where forces jump between records the motion brings its works along. A nonlinear force that is neither the water's
+    nor the shell's dissipates what it does not store: the take-off as `pto`, others as a term of their own name.
     """
     stored, kinetic = system.energy(motion)
     held = {"stored": stored - stored[0], "turned": kinetic + 1e-9 * np.abs(stored)}
@@ -205,7 +205,7 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     first = len(acting)
     if not motion.memory.size:
         acting += [-named[name] @ system.shapes for name in system.scene.memories]
-    radiating, foreign, q = len(acting) - first, system.foreign, motion.position @ system.scene.motions.T
+    radiating, foreign, q = len(acting) - first, system.dissipating, motion.position @ system.scene.motions.T
     acting += [-named[name] @ system.shapes for name in foreign]
     run = flow(system, motion, system.driving(motion, named))
     known = run.states.shape[1]

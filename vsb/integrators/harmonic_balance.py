@@ -360,7 +360,7 @@ def mean_power(scene: PeriodicScene, orbit: Orbit) -> Power:
     named = system.scene.named(phase / scene.omega, q, v)
     wave = sum(float(np.mean(np.sum(named[name] * v, axis=1))) for name in EXCITING if name in named)
     losses = {name: force.dissipated_power(v) for name, force in system.scene.forces.items()}
-    losses |= {name: -np.sum(named[name] * v, axis=1) for name in system.foreign}
+    losses |= {name: -np.sum(named[name] * v, axis=1) for name in system.dissipating}
     means = {name: float(np.mean(loss)) for name, loss in losses.items()}
     pto = means.pop(system.scene.take_off, 0.0)
     structural = sum(means.values())

@@ -24,8 +24,10 @@ from vsb.motion.froude_krylov import Incident, incident
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene, resting
+from vsb.motion.shell_forces import shell_forces
 from vsb.motion.wetted import WetShell
 from vsb.shell.deformed import DeformedShell, ReferenceShell
+from vsb.shell.loaded import LoadedShell
 from vsb.study.quantities import motion_of
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import NO_WAVES, Sea
@@ -127,7 +129,12 @@ def _elastic_forces(stiffness: Mapping[str, FloatArray], damping: FloatArray) ->
 
 
 def body_exact_scene(
-    buoy: LinearSystem, shape: DeformedShell, radiation: RadiationModel, sea: Sea, motions: FloatArray
+    buoy: LinearSystem,
+    shape: DeformedShell,
+    radiation: RadiationModel,
+    sea: Sea,
+    motions: FloatArray,
+    rubber: LoadedShell | None = None,
 ) -> Scene:
     """Return the scene with hydrostatics and Froude-Krylov forces on the instantaneous wet shell of one design.
 
@@ -141,11 +148,13 @@ def body_exact_scene(
     radiation : RadiationModel
     sea : Sea
     motions : ndarray, shape (dof, free)
+    rubber : LoadedShell, optional
+        The shell, if it is of rubber: its elastic force and that of the pressure inside are then exact.
 
     Notes
     -----
-    The shell is elastic about its reference shape. A prestressed one carries its mean load there (`preload`); the
-    vented sphere does not, and rests deformed: the motion starts from that rest.
+    The shell is elastic about its reference shape, by springs but for rubber. A prestressed one carries its mean load
+    there (`preload`); the vented sphere does not, and rests deformed: the motion starts from that rest.
     """
     attrs = buoy.database.attrs
     gravity, depth = float(attrs["gravity"]), float(attrs["water_depth"])
@@ -153,6 +162,8 @@ def body_exact_scene(
     linear = linear_scene(buoy, radiation, NO_WAVES, motions)
     waves = incident(sea, depth, gravity, shape.basis.shell.reach) if sea.omega.size else None
     others = {name: force for name, force in linear.forces.items() if name != "hydrostatic"}
+    if rubber:
+        others = _of_rubber(others, rubber, shape.modal_amplitude)
     forces = _loaded(others, shape, buoy.stiffness_parts["hydrostatic"], specific_weight, gravity, waves)
     if sea.omega.size:
         forces["diffraction"] = Excitation(sea.omega, sea.amplitude[:, None] * buoy.diffraction(sea.omega))
@@ -165,7 +176,17 @@ def body_exact_scene(
     return replace(scene, forces=forces, origin=rest)
 
 
-def still_scene(reference: ReferenceShell, density: float, gravity: float, motions: FloatArray) -> Scene:
+def _of_rubber(forces: Mapping[str, Force], rubber: LoadedShell, rest: FloatArray) -> dict[str, Force]:
+    """Forces of a scene with those of a flexible shell of rubber in place of springs."""
+    if "elastic" not in forces:
+        return dict(forces)
+    others = {name: force for name, force in forces.items() if name not in ("elastic", "prestress", "gas")}
+    return {**others, **shell_forces(rubber, rest)}
+
+
+def still_scene(
+    reference: ReferenceShell, density: float, gravity: float, motions: FloatArray, rubber: LoadedShell | None = None
+) -> Scene:
     """Return the body-exact scene of one design in still water, without what moving water does: all that rest needs.
 
     Parameters
@@ -174,6 +195,8 @@ def still_scene(reference: ReferenceShell, density: float, gravity: float, motio
     density, gravity : float
         Of the water [kg/m^3], [m/s^2].
     motions : ndarray, shape (dof, free)
+    rubber : LoadedShell, optional
+        See `body_exact_scene`.
 
     Raises
     ------
@@ -182,6 +205,8 @@ def still_scene(reference: ReferenceShell, density: float, gravity: float, motio
     """
     basis = reference.basis
     springs = _elastic_forces(reference.stiffness, basis.damping) if flexible(basis.labels, motions) else {}
+    if rubber:
+        springs = _of_rubber(springs, rubber, reference.modal_amplitude)
     forces = _loaded(springs, reference.shape, reference.stiffness["hydrostatic"], density * gravity, gravity, None)
     scene = Scene(basis.labels, basis.inertia, forces, motions)
     return replace(scene, origin=resting(scene))

@@ -17,6 +17,7 @@ from vsb.hydro.dofs import flexible
 from vsb.hydro.statespace import RadiationModel, joined
 from vsb.motion.forces import ConstantForce, EndStop, Excitation, Force, Linear, SpringDamper, TakeOff, WaterPressure
 from vsb.motion.frequency import unrestrained_motions
+from vsb.motion.shell_forces import ShellForce
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.arrays import FloatArray
 
@@ -174,13 +175,18 @@ def resting(scene: Scene) -> FloatArray:
     """
     water, y = scene.water, np.zeros(scene.motions.shape[1])
     assert water is not None
-    springs = (part.stiffness for name, part in scene.linear.items() if scene.forces[name] is not water)
+    shell_forces = [force for force in scene.forces.values() if isinstance(force, ShellForce)]
+    springs = (part.stiffness for name, part in scene.linear.items() if part.fully_linear)
     stiffness = scene.projected(springs)
     load = scene.constant
     for _ in range(50):
         shell = DeformedShell(water.shell.basis, water.shell.centre_height, water.rest + scene.motions @ y)
         static = water.specific_weight * water.shell.forces(shell.modal_amplitude[None])[0][0]
-        tangent = scene.motions.T @ shell.hydrostatic_stiffness(water.specific_weight, 1.0) @ scene.motions
+        slope = shell.hydrostatic_stiffness(water.specific_weight, 1.0)
+        for force in shell_forces:
+            q = scene.motions @ y
+            static, slope = static + force.force(np.zeros(1), q, q), slope + force.stiffness(q)
+        tangent = scene.motions.T @ slope @ scene.motions
         try:
             step = cho_solve(cho_factor(stiffness + tangent), scene.motions.T @ (static + load) - stiffness @ y)
         except np.linalg.LinAlgError:  # unstable

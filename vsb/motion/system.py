@@ -28,6 +28,7 @@ from vsb.motion.forces import (
 from vsb.motion.frequency import normal_modes, unrestrained_motions
 from vsb.motion.froude_krylov import Incident, incident, rotated, wave_force
 from vsb.motion.scene import Scene
+from vsb.motion.shell_forces import ShellForce
 from vsb.motion.wetted import Shape, wet_force
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
@@ -207,6 +208,11 @@ class System:
         """
         known = (ConstantForce, SpringDamper, WaterPressure)
         return [name for name in self._nonlinear if not isinstance(self.scene.forces[name], known)]
+
+    @property
+    def dissipating(self) -> list[str]:
+        """Those of them that may dissipate: all but forces of the shell, which have a potential."""
+        return [name for name in self.foreign if not isinstance(self.scene.forces[name], ShellForce)]
 
     def check_smooth(self) -> None:
         """Check that no force switches: compiled steps know smooth forces only.

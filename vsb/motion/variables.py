@@ -56,6 +56,7 @@ register(
         "elastic": Variable(_MOTION, "N", "elastic force of the shell"),
         "mooring": Variable(_MOTION, "N", "force of the mooring"),
         "prestress": Variable(_MOTION, "N", "force of the prestress by the mean pressure difference"),
+        "internal_pressure": Variable(_MOTION, "N", "force of the pressure inside a shell of rubber"),
         "gas": Variable(_MOTION, "N", "force of the trapped gas"),
         "structural_damping": Variable(_MOTION, "N", "structural damping force"),
         "elevation": Variable(("time",), "m", "undisturbed wave elevation at the buoy's axis"),

@@ -36,6 +36,7 @@ from vsb.results.year import Year
 from vsb.scenes.latching import body_exact_latching_time, linear_latching_time, with_latching_time
 from vsb.scenes.take_off import with_take_off
 from vsb.shell.deformed import DeformedShell
+from vsb.shell.loaded import LoadedShell
 from vsb.study.study import Simulation
 from vsb.study.take_off import Pto
 from vsb.tools.arrays import AnyArray, FloatArray, IntArray
@@ -183,6 +184,7 @@ class DesignInTime:
     motions: FloatArray  # motions the design allows (dof, free)
     take_off: LinearPto
     pto: Pto = UNLIMITED  # its law and its limits in time
+    rubber: LoadedShell | None = None  # the shell, if it is of rubber
 
     def with_damping(self, damping: float) -> "DesignInTime":
         """Return the design with another damper [N s/m]."""
@@ -215,7 +217,7 @@ class DesignInTime:
         buoy = replace(self.buoy, pto=self.take_off)
         scene = linear = linear_scene(buoy, self.radiation, sea, self.motions)
         if model != "linear":
-            scene = body_exact_scene(buoy, self.shape, self.radiation, sea, self.motions)
+            scene = body_exact_scene(buoy, self.shape, self.radiation, sea, self.motions, self.rubber)
         scene = with_take_off(scene, self.pto, self.take_off)
         if self.pto.pauses and scene.law:  # or nothing there moves
             best = linear_latching_time(with_take_off(linear, self.pto, self.take_off), sea, settings)

@@ -36,7 +36,7 @@ from vsb.scenes.latching import (
     strongest,
     with_latching_time,
 )
-from vsb.scenes.rest import design_motions, mooring_rows, order_bases, study_basis
+from vsb.scenes.rest import design_motions, mooring_rows, order_bases, rubber_shell, study_basis
 from vsb.scenes.take_off import tuned_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.orders import OrderBasis, all_clamp_rows
@@ -109,7 +109,8 @@ def linear_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
 def body_exact_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene with static and Froude-Krylov forces on the instantaneous wet shell, the rest linear."""
     at = _from_bem(run, paths)
-    scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions)
+    rubber = rubber_shell(_buoy_of(run)[0], at.shape.basis)
+    scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions, rubber)
     scene, notes = _released(with_take_off(scene, run.pto, at.buoy.pto), run, at)
     return at.with_scene(with_drag(scene, _buoy_of(run)[0], run.waves[0], at.sea), notes, {"model": "body_exact"})
 

@@ -122,6 +122,11 @@ def loaded_shell(study: AtRest, basis: ModeBasis) -> LoadedShell:
     return LoadedShell(elastic, study.centre_height, water.density, water.gravity, device.internal_pressure, device.gas)
 
 
+def rubber_shell(study: AtRest, basis: ModeBasis) -> LoadedShell | None:
+    """Return the same of a flexible shell of rubber; None of another, whose forces about its rest are linear."""
+    return loaded_shell(study, basis) if basis.shell.rubber and basis.modes else None
+
+
 def complete_loaded_shell(study: AtRest) -> LoadedShell:
     """Return the same in a basis that resolves buckling, whatever the modes of the study."""
     return complete_shell(study.device, study.centre_height, study.water, study.device.internal_pressure)
@@ -375,6 +380,6 @@ def check_rests(study: Study, reference: ReferenceShell) -> None:
     for design in study.designs:
         motions = design_motions(study, reference.basis, design)
         try:
-            still_scene(reference, water.density, water.gravity, motions)
+            still_scene(reference, water.density, water.gravity, motions, rubber_shell(study, reference.basis))
         except ConvergenceError as error:
             raise ConfigError(f"hydro.model: received {study.hydro.model!r} for design {design}, but {error}") from None

@@ -134,15 +134,15 @@ class ElasticShell:
         return m.x + q @ m.shape_x, m.dx + q @ m.dshape_x, m.dz + q @ m.dshape_z
 
     def volume(self, q: FloatArray) -> float:
-        """Return the enclosed volume pi int x^2 dz over the closed meridian [m^3]."""
+        """Return the enclosed volume pi int x^2 dz over the closed meridian [m^3]; of (time, dof) shape (time,)."""
         x, _, dz = self._deformed(q)
         volume: float = -np.pi * np.dot(x**2 * dz, self._tables.dphi)  # phi runs downwards
         return volume
 
     def volume_gradient(self, q: FloatArray) -> FloatArray:
-        """Return dV/dq_j = int n.psi_j dS, shape (dof,) [m^2]."""
+        """Return dV/dq_j = int n.psi_j dS, shape (dof,) [m^2]; of amplitudes (time, dof) that shape."""
         (x, dx, dz), weight, m = self._deformed(q), 2 * np.pi * self._tables.dphi, self._tables.meridian
-        return m.shape_z @ (weight * x * dx) - m.shape_x @ (weight * x * dz)
+        return np.asarray((weight * x * dx) @ m.shape_z.T - (weight * x * dz) @ m.shape_x.T)
 
     def volume_hessian(self, q: FloatArray) -> FloatArray:
         """Return d2V/dq_j dq_k = -2 pi int [x_j x_k z' + x (x_j z_k' + x_k z_j')] dphi, shape (dof, dof) [m]."""

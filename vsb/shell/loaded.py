@@ -54,6 +54,13 @@ class LoadedShell:
         pressure: float = (outside + self.internal_pressure) * (reference / self.elastic.volume(q)) ** index - outside
         return pressure
 
+    def contents_energy(self, q: FloatArray) -> FloatArray:
+        """Return minus the work of the internal pressure from the undeformed volume, of amplitudes (..., dof) [J]."""
+        (index, outside, reference), volume = self._contents, self.elastic.volume(q)
+        ratio = volume / reference
+        grown = np.log(ratio) if index == 1 else (ratio ** (1 - index) - 1) / (1 - index)
+        return np.asarray(outside * (volume - reference) - (outside + self.internal_pressure) * reference * grown)
+
     def _water(self, q: FloatArray) -> tuple[DeformedShell, int]:
         """The shell in the water, and the points per wet arc that resolve integrands of degree 4N+3."""
         return DeformedShell(self.basis, self.centre_height, q), 4 * self.basis.highest_degree + 40

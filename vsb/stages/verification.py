@@ -26,6 +26,7 @@ from vsb.results.year import Year
 from vsb.scenes.build import radiation_model
 from vsb.scenes.floating_system import floating_system
 from vsb.scenes.ports import design_ports
+from vsb.scenes.rest import rubber_shell
 from vsb.scenes.viability import viability
 from vsb.shell.deformed import ReferenceShell
 from vsb.stages.campaign import swept_shape
@@ -76,9 +77,10 @@ def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
     plan = StudyPlan(study, root=root)
     make(plan, [plan.database_path, plan.radiation_path])
     floating, radiation = floating_system(study, plan.database_path), radiation_model(plan.radiation_path)
-    take_off = LinearPto(0.0, study.pto.stiffness, floating.port)
+    take_off, shell = LinearPto(0.0, study.pto.stiffness, floating.port), floating.shell
+    rubber = rubber_shell(study, shell.basis) if shell else None
     return {
-        design: DesignInTime(floating.linear, floating.shell, radiation, motions, take_off, study.pto)
+        design: DesignInTime(floating.linear, shell, radiation, motions, take_off, study.pto, rubber)
         for design, motions in floating.motions.items()
     }
 

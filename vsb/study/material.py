@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from vsb.study.quantities import NonNegative, Positive, Section, within
+from vsb.study.take_off import Pto
 
 Modulus = Annotated[Positive, within(1.0, 1e9, "Pa", "rubber has 1e5 to 1e7 Pa")]
 
@@ -89,3 +90,22 @@ def _young_modulus(material: Any) -> float:
         except ValueError:
             continue
     return 1.0
+
+
+def check_rubber(model: str, method: str, pto: Pto) -> None:
+    """Check that the hydrodynamic model, the method in time and the take-off of a study can follow a shell of rubber.
+
+    Raises
+    ------
+    ValueError
+    """
+    if model not in ("linear", "body_exact"):
+        raise ValueError(f"hydro.model {model!r}: knows no rubber; needs linear or body_exact")
+    if model == "body_exact" and method != "auto":
+        raise ValueError(f"simulation.method {method!r}: cannot follow a shell of rubber; needs auto")
+    if model == "body_exact" and pto.switches:
+        raise ValueError(
+            "device.material: with hydro.model 'body_exact' rubber cannot be followed beside a take-off that switches, "
+            f"received law {pto.law} with force_limit {pto.force_limit:g} N and stroke_limit {pto.stroke_limit:g} m; "
+            "needs law: linear without limits, or hydro.model: linear"
+        )

@@ -26,6 +26,7 @@ from vsb.study.device import (
     with_points,
 )
 from vsb.study.directions import Drag, Mooring, Motion, check_directions, check_followed, check_heading
+from vsb.study.material import Hookean, check_rubber
 from vsb.study.quantities import Name, Section, canonical, content_id, result_id
 from vsb.study.reading import read_yaml, validated
 from vsb.study.records import with_records
@@ -401,6 +402,8 @@ class Study(Buoy, BaseStudy):
         )
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
+        if self.flexible and not isinstance(self.device.material, Hookean):
+            check_rubber(model, method, self.pto)
         self.check_published()
 
     def _check_held(self) -> None:
