@@ -5,16 +5,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from conftest import EXAMPLE, only_run, varied
+from motion.test_builders import buoy_of
 
+from vsb.errors import StabilityError
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.exponential import phi_integrals
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import METHODS, legs, recorded_steps, simulate
+from vsb.motion.builders import body_exact_scene
 from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
+from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.build import assumed_pressure_design
+from vsb.scenes.rest import reference_shell
 from vsb.study.study import Simulation, load
 from vsb.waves.seas import NO_WAVES, Sea
 
@@ -127,3 +132,15 @@ def test_records_resolve_the_fastest_significant_wave(oscillator):
     assert count() == np.ceil(200 * 5.0 * 30.0 / (2 * np.pi))
     brief = Simulation(duration=30.0, window=(1.0, 1.0 + 1e-3))
     assert recorded_steps(oscillator, NO_WAVES, brief) == pytest.approx(4e3 * 30.0, abs=1)
+
+
+def test_buoy_that_leaves_the_water_for_good_is_refused(seed):
+    """A spring almost as negative as the waterplane is stiff: beyond small motion nothing holds the buoy."""
+    study = varied(seed, modes={"degree": 2}, designs={"FSB": {"flexible": False}})
+    buoy, shape = buoy_of(study, reference_shell(study))
+    waterplane = study.water.density * study.water.gravity * np.pi * study.device.radius**2
+    buoy = replace(buoy, pto=LinearPto(8e3, stiffness=-0.95 * waterplane))
+    plant = body_exact_scene(buoy, shape, None, NO_WAVES, np.eye(len(buoy.labels), 1))
+    settings = Simulation(duration=60.0, window=(40.0, 60.0), initial_velocity=2.0)
+    with pytest.raises(StabilityError, match=r"the buoy heaves by .* more than 100 radii.*raise pto\.stiffness"):
+        list(legs(System.of(plant), NO_WAVES, settings, None))

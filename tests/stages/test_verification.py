@@ -134,3 +134,17 @@ def test_designs_that_are_not_viable_are_not_simulated(folder):
     assert not found.viable.any()
     assert np.isnan(found.corrected_mean_power).all()
     assert np.isnan(found.corrected_gain_low).all()
+
+
+def test_designs_that_are_viable_are_simulated_in_the_water_of_all(folder):
+    """A shell too soft for Hooke's law leaves the rigid buoy, whose year is that of its campaign."""
+    plan = planned(folder, "rigid_alone", device={**BASE["device"], "young_modulus": 6e6})
+    with chdir(folder):
+        batches(plan)
+        (found,) = simulated(plan)
+        (linear,) = (packed.load(f"{plan.folder}/members/{one.id}.npz", expected=one.id) for one in plan.members)
+    assert linear.viable.values.tolist() == found.viable.values.tolist() == [True, False]
+    runs = found.sel(design="FSB")
+    ratio = (runs.drawn_weight * runs.run_power).mean() / (runs.drawn_weight * runs.linear_run_power).mean()
+    year = linear.annual_mean_power.sel(design="FSB", tuning="one")
+    assert float(runs.corrected_mean_power / year) == pytest.approx(float(ratio), rel=1e-9)

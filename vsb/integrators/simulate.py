@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.errors import ConvergenceError
+from vsb.errors import ConvergenceError, StabilityError
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.integrators.audit import START, Balance, energies, terms
 from vsb.integrators.collocation import collocated
@@ -15,11 +15,15 @@ from vsb.integrators.energy_preserving import structure_preserving
 from vsb.integrators.exact import convolve, propagate, steady_state
 from vsb.integrators.exponential import integrate
 from vsb.integrators.switching import Switching
+from vsb.motion.scene import Scene
 from vsb.motion.system import Motion, System
 from vsb.study.sections import LEG, RECORDS_PER_PERIOD, thinning
 from vsb.study.study import Simulation
 from vsb.tools.arrays import BoolArray, FloatArray, IntArray
 from vsb.waves.seas import Sea
+
+FARTHEST = 100.0
+"""Heave in radii that no buoy afloat reaches."""
 
 
 class Leg(NamedTuple):
@@ -169,6 +173,8 @@ def legs(
     ------
     ConvergenceError
         If the audit of an exact propagation does not close.
+    StabilityError
+        If the buoy leaves the water for good.
     """
     count, convolved = recorded_steps(system, sea, settings), settings.method == "convolution"
     enough = max(settings.tolerance, CONVOLVED if convolved else ROUND_OFF)
@@ -182,6 +188,7 @@ def legs(
         last = done + math.ceil((count - done) / parts)
         begin, end = (settings.duration * (record / count) for record in (done, last))
         motion, steps = follow(np.linspace(begin, end, (last - done) * stride + 1), start)
+        check_afloat(system.scene, motion)
         own = energies(system, motion)
         energy = {term: own[term] + balance.ended.get(term, 0.0) for term in own}
         after = balance.after(energy)
@@ -199,6 +206,24 @@ def legs(
             )
         else:
             stride *= 2
+
+
+def check_afloat(scene: Scene, motion: Motion) -> None:
+    """Check that a buoy of finite motion heaves by less than `FARTHEST` radii, as any buoy that floats does.
+
+    Raises
+    ------
+    StabilityError
+        Out of the water, or far below, nothing holds it against a spring of negative stiffness.
+    """
+    if scene.water is None or "Heave" not in scene.labels:
+        return
+    heave = np.abs(motion.position @ scene.motions[scene.labels.index("Heave")]).max()
+    if not heave < FARTHEST * scene.water.shell.basis.shell.radius:
+        raise StabilityError(
+            f"the buoy heaves by {heave:.3g} m, more than {FARTHEST:g} radii, for away from the waterplane nothing "
+            "holds it against a spring below zero; raise pto.stiffness, or lower the waves"
+        )
 
 
 def recorded_steps(system: System, sea: Sea, settings: Simulation) -> int:

@@ -60,15 +60,16 @@ def _in_words(spec: VerificationSpec) -> str:
 
 
 def _of_viable(spec: VerificationSpec, study: Study, rest: ReferenceShell, seas: Climate, root: str) -> xr.Dataset:
-    """The corrected year of designs that are viable."""
+    """The corrected year of designs that are viable, in the water of all."""
     (tuning,) = spec.tuning
     assert tuning != "constrained"  # whose forces are of no law in time
-    water = swept_shape(study, rest.basis, root).of_year(seas)
+    water = swept_shape(spec.simulated, rest.basis, root).of_year(seas)
     year = ports_year(study, design_ports(study, rest, water), seas, (tuning,))
     if not year.annual_mean_power.any():
         return without_power(year)
     sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
-    better, linear = _powers(spec, year, sample, in_time(study, root))
+    designs = in_time(spec.simulated, root)
+    better, linear = _powers(spec, year, sample, {design: designs[design] for design in study.designs})
     return verified_dataset(year, tuning, verified(year, tuning, sample, better, linear))
 
 
