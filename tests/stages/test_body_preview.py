@@ -147,3 +147,13 @@ def test_mass_must_equal_that_of_the_displaced_water(tmp_path, held, own, missed
     with pytest.raises(DatabaseError, match=refused) if missed else nullcontext():
         body_before_run(plan)
     body_before_run(of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), held, hydro={"accept": ["afloat"]}, own=own))
+
+
+def test_body_whose_mass_lies_beside_its_buoyancy_does_not_rest_upright(tmp_path):
+    """Not a negative stiffness of yaw, which couples with the moment of weight and buoyancy."""
+    hull = {"kind": "box", "length": 8.0, "width": 4.0, "height": 3.0, "draft": 1.5, "panel": 2.0}
+    own = {"body": "box", "mesh": hull, "modes": "rigid", "mass": "displaced", "centre_of_mass": [0.4, 0.1, 0.0], **BOX}
+    study = {"study": "a", "body": {"file": own}, "designs": {"a": {}}, "waves": [{"kind": "still"}]}
+    found = located(study | {"pto": {"damping": 1.0}}, str(tmp_path / "a.yaml"))
+    with pytest.raises(ConfigError, match=r"designs\.a: the body does not rest upright: .* 0\.11 of the cube root"):
+        body_before_run(BodyPlan(found.study, root=str(tmp_path), files=found.files))

@@ -15,7 +15,10 @@ import vsb
 from vsb.api.results import Results
 from vsb.cli import main
 from vsb.errors import DatabaseError
+from vsb.hydro.formats.exchange import read_source
 from vsb.scenes.build import TUNED, design_in_sea
+from vsb.stages.coefficients import judged
+from vsb.stages.planning import plan_of
 from vsb.study.body import load_body
 from vsb.study.plan import plan_for
 
@@ -166,6 +169,25 @@ def test_conjugated_excitation_stops_a_study_that_keeps_no_surge(ball, tmp_path,
     for name, code in (("sound", 0), ("turned", 2)):
         assert main(["check", of_ball(name)]) == code
     assert "check 'phases' failed" in capsys.readouterr().err
+
+
+def test_conjugated_excitation_is_repaired_on_request(ball, tmp_path, monkeypatch, capsys):
+    """A file that was right is not conjugated: the check then fails."""
+    monkeypatch.chdir(tmp_path)
+    with xr.open_dataset(ball) as ds:
+        turned = {name: ds[name] * xr.DataArray([1.0, -1.0], dims="complex") for name in FORCES}
+        ds.load().to_netcdf("sound.nc")
+        ds.assign(turned).to_netcdf("turned.nc")
+    assert main(["check", of_ball("turned", hydro={"repair": ["phases"]})]) == 0
+    assert "doubt        hydro repaired phases" in capsys.readouterr().out
+    assert main(["check", of_ball("sound", hydro={"repair": ["phases"]})]) == 2
+    assert "check 'phases' failed" in capsys.readouterr().err
+    bodies = []
+    for name, repair in (("sound", []), ("turned", ["phases"])):
+        plan = plan_of(of_ball(name, hydro={"repair": repair}))
+        found = read_source("database", plan.files["database"], plan.study.water, 1.0)
+        bodies.append(judged(plan.database, found).database.excitation_force)
+    np.testing.assert_array_equal(*bodies)
 
 
 def test_negative_damping_beyond_the_sea_is_left_out_and_told_and_stops_a_sea_that_reaches_there(

@@ -27,7 +27,7 @@ _LOWER = "lower hydro.tolerance or raise hydro.rows, change hydro.omega_max, dee
 _ADVICE = {
     "kramers_kronig": "raise hydro.omega_max: the band must reach beyond the peak of damping",
     "interpolation_error": "raise hydro.tolerance, change hydro.omega_max",
-    "phases": "mend the file: conjugate its forces, or convert its headings",
+    "phases": "mend the file's headings, or have its forces conjugated by hydro.repair: [phases]",
     "added_mass_limits": "exchange the rows of zero and infinite frequency in the file",
     "parts": "make the file again of one run",
     "displaced_volume": "correct the volume in the file, or its length scale",

@@ -3,7 +3,8 @@
 Noise of panels, of single precision and of iterative solvers makes damping slightly negative and added mass
 inconsistent with damping. A motion's added mass may be right to four digits and its memory, the part that depends on
 frequency, to two. Repairs are made only on request and only within the size of noise; the stiffness of still water
-alone is always made symmetric, for its asymmetry is no matter of precision.
+alone is always made symmetric, for its asymmetry is no matter of precision. Phases of the other sign are no noise:
+their repair is exact, and the check that failed must then hold.
 """
 
 from collections.abc import Callable, Sequence
@@ -99,6 +100,19 @@ def with_causal_added_mass(ds: xr.Dataset) -> xr.Dataset:
     return _with_history(ds.assign(made), "added mass made that of the damping by Kramers and Kronig")
 
 
+def with_conjugated_forces(ds: xr.Dataset) -> tuple[xr.Dataset, Check]:
+    """Return a database with the complex conjugates of its wave forces, to be checked anew, and a doubt that says so.
+
+    Whoever writes phasors as exp(+i omega t) states phases of the other sign. If the file's phases were right, the
+    check of `phases` now fails.
+    """
+    forces = [name for name in ("excitation_force", "Froude_Krylov_force", "diffraction_force") if name in ds]
+    mended = _with_history(ds.assign({name: np.conj(ds[name]) for name in forces}), "wave forces conjugated")
+    mended.attrs.pop("quality", None)
+    text = f"{', '.join(forces)} replaced by their complex conjugates"
+    return mended, Check("repaired phases", 0.0, 0.0, "-", "doubt", text)
+
+
 def _with_history(ds: xr.Dataset, entry: str) -> xr.Dataset:
     """Database with one more entry in its history."""
     return ds.assign_attrs(history=f"{ds.attrs.get('history', '')}; {entry}".lstrip("; "))
@@ -174,7 +188,7 @@ def failures_as_doubts(checks: Sequence[Check], names: Sequence[str]) -> list[Ch
     """Return checks of the original coefficients, failures of those repaired as doubts: what failed is not used."""
     return [
         replace(check, verdict="doubt", explanation=f"{check.explanation}; repaired")
-        if check.verdict == "fail" and check.name in names
+        if check.verdict == "fail" and check.name in _REPAIRS and check.name in names
         else check
         for check in checks
     ]

@@ -1,12 +1,15 @@
 """Checks of a body study before anything is solved: its files, its rest, its seas, its cost."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from vsb.errors import ConfigError, StabilityError
 from vsb.hydro import database, quality
+from vsb.hydro.bodies.body import FlexibleBody
 from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.study import check_solvable, cost
 from vsb.hydro.bodies.verdict import mesh_checks
@@ -26,13 +29,21 @@ from vsb.study.waves import IrregularSea, RecordedSea, StillWater, Wave
 from vsb.tools.files import load
 
 
+class CheckedBody(NamedTuple):
+    """What is known of a body before it is solved."""
+
+    body: LinearSystem
+    checks: list[Check]  # of its files
+    mesh: FlexibleBody | None  # if it will be solved on panels
+
+
 def body_before_run(plan: BodyPlan) -> LinearSystem:
     """Return the body of a study, of what is known before it is solved; see `checked_body`."""
-    return checked_body(plan)[0]
+    return checked_body(plan).body
 
 
-def checked_body(plan: BodyPlan) -> tuple[LinearSystem, list[Check]]:
-    """Return the body of a study and the checks of its files, known before it is solved, after what would fail later.
+def checked_body(plan: BodyPlan) -> CheckedBody:
+    """Return what is known of the body of a study before it is solved, after what would fail later.
 
     Raises
     ------
@@ -40,7 +51,7 @@ def checked_body(plan: BodyPlan) -> tuple[LinearSystem, list[Check]]:
         If its files are not what they should be, it is statically unstable, nothing moves, or its seas are
         not in its band.
     """
-    study, files, source = plan.study, plan.files, plan.study.body
+    study, files, source, mesh = plan.study, plan.files, plan.study.body, None
     if isinstance(source.file, BodyFile):
         mesh = build_body(source.file, files)
         check_solvable(source.file, mesh)
@@ -58,7 +69,7 @@ def checked_body(plan: BodyPlan) -> tuple[LinearSystem, list[Check]]:
         try:
             body.unrestrained(motions.T @ held @ motions, motions)
         except StabilityError as error:
-            raise ConfigError(f"designs.{design}: {error}") from None
+            raise ConfigError(f"designs.{design}: {_off_axis(checks) or error}") from None
         yields = compliance(motions.T @ held @ motions, allowed_part(floating.port, motions))
         if yields == np.inf and study.pto.stroke_limit < np.inf:
             raise ConfigError(
@@ -74,7 +85,18 @@ def checked_body(plan: BodyPlan) -> tuple[LinearSystem, list[Check]]:
         seas = [(wave, study_sea(study, wave, body.database)) for wave in moving]
         for design in floating.motions:
             port_in_seas(floating, design, seas)  # raises if the port is not passive where the seas are
-    return body, checks
+    return CheckedBody(body, checks, mesh)
+
+
+def _off_axis(checks: Sequence[Check]) -> str:
+    """Why a body does not rest upright; nothing if its centres of mass and buoyancy lie on one vertical."""
+    trim = next((check for check in checks if check.name == "trim" and check.verdict != "ok"), None)
+    if trim is None:
+        return ""
+    return (
+        f"the body does not rest upright: its centres of mass and buoyancy are {trim.value:.2g} of the cube root of "
+        f"the displaced volume apart horizontally, needs at most {trim.limit:g}: correct centre_of_mass or the mesh"
+    )
 
 
 def check_wave(i: int, wave: Wave, body: LinearSystem) -> None:
@@ -114,7 +136,7 @@ def check_stored(plan: BodyPlan) -> None:
 
 def body_summary(plan: BodyPlan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
-    (body, checks), study = checked_body(plan), plan.study
+    (body, checks, mesh), study = checked_body(plan), plan.study
     floating, omega = floating_body(study, body), body.database.omega.values
     there = " (there)" if Path(plan.database_path).exists() else ""
     designs = (f"{name} moves in {motions.shape[1]}" for name, motions in floating.motions.items())
@@ -125,8 +147,7 @@ def body_summary(plan: BodyPlan) -> list[str]:
         f"{'solved of the mesh' if plan.solves_panels else 'read from ' + plan.files[study.body.kind]}",
         f"database     {plan.database_path}{there}",
     ]
-    if isinstance(file := study.body.file, BodyFile):
-        mesh = build_body(file, plan.files)
+    if mesh and isinstance(file := study.body.file, BodyFile):
         memory, seconds = cost(file, mesh)
         lines.append(
             f"cost         {len(mesh.faces)} panels: about {seconds:.2g} s a frequency on one core, {memory:.2g} GB"

@@ -77,7 +77,17 @@ def campaign_summary(plan: CampaignPlan) -> list[str]:
         *_runs_lines(plan),
         f"jobs         {jobs} of {len(plan.batches)} batches to do, {shapes} shapes of the water",
         *(f"climate      {note}" for note in seas.notes),
+        *_angle_lines(plan),
     ]
+
+
+def _angle_lines(plan: CampaignPlan) -> list[str]:
+    """Doubts about angles that look like radians, in the study or among the points."""
+    from vsb.results.ledger import DEGREES, angle_checks
+
+    turned = any(key.split(".")[-1] in DEGREES for point in plan.loaded.campaign.vary.points for key in point)
+    studies = [plan.loaded.base, *(member.study for member in plan.members if turned)]
+    return list(dict.fromkeys(check.line for study in studies for check in angle_checks(study)))
 
 
 def _runs_lines(plan: CampaignPlan) -> list[str]:

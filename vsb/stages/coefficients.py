@@ -15,7 +15,7 @@ from vsb.hydro.formats import bemio, checks, wamit
 from vsb.hydro.formats.checks import LARGEST_UNAFLOAT, afloat_checks
 from vsb.hydro.formats.common import check_positive, volume_of
 from vsb.hydro.formats.exchange import read_source, source_checks
-from vsb.hydro.repairs import failures_as_doubts, repaired, with_symmetric_stiffness
+from vsb.hydro.repairs import failures_as_doubts, repaired, with_conjugated_forces, with_symmetric_stiffness
 from vsb.hydro.variables import PAIR
 from vsb.motion.linear import LinearSystem
 from vsb.scenes.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
@@ -75,7 +75,10 @@ def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
     ConfigError, DatabaseError
         If matrices or degrees of freedom are missing, or a check fails that the study does not accept.
     """
-    found = with_hydrostatics(spec.body, found)
+    found, conjugated = with_hydrostatics(spec.body, found), list[Check]()
+    if "phases" in spec.repair:
+        found, check = with_conjugated_forces(found)
+        conjugated.append(check)
     if "positive_damping" not in spec.repair:
         found = without_negative_ends(found, chosen(spec.dofs, list(map(str, found.influenced_dof.values))))
     body = complete_body(spec.body, spec.dofs, found)
@@ -86,7 +89,7 @@ def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
     checks = [*known, *symmetry]  # of what is kept, whatever is stored of all
     mended, repairs = repaired(body.database, spec.repair)
     ds = mended.assign(structural_damping_matrix=(PAIR, body.structural_damping))
-    checks = [*failures_as_doubts(checks, spec.repair), *repairs]
+    checks = [*failures_as_doubts(checks, spec.repair), *conjugated, *repairs]
     return Judged(body, ds, quality.judged(checks, spec.accept, REMEDY), unseen)
 
 

@@ -216,7 +216,7 @@ CHECKS = (
     "long_waves", "haskind_scale", "haskind_long_waves", "phases", "displaced_volume", "parts", "added_mass_limits",
 )  # fmt: skip
 """Names of the checks on a body's database, solved or read; a study may accept their failures."""
-REPAIRS = ("positive_damping", "kramers_kronig")
+REPAIRS = ("positive_damping", "kramers_kronig", "phases")
 """Those whose failure a study may have repaired."""
 NOT_OF_A_BODY = {
     "device": "is the spherical buoy; a study has a device or a body",

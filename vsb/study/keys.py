@@ -191,8 +191,16 @@ KEYS: dict[str, dict[str, Key]] = {
         "witness": Key("", "none", "auto: a second solver vouches for the first; none leaves it out"),
     },
     "Pto": {
-        "damping": Key("N s/m", "8000.0", "damper of all designs, or of each; without it tuning decides"),
-        "stiffness": Key("N/m", "-5000.0", "spring beside the damper; below zero while the buoy rests stably"),
+        "damping": Key(
+            "in units of the port",
+            "8000.0",
+            "damper of all designs, or of each, N s/m in heave; without it tuning decides",
+        ),
+        "stiffness": Key(
+            "in units of the port",
+            "-5000.0",
+            "spring beside the damper, N/m in heave; below zero while the buoy rests stably",
+        ),
         "tuning": Key(
             "",
             "one",
@@ -212,8 +220,10 @@ KEYS: dict[str, dict[str, Key]] = {
             "linear: a damper; saturated: one with a force limit; coulomb: friction of the force limit; latching, "
             "declutching: a damper that holds the port, or lets it go, after each reversal, for the optimal time",
         ),
-        "force_limit": Key("N", "5000.0", "largest force of the take-off; .inf is none"),
-        "stroke_limit": Key("m", "0.5", "motion from rest at which an end stop begins; .inf is none"),
+        "force_limit": Key("in units of the port", "5000.0", "largest force of the take-off, N in heave; .inf is none"),
+        "stroke_limit": Key(
+            "in units of the port", "0.5", "motion from rest at which an end stop begins, m in heave; .inf is none"
+        ),
     },
     "ShellPort": {
         "colatitude": Key("degrees", "90", "ring of the shell the take-off acts on, from the top pole"),
@@ -279,8 +289,8 @@ KEYS: dict[str, dict[str, Key]] = {
             "entries of the mass matrix by one or two degrees of freedom, rows by a body, or all rows; in place of the "
             "file's",
         ),
-        "damping": Key("N s/m", "{Mode7: 1.0e+4}", "likewise of structural damping"),
-        "stiffness": Key("N/m", "{Surge: 4.0e+4}", "likewise of structure and mooring, without the water's"),
+        "damping": Key("N s/m, N m s", "{Mode7: 1.0e+4}", "likewise of structural damping"),
+        "stiffness": Key("N/m, N m", "{Surge: 4.0e+4}", "likewise of structure and mooring, without the water's"),
     },
     "BodyDesign": {
         "dofs": Key("", "[Heave, Pitch, Mode7]", "degrees of freedom it moves in: all, rigid, or their names"),
@@ -298,7 +308,7 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
         "omega_max": Key("rad/s", "3.0", "frequencies of the database above it are left out"),
         "accept": Key("", "[haskind]", "checks of the database whose failure is accepted"),
-        "repair": Key("", "[positive_damping, kramers_kronig]", "checks whose noise is repaired, reported as a doubt"),
+        "repair": Key("", "[positive_damping, kramers_kronig]", "checks whose cause is repaired, reported as a doubt"),
     },
     "StillWater": {"kind": Key("", "still", "no waves: free decay")},
     "RegularWave": {

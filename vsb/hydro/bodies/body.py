@@ -130,6 +130,13 @@ class FlexibleBody:
         return float(self.volumes[2])
 
     @cached_property
+    def centre_of_buoyancy(self) -> FloatArray:
+        """Centre of the displaced water, shape (xyz,) [m]."""
+        corner, area, _ = self.triangles
+        square = ((corner**2).sum(axis=1) + corner.sum(axis=1) ** 2) / 12  # mean of x^2 over a triangle
+        return np.asarray((square * area).sum(axis=0) / 2 / self.volumes)
+
+    @cached_property
     def open_share(self) -> float:
         """Largest relative difference of the three volumes: the effect of gaps between panels."""
         return float(np.ptp(self.volumes) / self.volumes.max())

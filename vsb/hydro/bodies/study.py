@@ -317,10 +317,7 @@ def swept(
 
 def _at_rest(body: FlexibleBody) -> Spec:
     """Attributes: displaced volume, its centre and, if known, the centres of mass and of rotations."""
-    corner, area, _ = body.triangles
-    square = ((corner**2).sum(axis=1) + corner.sum(axis=1) ** 2) / 12  # mean of x^2 over a triangle
-    centre = (square * area).sum(axis=0) / 2 / body.volumes
-    facts = {"displaced_volume": body.volume, "centre_of_buoyancy": centre}
+    facts = {"displaced_volume": body.volume, "centre_of_buoyancy": body.centre_of_buoyancy}
     turning = [body.rigid.get(i) for i, label in enumerate(body.labels) if label in ROTATIONS]
     turned = rotation_centre([motion for motion in turning if motion]) if all(turning) else None
     points = {"centre_of_mass": body.centre_of_mass, "rotation_centre": turned}

@@ -56,6 +56,8 @@ RULES = {
         "second_order states it", doubt=np.inf),
     "closure": Rule(1e-3, "difference of the volumes by the normals' x, y and z, of gaps between panels"),
     "afloat": Rule(0.01, "mass in heave is that of the water displaced", doubt=1.0),
+    "trim": Rule(0.01, "the centres of mass and buoyancy of a body that rotates lie on one vertical, in terms of the "
+        "cube root of the displaced volume", doubt=np.inf),
 }  # fmt: skip
 """Limits of the checks and their meaning."""
 WAYS = ("fewer panels", "waves radiated")
@@ -248,4 +250,8 @@ def mesh_checks(study: BodyFile, body: FlexibleBody) -> list[Check]:
     if body.mass is not None and heave:
         weight = body.mass[heave[0], heave[0]] / (study.water.density * body.volume)
         checks.append(_check("afloat", abs(weight - 1)))
+    turning = any(np.any(rotation) for _, rotation in body.rigid.values())
+    if turning and (centre := body.centre_of_mass) is not None and centre.ndim == 1:
+        apart = (centre - body.centre_of_buoyancy)[:2]
+        checks.append(_check("trim", float(np.hypot(*apart) / body.volume ** (1 / 3))))
     return checks
