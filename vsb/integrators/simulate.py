@@ -15,7 +15,6 @@ from vsb.integrators.energy_preserving import structure_preserving
 from vsb.integrators.exact import convolve, propagate, steady_state
 from vsb.integrators.exponential import integrate
 from vsb.integrators.switching import Switching
-from vsb.motion.scene import Scene
 from vsb.motion.system import Motion, System
 from vsb.study.sections import LEG, RECORDS_PER_PERIOD, thinning
 from vsb.study.study import Simulation
@@ -188,7 +187,7 @@ def legs(
         last = done + math.ceil((count - done) / parts)
         begin, end = (settings.duration * (record / count) for record in (done, last))
         motion, steps = follow(np.linspace(begin, end, (last - done) * stride + 1), start)
-        check_afloat(system.scene, motion)
+        check_afloat(system, motion)
         own = energies(system, motion)
         energy = {term: own[term] + balance.ended.get(term, 0.0) for term in own}
         after = balance.after(energy)
@@ -208,7 +207,7 @@ def legs(
             stride *= 2
 
 
-def check_afloat(scene: Scene, motion: Motion) -> None:
+def check_afloat(system: System, motion: Motion) -> None:
     """Check that a buoy of finite motion heaves by less than `FARTHEST` radii, as any buoy that floats does.
 
     Raises
@@ -216,6 +215,7 @@ def check_afloat(scene: Scene, motion: Motion) -> None:
     StabilityError
         Out of the water, or far below, nothing holds it against a spring of negative stiffness.
     """
+    scene = system.scene
     if scene.water is None or "Heave" not in scene.labels:
         return
     heave = np.abs(motion.position @ scene.motions[scene.labels.index("Heave")]).max()

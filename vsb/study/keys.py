@@ -194,7 +194,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "damping": Key(
             "in units of the port",
             "8000.0",
-            "damper of all designs, or of each, N s/m in heave; without it tuning decides",
+            "damper (heave: N s/m) of all designs, or of each; without it tuning decides",
         ),
         "stiffness": Key(
             "in units of the port",
