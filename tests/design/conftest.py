@@ -16,7 +16,7 @@ def study_of(**changes):
     """A study of designs of a pressurised shell at equilibrium, with other sections."""
     raw = {
         "study": "shell",
-        "device": DEVICE | changes.pop("device", {}),
+        "device": {key: value for key, value in (DEVICE | changes.pop("device", {})).items() if value is not None},
         "modes": {"basis": "full", "degree": 4},
         "reference_shape": "equilibrium",
         "designs": {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC90": {"clamp": 90}},

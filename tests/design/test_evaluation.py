@@ -16,6 +16,11 @@ from vsb.scenes.ports import ShapeWater, designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.waves.climate import Climate
 
+RUBBER = {
+    "device": {
+        "material": {"law": "gent", "mu": 5e6, "jm": 3.0}, "young_modulus": None, "poisson_ratio": None, "thickness": 0.02,
+    }
+}  # fmt: skip
 LENGTHS = {
     "device.radius": 1, "device.thickness": 1, "device.young_modulus": 1, "device.internal_pressure": 1,
     "device.mass": 3, "device.poisson_ratio": 0, "device.density": 0,
@@ -53,6 +58,10 @@ def differences(model, variable, part):
         ("VSWEC", {"reference_shape": "undeformed"}, "device.mass"),
         ("VSWEC90", {"pto": {"stiffness": -5e3, "damping": 1e5}}, "pto.damping"),
         ("FSB", {"pto": {"stiffness": -5e3}}, "pto.stiffness"),
+        ("VSWEC90", {"designs": {"VSWEC90": {"clamp": 80}}}, "designs.VSWEC90.clamp"),
+        ("VSWEC", {}, "device.damping.beta"),
+        ("VSWEC", RUBBER, "device.material.jm"),
+        ("VSWEC", RUBBER, "device.material.mu"),
     ],
 )
 def test_derivatives_are_those_of_differences(climate, design, changes, key):

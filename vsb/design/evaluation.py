@@ -8,7 +8,7 @@ import numpy as np
 
 from vsb.design.limits import hull, inverse_load_factors, static_strain
 from vsb.design.linearised import Linearised, displacements, linearised, of_all
-from vsb.design.resting import OF_DEVICE, RestingBuoy
+from vsb.design.resting import OF_DEVICE, RestingBuoy, value_of
 from vsb.design.year import FrequencyGrid, PortYear, band, chebyshev, interpolation
 from vsb.errors import ConfigError
 from vsb.hydro.spectral.solver import SpectralProblem
@@ -21,7 +21,7 @@ from vsb.waves.climate import Climate
 
 DAMPER, SPRING = "pto.damping", "pto.stiffness"
 VARIABLES = (*(f"device.{name}" for name in OF_DEVICE), DAMPER, SPRING)
-"""Keys of a study that derivatives are taken by."""
+"""Keys of a study that derivatives are taken by, beside the clamp of a design, designs.NAME.clamp [degrees]."""
 NODES, MOST_NODES = 32, 128
 """Nodes of the boundary elements: derivatives by shape are then right to 1e-8 where the shape itself is resolved."""
 SOLVES, FURTHER, MOST_SOLVES = 16, 4, 64
@@ -79,8 +79,9 @@ class DesignModel:
         """
         if design not in study.designs:
             raise ConfigError(f"design: received {design!r}; needs one of {', '.join(study.designs)}")
-        if unknown := [key for key in variables if key not in VARIABLES]:
-            raise ConfigError(f"variables: received {unknown[0]}; needs some of {', '.join(VARIABLES)}")
+        known = (*VARIABLES, *(f"designs.{name}.clamp" for name, one in study.designs.items() if one.clamp))
+        if unknown := [key for key in variables if key not in known]:
+            raise ConfigError(f"variables: received {unknown[0]}; needs some of {', '.join(known)}")
         if study.motion != "heave":
             raise ConfigError(f"motion: received {study.motion!r}; derivatives of designs need heave")
         if study.pto.port != "heave":
@@ -103,12 +104,15 @@ class DesignModel:
     @cached_property
     def point(self) -> tuple[float, ...]:
         """Values of the variables in the study itself, 0 of a damper that is not given."""
-        found = []
-        for key in self.variables:
-            section, _, name = key.rpartition(".")
-            value = self.study.pto.damper(self.design) if key == DAMPER else getattr(getattr(self.study, section), name)
-            found.append(float(value or 0.0))
-        return tuple(found)
+
+        def value(key: str) -> float:
+            if key == DAMPER:
+                return float(self.study.pto.damper(self.design) or 0.0)
+            if key.startswith("designs."):
+                return float(self.study.designs[key.split(".")[1]].clamp[0])
+            return value_of(self.study, key)
+
+        return tuple(map(value, self.variables))
 
     def study_at(self, values: Sequence[float]) -> Study:
         """Return the study with values of the variables.
@@ -144,8 +148,9 @@ class DesignModel:
         of_device = [i for i, key in enumerate(self.variables) if key.startswith("device.")]
         keys = [self.variables[i] for i in of_device]
         stepped = [buoy.with_step(key) for key in keys]
-        values_and_changes = linearised(buoy, self.design, stepped, self.grid.solved, self.nodes)
-        found = self._year(study, *values_and_changes, of_device)
+        clamp = [i for i, key in enumerate(self.variables) if key == f"designs.{self.design}.clamp"]
+        matrices = linearised(buoy, self.design, stepped, self.grid.solved, self.nodes, bool(clamp))
+        found = self._year(study, *matrices, of_device + clamp)
         slopes = hull(buoy, stepped)
         if study.flexible:
             slopes["static_strain"] = static_strain(buoy, stepped)

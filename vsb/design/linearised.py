@@ -1,11 +1,12 @@
 """Matrices of a design about its shape at rest, over its free motions, and their derivatives by variables."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
-from vsb.design.resting import RestingBuoy, Stepped
+from vsb.design.resting import Matrices, RestingBuoy, Stepped
+from vsb.errors import ConfigError
 from vsb.hydro.database import shares
 from vsb.hydro.dofs import Displacement
 from vsb.hydro.spectral.shape_derivative import shape_derivative
@@ -29,7 +30,7 @@ class Linearised:
 
 
 def linearised(
-    buoy: RestingBuoy, design: str, stepped: Sequence[Stepped], omega: FloatArray, nodes: int
+    buoy: RestingBuoy, design: str, stepped: Sequence[Stepped], omega: FloatArray, nodes: int, clamped: bool = False
 ) -> tuple[Linearised, Linearised]:
     """Return the matrices of a design at rest, and their derivatives by the variables that are stepped.
 
@@ -42,6 +43,8 @@ def linearised(
         Frequencies of radiation and excitation.
     nodes : int
         Of the boundary elements.
+    clamped : bool
+        Whether the colatitude of the clamp [degrees] is one more variable, the last.
     """
     basis, water, count = buoy.loaded.basis, buoy.study.water, len(stepped)
     motions = design_motions(buoy.study, basis, design)
@@ -66,25 +69,62 @@ def linearised(
         return reduced(np.reshape(slopes, (count, len(motions), len(motions))))
 
     solved = shape_derivative(problem, list(omega), directions)
-    mass, damping, stiffness = buoy.matrices
-    port = motions.T @ port_direction(buoy.study.pto.port, buoy.shape)
+    direction = port_direction(buoy.study.pto.port, buoy.shape)
+    structure, structure_change = Matrices(*map(reduced, buoy.matrices)), Matrices(*map(change, range(3)))
     values = Linearised(
-        reduced(mass),
-        reduced(damping),
-        reduced(stiffness),
+        structure.mass,
+        structure.damping,
+        structure.stiffness,
         radiated(solved.radiation),
         solved.excitation @ transform,
-        port,
+        motions.T @ direction,
     )
     changes = Linearised(
-        change(0),
-        change(1),
-        change(2),
+        structure_change.mass,
+        structure_change.damping,
+        structure_change.stiffness,
         radiated(solved.radiation_change).swapaxes(0, 1),
         (solved.excitation_change @ transform).swapaxes(0, 1),
-        np.zeros((count, len(port))),
+        np.zeros((count, motions.shape[1])),
     )
-    return values, changes
+    if not clamped:
+        return values, changes
+
+    turned = _motions_change(buoy, design, motions)
+
+    def both(one: AnyArray, by: FloatArray, other: FloatArray) -> AnyArray:
+        """By^T one other + other^T one by."""
+        return np.asarray(by.T @ one @ other + other.T @ one @ by)
+
+    across = shares(moved, basis).T @ turned
+    structure = Matrices(*(both(one, turned, motions) for one in buoy.matrices))
+    last = Linearised(
+        structure.mass,
+        structure.damping,
+        structure.stiffness,
+        both((solved.radiation + solved.radiation.swapaxes(1, 2)) / 2, across, transform),
+        solved.excitation @ across,
+        turned.T @ direction,
+    )
+    names = [field.name for field in fields(Linearised)]
+    return values, Linearised(*(np.concatenate([getattr(changes, n), getattr(last, n)[None]]) for n in names))
+
+
+def _motions_change(buoy: RestingBuoy, design: str, motions: FloatArray) -> FloatArray:
+    """Derivatives of the motions N a clamp allows by its colatitude, shape (dof, free) [1/degree].
+
+    Of Phi N = 0 remains Phi dN = -dPhi N, whose least solution turns the motions without mixing them.
+    """
+    basis, colatitudes = buoy.loaded.basis, buoy.study.designs[design].clamp
+    if len(colatitudes) != 1 or colatitudes[0] in (0.0, 180.0):
+        raise ConfigError(
+            f"designs.{design}.clamp: received {list(colatitudes)}; derivatives by it need one clamp between the poles"
+        )
+    at = np.deg2rad(colatitudes)
+    _, _, radial, meridional = basis.displacement_and_slope(at)
+    rows, slopes = basis.clamp_rows(at), np.concatenate([radial.T, meridional.T])
+    slopes[:, 0] = 0.0  # as those of `clamp_rows`, rigid heave is free
+    return np.asarray(np.deg2rad(-np.linalg.pinv(rows) @ slopes @ motions))
 
 
 def displacements(degree: int) -> tuple[Displacement, ...]:

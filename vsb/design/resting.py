@@ -25,7 +25,11 @@ STEP = 1e-20
 """Imaginary step, in terms of the variable or of one unit of it if it is zero: its square vanishes in round-off."""
 OF_SHELL = ("radius", "thickness", "young_modulus", "poisson_ratio", "density")
 """Variables of a device that are those of its shell."""
-OF_DEVICE = (*OF_SHELL, "internal_pressure", "mass")
+OF_MATERIAL = ("material.mu", "material.c1", "material.c2", "material.jm")
+"""Those of laws of rubber."""
+OF_DAMPING = ("damping.alpha", "damping.beta")
+"""Those of structural damping."""
+OF_DEVICE = (*OF_SHELL, *OF_MATERIAL, "internal_pressure", "mass", *OF_DAMPING)
 """Variables of a device."""
 
 
@@ -115,7 +119,22 @@ class Stepped:
 
 def step_of(study: Study, key: str) -> float:
     """Return the size of the imaginary step of a variable of the device."""
-    return STEP * (abs(float(getattr(study.device, key.removeprefix("device.")))) or 1.0)
+    return STEP * (abs(value_of(study, key)) or 1.0)
+
+
+def value_of(study: Study, key: str) -> float:
+    """Return the value of a key of a study, such as device.damping.beta.
+
+    Raises
+    ------
+    ConfigError
+        If it has none.
+    """
+    found: Any = study
+    for word in key.split("."):
+        if (found := getattr(found, word, None)) is None:
+            raise ConfigError(f"variables: received {key}, which the study has not; needs a key of it")
+    return float(found)
 
 
 def with_variable(loaded: LoadedShell, key: str, step: complex) -> LoadedShell:
@@ -133,9 +152,17 @@ def with_variable(loaded: LoadedShell, key: str, step: complex) -> LoadedShell:
         return replace(loaded, **changed)
     if name == "mass":
         changed = {"total_mass": basis.total_mass + step}
+    elif name in OF_DAMPING:
+        of_damping = name.removeprefix("damping.")
+        changed = {of_damping: getattr(basis, of_damping) + step}
+    elif name in OF_MATERIAL and basis.shell.rubber is not None:
+        of_law = name.removeprefix("material.")
+        changed = {of_law: getattr(basis.shell.rubber, of_law) + step}
+        rubber = replace(basis.shell.rubber, **changed)  # type: ignore[type-var]  # all laws are dataclasses
+        changed = {"shell": replace(basis.shell, rubber=rubber, young_modulus=rubber.young_modulus)}
     elif name in OF_SHELL:
-        of_shell: dict[str, Any] = {name: getattr(basis.shell, name) + step}
-        changed = {"shell": replace(basis.shell, **of_shell)}
+        changed = {name: getattr(basis.shell, name) + step}
+        changed = {"shell": replace(basis.shell, **changed)}
     else:
         raise ConfigError(f"variables: received {key}; needs one of {', '.join(OF_DEVICE)} of the device")
     return replace(loaded, elastic=replace(loaded.elastic, basis=replace(basis, **changed)))

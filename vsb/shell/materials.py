@@ -164,7 +164,8 @@ class Incompressible(Law):
     def young_modulus(self) -> float:  # type: ignore[override]  # computed, and as constant
         """E = 3 mu = 6 (dW/dI_1 + dW/dI_2) at rest [Pa]."""
         at_rest = self.derivatives(np.zeros(1))
-        return float(np.ravel(6 * (np.asarray(at_rest.first) + at_rest.second))[0])
+        young_modulus: float = np.ravel(6 * (np.asarray(at_rest.first) + at_rest.second))[0].item()
+        return young_modulus
 
     def strained(self, first: FloatArray, second: FloatArray) -> FloatArray:
         """Return the largest change of length, |lambda - 1|."""
@@ -313,7 +314,7 @@ class Wall:
 
     def _number(self, strains: FloatArray) -> np.dtype[Any]:
         """Type of numbers of what follows from strains: complex in a complex step of any of its arguments."""
-        return np.result_type(strains, self.thickness, self.law.young_modulus, self.law.poisson_ratio)
+        return np.result_type(strains, self.thickness, *vars(self.law).values())
 
     def _layers(self, strains: FloatArray) -> tuple[tuple[float, FloatArray], ...]:
         """Signed distance of each layer, and its strains E + Z lambda_3 k, shape (2, ...)."""
