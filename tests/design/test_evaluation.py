@@ -21,6 +21,8 @@ RUBBER = {
         "material": {"law": "gent", "mu": 5e6, "jm": 3.0}, "young_modulus": None, "poisson_ratio": None, "thickness": 0.02,
     }
 }  # fmt: skip
+CLAMP = "designs.VSWEC90.clamp"
+PORT = {"designs": {"VSWEC": {}, "VSWEC90": {"clamp": 80}}}
 LENGTHS = {
     "device.radius": 1, "device.thickness": 1, "device.young_modulus": 1, "device.internal_pressure": 1,
     "device.mass": 3, "device.poisson_ratio": 0, "device.density": 0,
@@ -58,8 +60,12 @@ def differences(model, variable, part):
         ("VSWEC", {"reference_shape": "undeformed"}, "device.mass"),
         ("VSWEC90", {"pto": {"stiffness": -5e3, "damping": 1e5}}, "pto.damping"),
         ("FSB", {"pto": {"stiffness": -5e3}}, "pto.stiffness"),
-        ("VSWEC90", {"designs": {"VSWEC90": {"clamp": 80}}}, "designs.VSWEC90.clamp"),
+        ("VSWEC90", {"designs": {"VSWEC90": {"clamp": 80}}}, CLAMP),
         ("VSWEC", {}, "device.damping.beta"),
+        ("VSWEC", PORT | {"pto": {"port": "volume"}}, "device.radius"),
+        ("VSWEC90", PORT | {"pto": {"port": {"between": [0, 180]}}}, "device.internal_pressure"),
+        ("VSWEC", PORT | {"pto": {"port": {"strain": "area"}, "held": {"place": "heave"}}}, "device.internal_pressure"),
+        ("VSWEC90", PORT | {"pto": {"port": {"colatitude": 20}, "held": {"place": "ring", "colatitude": 110}}}, CLAMP),
         ("VSWEC", RUBBER, "device.material.jm"),
         ("VSWEC", RUBBER, "device.material.mu"),
     ],
@@ -119,12 +125,16 @@ def test_what_cannot_be_evaluated_is_named(climate):
     for changes, design, keys, words in (
         ({}, "none", [], "design: received 'none'"),
         ({}, "FSB", ["device.colour"], "variables: received device.colour"),
-        ({"pto": {"port": "volume"}}, "VSWEC", [], "pto.port"),
+        ({"pto": {"port": "volume"}, "device": {"gas": {}}}, "VSWEC", [], "pto.port"),
         ({"motion": "planar", "device": {"centre_of_mass": -0.5, "ballast_inertia": 1e4}}, "FSB", [], "motion"),
         ({"modes": {"basis": "membrane", "degree": 4}}, "VSWEC", [], "modes.basis"),
     ):
         with pytest.raises(ConfigError, match=words):
             DesignModel.of(study_of(**changes), design, climate, keys)
+    with pytest.raises(ConfigError, match=r"pto\.port.*does not move"):
+        model_of(study_of(pto={"port": "volume"}), "FSB", climate, []).at([])
+    with pytest.raises(ConfigError, match=r"designs\.VSWEC90\.clamp"):
+        model_of(study_of(), "VSWEC90", climate, [CLAMP]).at([0.0])
     model = model_of(study_of(), "VSWEC", climate, ["device.internal_pressure"])
     with pytest.raises(ConvergenceError, match="buckles"):
         model.at([-3.0e4])

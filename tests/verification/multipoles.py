@@ -68,7 +68,7 @@ class Radiation:
     amplitude: np.ndarray
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=512)
 def radiation(ka: float, degree: int, multipoles: int = 0) -> Radiation:
     """Radiation of the hemisphere at wavenumber times radius `ka` for all normal velocities up to `degree`."""
     size = multipoles or max(160, 3 * degree)

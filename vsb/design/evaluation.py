@@ -84,8 +84,10 @@ class DesignModel:
             raise ConfigError(f"variables: received {unknown[0]}; needs some of {', '.join(known)}")
         if study.motion != "heave":
             raise ConfigError(f"motion: received {study.motion!r}; derivatives of designs need heave")
-        if study.pto.port != "heave":
-            raise ConfigError(f"pto.port: received {study.pto.port}; derivatives of designs need heave")
+        if study.opens_chamber:
+            raise ConfigError(
+                "pto.port: received 'volume' behind trapped gas; derivatives of designs need no device.gas"
+            )
         if study.flexible and study.modes.basis != "full":
             raise ConfigError(f"modes.basis: received {study.modes.basis!r}; derivatives of designs need full")
         if degree is None:

@@ -12,7 +12,7 @@ from vsb.hydro.dofs import Displacement
 from vsb.hydro.spectral.shape_derivative import shape_derivative
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.motion.port import port_direction
-from vsb.scenes.rest import design_motions
+from vsb.scenes.rest import design_motions, mooring_rows
 from vsb.shell.shell import Curve
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
 
@@ -69,7 +69,11 @@ def linearised(
         return reduced(np.reshape(slopes, (count, len(motions), len(motions))))
 
     solved = shape_derivative(problem, list(omega), directions)
-    direction = port_direction(buoy.study.pto.port, buoy.shape)
+    direction = _port(buoy)
+    if not (motions.T @ direction).any():
+        raise ConfigError(
+            f"pto.port: received {buoy.study.pto.port}, which design {design} does not move; needs another"
+        )
     structure, structure_change = Matrices(*map(reduced, buoy.matrices)), Matrices(*map(change, range(3)))
     values = Linearised(
         structure.mass,
@@ -85,7 +89,7 @@ def linearised(
         structure_change.stiffness,
         radiated(solved.radiation_change).swapaxes(0, 1),
         (solved.excitation_change @ transform).swapaxes(0, 1),
-        np.zeros((count, motions.shape[1])),
+        np.reshape([one.derivative(_port) for one in stepped], (count, len(motions))) @ motions,
     )
     if not clamped:
         return values, changes
@@ -110,6 +114,11 @@ def linearised(
     return values, Linearised(*(np.concatenate([getattr(changes, n), getattr(last, n)[None]]) for n in names))
 
 
+def _port(buoy: RestingBuoy) -> FloatArray:
+    """The motion of the take-off's port, b over all degrees of freedom."""
+    return port_direction(buoy.study.pto.port, buoy.shape)
+
+
 def _motions_change(buoy: RestingBuoy, design: str, motions: FloatArray) -> FloatArray:
     """Derivatives of the motions N a clamp allows by its colatitude, shape (dof, free) [1/degree].
 
@@ -122,7 +131,8 @@ def _motions_change(buoy: RestingBuoy, design: str, motions: FloatArray) -> Floa
         )
     at = np.deg2rad(colatitudes)
     _, _, radial, meridional = basis.displacement_and_slope(at)
-    rows, slopes = basis.clamp_rows(at), np.concatenate([radial.T, meridional.T])
+    held = mooring_rows(buoy.study, basis)
+    rows, slopes = np.vstack([basis.clamp_rows(at), held]), np.vstack([radial.T, meridional.T, 0 * held])
     slopes[:, 0] = 0.0  # as those of `clamp_rows`, rigid heave is free
     return np.asarray(np.deg2rad(-np.linalg.pinv(rows) @ slopes @ motions))
 

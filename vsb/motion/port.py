@@ -291,7 +291,7 @@ def _axisymmetric_port(
         m = shape.meridian(np.deg2rad(choice.between))
         chord = np.array([np.diff(m.x)[0], np.diff(m.z)[0]])
         apart = np.array([np.diff(m.shape_x)[:, 0], np.diff(m.shape_z)[:, 0]])
-        direction = np.asarray(chord @ apart / np.linalg.norm(chord))
+        direction = np.asarray(chord @ apart / np.sqrt(chord @ chord))
     else:
         at = np.deg2rad([choice.colatitude])
         radial, _ = shape.basis.displacement(at)

@@ -95,8 +95,8 @@ class DeformedShell:
         """
         node, weight = gauss_rule(4 * self.basis.turns + 24)
         m = self.meridian(upper + (lower - upper) * (1 + node) / 2)
-        weight, length = np.pi * (lower - upper) * weight, np.hypot(m.dx, m.dz)
-        area = float(weight @ (m.x * length))
+        weight, length = np.pi * (lower - upper) * weight, np.sqrt(m.dx**2 + m.dz**2)
+        area: float = np.dot(weight, m.x * length)
         hoop = m.shape_x @ (weight * length) / area
         along = (m.dshape_x * m.dx + m.dshape_z * m.dz) @ (weight * m.x / length) / area
         return hoop, along, area
