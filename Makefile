@@ -5,7 +5,7 @@ MARKS ?= not slow
 BIN := .venv/bin
 READY := .venv/.installed
 
-.PHONY: verification study benchmark barge hard-cases torture cluster-test test test-all lint unit format docs links container lock docs-lock clean help
+.PHONY: verification study benchmark barge claims hard-cases torture cluster-test test test-all lint unit format docs links container lock docs-lock clean help
 
 study: $(READY) ## run the example study and its year, or others: make study [CONFIG=config/seed.yaml]
 	@for one in $(CONFIG); do $(BIN)/vsb run $$one || exit; done
@@ -17,6 +17,9 @@ benchmark: $(READY) ## error against seconds of every method: integrators on the
 
 barge: $(READY) ## any body by the general route: a flexible barge
 	@$(BIN)/python -m examples.barge config/barge_convergence.yaml results/barge
+
+claims: $(READY) ## published claims about flexible devices, recomputed: the tables of docs/claims.md
+	@$(BIN)/python -m examples.claims results/claims
 
 hard-cases: $(READY) ## table of the cases that break other codes
 	@$(BIN)/python -m benchmarks hard-cases config/hard_cases.yaml results/hard_cases.csv
