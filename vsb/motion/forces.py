@@ -10,12 +10,14 @@ may change: held by friction the port is latched, without force it is declutched
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 
+from vsb.errors import ConfigError
 from vsb.hydro.statespace import RadiationModel
 from vsb.motion.froude_krylov import Incident, wave_forces
 from vsb.motion.wetted import WetShell
@@ -364,6 +366,42 @@ class TakeOff(Force):
                 self.damping * speed + self.stiffness * (q @ self.direction - self.rest), -self.limit, self.limit
             )
         return np.asarray(-np.outer(wanted, self.direction))
+
+
+@dataclass(frozen=True)
+class PortForce(Force):
+    """f = b F(S, V, t), F any smooth function of the port's motion and time: a take-off law of one's own.
+
+    Raises
+    ------
+    ConfigError
+        Where F is no finite number at every instant.
+    """
+
+    direction: FloatArray  # b (dof,) [-]
+    function: Callable[[FloatArray, FloatArray, FloatArray], FloatArray]  # S, V, t, each (time,) -> F (time,) [N]
+    name: str
+    rest: float = 0.0  # S at rest, from where it counts [m]
+
+    def linear(self) -> Linear:
+        """Nothing: what is linear of it is not known."""
+        return Linear(fully_linear=False)
+
+    def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return it along a motion."""
+        stroke, speed = q @ self.direction - self.rest, v @ self.direction
+        try:
+            found = np.asarray(self.function(stroke, speed, time), dtype=float)
+        except Exception as error:  # whatever a function of others may raise
+            reason = " ".join(str(error).split()) or "no reason given"
+            raise ConfigError(f"pto.law: {self.name} raised {type(error).__name__}: {reason}") from error
+        if found.shape != stroke.shape or not np.isfinite(found).all():
+            received = f"shape {found.shape}" if found.shape != stroke.shape else "NaN or infinite values"
+            raise ConfigError(
+                f"pto.law: received {received} of {self.name}, needs a finite force at every instant, shape "
+                f"{stroke.shape}"
+            )
+        return np.asarray(np.outer(found, self.direction))
 
 
 @dataclass(frozen=True)

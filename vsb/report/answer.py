@@ -166,6 +166,8 @@ def damping_in_words(pto: dict[str, Any]) -> str:
     """Return which damping, or other law, simulated designs have, from the take-off of a study in canonical form."""
     if pto.get("law") == "coulomb":
         return f"With Coulomb friction of {short(pto['force_limit'])} {port_kind(pto.get('port')).load_unit}"
+    if pto.get("distribution"):
+        return f"With the take-off law {pto['law']} of {pto['distribution']}"
     words = DAMPINGS[pto.get("tuning", "fixed")]
     if pto.get("law") in PAUSE:
         return f"{words}, {pto['law']}" if words == GIVEN else f"In the time domain, {pto['law']} at its best damping"

@@ -223,7 +223,7 @@ def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> s
 def measures(kind: PortKind, thing: str, law: str) -> list[Measure]:
     """Return the columns of the comparison table; of a body, motion is that of the port.
 
-    Coulomb friction has no damping: the one given is of the linear response alone.
+    Coulomb friction and laws of packages have no damping: the one given is of the linear response alone.
     """
     motion = ("heave [m]", "heave velocity [m/s]")
     if thing == "body":
@@ -235,7 +235,7 @@ def measures(kind: PortKind, thing: str, law: str) -> list[Measure]:
         ("power_peak", "peak power [W]", 1.0, ""),
         ("power_mean", "mean power [W]", 1.0, ""),
         ("capture_width", "capture width [m]", 1.0, ""),
-        *([] if law == "coulomb" else [damping]),
+        *([] if law == "coulomb" or ":" in law else [damping]),
         ("power_gain_percent", "gain of mean power [%]", 1.0, "+.1f"),
     ]
 

@@ -2,19 +2,20 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.motion import drag
-from vsb.motion.forces import EndStop, Force, TakeOff
+from vsb.motion.forces import EndStop, Force, PortForce, TakeOff
 from vsb.motion.frequency import allowed_part, compliance
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.tuning import best_dampers
 from vsb.scenes.floating_system import FloatingSystem, headings, port_in_seas
 from vsb.study.study import Wave
-from vsb.study.take_off import Law, Pto, port_kind
+from vsb.study.take_off import Law, Pto, distribution_of, entry_point, port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea
 
@@ -39,6 +40,40 @@ LAWS: Mapping[Law, Callable[[Pto, FloatArray, float, float], Force]] = {
 """`pto.law`, at a port, with a damper [N s/m] and the stroke at rest [m] -> its force.
 
 Latching times are found in a sea (`vsb.scenes.latching`)."""
+
+
+def law_of_package(pto: Pto, port: FloatArray, rest: float) -> PortForce:
+    """Return the force of a law of a package, `force = law(position, velocity, time, parameters)`.
+
+    Position and velocity of the port, from rest, and time are arrays (time,); the force [N] acts on the buoy.
+
+    Raises
+    ------
+    ConfigError
+        If the package is not installed, in another version than the study is of, or its law cannot be had, raises, or
+        gives no finite force for a port at rest.
+    """
+    try:
+        entry = entry_point(pto.law)
+    except ValueError as error:
+        raise ConfigError(f"pto.{error}") from None
+    if (found := distribution_of(entry)) != pto.distribution:
+        raise ConfigError(f"pto.law: received {pto.law} of {found}, needs that of {pto.distribution}")
+    try:
+        law = entry.load()
+    except Exception as error:  # whatever the import of a package may raise
+        raise ConfigError(f"pto.law: {pto.law} of {found} cannot be imported ({error})") from error
+    parameters = dict(pto.parameters)
+    force = PortForce(port, lambda s, v, t: law(s, v, t, parameters), f"{pto.law} of {found}", rest)
+    still = np.zeros((3, len(port)))
+    force.force(np.zeros(3), still, still)  # raises
+    return force
+
+
+def check_law(pto: Pto) -> None:
+    """Check that the law of a package, if the take-off has one, is there and gives a force; see `law_of_package`."""
+    if pto.of_package:
+        law_of_package(pto, np.ones(1), 0.0)
 
 
 def tuned_take_off(
@@ -98,7 +133,10 @@ def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
     if not allowed_part(port, scene.motions).any():
         return scene  # nothing there moves
     rest = float(port @ scene.motions @ scene.rest)
-    law = LAWS[pto.law](pto, port, float(linear.damping), rest)
+    if pto.of_package:
+        law: Force = law_of_package(pto, port, rest)
+    else:
+        law = LAWS[cast(Law, pto.law)](pto, port, float(linear.damping), rest)
     forces: dict[str, Force] = {**scene.forces, scene.take_off: law}
     if pto.stroke_limit < np.inf:
         forces["end_stop"] = replace(end_stop(scene, port, pto.stroke_limit), rest=rest)

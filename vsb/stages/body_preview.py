@@ -21,6 +21,7 @@ from vsb.motion.linear import LinearSystem, direction_index
 from vsb.results import ledger
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
 from vsb.scenes.floating_system import floating_body, port_in_seas, study_sea
+from vsb.scenes.take_off import check_law
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
 from vsb.study.body import BodyFile
 from vsb.study.plan import BodyPlan
@@ -79,6 +80,7 @@ def checked_body(plan: BodyPlan) -> CheckedBody:
     for i, wave in enumerate(study.waves):
         check_wave(i, wave, body)
     study.check_dampers()
+    check_law(study.pto)
     check_stored(plan)
     moving = [wave for wave in study.waves if not isinstance(wave, StillWater)]
     if moving and not plan.solves_panels:

@@ -6,6 +6,7 @@ from typing import Any
 
 from vsb.hydro import database
 from vsb.scenes.rest import check_rests, check_spring, check_stable, reference_shell, seen_by_take_off
+from vsb.scenes.take_off import check_law
 from vsb.shell.modes import mode_basis
 from vsb.shell.ritz import natural_modes
 from vsb.shell.shell import Shell, natural_frequencies
@@ -46,6 +47,7 @@ def check_before_run(study: Study, plan: StudyPlan) -> None:
         plan.check_waves()
     study.check_record()
     study.check_dampers()
+    check_law(study.pto)
     if not study.needs_bem:
         return
     if Path(plan.database_path).exists():
@@ -102,7 +104,7 @@ def _latching_lines(study: Study) -> list[str]:
 
 def _switching_lines(study: Study) -> list[str]:
     """How long a run under a take-off that switches takes, of a shell so stiff that this matters."""
-    if not (study.pto.switches and study.flexible):
+    if not (study.pto.switches and study.flexible) or study.pto.of_package:
         return []
     from vsb.integrators.switching import RESOLVED  # compiled
 

@@ -47,7 +47,7 @@ def run_simulate(spec: SimulateSpec, out: str, database: str = "", radiation: st
     attrs["port_kind"] = port_kind(spec.pto.port).load
     attrs |= {"seconds": sum(seconds), **made.notes, **stamp(spec, database, radiation)}
     if isinstance(wave, RegularWave):
-        attrs |= _steady(system)
+        attrs |= _steady(system) if not spec.pto.of_package else {"no_steady_state": "the law may depend on time"}
     if made.held.size:
         attrs["constraint_drift"] = max(*drifts, _linear_drift(spec, system, made.held))
     save(xr.concat(records, "time").assign_attrs(attrs), out)

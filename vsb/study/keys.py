@@ -218,8 +218,11 @@ KEYS: dict[str, dict[str, Key]] = {
             "",
             "coulomb",
             "linear: a damper; saturated: one with a force limit; coulomb: friction of the force limit; latching, "
-            "declutching: a damper that holds the port, or lets it go, after each reversal, for the optimal time",
+            "declutching: a damper that holds the port, or lets it go, after each reversal, for the optimal time; "
+            "my_package:law: a function of an installed package",
         ),
+        "parameters": Key("", "{exponent: 2.0}", "numbers that the law of a package is called with"),
+        "distribution": Key("", "my-package 1.0", "name and version of that package; found out if it is not given"),
         "force_limit": Key("in units of the port", "5000.0", "largest force of the take-off, N in heave; .inf is none"),
         "stroke_limit": Key(
             "in units of the port", "0.5", "motion from rest at which an end stop begins, m in heave; .inf is none"

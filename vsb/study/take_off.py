@@ -4,6 +4,7 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
 import math
+from importlib.metadata import EntryPoint, entry_points
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -164,6 +165,14 @@ strain of the shell, a line, or a combination of degrees of freedom."""
 
 
 Law = Literal["linear", "saturated", "coulomb", "latching", "declutching"]
+LAWS_OF_PACKAGES = "vsb.take_off_laws"
+"""Group of the entry points by which packages declare laws of their own, functions of the port's motion and time."""
+LawOfPackage = Annotated[str, Field(pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*$")]
+LawChoice = Annotated[
+    Annotated[Law, Tag("name")] | Annotated[LawOfPackage, Tag("package")],
+    Discriminator(lambda value: "package" if isinstance(value, str) and ":" in value else "name"),
+]
+"""A law by its name, or a function of an installed package, `my_package:law`."""
 NEED_A_LIMIT = ("saturated", "coulomb")
 PAUSE = ("latching", "declutching")
 Tuning = Literal["fixed", "each", "one"]
@@ -190,6 +199,29 @@ def port_kind(port: object) -> PortKind:
     return MOMENT if turned else FORCE
 
 
+def entry_point(law: str) -> EntryPoint:
+    """Return the entry point that declares a law `my_package:law`.
+
+    Raises
+    ------
+    ValueError
+        If no installed package does.
+    """
+    known = {one.value.replace(" ", ""): one for one in entry_points(group=LAWS_OF_PACKAGES)}
+    if law not in known:
+        there = ", ".join(sorted(known)) or "there are none"
+        raise ValueError(
+            f"law {law!r}: no installed package declares it; needs an entry point of the group {LAWS_OF_PACKAGES} "
+            f"({there})"
+        )
+    return known[law]
+
+
+def distribution_of(entry: EntryPoint) -> str:
+    """Return the name and the version of the distribution an entry point is of."""
+    return f"{entry.dist.name} {entry.dist.version}" if entry.dist else entry.module
+
+
 class Pto(Section):
     """Power take-off: damping [N s/m] of all designs or of each, stiffness [N/m] of a spring beside it, its port.
 
@@ -204,6 +236,8 @@ class Pto(Section):
     limit. `coulomb`: friction of the force limit, the pressure of a hydraulic take-off; the damping is then that of the
     linear response alone. `latching` holds the port after each reversal of its velocity, `declutching` lets it go, both
     for the latching time that maximises mean power in each sea. At the stroke limit [m] an end stop begins.
+    A law `my_package:law` is a function of an installed package with `parameters` of its own; which `distribution` it
+    is of, name and version, is found out.
     """
 
     damping: Dampers | None = None
@@ -212,7 +246,9 @@ class Pto(Section):
     efficiency: Annotated[Number, Field(gt=0, le=1)] = 1.0
     port: PortChoice = "heave"
     held: Held | None = None
-    law: Law = "linear"
+    law: LawChoice = "linear"
+    parameters: dict[str, Finite] = Field(default_factory=dict)
+    distribution: str | None = None
     force_limit: Limit = math.inf
     stroke_limit: Limit = math.inf
 
@@ -225,6 +261,11 @@ class Pto(Section):
     def switches(self) -> bool:
         """Whether its force in time is not that of a damper alone."""
         return self.law != "linear" or self.limited
+
+    @property
+    def of_package(self) -> bool:
+        """Whether its law is a function of a package."""
+        return ":" in self.law
 
     @property
     def pauses(self) -> bool:
@@ -270,6 +311,28 @@ class Pto(Section):
             return {"tuning": "each", **raw}
         return raw
 
+    @model_validator(mode="before")
+    @classmethod
+    def _declared(cls, raw: Any) -> Any:
+        """A law of a package is known by its distribution, too, so that another version is another law."""
+        law = raw.get("law") if isinstance(raw, dict) else None
+        if not (isinstance(law, str) and ":" in law) or raw.get("distribution") is not None:
+            return raw
+        return {**raw, "distribution": distribution_of(entry_point(law))}
+
+    @model_validator(mode="after")
+    def _of_package(self) -> Self:
+        """What the law of a package does itself is not to be given beside it."""
+        if not self.of_package:
+            if given := [name for name in ("parameters", "distribution") if getattr(self, name)]:
+                raise ValueError(f"{given[0]}: are of a law of a package, my_package:law; received law {self.law}")
+            return self
+        if self.limited or self.stiffness:
+            raise ValueError(
+                f"law {self.law!r}: is the whole force; needs no force_limit, stroke_limit or stiffness beside it"
+            )
+        return self
+
     @model_validator(mode="after")
     def _given(self) -> Self:
         if self.tuning == "fixed" and self.damping is None:
@@ -289,4 +352,4 @@ class Pto(Section):
         return {key: value for key, value in said.items() if value != _DEFAULTS[key]}
 
 
-_DEFAULTS = {name: field.default for name, field in Pto.model_fields.items()}
+_DEFAULTS = {name: field.get_default(call_default_factory=True) for name, field in Pto.model_fields.items()}
