@@ -76,7 +76,7 @@ class Variable(Section):
     def value(self, place: float) -> float:
         """Return the value at a place, 0 to 1."""
         if self.log:
-            return self.low * (self.high / self.low) ** place
+            return float(self.low * (self.high / self.low) ** place)
         return self.low + (self.high - self.low) * place
 
     def slope(self, value: float) -> float:
