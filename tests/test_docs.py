@@ -24,7 +24,7 @@ from vsb.hydro.panels.mesh import revolved
 from vsb.stages import planning
 from vsb.stages.body_preview import checked_body
 from vsb.study.body import BodyFile, BodyStudy, load_body
-from vsb.study.campaign_plan import plan_of
+from vsb.study.plans import plan_of
 from vsb.study.reading import dotted, schema_of
 from vsb.study.study import Study, load
 from vsb.tools.completion import commands, options

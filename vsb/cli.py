@@ -17,6 +17,7 @@ from vsb.stages.planning import plan_of, with_degree
 from vsb.stages.run import ERROR, check_name, cores, run
 from vsb.stages.stage import STAGES, Stage
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.quantities import Section
 from vsb.study.reading import nearest
@@ -38,7 +39,7 @@ def begin(args: argparse.Namespace) -> int:
 
 
 def check(args: argparse.Namespace) -> int:
-    """Validate a study or campaign, print what it would cost and what to doubt; solve nothing."""
+    """Validate a study, campaign or design problem, print what it would cost and what to doubt; solve nothing."""
     plan = plan_of(args.config)
     check_name(plan)
     print(*summary(plan), sep="\n")
@@ -105,8 +106,9 @@ def export(args: argparse.Namespace) -> int:
         print(*exported(path, args.folder, path.stem, inputs=[path]), sep="\n")
         return 0
     plan = plan_of(args.config)
-    if isinstance(plan, CampaignPlan):
-        raise ConfigError(f"{args.config}: received a campaign, needs a study, or one database file")
+    if isinstance(plan, CampaignPlan | DesignPlan):
+        kind = "campaign" if isinstance(plan, CampaignPlan) else "design problem"
+        raise ConfigError(f"{args.config}: received a {kind}, needs a study, or one database file")
     stored = Path(plan.database_path)
     inputs = [*_inputs(args), stored]
     print(*exported(stored, args.folder, plan.name, stored.stem, inputs), sep="\n")
@@ -267,11 +269,14 @@ def _add_commands(commands: Any) -> None:
     """Declare what is done with a study or a body."""
     one = _command(commands, "init", "write a study to begin with", begin, config="STUDY.yaml")
     one.add_argument("--radius", type=float, metavar="R", help="scale the buoy, its sea and times by Froude [m]")
-    one = _command(commands, "run", "run a whole study or campaign through Snakemake", run, config="CONFIG")
+    one = _command(commands, "run", "run a whole study, campaign or design through Snakemake", run, config="CONFIG")
     one.epilog = "Further options, such as -n, go to snakemake."
     one.add_argument("--profile", default="default", help="default, slurm, or the path of a folder of your own")
     one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
-    _command(commands, "check", "validate a study or campaign, solve nothing", check, config="CONFIG")
+    one = _command(commands, "design", "find the best buoy: the same as run, of a design file", run, config="DESIGN")
+    one.add_argument("--profile", default="default", help="as of run")
+    one.add_argument("--cores", "-c", type=cores, metavar="N", help="as of run")
+    _command(commands, "check", "validate a study, campaign or design, solve nothing", check, config="CONFIG")
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
     kinds = ("study", "body-study", "body", "campaign", "design")
     one.add_argument("kind", nargs="?", choices=kinds, default="study", help="of which files")

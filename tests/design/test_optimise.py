@@ -1,22 +1,16 @@
 """The optimiser and its certificate on problems whose optima are known in closed form."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 
 from vsb.design.certificate import multipliers
+from vsb.design.evaluation import Evaluation, Quantity
 from vsb.design.optimise import KKT, VIOLATION, converged, first_possible, optimised, start_places
-from vsb.design.problem import Problem, Term
+from vsb.design.problem import Problem
 from vsb.errors import ConvergenceError
 from vsb.study.design import Variable
 
 MASS, SPRING = (Variable(key="device.mass", low=0.5, high=8.0), Variable(key="pto.stiffness", low=-4.0, high=4.0))
-
-
-@dataclass
-class Buoy:
-    quantities: dict
 
 
 class Analytic:
@@ -26,7 +20,7 @@ class Analytic:
         self.function = function
 
     def at(self, values):
-        return Buoy(self.function(np.array(values)))
+        return Evaluation(self.function(np.array(values)))
 
 
 def problem(function, limits=None, variables=(MASS, SPRING), maximise="annual_mean_power", **others):
@@ -37,8 +31,8 @@ def nearest(values):
     """Power 20 - |x - (3, 1)|^2; the mass limits a disc about the origin."""
     away = values - [3.0, 1.0]
     return {
-        "annual_mean_power": Term(20 - away @ away, -2 * away),
-        "mass": Term(float(np.hypot(*values)), values / np.hypot(*values)),
+        "annual_mean_power": Quantity(20 - away @ away, -2 * away),
+        "mass": Quantity(float(np.hypot(*values)), values / np.hypot(*values)),
     }
 
 
@@ -83,7 +77,7 @@ def test_a_flat_ridge_is_named_and_accepted():
     def product(values):
         e, h = values
         away = np.log(e * h / 50.0)
-        return {"annual_mean_power": Term(10 - away**2, -2 * away / values)}
+        return {"annual_mean_power": Quantity(10 - away**2, -2 * away / values)}
 
     of = problem(product, variables=(stiff, thick))
     found = optimised(of, of.at(np.array([0.3, 0.2])))
@@ -97,7 +91,7 @@ def test_a_flat_ridge_is_named_and_accepted():
 def test_a_saddle_is_not_accepted():
     def saddle(values):
         m, k = values - [4.25, 0.0]
-        return {"annual_mean_power": Term(10 - m**2 + k**2, np.array([-2 * m, 2 * k]))}
+        return {"annual_mean_power": Quantity(10 - m**2 + k**2, np.array([-2 * m, 2 * k]))}
 
     of = problem(saddle)
     found = optimised(of, of.at(np.array([0.9, 0.5])))  # on the line along which the saddle is a maximum
@@ -156,14 +150,14 @@ def test_objectives_over_a_quantity_have_the_quotients_derivative():
     def smooth(values):
         m, k = values
         return {
-            "annual_mean_power": Term(m * np.exp(0.1 * k), np.array([np.exp(0.1 * k), 0.1 * m * np.exp(0.1 * k)])),
-            "mass": Term(m**2 + 1, np.array([2 * m, 0.0])),
-            "surface": Term(m + k**2, np.array([1.0, 2 * k])),
-            "force_rms": Term(np.sqrt(m), np.array([0.5 / np.sqrt(m), 0.0])),
+            "annual_mean_power": Quantity(m * np.exp(0.1 * k), np.array([np.exp(0.1 * k), 0.1 * m * np.exp(0.1 * k)])),
+            "mass": Quantity(m**2 + 1, np.array([2 * m, 0.0])),
+            "surface": Quantity(m + k**2, np.array([1.0, 2 * k])),
+            "force_rms": Quantity(np.sqrt(m), np.array([0.5 / np.sqrt(m), 0.0])),
         }
 
     for maximise in ("power_per_mass", "power_per_surface", "power_per_force", "gain"):
-        twin = Analytic(lambda v: {"annual_mean_power": Term(v[0] ** 3, np.array([3 * v[0] ** 2, 0.0]))})
+        twin = Analytic(lambda v: {"annual_mean_power": Quantity(v[0] ** 3, np.array([3 * v[0] ** 2, 0.0]))})
         of = problem(smooth, {"surface": 5.0}, maximise=maximise, twin=twin if maximise == "gain" else None)
         place = rng.uniform(0.2, 0.8, 2)
         here = of.at(place)
@@ -177,8 +171,8 @@ def test_load_factors_and_the_thin_shell_are_limits():
     radius = Variable(key="device.radius", low=1.0, high=3.0)
 
     def of_radius(values):
-        kappa = {f"load_factor_inverse_{i}": Term(0.5 - 0.1 * i, np.zeros(1)) for i in range(4)}
-        return {"annual_mean_power": Term(values[0], np.ones(1)), **kappa}
+        kappa = {f"load_factor_inverse_{i}": Quantity(0.5 - 0.1 * i, np.zeros(1)) for i in range(4)}
+        return {"annual_mean_power": Quantity(values[0], np.ones(1)), **kappa}
 
     of = Problem(Analytic(of_radius), (radius,), "annual_mean_power", {"load_factor": 1.5},
                  {"device.radius": 2.0, "device.thickness": 0.15})  # fmt: skip
@@ -197,7 +191,7 @@ def test_modes_are_added_until_the_objective_stands():
             found = nearest(values)
             left = 0.5**degree
             power = found["annual_mean_power"]
-            return {"annual_mean_power": Term(power.value * (1 - left), power.gradient * (1 - left))}
+            return {"annual_mean_power": Quantity(power.value * (1 - left), power.gradient * (1 - left))}
 
         return problem(truncated)
 

@@ -6,9 +6,9 @@ from conftest import SEED, shipped, varied
 from vsb.stages.make import due
 from vsb.stages.stage import STAGES
 from vsb.study import study as config
-from vsb.study.campaign_plan import plan_of
 from vsb.study.jobs import Job, jobs
 from vsb.study.plan import StudyPlan
+from vsb.study.plans import plan_of
 
 STUDIES = {
     "spectral": {},

@@ -18,8 +18,8 @@ from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.stages.stage import STAGES
 from vsb.stages.verify import verify
-from vsb.study.campaign_plan import plan_of
 from vsb.study.plan import StudyPlan
+from vsb.study.plans import plan_of
 from vsb.study.study import canonical
 from vsb.tools.files import load
 from vsb.waves.seas import jonswap_spectrum

@@ -8,7 +8,7 @@ import yaml
 
 from vsb.stages import slurm
 from vsb.stages.run import ended
-from vsb.study.campaign_plan import plan_of
+from vsb.study.plans import plan_of
 from vsb.tools.shipped import HOME
 
 SEED = HOME / "tests" / "data" / "seed.yaml"

@@ -10,7 +10,7 @@ from stages.test_members import BASE, batches, gather, told, with_seas
 
 from vsb.report.campaign_answer import answer as answer_of
 from vsb.stages import campaign_report, verification
-from vsb.study.campaign_plan import plan_of
+from vsb.study.plans import plan_of
 from vsb.tools import packed
 from vsb.tools.files import load
 

@@ -7,8 +7,9 @@ import yaml
 from conftest import SEED
 
 from vsb.errors import ConfigError
-from vsb.study.campaign_plan import CampaignPlan, plan_of
+from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import StudyPlan
+from vsb.study.plans import plan_of
 from vsb.study.study import content_id
 
 

@@ -132,3 +132,8 @@ def test_all_mistakes_are_reported_together(folder):
         load(written(folder, optimise="FSB", pareto={"x": [1.0]}))
     assert len(error.value.mistakes) == 2
     assert str(error.value).endswith("(and 1 more)")
+
+
+def test_the_shipped_example_is_valid():
+    loaded = load(SEED.parents[2] / "config" / "best_buoy.yaml")
+    assert loaded.notes == []

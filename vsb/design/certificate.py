@@ -58,7 +58,7 @@ def multipliers(point: Point, active: float = ACTIVE) -> Multipliers:
     active : float
         Distance from a limit or bound within which it counts.
     """
-    near = point.excess >= -active
+    near = point.excess >= -active if len(point.place) else np.zeros(len(point.excess), dtype=bool)
     low, high = point.place <= active, point.place >= 1 - active
     eye = np.eye(len(point.place))
     columns = np.vstack([point.jacobian[near], -eye[low], eye[high]]).T
@@ -70,7 +70,8 @@ def multipliers(point: Point, active: float = ACTIVE) -> Multipliers:
         one[mask] = part
     limits, lower, upper = whole
     distances = np.concatenate([limits * point.excess, lower * point.place, upper * (1 - point.place)])
-    return Multipliers(limits, lower, upper, float(np.abs(rest).max()), float(np.abs(distances).max()))
+    left, gap = (float(np.abs(values).max(initial=0.0)) for values in (rest, distances))
+    return Multipliers(limits, lower, upper, left, gap)
 
 
 @dataclass(frozen=True)
@@ -104,9 +105,13 @@ class Curvature:
 def curvature(problem: Problem, point: Point, found: Multipliers) -> Curvature | None:
     """Return the curvature at a point; None where the buoys beside it do not rest.
 
-    One evaluation per free variable, a step towards the middle of its range.
+    One evaluation per free variable, a step towards the middle of its range; none at a vertex.
     """
     free = np.flatnonzero(found.free)
+    active = point.jacobian[found.limits > 0][:, free]
+    left = null_space(active) if active.size else np.eye(len(free))
+    if not left.shape[1]:  # a vertex: bounds and limits leave no direction
+        return Curvature(np.zeros((len(free), len(free))), np.zeros(0), np.zeros((len(point.place), 0)))
 
     def slope(at: Point) -> FloatArray:
         return np.asarray(at.slope + found.limits @ at.jacobian)[free]
@@ -122,8 +127,6 @@ def curvature(problem: Problem, point: Point, found: Multipliers) -> Curvature |
             return None
     hessian = np.array(rows).reshape(len(free), len(free))
     hessian = 0.5 * (hessian + hessian.T)
-    rows_active = point.jacobian[found.limits > 0][:, free]
-    left = null_space(rows_active) if rows_active.size else np.eye(len(free))
     values, vectors = np.linalg.eigh(left.T @ hessian @ left)
     directions = np.zeros((len(point.place), left.shape[1]))
     directions[free] = left @ vectors
@@ -131,17 +134,20 @@ def curvature(problem: Problem, point: Point, found: Multipliers) -> Curvature |
 
 
 def newton_step(point: Point, found: Multipliers, curved: Curvature) -> FloatArray:
-    """Return the step to where the first-order conditions hold to second order; flat directions are left alone."""
+    """Return the step to where the first-order conditions hold to second order; flat directions are left alone.
+
+    Variables held by a bound go to it, limits that hold are met to first order, and what they leave free goes to where
+    the gradient of the Lagrangian vanishes.
+    """
+    whole = np.where(found.lower > 0, -point.place, 0.0) + np.where(found.upper > 0, 1 - point.place, 0.0)
     free, on = np.flatnonzero(found.free), found.limits > 0
-    rows = point.jacobian[on][:, free]
-    step = np.linalg.lstsq(rows, -point.excess[on], rcond=None)[0] if rows.size else np.zeros(len(free))
+    rows, excess = point.jacobian[on][:, free], point.excess[on] + point.jacobian[on] @ whole
+    step = np.linalg.lstsq(rows, -excess, rcond=None)[0] if rows.size else np.zeros(len(free))
     lagrangian = (point.slope + found.limits @ point.jacobian)[free] + curved.hessian @ step
     along = curved.directions[free]
     steep = np.abs(curved.reduced) > FLAT
     inverse = np.divide(1.0, curved.reduced, out=np.zeros_like(curved.reduced), where=steep)
-    step = step - along @ (inverse * (along.T @ lagrangian))
-    whole = np.zeros(len(point.place))
-    whole[free] = step
+    whole[free] = step - along @ (inverse * (along.T @ lagrangian))
     return whole
 
 

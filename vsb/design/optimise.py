@@ -27,13 +27,16 @@ from vsb.design.problem import IMPOSSIBLE, SMALLEST, Point, Problem
 from vsb.errors import ConvergenceError
 from vsb.tools.arrays import FloatArray
 
-ROUNDS, ITERATIONS = 4, 100
-"""Runs of the optimiser, each from where the last one ended, and iterations of each."""
-ACCURACY = 1e-7
-"""Change of the objective at which it ends; the Newton steps after it do the rest in fewer evaluations."""
+ROUNDS = ((3e-3, 1e-7), (1e-3, 1e-9), (1e-4, 1e-11), (1e-5, 1e-13), (0.0, 1e-15), (0.0, 1e-16))
+"""Runs of the optimiser, each from where the last one ended: steps, in ranges, and changes of the objective at which it
+leaves the rest to Newton. Near a vertex of limits its merit function is flat towards them, and its line search takes
+dozens of steps; along a ridge the objective hardly changes.
+"""
+ITERATIONS = 100
+"""Of each run."""
 NEWTON_STEPS, LONGEST_STEP = 6, 0.05
 """Most Newton steps, and the longest of them in ranges."""
-HELD = 1e-4
+HELD = 1e-3
 """Distance from a limit within which it is taken for active before the Newton steps."""
 TRIES = 16
 """Places tried for one start until a buoy rests."""
@@ -102,8 +105,10 @@ def optimised(problem: Problem, start: Point, seen: Progress | None = None) -> O
     """
     scaled = problem.rescaled(start)
     point, best = scaled.at(start.place), None
-    for _ in range(ROUNDS):
-        point, message = _searched(scaled, point, seen)
+    if not problem.variables:
+        return _certified(scaled, point, multipliers(point), None, "no variables")
+    for close, change in ROUNDS:
+        point, message = _searched(scaled, point, (close, change), seen)
         best = _certified(scaled, *_polished(scaled.rescaled(point), point), message)
         point = best.point
         if best.accepted:
@@ -114,10 +119,13 @@ def optimised(problem: Problem, start: Point, seen: Progress | None = None) -> O
     return best
 
 
-def _searched(problem: Problem, start: Point, seen: Progress | None) -> tuple[Point, str]:
+class _Close(Exception):
+    """Ends a run of the optimiser: its steps have become small."""
+
+
+def _searched(problem: Problem, start: Point, ends: tuple[float, float], seen: Progress | None) -> tuple[Point, str]:
     """Where SLSQP ends, and what it says; of a search that broke off the best point it has seen."""
-    last = [start]
-    visited = [start]
+    last, visited, iterates = [start], [start], [start.place]
 
     def at(place: FloatArray) -> Point | None:
         try:
@@ -135,6 +143,10 @@ def _searched(problem: Problem, start: Point, seen: Progress | None) -> tuple[Po
         return found.cost if found else visited[0].cost + BARRIER
 
     def slope(place: FloatArray) -> FloatArray:
+        step = np.abs(place - iterates[-1]).max()
+        if 0.0 < step < ends[0]:
+            raise _Close
+        iterates.append(place.copy())
         return (at(place) or last[0]).slope
 
     def room(place: FloatArray) -> FloatArray:
@@ -144,11 +156,15 @@ def _searched(problem: Problem, start: Point, seen: Progress | None) -> tuple[Po
         return -(at(place) or last[0]).jacobian
 
     limits: Any = [{"type": "ineq", "fun": room, "jac": room_slope}] if start.excess.size else []
-    options: Any = {"maxiter": ITERATIONS, "ftol": ACCURACY}
+    options: Any = {"maxiter": ITERATIONS, "ftol": ends[1]}
     bounds = [(0.0, 1.0)] * len(start.place)
-    found = minimize(cost, start.place, jac=slope, bounds=bounds, constraints=limits, method="SLSQP", options=options)
-    end = at(found.x)
-    return (end or min(visited, key=_merit)), str(found.message)
+    try:
+        found = minimize(
+            cost, start.place, jac=slope, bounds=bounds, constraints=limits, method="SLSQP", options=options
+        )
+    except _Close:
+        return last[0], "steps have become small"
+    return (at(found.x) or min(visited, key=_merit)), str(found.message)
 
 
 BARRIER = 1e6

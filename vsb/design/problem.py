@@ -7,16 +7,19 @@ the largest kappa, which are smooth where the load factor passes through infinit
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
+from vsb.design.evaluation import Evaluation, Quantity
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.study.design import DIVISORS, THINNEST_RATIO, Objective, Variable
 from vsb.tools.arrays import FloatArray
 
-POWER, INVERSE_LOAD_FACTOR = "annual_mean_power", "load_factor_inverse"
-"""Names of quantities; of the inverse load factor the largest ones follow, numbered from 0."""
+POWER: Literal["annual_mean_power"] = "annual_mean_power"
+"""Name of a quantity, and of an objective."""
+INVERSE_LOAD_FACTOR = "load_factor_inverse"
+"""What the names of the largest inverse load factors begin with, numbered from 0."""
 THIN_SHELL = "thin_shell"
 """Name of the implied limit."""
 SMALLEST = 1e-300
@@ -25,52 +28,29 @@ IMPOSSIBLE = (ConfigError, ConvergenceError, StabilityError, np.linalg.LinAlgErr
 """What an evaluation raises where there is no such buoy: the shell does not rest, or the buoy sinks."""
 
 
-class Differentiable(Protocol):
-    """A value and its derivatives by the variables, shape (variable,)."""
-
-    @property
-    def value(self) -> float: ...  # noqa: D102
-    @property
-    def gradient(self) -> FloatArray: ...  # noqa: D102
-
-
-class Evaluated(Protocol):
-    """Quantities of one buoy by name."""
-
-    @property
-    def quantities(self) -> Mapping[str, Differentiable]: ...  # noqa: D102
-
-
 class Model(Protocol):
     """What evaluates a buoy: `vsb.design.evaluation.DesignModel`."""
 
-    def at(self, values: Sequence[float]) -> Evaluated: ...  # noqa: D102
+    def at(self, values: Sequence[float]) -> Evaluation:
+        """Return the quantities of a buoy at values of the variables, with their derivatives."""
 
 
-@dataclass(frozen=True)
-class Term:
-    """A value and its gradient by the variables, shape (variable,)."""
-
-    value: float
-    gradient: FloatArray
-
-
-def objective(found: Evaluated, maximise: Objective, reference: Evaluated | None = None) -> Term:
+def objective(found: Evaluation, maximise: Objective, reference: Evaluation | None = None) -> Quantity:
     """Return what is maximised: annual mean power, over a quantity, or over the power of a reference.
 
     Parameters
     ----------
-    found : Evaluated
+    found : Evaluation
     maximise : {'annual_mean_power', 'gain', 'power_per_force', 'power_per_mass', 'power_per_surface'}
-    reference : Evaluated, optional
+    reference : Evaluation, optional
         The rigid buoy of the same shape and mass, which `gain` needs: the term is 1 + gain.
     """
-    power = found.quantities[POWER]
+    power = found[POWER]
     if maximise == POWER:
-        return Term(power.value, power.gradient)
-    other = reference.quantities[POWER] if reference else found.quantities[DIVISORS[maximise]]
+        return Quantity(power.value, power.gradient)
+    other = reference[POWER] if reference else found[DIVISORS[maximise]]
     ratio = power.value / other.value
-    return Term(ratio, (power.gradient - ratio * other.gradient) / other.value)
+    return Quantity(ratio, (power.gradient - ratio * other.gradient) / other.value)
 
 
 @dataclass(frozen=True)
@@ -84,7 +64,7 @@ class Point:
     slope: FloatArray  # df/dx
     excess: FloatArray  # g, shape (limit,)
     jacobian: FloatArray  # dg/dx, shape (limit, variable)
-    evaluated: Evaluated
+    evaluation: Evaluation
 
     @property
     def violation(self) -> float:
@@ -92,7 +72,7 @@ class Point:
         return float(max(0.0, *self.excess)) if self.excess.size else 0.0
 
 
-Known = tuple[Evaluated, Evaluated | None]
+Known = tuple[Evaluation, Evaluation | None]
 """A buoy, and the rigid one its gain is over."""
 
 
@@ -161,7 +141,7 @@ class Problem:
         """Return the same problem with its objective scaled to that of a point."""
         return replace(self, scale=max(abs(point.objective), SMALLEST))
 
-    def _point(self, place: FloatArray, found: Evaluated, twin: Evaluated | None) -> Point:
+    def _point(self, place: FloatArray, found: Evaluation, twin: Evaluation | None) -> Point:
         """A buoy, evaluated."""
         values = self.values(place)
         slopes = np.array([one.slope(float(v)) for one, v in zip(self.variables, values, strict=True)])
@@ -174,19 +154,19 @@ class Problem:
             raise ConvergenceError("a quantity of the buoy, or a derivative, is not finite")
         return Point(place, values, aim.value, cost, slope, excess, jacobian, found)
 
-    def _excesses(self, found: Evaluated) -> list[Term]:
+    def _excesses(self, found: Evaluation) -> list[Quantity]:
         """Excess over the limits that are given."""
         terms = []
         for name, limit in self.limits.items():
             if name == "load_factor":
-                parts = [found.quantities[f"{INVERSE_LOAD_FACTOR}_{i}"] for i in range(4)]
-                terms += [Term(limit * one.value - 1, limit * one.gradient) for one in parts]
+                parts = [found[f"{INVERSE_LOAD_FACTOR}_{i}"] for i in range(4)]
+                terms += [Quantity(limit * one.value - 1, limit * one.gradient) for one in parts]
             else:
-                one = found.quantities[name]
-                terms.append(Term(one.value / limit - 1, one.gradient / limit))
+                one = found[name]
+                terms.append(Quantity(one.value / limit - 1, one.gradient / limit))
         return terms
 
-    def _thickness(self, values: FloatArray) -> Term:
+    def _thickness(self, values: FloatArray) -> Quantity:
         """Excess of thickness over radius/10."""
         keys = [one.key for one in self.variables]
         now = {**self.fixed, **dict(zip(keys, map(float, values), strict=True))}
@@ -197,4 +177,4 @@ class Problem:
                 gradient[i] = THINNEST_RATIO / radius
             elif key == "device.radius":
                 gradient[i] = -THINNEST_RATIO * thickness / radius**2
-        return Term(THINNEST_RATIO * thickness / radius - 1, gradient)
+        return Quantity(THINNEST_RATIO * thickness / radius - 1, gradient)

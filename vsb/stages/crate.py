@@ -17,8 +17,10 @@ from typing import Any
 from vsb import __version__
 from vsb.errors import VsbError
 from vsb.stages.planning import plan_of
-from vsb.stages.verify import Plan, study_faults
+from vsb.stages.verify import study_faults
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.design_plan import DesignPlan
+from vsb.study.plans import Plan
 from vsb.tools.files import atomic_write
 
 METADATA = "ro-crate-metadata.json"
@@ -98,7 +100,7 @@ def metadata(
     """
     ids = {_inside(plan, path): identity for path, identity in plan.ids.items()}
     newest = max(Path(path).stat().st_mtime for path in held.values())
-    kind = "campaign" if isinstance(plan, CampaignPlan) else "study"
+    kind = "campaign" if isinstance(plan, CampaignPlan) else "design" if isinstance(plan, DesignPlan) else "study"
     own = {"@id": licence or "#licence", "@type": "CreativeWork"}
     words = {"name": licence or "not stated", "description": "what the results may be used for"}
     results = [name for name in held if name != config]

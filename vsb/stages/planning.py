@@ -11,26 +11,26 @@ from pathlib import Path
 from typing import Any, overload
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.study import campaign_plan
+from vsb.study import plans
 from vsb.study.campaign import study_at
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import BodyPlan, StudyPlan
+from vsb.study.plans import Plan
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import ClimateSpec, DegreeSpec, Spec
 from vsb.study.study import Study, canonical, content_id
 from vsb.study.vary import Point
 
-AnyPlan = StudyPlan | BodyPlan | CampaignPlan
 
-
-def plan_of(path: str) -> AnyPlan:
+def plan_of(path: str) -> Plan:
     """Return the plan of a study file, of a buoy or of a body, or of a campaign file; see `with_degree`."""
-    return with_degree(campaign_plan.plan_of(path))
+    return with_degree(plans.plan_of(path))
 
 
-def planned(raw: dict[str, Any], source: str) -> AnyPlan:
+def planned(raw: dict[str, Any], source: str) -> Plan:
     """Return the plan of a file as nested mappings, its results folder, if not `results`, as `root`."""
-    return with_degree(campaign_plan.planned(raw, source))
+    return with_degree(plans.planned(raw, source))
 
 
 @overload
@@ -38,8 +38,8 @@ def with_degree(plan: StudyPlan) -> StudyPlan: ...
 @overload
 def with_degree(plan: StudyPlan | BodyPlan) -> StudyPlan | BodyPlan: ...
 @overload
-def with_degree(plan: AnyPlan) -> AnyPlan: ...
-def with_degree(plan: AnyPlan) -> AnyPlan:
+def with_degree(plan: Plan) -> Plan: ...
+def with_degree(plan: Plan) -> Plan:
     """Return a plan whose shell modes have a degree: the one given, or the least that meets `modes.tolerance`.
 
     Of a campaign it is the largest of those of its study and of the points with the least and the largest value of
@@ -50,7 +50,7 @@ def with_degree(plan: AnyPlan) -> AnyPlan:
     ConfigError
         If the shell of a study does not carry its load, so that it has no modes about its equilibrium.
     """
-    if isinstance(plan, BodyPlan):
+    if isinstance(plan, BodyPlan | DesignPlan):  # an optimum has modes of its own
         return plan
     if isinstance(plan, StudyPlan):
         given = plan.study.modes.degree is not None

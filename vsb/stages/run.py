@@ -27,14 +27,14 @@ from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.planning import plan_of
 from vsb.stages.stage import STAGES
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.design_plan import DesignPlan
 from vsb.study.jobs import jobs
-from vsb.study.plan import AnyPlan
+from vsb.study.plans import Plan
 from vsb.study.reading import nearest, read_yaml
 from vsb.tools import completion
 from vsb.tools.shipped import HOME
 from vsb.tools.words import shortened
 
-Plan = AnyPlan | CampaignPlan
 Follow = Callable[[Iterable[str]], None]
 """Shows lines as they come."""
 KEPT = 400
@@ -44,7 +44,7 @@ SNAKEFILE = HOME / "workflow" / "Snakefile"
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run a whole study or campaign through Snakemake, after validating everything that can be known beforehand."""
+    """Run a study, campaign or design problem through Snakemake, after validating all that can be known beforehand."""
     from vsb.stages import verify
     from vsb.tools.files import check_folder
 
@@ -111,24 +111,29 @@ def forget_damaged(records: Path) -> None:
                 path.unlink(missing_ok=True)
 
 
+MARKS = {"study": ("study.json", "modes.nc"), "campaign": ("campaign.nc", "members"), "design": ("design.nc", "starts")}
+"""What in a folder of results tells whose they are."""
+
+
 def check_name(plan: Plan) -> None:
-    """Check that a campaign has not the name of a study whose results are there, nor a study that of a campaign.
+    """Check that a study, a campaign or a design has not the name of another kind whose results are there.
 
     Raises
     ------
     ConfigError
     """
     folder = Path(plan.folder)
-    own, other, marks = "study", "campaign", ("campaign.nc", "members")
-    if isinstance(plan, CampaignPlan):
-        own, other, marks = "campaign", "study", ("study.json", "modes.nc")
-    if any((folder / mark).exists() for mark in marks):
-        raise ConfigError(f"{own}: received {plan.name}, the name of a {other} with results in {folder}; needs another")
+    own = "campaign" if isinstance(plan, CampaignPlan) else "design" if isinstance(plan, DesignPlan) else "study"
+    for other, marks in MARKS.items():
+        if other != own and any((folder / mark).exists() for mark in marks):
+            raise ConfigError(
+                f"{own}: received {plan.name}, the name of a {other} with results in {folder}; needs another"
+            )
 
 
 def unmade(plan: Plan) -> list[str]:
     """Return the files a study shares with others and a run of it will make; members of a campaign make theirs."""
-    if isinstance(plan, CampaignPlan):
+    if isinstance(plan, CampaignPlan | DesignPlan):
         return []
     made = [path for job in make.due(jobs(plan), plan.products) for path in job.makes]
     return [path for path in made if plan.is_shared(path) and not Path(path).exists()]
@@ -148,6 +153,10 @@ def _answer(plan: Plan) -> str:
         from vsb.tools.files import load
 
         return f"{closing_answer(load(plan.data_path, expected=plan.campaign_id))} "
+    if isinstance(plan, DesignPlan):
+        from vsb.tools.files import load
+
+        return f"{load(plan.tables['design.nc'], expected=plan.design_id).attrs['answer']} "
     from vsb.report.answer import closing_line
     from vsb.tools.stamps import read_text
 
@@ -155,9 +164,9 @@ def _answer(plan: Plan) -> str:
     return closing_line(found["equal_tuning"], plan.study.reference_design, found["invalid"])
 
 
-OF_MANY = ("mesh", "panels", "spectral", "simulate", "members", "verification")
-OF_CAMPAIGNS = ("campaign", "campaign_report")
-TARGETS = {"all", *(stage.name for stage in STAGES if stage.name not in (*OF_MANY, *OF_CAMPAIGNS))}
+OF_MANY = ("mesh", "panels", "spectral", "simulate", "members", "verification", "design_start", "design_front")
+OF_SITES = ("campaign", "campaign_report", "design_verification", "design_results", "design_report")
+TARGETS = {"all", *(stage.name for stage in STAGES if stage.name not in (*OF_MANY, *OF_SITES))}
 """Rules that are asked for by name; the others make a file of many."""
 
 
@@ -251,7 +260,21 @@ def _line(options: Sequence[str], plan: Plan, last: MutableSequence[str]) -> Fol
 
     from vsb.tools.progress import followed
 
-    return partial(followed, name=plan.name, console=Console(stderr=True), last=last)
+    said = partial(_best_so_far, plan) if isinstance(plan, DesignPlan) else None
+    return partial(followed, name=plan.name, console=Console(stderr=True), last=last, said=said)
+
+
+BEST = re.compile(r"^best so far: (\S+) ")
+"""What a start says of the best buoy within its limits."""
+
+
+def _best_so_far(plan: DesignPlan) -> str:
+    """The best buoy within its limits any start has found yet; empty before the first."""
+    begin = f"{plan.root}/logs/design_start/{plan.name}-"
+    paths = [Path(f"{begin}{start}.log") for start in plan.starts]
+    lines = [line for path in paths if path.is_file() for line in path.read_text(encoding="utf-8").splitlines()]
+    found = [(float(said[1]), line) for line in lines if (said := BEST.match(line))]
+    return max(found)[1] if found else ""
 
 
 def finished(

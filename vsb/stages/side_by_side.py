@@ -10,6 +10,7 @@ from vsb.report.side_by_side import Line, as_csv, as_page, as_text
 from vsb.stages.planning import plan_of
 from vsb.study.campaign import leading_tuning
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan
 from vsb.study.take_off import port_kind
 from vsb.tools.files import load, write_text
@@ -84,11 +85,19 @@ def compare(configs: Sequence[str], out: str | None) -> str:
     kind = None if out is None else Path(out).suffix
     if kind not in (None, ".csv", ".html"):
         raise ConfigError(f"--out: received {out}, needs a file that ends in .csv or .html")
-    plans = [plan_of(config) for config in configs]
+    plans = [_compared(config) for config in configs]
     found = lines(plans)
     if out is not None:
         write_text(out, as_csv(found) if kind == ".csv" else as_page(found, _reports(plans, Path(out).parent)))
     return as_text(found)
+
+
+def _compared(config: str) -> AnyPlan | CampaignPlan:
+    """The plan of a study or campaign; a design problem has no designs of its own."""
+    plan = plan_of(config)
+    if isinstance(plan, DesignPlan):
+        raise ConfigError(f"{config}: received a design problem, needs a study or campaign, such as its optimum.yaml")
+    return plan
 
 
 def _reports(plans: Sequence[AnyPlan | CampaignPlan], folder: Path) -> dict[str, tuple[str, str]]:

@@ -10,7 +10,8 @@ from typing import Any
 
 from vsb.errors import VsbError
 from vsb.study.campaign_plan import CampaignPlan
-from vsb.study.plan import AnyPlan
+from vsb.study.design_plan import DesignPlan
+from vsb.study.plans import Plan
 
 LONGEST = 50
 """Characters of a name the plug-in takes."""
@@ -28,7 +29,7 @@ UNDERSTOOD = {*NAMED, "mem_mb", "runtime", "slurm-no-account", "slurm-status-com
 """All else that a profile asks of Slurm is the plug-in's to understand."""
 
 
-def single_job(plan: AnyPlan | CampaignPlan, profile: Mapping[str, Any]) -> list[str]:
+def single_job(plan: Plan, profile: Mapping[str, Any]) -> list[str]:
     """Return the command by which Slurm runs another one, of all of a short study or campaign, on one node.
 
     A job of each rule waits in the queue, starts snakemake twice and is asked for at growing intervals, which takes
@@ -36,7 +37,7 @@ def single_job(plan: AnyPlan | CampaignPlan, profile: Mapping[str, Any]) -> list
 
     Parameters
     ----------
-    plan : StudyPlan, BodyPlan or CampaignPlan
+    plan : StudyPlan, BodyPlan, CampaignPlan or DesignPlan
     profile : mapping
         What a profile of Snakemake's with Slurm for its executor says.
 
@@ -62,7 +63,7 @@ def single_job(plan: AnyPlan | CampaignPlan, profile: Mapping[str, Any]) -> list
     return ["srun", "--ntasks=1", "--nodes=1", *size, *options, f"--job-name={run_name(plan)}_whole"]
 
 
-def run_name(plan: AnyPlan | CampaignPlan) -> str:
+def run_name(plan: Plan) -> str:
     """Return what the name of the one job of a plan begins with: the same in every run of it that writes there.
 
     A job whose srun was killed holds its cores until its time is over; the next run, which is alone there, cancels it.
@@ -77,13 +78,15 @@ def resources(profile: Mapping[str, Any]) -> dict[str, Any]:
     return dict(given) if isinstance(given, Mapping) else dict(str(each).split("=", 1) for each in given)
 
 
-def is_short(plan: AnyPlan | CampaignPlan) -> bool:
+def is_short(plan: Plan) -> bool:
     """Return whether all of a plan takes a few minutes on two cores."""
     if isinstance(plan, CampaignPlan):
         loaded, verify = plan.loaded, plan.loaded.campaign.verify
         runs = len(plan.verifications) * len(loaded.base.designs) * (verify.seas if verify else 0)
         motion = runs * loaded.base.simulation.duration
         return len(plan.batches) <= MOST_RUNS and motion <= SHORT and loaded.constrained is None
+    if isinstance(plan, DesignPlan):
+        return len(plan.start_paths) <= MOST_RUNS and not plan.verification_paths
     study = plan.study
     runs = len(study.designs) * len(study.waves)
     motion = runs * study.simulation.duration

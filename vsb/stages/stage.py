@@ -96,6 +96,20 @@ _ROWS: tuple[tuple[str, str, str, Any, str, str], ...] = (
         "campaign_report", "campaign_report", "figures and report of a campaign", specs.CampaignSpec,
         "data climate root figures out manifest", "",
     ),
+    ("design_start", "design", "the best buoy from one start", specs.DesignStartSpec, "climate out", ""),
+    ("design_front", "design", "the best buoys over one limit", specs.DesignFrontSpec, "climate starts out", ""),
+    (
+        "design_verification", "design_verification", "the best buoys in time", specs.DesignVerificationSpec,
+        "climate starts root out", "",
+    ),
+    (
+        "design_results", "design_results", "a whole design problem", specs.DesignSpec,
+        "climate starts fronts verifications folder manifest", "",
+    ),
+    (
+        "design_report", "design_report", "figures and report of a design", specs.DesignSpec,
+        "data figures out manifest", "",
+    ),
 )  # fmt: skip
 """Name, module, what it makes, specification, files and optional files of each stage, in the order of the workflow."""
 STAGES = tuple(

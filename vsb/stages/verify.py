@@ -12,14 +12,15 @@ from vsb.stages.locks import all_locked
 from vsb.stages.planning import plan_of
 from vsb.study.body import is_body, located
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan, plan_for
+from vsb.study.plans import Plan
 from vsb.study.quantities import leaves
 from vsb.study.study import parse
 from vsb.tools import packed
 from vsb.tools.files import CHANGED, DELETE, attributes, carries_stamp
 from vsb.tools.stamps import MANIFEST, Fault, Manifest, Stamp, faults, read_manifest
 
-Plan = AnyPlan | CampaignPlan
 STUDY = "study.json"
 """The study a folder of results is of."""
 
@@ -197,7 +198,7 @@ MOST_CHANGES = 6
 def differences(plan: Plan) -> str:
     """Return what a study changes of the one whose results it replaces; empty if there is none, or the same."""
     before = _plan(Path(plan.folder)) if Path(plan.folder, STUDY).is_file() else None
-    if before is None or isinstance(plan, CampaignPlan):
+    if before is None or isinstance(plan, CampaignPlan | DesignPlan):
         return ""
     old, new = (leaves(study.model_dump()) for study in (before.study, plan.study))
     changes = [

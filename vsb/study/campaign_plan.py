@@ -15,24 +15,20 @@ from typing import Any
 
 from vsb.errors import ConfigError
 from vsb.study.blocks import HydroPlan
-from vsb.study.body import is_body
 from vsb.study.campaign import (
     GAIN_IN_TIME,
     IN_TIME,
     POWER_IN_TIME,
     Constrained,
     LoadedCampaign,
-    Scatter,
     Tunings,
-    is_campaign,
     leading_tuning,
     read,
     sections,
     study_at,
     where_of,
 )
-from vsb.study.plan import BodyPlan, ResultsFolder, StudyPlan, figure_paths
-from vsb.study.reading import read_yaml
+from vsb.study.plan import ResultsFolder, figure_paths
 from vsb.study.specs import (
     BuoySystem,
     CampaignSpec,
@@ -150,11 +146,7 @@ class CampaignPlan(ResultsFolder):
     @property
     def climate(self) -> ClimateSpec:
         """What the seas of the year are read from."""
-        given = self.loaded.campaign.climate
-        if isinstance(given, Scatter):
-            gamma = given.gamma if given.spectrum == "jonswap" else None
-            return ClimateSpec(contents=self.loaded.climate_id, form=given.spectrum, gamma=gamma)
-        return ClimateSpec(contents=self.loaded.climate_id, form="spectra")
+        return ClimateSpec.of(self.loaded.campaign.climate, self.loaded.climate_id)
 
     @cached_property
     def members(self) -> list[Member]:
@@ -304,21 +296,6 @@ class CampaignPlan(ResultsFolder):
         parts = {self.batch_path(batch): batch for batch in self.batches}
         parts |= {self.verification_path(one): one for one in self.verifications}
         return dict.fromkeys(self.products, self.campaign_id) | parts
-
-
-def planned(raw: dict[str, Any], source: str) -> StudyPlan | BodyPlan | CampaignPlan:
-    """Return the plan of a file as nested mappings, its results folder, if not `results`, as `root`."""
-    if "campaign" in raw:
-        return CampaignPlan.of(raw, source)
-    return BodyPlan.of(raw, source) if "body" in raw else StudyPlan.of(raw, source)
-
-
-def plan_of(path: str) -> StudyPlan | BodyPlan | CampaignPlan:
-    """Return the plan of a study file, of a buoy or of a body, or of a campaign file."""
-    raw = read_yaml(path, "a study file such as config/buoy.yaml")
-    if is_body(raw):
-        return BodyPlan.of(raw, path)
-    return CampaignPlan(read(raw, path)) if is_campaign(raw) else StudyPlan(parse(raw, source=path))
 
 
 def figure_names(spec: CampaignSpec) -> list[str]:

@@ -1,4 +1,4 @@
-"""The jobs of a study or campaign: one stage each, its specification, its files, what it needs and makes. Pure Python.
+"""The jobs of any plan: one stage each, its specification, its files, what it needs and makes. Pure Python.
 
 The workflow's rules, a run in one process and the plan of a dry run all follow from this list.
 """
@@ -13,7 +13,9 @@ from typing import Any
 from vsb.study.body import BodyFile
 from vsb.study.body_cost import solve_resources
 from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, figure_paths
+from vsb.study.plans import Plan
 from vsb.study.quantities import canonical
 from vsb.study.specs import PanelsSpec
 
@@ -51,7 +53,7 @@ class Rule:
 
     stage: str
     jobs: Mapping[str, Job]  # by name
-    plan: AnyPlan | CampaignPlan
+    plan: Plan
 
     @property
     def names(self) -> str:
@@ -102,7 +104,7 @@ class Rule:
         return self.job(wildcards).minutes
 
 
-def rules(plan: AnyPlan | CampaignPlan) -> list[Rule]:
+def rules(plan: Plan) -> list[Rule]:
     """Return the rules of a study or campaign, in the order of the workflow."""
     found: dict[str, dict[str, Job]] = {}
     for job in jobs(plan):
@@ -110,10 +112,12 @@ def rules(plan: AnyPlan | CampaignPlan) -> list[Rule]:
     return [Rule(stage, some, plan) for stage, some in found.items()]
 
 
-def jobs(plan: AnyPlan | CampaignPlan) -> list[Job]:
+def jobs(plan: Plan) -> list[Job]:
     """Return the jobs of a study or campaign, each after those whose files it needs."""
     if isinstance(plan, CampaignPlan):
         return [*_year(plan)]
+    if isinstance(plan, DesignPlan):
+        return [*_design(plan)]
     if isinstance(plan, BodyPlan):
         return [*_body(plan), *_coefficients(plan), *_runs(plan), *_answers(plan)]
     if not plan.study.needs_bem:
@@ -258,6 +262,34 @@ def _year(plan: CampaignPlan) -> Iterator[Job]:
     yield Job("campaign_report", plan.campaign, files, (report, *plan.figure_paths), (data, climate), megabytes=4000)
 
 
+# a design problem ---------------------------------------------------------------------------------------------------
+
+
+def _design(plan: DesignPlan) -> Iterator[Job]:
+    """Starts, Pareto fronts and runs in time from them, all of them together, the report."""
+    climate, folder = plan.loaded.climate_path, plan.folder
+    starts, read = f"{folder}/starts", {"climate": climate}
+    for name, start in (plan.starts | plan.rigid_starts).items():
+        out = plan.start_path(name)
+        yield Job("design_start", start, {**read, "out": out}, (out,), (climate,), name, minutes=120)
+    begun = {**read, "starts": starts}
+    for name, front in plan.fronts.items():
+        out, needs = plan.front_path(name), tuple(map(plan.start_path, front.starts))
+        yield Job("design_front", front, {**begun, "out": out}, (out,), (climate, *needs), name, minutes=240)
+    found = tuple(plan.start_paths)
+    for out in plan.verification_paths:
+        files, needs = {**begun, "root": plan.root, "out": out}, (climate, *found)
+        yield Job("design_verification", plan.verification, files, (out,), needs, minutes=600, megabytes=2000)
+    tables = tuple(plan.tables.values())
+    files = {**begun, "fronts": f"{folder}/fronts", "verifications": f"{folder}/verification", "folder": folder}
+    needs = (climate, *found, *plan.front_paths, *plan.verification_paths)
+    yield Job("design_results", plan.design, {**files, "manifest": plan.manifest}, tables, needs, megabytes=2000)
+    report = f"{folder}/report.html"
+    files = {"data": plan.tables["design.nc"], "figures": f"{folder}/figures", "out": report, "manifest": plan.manifest}
+    needs = (plan.tables["design.nc"],)
+    yield Job("design_report", plan.design, files, (report, *plan.figure_paths), needs, megabytes=2000)
+
+
 # Snakemake's own report ---------------------------------------------------------------------------------------------
 
 _SHOWN = {
@@ -265,23 +297,28 @@ _SHOWN = {
     "statistics.csv": ("statistics", "Numbers", {"table": "irregular seas"}),
     "validity.json": ("validity", "What to doubt", {"table": "ledger"}),
     "ladder.csv": ("ladder", "Numbers", {"table": "tuning ladder"}),
+    "starts.csv": ("starts", "Numbers", {"table": "where every start ended"}),
+    "budget.csv": ("budget", "Numbers", {"table": "what the gain is uncertain by"}),
     "campaign.csv": ("campaign_table", "Numbers", {"table": "every point, design and tuning"}),
     "report.html": ("report", "The answer", {"page": "report"}),
 }
 """Products in Snakemake's report: caption, category, labels."""
 
 
-def shown(path: str, plan: AnyPlan | CampaignPlan) -> dict[str, Any]:
+def shown(path: str, plan: Plan) -> dict[str, Any]:
     """Return how a product stands in Snakemake's report: options of its function `report`; empty if it does not."""
-    file, of_campaign = PurePosixPath(path), isinstance(plan, CampaignPlan)
+    file = PurePosixPath(path)
+    of = next(
+        (name for kind, name in ((CampaignPlan, "campaign"), (DesignPlan, "design")) if isinstance(plan, kind)), ""
+    )
     if file.name in _SHOWN:
         caption, category, labels = _SHOWN[file.name]
-        prefix = "campaign_" if of_campaign and file.name == "report.html" else ""
+        prefix = f"{of}_" if of and file.name == "report.html" else ""
         return {"caption": f"report/{prefix}{caption}.rst", "category": category, "labels": labels}
     if file.parent.name != "figures" or file.suffix != ".svg":
         return {}
     name, _, wave = file.stem.partition("-")
     found = {"category": "Figures", "labels": {"figure": name.replace("_", " ")}}
-    if of_campaign:
-        return {**found, "caption": "report/campaign_figures.rst"}
+    if of:
+        return {**found, "caption": f"report/{of}_figures.rst"}
     return {**found, "caption": "report/figures.rst", "subcategory": wave or "the whole band"}

@@ -17,7 +17,8 @@ from pydantic import (
 )
 
 from vsb.study.body import AnyStudy, Body, BodyDesign
-from vsb.study.campaign import Constrained, Tunings, Verify
+from vsb.study.campaign import Constrained, Scatter, Spectra, Tunings, Verify
+from vsb.study.design import Objective, Variable
 from vsb.study.device import Device, Shape, centre_height
 from vsb.study.directions import Drag, Mooring, Motion
 from vsb.study.quantities import Name, Section
@@ -28,7 +29,8 @@ from vsb.study.vary import Vary
 from vsb.study.waves import StillWater, Wave
 
 PHYSICS = {
-    "block": 1, "body": 1, "campaign": 1, "compare": 1, "database": 1, "degree": 1, "ladder": 1, "member": 2,
+    "block": 1, "body": 1, "campaign": 1, "compare": 1, "database": 1, "degree": 1, "design_front": 1,
+    "design_results": 1, "design_start": 1, "design_verification": 1, "ladder": 1, "member": 2,
     "members": 1, "mesh": 1, "radiation": 1, "response": 1, "simulate": 1, "verification": 1, "witness": 1,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
@@ -374,6 +376,14 @@ class ClimateSpec(Section):
     form: Literal["spectra", "jonswap", "pierson_moskowitz"]  # of a table the spectrum of its cells
     gamma: float | None = None
 
+    @classmethod
+    def of(cls, given: Spectra | Scatter, contents: str) -> Self:
+        """Return the seas of a file as a campaign or a design names it, its contents by their sha256."""
+        if isinstance(given, Scatter):
+            gamma = given.gamma if given.spectrum == "jonswap" else None
+            return cls(contents=contents, form=given.spectrum, gamma=gamma)
+        return cls(contents=contents, form="spectra")
+
 
 class LadderSpec(SystemSpec):
     """Control levels of all designs in all seas."""
@@ -473,3 +483,74 @@ class CampaignSpec(Spec):
     batches: tuple[str, ...]
     members: tuple[str, ...]
     verifications: tuple[str, ...] = ()  # by id, in the order of the members; none if nothing is simulated in time
+
+
+class Search(Section):
+    """What one buoy is optimised over: a design of a study in a site's year, its variables, objective and limits."""
+
+    base: dict[str, Any]  # sections of the study
+    design: str
+    climate: ClimateSpec
+    variables: tuple[Variable, ...]
+    maximise: Objective
+    limits: dict[str, float]
+    degrees: tuple[int, ...] = ()  # of shell modes, to be tried in turn; none of a rigid buoy
+    tolerance: float = 0.0  # change of the objective by the next degree that is small enough
+
+    @property
+    def flexible(self) -> bool:
+        """Whether the buoy that is optimised has a shell."""
+        return bool(self.degrees)
+
+
+class DesignStartSpec(Spec):
+    """The best buoy from one of several starts."""
+
+    TAG = "design_start"
+    search: Search
+    starts: int
+    seed: int
+    start: int  # from 0
+
+
+class DesignFrontSpec(Spec):
+    """The best buoys over the values of one limit, from the best of some starts."""
+
+    TAG = "design_front"
+    search: Search
+    limit: str
+    values: tuple[float, ...]
+    starts: tuple[str, ...]  # by id
+
+
+class DesignVerificationSpec(Spec):
+    """The best flexible buoy and the best rigid one in the same seas in time."""
+
+    TAG = "design_verification"
+    flexible: Search
+    rigid: Search
+    verify: Verify
+    starts: tuple[str, ...]  # of both, by id
+    rigid_starts: tuple[str, ...]
+    versions: dict[str, int] = Field(default_factory=lambda: {tag: PHYSICS[tag] for tag in RUN_BY})
+
+
+class DesignSpec(Spec):
+    """A whole design problem: the best flexible buoy beside the best rigid one."""
+
+    TAG = "design_results"
+    name: str
+    study: str
+    climate_name: str
+    flexible: Search
+    rigid: Search
+    starts: tuple[str, ...]  # by id
+    rigid_starts: tuple[str, ...]
+    fronts: tuple[str, ...] = ()  # of the flexible and the rigid buoy in turn, by id
+    pareto: tuple[str, ...] = ()  # limits of the fronts
+    uncertain: dict[str, float] = Field(default_factory=dict)
+    verification: str | None = None
+    runs: dict[str, Any] = Field(
+        default_factory=dict
+    )  # waves and simulation of the study, for studies that are written
+    notes: tuple[str, ...] = ()  # what is to be said of the problem

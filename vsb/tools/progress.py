@@ -1,7 +1,7 @@
 """A run's progress as one line of a terminal: jobs done, their rate, and the time left."""
 
 import re
-from collections.abc import Iterable, MutableSequence
+from collections.abc import Callable, Iterable, MutableSequence
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, Task, TextColumn, TimeRemainingColumn
@@ -26,7 +26,13 @@ class Rate(TextColumn):
         return Text(f"{60 * speed:.3g}/min" if speed else "")
 
 
-def followed(lines: Iterable[str], name: str, console: Console, last: MutableSequence[str]) -> None:
+def followed(
+    lines: Iterable[str],
+    name: str,
+    console: Console,
+    last: MutableSequence[str],
+    said: Callable[[], str] | None = None,
+) -> None:
     """Show the progress of Snakemake as one line, erased when the run ends.
 
     Parameters
@@ -38,19 +44,23 @@ def followed(lines: Iterable[str], name: str, console: Console, last: MutableSeq
         A terminal.
     last : sequence of str
         Receives the lines, for error messages.
+    said : callable, optional
+        Returns what else is to be shown, asked whenever a line comes.
     """
     columns = (
         TextColumn("{task.description}"), BarColumn(bar_width=20), MofNCompleteColumn(), TextColumn("jobs"), Rate(),
-        TimeRemainingColumn(), TextColumn("left"),
+        TimeRemainingColumn(), TextColumn("left"), TextColumn("{task.fields[said]}"),
     )  # fmt: skip
     with Progress(*columns, console=console, transient=True, speed_estimate_period=REMEMBERED) as progress:
-        task = progress.add_task(name, total=None)
+        task = progress.add_task(name, total=None, said="")
         for line in lines:
             last.append(line)
             if found := DONE.match(line.strip()):
                 progress.update(task, completed=int(found[1]), total=int(found[2]))
             elif found := TOTAL.match(line.strip()):
                 progress.update(task, total=int(found[1]))
+            if said:
+                progress.update(task, said=said())
 
 
 def failed(lines: Iterable[str]) -> dict[str, str]:

@@ -1,0 +1,207 @@
+"""A design problem from its file to its report, in this process; plan and content ids; errors before anything is solved."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from design.conftest import DEVICE
+from stages.test_members import with_seas
+
+from vsb.cli import main
+from vsb.design.compared import COMPETITOR, FLEXIBLE
+from vsb.design.evaluation import DesignModel
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.stages.climate import read_climate
+from vsb.stages.design import outcomes
+from vsb.stages.design_preview import check_design
+from vsb.stages.make import work
+from vsb.study.design_plan import DesignPlan
+from vsb.study.jobs import jobs, rules
+from vsb.study.plans import plan_of
+from vsb.study.study import load as load_study
+from vsb.tools.files import attributes
+
+STUDY = {
+    "study": "shell",
+    "device": DEVICE,
+    "modes": {"basis": "full", "degree": 3},
+    "reference_shape": "equilibrium",
+    "designs": {"FSB": {"flexible": False}, "VSWEC": {}},
+    "hydro": {"omega_max": 4.0},
+    "waves": [{"kind": "regular", "amplitude": 0.2, "period": 4.0}],
+}
+DAMPER = {"pto.damping": {"log": [1e4, 1e6]}}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = with_seas(tmp_path_factory.mktemp("design"), (1.0, 6.0), (2.2, 9.0), (3.1, 12.0))
+    (place / "shell.yaml").write_text(yaml.safe_dump(STUDY))
+    return place
+
+
+def planned(folder, name="damper", variables=None, **changes):
+    raw = {"design": name, "study": "shell.yaml", "climate": {"spectra": "sea.txt"}, "variables": variables or DAMPER}
+    raw |= {"limits": {"load_factor": None, "static_strain": None}, "starts": 1} | changes
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump(raw, sort_keys=False))
+    return DesignPlan(plan_of(str(folder / f"{name}.yaml")).loaded, root=str(folder / "results"))
+
+
+@pytest.fixture(scope="module")
+def run(folder):
+    """A problem of the damper alone, whose optimum is known."""
+    plan = planned(folder, pareto={"force_rms": [1e4, 2e4]}, uncertain={"device.young_modulus": 0.1})
+    for job in jobs(plan):
+        work(job)
+    return plan
+
+
+def rows(plan, name):
+    return list(csv.DictReader(Path(plan.folder, name).read_text().splitlines()))
+
+
+@pytest.mark.slow
+def test_every_product_is_there_and_carries_its_id(run):
+    assert all(Path(path).is_file() for path in run.products)
+    assert sorted(path for job in jobs(run) for path in job.makes) == sorted(run.products)
+    assert {rule.stage for rule in rules(run)} == {"design_start", "design_front", "design_results", "design_report"}
+
+
+def test_the_damper_found_is_the_optimal_one_of_the_year(folder):
+    """The damper as the only variable, without limits: Newton's method in the damper finds the same."""
+    plan = planned(folder, "free")
+    seas = read_climate(plan.climate, plan.loaded.climate_path)
+    for search, starts in ((plan.flexible, plan.starts), (plan.rigid, plan.rigid_starts)):
+        (job,) = (job for job in jobs(plan) if job.name in starts)
+        work(job)
+        (end,) = outcomes(f"{plan.folder}/starts", [*starts])
+        study = load_study(folder / "shell.yaml")
+        if search is plan.rigid:
+            study = study.model_copy(update={"designs": {"FSB": study.designs["FSB"]}, "reference_shape": "undeformed"})
+        best = DesignModel.of(study, search.design, seas, [], 3).at([])
+        assert end.accepted
+        assert end.point["pto.damping"] == pytest.approx(best["damping"].value, rel=1e-5)
+        assert end.quantities["annual_mean_power"] == pytest.approx(best["annual_mean_power"].value, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_fronts_meet_their_limits(run):
+    for row in rows(run, "pareto.csv"):
+        assert row["accepted"] == "yes"
+        assert float(row["force_rms"]) == pytest.approx(float(row["value"]), rel=1e-7)
+    power = {(row["buoy"], row["value"]): float(row["annual_mean_power"]) for row in rows(run, "pareto.csv")}
+    assert power["flexible", "10000"] < power["flexible", "20000"]
+
+
+@pytest.mark.slow
+def test_the_best_buoys_are_studies_that_run(run):
+    seas = read_climate(run.climate, run.loaded.climate_path)
+    for name, buoy in (("optimum", "flexible"), ("competitor", "rigid competitor")):
+        study = load_study(Path(run.folder, f"{name}.yaml"))
+        design = "VSWEC" if name == "optimum" else "FSB"
+        (row,) = (row for row in rows(run, "starts.csv") if row["buoy"] == buoy)
+        model = DesignModel.of(study, design, seas, ["pto.damping"], 3)
+        assert model.at(model.point)["annual_mean_power"].value == pytest.approx(float(row["annual_mean_power"]))
+        assert [wave.label for wave in study.waves] == ["regular_A0.2_T4"]
+
+
+@pytest.mark.slow
+def test_the_report_says_the_answer_first(run):
+    text = Path(run.folder, "report.html").read_text()
+    assert text.index("The best flexible buoy absorbs") < text.index("What to doubt:") < text.index("<figure")
+    assert ">nan" not in text
+    budget = rows(run, "budget.csv")
+    names = [row["source"] for row in budget]
+    assert names == ["modes left out", "coefficients and quadrature", "the year as a sample", "device.young_modulus"]
+    assert all(float(row["low"]) <= 0 <= float(row["high"]) for row in budget)
+
+
+def test_a_front_asked_for_later_keeps_the_starts(folder):
+    one, two = planned(folder, "later"), planned(folder, "later", pareto={"force_rms": [1e4]})
+    assert [*one.starts] == [*two.starts]
+    assert one.design_id != two.design_id
+    assert [*planned(folder, "later", {"pto.damping": {"log": [1e4, 2e6]}}).starts] != [*one.starts]
+    assert len(two.fronts) == 2
+
+
+def test_gain_as_an_objective_is_over_the_rigid_twin(folder):
+    plan = planned(folder, "gained", maximise="gain")
+    (job,) = (job for job in jobs(plan) if job.stage == "design_start" and job.spec.search.flexible)
+    work(job)
+    (end,) = outcomes(f"{plan.folder}/starts", [*plan.starts])
+    seas = read_climate(plan.climate, plan.loaded.climate_path)
+    twin = DesignModel.of(load_study(folder / "shell.yaml"), "FSB", seas, ["pto.damping"], 3).at(list(end.values))
+    ratio = end.quantities["annual_mean_power"] / twin["annual_mean_power"].value
+    assert end.objective == pytest.approx(ratio, rel=1e-9)
+
+
+def test_check_prints_variables_limits_and_cost(folder, capsys, monkeypatch):
+    monkeypatch.chdir(folder)
+    planned(folder, "checked", {"device.radius": [1.5, 2.5], **DAMPER}, starts=3, limits={"mass": 2e4})
+    assert main(["check", "checked.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert "variable     device.radius 1.5 to 2.5 m\n" in out
+    assert "variable     pto.damping 10000 to 1e+06 N s/m, by its logarithm\n" in out
+    assert "jobs         6 of 6 starts to do" in out
+    assert "note         variables.device.radius: no limit on beam" in out
+
+
+def test_a_climate_beyond_the_frequencies_solved_is_refused(folder):
+    (folder / "low.yaml").write_text(yaml.safe_dump({**STUDY, "study": "low", "hydro": {"omega_max": 1.6}}))
+    with pytest.raises(ConfigError, match=r"climate: .*% of its variance lies above 1.6 rad/s, up to which the water"):
+        check_design(planned(folder, "beyond", study="low.yaml"))
+
+
+def test_a_study_and_a_design_may_not_share_a_folder(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    planned(folder, "shared")
+    (folder / "results" / "shared").mkdir(parents=True, exist_ok=True)
+    (folder / "results" / "shared" / "study.json").write_text("{}")
+    assert main(["check", "shared.yaml"]) == 2
+    assert "design: received shared, the name of a study with results in results/shared" in capsys.readouterr().err
+
+
+def test_a_design_is_not_compared_nor_exported(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    planned(folder, "alone")
+    assert main(["compare", "alone.yaml"]) == 2
+    assert "received a design problem, needs a study or campaign" in capsys.readouterr().err
+    assert main(["export", "alone.yaml", "out"]) == 2
+    assert "received a design problem, needs a study" in capsys.readouterr().err
+
+
+def test_starts_none_of_which_rests_are_named(folder):
+    """No mass from 60 to 70 t floats a sphere of radius 2 m."""
+    plan = planned(folder, "sunk", {"device.mass": [6e4, 7e4]})
+    for job in jobs(plan):
+        if job.stage == "design_start":
+            work(job)
+    with pytest.raises(ConvergenceError, match="none of 1 starts found a buoy within all limits: none of 17 buoys"):
+        work(next(job for job in jobs(plan) if job.stage == "design_results"))
+
+
+@pytest.mark.slow
+def test_a_design_through_snakemake_is_resumed(folder):
+    """The command of users; a start that is missing is all that is computed again before what is made of it."""
+    planned(folder, "whole", starts=2)
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+
+    def told(*options):
+        command = [sys.executable, "-m", "vsb.cli", "run", "whole.yaml", *options]
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
+        assert done.returncode == 0, done.stderr + done.stdout
+        return done.stdout + done.stderr
+
+    out = told("--cores", "2")
+    assert "whole: The best flexible buoy absorbs" in out
+    assert "Nothing to be done" in told("-n")
+    facts = json.loads(attributes(folder / "results" / "whole" / "design.nc")["facts"])
+    assert set(facts["power"]) >= {FLEXIBLE, COMPETITOR}
+    first = next((folder / "results" / "whole" / "starts").glob("*.nc"))
+    first.unlink()
+    assert "design_start          1" in told("-n")

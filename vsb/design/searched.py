@@ -1,0 +1,223 @@
+"""Searches of a design file: the problem of a study in a climate, and where its starts ended, as files keep it."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import vsb.design.variables  # noqa: F401  registers them
+from vsb.design.certificate import VIOLATION
+from vsb.design.evaluation import DAMPER, DesignModel
+from vsb.design.optimise import Converged, Optimum, Progress, converged, start_places
+from vsb.design.problem import IMPOSSIBLE, Problem
+from vsb.errors import ConvergenceError
+from vsb.study.campaign import study_at
+from vsb.study.specs import Search
+from vsb.study.study import Study
+from vsb.tools.arrays import FloatArray
+from vsb.waves.climate import Climate
+
+
+def study_of(search: Search, degree: int | None, point: Mapping[str, float] | None = None) -> Study:
+    """Return the study of a search, with a degree of its shell modes and values of its variables."""
+    base = dict(search.base)
+    if degree is not None:
+        base["modes"] = {**base.get("modes", {}), "basis": "full", "degree": degree}
+    return study_at(base, dict(point or {}))
+
+
+def problem_of(search: Search, climate: Climate, degree: int | None) -> Problem:
+    """Return the problem of a search over a climate, with a degree of shell modes; none of a rigid buoy."""
+    study, keys = study_of(search, degree), [one.key for one in search.variables]
+    twin = None
+    if search.maximise == "gain":
+        twin = DesignModel.of(study, study.reference_design or "", climate, keys, degree)
+    return Problem(
+        model=DesignModel.of(study, search.design, climate, keys, degree),
+        variables=search.variables,
+        maximise=search.maximise,
+        limits=search.limits,
+        fixed={"device.radius": study.device.radius, "device.thickness": study.device.thickness},
+        flexible=search.flexible,
+        twin=twin,
+    )
+
+
+def degrees_of(search: Search) -> Sequence[int | None]:
+    """Return the degrees of shell modes to be tried; one of none for a rigid buoy."""
+    return search.degrees or (None,)
+
+
+def own_place(search: Search, climate: Climate) -> FloatArray:
+    """Return the place of the study's own buoy, moved into the bounds; with its optimal damper if it gives none."""
+    degree, keys = degrees_of(search)[0], [one.key for one in search.variables]
+    study = study_of(search, degree)
+    own = dict(zip(keys, DesignModel.of(study, search.design, climate, keys, degree).point, strict=True))
+    if own.get(DAMPER) == 0.0:
+        others = [key for key in keys if key != DAMPER]
+        model = DesignModel.of(study, search.design, climate, others, degree)
+        try:
+            own[DAMPER] = model.at([own[key] for key in others])["damping"].value
+        except IMPOSSIBLE:
+            own[DAMPER] = search.variables[keys.index(DAMPER)].value(0.5)
+    return np.array([one.scaled(one.clipped(own[one.key])) for one in search.variables])
+
+
+def from_start(search: Search, climate: Climate, starts: int, seed: int, start: int, seen: Progress) -> Converged:
+    """Return where one of several starts ended.
+
+    Raises
+    ------
+    ConvergenceError
+        If no buoy rests among the places it tried.
+    """
+    place = own_place(search, climate)
+    places = [*start_places(starts, len(search.variables), seed, place)][start] if search.variables else [place]
+
+    def of(degree: int | None) -> Problem:
+        return problem_of(search, climate, degree)
+
+    return converged(of, degrees_of(search), search.tolerance, places, seen)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Where one start ended, as a file keeps it."""
+
+    keys: tuple[str, ...]
+    start: FloatArray  # values of the variables where it began
+    values: FloatArray  # and ended
+    objective: float
+    quantities: Mapping[str, float]
+    gradients: Mapping[str, FloatArray]  # of the quantities by the variables
+    multipliers: Mapping[str, float]
+    kkt: float
+    violation: float
+    curvatures: tuple[float, ...]
+    flat: tuple[str, ...]
+    accepted: bool
+    message: str
+    evaluations: int
+    degree: int | None
+    truncation: float | None
+
+    @classmethod
+    def of(cls, found: Converged, keys: Sequence[str]) -> "Outcome":
+        """Return what is kept of a start."""
+        end = found.optimum
+        return cls.at(end, keys, found.start.values, found.degree, found.truncation, found.evaluations)
+
+    @classmethod
+    def at(
+        cls,
+        end: Optimum,
+        keys: Sequence[str],
+        start: FloatArray,
+        degree: int | None,
+        truncation: float | None,
+        evaluations: int,
+    ) -> "Outcome":
+        """Return what is kept of an optimum."""
+        known = end.point.evaluation.quantities
+        return cls(
+            keys=tuple(keys),
+            start=start,
+            values=end.point.values,
+            objective=end.objective,
+            quantities={name: one.value for name, one in known.items()},
+            gradients={name: one.gradient for name, one in known.items()},
+            multipliers=end.multipliers,
+            kkt=end.kkt,
+            violation=end.violation,
+            curvatures=end.curvatures,
+            flat=end.flat,
+            accepted=end.accepted,
+            message=end.message,
+            evaluations=evaluations,
+            degree=degree,
+            truncation=truncation,
+        )
+
+    @property
+    def point(self) -> dict[str, float]:
+        """Values of the variables by key."""
+        return dict(zip(self.keys, map(float, self.values), strict=True))
+
+    @property
+    def feasible(self) -> bool:
+        """Whether it is within all limits."""
+        return self.violation <= VIOLATION
+
+    @property
+    def dataset(self) -> xr.Dataset:
+        """The same as a dataset."""
+        gradient = np.array([self.gradients[name] for name in self.quantities]).reshape(-1, len(self.keys))
+        facts: dict[str, Any] = {
+            "multipliers": dict(self.multipliers),
+            "curvatures": self.curvatures,
+            "flat": self.flat,
+            "accepted": self.accepted,
+            "message": self.message,
+            "evaluations": self.evaluations,
+            "degree": self.degree,
+            "truncation": self.truncation,
+        }
+        return xr.Dataset(
+            {
+                "start_value": ("variable", self.start),
+                "best_value": ("variable", self.values),
+                "objective": self.objective,
+                "quantity_value": ("quantity", list(self.quantities.values())),
+                "quantity_gradient": (("quantity", "variable"), gradient),
+                "kkt": self.kkt,
+                "violation": self.violation,
+            },
+            coords={"variable": list(self.keys), "quantity": list(self.quantities)},
+            attrs={"outcome": json.dumps(facts)},
+        )
+
+    @classmethod
+    def read(cls, ds: xr.Dataset) -> "Outcome | str":
+        """Return what a file holds: where a start ended, or why it has no buoy."""
+        if "outcome" not in ds.attrs:
+            return str(ds.attrs["failure"])
+        facts = json.loads(ds.attrs["outcome"])
+        names = [str(name) for name in ds["quantity"].values]
+        return cls(
+            keys=tuple(map(str, ds["variable"].values)),
+            start=ds["start_value"].values,
+            values=ds["best_value"].values,
+            objective=float(ds["objective"]),
+            quantities=dict(zip(names, map(float, ds["quantity_value"].values), strict=True)),
+            gradients=dict(zip(names, ds["quantity_gradient"].values, strict=True)),
+            kkt=float(ds["kkt"]),
+            violation=float(ds["violation"]),
+            **{**facts, "curvatures": tuple(facts["curvatures"]), "flat": tuple(facts["flat"])},
+        )
+
+
+def failed(reason: str) -> xr.Dataset:
+    """Return what is kept of a start none of whose buoys rests."""
+    return xr.Dataset(attrs={"failure": reason})
+
+
+def best(found: Sequence[Outcome | str]) -> Outcome:
+    """Return the best of some starts: of those accepted, else of those within all limits.
+
+    Raises
+    ------
+    ConvergenceError
+        If none is within all limits.
+    """
+    ended = [one for one in found if isinstance(one, Outcome)]
+    chosen = [one for one in ended if one.accepted] or [one for one in ended if one.feasible]
+    if not chosen:
+        reasons = [one if isinstance(one, str) else one.message for one in found]
+        raise ConvergenceError(
+            f"design: none of {len(found)} starts found a buoy within all limits: {reasons[0]}; needs wider limits or "
+            "bounds, or more starts"
+        )
+    return max(chosen, key=lambda one: one.objective)

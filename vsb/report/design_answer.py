@@ -1,0 +1,127 @@
+"""The answer of a design problem in sentences: the best buoys, the gain and its interval, what limits it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
+from vsb.study.design import LIMIT_UNITS
+from vsb.tools.words import plain, power, superscripts, watts
+
+Facts = Mapping[str, Any]
+"""What is known of a design problem, as `vsb.stages.design_results` keeps it."""
+NAMES = {
+    "load_factor": "load factor", "static_strain": "strain at rest", "beam": "beam", "draft": "draft", "mass": "mass",
+    "surface": "surface", "volume": "volume", "force_rms": "rms force", "stroke_rms": "rms stroke",
+    "thin_shell": "thickness over radius",
+}  # fmt: skip
+OBJECTIVES = {
+    "annual_mean_power": "annual mean power",
+    "gain": "gain over the rigid buoy of the same shape and mass",
+    "power_per_force": "annual mean power over rms force",
+    "power_per_mass": "annual mean power over mass",
+    "power_per_surface": "annual mean power over surface",
+}
+WIDENED = {"beam": 0.1, "draft": 0.1, "stroke_rms": 0.1, "load_factor": -0.1, "static_strain": 0.01}
+"""Change of a limit whose worth is said [its unit]; of others a tenth of it."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Sentences: the headline, and what follows below it."""
+
+    stands: tuple[str, ...]
+    below: tuple[str, ...]
+
+    @property
+    def line(self) -> str:
+        """The headline as one line."""
+        return " ".join(self.stands)
+
+
+def answer(facts: Facts) -> Answer:
+    """Return the answer of a design problem."""
+    of = facts["power"]
+    (best, rigid), unit = watts([of[FLEXIBLE], of[COMPETITOR]])
+    stands = [
+        f"The best flexible buoy absorbs {best} {unit}, mean over the year of {facts['climate']}; the best rigid "
+        f"sphere {rigid} {unit} within the same limits: {in_words(facts)}."
+    ]
+    if unproven := [name for name in (FLEXIBLE, COMPETITOR) if not facts["found"][name]["accepted"]]:
+        stands.append(f"The {' and the '.join(unproven)} shown are not proven optima.")
+    below = [verdict(facts), *size_or_flexibility(facts), *limited(facts)]
+    return Answer(tuple(stands), tuple(below))
+
+
+def in_words(facts: Facts) -> str:
+    """Return the gain with its interval."""
+    gain = facts["gain"]
+    return f"{gain['value']:+.2f} % ({gain['low']:+.2f} to {gain['high']:+.2f} %)"
+
+
+def verdict(facts: Facts) -> str:
+    """Return whether the gain is one: above all that is known of its errors, runs in time among it."""
+    gain, verified = facts["gain"], facts["verified"]
+    if gain["low"] <= 0 <= gain["high"]:
+        return "Its interval includes zero: within the errors known flexibility neither gains nor loses."
+    word = "gains" if gain["value"] > 0 else "loses"
+    if verified is None:
+        return (
+            f"By linear theory flexibility {word} more than the errors known; it has not been confirmed by runs in "
+            "time (verify: {seas: 48, model: body_exact})."
+        )
+    return f"Flexibility {word} more than the errors known, {verified['runs']} among them."
+
+
+def size_or_flexibility(facts: Facts) -> list[str]:
+    """Return what of the gain is size and what flexibility."""
+    of, found = facts["power"], []
+    if TWIN in of:
+        found.append(
+            f"A rigid buoy of its shape and mass absorbs {power(of[TWIN])}: flexibility itself brings "
+            f"{100 * (of[FLEXIBLE] / of[TWIN] - 1):+.2f} %."
+        )
+    if SPHERE in of:
+        found.append(
+            f"The rigid sphere it was before inflation absorbs {power(of[SPHERE])}: size and flexibility together "
+            f"bring {100 * (of[FLEXIBLE] / of[SPHERE] - 1):+.2f} %."
+        )
+    return found
+
+
+def limited(facts: Facts) -> list[str]:
+    """Return what limits the best flexible buoy, with what a wider limit would bring."""
+    found = facts["found"][FLEXIBLE]
+    words = [worth(facts, name, value) for name, value in grouped(found["multipliers"]).items()]
+    lines = [f"What limits it: {'; '.join(words)}."] if words else ["No limit holds it."]
+    if found["flat"]:
+        ridges = " and ".join(f"({one})" for one in found["flat"])
+        lines.append(
+            f"The optimum is flat: along {ridges} power hardly changes within the range, so that other buoys on this "
+            "ridge are as good."
+        )
+    return lines
+
+
+def grouped(multipliers: Mapping[str, float]) -> dict[str, float]:
+    """Return multipliers by limit, those of several buckling loads together, the largest first."""
+    found: dict[str, float] = {}
+    for name, value in multipliers.items():
+        base = "load_factor" if name.startswith("load_factor") else name
+        found[base] = found.get(base, 0.0) + value
+    return dict(sorted(found.items(), key=lambda one: -one[1]))
+
+
+def worth(facts: Facts, name: str, multiplier: float) -> str:
+    """Return what a wider limit would bring, by its multiplier: 0.1 m more beam: +2.1 %."""
+    if name not in LIMIT_UNITS:
+        if name == "thin_shell":
+            return f"thickness of a tenth of the radius (10 % more: {10 * multiplier:+.2g} %)"
+        return f"the {name} (a tenth of its range beyond: {10 * multiplier:+.2g} %)"
+    limit, unit = facts["limits"][name], LIMIT_UNITS[name]
+    step = WIDENED.get(name)
+    share = 0.1 if step is None else abs(step) / limit
+    size = "10 %" if step is None else f"{plain(abs(step))}{'' if unit == '1' else ' ' + superscripts(unit)}"
+    more = "less" if step is not None and step < 0 else "more"
+    value = f"{plain(limit)}{'' if unit == '1' else ' ' + superscripts(unit)}"
+    return f"{NAMES[name]} of {value} ({size} {more}: {100 * multiplier * share:+.2g} %)"

@@ -1,0 +1,133 @@
+"""The report of a design problem: the answer first, then the buoys, the evidence, and what to doubt."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from vsb.design.compared import COMPETITOR, FLEXIBLE
+from vsb.report.design_answer import NAMES, OBJECTIVES, Facts, answer, grouped, worth
+from vsb.report.design_figures import captions
+from vsb.report.html import captioned, page
+from vsb.study.design import LIMIT_UNITS
+from vsb.tools.words import plain, superscripts
+
+QUANTITIES = (
+    ("annual_mean_power", "mean power of the year", "W"), ("damping", "damping", "N s/m"),
+    ("force_rms", "rms force", "N"), ("stroke_rms", "rms stroke", "m"), ("beam", "beam", "m"), ("draft", "draft", "m"),
+    ("mass", "mass", "kg"), ("surface", "surface", "m^2"), ("volume", "volume", "m^3"),
+    ("static_strain", "strain at rest", "1"), ("load_factor_inverse_0", "load factor", "1"),
+)  # fmt: skip
+"""Rows of the table of buoys: quantity, words, unit."""
+HOOKE = 0.1
+"""Strain at rest beyond which Hooke's law does not hold."""
+
+
+def render(facts: Facts, figures: Mapping[str, str], identity: str) -> str:
+    """Return the report as one HTML page."""
+    said = answer(facts)
+    return page(
+        "design.html.j2",
+        name=facts["name"],
+        climate=facts["climate"],
+        objective=OBJECTIVES[facts["maximise"]],
+        answer=said.stands,
+        below=said.below,
+        sketches=(),
+        kind="year",
+        animated=None,
+        still="",
+        interactive="",
+        warnings=warnings(facts),
+        buoys=buoys_table(facts),
+        variables=variables_table(facts),
+        limits=limits_table(facts),
+        starts=starts_table(facts),
+        budget=budget_table(facts),
+        figures=captioned(figures, captions(facts, list(figures))),
+        facts={"Study": facts["study"], "Climate": facts["climate"], "Content id": identity},
+    )
+
+
+def warnings(facts: Facts) -> list[str]:
+    """Return what makes the answer doubtful."""
+    found = [f"{note}." for note in facts["notes"]]
+    if facts["verified"] is None:
+        found.append("All results are linear theory; its own error is not in the interval (verify would say it).")
+    found += [f"Not known, and not in the interval: {name}." for name in facts["unknown"]]
+    for name in (FLEXIBLE, COMPETITOR):
+        one = facts["found"][name]
+        if not one["accepted"]:
+            found.append(f"The {name} is not a proven optimum: {one['message']}.")
+    lost = [one for some in facts["starts"].values() for one in some if not one["accepted"]]
+    if lost:
+        total = sum(map(len, facts["starts"].values()))
+        found.append(f"{len(lost)} of {total} starts did not end at a certified optimum; starts.csv says why.")
+    strain = facts["quantities"][FLEXIBLE].get("static_strain", 0.0)
+    if strain > HOOKE * (1 + 1e-6):
+        found.append(f"The best flexible buoy is strained by {100 * strain:.3g} % at rest, where Hooke's law ends.")
+    return found
+
+
+def _cell(value: float | None, unit: str = "1") -> str:
+    """A number with its unit."""
+    return "-" if value is None else f"{plain(value)}{'' if unit == '1' else ' ' + superscripts(unit)}"
+
+
+def buoys_table(facts: Facts) -> dict[str, Any]:
+    """Return the buoys side by side."""
+    names, rows = list(facts["power"]), []
+    for key, words, unit in QUANTITIES:
+        known = [facts["quantities"][name].get(key) for name in names]
+        if key == "load_factor_inverse_0":
+            known = [None if value is None or value <= 0 else 1 / value for value in known]
+        rows.append([words, *(_cell(value, unit) for value in known)])
+    return {"head": ["", *names], "body": rows}
+
+
+def variables_table(facts: Facts) -> dict[str, Any]:
+    """Return the values of the variables of both best buoys with their bounds."""
+    found: dict[str, list[str]] = {}
+    for place, name in enumerate((FLEXIBLE, COMPETITOR)):
+        for one in facts["found"][name]["variables"]:
+            bounds = f"{plain(one['low'])} to {plain(one['high'])}"
+            row = found.setdefault(one["key"], [one["key"], bounds, "-", "-"])
+            row[2 + place] = _cell(one["value"], one["unit"])
+    return {"head": ["variable", "bounds", FLEXIBLE, COMPETITOR], "body": list(found.values())}
+
+
+def limits_table(facts: Facts) -> dict[str, Any]:
+    """Return the limits, what the best buoys make of them, and what wider ones would bring."""
+    rows = []
+    held = {name: grouped(facts["found"][name]["multipliers"]) for name in (FLEXIBLE, COMPETITOR)}
+    for limit, value in facts["limits"].items():
+        cells = [NAMES[limit], _cell(value, LIMIT_UNITS[limit])]
+        for name in (FLEXIBLE, COMPETITOR):
+            multiplier = held[name].pop(limit, None)
+            cells.append("-" if multiplier is None else worth(facts, limit, multiplier).partition("(")[2].rstrip(")"))
+        rows.append(cells)
+    for name, some in held.items():
+        for limit, multiplier in some.items():
+            cells = [limit, "-", "-", "-"]
+            cells[2 if name == FLEXIBLE else 3] = worth(facts, limit, multiplier).partition("(")[2].rstrip(")")
+            rows.append(cells)
+    return {"head": ["limit", "value", f"{FLEXIBLE}: wider brings", f"{COMPETITOR}: wider brings"], "body": rows}
+
+
+def starts_table(facts: Facts) -> dict[str, Any]:
+    """Return where the starts ended, and their certificates."""
+    rows = []
+    for name, some in facts["starts"].items():
+        for i, one in enumerate(some):
+            known = one["objective"] is not None
+            numbers = [_cell(one["power"], "W"), f"{one['kkt']:.1e}", f"{one['violation']:.1e}"] if known else ["-"] * 3
+            verdict = "optimum" if one["accepted"] else one["message"]
+            rows.append([name, str(i + 1), verdict, *numbers, str(one["evaluations"])])
+    return {"head": ["buoy", "start", "ended at", "power", "KKT", "violation", "evaluations"], "body": rows}
+
+
+def budget_table(facts: Facts) -> dict[str, Any]:
+    """Return what the gain is uncertain by."""
+    rows = [
+        [one["name"], f"{one['low']:+.3f}", f"{one['high']:+.3f}", one["kind"], "yes" if one["shared"] else "no"]
+        for one in facts["budget"]
+    ]
+    return {"head": ["source", "low [points]", "high [points]", "kind", "shared"], "body": rows}

@@ -1,0 +1,26 @@
+"""Rule design_report: figures and report of a design problem."""
+
+import json
+
+import matplotlib as mpl
+
+from vsb.report.design_figures import figure_of
+from vsb.report.design_page import render
+from vsb.report.svg import drawn
+from vsb.study.design_plan import figure_names
+from vsb.study.specs import DesignSpec
+from vsb.study.study import content_id
+from vsb.tools.files import load, write_text
+from vsb.tools.stamps import record
+
+
+def run_design_report(spec: DesignSpec, data: str, figures: str, out: str, manifest: str) -> None:
+    """Draw the figures of a design problem and write its report."""
+    identity = content_id(spec)
+    ds = load(data, expected=identity)
+    facts = json.loads(ds.attrs["facts"])
+    with mpl.rc_context():  # the caller's own figures keep their looks
+        every = {name: drawn(figure_of(name, facts, ds), name) for name in figure_names(spec)}
+    files = [path for name, one in every.items() for path in one.write(figures, name)]
+    write_text(out, render(facts, {name: one.svg for name, one in every.items()}, identity))
+    record(manifest, identity, [out, *files])

@@ -1,0 +1,203 @@
+"""What a design problem computes: starts, Pareto fronts, content ids, file names. Pure Python, read at every parse."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from vsb.study.design import LoadedDesign, read
+from vsb.study.plan import ResultsFolder, figure_paths
+from vsb.study.sections import DEGREES
+from vsb.study.specs import (
+    ClimateSpec,
+    DesignFrontSpec,
+    DesignSpec,
+    DesignStartSpec,
+    DesignVerificationSpec,
+    Search,
+)
+from vsb.study.study import content_id
+
+TABLES = ("starts.csv", "optimum.yaml", "competitor.yaml", "pareto.csv", "sensitivity.csv", "budget.csv", "design.nc")
+"""Results in the folder of a design problem."""
+
+
+@dataclass(frozen=True)
+class DesignPlan(ResultsFolder):
+    """Everything a design problem needs computed, with content ids."""
+
+    loaded: LoadedDesign
+    root: str = "results"
+
+    @classmethod
+    def of(cls, raw: Mapping[str, Any], source: str | Path) -> "DesignPlan":
+        """Return the plan of a design problem as nested mappings, `root` the results folder if it is not `results`."""
+        loaded = read({key: value for key, value in raw.items() if key != "root"}, os.path.relpath(source))
+        return cls(loaded, root=raw.get("root", "results"))
+
+    @property
+    def name(self) -> str:
+        """Name of the design problem."""
+        return self.loaded.problem.design
+
+    @property
+    def climate(self) -> ClimateSpec:
+        """What the seas of the year are read from."""
+        return ClimateSpec.of(self.loaded.problem.climate, self.loaded.climate_id)
+
+    @cached_property
+    def flexible(self) -> Search:
+        """What the flexible buoy is optimised over."""
+        loaded, problem = self.loaded, self.loaded.problem
+        return Search(
+            base=loaded.sections,
+            design=loaded.flexible,
+            climate=self.climate,
+            variables=problem.variables,
+            maximise=problem.maximise,
+            limits=problem.limits.given,
+            degrees=self._degrees,
+            tolerance=loaded.base.modes.tolerance,
+        )
+
+    @property
+    def _degrees(self) -> tuple[int, ...]:
+        """Degrees of shell modes to be tried: all, or the one the study gives and the next, for what it leaves out."""
+        given = self.loaded.base.modes.degree
+        if given is None:
+            return DEGREES
+        return (given, *(degree for degree in DEGREES if degree > given))[:2]
+
+    @cached_property
+    def rigid(self) -> Search:
+        """What the rigid competitor is optimised over."""
+        loaded, problem = self.loaded, self.loaded.problem
+        over = "annual_mean_power" if problem.maximise == "gain" else problem.maximise  # a gain over itself is none
+        return Search(
+            base=loaded.rigid_sections,
+            design=loaded.rigid,
+            climate=self.climate,
+            variables=loaded.competing,
+            maximise=over,
+            limits=problem.limits.without_shell().given,
+        )
+
+    def _starts(self, search: Search) -> dict[str, DesignStartSpec]:
+        """Specs of the starts of a search by id; without variables there is one."""
+        problem = self.loaded.problem
+        count = problem.starts if search.variables else 1
+        found = [DesignStartSpec(search=search, starts=count, seed=problem.seed, start=i) for i in range(count)]
+        return {content_id(spec): spec for spec in found}
+
+    @cached_property
+    def starts(self) -> dict[str, DesignStartSpec]:
+        """Starts of the flexible buoy by id."""
+        return self._starts(self.flexible)
+
+    @cached_property
+    def rigid_starts(self) -> dict[str, DesignStartSpec]:
+        """Starts of the rigid competitor by id."""
+        return self._starts(self.rigid)
+
+    @cached_property
+    def fronts(self) -> dict[str, DesignFrontSpec]:
+        """Pareto fronts by id: for each limit that of the flexible buoy, then that of the rigid one."""
+        found = []
+        for limit, values in self.loaded.problem.pareto.items():
+            for search, starts in ((self.flexible, self.starts), (self.rigid, self.rigid_starts)):
+                found.append(DesignFrontSpec(search=search, limit=limit, values=values, starts=tuple(starts)))
+        return {content_id(spec): spec for spec in found}
+
+    @cached_property
+    def verification(self) -> DesignVerificationSpec | None:
+        """Runs in time of both buoys."""
+        if not (verify := self.loaded.problem.verify):
+            return None
+        return DesignVerificationSpec(
+            flexible=self.flexible,
+            rigid=self.rigid,
+            verify=verify,
+            starts=tuple(self.starts),
+            rigid_starts=tuple(self.rigid_starts),
+        )
+
+    @cached_property
+    def design(self) -> DesignSpec:
+        """Spec of the whole problem."""
+        problem, verification = self.loaded.problem, self.verification
+        return DesignSpec(
+            name=self.name,
+            study=self.loaded.base.study,
+            climate_name=PurePosixPath(problem.climate.file).name.partition(".")[0],
+            flexible=self.flexible,
+            rigid=self.rigid,
+            starts=tuple(self.starts),
+            rigid_starts=tuple(self.rigid_starts),
+            fronts=tuple(self.fronts),
+            pareto=tuple(problem.pareto),
+            uncertain=problem.uncertain,
+            verification=content_id(verification) if verification else None,
+            runs=self.loaded.base.model_dump(include={"waves", "simulation"}, exclude_none=True),
+            notes=tuple(self.loaded.notes),
+        )
+
+    @property
+    def design_id(self) -> str:
+        """Id of what is made of all starts together."""
+        return content_id(self.design)
+
+    # file names -----------------------------------------------------------------------------------------------------
+
+    def start_path(self, start: str) -> str:
+        """Where one start ended."""
+        return f"{self.folder}/starts/{start}.nc"
+
+    def front_path(self, front: str) -> str:
+        """A Pareto front."""
+        return f"{self.folder}/fronts/{front}.nc"
+
+    @property
+    def start_paths(self) -> list[str]:
+        """Where all starts ended."""
+        return [self.start_path(start) for start in (*self.starts, *self.rigid_starts)]
+
+    @property
+    def front_paths(self) -> list[str]:
+        """All Pareto fronts."""
+        return [self.front_path(front) for front in self.fronts]
+
+    @property
+    def verification_paths(self) -> list[str]:
+        """What runs in time say; none without `verify`."""
+        return [f"{self.folder}/verification/{content_id(self.verification)}.nc"] if self.verification else []
+
+    @property
+    def tables(self) -> dict[str, str]:
+        """Results made of all starts together, by name."""
+        return {name: f"{self.folder}/{name}" for name in TABLES}
+
+    @property
+    def figure_paths(self) -> list[str]:
+        """Figures of the report."""
+        return figure_paths(self.folder, figure_names(self.design))
+
+    @property
+    def products(self) -> list[str]:
+        """All files a run promises."""
+        answers = [f"{self.folder}/report.html", *self.tables.values(), *self.figure_paths]
+        return [*answers, *self.start_paths, *self.front_paths, *self.verification_paths]
+
+    @property
+    def ids(self) -> dict[str, str]:
+        """Id every product must carry."""
+        parts = {path: PurePosixPath(path).stem for path in (*self.start_paths, *self.front_paths)}
+        parts |= {path: PurePosixPath(path).stem for path in self.verification_paths}
+        return dict.fromkeys(self.products, self.design_id) | parts
+
+
+def figure_names(spec: DesignSpec) -> list[str]:
+    """Return the names of the figures of a design problem."""
+    fronts = [f"pareto_{limit}" for limit in spec.pareto]
+    return ["best_shapes", "starts", *fronts, "sensitivity", "budget"]
