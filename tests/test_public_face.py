@@ -177,6 +177,20 @@ def test_annual_energy_and_matrices_agree_with_mhkit():
         vsb.annual_energy(matrices[0] * np.nan, matrices[1], share)
 
 
+def test_annual_energy_of_series_is_that_of_its_mean_power():
+    assert vsb.annual_energy_of_series([2.0, 4.0], [1e3, 5e3]) == pytest.approx(8766 * (2e3 + 20e3) / 2)
+    for wrong in ([2.0], [2.0, np.nan]):
+        with pytest.raises(ConfigError, match=r"annual_energy_of_series: received shapes .* needs as many finite"):
+            vsb.annual_energy_of_series(wrong, [1e3, 5e3])
+
+
+def test_table_of_gains_holds_those_of_the_comparison(results):
+    best = results.ladder.query("rung == 'best_damper'").set_index("design").power_mean
+    found = results.gains.set_index("design").best_gain_percent
+    assert found["flexible"] == pytest.approx(100 * (best["flexible"] / best["rigid"] - 1), abs=1e-6)
+    assert found["rigid"] == 0.0
+
+
 def test_figures_take_and_return_axes(results):
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")

@@ -1,6 +1,7 @@
 """Optimal force under limits: matched optimum, least squares, SLSQP, linear programmes, feasibility."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -43,6 +44,16 @@ def test_inactive_limits_give_the_matched_power(harmonics):
     assert tight.power < matched
     assert tight.power <= tight.bound <= matched
     assert tight.gap < PROVEN
+
+
+def test_port_that_is_not_passive_has_no_optimum():
+    """Where waves move a port, `Port` itself sees it."""
+    port = buoy_port(SEA)
+    lossless = replace(port, velocity=0 * port.velocity, admittance=1j * port.admittance.imag)
+    with pytest.raises(
+        ValueError, match=r"port: not passive at .* rad/s, received Re Y = -?0 m/\(N s\), needs more than 0"
+    ):
+        constrained_optimum(SEA, lossless, np.ones(SEA.count), Limits(1.0))
 
 
 def node_values(harmonics, limit):

@@ -112,6 +112,14 @@ def test_scatter_between_records_cancels(measured):
     assert checked.gain(1, 0) == pytest.approx([100 * (7 / 9 * linear_gain - 1)] * 3, rel=1e-9)
 
 
+@pytest.mark.parametrize(("better", "count"), [(np.ones((2, 7)), 0), (np.full((2, 8), np.nan), 16)])
+def test_powers_that_are_missing_or_not_finite_are_refused(measured, better, count):
+    found, _ = measured
+    sample = drawn(chances(found, "one"), found.climate.hours, 8, 3)
+    with pytest.raises(ConfigError, match=rf"verify: received better powers of shape .*, {count} of them not finite"):
+        verified(found, "one", sample, better, np.ones((2, 8)))
+
+
 def test_motion_that_decays_too_slowly_is_refused():
     with pytest.raises(ConfigError, match=r"motions that decay in 300 s in a sea of Te 11 s.*needs less than 220 s"):
         record_of(11.0, 300.0, Simulation())

@@ -10,6 +10,7 @@ import pytest
 import yaml
 from conftest import SEED
 
+from vsb.api.campaign import Campaign
 from vsb.errors import VsbError
 from vsb.results.year import frequencies, year
 from vsb.scenes.floating_system import floating_system
@@ -115,6 +116,14 @@ def test_campaign_member_equals_the_year_of_its_study(folder, swept):
     for name in ("damping", "force_rms", "power_matrix"):
         np.testing.assert_allclose(at[name].values, apart[name].values, rtol=1e-6, err_msg=name)
     np.testing.assert_allclose(at.gain_percent.values, apart.gain_percent.values, atol=1e-7)
+
+
+def test_scatter_figure_shows_the_share_of_hours_of_each_bin(swept):
+    plan, found = swept
+    ax = Campaign(plan.folder).plot.scatter()
+    drawn = np.ma.asarray(ax.collections[0].get_array()).compressed()
+    assert np.nansum(drawn) == pytest.approx(100.0)
+    assert sorted(drawn[drawn > 0]) == pytest.approx(sorted(100 * found.occurrence.values[found["count"].values > 0]))
 
 
 PLANAR = {

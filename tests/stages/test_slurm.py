@@ -8,6 +8,7 @@ import yaml
 
 from vsb.stages import slurm
 from vsb.stages.run import ended
+from vsb.study.plan import StudyPlan
 from vsb.study.plans import plan_of
 from vsb.tools.shipped import HOME
 
@@ -66,6 +67,22 @@ def test_short_study_is_one_job_on_two_cores(cluster):
     found = slurm.single_job(plan, PROFILE)
     size = ["--ntasks=1", "--nodes=1", "--cpus-per-task=2", "--mem=4000", "--time=60"]  # [MB], [minutes]
     assert found == ["srun", *size, f"--job-name={slurm.run_name(plan)}_whole"]
+
+
+@pytest.mark.parametrize(
+    ("simulation", "waves", "short"),
+    [
+        ({"duration": 60.0, "window": [40.0, 60.0]}, 1, True),
+        ({"duration": 60.0, "window": [40.0, 60.0]}, slurm.MOST_RUNS, False),  # of two designs
+        ({"duration": slurm.SHORT, "window": [40.0, 60.0]}, 1, False),
+    ],
+)
+def test_long_or_many_runs_are_jobs_of_their_own(simulation, waves, short):
+    seas = [{"kind": "regular", "amplitude": 0.1, "period": 3.0 + k} for k in range(waves)]
+    raw = yaml.safe_load(SEED.read_text()) | {"waves": seas, "simulation": simulation}
+    raw["designs"] = {"FSB": {"flexible": False}, "VSWEC": {}}
+    assert slurm.is_short(StudyPlan.of(raw)) == short
+    assert not slurm.is_short(StudyPlan.of({**raw, "hydro": {**raw["hydro"], "solver": "panels"}}))
 
 
 def test_account_comes_from_the_profile_and_other_resources_are_left_to_the_plugin(cluster):

@@ -104,6 +104,9 @@ def test_year_does_not_depend_on_time_domain_settings():
     assert sections(varied(seed, pto={"damping": 1.0})) != sections(seed)
 
 
+INERTIA = {"device.ballast_inertia": 9e3, "device.ballast_yaw_inertia": 9e3}
+
+
 @pytest.mark.parametrize(
     ("point", "message"),
     [
@@ -115,6 +118,10 @@ def test_year_does_not_depend_on_time_domain_settings():
         (
             {"drag": {"heave": {"coefficient": 1.0, "area": 3.0}}},
             "drag: a year is of linear theory, in which what waves",
+        ),
+        (
+            {"motion": "free", "device.centre_of_mass": -0.6} | INERTIA,
+            "motion: received 'free'; the seas of a year have no directions: needs motion: heave or planar",
         ),
         ({"scale": 0.0}, "scale: received 0.0, needs 0.001 to 1000"),
     ],

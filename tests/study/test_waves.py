@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from vsb.errors import ConfigError
 from vsb.study.study import canonical
 from vsb.study.waves import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
 
@@ -34,3 +35,9 @@ def test_memory_is_ten_periods_or_two_beats_of_the_band(band):
     period, beat = 2 * math.pi / noise.omega, 2 * math.pi / (band[1] - band[0])
     assert noise.memory == pytest.approx(max(10 * period, 2 * beat))
     assert [wave.memory for wave in SEAS[1:3]] == pytest.approx([70.0, 70.0])
+
+
+def test_seeds_of_all_realisations_have_32_bits():
+    assert Jonswap(kind="jonswap", hs=1.0, tp=7.0, seed=2**32 - 3, realisations=3).seed == 2**32 - 3
+    with pytest.raises(ConfigError, match=r"seed of 10 digits: needs at most 2\^32 - realisations"):
+        Jonswap(kind="jonswap", hs=1.0, tp=7.0, seed=2**32 - 2, realisations=3)

@@ -267,8 +267,8 @@ def constrained_optimum(
     if not np.all(port.admittance.real > 0):
         worst = int(np.argmin(port.admittance.real))
         raise ValueError(
-            f"port: received Re Y = {port.admittance.real[worst]:.3g} m/(N s) at {port.omega[worst]:.4g} rad/s, needs "
-            "more than 0: a port that gives out energy has no optimum"
+            f"port: not passive at {port.omega[worst]:.4g} rad/s, received Re Y = {port.admittance.real[worst]:.3g} "
+            "m/(N s), needs more than 0"
         )
     band = port.at(np.arange(harmonics.count))
     velocity, admittance = band.velocity * amplitude, band.admittance

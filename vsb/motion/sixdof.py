@@ -110,28 +110,6 @@ class Elastic:
 
 
 @dataclass(frozen=True)
-class StructuralDamping:
-    """Rayleigh damping of the shell's own motion, -D eta'; rigid motion is not damped."""
-
-    basis: ModeBasis
-
-    def __call__(self, time: float, state: State) -> FloatArray:
-        """Return the generalized force, shape (6 + mode,) [N, N m, N]."""
-        return np.concatenate([np.zeros(6), -self.basis.damping[1:, 1:] @ state.modal_amplitude_rate])
-
-
-@dataclass(frozen=True)
-class PointDamper:
-    """Linear power take-off between the sphere centre and the sea bed: -c times the heave velocity, Eq. 91."""
-
-    damping: float  # c [N s/m]
-
-    def __call__(self, time: float, state: State) -> FloatArray:
-        """Return the generalized force, shape (6 + mode,) [N, N m, N]."""
-        return np.asarray(-self.damping * state.velocity[2] * np.eye(6 + len(state.modal_amplitude))[2])
-
-
-@dataclass(frozen=True)
 class Body:
     """Inertia of shell and ballast: constant, linear and quadratic in the modal amplitudes, exactly.
 
@@ -227,12 +205,6 @@ class Body:
     def linear_momentum(self, state: State) -> FloatArray:
         """Return the linear momentum in inertial axes, shape (3,) [kg m/s]."""
         return np.asarray(self.mass_matrix(state)[:3] @ state.quasi_velocities)
-
-    def angular_momentum(self, state: State, about: FloatArray | None = None) -> FloatArray:
-        """Return the angular momentum about a fixed point (None: the origin), inertial axes, shape (3,) [kg m^2/s]."""
-        arm = state.position if about is None else state.position - about
-        own = state.rotation @ self.mass_matrix(state)[3:6] @ state.quasi_velocities
-        return np.asarray(skew(arm) @ self.linear_momentum(state) + own)
 
 
 def _quaternion_rotation(q: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import eigh, svd
 
 from vsb.motion.scene import Scene
-from vsb.motion.system import Motion, System
+from vsb.motion.system import System
 from vsb.shell.modes import check_rank
 from vsb.tools.arrays import FloatArray
 
@@ -126,27 +126,3 @@ def constraint_drift(positions: FloatArray, rows: FloatArray) -> float:
     rows : ndarray, shape (constraint, dof) [-]
     """
     return float(np.abs(positions @ rows.T).max(initial=0.0))
-
-
-def constraint_force(system: System, motion: Motion, rows: FloatArray) -> FloatArray:
-    """Return the forces of the clamps on the shell, shape (time, constraint) [N].
-
-    Parameters
-    ----------
-    system : System
-        Clamped by either route.
-    motion : Motion
-        Of that system.
-    rows : ndarray, shape (constraint, dof) [-]
-        Phi; the order of the result: all radial rows, then all meridional ones.
-
-    Notes
-    -----
-    Multipliers of M q'' = Q + Phi^T lambda, of least norm: clamps given twice share their force. Each is the total
-    force around the parallel circle, positive outwards and towards growing colatitude.
-    """
-    inertia = motion.acceleration @ system.scene.motions.T @ system.scene.mass
-    missing = inertia - sum(system.forces(motion).values())
-    left, singular, right = svd(rows, full_matrices=False)
-    rank = check_rank(rows)
-    return np.asarray(missing @ (right[:rank].T / singular[:rank]) @ left[:, :rank].T)

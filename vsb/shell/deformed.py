@@ -1,7 +1,7 @@
 """The deformed shell in water: waterline, wet quadrature, volume, area, hydrostatic force and its exact Jacobian."""
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import NamedTuple
@@ -183,20 +183,16 @@ class DeformedShell:
             for node, weight in zip(*map(_parts, rule), strict=True):
                 yield (a + b) / 2 + (b - a) / 2 * node, (b - a) / 2 * weight
 
-    def _wet_integral(self, integrand: Callable[[Meridian], FloatArray], points: int) -> FloatArray | float:
-        """Integrate over the wet meridian by Gauss-Legendre quadrature, `points` per wet segment."""
-        total: FloatArray | float = 0.0
-        for phi, weight in self._wet_points(points):
-            total = total + integrand(self.meridian(phi)) @ weight
-        return total
-
     def volume(self, points: int = 40) -> float:
-        """Return the volume of displaced water [m^3], -int 2 pi x z n_z: pi x^2 dz integrated by parts at z = 0."""
-        return float(self._wet_integral(lambda m: 2 * np.pi * m.x * m.z * m.dx, points))
+        """Return the volume of displaced water [m^3], -int 2 pi x z n_z: pi x^2 dz integrated by parts at z = 0.
 
-    def wet_area(self, points: int = 40) -> float:
-        """Return the area of the wet shell [m^2]."""
-        return float(self._wet_integral(lambda m: 2 * np.pi * m.x * np.hypot(m.dx, m.dz), points))
+        By Gauss-Legendre quadrature, `points` per wet segment.
+        """
+        total = 0.0
+        for phi, weight in self._wet_points(points):
+            m = self.meridian(phi)
+            total += float((2 * np.pi * m.x * m.z * m.dx) @ weight)
+        return total
 
     def hydrostatic_force(self, density: float, gravity: float, points: int = 60) -> FloatArray:
         """Return the generalized hydrostatic force, shape (dof,) [N]; see `hydrostatics`."""

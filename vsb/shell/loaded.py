@@ -275,7 +275,6 @@ class Buckling:
 
     load_factor: float  # least factor that buckles the shell; inf: none does [-]
     degree: int  # Legendre degree with most of the mode's elastic energy
-    classical_factor: float  # classical pressure over the largest net external pressure, as if it were uniform [-]
     linear_strain: float  # largest strain of the linear static solution: over-estimates large ones [-]
 
 
@@ -293,13 +292,10 @@ def buckling(loaded: LoadedShell) -> Buckling:
     """Return the least L > 0 at which K_elastic + L (prestress + hydrostatic stiffness) is singular, heave free."""
     elastic, load = buckling_pencil(loaded)
     values, vectors = eigh(-load, elastic)
-    draft = max(0.0, loaded.basis.shell.radius - loaded.centre_height)
-    external = loaded.water_density * loaded.gravity * draft - loaded.pressure_inside
     e, t, _ = loaded.elastic._tables.strains
     return Buckling(
         1 / float(values[-1]) if values[-1] > 0 else math.inf,
         _dominant_degree(loaded.elastic, np.append(0.0, vectors[:, -1])),
-        loaded.basis.shell.buckling_pressure / external if external > 0 else math.inf,
         float(np.abs([loaded.first_order @ e, loaded.first_order @ t]).max()),
     )
 
