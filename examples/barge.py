@@ -18,12 +18,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 from pydantic import Field, model_validator
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from examples import command
 from vsb.cli import print_verdict
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody
+from vsb.hydro.bodies.families import free_free_root, free_free_shape
 from vsb.hydro.bodies.files import write_body
 from vsb.hydro.bodies.mesh import at_centres, joined
 from vsb.hydro.bodies.study import read_config, run, solve
@@ -40,33 +41,6 @@ from vsb.tools.tables import csv_text, svg_text
 GRADING = 0.5
 """Between equal panels (0) and cosine spacing (1), whose panels at the edges shrink with the square of the number."""
 Few = Annotated[Count, Field(ge=1, le=40)]
-
-
-def free_free_root(n: int) -> float:
-    """Return half of the n-th root b > 0 of cos b cosh b = 1: tan k + tanh k = 0 for odd n, tan k = tanh k for even.
-
-    Both are sin and cos of k with e^{-2k}, so neither overflows nor cancels however high the mode.
-    """
-    sign = 1.0 if n % 2 else -1.0
-    middle = (n + 0.5) * np.pi / 2
-    return float(brentq(lambda k: np.sin(k) + sign * np.tanh(k) * np.cos(k), middle - 0.1, middle + 0.1, xtol=1e-15))
-
-
-def free_free_shape(n: int, s: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the n-th bending mode of a free beam on -1 <= s <= 1, one at s = 1, and its derivative by s.
-
-    Notes
-    -----
-    (cos ks/cos k + cosh ks/cosh k)/2 for odd n, likewise with sines for even n, the hyperbolic part as
-    e^{k(|s| - 1)} (1 +- e^{-2k|s|})/(1 +- e^{-2k}): no difference of large numbers in modes of any order.
-    """
-    k, even = free_free_root(n), n % 2 == 1
-    u, sign = np.abs(s), 1.0 if n % 2 else -1.0
-    grown = np.exp(k * (u - 1)) / (1 + sign * np.exp(-2 * k))
-    with_sum, with_difference = grown * (1 + np.exp(-2 * k * u)), np.sign(s) * grown * -np.expm1(-2 * k * u)
-    if even:
-        return (np.cos(k * s) / np.cos(k) + with_sum) / 2, k * (with_difference - np.sin(k * s) / np.cos(k)) / 2
-    return (np.sin(k * s) / np.sin(k) + with_difference) / 2, k * (np.cos(k * s) / np.sin(k) + with_sum) / 2
 
 
 class Barge(Section):

@@ -103,7 +103,7 @@ def blocks(page, language):
 
 def test_body_of_the_documentation(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (program,), (_, _, _, file, made, *_) = blocks("own-body.md", "python"), blocks("own-body.md", "yaml")
+    (program,), (_, _, _, _, file, made, *_) = blocks("own-body.md", "python"), blocks("own-body.md", "yaml")
     exec(program, {})
     Path("raft.yaml").write_text(file)
     Path("my_raft.yaml").write_text(made)

@@ -8,8 +8,8 @@ from scipy.integrate import quad
 from scipy.special import roots_legendre
 
 from examples import barge
-from examples.barge import free_free_root, free_free_shape
 from vsb.errors import ConfigError
+from vsb.hydro.bodies.families import free_free_root, free_free_shape
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.study.body import load_body

@@ -22,7 +22,7 @@ from pydantic import (
 )
 
 from vsb.errors import ConfigError
-from vsb.study.quantities import RIGID, Count, Finite, Name, Number, Positive, Section, is_rigid
+from vsb.study.quantities import RIGID, Count, Finite, Name, NonNegative, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
 from vsb.study.records import with_records
 from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Published, Simulation, Water
@@ -37,11 +37,62 @@ Frequency = Annotated[Number, Field(ge=1e-3, le=1e3)]
 """Frequencies of gravity waves on Earth, tsunamis and ripples among them [rad/s]."""
 Direction = Annotated[Number, Field(ge=-360, le=360)]
 RigidMotion = Literal["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
+MOST_MODES = 20
+"""Modes of bending, or polynomials."""
+
+
+class Line(Section):
+    """Modes of a beam along an axis of the hull, `count` of them, with its bending stiffness EI [N m^2]."""
+
+    count: Annotated[Count, Field(ge=1, le=MOST_MODES)]
+    axis: Literal["x", "y"] = "x"
+    stiffness: NonNegative = 0.0
+
+
+class Hinge(Section):
+    """A hinge across an axis of the hull: its place along the axis and its height [m], its stiffness [N m/rad]."""
+
+    at: tuple[Finite, Finite]
+    axis: Literal["x", "y"] = "x"
+    stiffness: NonNegative = 0.0
+
+
+class ModeFamilies(Section):
+    """Modes by name: rigid motions, all or some; free-free bending or polynomials along the hull; hinges."""
+
+    rigid: bool | tuple[RigidMotion, ...] = True
+    bending: Line | None = None
+    polynomial: Line | None = None
+    hinge: tuple[Hinge, ...] = ()
+
+    @field_validator("hinge", mode="before", json_schema_input_type=Hinge | tuple[Hinge, ...])
+    @classmethod
+    def _one_or_many(cls, value: object) -> object:
+        return value if isinstance(value, list | tuple) else (value,)
+
+    @model_validator(mode="after")
+    def _some(self) -> Self:
+        if self.bending and self.polynomial:
+            raise ValueError("polynomial: received beside bending, which it nearly repeats; needs one of them")
+        if not (self.rigid or self.bending or self.polynomial or self.hinge):
+            raise ValueError("rigid: received none, and no other modes; needs at least one")
+        return self
+
+
+def _modes_kind(value: object) -> str:
+    """Which kind of modes is meant, by its form."""
+    if isinstance(value, dict | ModeFamilies):
+        return "families"
+    return "names" if isinstance(value, list | tuple) else "path"
+
+
 Modes = Annotated[
-    Annotated[str, Tag("path")] | Annotated[tuple[RigidMotion, ...], Tag("names")],
-    Discriminator(lambda value: "names" if isinstance(value, list | tuple) else "path"),
+    Annotated[str, Tag("path")]
+    | Annotated[tuple[RigidMotion, ...], Tag("names")]
+    | Annotated[ModeFamilies, Tag("families")],
+    Discriminator(_modes_kind),
 ]
-"""A file of displacements, `rigid` for the six rigid motions, or some of these by their names."""
+"""A file of displacements, `rigid` for the six rigid motions, some of these by their names, or families of modes."""
 
 
 def _mass_kind(value: object) -> str:
@@ -59,8 +110,8 @@ Mass = Annotated[
 ]
 """A mass [kg], or that of the water displaced."""
 Point = tuple[Finite, Finite, Finite]
-DRY = ("mass", "density", "centre_of_mass", "radii_of_gyration")
-"""Keys of the dry body, for rigid motions that are made; a file of displacements has its own."""
+DRY = ("mass", "density", "centre_of_mass", "radii_of_gyration", "rotation_point")
+"""Keys of the dry body, for modes that are made here; a file of displacements has its own."""
 
 
 class Hull(Section):
@@ -134,7 +185,9 @@ class BodyFile(Section):
 
     Modes `rigid`, or names of rigid motions, are made here, rotations about `centre_of_mass` [m]. Their mass matrix is
     that of `mass` [kg] or of a `density` [kg/m^3], with `radii_of_gyration` about the axes through the centre of mass
-    [m]. Centre and radii that are not given are those of the mesh filled evenly, for which it must be closed.
+    [m]. Centre and radii that are not given are those of the mesh filled evenly, for which it must be closed. A
+    `rotation_point` [m] takes the place of the centre of mass as what rigid rotations are about. Families of modes add
+    bending, polynomials and hinges; each section of the hull then carries the mass of the water it displaces.
     """
 
     body: Name
@@ -144,6 +197,7 @@ class BodyFile(Section):
     density: Positive | None = None
     centre_of_mass: Point | None = None
     radii_of_gyration: tuple[Positive, Positive, Positive] | None = None
+    rotation_point: Point | None = None
     water: Water = Water()
     omega: tuple[Frequency, ...]
     wave_direction: tuple[Direction, ...] = (0.0,)
@@ -176,7 +230,8 @@ class BodyFile(Section):
             if given:
                 raise ValueError(f"{given[0]}: stands in the file of modes; remove it, or use modes: rigid")
             return self
-        if not self.rigid_motions or len(set(self.rigid_motions)) < len(self.rigid_motions):
+        named = self.rigid_motions
+        if len(set(named)) < len(named) or not (named or self.families):
             raise ValueError(f"modes {list(self.rigid_motions)}: needs at least one rigid motion, and none twice")
         if {"mass", "density"} <= {*given}:
             raise ValueError("density: received both density and mass; needs one of them")
@@ -194,7 +249,20 @@ class BodyFile(Section):
         """Names of the rigid motions to be made; none if a file has the displacements."""
         if isinstance(self.modes, str):
             return RIGID if self.modes == "rigid" else None
+        if isinstance(self.modes, ModeFamilies):
+            rigid = self.modes.rigid
+            return (RIGID if rigid else ()) if isinstance(rigid, bool) else rigid
         return self.modes
+
+    @property
+    def families(self) -> ModeFamilies | None:
+        """Families of modes, if they are given."""
+        return self.modes if isinstance(self.modes, ModeFamilies) else None
+
+    @property
+    def all_rigid(self) -> bool:
+        """Whether all rigid motions are asked for: those that move no water are then left out."""
+        return self.modes == "rigid" or (self.families is not None and self.families.rigid is True)
 
     @property
     def paths(self) -> dict[str, str]:

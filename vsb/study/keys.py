@@ -381,6 +381,22 @@ KEYS: dict[str, dict[str, Key]] = {
         **_HEIGHT,
         **_HULL,
     },
+    "ModeFamilies": {
+        "rigid": Key("", "[Heave, Pitch]", "rigid motions: true for all, false for none, or their names"),
+        "bending": Key("", "{count: 4}", "free-free bending modes of a uniform beam along the hull"),
+        "polynomial": Key("", "{count: 4}", "Legendre polynomials from degree 2 along the hull, in place of them"),
+        "hinge": Key("", "{at: [0.0, 0.0]}", "a hinge, or a list of them: both ends of the hull rise by 1 m per unit"),
+    },
+    "Line": {
+        "count": Key("-", "4", "how many modes"),
+        "axis": Key("", "x", "direction of the beam"),
+        "stiffness": Key("N m^2", "1.0e+10", "bending stiffness EI"),
+    },
+    "Hinge": {
+        "at": Key("m", "[0.0, 0.0]", "where the hinge lies along the axis, and its height above still water"),
+        "axis": Key("", "x", "direction the hinge lies across"),
+        "stiffness": Key("N m/rad", "1.0e+7", "spring by the angle between the two sides"),
+    },
     "BodyFile": {
         "body": Key("", "raft", "name of the body and of its database"),
         "mesh": Key(
@@ -392,7 +408,8 @@ KEYS: dict[str, dict[str, Key]] = {
         "modes": Key(
             "",
             "raft_modes.nc",
-            "file of the displacements of the mesh's corners; or rigid, or a list such as [Heave, Pitch]: made here",
+            "file of the displacements of the mesh's corners; or made here: rigid, a list such as [Heave, Pitch], or "
+            "families, {rigid: true, bending: {count: 4}, hinge: {at: [0.0, 0.0]}}",
         ),
         "mass": Key("kg", "displaced", "mass for rigid modes; displaced is that of the displaced water"),
         "density": Key("kg/m^3", "500.0", "mean density in place of a mass; the mesh must be closed above water, too"),
@@ -405,6 +422,9 @@ KEYS: dict[str, dict[str, Key]] = {
             "m",
             "[2.0, 2.0, 3.0]",
             "about the x, y and z axis through the centre of mass; without them, of the mesh filled evenly",
+        ),
+        "rotation_point": Key(
+            "m", "[0.0, 0.0, 0.0]", "rotations of rigid modes are about it, in place of the centre of mass"
         ),
         "water": Key("", "{depth: 20.0}", "the sea without its waves"),
         "omega": Key("rad/s", "[0.5, 1.0, 1.5]", "frequencies of the database"),

@@ -4,7 +4,8 @@ Displacements are dimensionless fields psi_i on the wetted surface, one per degr
 metres, or radians for rotations. Normals point into the water.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise, permutations
 from typing import NamedTuple
@@ -27,6 +28,7 @@ from vsb.hydro.bodies.mesh import (
     rigid_motion,
     text_of,
 )
+from vsb.hydro.bodies.sections import Beam
 from vsb.study.quantities import RIGID, body_of
 from vsb.tools.arrays import BoolArray, FloatArray, IntArray
 
@@ -84,6 +86,7 @@ class FlexibleBody:
     centre_of_mass: FloatArray | None = None
     second_order: FloatArray | None = None  # (dof, dof, vertex, xyz): d2x/dq_i dq_j of the corners [1/m]
     history: str = ""  # of repairs
+    beams: Mapping[int, Beam] = field(default_factory=dict)  # degrees of freedom known to bend as beams
 
     def __post_init__(self) -> None:
         """Refuse a body that cannot be solved."""

@@ -1,4 +1,4 @@
-"""The body a body file describes: its displacements read from a file, or rigid motions made here with their mass."""
+"""The body a body file describes: its displacements read from a file, or modes made here with their mass."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -8,10 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, check_apart
+from vsb.hydro.bodies.body import FlexibleBody, Triangles, check_apart
+from vsb.hydro.bodies.families import Hull, LineMode, line_modes, structural_stiffness
 from vsb.hydro.bodies.files import panels_with_area, read_body, read_mesh, with_gaps_noted
 from vsb.hydro.bodies.hulls import hull_panels
+from vsb.hydro.bodies.hydrostatics import columns_of
 from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, gaps, owners, wetted
+from vsb.hydro.bodies.sections import Beam
 from vsb.study.body import BodyFile, SphereHull
 from vsb.study.quantities import RIGID, ROTATIONS
 from vsb.tools.arrays import FloatArray, IntArray
@@ -40,18 +43,18 @@ def build_body(file: BodyFile, paths: Mapping[str, str | Path]) -> FlexibleBody:
     if file.rigid_motions is None:
         return read_body(paths["mesh"], paths["modes"], file.water.gravity)
     if not isinstance(file.mesh, str):
-        return _rigid_body(file, *hull_panels(file.mesh), [])
+        return _made_body(file, *hull_panels(file.mesh), [])
     mesh = paths["mesh"]
     vertices, faces = read_mesh(mesh)
     kept, notes = panels_with_area(mesh, vertices, faces, file.water.gravity)
     try:
-        return _rigid_body(file, vertices, faces[kept], notes)
+        return _made_body(file, vertices, faces[kept], notes)
     except ConfigError as error:
         raise ConfigError(f"{mesh}: {error}") from None
 
 
-def _rigid_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: list[str]) -> FlexibleBody:
-    """The body of a mesh in the rigid motions of a body file."""
+def _made_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: list[str]) -> FlexibleBody:
+    """The body of a mesh in the rigid motions and the families of modes of a body file."""
     labels = list(file.rigid_motions or ())
     rotates, weighed = bool(set(ROTATIONS) & set(labels)), file.mass is not None or file.density is not None
     centre = None if file.centre_of_mass is None else np.array(file.centre_of_mass)
@@ -63,23 +66,64 @@ def _rigid_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: li
     if centre is None and solid:
         centre = solid.centre
         notes = [*notes, "centre of mass that of the mesh filled evenly"]
+    pivot = centre if file.rotation_point is None else np.array(file.rotation_point)
     wet = wetted(vertices, faces)
     points, panels = (wet.vertices, wet.faces) if wet else (vertices, faces)
-    if file.modes == "rigid" and _still(points, panels, _motion("Yaw", centre)):
+    if file.all_rigid and _still(points, panels, _motion("Yaw", pivot)):
         labels.remove("Yaw")
         notes = [*notes, "Yaw left out: it moves no water"]
-    if file.modes == "rigid" and _turns_about_its_centre(file.mesh, centre):
+    if file.all_rigid and _turns_about_its_centre(file.mesh, pivot):
         labels = [label for label in labels if label not in ROTATIONS]
         notes = [*notes, "Roll and Pitch left out: about its own centre a sphere moves no water"]
-    motions = [_motion(label, centre) for label in labels]
+    motions: list[Rigid | LineMode] = [_motion(label, pivot) for label in labels]
+    stiffness, beams = None, dict[int, Beam]()
+    if file.families:
+        hull = _hull(vertices[np.unique(faces)], points, panels, centre)
+        lines = line_modes(file.families, hull)
+        stiffness = _beside(len(labels), structural_stiffness(file.families, hull, lines))
+        beams = {i: Beam(line.axis, line) for i, line in enumerate(lines, len(labels)) if line.smooth}
+        labels, motions = [*labels, *(line.label for line in lines)], [*motions, *lines]
     shapes = np.array([motion.at(points) for motion in motions])
     history = "; ".join(filter(None, [*notes, wet.history if wet else ""]))
     modes = at_centres(points, panels, shapes)
-    body = FlexibleBody(points, panels, tuple(labels), modes, shapes, centre_of_mass=centre, history=history)
+    body = FlexibleBody(
+        points,
+        panels,
+        tuple(labels),
+        modes,
+        shapes,
+        stiffness=stiffness,
+        centre_of_mass=centre,
+        history=history,
+        beams=beams,
+    )
     check_apart(body)
     if weighed:
-        body = replace(body, mass=_mass_matrix(file, body, solid, motions))
+        rigid = [motion for motion in motions if isinstance(motion, Rigid)]
+        mass, block = _mass_matrix(file, body, solid, rigid)
+        if file.families:
+            moved = np.array([motion.at(hull.masses_at) for motion in motions])
+            whole = mass * np.einsum("ipx,jpx,p->ij", moved, moved, hull.shares, optimize=True)
+            whole[: len(rigid), : len(rigid)] = block
+            block = whole
+        body = replace(body, mass=block)
     return with_gaps_noted(body)
+
+
+def _hull(vertices: FloatArray, points: FloatArray, panels: IntArray, centre: FloatArray | None) -> Hull:
+    """The extent of a hull, deck included, and where the water is that its wetted panels displace."""
+    halves = np.concatenate([panels[:, [0, 1, 2]], panels[:, [0, 2, 3]]])
+    corner = points[halves]
+    area = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
+    columns = columns_of(Triangles(corner, area, np.zeros((0, *corner.shape))))
+    volume = columns.volume.sum(axis=-1).ravel()
+    at = columns.points.reshape(-1, 3)
+    return Hull(vertices.min(axis=0), vertices.max(axis=0), centre, at, volume / volume.sum())
+
+
+def _beside(rigid: int, stiffness: FloatArray | None) -> FloatArray | None:
+    """A stiffness of flexible modes with rigid ones before them, which have none."""
+    return None if stiffness is None else np.pad(stiffness, ((rigid, 0), (rigid, 0)))
 
 
 def _turns_about_its_centre(mesh: object, centre: FloatArray | None) -> bool:
@@ -104,13 +148,17 @@ def _missing(file: BodyFile, rotates: bool) -> str | None:
     """The first key that only a closed mesh can stand for."""
     if file.density is not None:
         return "mass"
+    if file.families and file.centre_of_mass is None:
+        return "centre_of_mass"
     if not rotates or file.mass is None:
         return None
     return next((key for key in ("centre_of_mass", "radii_of_gyration") if getattr(file, key) is None), None)
 
 
-def _mass_matrix(file: BodyFile, body: FlexibleBody, solid: Solid | None, motions: Sequence[Rigid]) -> FloatArray:
-    """Mass matrix of rigid motions, shape (dof, dof) [kg]: m v_i.v_j + a_i.I a_j, v_i at the centre of mass."""
+def _mass_matrix(
+    file: BodyFile, body: FlexibleBody, solid: Solid | None, motions: Sequence[Rigid]
+) -> tuple[float, FloatArray]:
+    """Mass [kg] and matrix of rigid motions, shape (dof, dof): m v_i.v_j + a_i.I a_j, v_i at the centre of mass."""
     if file.density is not None and solid:
         mass = file.density * solid.volume
     else:
@@ -120,9 +168,9 @@ def _mass_matrix(file: BodyFile, body: FlexibleBody, solid: Solid | None, motion
     else:
         inertia = np.trace(solid.moments) * np.eye(3) - solid.moments if solid else np.zeros((3, 3))
     centre = np.zeros(3) if body.centre_of_mass is None else body.centre_of_mass
-    moved = np.array([motion.at(centre) for motion in motions])
-    turned = np.array([motion.rotation for motion in motions])
-    return np.asarray(mass * (moved @ moved.T + turned @ inertia @ turned.T))
+    moved = np.array([motion.at(centre) for motion in motions]).reshape(-1, 3)
+    turned = np.array([motion.rotation for motion in motions]).reshape(-1, 3)
+    return mass, np.asarray(mass * (moved @ moved.T + turned @ inertia @ turned.T))
 
 
 def filled(vertices: FloatArray, faces: IntArray) -> Solid | None:
@@ -156,7 +204,7 @@ def _turned(faces: IntArray) -> IntArray:
 
 
 def _motion(label: str, centre: FloatArray | None) -> Rigid:
-    """A unit rigid motion by its name, rotations about the centre of mass, or about the origin without one."""
+    """A unit rigid motion by its name, rotations about a point, or about the origin without one."""
     axis, k = np.eye(3)[RIGID.index(label) % 3], RIGID.index(label)
     if k < 3:
         return Rigid(axis, np.zeros(3))

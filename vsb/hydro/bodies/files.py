@@ -195,13 +195,14 @@ def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None)
             values = wet.at_vertices(values) if by_vertex else wet.at_panels((vertices, faces), values)
             vertices, faces = wet.vertices, wet.faces
             notes.append(wet.history)
+        matrices: dict[str, Any] = {field: known.get(name) for field, name in _MATRICES.items()}
         body = FlexibleBody(
             vertices,
             faces,
             labels,
             at_centres(vertices, faces, values) if by_vertex else values,
             values if by_vertex else at_vertices(vertices, faces, values),
-            **{field: known.get(name) for field, name in _MATRICES.items()},
+            **matrices,
             history="; ".join(filter(None, notes)),
         )
         check_apart(body)

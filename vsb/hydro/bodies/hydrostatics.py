@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.hydro.bodies.body import FlexibleBody, Triangles
-from vsb.hydro.bodies.turning import Pieces, Sections, TurningMotions, turning_motions
+from vsb.hydro.bodies.sections import Sections
+from vsb.hydro.bodies.turning import Pieces, TurningMotions, turning_motions
 from vsb.tools.arrays import FloatArray
 
 
@@ -42,7 +43,7 @@ def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) ->
     if body.second_order is None:
         motions = _turning(body)
         if known := list(motions.fields):
-            stiffness[np.ix_(known, known)] = _form(body, motions, known, _columns(t))
+            stiffness[np.ix_(known, known)] = _form(body, motions, known, columns_of(t))
     else:
         stiffness += [[_pressure_work(t, chi[body.triangle_corners]) for chi in row] for row in body.second_order]
     for i in rigid:
@@ -64,7 +65,7 @@ def hinge_gap(body: FlexibleBody) -> float | None:
     With the wetted surface S, on which waves are solved as if the gap were sealed, and the waterplane these walls
     close every piece: int_walls w psi.n dS = int_V psi.grad w dV - int_S w psi.n dS - int_waterplane w^2 dA.
     """
-    motions, columns, shares = _turning(body), _columns(body.triangles), list[float]()
+    motions, columns, shares = _turning(body), columns_of(body.triangles), list[float]()
     for i, fields in motions.fields.items():
         if any(isinstance(field, Pieces) and len(field.motions) > 1 for field in fields):
             sections = _sections(body, motions, i, columns)
@@ -95,7 +96,7 @@ def linear_share(body: FlexibleBody) -> float | None:
     return float((missed / (missed + linear)).max())
 
 
-class _Columns(NamedTuple):
+class Columns(NamedTuple):
     """Quadrature of the displaced water by vertical columns from points of the wetted surface up to the waterplane.
 
     Vertical walls, such as those of a hinge, close a body without adding any.
@@ -113,8 +114,11 @@ class _Columns(NamedTuple):
         return rho
 
 
-def _columns(t: Triangles) -> _Columns:
-    """int_V g dV = int_S n_z int_0^z g dz dS, with Radon's seven points in a triangle and two of Gauss in a column."""
+def columns_of(t: Triangles) -> Columns:
+    """Return int_V g dV = int_S n_z int_0^z g dz dS as a quadrature.
+
+    Radon's seven points in a triangle and two of Gauss in a column.
+    """
     root = 15**0.5
     corner = [np.full(3, 1 / 3)]
     for a in ((6 - root) / 21, (6 + root) / 21):
@@ -123,7 +127,7 @@ def _columns(t: Triangles) -> _Columns:
     points = np.einsum("qk,tkx->tqx", np.array(corner), t.corner)
     up = t.area[:, 2, None] * weight
     z = points[..., 2, None] * (0.5 + np.array([-0.5, 0.5]) / 3**0.5)
-    return _Columns(points, z, -up, np.repeat((up * points[..., 2])[..., None] / 2, 2, axis=-1))
+    return Columns(points, z, -up, np.repeat((up * points[..., 2])[..., None] / 2, 2, axis=-1))
 
 
 def _turning(body: FlexibleBody) -> TurningMotions:
@@ -133,7 +137,7 @@ def _turning(body: FlexibleBody) -> TurningMotions:
     return turning_motions(body, body.flexible if known else [])
 
 
-def _sections(body: FlexibleBody, motions: TurningMotions, i: int, columns: _Columns) -> Sections:
+def _sections(body: FlexibleBody, motions: TurningMotions, i: int, columns: Columns) -> Sections:
     """Motion of the sections of all parts at the points of the columns, shape (triangle, n, 1, xyz) each."""
     part, found = np.tile(body.part, 2), Sections(*(np.zeros_like(columns.points) for _ in Sections._fields))
     for p, field in enumerate(motions.fields[i]):
@@ -142,7 +146,7 @@ def _sections(body: FlexibleBody, motions: TurningMotions, i: int, columns: _Col
     return Sections(*(values[:, :, None] for values in found))
 
 
-def _form(body: FlexibleBody, motions: TurningMotions, dofs: list[int], columns: _Columns) -> FloatArray:
+def _form(body: FlexibleBody, motions: TurningMotions, dofs: list[int], columns: Columns) -> FloatArray:
     """Stiffness between motions of hinges and beams (`hydrostatic_stiffness`), (dof, dof) [m^2]."""
     sections = [_sections(body, motions, i, columns) for i in dofs]
     rho = columns.across(motions.axis)

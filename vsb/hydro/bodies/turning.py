@@ -10,7 +10,7 @@ rotates with a section the strain along the axis stays linear in the amplitudes.
 with a stiffness matrix of the structure, and the neutral axis of a beam that bends keeps its length.
 """
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -19,6 +19,7 @@ from scipy.spatial import cKDTree
 
 from vsb.hydro.bodies.body import LEAST_PANELS, FlexibleBody
 from vsb.hydro.bodies.mesh import RIGID_TO, Rigid, fitted_motion
+from vsb.hydro.bodies.sections import Sections, TurningField
 from vsb.tools.arrays import BoolArray, FloatArray, IntArray
 
 _SEEDS = 60  # panels from which rigid pieces are grown, at most
@@ -27,30 +28,6 @@ _DEGREE, _MOST_SITES = 5, 40  # of the splines along a beam
 _DEFORMED = 1e-3  # displacement of a section beyond a rigid one, in terms of the largest
 _SIDES = ((0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (1, 3))  # and diagonals of a panel
 _SHEARED = 0.02  # angle of sections from the normals of the axis, in terms of the largest rotation
-
-
-class Sections(NamedTuple):
-    """Motion of the sections that points (..., xyz) lie in: psi = shift + turn x rho."""
-
-    shift: FloatArray  # T (..., xyz) [-]
-    turn: FloatArray  # omega (..., xyz) [1/m]
-    stretch: FloatArray  # dT/ds (..., xyz) [1/m]
-    bend: FloatArray  # d omega/ds (..., xyz) [1/m^2]
-
-    def displacement(self, rho: FloatArray) -> FloatArray:
-        """Return psi at places across the axis, shape (..., xyz)."""
-        return np.asarray(self.shift + np.cross(self.turn, rho))
-
-    def strain(self, rho: FloatArray, axis: int) -> FloatArray:
-        """Return the strain along the axis at places across it, shape (...) [1/m]."""
-        return np.asarray((self.stretch + np.cross(self.bend, rho))[..., axis])
-
-
-class TurningField(Protocol):
-    """A displacement of one part of a body whose sections or pieces rotate."""
-
-    def sections(self, points: FloatArray, axis: int) -> Sections:
-        """Return the motion at points of each of the part's triangles, shape (triangle, n, xyz)."""
 
 
 class Pieces(NamedTuple):
@@ -94,15 +71,19 @@ class TurningMotions(NamedTuple):
 
 
 def turning_motions(body: FlexibleBody, dofs: list[int]) -> TurningMotions:
-    """Return those of some degrees of freedom that are hinges or beams, along the axis that has more of them."""
+    """Return those of some degrees of freedom that are hinges or beams, along the axis that has more of them.
+
+    Beams the body says it has are taken as they are, others are found by the displacements of the corners.
+    """
     if np.bincount(body.part).min() < LEAST_PANELS:
         return TurningMotions(0, {})
-    parts = range(body.part_count)
-    hinged = {(p, i): rigid_pieces(body, p, i) for p in parts for i in dofs}
+    parts, known = range(body.part_count), body.beams
+    hinged = {(p, i): None if i in known else rigid_pieces(body, p, i) for p in parts for i in dofs}
     found = []
     for axis in (0, 1):
-        bent = [beam_fields(body, p, [i for i in dofs if not hinged[p, i]], axis) for p in parts]
-        each = {i: [hinged[p, i] or bent[p].get(i) for p in parts] for i in dofs}
+        said = {i: known[i].field for i in dofs if i in known and known[i].axis == axis}
+        bent = [beam_fields(body, p, [i for i in dofs if not hinged[p, i] and i not in known], axis) for p in parts]
+        each = {i: [said.get(i) or hinged[p, i] or bent[p].get(i) for p in parts] for i in dofs}
         found.append(TurningMotions(axis, {i: [f for f in fields if f] for i, fields in each.items() if all(fields)}))
     return max(found, key=lambda motions: len(motions.fields))
 
