@@ -101,6 +101,15 @@ def blocks(page, language):
     return re.findall(rf"^```{language}\n(.*?)^```", (HOME / "docs" / page).read_text(encoding="utf-8"), re.S | re.M)
 
 
+def test_rubber_of_the_documentation(tmp_path, capsys):
+    (study,), (program,) = blocks("materials.md", "yaml"), blocks("materials.md", "python")
+    (tmp_path / "rubber.yaml").write_text(study)
+    assert load(tmp_path / "rubber.yaml").device.young_modulus == 3e6
+    exec(program, {})
+    printed = [line.split()[-2] for line in capsys.readouterr().out.splitlines()]
+    assert f"prints {printed[0]}, {printed[1]} and {printed[2]} Pa for" in (HOME / "docs" / "materials.md").read_text()
+
+
 def test_body_of_the_documentation(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (program,), (_, _, _, _, file, made, *_) = blocks("own-body.md", "python"), blocks("own-body.md", "yaml")

@@ -124,8 +124,8 @@ def test_rubber_is_judged_by_its_own_law_and_its_path(seed):
 
 def test_rubber_that_wrinkles_or_bursts_is_told(seed):
     check = ledger.wrinkling_check(rubber(seed, internal_pressure=1.4e4))
-    assert check.verdict in ("doubt", "fail")
-    assert "compressive membrane force at rest" in check.explanation
+    assert check.verdict == "doubt"
+    assert "bending holds it, shapes of azimuthal order 2 keep 0.6 of their stiffness" in check.explanation
     burst = viability(rubber(seed, internal_pressure=4e4))
     assert burst.reference is None
     assert burst.margin < 0

@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize
+from verification import membrane
 
 from vsb.errors import ConvergenceError
+from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import Gas, LoadedShell, complete_basis, equilibrium, stable_path
 from vsb.shell.materials import GentLaw, MooneyRivlinLaw, NeoHookeanLaw
@@ -99,3 +101,88 @@ def test_small_strains_rest_as_hookes_law_to_second_order():
         theirs = LoadedShell(ElasticShell(complete_basis(plain, 6, 17170.0)), 0.0, 1025.0, 9.81, 25e3)
         away.append(np.abs(equilibrium(ours) - equilibrium(theirs))[1:].max())
     assert away[0] / away[1] == pytest.approx(4.0, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("law", "slopes", "degree", "error"),
+    [
+        (NeoHookeanLaw(5e7), membrane.neo_hookean(5e7), 40, 4e-6),
+        pytest.param(MooneyRivlinLaw(2e7, 5e6), membrane.mooney_rivlin(2e7, 5e6), 40, 4e-6, marks=pytest.mark.slow),
+        pytest.param(NeoHookeanLaw(5e7), membrane.neo_hookean(5e7), 60, 1e-6, marks=pytest.mark.slow),
+    ],
+    ids=["neo_hookean", "mooney_rivlin", "neo_hookean_60"],
+)
+def test_a_floating_balloon_is_that_of_membrane_equations_by_shooting(law, slopes, degree, error):
+    """A wall of a millimetre bends freely; what is left goes with the degree, for pressure has a kink at the water."""
+    mass, thickness, pressure = membrane.WATER * 2 / 3 * np.pi * RADIUS**3, 1e-3, 24e3
+    loaded = LoadedShell(
+        ElasticShell(complete_basis(shell_of(law, thickness), degree, mass)), 0.0, membrane.WATER, 9.81, pressure
+    )
+    shape = DeformedShell(loaded.basis, 0.0, equilibrium(loaded))
+    poles, phi = shape.meridian(np.array([1e-9, np.pi - 1e-9])), np.linspace(0.05, np.pi - 0.05, 61)
+    balloon = membrane.Balloon(RADIUS, thickness, slopes, mass, pressure)
+    x, z = balloon.meridian(phi, (1.15, poles.z[0], 1.1, poles.z[1]))
+    found = shape.meridian(phi)
+    assert x.max() > 1.08 * RADIUS
+    assert np.abs([found.x - x, found.z - z]).max() < error * RADIUS
+
+
+def own_energy(q, law, shell, mass, pressure, degree, count=2000):
+    """Energy of a buoy at rest by the midpoint rule, from stretches of line elements, layers and a polygon of water."""
+    phi = np.pi * (np.arange(count) + 0.5) / count
+    r, h, dphi = shell.radius, shell.thickness, np.pi / count
+    v, dv, ddv, u, du, ddu = np.zeros((6, count), dtype=complex)
+    pairs = [(0, q[1], 0.0), (1, q[0] + q[2], q[0] - q[2] / 2)]
+    pairs += [(n, q[2 * n - 1], q[2 * n] / n) for n in range(2, degree + 1)]
+    for n, radial, along in pairs:
+        p = np.polynomial.legendre.Legendre.basis(n)
+        cos, sin = np.cos(phi), np.sin(phi)
+        d0, d1 = p(cos), -sin * p.deriv()(cos)
+        d2 = sin**2 * p.deriv(2)(cos) - cos * p.deriv()(cos)
+        d3 = -(sin**3) * p.deriv(3)(cos) + 3 * sin * cos * p.deriv(2)(cos) + sin * p.deriv()(cos)
+        v, dv, ddv = v + radial * d0, dv + radial * d1, ddv + radial * d2
+        u, du, ddu = u + along * d1, du + along * d2, ddu + along * d3
+    x, z = (r + v) * np.sin(phi) + u * np.cos(phi), (r + v) * np.cos(phi) - u * np.sin(phi)
+    dx = (dv - u) * np.sin(phi) + (r + v + du) * np.cos(phi)
+    dz = (dv - u) * np.cos(phi) - (r + v + du) * np.sin(phi)
+    one, other = np.sqrt(dx**2 + dz**2) / r, x / (r * np.sin(phi))
+    bent = np.array([-(ddv - du) / r**2, -(dv - u) / np.tan(phi) / r**2])
+    node, weight = np.polynomial.legendre.leggauss(2)
+    area, elastic = 2 * np.pi * r**2 * np.sin(phi) * dphi, 0.0
+    for place, share in zip(node * h / 2, weight / 2, strict=True):
+        a, b = (np.sqrt(s**2 + 2 * place / (one * other) * k) for s, k in zip((one, other), bent, strict=True))
+        elastic = elastic + h * share * (law(a, b) @ area)
+    volume = -np.pi * (x**2 * dz).sum() * dphi
+    water = -1025.0 * 9.81 * np.pi * (np.where(z.real < 0, z**2, 0.0) * x * dx).sum() * dphi
+    return elastic - pressure * volume + water + mass * 9.81 * q[0]
+
+
+RANDOM = {
+    "neo_hookean": (NeoHookeanLaw, lambda a, b, m: m[0] / 2 * (a**2 + b**2 + (a * b) ** -2 - 3)),
+    "mooney_rivlin": (
+        MooneyRivlinLaw,
+        lambda a, b, m: m[0] * (a**2 + b**2 + (a * b) ** -2 - 3) + m[1] * (a**-2 + b**-2 + (a * b) ** 2 - 3),
+    ),
+    "gent": (GentLaw, lambda a, b, m: -m[0] * m[1] / 2 * np.log(1 - (a**2 + b**2 + (a * b) ** -2 - 3) / m[1])),
+}
+
+
+@pytest.mark.parametrize("law", RANDOM)
+def test_random_buoys_rest_at_the_least_of_an_energy_written_anew(law):
+    random, (kind, energy) = np.random.default_rng(len(law)), RANDOM[law]
+    thickness, mu = random.uniform(0.04, 0.08), random.uniform(0.9e6, 1.5e6)
+    moduli = {"neo_hookean": (mu,), "mooney_rivlin": (0.4 * mu, 0.1 * mu), "gent": (mu, 8.0)}[law]
+    shell, mass, degree = shell_of(kind(*moduli), thickness), 17170.0, 4
+    pressure = random.uniform(0.6, 0.8) * MOST * (mu * thickness) / (MU * THICKNESS)
+    loaded = LoadedShell(ElasticShell(complete_basis(shell, degree, mass)), 0.0, 1025.0, 9.81, pressure)
+
+    def total(q):
+        return own_energy(q, lambda a, b: energy(a, b, moduli), shell, mass, pressure, degree)
+
+    def slope(q):
+        return np.array([total(q + 1e-20j * e).imag / 1e-20 for e in np.eye(len(q))])
+
+    q = equilibrium(loaded)
+    found = minimize(lambda q: total(q).real, 0.9 * q, jac=slope, method="BFGS", options={"gtol": 1e-3})
+    np.testing.assert_allclose(found.x, q, atol=1e-6 * RADIUS)
+    assert np.abs(q).max() > 0.05

@@ -23,6 +23,7 @@ from vsb.scenes.floating_system import band
 from vsb.scenes.mode_convergence import knows_port
 from vsb.scenes.rest import carries_load, complete_at_rest, complete_loaded_shell, computed_buckling, loaded_shell
 from vsb.scenes.viability import MOST_LOAD, rubber_load_factor, static_modal_amplitude, static_strain
+from vsb.shell.azimuthal import softest_order
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.loaded import viable_pressure
 from vsb.shell.materials import Range
@@ -42,6 +43,8 @@ DEGREES = {name for keys in KEYS.values() for name, key in keys.items() if key.u
 """Last words of the keys that are angles."""
 RESERVE = 1.5
 """Factor of its load a shell of rubber should bear: thickness and modulus are known to some ten per cent."""
+ORDERS, FOLDED = 12, 32
+"""Azimuthal orders, and Legendre degrees, of the wrinkles that are looked for."""
 WRINKLED = 1e-6
 """Compression over tension that is round-off."""
 LIKE_RADIANS = 4e-3
@@ -158,13 +161,22 @@ def _path_check(study: Study) -> Check:
 
 
 def wrinkling_check(study: Study) -> Check:
-    """Return whether a membrane force of the shell at rest is compressive, and folds it into wrinkles."""
+    """Return whether a membrane force of the shell at rest is compressive, and whether that folds it into wrinkles.
+
+    Compression that bending holds is a doubt; the check fails if a shape of azimuthal orders to `ORDERS` is unstable.
+    """
     loaded, q = complete_at_rest(study)
     meridional, hoop = loaded.elastic.resultants(q)
     least, most = float(np.minimum(meridional, hoop).min()), float(np.maximum(meridional, hoop).max())
-    text = f"compressive membrane force at rest, {plain(max(0.0, -least))} N/m, over the largest tension: a thin shell "
-    text += "wrinkles across it"
-    return check_at_most("wrinkling", max(0.0, -least) / (max(most, -least) or 1.0), WRINKLED, "-", text, doubt=True)
+    text = f"compressive membrane force at rest, {plain(max(0.0, -least))} N/m, over the largest tension"
+    share = max(0.0, -least) / (max(most, -least) or 1.0)
+    if share <= WRINKLED:
+        return Check("wrinkling", share, WRINKLED, "-", "ok", text)
+    softest, order = softest_order(loaded, q, ORDERS, FOLDED)
+    if softest > 0:
+        text += f": bending holds it, shapes of azimuthal order {order} keep {softest:.2g} of their stiffness"
+        return Check("wrinkling", share, WRINKLED, "-", "doubt", text)
+    return Check("wrinkling", share, WRINKLED, "-", "fail", f"{text}: the shell wrinkles into azimuthal order {order}")
 
 
 def _viable_text(study: Study) -> str:

@@ -63,6 +63,11 @@ class ElasticShell:
         """Colatitudes of the quadrature points [rad] and the areas of their rings [m^2], each shape (point,)."""
         return self._tables.colatitude, self._tables.area
 
+    @property
+    def shapes(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Linear strains e_phi, e_theta and rotation beta per unit amplitude there, each shape (dof, point) [1/m]."""
+        return self._tables.strains
+
     def strains(self, q: FloatArray, colatitude: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Return Green-Lagrange strains E_phi, E_theta, each shape (point,) [-]; at the quadrature points if none."""
         shapes = self._tables.strains if colatitude is None else strain_shapes(self.basis, colatitude)

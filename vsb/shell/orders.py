@@ -127,6 +127,11 @@ class OrderBasis:
         return -self.order if self.odd else self.order
 
     @property
+    def highest_degree(self) -> int:
+        """Highest Legendre degree of its shapes."""
+        return max(mode.degree for mode in self._shapes)
+
+    @property
     def rigid(self) -> int:
         """How many of the degrees of freedom, the first, are rigid motions."""
         return len(RIGID[self.odd]) if self.order == 1 else 0
@@ -230,6 +235,21 @@ class OrderBasis:
             r, zero = self._signs[1] * self.shell.radius, 0.0 * cos
             rows.insert(1, ((zero, r + zero, -r * cos), (zero, zero, r * sin))[derivative])
         return Field(*(np.array([row[i] for row in rows]).reshape(len(rows), len(sin)) for i in range(3)))
+
+    def curvatures(self, colatitude: FloatArray) -> Field:
+        """Return changes of curvature kappa_phi, kappa_theta and twice the twist per unit amplitude [1/m^2].
+
+        -(V - U)/r^2 times the second derivatives of S cos(m theta) on the unit sphere; none of rigid motions. The first
+        two go with cos(m theta), the twist with sin(m theta).
+        """
+        rows = []
+        for mode in self._shapes:
+            n, turned = mode.degree, (mode.radial - mode.meridional) / self.shell.radius**2
+            s, _, dds, _, slope = semi_normalised(n, self.order, colatitude)
+            rows.append((-turned * dds, turned * (n * (n + 1) * s + dds), 2 * self.order * turned * slope))
+        if self.rigid:
+            rows.insert(1, (0.0 * colatitude,) * 3)
+        return Field(*(np.array([row[i] for row in rows]).reshape(len(rows), len(colatitude)) for i in range(3)))
 
     def hydrostatic_stiffness(self, centre_height: float, density: float, gravity: float) -> FloatArray:
         """Return the stiffness of still water and weight about the undeformed sphere, shape (dof, dof) [N/m].
