@@ -154,7 +154,8 @@ class Outcome:
     @property
     def dataset(self) -> xr.Dataset:
         """The same as a dataset."""
-        gradient = np.array([self.gradients[name] for name in self.quantities]).reshape(-1, len(self.keys))
+        shape = (len(self.quantities), len(self.keys))  # of a rigid buoy without variables there are no keys
+        gradient = np.array([self.gradients[name] for name in self.quantities]).reshape(shape)
         facts: dict[str, Any] = {
             "multipliers": dict(self.multipliers),
             "curvatures": self.curvatures,
@@ -175,7 +176,7 @@ class Outcome:
                 "kkt": self.kkt,
                 "violation": self.violation,
             },
-            coords={"variable": list(self.keys), "quantity": list(self.quantities)},
+            coords={"variable": np.array(self.keys, dtype=str), "quantity": list(self.quantities)},
             attrs={"outcome": json.dumps(facts)},
         )
 

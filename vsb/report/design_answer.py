@@ -63,14 +63,14 @@ def verdict(facts: Facts) -> str:
     """Return whether the gain is one: above all that is known of its errors, runs in time among it."""
     gain, verified = facts["gain"], facts["verified"]
     if gain["low"] <= 0 <= gain["high"]:
-        return "Its interval includes zero: within the errors known flexibility neither gains nor loses."
-    word = "gains" if gain["value"] > 0 else "loses"
+        return "Its interval includes zero: within the errors known neither of the two is better."
+    word = "more" if gain["value"] > 0 else "less"
     if verified is None:
         return (
-            f"By linear theory flexibility {word} more than the errors known; it has not been confirmed by runs in "
-            "time (verify: {seas: 48, model: body_exact})."
+            f"By linear theory the flexible buoy absorbs {word}, by more than the errors known; it has not been "
+            "confirmed by runs in time (verify: {seas: 48, model: body_exact})."
         )
-    return f"Flexibility {word} more than the errors known, {verified['runs']} among them."
+    return f"The flexible buoy absorbs {word}, by more than the errors known, {verified['runs']} among them."
 
 
 def size_or_flexibility(facts: Facts) -> list[str]:

@@ -242,6 +242,11 @@ class LoadedDesign(Section):
                 f"{', '.join(OF_SIZE[:-1])} or {OF_SIZE[-1]}, and power grows with size: the radius will stand at its "
                 f"bound, {keys['device.radius'].high:g} m"
             )
+        if not self.competing:
+            found.append(
+                f"variables: none that a rigid sphere has ({', '.join(OF_RIGID)}), so the competitor is the sphere of "
+                "the study as it is, and the gain over it is that of size as well"
+            )
         bound = [name for name in ("force_rms", "stroke_rms") if name in limits]
         if bound and "pto.damping" not in keys:
             found.append(
