@@ -90,6 +90,10 @@ class DesignModel:
             )
         if study.flexible and study.modes.basis != "full":
             raise ConfigError(f"modes.basis: received {study.modes.basis!r}; derivatives of designs need full")
+        if "device.radius" in variables and study.device.shape and study.device.shape.capsule:
+            raise ConfigError("variables: received device.radius of a capsule; needs a sphere, a spheroid or a profile")
+        if study.flexible and study.device.shape:
+            raise ConfigError("device.shape: derivatives of flexible designs need a sphere; those of rigid ones do not")
         if degree is None:
             degree = study.modes.max_degree if study.flexible else 1
         nodes, solves = _resolution(study, band(climate, study.hydro.omega_max), degree)
@@ -151,7 +155,8 @@ class DesignModel:
         keys = [self.variables[i] for i in of_device]
         stepped = [buoy.with_step(key) for key in keys]
         clamp = [i for i, key in enumerate(self.variables) if key == f"designs.{self.design}.clamp"]
-        matrices = linearised(buoy, self.design, stepped, self.grid.solved, self.nodes, bool(clamp))
+        steps = [*stepped, *(None for _ in clamp)]
+        matrices = linearised(buoy, self.design, steps, self.grid.solved, self.nodes)
         found = self._year(study, *matrices, of_device + clamp)
         slopes = hull(buoy, stepped)
         if study.flexible:

@@ -12,6 +12,7 @@ from vsb.scenes.rest import complete_loaded_shell, loaded_shell
 from vsb.shell.deformed import gauss_rule
 from vsb.shell.loaded import buckling_pencil
 from vsb.shell.modes import rigid_basis
+from vsb.shell.shell import length
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 
@@ -47,16 +48,25 @@ def _surface(buoy: RestingBuoy) -> AnyArray:
     """Area of the hull, int 2 pi x ds."""
     node, weight = gauss_rule(8 * buoy.loaded.basis.turns + 48)
     at = buoy.shape.curve(np.pi / 2 * (node + 1))
-    return np.asarray(np.pi**2 * (at.x * np.sqrt(at.dx**2 + at.dz**2)) @ weight)
+    return np.asarray(np.pi**2 * (at.x * length(at.dx, at.dz)) @ weight)
 
 
 def _highest(function: Callable[[FloatArray], FloatArray], buoy: RestingBuoy) -> FloatArray:
     """Colatitude where a function of it is largest, shape (1,) [rad]."""
-    grid = np.linspace(0.0, np.pi, 40 * (buoy.loaded.basis.turns + 1) + 1)
+    grid = _grid(buoy)
     at = int(np.argmax(function(grid)))
     bounds = grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)]
     found = minimize_scalar(lambda phi: -float(function(np.array([phi]))[0]), bounds=bounds, options={"xatol": 1e-10})
     return np.array([found.x if -found.fun > function(grid[at : at + 1])[0] else grid[at]])
+
+
+def _grid(buoy: RestingBuoy) -> FloatArray:
+    """Colatitudes that resolve the shape [rad], from pole to pole; on other meridians than the sphere's between them.
+
+    There strains are not computed at the poles, where their slope is zero.
+    """
+    aside = 1e-4 if buoy.loaded.basis.shell.rest else 0.0
+    return np.linspace(aside, np.pi - aside, 40 * (buoy.loaded.basis.turns + 1) + 1)
 
 
 def static_strain(buoy: RestingBuoy, stepped: Sequence[Stepped]) -> Slopes:
@@ -65,21 +75,18 @@ def static_strain(buoy: RestingBuoy, stepped: Sequence[Stepped]) -> Slopes:
     Of the linear static solution about a shell that is taken as undeformed.
     """
 
-    def strains(b: RestingBuoy, phi: FloatArray) -> AnyArray:
-        q = b.modal_amplitude
-        if not b.study.at_equilibrium:
-            q = np.linalg.solve(b.matrices.stiffness, b.loaded.force(0 * q))
+    def displaced(b: RestingBuoy) -> FloatArray:
+        return b.modal_amplitude if b.study.at_equilibrium else b.linear_rest
+
+    def strains(b: RestingBuoy, q: FloatArray, phi: FloatArray) -> AnyArray:
         return np.array(b.loaded.elastic.strains(q, phi))
 
-    phi = np.linspace(0.0, np.pi, 40 * (buoy.loaded.basis.turns + 1) + 1)
-    which = int(np.abs(strains(buoy, phi)).max(axis=1).argmax())
-    at = _highest(lambda phi: np.abs(strains(buoy, phi)[which]), buoy)
-
-    def largest(b: RestingBuoy) -> AnyArray:
-        return np.asarray(strains(b, at)[which, 0])
-
-    value = float(largest(buoy))
-    return abs(value), [float(np.sign(value) * one.derivative(largest)) for one in stepped]
+    q = displaced(buoy)
+    which = int(np.abs(strains(buoy, q, _grid(buoy))).max(axis=1).argmax())
+    at = _highest(lambda phi: np.abs(strains(buoy, q, phi)[which]), buoy)
+    value = float(strains(buoy, q, at)[which, 0])
+    slopes = [one.derivative(lambda b: strains(b, displaced(b), at)[which, 0]) for one in stepped]
+    return abs(value), [float(np.sign(value) * slope) for slope in slopes]
 
 
 def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:

@@ -1,11 +1,11 @@
 """Matrices of a design about its shape at rest, over its free motions, and their derivatives by variables."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
 
-from vsb.design.resting import Matrices, RestingBuoy, Stepped
+from vsb.design.resting import RestingBuoy, Stepped
 from vsb.errors import ConfigError
 from vsb.hydro.database import shares
 from vsb.hydro.dofs import Displacement
@@ -19,99 +19,107 @@ from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
 
 @dataclass(frozen=True)
 class Linearised:
-    """A buoy without its take-off over free motions: values, or derivatives by each variable (first axis)."""
+    """A buoy without its take-off over some motions: values, or derivatives by each variable (first axis)."""
 
-    mass: FloatArray  # ([variable,] free, free) [kg]
+    mass: FloatArray  # ([variable,] motion, motion) [kg]
     damping: FloatArray  # structural [N s/m]
     stiffness: FloatArray  # [N/m]
-    radiation: ComplexArray  # A + i B/omega ([variable,] omega, free, free) [kg]
-    excitation: ComplexArray  # ([variable,] omega, free) [N/m]
-    port: FloatArray  # b ([variable,] free) [-]
+    radiation: ComplexArray  # A + i B/omega ([variable,] omega, motion, motion) [kg]
+    excitation: ComplexArray  # ([variable,] omega, motion) [N/m]
+    port: FloatArray  # b ([variable,] motion) [-]
+
+    def over(self, motions: FloatArray) -> "Linearised":
+        """Return N^T V N and N^T f of the matrices V and forces f, N being other motions, shape (motion, free)."""
+        return Linearised(
+            motions.T @ self.mass @ motions,
+            motions.T @ self.damping @ motions,
+            motions.T @ self.stiffness @ motions,
+            motions.T @ self.radiation @ motions,
+            self.excitation @ motions,
+            self.port @ motions,
+        )
+
+    def turned(self, motions: FloatArray, change: FloatArray) -> "Linearised":
+        """Return the derivatives of `over` by variables that change the motions, shape (variable, motion, free)."""
+
+        def both(each: AnyArray) -> AnyArray:
+            half = change.swapaxes(1, 2).reshape(len(change), *(1,) * (each.ndim - 2), *change.shape[:0:-1])
+            found = half @ (each @ motions)
+            return np.asarray(found + found.swapaxes(-1, -2))  # of symmetric V
+
+        return Linearised(
+            both(self.mass),
+            both(self.damping),
+            both(self.stiffness),
+            both(self.radiation),
+            self.excitation @ change,
+            (change * self.port[:, None]).sum(axis=1),
+        )
+
+    def plus(self, other: "Linearised") -> "Linearised":
+        """Return the sum with another."""
+        return Linearised(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
 
 
 def linearised(
-    buoy: RestingBuoy, design: str, stepped: Sequence[Stepped], omega: FloatArray, nodes: int, clamped: bool = False
+    buoy: RestingBuoy, design: str, steps: Sequence[Stepped | None], omega: FloatArray, nodes: int
 ) -> tuple[Linearised, Linearised]:
-    """Return the matrices of a design at rest, and their derivatives by the variables that are stepped.
+    """Return the matrices of a design at rest over its free motions, and their derivatives by variables.
 
     Parameters
     ----------
     buoy : RestingBuoy
     design : str
-    stepped : sequence of Stepped
+    steps : sequence of Stepped
+        None stands for the colatitude of the design's clamp [degrees].
     omega : ndarray, shape (omega,) [rad/s]
         Frequencies of radiation and excitation.
     nodes : int
         Of the boundary elements.
-    clamped : bool
-        Whether the colatitude of the clamp [degrees] is one more variable, the last.
+
+    Raises
+    ------
+    ConfigError
+        If the design does not move the port, or the clamp is at a pole or one of several.
     """
-    basis, water, count = buoy.loaded.basis, buoy.study.water, len(stepped)
-    motions = design_motions(buoy.study, basis, design)
-    moved = displacements(basis.highest_degree if buoy.study.designs[design].flexible else 0)
-    transform = shares(moved, basis).T @ motions if len(moved) > 1 else np.eye(1)
+    basis, water, count = buoy.loaded.basis, buoy.study.water, len(steps)
+    dof, flexible = len(basis.labels), buoy.study.designs[design].flexible
+    moved = displacements(basis.highest_degree if flexible else 0)
+    shape = shares(moved, basis) if flexible else np.eye(dof, 1)
     problem = SpectralProblem(buoy.shape, moved, water.density, water.gravity, nodes, water.depth)
 
     def directions(colatitude: FloatArray) -> Curve:
         """How points of the meridian move with each variable."""
-        parts = [one.displacement(colatitude) for one in stepped]
+        still = np.zeros((4, len(colatitude)))
+        parts = [one.displacement(colatitude) if one else still for one in steps]
         return Curve(*np.reshape(parts, (count, 4, len(colatitude))).swapaxes(0, 1))
 
-    def reduced(values: FloatArray) -> FloatArray:
-        return np.asarray(motions.T @ values @ motions)
+    def change(of: Callable[[RestingBuoy], AnyArray], *size: int) -> FloatArray:
+        """Derivatives by all variables of an analytic function of the buoy, of values of a size."""
+        return np.reshape([one.derivative(of) if one else np.zeros(size) for one in steps], (count, *size))
 
     def radiated(values: ComplexArray) -> ComplexArray:
-        found = transform.T @ values @ transform
+        found = shape @ values @ shape.T
         return np.asarray((found + found.swapaxes(-1, -2)) / 2)  # symmetric but for the solver's error
 
-    def change(which: int) -> FloatArray:
-        slopes = [one.derivative(lambda b: np.asarray(b.matrices[which])) for one in stepped]
-        return reduced(np.reshape(slopes, (count, len(motions), len(motions))))
-
+    motions = design_motions(buoy.study, basis, design)
     solved = shape_derivative(problem, list(omega), directions)
-    direction = _port(buoy)
-    if not (motions.T @ direction).any():
+    values = Linearised(*buoy.matrices, radiated(solved.radiation), solved.excitation @ shape.T, _port(buoy))
+    if not (values.port @ motions).any():
         raise ConfigError(
             f"pto.port: received {buoy.study.pto.port}, which design {design} does not move; needs another"
         )
-    structure, structure_change = Matrices(*map(reduced, buoy.matrices)), Matrices(*map(change, range(3)))
-    values = Linearised(
-        structure.mass,
-        structure.damping,
-        structure.stiffness,
-        radiated(solved.radiation),
-        solved.excitation @ transform,
-        motions.T @ direction,
-    )
     changes = Linearised(
-        structure_change.mass,
-        structure_change.damping,
-        structure_change.stiffness,
+        change(lambda b: b.matrices.mass, dof, dof),
+        change(lambda b: b.matrices.damping, dof, dof),
+        change(lambda b: b.matrices.stiffness, dof, dof),
         radiated(solved.radiation_change).swapaxes(0, 1),
-        (solved.excitation_change @ transform).swapaxes(0, 1),
-        np.reshape([one.derivative(_port) for one in stepped], (count, len(motions))) @ motions,
-    )
-    if not clamped:
-        return values, changes
-
-    turned = _motions_change(buoy, design, motions)
-
-    def both(one: AnyArray, by: FloatArray, other: FloatArray) -> AnyArray:
-        """By^T one other + other^T one by."""
-        return np.asarray(by.T @ one @ other + other.T @ one @ by)
-
-    across = shares(moved, basis).T @ turned
-    structure = Matrices(*(both(one, turned, motions) for one in buoy.matrices))
-    last = Linearised(
-        structure.mass,
-        structure.damping,
-        structure.stiffness,
-        both((solved.radiation + solved.radiation.swapaxes(1, 2)) / 2, across, transform),
-        solved.excitation @ across,
-        turned.T @ direction,
-    )
-    names = [field.name for field in fields(Linearised)]
-    return values, Linearised(*(np.concatenate([getattr(changes, n), getattr(last, n)[None]]) for n in names))
+        (solved.excitation_change @ shape.T).swapaxes(0, 1),
+        change(_port, dof),
+    ).over(motions)
+    if None in steps:
+        changes = changes.plus(values.turned(motions, _motions_change(buoy, design, steps, motions)))
+    return values.over(motions), changes
 
 
 def _port(buoy: RestingBuoy) -> FloatArray:
@@ -119,8 +127,8 @@ def _port(buoy: RestingBuoy) -> FloatArray:
     return port_direction(buoy.study.pto.port, buoy.shape)
 
 
-def _motions_change(buoy: RestingBuoy, design: str, motions: FloatArray) -> FloatArray:
-    """Derivatives of the motions N a clamp allows by its colatitude, shape (dof, free) [1/degree].
+def _motions_change(buoy: RestingBuoy, design: str, steps: Sequence[Stepped | None], motions: FloatArray) -> FloatArray:
+    """Derivatives of the motions N that clamp and mooring leave free, shape (variable, dof, free).
 
     Of Phi N = 0 remains Phi dN = -dPhi N, whose least solution turns the motions without mixing them.
     """
@@ -130,11 +138,12 @@ def _motions_change(buoy: RestingBuoy, design: str, motions: FloatArray) -> Floa
             f"designs.{design}.clamp: received {list(colatitudes)}; derivatives by it need one clamp between the poles"
         )
     at = np.deg2rad(colatitudes)
+    clamps, fixed = basis.clamp_rows(at), mooring_rows(buoy.study, basis)
     _, _, radial, meridional = basis.displacement_and_slope(at)
-    held = mooring_rows(buoy.study, basis)
-    rows, slopes = np.vstack([basis.clamp_rows(at), held]), np.vstack([radial.T, meridional.T, 0 * held])
-    slopes[:, 0] = 0.0  # as those of `clamp_rows`, rigid heave is free
-    return np.asarray(np.deg2rad(-np.linalg.pinv(rows) @ slopes @ motions))
+    slopes = np.deg2rad(np.vstack([radial.T, meridional.T, 0 * fixed]))
+    slopes[:, 0] = 0.0  # rigid heave is free of clamps
+    turned = -np.linalg.pinv(np.vstack([clamps, fixed])) @ slopes @ motions
+    return np.array([turned if one is None else 0 * turned for one in steps])
 
 
 def displacements(degree: int) -> tuple[Displacement, ...]:

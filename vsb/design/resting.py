@@ -18,6 +18,7 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import LoadedShell, complete_basis, equilibrium
 from vsb.shell.modes import rigid_basis
 from vsb.shell.shell import Curve, Shell
+from vsb.study.meridian import RestMeridian
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 
@@ -29,7 +30,8 @@ OF_MATERIAL = ("material.mu", "material.c1", "material.c2", "material.jm")
 """Those of laws of rubber."""
 OF_DAMPING = ("damping.alpha", "damping.beta")
 """Those of structural damping."""
-OF_DEVICE = (*OF_SHELL, *OF_MATERIAL, "internal_pressure", "mass", *OF_DAMPING)
+HEIGHT = "shape.spheroid.height"
+OF_DEVICE = (*OF_SHELL, HEIGHT, *OF_MATERIAL, "internal_pressure", "mass", *OF_DAMPING)
 """Variables of a device."""
 
 
@@ -77,6 +79,11 @@ class RestingBuoy:
         basis = self.loaded.basis
         stiffness = stiffness_about(self.study, self.loaded, self.modal_amplitude)
         return Matrices(basis.inertia, basis.damping, np.asarray(sum(stiffness.values())))
+
+    @property
+    def linear_rest(self) -> FloatArray:
+        """Static displacement about the undeformed shell by linear theory, shape (dof,) [m]."""
+        return np.linalg.solve(self.matrices.stiffness, self.loaded.force(self.modal_amplitude))
 
     def with_step(self, key: str) -> "Stepped":
         """Return the buoy at rest with an imaginary step of a variable of its device, floating freely.
@@ -137,6 +144,18 @@ def value_of(study: Study, key: str) -> float:
     return float(found)
 
 
+def _stretched(rest: RestMeridian, radius: float, name: str, step: complex) -> RestMeridian:
+    """A spheroid with a step of its radius or height, or a profile with one of the radius it is scaled to."""
+    changed: dict[str, Any] = {}
+    if len(rest.radial) == 1 and len(rest.axial) == 2:
+        height = rest.axial[1]
+        changed = {"axial": (rest.axial[0], height + step / 2)} if name == HEIGHT else {"radial": (radius + step,)}
+    else:
+        factor = 1 + step / radius
+        changed = {"radial": tuple(factor * a for a in rest.radial), "axial": tuple(factor * b for b in rest.axial)}
+    return replace(rest, **changed)
+
+
 def with_variable(loaded: LoadedShell, key: str, step: complex) -> LoadedShell:
     """Return a loaded shell with a step of a variable of its device, at the same height of the centre.
 
@@ -160,8 +179,10 @@ def with_variable(loaded: LoadedShell, key: str, step: complex) -> LoadedShell:
         changed = {of_law: getattr(basis.shell.rubber, of_law) + step}
         rubber = replace(basis.shell.rubber, **changed)  # type: ignore[type-var]  # all laws are dataclasses
         changed = {"shell": replace(basis.shell, rubber=rubber, young_modulus=rubber.young_modulus)}
-    elif name in OF_SHELL:
-        changed = {name: getattr(basis.shell, name) + step}
+    elif name in OF_SHELL or name == HEIGHT:
+        changed = {} if name == HEIGHT else {name: getattr(basis.shell, name) + step}
+        if basis.shell.rest is not None and name in ("radius", HEIGHT):
+            changed["rest"] = _stretched(basis.shell.rest, basis.shell.radius, name, step)
         changed = {"shell": replace(basis.shell, **changed)}
     else:
         raise ConfigError(f"variables: received {key}; needs one of {', '.join(OF_DEVICE)} of the device")

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from vsb.errors import ConfigError
 from vsb.shell.modes import ModeBasis
-from vsb.shell.shell import Curve, Shell
+from vsb.shell.shell import Curve, Shell, length
 from vsb.tools.arrays import FloatArray
 
 
@@ -95,10 +95,10 @@ class DeformedShell:
         """
         node, weight = gauss_rule(4 * self.basis.turns + 24)
         m = self.meridian(upper + (lower - upper) * (1 + node) / 2)
-        weight, length = np.pi * (lower - upper) * weight, np.sqrt(m.dx**2 + m.dz**2)
-        area: float = np.dot(weight, m.x * length)
-        hoop = m.shape_x @ (weight * length) / area
-        along = (m.dshape_x * m.dx + m.dshape_z * m.dz) @ (weight * m.x / length) / area
+        weight, arc = np.pi * (lower - upper) * weight, length(m.dx, m.dz)
+        area: float = np.dot(weight, m.x * arc)
+        hoop = m.shape_x @ (weight * arc) / area
+        along = (m.dshape_x * m.dx + m.dshape_z * m.dz) @ (weight * m.x / arc) / area
         return hoop, along, area
 
     @cached_property
@@ -214,15 +214,14 @@ class DeformedShell:
         pressure). Symmetric, for a pressure field has a potential; capytaine's own matrix drops terms of it and is not.
         """
         dof = len(self.basis.labels)
-        number = np.result_type(self.modal_amplitude, self.centre_height, self.basis.shell.radius)
-        force, jacobian = np.zeros(dof, number), np.zeros((dof, dof), number)
+        force, jacobian = np.zeros(dof), np.zeros((dof, dof))
         for phi, weight in self._wet_points(points):
             m = self.meridian(phi)
             ring, column = weight * m.x, weight * m.z * m.x
             normal_j = -m.dz * m.shape_x + m.dx * m.shape_z
             turned = -(m.shape_x * column) @ m.dshape_z.T + (m.shape_z * column) @ m.dshape_x.T
-            force += (m.z * m.x * normal_j) @ weight
-            jacobian += normal_j @ (ring * m.shape_z + weight * m.z * m.shape_x).T + turned
+            force = force + (m.z * m.x * normal_j) @ weight
+            jacobian = jacobian + normal_j @ (ring * m.shape_z + weight * m.z * m.shape_x).T + turned
         return 2 * np.pi * density * gravity * force, -2 * np.pi * density * gravity * jacobian
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from vsb.shell.deformed import DeformedShell, Meridian, gauss_rule
 from vsb.shell.modes import ModeBasis, curvature_shapes, strain_shapes
-from vsb.shell.shell import Shell
+from vsb.shell.shell import Shell, length
 from vsb.tools.arrays import FloatArray
 
 
@@ -31,7 +31,7 @@ def _tables(basis: ModeBasis, points: int) -> Tables:
     colatitude, area = np.arccos(cos), 2 * np.pi * basis.shell.radius**2 * weight
     if basis.shell.rest is not None:
         at = basis.shell.at_rest(colatitude)
-        area = 2 * np.pi * at.x * np.hypot(at.dx, at.dz) * weight / np.sin(colatitude)
+        area = 2 * np.pi * at.x * length(at.dx, at.dz) * weight / np.sin(colatitude)
     meridian = DeformedShell(basis, 0.0).meridian(colatitude)
     strains, curvatures = strain_shapes(basis, colatitude), curvature_shapes(basis, colatitude)
     return Tables(colatitude, area, weight / np.sin(colatitude), strains, curvatures, meridian)

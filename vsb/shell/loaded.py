@@ -46,7 +46,7 @@ class LoadedShell:
     def _contents(self) -> tuple[float, float, float]:
         """Adiabatic index, outer pressure and undeformed volume; constant pressure is a gas of index 0."""
         index, outside = (self.gas.adiabatic_index, self.gas.atmospheric_pressure) if self.gas else (0.0, 0.0)
-        return index, outside, self.basis.shell.volume
+        return index, outside, self.basis.shell.volume if self.gas else 1.0
 
     def pressure(self, q: FloatArray) -> float:
         """Return the internal gauge pressure, (p_atm + p_i)(V_0/V)^gamma - p_atm for a trapped gas [Pa]."""

