@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
 from vsb.stages.check import summary
-from vsb.stages.init import init
+from vsb.stages.init import init, init_body, init_campaign
 from vsb.stages.planning import plan_of, with_degree
 from vsb.stages.run import ERROR, check_name, cores, run
 from vsb.stages.stage import STAGES, Stage
@@ -33,17 +33,28 @@ AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
 
 def begin(args: argparse.Namespace) -> int:
     """Write a commented study, named after its file, to change and run; nothing is overwritten."""
-    init(args.config, args.radius)
+    if ((args.body or args.campaign) and args.radius is not None) or (args.body and args.campaign):
+        args.command.error("--radius, --body and --campaign: received several, needs at most one of them")
+    if args.campaign:
+        print(f"{init_campaign(args.config, args.campaign)}: a site's seas, to be replaced by yours")
+    elif args.body:
+        init_body(args.config)
+    else:
+        init(args.config, args.radius)
     print(f"{args.config}: change it, then vsb check {args.config} and vsb run {args.config}")
     return 0
 
 
 def check(args: argparse.Namespace) -> int:
-    """Validate a study, campaign or design problem, print what it would cost and what to doubt; solve nothing."""
+    """Validate a study, campaign or design problem, print its cost and what to doubt; 1 if a check fails.
+
+    Nothing is solved.
+    """
     plan = plan_of(args.config)
     check_name(plan)
-    print(*summary(plan), sep="\n")
-    return 0
+    lines = summary(plan)
+    print(*lines, sep="\n")
+    return int(any(line.startswith("fail ") for line in lines))
 
 
 def schema(args: argparse.Namespace) -> int:
@@ -269,6 +280,8 @@ def _add_commands(commands: Any) -> None:
     """Declare what is done with a study or a body."""
     one = _command(commands, "init", "write a study to begin with", begin, config="STUDY.yaml")
     one.add_argument("--radius", type=float, metavar="R", help="scale the buoy, its sea and times by Froude [m]")
+    one.add_argument("--body", action="store_true", help="a study of a body, of a plain hull to be replaced")
+    one.add_argument("--campaign", metavar="STUDY.yaml", help="a campaign of that study over a site's year")
     one = _command(commands, "run", "run a whole study, campaign or design through Snakemake", run, config="CONFIG")
     one.epilog = "Further options, such as -n, go to snakemake."
     one.add_argument("--profile", default="default", help="default, slurm, or the path of a folder of your own")

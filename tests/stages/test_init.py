@@ -6,7 +6,8 @@ from conftest import EXAMPLE
 from vsb.cli import main
 from vsb.errors import ConfigError
 from vsb.shell.shell import Shell, natural_frequencies
-from vsb.stages.init import init
+from vsb.stages.init import init, init_body, init_campaign
+from vsb.stages.planning import plan_of
 from vsb.study.study import load
 
 
@@ -64,3 +65,42 @@ def test_errors_of_init_write_nothing(tmp_path, monkeypatch, name, radius, messa
     with pytest.raises(ConfigError, match=f"^{message}"):
         init(name, radius)
     assert [path.read_text() for path in tmp_path.iterdir()] == ["kept"]
+
+
+def test_new_study_of_a_body_can_be_run(tmp_path, capsys):
+    path = tmp_path / "raft.yaml"
+    assert main(["init", str(path), "--body"]) == 0
+    plan = plan_of(str(path))
+    assert (plan.name, set(plan.study.designs)) == ("raft", {"heave", "rigid"})
+    assert main(["check", str(path)]) == 0
+    assert "solved of the mesh" in capsys.readouterr().out
+    with pytest.raises(ConfigError, match=r"raft\.yaml: exists already"):
+        init_body(str(path))
+
+
+def test_new_campaign_is_of_a_study_and_a_table_of_seas(tmp_path, monkeypatch, capsys):
+    (tmp_path / "sub").mkdir()
+    monkeypatch.chdir(tmp_path)
+    init("buoy.yaml")
+    assert main(["init", "sub/year.yaml", "--campaign", "buoy.yaml"]) == 0
+    assert "sub/year_site.csv" in capsys.readouterr().out
+    plan = plan_of("sub/year.yaml")
+    assert (plan.name, plan.loaded.campaign.study, len(plan.members)) == ("year", "../buoy.yaml", 2)
+    with pytest.raises(ConfigError, match=r"year_site\.csv: exists already; give the campaign a new name"):
+        init_campaign("sub/year.yml", "buoy.yaml")
+    with pytest.raises(SystemExit):
+        main(["init", "sub/b.yaml", "--campaign", "buoy.yaml", "--body"])
+
+
+def test_check_fails_where_the_ledger_would(tmp_path, capsys):
+    """A shell open to constant pressure buckles under its draft; the example, which internal pressure holds, does not."""
+    init(str(tmp_path / "soft.yaml"))
+    text = (tmp_path / "soft.yaml").read_text()
+    soft = text.replace("internal_pressure: 16.5e3", "internal_pressure: 0.0").replace(
+        "reference_shape: equilibrium", ""
+    )
+    (tmp_path / "soft.yaml").write_text(soft.replace("modes: {tolerance: 0.005}", "modes: {degree: 6}"))
+    assert main(["check", str(tmp_path / "soft.yaml")]) == 1
+    assert "\nfail         buckling" in capsys.readouterr().out
+    init(str(tmp_path / "pressurised.yaml"))
+    assert main(["check", str(tmp_path / "pressurised.yaml")]) == 0

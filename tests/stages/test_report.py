@@ -31,6 +31,20 @@ def test_study_with_assumed_pressure_from_file_to_page(small, tmp_path, monkeypa
     assert "uniform pressure of 1800 Pa on the instantaneous wet shell" in page
 
 
+def test_page_names_program_command_and_inputs(small):
+    """Each input by its content."""
+    facts = dict(
+        re.findall(
+            r'<tr><th class="text" scope="row">(.*?)</th><td class="text id">(.*?)</td>',
+            Path("results/small/report.html").read_text(),
+        )
+    )
+    assert facts["Program"].startswith(f"vsb {vsb.__version__}, ")
+    assert facts["Command"].startswith("vsb run small.yaml, ")
+    known = (small.study_id, Path(small.database_path).stem, Path(small.radiation_path).stem)
+    assert facts["Inputs"] == "study {}, database {}, radiation {}".format(*known)
+
+
 VOID = {"meta", "br", "hr", "input", "link", "img"}
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from vsb import __version__
 from vsb.report.animation import in_motion
 from vsb.report.campaign_answer import (
     MODELS,
@@ -91,6 +92,8 @@ def render(report: CampaignReport) -> str:
         left_out=max(0, int(ds.annual_mean_power.size) - MOST_ROWS),
         figures=captioned(report.figures, captions(ds)),
         facts={
+            "Program": f"vsb {__version__}",
+            "Command": f"vsb run {ds.attrs['campaign']}.yaml",
             "Study": ds.attrs["study"],
             "Climate": "; ".join([ds.attrs["climate"], *report.notes]),
             "Content id": ds.attrs["spec_id"],

@@ -1,17 +1,28 @@
-"""Command init: a commented study of one's own, from the shipped one."""
+"""Command init: a commented study of one's own, of a buoy or of a body, or a campaign, from shipped ones."""
 
+import os
 import re
 from pathlib import Path
 
 import yaml
 
 from vsb.errors import ConfigError
+from vsb.study.body import located
+from vsb.study.campaign import read
 from vsb.study.study import load, parse
 from vsb.study.vary import FROUDE
 from vsb.tools.files import write_text
 from vsb.tools.shipped import HOME
 
-EXAMPLE = HOME / "config" / "buoy.yaml"
+EXAMPLE, BODY, CAMPAIGN = (HOME / "config" / f"{name}.yaml" for name in ("buoy", "float", "year"))
+SITE = """Hs/Te, 5,  6, 7, 8, 9
+0.75,  5,  8, 6, 3, 1
+1.25,  4, 10, 9, 5, 2
+1.75,  1,  6, 9, 6, 3
+2.5,   0,  3, 6, 5, 3
+3.5,   0,  0, 1, 2, 2
+"""
+"""A table of occurrences, percent of the year, to be replaced by one's own."""
 SMALLEST, LARGEST = 0.01, 100.0
 """Radii asked for [m]."""
 NUMBER = r"-?\d+\.?\d*(?:e[-+]?\d+)?"
@@ -25,11 +36,7 @@ def init(path: str, radius: float | None = None) -> None:
     ConfigError
         If the file exists, its name cannot be a study's, or no such buoy can be computed.
     """
-    target = Path(path)
-    if target.exists():
-        raise ConfigError(f"{path}: exists already; give a new name")
-    if target.suffix not in (".yaml", ".yml"):
-        raise ConfigError(f"{path}: received a name without .yaml, needs one such as my_buoy.yaml")
+    target = _new(path)
     text = EXAMPLE.read_text(encoding="utf-8").replace("study: buoy", f"study: {target.stem}")
     text = re.sub("^#.*", f"# A study of vsb: `vsb check {target.name}`, then `vsb run {target.name}`.", text, count=1)
     if radius is not None:
@@ -38,6 +45,59 @@ def init(path: str, radius: float | None = None) -> None:
         text = scaled(text, radius / load(EXAMPLE).device.radius)
     parse(yaml.safe_load(text), source=path)
     write_text(path, text)
+
+
+def init_body(path: str) -> None:
+    """Write a commented study of a body that is named after its file; raises as `init`."""
+    target = _new(path)
+    text = _titled(BODY, target).replace("study: float", f"study: {target.stem}")
+    located(yaml.safe_load(text), path)
+    write_text(path, text)
+
+
+def init_campaign(path: str, study: str) -> str:
+    """Write a commented campaign of a study, named after its file, and a table of occurrences beside it.
+
+    Returns
+    -------
+    str
+        Path of the table.
+
+    Raises
+    ------
+    ConfigError
+        As `init`, if the study is none of a buoy, or the table exists.
+    """
+    target, base = _new(path), os.path.relpath(study, Path(path).parent)
+    site = target.with_name(f"{target.stem}_site.csv")
+    if site.exists():
+        raise ConfigError(f"{site}: exists already; give the campaign a new name")
+    load(study)
+    remark = "percent of the year: put your site's in its place, or {spectra: FILE}"
+    changes = {"campaign": target.stem, "study": base, "climate": f"{{scatter: {site.name}}}    # {remark}"}
+    text = _titled(CAMPAIGN, target)
+    for key, value in changes.items():
+        text = re.sub(rf"^{key}: .*$", f"{key}: {value}".replace("\\", r"\\"), text, flags=re.M)
+    write_text(site, SITE)
+    read(yaml.safe_load(text), path)
+    write_text(path, text)
+    return str(site)
+
+
+def _new(path: str) -> Path:
+    """A study file that is not there yet."""
+    target = Path(path)
+    if target.exists():
+        raise ConfigError(f"{path}: exists already; give a new name")
+    if target.suffix not in (".yaml", ".yml"):
+        raise ConfigError(f"{path}: received a name without .yaml, needs one such as my_buoy.yaml")
+    return target
+
+
+def _titled(shipped: Path, target: Path) -> str:
+    """Text of a shipped file whose first line says how to run it."""
+    title = f"# `vsb check {target.name}`, then `vsb run {target.name}`."
+    return re.sub("^#.*", title, shipped.read_text(encoding="utf-8"), count=1)
 
 
 def scaled(text: str, scale: float) -> str:

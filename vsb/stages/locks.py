@@ -1,7 +1,9 @@
 """One run at a time of a study, and of what makes a file that studies share: other studies run side by side."""
 
 import fcntl
+import os
 import re
+import socket
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -19,12 +21,23 @@ def exclusive_lock(folder: Path, *, waits: bool = True) -> Iterator[list[int]]:
         yield []
         return
     folder.mkdir(parents=True, exist_ok=True)
-    with (folder / ".lock").open("w") as handle:
+    with (folder / ".lock").open("a") as handle:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise VsbError(f"{folder}: another run is at work in this folder; wait for it to end") from None
+            raise VsbError(
+                f"{folder}: another run is at work in this folder{_holder(folder)}; wait for it to end"
+            ) from None
+        handle.truncate(0)
+        handle.write(f"process {os.getpid()} on {socket.gethostname()}")
+        handle.flush()
         yield [handle.fileno()]
+
+
+def _holder(folder: Path) -> str:
+    """Which process holds a folder, if it has said so."""
+    said = (folder / ".lock").read_text(encoding="utf-8")
+    return f" ({said})" if said else ""
 
 
 @contextmanager

@@ -31,8 +31,18 @@ from vsb.results.statistics import families
 from vsb.scenes.floating_system import FloatingSystem, band, floating_system, heading, study_sea
 from vsb.stages.stored import Inputs
 from vsb.study.blocks import no_witness
-from vsb.study.body import AnyStudy
-from vsb.study.study import Irregular, IrregularSea, Jonswap, PiersonMoskowitz, RegularWave, StillWater, Study, Wave
+from vsb.study.body import AnyStudy, BodyFile
+from vsb.study.study import (
+    Irregular,
+    IrregularSea,
+    Jonswap,
+    PiersonMoskowitz,
+    RecordedSea,
+    RegularWave,
+    StillWater,
+    Study,
+    Wave,
+)
 from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
@@ -335,6 +345,8 @@ def _facts(stored: Inputs, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
         hydrodynamics |= _cross_check_facts(stored, buoy) if study.needs_bem else assumed
     return {
         "Program": f"vsb {__version__}, {clock.strftime('%Y-%m-%d')}",
+        "Command": f"vsb run {study.study}.yaml, that file being the study at the end of this table",
+        "Inputs": _inputs(stored),
         **hydrodynamics,
         "Time domain": f"{runs[0]['method']}, {study.simulation.duration:g} s of motion in "
         f"{max(run['seconds'] for run in runs):.3f} s or less per design and sea",
@@ -350,6 +362,18 @@ def _printed(study: AnyStudy) -> dict[str, Any]:
         if wave["kind"] == "record":
             wave["file"]["elevation"] = f"{len(wave['file']['elevation'])} samples"
     return found
+
+
+def _inputs(stored: Inputs) -> str:
+    """What the results rest on, each by its content."""
+    study, plan = stored.study, stored.plan
+    files = [f"study {plan.study_id}", *(f"{name} {Path(path).stem}" for name, path in plan.hydro_files.items())]
+    files += [f"record {wave.file.digest}" for wave in study.waves if isinstance(wave, RecordedSea)]
+    if study.buoy is None:
+        given = getattr(study.body, study.body.kind)
+        named = given.paths if isinstance(given, BodyFile) else {study.body.kind: given}
+        files += [f"{name} {content}" for name, content in named.items()]
+    return ", ".join(files)
 
 
 def _water_facts(stored: Inputs) -> dict[str, str]:

@@ -321,7 +321,8 @@ def finished(
 
 def _ask_to_end(number: int, _: object) -> NoReturn:
     """End as a shell reports it, after one line."""
-    print("vsb: ended; run the same command again to go on from here", file=sys.stderr)
+    process = f"process {os.getpid()} by {signal.Signals(number).name}"
+    print(f"vsb: ended, {process}; run the same command again to go on from here", file=sys.stderr)
     raise SystemExit(128 + number)
 
 
