@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.optimize import minimize_scalar
 
-from vsb.design.resting import RestingBuoy, Stepped, with_variable
+from vsb.design.resting import OF_DAMPING, RestingBuoy, Stepped, with_variable
 from vsb.scenes.rest import complete_loaded_shell, loaded_shell
 from vsb.shell.deformed import gauss_rule
 from vsb.shell.loaded import buckling_pencil
@@ -18,6 +18,8 @@ from vsb.tools.arrays import AnyArray, FloatArray
 
 FACTORS = 4
 """Largest inverse load factors that are given: those of several buckling modes may cross."""
+NO_MATTER = ("device.density", *(f"device.{name}" for name in OF_DAMPING))
+"""Variables without effect on buckling: the load is the mass of the whole buoy."""
 Slopes = tuple[float, list[float]]
 """A value and its derivatives by the variables of the device."""
 
@@ -104,6 +106,9 @@ def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:
     rigid = RestingBuoy(study, loaded_shell(study, rigid_basis(study.device)), np.zeros(1))  # it floats undeformed
     slopes = []
     for key in keys:
+        if key in NO_MATTER:
+            slopes.append([0.0] * FACTORS)
+            continue
         step = rigid.with_step(key)
         changed = with_variable(loaded, key, 1j * step.size)
         d_elastic, d_load = map(

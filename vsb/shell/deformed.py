@@ -157,11 +157,8 @@ class DeformedShell:
     def wet_segments(self) -> list[tuple[float, float]]:
         """Colatitude intervals below the free surface: none (dry), one, or several (more than one waterline)."""
         grid, (_, z, _) = self._grid, self._on_grid
-        crossings = [
-            self._crossing(a, b)
-            for a, b, za, zb in zip(grid[:-1], grid[1:], z.real[:-1], z.real[1:], strict=True)
-            if (za < 0) != (zb < 0)
-        ]
+        below = z.real < 0
+        crossings = [self._crossing(grid[i], grid[i + 1]) for i in np.flatnonzero(below[:-1] != below[1:])]
         edges = [0.0, *crossings, np.pi]
         middles = self.curve(np.array([(a + b) / 2 for a, b in itertools.pairwise(edges)])).z
         return [(a, b) for a, b, z in zip(edges[:-1], edges[1:], middles.real, strict=True) if z < 0]

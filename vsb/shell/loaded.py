@@ -84,6 +84,8 @@ class LoadedShell:
 
     def gas_stiffness(self, q: FloatArray) -> FloatArray:
         """Return the stiffness of trapped gas, gamma (p_atm + p)/V dV/dq dV/dq^T, shape (dof, dof) [N/m]."""
+        if self.gas is None:
+            return np.zeros((len(q), len(q)))
         (index, outside, _), gradient = self._contents, self.elastic.volume_gradient(q)
         return np.outer(gradient, gradient) * (index * (outside + self.pressure(q)) / self.elastic.volume(q))
 
