@@ -7,7 +7,7 @@ from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import legder, legval
+from numpy.polynomial.legendre import legder, legvander
 from scipy.optimize import brentq
 
 from vsb.errors import ConfigError
@@ -115,7 +115,7 @@ class DeformedShell:
     def curve(self, colatitude: FloatArray) -> Curve:
         """Return `meridian` without the shapes of the modes: one sum over degrees for any number of modes."""
         at, sin, cos = self.basis.shell.at_rest(colatitude), np.sin(colatitude), np.cos(colatitude)
-        v, slope, first, second = legval(cos, self._series)
+        v, slope, first, second = np.moveaxis(legvander(cos, len(self._series) - 1) @ self._series, -1, 0)
         u, dv, du = -sin * first, -sin * slope, sin**2 * second - cos * first
         return Curve(
             at.x + v * sin + u * cos,
