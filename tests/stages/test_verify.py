@@ -12,6 +12,7 @@ from conftest import SMALL as RAW
 from conftest import SMALL_PLAN as PLAN
 from tools.test_files import rewritten
 
+import vsb
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
 from vsb.stages import report
@@ -92,6 +93,18 @@ def test_copied_results_are_valid_without_snakemakes_records(place):
     assert verify("small.yaml", heal=False) == [f"small.yaml: {len(PLAN.ids)} files are what they should be"]
     for folder in ("results", "results/small"):
         assert verify(folder, heal=False) == [f"{folder}: {len(PLAN.ids)} files are what they should be"]
+
+
+def test_copied_results_are_continued(place):
+    """From another folder only what is missing, and what rests on it, is made."""
+    whole, before = Path(FSB).read_bytes(), {path: os.stat(path).st_mtime_ns for path in PLAN.ids if path != FSB}
+    power = vsb.open("results/small").comparison.power_mean
+    Path(FSB).unlink()
+    again = vsb.run(vsb.load("small.yaml"))
+    assert len(Path(FSB).read_bytes()) == len(whole)
+    assert again.comparison.power_mean.equals(power)
+    made = {path for path, then in before.items() if os.stat(path).st_mtime_ns != then}
+    assert made.isdisjoint({VSWEC, RESPONSE, PLAN.database_path, PLAN.radiation_path})
 
 
 @pytest.mark.parametrize(("path", "damage"), DAMAGE)

@@ -296,7 +296,7 @@ _SHOWN = {
     "comparison.csv": ("comparison", "Numbers", {"table": "designs side by side"}),
     "statistics.csv": ("statistics", "Numbers", {"table": "irregular seas"}),
     "validity.json": ("validity", "What to doubt", {"table": "ledger"}),
-    "ladder.csv": ("ladder", "Numbers", {"table": "tuning ladder"}),
+    "ladder.csv": ("ladder", "Numbers", {"table": "control levels"}),
     "starts.csv": ("starts", "Numbers", {"table": "where every start ended"}),
     "budget.csv": ("budget", "Numbers", {"table": "what the gain is uncertain by"}),
     "campaign.csv": ("campaign_table", "Numbers", {"table": "every point, design and tuning"}),
