@@ -14,7 +14,7 @@ from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
 from vsb.scenes.build import linear_design
 from vsb.scenes.drag import LINEARISED
-from vsb.scenes.floating_system import floating_system
+from vsb.scenes.floating_system import floating_system, port_in_seas, study_sea
 from vsb.scenes.rest import (
     check_moored,
     check_spring,
@@ -422,3 +422,38 @@ def test_internal_pressure_stiffens_all_orders(folder):
     assert residual(energies(at.system, motion)) < 1e-9
     assert "prestress" in at.scene.forces
     assert labels[:4] == ["Heave", "Membrane0", "Membrane1", "Membrane2"]
+
+
+def spread(s):
+    return {"kind": "jonswap", "hs": 0.5, "tp": 3.5, "spreading": {"s": s, "directions": 7}}
+
+
+def test_spread_sea_moves_a_surging_port_by_the_cosine_of_each_direction(folder):
+    """The same amplitudes, V0 of every component times cos; s = 1e4 is the long-crested sea; heave does not know."""
+    waves = [{key: value for key, value in spread(4).items() if key != "spreading"}, spread(4), spread(1e4)]
+    for port, power in (("surge", lambda angle: np.cos(angle) ** 2), ("heave", np.ones_like)):
+        study = study_with(waves=waves, pto={"damping": 1.9e4, "port": port})
+        floating = floating_system(study, made(study, folder).database_path)
+        seas = [(wave, study_sea(study, wave, floating.linear.database)) for wave in study.waves]
+        found = port_in_seas(floating, "FSB", seas)
+        squares = [np.abs(found.port.velocity[place]) ** 2 for place in found.places]
+        assert squares[1] == pytest.approx(squares[0] * power(np.radians(seas[1][1].heading)), rel=1e-9)
+        energy = [float(np.sum(one * np.abs(sea.amplitude) ** 2)) for one, (_, sea) in zip(squares, seas, strict=True)]
+        assert energy[2] == pytest.approx(energy[0], rel=1e-3)
+        assert energy[1] <= energy[0] * (1 + 1e-12)
+
+
+@pytest.mark.slow
+def test_study_in_a_spread_sea_from_file_to_page(folder):
+    """Linear theory in every direction foretells the mean power of its runs."""
+    study = study_with(
+        study="spread",
+        waves=[spread(4)],
+        pto={"damping": 1.9e4, "port": "surge"},
+        simulation={"duration": 200.0, "window": [60.0, 200.0]},
+    )
+    make.run(study, folder)
+    rows = json.loads((Path(folder) / "spread" / "tables.json").read_text())["statistics"]
+    for row in rows:
+        assert row["power_mean"] == pytest.approx(row["power_linear_record"], rel=2e-2)
+    assert (Path(folder) / "spread" / "report.html").is_file()

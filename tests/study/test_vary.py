@@ -118,7 +118,7 @@ KEPT = {
 a profile has the radius of its buoy."""
 
 
-NOWHERE = {"hs", "tp", "band", "step", "elevation"}
+NOWHERE = {"hs", "tp", "band", "step", "elevation", "s", "directions"}
 """Irregular seas: a campaign's are the climate's, and the study that is begun with has none."""
 
 

@@ -23,7 +23,7 @@ from vsb.report.answer import closing_line
 from vsb.results.series import time_series
 from vsb.results.year import Tuning, frequencies, year
 from vsb.scenes.build import DesignInSea, design_in_sea
-from vsb.scenes.floating_system import FloatingSystem, band, floating_system, heading, study_sea
+from vsb.scenes.floating_system import FloatingSystem, band, floating_system, heading_in, study_sea
 from vsb.stages import make
 from vsb.stages.planning import with_degree
 from vsb.study.body import AnyStudy, LocatedBody
@@ -196,7 +196,7 @@ class Results:
         low, high = band(self.study, self.database)
         sea = study_sea(self.study, found, self.database)
         harmonics = Harmonics.of_sea(sea.omega, float(max(low, self.database.omega[0])), high)
-        port = self._floating.extended_port(self._design(design), harmonics.port_omega, heading(found))
+        port = self._floating.extended_port(self._design(design), harmonics.port_omega, heading_in(found, sea))
         return optimum_in_sea(port, sea, harmonics, Limits(force_limit, stroke_limit))
 
     def year(self, climate: Climate, tunings: Sequence[Tuning] = ("one", "each"), direction: float = 0.0) -> xr.Dataset:

@@ -4,6 +4,7 @@ Orders do not mix on a body of revolution: all matrices are blocks, each with on
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -165,6 +166,24 @@ def most_exciting(ds: xr.Dataset, name: str) -> ComplexArray:
 def heading_shares(orders: IntArray, direction: float) -> FloatArray:
     """Return `heading_share` of degrees of freedom by their orders, shape (dof,) [-]."""
     return np.array([heading_share(int(order), direction) for order in orders])
+
+
+@dataclass(frozen=True, eq=False)
+class Directions:
+    """Directions of waves that differ from frequency to frequency."""
+
+    omega: FloatArray  # ascending (component,) [rad/s]
+    direction: FloatArray  # (component,) [rad]
+
+    def at(self, omega: FloatArray) -> FloatArray:
+        """Return the direction of the component nearest to each frequency, shape (omega,) [rad]."""
+        between = (self.omega[1:] + self.omega[:-1]) / 2
+        return np.asarray(self.direction[np.searchsorted(between, omega)])
+
+    def shares(self, orders: IntArray, omega: FloatArray) -> FloatArray:
+        """Return `heading_shares` at each frequency, shape (omega, dof) [-]."""
+        known, place = np.unique(self.at(omega), return_inverse=True)
+        return np.array([heading_shares(orders, float(one)) for one in known])[place]
 
 
 def order_groups(ds: xr.Dataset) -> dict[int, IntArray]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.linalg import null_space
@@ -84,7 +85,7 @@ def linear_scene(
     return Scene(labels, mass, forces, free, heave=_heave(labels, mass, free))
 
 
-def together(waves: Mapping[float, Sea]) -> Sea:
+def together(waves: Mapping[Any, Sea]) -> Sea:
     """Return seas of several directions as one, the elevation at the origin."""
     seas = list(waves.values()) or [NO_WAVES]
     return Sea(np.concatenate([sea.omega for sea in seas]), np.concatenate([sea.amplitude for sea in seas]))

@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 from vsb.errors import ConfigError, DatabaseError, StabilityError
 from vsb.hydro.database import Coefficients
 from vsb.hydro.formats.common import DRY, Structure, structure
-from vsb.hydro.orders import heading_shares, most_exciting, order_groups, orders_of, own_headings
+from vsb.hydro.orders import Directions, heading_shares, most_exciting, order_groups, orders_of, own_headings
 from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_lowest, sizes
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.variables import PAIR
@@ -47,7 +47,7 @@ class LinearSystem:
     structural_damping: FloatArray  # (dof, dof) [N s/m]
     pto: LinearPto = NO_TAKE_OFF
     chamber: float = 0.0  # compliance between port and take-off, of the gas before a turbine [m^3/Pa]
-    direction: float = 0.0  # the waves go to [rad]
+    direction: float | Directions = 0.0  # the waves go to [rad]
     axisymmetric: bool = True  # each azimuthal order has one radiation channel; False: a body of any shape
 
     def __post_init__(self) -> None:
@@ -126,11 +126,12 @@ class LinearSystem:
         """
         if self.axisymmetric:
             return 0
-        known = self.database.wave_direction.values
-        if (near := direction_index(known, self.direction)) is None:
+        known, going = self.database.wave_direction.values, self.direction
+        near = None if isinstance(going, Directions) else direction_index(known, going)
+        if near is None:
+            received = "several" if isinstance(going, Directions) else f"{np.degrees(going):g} degrees"
             raise DatabaseError(
-                f"wave direction: received {np.degrees(self.direction):g} degrees, needs one of "
-                f"{', '.join(f'{d:g}' for d in np.degrees(known))}."
+                f"wave direction: received {received}, needs one of {', '.join(f'{d:g}' for d in np.degrees(known))}."
             )
         return near
 
@@ -191,14 +192,20 @@ class LinearSystem:
         if damping is not None:
             return Coefficients(added_mass(omega), damping(omega), force[:, self.heading_index])
         radiated = np.sum([channel.damping(omega, force) for channel in self._channels], axis=0)
-        shares = heading_shares(self.orders, self.direction)
+        shares = self._shares(omega)
         return Coefficients(added_mass(omega), radiated, np.asarray(force * shares, dtype=complex))
 
     def diffraction(self, omega: FloatArray) -> ComplexArray:
         """Return the diffraction force on a shell per wave amplitude, shape (omega, dof) [N/m]; in the band solved."""
         self.check_band(omega)
         force = self._spline("diffraction_force")(omega)
-        return np.asarray(force * heading_shares(self.orders, self.direction), dtype=complex)
+        return np.asarray(force * self._shares(omega), dtype=complex)
+
+    def _shares(self, omega: FloatArray) -> FloatArray:
+        """Factors of the excitation of a shell's orders in the waves' direction, shape (dof,) or (omega, dof)."""
+        if isinstance(self.direction, Directions):
+            return self.direction.shares(self.orders, omega)
+        return heading_shares(self.orders, self.direction)
 
     def added_mass_at(self, omega: float) -> FloatArray:
         """Return the added mass at any frequency, in the band or not, shape (dof, dof) [kg].

@@ -29,6 +29,7 @@ from vsb.scenes.floating_system import (
     band,
     floating_system,
     heading,
+    heading_in,
     headings,
     port_in_seas,
     study_sea,
@@ -240,7 +241,7 @@ def constrained_rungs(study: LadderSpec, floating: FloatingSystem, seas: Mapping
     of_force, rungs = (float(ds.omega[0]), band(study, ds)[1]), []
     for design, wave in product(study.designs, study.waves):
         if wave.label in seas:
-            port_at = partial(floating.extended_port, design, direction=heading(wave))
+            port_at = partial(floating.extended_port, design, direction=heading_in(wave, seas[wave.label]))
             rungs.append(constrained_rung(design, wave.label, seas[wave.label], port_at, limits, of_force))
     return rungs
 
@@ -346,6 +347,7 @@ def with_errors(
         linear = {key: rung for key, rung in here.items() if rung.rung != CONSTRAINED}
         loads = [(key, rung.damping, rung.stiffness) for key, rung in linear.items()]
         key = repr((heading(wave), loads)).encode() + sea.omega.tobytes() + np.abs(sea.amplitude).tobytes()
+        key += b"" if sea.heading is None else sea.heading.tobytes()
         if key not in known:  # realisations of a sea with the same amplitudes share them
             known[key] = _slopes(floating, wave, sea, list(linear.values()))
         slopes, errors = known[key]
@@ -380,7 +382,7 @@ def with_errors(
 
 def _slopes(floating: FloatingSystem, wave: Wave, sea: Sea, rungs: Sequence[Rung]) -> _Slopes:
     """Derivatives of the powers of levels in a sea; the matched force is that of the conjugate impedance."""
-    linear, squares, found = floating.towards(heading(wave)), np.abs(sea.amplitude) ** 2, {}
+    linear, squares, found = floating.towards(heading_in(wave, sea)), np.abs(sea.amplitude) ** 2, {}
     equation = linear.equation(sea.omega)
     for design, motions in floating.motions.items():
         moved = equation.free_motion(motions, floating.port)

@@ -19,7 +19,7 @@ from vsb.hydro.database import Check, check_at_most
 from vsb.results.comparison import in_direction, power_response, relative_difference, velocity_response
 from vsb.scenes.drag import LINEARISED
 from vsb.study.study import BaseStudy, Irregular, IrregularSea
-from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.tools.words import plain
 from vsb.waves.seas import Sea, superposed
@@ -90,6 +90,13 @@ def families(study: BaseStudy) -> dict[str, list[Irregular]]:
     return found
 
 
+def _parts(wave: Irregular, sea: Sea) -> list[tuple[Irregular, BoolArray]]:
+    """A sea in every direction its waves go to, and which of its components do, shape (component,)."""
+    if sea.heading is None:
+        return [(wave, np.ones(len(sea.omega), dtype=bool))]
+    return [(wave.model_copy(update={"direction": float(one)}), sea.heading == one) for one in np.unique(sea.heading)]
+
+
 class Sample(NamedTuple):
     """What statistics keep of the run of a design in an irregular sea, or of all its realisations together."""
 
@@ -125,13 +132,13 @@ def sample(
     response : xarray.Dataset
         The frequency response of the study.
     """
-    here, window = in_direction(response, wave), study.simulation.window
-    if LINEARISED in run.attrs:
-        linear = float(run.attrs[LINEARISED])
-    else:
-        linear = linear_power(power_response(study, here, design, run.attrs), spectral)
-    damping, transfer = velocity_response(study, here, design, run.attrs)
-    velocity = CubicSpline(transfer.omega.values, transfer.values)(sea.omega)
+    window, linear, velocity = study.simulation.window, 0.0, np.zeros(len(sea.omega), dtype=complex)
+    for going, mine in _parts(wave, sea):
+        here = in_direction(response, going)
+        linear += linear_power(power_response(study, here, design, run.attrs), spectral.part(mine))
+        damping, transfer = velocity_response(study, here, design, run.attrs)
+        velocity[mine] = CubicSpline(transfer.omega.values, transfer.values)(sea.omega[mine])
+    linear = float(run.attrs.get(LINEARISED, linear))
     batches = batch_means(run, window, wave.memory)
     alike = linear_batches(sea.omega, velocity * sea.amplitude, damping, window, len(batches))
     components = np.sqrt(damping / 2) * velocity * np.abs(spectral.amplitude)

@@ -23,6 +23,7 @@ from vsb.scenes.drag import dragged_port, linearised, with_drag
 from vsb.scenes.floating_system import (
     floating_system,
     heading,
+    heading_in,
     held_rows,
     study_sea,
 )
@@ -203,7 +204,7 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     pto = tuned_take_off(run.pto, design, floating, others or [(wave, spectral)], dragged)
     notes = {} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
     notes |= linearised(system, floating, design, pto, wave, spectral)
-    buoy = replace(floating.towards(heading(wave)), pto=pto)
+    buoy = replace(floating.towards(heading_in(wave, waves)), pto=pto)
     held = all_clamp_rows(system.designs[design].clamp, shape.basis, orders)
     if not orders:
         held = np.concatenate([held, mooring_rows(system, shape.basis)])

@@ -16,6 +16,7 @@ from scipy.linalg import block_diag
 from vsb.errors import ConfigError
 from vsb.hydro import database
 from vsb.hydro.dofs import flexible
+from vsb.hydro.orders import Directions
 from vsb.motion.linear import LinearSystem, with_open_chamber
 from vsb.motion.port import Port, channels_reached, combination, port_direction
 from vsb.motion.tuning import frequencies
@@ -36,6 +37,10 @@ InSeas = Study | BodyStudy | LadderSpec | SimulateSpec
 """What has seas and how long they last."""
 
 
+Heading = float | Directions
+"""A direction [degrees], or one for every frequency."""
+
+
 @dataclass(frozen=True)
 class FloatingSystem:
     """A buoy or a body without take-off, and what designs and take-off make of it."""
@@ -52,16 +57,17 @@ class FloatingSystem:
         assert self.shape is not None
         return self.shape
 
-    def towards(self, direction: float) -> LinearSystem:
+    def towards(self, direction: Heading) -> LinearSystem:
         """Return its motion in waves of a direction [degrees]; a buoy of revolution that heaves answers all alike."""
-        return replace(self.linear, direction=float(np.deg2rad(direction)))
+        going = direction if isinstance(direction, Directions) else float(np.deg2rad(direction))
+        return replace(self.linear, direction=going)
 
-    def ports(self, omega: FloatArray, direction: float = 0.0) -> dict[str, Port]:
+    def ports(self, omega: FloatArray, direction: Heading = 0.0) -> dict[str, Port]:
         """Return what the take-off sees of all designs in waves of one direction [degrees]."""
         equation = self.towards(direction).equation(omega)
         return {design: equation.port(motions, self.port) for design, motions in self.motions.items()}
 
-    def extended_port(self, design: str, omega: FloatArray, direction: float = 0.0) -> Port:
+    def extended_port(self, design: str, omega: FloatArray, direction: Heading = 0.0) -> Port:
         """Return what the take-off sees of a design, also outside the band of the database."""
         return self.towards(direction).extended_port(omega, self.motions[design], self.port)
 
@@ -165,7 +171,7 @@ def study_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
     lowest = float(ds.omega[0]) if isinstance(wave, RecordedSea) else lowest
     found = sea(wave, highest, study.simulation.duration)
     kept = (found.omega >= lowest - 1e-9) & (found.omega <= highest + 1e-9)
-    return found if kept.all() else Sea(found.omega[kept], found.amplitude[kept])
+    return found if kept.all() else found.part(kept)
 
 
 def heading(wave: Wave) -> float:
@@ -173,15 +179,27 @@ def heading(wave: Wave) -> float:
     return 0.0 if isinstance(wave, StillWater) else wave.direction
 
 
+def heading_in(wave: Wave, sea: Sea) -> Heading:
+    """Return the direction a sea goes to [degrees], or those of its components, where it is spread."""
+    return heading(wave) if sea.heading is None else Directions(sea.omega, np.deg2rad(sea.heading))
+
+
 def headings(seas: Sequence[tuple[Wave, Sea]]) -> dict[float, FloatArray]:
     """Return the directions of seas [degrees], still water left out, and all frequencies of those of each [rad/s]."""
-    going = dict.fromkeys(heading(wave) for wave, _ in seas if not isinstance(wave, StillWater))
-    return {one: frequencies([sea for wave, sea in seas if _goes(wave, one)]) for one in going}
+    return {one: omega for one, omega, _ in _by_heading(seas) if not isinstance(one, Directions)}
 
 
-def _goes(wave: Wave, direction: float) -> bool:
-    """Whether a sea has waves, and they go to a direction."""
-    return not isinstance(wave, StillWater) and wave.direction == direction
+def _by_heading(seas: Sequence[tuple[Wave, Sea]]) -> list[tuple[Heading, FloatArray, list[int]]]:
+    """Directions of seas, still water left out, all frequencies of those of each, and which these are.
+
+    A spread sea shares its directions with none.
+    """
+    moving = [i for i, (wave, _) in enumerate(seas) if not isinstance(wave, StillWater)]
+    alike = [i for i in moving if seas[i][1].heading is None]
+    going = dict.fromkeys(heading(seas[i][0]) for i in alike)
+    groups: list[tuple[Heading, list[int]]] = [(one, [i for i in alike if heading(seas[i][0]) == one]) for one in going]
+    groups += [(heading_in(*seas[i]), [i]) for i in moving if seas[i][1].heading is not None]
+    return [(one, frequencies([seas[i][1] for i in those]), those) for one, those in groups]
 
 
 class PortInSeas(NamedTuple):
@@ -199,9 +217,9 @@ def port_in_seas(floating: FloatingSystem, design: str, seas: Sequence[tuple[Wav
     as many sets of frequencies.
     """
     ports, places, before = [], [np.zeros(0, dtype=np.intp)] * len(seas), 0
-    for direction, omega in headings(seas).items():
+    for direction, omega, those in _by_heading(seas):
         ports.append(floating.towards(direction).port(omega, floating.motions[design], floating.port))
-        for i in (i for i, (wave, _) in enumerate(seas) if _goes(wave, direction)):
+        for i in those:
             places[i] = before + np.searchsorted(omega, seas[i][1].omega)
         before += len(omega)
     squares = np.zeros((len(seas), before))

@@ -39,6 +39,7 @@ from vsb.study.study import (
     PiersonMoskowitz,
     RecordedSea,
     RegularWave,
+    SpectralSea,
     StillWater,
     Study,
     Wave,
@@ -48,7 +49,7 @@ from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 from vsb.waves.dispersion import group_velocity
-from vsb.waves.seas import NO_WAVES, components, jonswap_spectrum, spectrum
+from vsb.waves.seas import NO_WAVES, Sea, components, jonswap_spectrum, spectrum
 
 FREQUENCIES = 2000
 """At which spectra are drawn."""
@@ -141,7 +142,7 @@ def animated_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) 
         runs = {design: stored.runs[design, wave.label].position for design in study.designs}
         window, water = study.simulation.window, study.water
         largest = max(largest, *(largest_shell(run.sel(time=slice(*window)), shell) for run in runs.values()))
-        moved = study_sea(study, wave, stored.database) if study.needs_bem else NO_WAVES
+        moved = _drawn_sea(stored, wave) if study.needs_bem else NO_WAVES
         period = duration / PERIODS if isinstance(wave, StillWater) else 2 * math.pi / wave.omega
         towards = math.radians(heading(wave))
         seas.append(frames_data(words[wave.label], runs, moved, window, period, width, water, shell, towards))
@@ -154,6 +155,12 @@ def animated_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) 
     }
 
 
+def _drawn_sea(stored: Inputs, wave: Wave) -> Sea:
+    """A sea as its surface is drawn along its direction; of a spread one the line through the buoy does not tell it."""
+    found = study_sea(stored.study, wave, stored.database)
+    return found if found.heading is None else NO_WAVES
+
+
 MOST = 10_000
 """Most numbers of components of a sea, times designs, that a page holds: those of longer runs are as many."""
 SEAS = 24
@@ -164,6 +171,8 @@ def interactive_study(
     study: AnyStudy, database: str, response: xr.Dataset, limited: Sequence[Mapping[str, Any]]
 ) -> dict[str, Any] | None:
     """Return the data of a study's page; none where no damper's power is known, or a spring or drag loses some of it.
+
+    None either in spread seas, whose ports differ from sea to sea.
 
     Parameters
     ----------
@@ -180,7 +189,8 @@ def interactive_study(
     A port has a free velocity for every direction waves go to: seas share a grid if they share both.
     """
     pto = study.pto
-    if not study.needs_bem or study.drag_of_buoy or pto.spring_costs:
+    spread = any(isinstance(wave, SpectralSea) and wave.spreading for wave in study.waves)
+    if not study.needs_bem or study.drag_of_buoy or pto.spring_costs or spread:
         return None
     seen, waves = _Seen(study, floating_system(study, database)), _shown_seas(study)
     if not waves:

@@ -28,7 +28,7 @@ from vsb.study.records import with_records
 from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Published, Simulation, Water
 from vsb.study.study import BaseStudy, Study, check_all
 from vsb.study.take_off import DofPort, Pto
-from vsb.study.waves import StillWater, Wave
+from vsb.study.waves import SpectralSea, StillWater, Wave
 from vsb.tools.bounded import open_regular
 
 PHYSICS = 4
@@ -458,11 +458,21 @@ class BodyStudy(BaseStudy):
         check_all(
             self.check_labels,
             self.check_records,
+            self._check_spreading,
             self.check_dampers_of_designs,
             self.check_published,
             self._check_take_off,
         )
         return self
+
+    def _check_spreading(self) -> None:
+        """A body's database holds waves of the directions it was solved in, and no others."""
+        for i, wave in enumerate(self.waves):
+            if isinstance(wave, SpectralSea) and wave.spreading:
+                raise ValueError(
+                    f"waves.{i}.spreading: the database of a body holds the directions it was solved in, none between; "
+                    "needs a buoy, or several seas of one direction each"
+                )
 
     def _check_take_off(self) -> None:
         """The port is of degrees of freedom, the method one that can follow."""

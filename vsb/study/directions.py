@@ -157,6 +157,22 @@ def check_heading(study: Any, direction: float, where: str) -> None:
         raise ValueError(f"{received}: motion 'planar' knows waves along its plane, 0 and 180; needs motion: free")
 
 
+def check_spreading(study: Any, where: str) -> None:
+    """Check that a buoy of a study feels waves from several directions, and that its forces know them.
+
+    Raises
+    ------
+    ValueError
+    """
+    if study.motion == "heave":
+        raise ValueError(
+            f"{where}.spreading: a buoy of revolution that heaves answers waves of all directions alike; remove it, or "
+            "let the buoy surge: motion: planar or free"
+        )
+    if study.drag is not None:
+        raise ValueError(f"{where}.spreading: drag is past the flow of waves of one direction; needs no drag")
+
+
 def _check_heave(study: Any) -> None:
     """Heave alone has axisymmetric modes, no mooring and no port in another direction."""
     if study.modes.order > 1:

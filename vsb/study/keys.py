@@ -18,6 +18,7 @@ _SEA = {
     ),
     "seed": Key("-", "1", "seed of the random phases and amplitudes"),
     "realisations": Key("-", "8", "how many seas of this spectrum are followed, seeds one after the other"),
+    "spreading": Key("", "{s: 10.0}", "short-crested waves, spread about the direction; of a buoy that surges"),
 }
 """Of every irregular sea."""
 _GOING = {
@@ -319,6 +320,10 @@ KEYS: dict[str, dict[str, Key]] = {
         "kind": Key("", "regular", "a sine wave"),
         "amplitude": Key("m", "0.179", "half the height from trough to crest"),
         "period": Key("s", "2.5", "period of the wave"),
+    },
+    "Spreading": {
+        "s": Key("-", "10.0", "exponent of cos^2s of half the angle from the mean direction; large: long-crested"),
+        "directions": Key("-", "9", "how many directions of equal energy stand for it"),
     },
     "Jonswap": {
         **_GOING,

@@ -25,7 +25,15 @@ from vsb.study.device import (
     waterline_radius,
     with_points,
 )
-from vsb.study.directions import Drag, Mooring, Motion, check_directions, check_followed, check_heading
+from vsb.study.directions import (
+    Drag,
+    Mooring,
+    Motion,
+    check_directions,
+    check_followed,
+    check_heading,
+    check_spreading,
+)
 from vsb.study.material import Hookean, check_rubber
 from vsb.study.quantities import Name, Section, canonical, content_id, result_id
 from vsb.study.reading import read_yaml, validated
@@ -53,6 +61,7 @@ from vsb.study.waves import (
     Travelling,
     Wave,
     WhiteNoise,
+    directions_of,
 )
 
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks", "trash")
@@ -351,6 +360,8 @@ class Study(Buoy, BaseStudy):
         for i, wave in enumerate(self.waves):
             if isinstance(wave, Travelling):
                 check_heading(self, wave.direction, f"waves.{i}")
+            if isinstance(wave, SpectralSea) and wave.spreading:
+                check_spreading(self, f"waves.{i}")
             if isinstance(wave, WhiteNoise) and wave.band[1] > self.hydro.omega_max:
                 highest = self.hydro.omega_max
                 raise ValueError(f"waves.{i}.band {list(wave.band)} rad/s: needs at most hydro.omega_max = {highest:g}")
@@ -541,7 +552,7 @@ class Study(Buoy, BaseStudy):
     @property
     def directions(self) -> tuple[float, ...]:
         """Directions its waves go to [degrees]; none where all go along x, as those a buoy that heaves knows."""
-        going = dict.fromkeys(wave.direction for wave in self.waves if isinstance(wave, Travelling))
+        going = dict.fromkeys(one for wave in self.waves if isinstance(wave, Travelling) for one in directions_of(wave))
         return tuple(going) if any(going) else ()
 
     @property

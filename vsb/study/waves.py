@@ -3,12 +3,14 @@
 Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
+import bisect
 import math
 from abc import abstractmethod
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.quantities import Count, Number, Positive, Section, within
@@ -121,6 +123,30 @@ class IrregularSea(Travelling):
         return 20 * math.pi / self.omega
 
 
+class Spreading(Section):
+    """Waves spread about their mean direction, cos^2s of half the angle (Longuet-Higgins), in some directions."""
+
+    s: Annotated[Number, Field(ge=1, le=1e4)]
+    directions: Annotated[Count, Field(ge=2, le=36)] = 9
+
+    @property
+    def angles(self) -> tuple[float, ...]:
+        """Directions from the mean [degrees], ascending: in the middle of parts of equal energy."""
+        steps = 2 * math.ceil(500 * math.sqrt(self.s))
+        half = [math.pi * i / steps for i in range(steps + 1)]  # of the circle, its density even
+        density = [math.cos(angle / 2) ** (2 * self.s) for angle in half]
+        energy = [0.0]
+        for before, after in pairwise(density):
+            energy.append(energy[-1] + (before + after) / 2)
+        found = []
+        for k in range(self.directions):
+            wanted = (2 * k + 1 - self.directions) / self.directions * energy[-1]  # from the mean, of either sign
+            i = bisect.bisect_left(energy, abs(wanted), 1, steps)
+            part = (abs(wanted) - energy[i - 1]) / (energy[i] - energy[i - 1])
+            found.append(math.copysign(math.degrees(half[i - 1] + part * (half[i] - half[i - 1])), wanted))
+        return tuple(found)
+
+
 class SpectralSea(IrregularSea):
     """A sea of a spectrum: significant height [m], seed, number of realisations, amplitudes.
 
@@ -133,6 +159,30 @@ class SpectralSea(IrregularSea):
     amplitudes: Literal["fixed", "random"] = "fixed"
     seed: Annotated[Count, Field(ge=0)] = 1
     realisations: Annotated[Count, Field(ge=1, le=1000)] = 1
+    spreading: Spreading | None = None
+
+    @model_serializer(mode="wrap")
+    def _long_crested(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out a spreading that is not given."""
+        return {key: value for key, value in dump(self).items() if (key, value) != ("spreading", None)}
+
+    @property
+    def directions(self) -> tuple[float, ...]:
+        """Directions its waves go to, the mean one first [degrees]."""
+        beside = self.spreading.angles if self.spreading else ()
+        return tuple(dict.fromkeys([self.direction, *(round(self.direction + angle, 6) for angle in beside)]))
+
+    @property
+    def _towards(self) -> str:
+        """What direction and spreading add to a name."""
+        spread = f"_s{self.spreading.s:g}x{self.spreading.directions}" if self.spreading else ""
+        return f"{super()._towards}{spread}"
+
+    @property
+    def _going(self) -> str:
+        """What direction and spreading add to words."""
+        spread = f", spread by s = {self.spreading.s:g}" if self.spreading else ""
+        return f"{super()._going}{spread}"
 
     @model_validator(mode="after")
     def _seeds_fit_a_file_name(self) -> Self:
@@ -311,6 +361,11 @@ class RecordedSea(IrregularSea):
                 f"{where}: received a record with {100 * share:.3g} % of its variance outside the band solved, needs "
                 f"at most {100 * LEFT_OUT:g} % outside {low:.4g} to {high:.4g} rad/s; filter the record, or solve more"
             )
+
+
+def directions_of(wave: Travelling) -> tuple[float, ...]:
+    """Return the directions the waves of a sea go to, the mean one first [degrees]."""
+    return wave.directions if isinstance(wave, SpectralSea) else (wave.direction,)
 
 
 Irregular = Jonswap | PiersonMoskowitz | WhiteNoise | RecordedSea

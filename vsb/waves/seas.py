@@ -14,7 +14,7 @@ from vsb.study.study import (
     Wave,
     WhiteNoise,
 )
-from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 
 FEW = 32
 """Up to this number components are summed directly."""
@@ -114,6 +114,12 @@ class Sea:
 
     omega: FloatArray  # (component,) [rad/s]
     amplitude: ComplexArray  # (component,) [m], phase included
+    heading: FloatArray | None = None  # direction of each, where they differ (component,) [degrees]
+
+    def part(self, kept: BoolArray) -> "Sea":
+        """Return some of the components."""
+        heading = None if self.heading is None else self.heading[kept]
+        return Sea(self.omega[kept], self.amplitude[kept], heading)
 
     def elevation(self, time: FloatArray) -> FloatArray:
         """Return the undisturbed elevation at the buoy's axis at equally spaced times, shape (time,) [m]."""
@@ -207,15 +213,28 @@ def irregular(wave: Jonswap | PiersonMoskowitz | WhiteNoise, omega_max: float, d
     """Return a realisation that does not repeat within the run: random phases, amplitudes of `components`.
 
     Random amplitudes are Rayleigh-distributed about those, |a_j|^2 exponential of that mean: real and imaginary parts
-    are independent normal variables, and the elevation is exactly Gaussian.
+    are independent normal variables, and the elevation is exactly Gaussian. Of a spread sea see `headings`.
     """
     omega, amplitude = components(wave, omega_max, duration)
     random = np.random.default_rng(wave.seed)
     phasor = np.exp(1j * random.uniform(0.0, 2 * np.pi, len(omega)))
     if wave.amplitudes == "random":
         phasor *= np.sqrt(random.exponential(size=len(omega)))
-    kept = amplitude > 1e-12 * amplitude.max()
-    return Sea(omega[kept], (amplitude * phasor)[kept])
+    return Sea(omega, amplitude * phasor, headings(wave, len(omega))).part(amplitude > 1e-12 * amplitude.max())
+
+
+def headings(wave: SpectralSea, count: int) -> FloatArray | None:
+    """Return the direction of each component of a spread sea, shape (count,) [degrees]; None of a long-crested one.
+
+    Every component goes to one direction, so that the sea is the same all along a run. Directions of equal energy take
+    turns, in an order drawn anew for every round: each carries the same part of the spectrum.
+    """
+    if not wave.spreading:
+        return None
+    angles, random = np.array(wave.spreading.angles), np.random.default_rng([wave.seed, 1])
+    rounds = -(-count // len(angles))
+    order = np.concatenate([random.permutation(len(angles)) for _ in range(rounds)])[:count]
+    return np.asarray(np.round(wave.direction + angles[order], 6))
 
 
 def expected(wave: Wave) -> Wave:
