@@ -92,8 +92,6 @@ class DesignModel:
             raise ConfigError(f"modes.basis: received {study.modes.basis!r}; derivatives of designs need full")
         if "device.radius" in variables and study.device.shape and study.device.shape.capsule:
             raise ConfigError("variables: received device.radius of a capsule; needs a sphere, a spheroid or a profile")
-        if study.flexible and study.device.shape:
-            raise ConfigError("device.shape: derivatives of flexible designs need a sphere; those of rigid ones do not")
         if degree is None:
             degree = study.modes.max_degree if study.flexible else 1
         nodes, solves = _resolution(study, band(climate, study.hydro.omega_max), degree)
@@ -161,6 +159,7 @@ class DesignModel:
         slopes = hull(buoy, stepped)
         if study.flexible:
             slopes["static_strain"] = static_strain(buoy, stepped)
+        if study.flexible and study.device.shape is None:  # prestress is known of the sphere alone
             factors = inverse_load_factors(study, keys)
             slopes |= {f"load_factor_inverse_{i}": factor for i, factor in enumerate(factors)}
         count = len(self.variables)

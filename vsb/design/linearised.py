@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
+from scipy.linalg import null_space
 
 from vsb.design.resting import RestingBuoy, Stepped
 from vsb.errors import ConfigError
@@ -13,6 +14,7 @@ from vsb.hydro.spectral.shape_derivative import shape_derivative
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.motion.port import port_direction
 from vsb.scenes.rest import design_motions, mooring_rows
+from vsb.shell.modes import DISTINCT
 from vsb.shell.shell import Curve
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
 
@@ -85,7 +87,7 @@ def linearised(
     basis, water, count = buoy.loaded.basis, buoy.study.water, len(steps)
     dof, flexible = len(basis.labels), buoy.study.designs[design].flexible
     moved = displacements(basis.highest_degree if flexible else 0)
-    shape = shares(moved, basis) if flexible else np.eye(dof, 1)
+    shape = _displaced(buoy, moved) if flexible else np.eye(dof, 1)
     problem = SpectralProblem(buoy.shape, moved, water.density, water.gravity, nodes, water.depth)
 
     def directions(colatitude: FloatArray) -> Curve:
@@ -102,29 +104,63 @@ def linearised(
         found = shape @ values @ shape.T
         return np.asarray((found + found.swapaxes(-1, -2)) / 2)  # symmetric but for the solver's error
 
-    motions = design_motions(buoy.study, basis, design)
+    motions = _motions(buoy, design)
     solved = shape_derivative(problem, list(omega), directions)
     values = Linearised(*buoy.matrices, radiated(solved.radiation), solved.excitation @ shape.T, _port(buoy))
     if not (values.port @ motions).any():
         raise ConfigError(
             f"pto.port: received {buoy.study.pto.port}, which design {design} does not move; needs another"
         )
+    radiation_change, excitation_change = radiated(solved.radiation_change), solved.excitation_change @ shape.T
+    if flexible and buoy.frame is not None:
+        turned = change(lambda b: _displaced(b, moved), *shape.shape)[:, None].swapaxes(0, 1)
+        mixed = turned @ ((solved.radiation + solved.radiation.swapaxes(1, 2)) / 2)[:, None] @ shape.T
+        radiation_change = radiation_change + mixed + mixed.swapaxes(-1, -2)
+        excitation_change = excitation_change + (solved.excitation[:, None, None] @ turned.swapaxes(-1, -2))[..., 0, :]
     changes = Linearised(
         change(lambda b: b.matrices.mass, dof, dof),
         change(lambda b: b.matrices.damping, dof, dof),
         change(lambda b: b.matrices.stiffness, dof, dof),
-        radiated(solved.radiation_change).swapaxes(0, 1),
-        (solved.excitation_change @ shape.T).swapaxes(0, 1),
+        radiation_change.swapaxes(0, 1),
+        excitation_change.swapaxes(0, 1),
         change(_port, dof),
     ).over(motions)
-    if None in steps:
+    if None in steps or (flexible and buoy.frame is not None):
         changes = changes.plus(values.turned(motions, _motions_change(buoy, design, steps, motions)))
     return values.over(motions), changes
 
 
+def _displaced(buoy: RestingBuoy, moved: Sequence[Displacement]) -> FloatArray:
+    """Displacements that frame and modes consist of, shape (dof, displacement) [-]."""
+    found = shares(moved, buoy.loaded.basis)
+    return found if buoy.frame is None else buoy.frame.T @ found
+
+
 def _port(buoy: RestingBuoy) -> FloatArray:
     """The motion of the take-off's port, b over all degrees of freedom."""
-    return port_direction(buoy.study.pto.port, buoy.shape)
+    found = port_direction(buoy.study.pto.port, buoy.shape)
+    return found if buoy.frame is None or buoy.study.pto.port == "heave" else found @ buoy.frame
+
+
+def _held(buoy: RestingBuoy, design: str, derivative: bool = False) -> FloatArray:
+    """What clamps and mooring hold at zero, Phi q = 0, (constraint, dof) [-]; or its derivative by the angle."""
+    basis, at = buoy.loaded.basis, np.deg2rad(buoy.study.designs[design].clamp)
+    radial, meridional, *slopes = basis.displacement_and_slope(at)
+    clamps = np.vstack([part.T for part in (slopes if derivative else (radial, meridional))])
+    fixed = mooring_rows(buoy.study, basis) * (not derivative)
+    if buoy.frame is not None:
+        clamps, fixed = clamps @ buoy.frame, fixed @ buoy.frame
+    clamps = clamps * (np.arange(len(basis.labels)) > 0)  # relative to the frame
+    return np.vstack([clamps, fixed])
+
+
+def _motions(buoy: RestingBuoy, design: str) -> FloatArray:
+    """The motions a design allows, shape (dof, free) [-]."""
+    found = design_motions(buoy.study, buoy.loaded.basis, design)
+    if buoy.frame is None or not buoy.study.designs[design].flexible:
+        return found
+    rows = _held(buoy, design)
+    return null_space(rows) if len(rows) else np.eye(len(found))
 
 
 def _motions_change(buoy: RestingBuoy, design: str, steps: Sequence[Stepped | None], motions: FloatArray) -> FloatArray:
@@ -132,18 +168,15 @@ def _motions_change(buoy: RestingBuoy, design: str, steps: Sequence[Stepped | No
 
     Of Phi N = 0 remains Phi dN = -dPhi N, whose least solution turns the motions without mixing them.
     """
-    basis, colatitudes = buoy.loaded.basis, buoy.study.designs[design].clamp
-    if len(colatitudes) != 1 or colatitudes[0] in (0.0, 180.0):
+    colatitudes = buoy.study.designs[design].clamp
+    if None in steps and (len(colatitudes) != 1 or colatitudes[0] in (0.0, 180.0)):
         raise ConfigError(
             f"designs.{design}.clamp: received {list(colatitudes)}; derivatives by it need one clamp between the poles"
         )
-    at = np.deg2rad(colatitudes)
-    clamps, fixed = basis.clamp_rows(at), mooring_rows(buoy.study, basis)
-    _, _, radial, meridional = basis.displacement_and_slope(at)
-    slopes = np.deg2rad(np.vstack([radial.T, meridional.T, 0 * fixed]))
-    slopes[:, 0] = 0.0  # rigid heave is free of clamps
-    turned = -np.linalg.pinv(np.vstack([clamps, fixed])) @ slopes @ motions
-    return np.array([turned if one is None else 0 * turned for one in steps])
+    rows, by_clamp = _held(buoy, design), np.deg2rad(_held(buoy, design, derivative=True))
+    slopes = [by_clamp if one is None else one.derivative(lambda b: _held(b, design)) for one in steps]
+    turned = [-np.linalg.pinv(rows, rcond=DISTINCT) @ slope @ motions for slope in slopes]
+    return np.reshape(turned, (len(steps), *motions.shape))
 
 
 def displacements(degree: int) -> tuple[Displacement, ...]:

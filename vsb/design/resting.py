@@ -76,14 +76,39 @@ class RestingBuoy:
     @cached_property
     def matrices(self) -> Matrices:
         """Mass, damping and stiffness about the shape at rest."""
+        basis, frame = self.loaded.basis, self.frame
+        stiffness = sum(stiffness_about(self.study, self.loaded, self.modal_amplitude).values())
+        if frame is None:
+            return Matrices(basis.inertia, basis.damping, np.asarray(stiffness))
+        mass = frame.T @ basis.integrated("mass") @ frame
+        mass[0], mass[:, 0] = 0.0, 0.0  # but for the whole buoy's own: modes have no momentum
+        damping = basis.alpha * mass + basis.beta * basis.stiffness
+        mass[0, 0] = basis.total_mass
+        return Matrices(mass, damping, frame.T @ stiffness @ frame)
+
+    @cached_property
+    def frame(self) -> FloatArray | None:
+        """Functions of the shell, one a row, in the motions of frame and modes, shape (dof, dof) [-]; None of a sphere.
+
+        The frame with the ballast moves as the shell does in the mean. Functions with momentum, which the sphere's have
+        not, are therefore less its heave: s_0 = q_0 - sum (m_j/m_0) q_j, m the first row of the shell's mass.
+        """
         basis = self.loaded.basis
-        stiffness = stiffness_about(self.study, self.loaded, self.modal_amplitude)
-        return Matrices(basis.inertia, basis.damping, np.asarray(sum(stiffness.values())))
+        if basis.shell.rest is None or not basis.modes:
+            return None
+        momentum = basis.integrated("mass")[0]
+        found = np.eye(len(momentum), dtype=momentum.dtype)
+        found[0, 1:] = -momentum[1:] / momentum[0]
+        return found
 
     @property
     def linear_rest(self) -> FloatArray:
         """Static displacement about the undeformed shell by linear theory, shape (dof,) [m]."""
-        return np.linalg.solve(self.matrices.stiffness, self.loaded.force(self.modal_amplitude))
+        load, frame = self.loaded.force(self.modal_amplitude), self.frame
+        if frame is None:
+            return np.linalg.solve(self.matrices.stiffness, load)
+        weight = self.loaded.gravity * self.loaded.basis.inertia[0]  # hangs on the frame
+        return frame @ np.linalg.solve(self.matrices.stiffness, frame.T @ (load + weight) - weight)
 
     def with_step(self, key: str) -> "Stepped":
         """Return the buoy at rest with an imaginary step of a variable of its device, floating freely.
