@@ -167,7 +167,8 @@ def test_verdict_on_shape_dependence(passed, rest, verdict, dataset):
 
 
 def test_still_water_has_no_shape_dependence(small, reference, family, dataset):
-    motion = StudyMotion(varied(small, waves=[{"kind": "still"}]), reference, None)
+    buoy = shapedependence.linear_buoy(small, reference, family)
+    motion = StudyMotion(varied(small, waves=[{"kind": "still"}]), reference, buoy)
     powers = shapedependence.study_powers(motion, family, ShapeDatabase(dataset))
     assert answer(powers, "seed") == "seed: no power is absorbed, so none depends on the shape"
     np.testing.assert_array_equal(motion.reach, np.full(4, shapedependence.LEAST_REACH * 2.0))

@@ -56,7 +56,8 @@ def test_magnification_is_that_of_the_largest_motion_in_the_window(small):
             for wave, size in zip(study.waves, sizes, strict=True)
             for design, run in loaded.items()
         }
-        return animated_study(SimpleNamespace(study=study, runs=runs), modes, words(study))["factor"]
+        stored = SimpleNamespace(study=study, runs=runs, database=load(small.database_path))
+        return animated_study(stored, modes, words(study))["factor"]
 
     alike = factor(1.0, 1.0)
     assert factor(1.0, 10.0) == pytest.approx(alike / 10)
