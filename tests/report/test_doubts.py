@@ -48,7 +48,9 @@ def test_advice_names_keys_that_exist():
             assert any(key in keys for keys in KEYS.values()), name
         assert all(how == "lower" for how in re.findall(r"(\w+) hydro\.\w*tolerance", text)), name
     assert {name for name, text in ADVICE.items() if "hydro.power_tolerance" in text} == {"left_out", "gain_error"}
-    assert all(("waves" in ADVICE[name]) or name == "surge" for name in ("pitch", "rotation", "translation", "pause"))
+    assert all(
+        ("waves" in ADVICE[name]) or name == "surge" for name in ("pitch", "rotation", "translation", "latching_time")
+    )
 
 
 def test_every_check_has_advice():

@@ -146,6 +146,7 @@ def test_latching_time_at_the_border_of_the_search_is_in_doubt():
         ("D", "w"): {**wet, "linear_pause": 0.2, "pause": 0.0},
     }
     near, far = latching_checks(runs)
+    assert near.name == far.name == "latching_time"
     assert (near.verdict, near.value) == ("ok", pytest.approx(0.2))
     assert (far.verdict, far.value, far.design) == ("doubt", pytest.approx(0.96), "B")
 

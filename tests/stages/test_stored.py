@@ -48,7 +48,7 @@ def test_unknown_design_wave_or_result_is_refused(results):
     with pytest.raises(ConfigError, match=r"wave: received 'none', needs one of regular_A0.179_T2.5"):
         results.trajectory("FSB", "none")
     dry = Results(varied(results.study, hydro={"model": "assumed_pressure", "pressure": 1800.0}))
-    for name, words in (("response", "frequency response"), ("ladder", "tuning ladder"), ("database", "hydro data")):
+    for name, words in (("response", "frequency response"), ("ladder", "control levels"), ("database", "hydro data")):
         with pytest.raises(ConfigError, match=f"hydro.model: received 'assumed_pressure', which has no {words}"):
             getattr(dry, name)
 

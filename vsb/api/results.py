@@ -105,7 +105,7 @@ class Results:
     @property
     def ladder(self) -> pd.DataFrame:
         """A row per design, sea and control level; NaN where a level has no such value."""
-        path = self._with_bem("tuning ladder", f"{self.plan.folder}/ladder.csv")
+        path = self._with_bem("control levels", f"{self.plan.folder}/ladder.csv")
         rows = csv.DictReader(read_text(path, self.plan.manifest, self.plan.ids[path]).splitlines())
         words = ("design", "wave", "rung")
         return self._frame([{k: v if k in words else float(v or "nan") for k, v in row.items()} for row in rows])

@@ -36,7 +36,7 @@ ADVICE = {
     "assumed_pressure": "hydro.model: linear, which includes radiation",
     "left_out": "lower hydro.power_tolerance",
     "gain_error": "lower hydro.power_tolerance",
-    "pause": "lower waves, or another damping",
+    "latching_time": "lower waves, or another damping",
     "drag": "use the powers in the time domain, or lower waves",
     "pitch": "lower waves",
     "rotation": "lower waves",

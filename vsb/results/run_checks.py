@@ -185,7 +185,9 @@ def latching_checks(runs: Attributes) -> list[Check]:
         text = f"absorbs most with a latching time of {best:.3g} s body-exact, {linear:.3g} s in the linear scene, "
         text += f"searched within {searched:.2g} s of that: the best one may lie outside"
         share = abs(best - linear) / searched
-        checks.append(check_at_most("pause", share, NEAR_THE_END, "-", text, doubt=True, design=design, wave=wave))
+        checks.append(
+            check_at_most("latching_time", share, NEAR_THE_END, "-", text, doubt=True, design=design, wave=wave)
+        )
     return checks
 
 

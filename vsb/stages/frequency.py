@@ -1,4 +1,4 @@
-"""Radiation memory, frequency response and tuning ladder of a study, from its hydro database."""
+"""Radiation memory, frequency response and power at every control level, from its hydro database."""
 
 import json
 import time as clock

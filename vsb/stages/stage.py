@@ -73,7 +73,7 @@ _ROWS: tuple[tuple[str, str, str, Any, str, str], ...] = (
     ("radiation", "frequency", "radiation model", specs.RadiationSpec, "database out", ""),
     ("response", "frequency", "frequency response", specs.ResponseSpec, "database out", ""),
     (
-        "ladder", "frequency", "power under ever better take-offs", specs.LadderSpec,
+        "ladder", "frequency", "power at every control level", specs.LadderSpec,
         "database out rungs manifest", "",
     ),
     (

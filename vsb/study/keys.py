@@ -207,7 +207,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "one",
             "fixed: the damper given; each: every design's own best in each sea; one: its best for all seas together",
         ),
-        "efficiency": Key("-", "0.9", "of both directions of power, in the tuning ladder's dampers and springs"),
+        "efficiency": Key("-", "0.9", "of both directions of power, in the dampers and springs of the control levels"),
         "port": Key(
             "",
             "{colatitude: 90}",

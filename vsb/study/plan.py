@@ -213,7 +213,7 @@ class ResultsPlan(ResultsFolder):
 
     @property
     def ladder_id(self) -> str:
-        """Id of the tuning ladder."""
+        """Id of the control levels."""
         return result_id(self.ladder, self.hydro_ids[0])
 
     @cached_property
@@ -322,7 +322,7 @@ class ResultsPlan(ResultsFolder):
 
     @property
     def ladder_files(self) -> dict[str, str]:
-        """The tuning ladder with all digits, by the option that names it; none without BEM."""
+        """The control levels with all digits, by the option that names it; none without BEM."""
         return {"rungs": f"{self.folder}/ladder.json"} if self.study.needs_bem else {}
 
 

@@ -364,7 +364,7 @@ class Dynamics(Section):
 
 
 class Band(Section):
-    """What the tuning ladder reads of the section `hydro`."""
+    """What the control levels read of the section `hydro`."""
 
     omega_max: float
 

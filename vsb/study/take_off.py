@@ -230,7 +230,7 @@ class Pto(Section):
 
     `tuning` says which damper a run has: `fixed`, as given; `each`, the design's own best in its sea; `one`, the
     design's best for the sum of all seas; best by linear theory, beside the spring. Without a damping it is `each`.
-    `efficiency` [-] of both directions of power judges the dampers and springs of the tuning ladder.
+    `efficiency` [-] of both directions of power judges the dampers and springs of the control levels.
 
     The law in time: `linear`, whose force saturates at a force limit [N] if there is one; `saturated` insists on the
     limit. `coulomb`: friction of the force limit, the pressure of a hydraulic take-off; the damping is then that of the
