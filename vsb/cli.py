@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
 from vsb.stages.check import summary
-from vsb.stages.init import init, init_body, init_campaign
+from vsb.stages.init import init, init_body, init_campaign, init_design
 from vsb.stages.planning import plan_of, with_degree
 from vsb.stages.run import ERROR, check_name, cores, run
 from vsb.stages.stage import STAGES, Stage
@@ -32,13 +32,15 @@ AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
 
 
 def begin(args: argparse.Namespace) -> int:
-    """Write a commented study, named after its file, to change and run; nothing is overwritten."""
-    if ((args.body or args.campaign) and args.radius is not None) or (args.body and args.campaign):
-        args.command.error("--radius, --body and --campaign: received several, needs at most one of them")
+    """Write a commented study or design, named after its file, to change and run; nothing is overwritten."""
+    if sum(map(bool, (args.radius is not None, args.body, args.campaign, args.design))) > 1:
+        args.command.error("--radius, --body, --campaign and --design: received several, needs at most one of them")
     if args.campaign:
         print(f"{init_campaign(args.config, args.campaign)}: a site's seas, to be replaced by yours")
     elif args.body:
         init_body(args.config)
+    elif args.design:
+        print(f"{init_design(args.config)}: the study it varies, to be changed too")
     else:
         init(args.config, args.radius)
     print(f"{args.config}: change it, then vsb check {args.config} and vsb run {args.config}")
@@ -282,6 +284,7 @@ def _add_commands(commands: Any) -> None:
     one.add_argument("--radius", type=float, metavar="R", help="scale the buoy, its sea and times by Froude [m]")
     one.add_argument("--body", action="store_true", help="a study of a body, of a plain hull to be replaced")
     one.add_argument("--campaign", metavar="STUDY.yaml", help="a campaign of that study over a site's year")
+    one.add_argument("--design", action="store_true", help="a design problem, and the study it varies")
     one = _command(commands, "run", "run a whole study, campaign or design through Snakemake", run, config="CONFIG")
     one.epilog = "Further options, such as -n, go to snakemake."
     one.add_argument("--profile", default="default", help="default, slurm, or the path of a folder of your own")

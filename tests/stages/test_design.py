@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import yaml
 from design.conftest import DEVICE
 from stages.test_members import with_seas
 
+import vsb
 from vsb.cli import main
 from vsb.design.compared import COMPETITOR, FLEXIBLE
 from vsb.design.evaluation import DesignModel
@@ -20,11 +22,13 @@ from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
 from vsb.stages.design_preview import check_design
 from vsb.stages.make import work
+from vsb.study.design import load
 from vsb.study.design_plan import DesignPlan
 from vsb.study.jobs import jobs, rules
 from vsb.study.plans import plan_of
 from vsb.study.study import load as load_study
 from vsb.tools.files import attributes
+from vsb.tools.shipped import HOME
 
 STUDY = {
     "study": "shell",
@@ -119,6 +123,41 @@ def test_the_report_says_the_answer_first(run):
     names = [row["source"] for row in budget]
     assert names == ["modes left out", "coefficients and quadrature", "the year as a sample", "device.young_modulus"]
     assert all(float(row["low"]) <= 0 <= float(row["high"]) for row in budget)
+
+
+@pytest.mark.slow
+def test_results_open_in_python(run):
+    found = vsb.open(run.folder)
+    assert isinstance(found, vsb.BestBuoy)
+    assert found.answer in Path(run.folder, "report.html").read_text() or "The best flexible buoy" in found.answer
+    assert found.gain.low <= found.gain.value <= found.gain.high
+    power = found.power
+    assert found.gain.value == pytest.approx(100 * (power[FLEXIBLE] / power[COMPETITOR] - 1))
+    assert found.data.sel(buoy=FLEXIBLE).outline_z.min() == pytest.approx(
+        -float(found.data.sel(buoy=FLEXIBLE).buoy_value.sel(quantity="draft")), rel=1e-6
+    )
+    assert found.optimum.designs.keys() == {"FSB", "VSWEC"}
+    assert {*found.competitor.designs} == {"FSB"}
+    assert [*found.budget.columns] == ["source", "low", "high", "one_sided", "shared"]
+
+
+@pytest.mark.slow
+def test_the_example_prints_the_answer(run, capsys, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["best_buoy.py", run.folder])
+    runpy.run_path(str(HOME / "examples" / "best_buoy.py"))
+    assert "The best flexible buoy absorbs" in capsys.readouterr().out
+
+
+def test_init_writes_a_design_and_its_study(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    assert main(["init", "mine.yaml", "--design"]) == 0
+    assert capsys.readouterr().out.startswith("mine_study.yaml: the study it varies")
+    assert load("mine.yaml").problem.design == "mine"
+    assert main(["init", "mine.yaml", "--design"]) == 2
+    assert "mine.yaml: exists already" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["init", "other.yaml", "--design", "--radius", "3"])
+    assert "received several, needs at most one of them" in capsys.readouterr().err
 
 
 def test_a_front_asked_for_later_keeps_the_starts(folder):

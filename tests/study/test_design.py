@@ -112,6 +112,20 @@ def test_studies_whose_year_has_no_derivatives_are_refused(folder, changes, mess
         load(written(folder))
 
 
+def test_a_clamp_and_structural_damping_may_be_varied(folder):
+    variables = {"designs.VSWEC90.clamp": [60, 120], "device.damping.beta": {"log": [1e-4, 1e-2]}}
+    loaded = load(written(folder, optimise="VSWEC90", variables=variables))
+    assert [one.key for one in loaded.problem.variables] == [*variables]
+    with pytest.raises(
+        ConfigError, match=r"variables.designs.VSWEC90.clamp: received a clamp that VSWEC, which is opt"
+    ):
+        load(written(folder, variables=variables))
+    with pytest.raises(ConfigError, match=r"variables: designs.VSWEC90.clamp: .*needs bounds between 0 and 180"):
+        load(written(folder, optimise="VSWEC90", variables={"designs.VSWEC90.clamp": [0, 90]}))
+    with pytest.raises(ConfigError, match=r"variables.device.material.mu: seed.yaml has no device.material.mu"):
+        load(written(folder, variables={"device.material.mu": [1e5, 1e6]}))
+
+
 def test_a_radius_without_its_mass_is_refused_where_the_draft_is_given(folder):
     raw = yaml.safe_load(SEED.read_text())
     del raw["device"]["mass"]

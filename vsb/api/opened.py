@@ -4,6 +4,7 @@ import json
 import os
 from pathlib import Path
 
+from vsb.api.best_buoy import BestBuoy
 from vsb.api.campaign import Campaign
 from vsb.api.results import Results
 from vsb.errors import DatabaseError
@@ -11,8 +12,8 @@ from vsb.study.body import is_body, located
 from vsb.study.study import parse
 
 
-def open(path: str | Path) -> Results | Campaign:
-    """Open the results of a study or of a campaign.
+def open(path: str | Path) -> Results | Campaign | BestBuoy:
+    """Open the results of a study, of a campaign or of a design problem.
 
     Parameters
     ----------
@@ -29,6 +30,8 @@ def open(path: str | Path) -> Results | Campaign:
     folder = Path(root, name)
     if (folder / "campaign.nc").is_file():
         return Campaign(str(folder))
+    if (folder / "design.nc").is_file():
+        return BestBuoy(str(folder))
     text = folder / "study.json"
     if not text.is_file():
         raise DatabaseError(f"{folder}: holds no results; needs the folder of a study or campaign, as results/buoy")

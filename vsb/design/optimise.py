@@ -207,7 +207,8 @@ def _certified(problem: Problem, point: Point, found: Multipliers, curved: Curva
     named |= {name: float(value) for name, value in bound_names(found, keys).items()}
     saddle = curved is not None and curved.saddle
     accepted = kkt <= KKT and point.violation <= VIOLATION and not saddle
-    why = "" if accepted else _why(kkt, point, saddle=saddle, message=message)
+    worst = problem.limit_names[int(point.excess.argmax())] if point.excess.size else ""
+    why = "" if accepted else _why(kkt, point, worst, saddle=saddle, message=message)
     return Optimum(
         point=point,
         objective=point.objective,
@@ -222,10 +223,10 @@ def _certified(problem: Problem, point: Point, found: Multipliers, curved: Curva
     )
 
 
-def _why(kkt: float, point: Point, *, saddle: bool, message: str) -> str:
+def _why(kkt: float, point: Point, worst: str, *, saddle: bool, message: str) -> str:
     """Why a point is not accepted."""
     if point.violation > VIOLATION:
-        return f"limits are exceeded by {point.violation:.2g} ({message})"
+        return f"the limit of {worst} is exceeded by {100 * point.violation:.2g} % ({message})"
     if kkt > KKT:
         return f"the first-order conditions hold to {kkt:.2g} only ({message})"
     return "a saddle: some direction gives more" if saddle else ""

@@ -55,7 +55,9 @@ def run_design_results(
     }
     for one in (twin(spec, seas, found[FLEXIBLE]), sphere(spec, seas, found[FLEXIBLE])):
         buoys |= {one.name: one} if one else {}
-    verified = load(Path(verifications) / f"{spec.verification}.nc", spec.verification) if spec.verification else None
+    verified = None
+    if spec.verification:
+        verified = load(Path(verifications) / f"{spec.verification}.nc", expected=spec.verification)
     doubts = uncertainty(spec, seas, buoys[FLEXIBLE], buoys[COMPETITOR], found[FLEXIBLE].truncation)
     value = gain(buoys[FLEXIBLE].power, buoys[COMPETITOR].power)
     if verified is not None:

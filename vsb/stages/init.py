@@ -9,12 +9,13 @@ import yaml
 from vsb.errors import ConfigError
 from vsb.study.body import located
 from vsb.study.campaign import read
+from vsb.study.design import read as read_design
 from vsb.study.study import load, parse
 from vsb.study.vary import FROUDE
 from vsb.tools.files import write_text
 from vsb.tools.shipped import HOME
 
-EXAMPLE, BODY, CAMPAIGN = (HOME / "config" / f"{name}.yaml" for name in ("buoy", "float", "year"))
+EXAMPLE, BODY, CAMPAIGN, DESIGN = (HOME / "config" / f"{name}.yaml" for name in ("buoy", "float", "year", "best_buoy"))
 SITE = """Hs/Te, 5,  6, 7, 8, 9
 0.75,  5,  8, 6, 3, 1
 1.25,  4, 10, 9, 5, 2
@@ -82,6 +83,33 @@ def init_campaign(path: str, study: str) -> str:
     read(yaml.safe_load(text), path)
     write_text(path, text)
     return str(site)
+
+
+def init_design(path: str) -> str:
+    """Write a commented design problem, named after its file, and the study it varies beside it.
+
+    Returns
+    -------
+    str
+        Path of the study.
+
+    Raises
+    ------
+    ConfigError
+        As `init`, of either file.
+    """
+    target = _new(path)
+    study = target.with_name(f"{target.stem}_study.yaml")
+    init(str(study))
+    text = _titled(DESIGN, target).replace("design: best_buoy", f"design: {target.stem}")
+    text = text.replace("study: buoy.yaml", f"study: {study.name}").replace("climate/", f"{HOME / 'config'}/climate/")
+    try:
+        read_design(yaml.safe_load(text), path)
+    except ConfigError:
+        study.unlink()
+        raise
+    write_text(path, text)
+    return str(study)
 
 
 def _new(path: str) -> Path:

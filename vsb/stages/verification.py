@@ -13,6 +13,7 @@ from vsb.results.verification import (
     RECORD,
     STARTUP,
     DesignInTime,
+    Model,
     Sample,
     chances,
     drawn,
@@ -33,9 +34,10 @@ from vsb.stages.campaign import swept_shape
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.stages.stage import stamp
+from vsb.study.campaign import Verify
 from vsb.study.plan import StudyPlan
 from vsb.study.specs import VerificationSpec
-from vsb.study.study import Study
+from vsb.study.study import Simulation, Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
 from vsb.waves.climate import Climate, realised
@@ -48,13 +50,13 @@ def run_verification(spec: VerificationSpec, climate: str, root: str, out: str) 
     if viable:
         found = _of_viable(spec, *viable, seas, root)
     found = with_all_designs(found, list(study.designs), study.reference_design)
-    save(found.assign_attrs(runs=_in_words(spec), model=spec.verify.model, **stamp(spec)), out)
+    save(found.assign_attrs(runs=in_words(spec.verify), model=spec.verify.model, **stamp(spec)), out)
 
 
-def _in_words(spec: VerificationSpec) -> str:
-    """Which runs these are."""
+def in_words(verify: Verify) -> str:
+    """Return which runs these are."""
     return (
-        f"{spec.verify.seas} seas, {spec.verify.model}, means over {RECORD:g} energy periods of each after "
+        f"{verify.seas} seas, {verify.model}, means over {RECORD:g} energy periods of each after "
         f"{STARTUP:g} or more of start-up"
     )
 
@@ -69,7 +71,8 @@ def _of_viable(spec: VerificationSpec, study: Study, rest: ReferenceShell, seas:
         return without_power(year)
     sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
     designs = in_time(spec.simulated, root)
-    better, linear = _powers(spec, year, sample, {design: designs[design] for design in study.designs})
+    some = {design: designs[design] for design in study.designs}
+    better, linear = powers_in_time(year, sample, some, spec.simulation, spec.verify.model)
     return verified_dataset(year, tuning, verified(year, tuning, sample, better, linear))
 
 
@@ -86,10 +89,26 @@ def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
     }
 
 
-def _powers(
-    spec: VerificationSpec, year: Year, sample: Sample, designs: Mapping[str, DesignInTime]
+def powers_in_time(
+    year: Year, sample: Sample, designs: Mapping[str, DesignInTime], given: Simulation, model: Model
 ) -> tuple[FloatArray, FloatArray]:
-    """Mean powers of the better model and of linear theory in the drawn seas, each shape (design, draw) [W]."""
+    """Return mean powers of the better model and of linear theory in the drawn seas, each shape (design, draw) [W].
+
+    Parameters
+    ----------
+    year : Year
+        With the dampers of the designs under its first tuning.
+    sample : Sample
+    designs : mapping name -> DesignInTime
+    given : Simulation
+        Tolerance and method.
+    model : {'body_exact', 'linear'}
+
+    Raises
+    ------
+    ConvergenceError, StabilityError
+        If a run fails, with its sea.
+    """
     climate, highest = year.climate, float(year.climate.edges[-1])
     found = np.empty((2, len(designs), len(sample.sea)))
 
@@ -100,13 +119,13 @@ def _powers(
     for j, (index, seed) in enumerate(zip(sample.sea, sample.seed, strict=True)):
         dampers = {name: float(year.damping[i, 0, index]) for i, name in enumerate(designs)}
         slowest = max(decay_time(*one) for one in dampers.items())
-        settings = record_of(float(climate.te[index]), slowest, spec.simulation)  # all designs meet the same waves
+        settings = record_of(float(climate.te[index]), slowest, given)  # all designs meet the same waves
         for i, (name, design) in enumerate(designs.items()):
             low, high = design.buoy.database.omega.values[[0, -1]]
             sea = realised(climate, int(index), settings.duration, int(seed), low, high)
             where = f"{name} in a sea of Hs {climate.hs[index]:.3g} m and Te {climate.te[index]:.3g} s"
             try:
-                found[:, i, j] = design.with_damping(dampers[name]).powers(sea, settings, spec.verify.model)
+                found[:, i, j] = design.with_damping(dampers[name]).powers(sea, settings, model)
             except (ConvergenceError, StabilityError) as error:
                 raise type(error)(f"verify: {where}: {error}") from None
             print(f"{where}: {found[0, i, j]:.5g} W, {found[1, i, j]:.5g} W by linear theory", flush=True)

@@ -4,6 +4,7 @@ Imports nothing heavy: the Snakefile reads a design file at every parse.
 """
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -26,10 +27,18 @@ RANGES: dict[str, tuple[float, float]] = {
     "device.density": (0.0, math.inf),
     "device.internal_pressure": (-math.inf, math.inf),
     "device.mass": (0.0, math.inf),
+    "device.damping.alpha": (0.0, math.inf),
+    "device.damping.beta": (0.0, math.inf),
+    "device.material.mu": (0.0, math.inf),
+    "device.material.c1": (0.0, math.inf),
+    "device.material.c2": (0.0, math.inf),
+    "device.material.jm": (0.0, math.inf),
     "pto.damping": (0.0, math.inf),
     "pto.stiffness": (-math.inf, math.inf),
 }
-"""Keys a design may vary, and the open interval their values lie in."""
+"""Keys a design may vary, and the open interval their values lie in; beside them a clamp's colatitude."""
+CLAMP = re.compile(r"designs\.(\w+)\.clamp")
+BETWEEN_POLES = (0.0, 180.0)
 OF_RIGID = ("device.radius", "device.mass", "pto.damping", "pto.stiffness")
 """Those a rigid sphere has as well."""
 Objective = Literal["annual_mean_power", "gain", "power_per_force", "power_per_mass", "power_per_surface"]
@@ -99,9 +108,10 @@ def _read_variables(raw: object) -> object:
 
 def _variable(key: str, given: object) -> Variable:
     """One variable."""
-    if key not in RANGES:
+    if key not in RANGES and not CLAMP.fullmatch(key):
         near = nearest(key, RANGES)
-        raise ValueError(f"{key}: needs one of {', '.join(RANGES)}" + (f"; did you mean {near}?" if near else ""))
+        known = f"{', '.join(RANGES)}, or designs.NAME.clamp"
+        raise ValueError(f"{key}: needs one of {known}" + (f"; did you mean {near}?" if near else ""))
     ends: Any = given
     log = isinstance(given, Mapping) and set(given) == {"log"}
     if isinstance(given, Mapping) and log:
@@ -112,7 +122,7 @@ def _variable(key: str, given: object) -> Variable:
         low, high = (float(end) for end in ends)
     except (TypeError, ValueError):
         raise ValueError(f"{key}: received {given!r}, needs {_FORMS}") from None
-    least, most = RANGES[key]
+    least, most = RANGES.get(key, BETWEEN_POLES)
     if not (math.isfinite(low) and math.isfinite(high)):
         raise ValueError(f"{key}: received {given!r}, needs finite bounds")
     if not low < high:
@@ -186,6 +196,11 @@ class Optimisation(Section):
         return value
 
 
+def first_flexible(study: Study) -> str:
+    """Return the first flexible design of a study by name."""
+    return next(name for name, one in sorted(study.designs.items()) if one.flexible)
+
+
 def is_design(raw: object) -> bool:
     """Whether what a file holds is a design problem, neither a study nor a campaign."""
     return isinstance(raw, dict) and "design" in raw
@@ -203,7 +218,7 @@ class LoadedDesign(Section):
     @property
     def flexible(self) -> str:
         """Name of the flexible design that is optimised."""
-        return self.problem.optimise or next(name for name, one in sorted(self.base.designs.items()) if one.flexible)
+        return self.problem.optimise or first_flexible(self.base)
 
     @property
     def rigid(self) -> str:
@@ -345,13 +360,27 @@ def _check_study(problem: Optimisation, study: Study, mistakes: _Mistakes) -> No
         )
 
 
+def _value(study: Study, key: str) -> float | None:
+    """The value of a key of a study; None of one it has not."""
+    found: Any = study
+    for word in key.split("."):
+        found = getattr(found, word, None)
+    return found if isinstance(found, int | float) else None
+
+
 def _check_variables(problem: Optimisation, study: Study, given: object, mistakes: _Mistakes) -> None:
     """Check the variables against the study."""
     keys = {one.key: one for one in problem.variables}
     device = given.get("device", {}) if isinstance(given, Mapping) else {}
     for key in keys:
-        section, _, word = key.partition(".")
-        if section == "device" and getattr(study.device, word, None) is None:
+        if found := CLAMP.fullmatch(key):
+            chosen = problem.optimise or first_flexible(study)
+            if found[1] != chosen or len(study.designs[chosen].clamp) != 1:
+                mistakes.add(
+                    ("variables", key),
+                    f"received a clamp that {chosen}, which is optimised, has not; needs its only one",
+                )
+        elif key.startswith("device.") and _value(study, key) is None:
             mistakes.add(("variables", key), f"{problem.study} has no {key}; remove it from the variables")
     if "device.radius" in keys and "device.mass" not in keys and "mass" not in device:
         mistakes.add(
@@ -399,9 +428,8 @@ def _check_others(problem: Optimisation, study: Study, mistakes: _Mistakes) -> N
                 f"needs one of {', '.join(LIMIT_UNITS)}" + (f"; did you mean {near}?" if near else ""),
             )
     for key in problem.uncertain:
-        section, _, word = key.partition(".")
-        if key not in RANGES or section != "device":
+        if key not in RANGES or not key.startswith("device."):
             known = [one for one in RANGES if one.startswith("device.")]
             mistakes.add(("uncertain", key), f"needs one of {', '.join(known)}")
-        elif not getattr(study.device, word, None):
+        elif not _value(study, key):
             mistakes.add(("uncertain", key), f"{problem.study} has no {key}, or 0; a share of it says nothing")

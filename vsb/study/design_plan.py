@@ -9,7 +9,7 @@ from typing import Any
 
 from vsb.study.design import LoadedDesign, read
 from vsb.study.plan import ResultsFolder, figure_paths
-from vsb.study.sections import DEGREES
+from vsb.study.sections import DEGREES, Simulation
 from vsb.study.specs import (
     ClimateSpec,
     DesignFrontSpec,
@@ -115,10 +115,12 @@ class DesignPlan(ResultsFolder):
         """Runs in time of both buoys."""
         if not (verify := self.loaded.problem.verify):
             return None
+        given = self.loaded.base.simulation
         return DesignVerificationSpec(
             flexible=self.flexible,
             rigid=self.rigid,
             verify=verify,
+            simulation=Simulation(tolerance=given.tolerance, method=given.method),  # how long follows from the seas
             starts=tuple(self.starts),
             rigid_starts=tuple(self.rigid_starts),
         )

@@ -530,7 +530,8 @@ class DesignVerificationSpec(Spec):
     flexible: Search
     rigid: Search
     verify: Verify
-    starts: tuple[str, ...]  # of both, by id
+    simulation: Simulation
+    starts: tuple[str, ...]  # by id
     rigid_starts: tuple[str, ...]
     versions: dict[str, int] = Field(default_factory=lambda: {tag: PHYSICS[tag] for tag in RUN_BY})
 
