@@ -55,8 +55,8 @@ def made(study, wave, law):
         transfer = resonator(waves.omega, natural, ratio)
         speed = superposed(waves.omega, (transfer * waves.amplitude)[:, None], np.linspace(*window, count * steps + 1))
         batches = LAWS[law](damper, speed[:-1, 0]).reshape(count, steps).mean(axis=1)
-        alike = linear_batches(waves.omega, transfer * waves.amplitude, damper, window, count)
-        parts = np.sqrt(damper / 2) * transfer * np.abs(spectral.amplitude)
+        alike = linear_batches(waves.omega, np.sqrt(damper) * (transfer * waves.amplitude)[:, None], window, count)
+        parts = (np.sqrt(damper / 2) * transfer * np.abs(spectral.amplitude))[:, None]
         linear = float(np.sum(np.abs(parts) ** 2))
         found[name, wave.label] = Sample(batches, alike, linear, parts, float(np.diff(waves.omega).mean()))
     return found
@@ -124,7 +124,9 @@ def test_variance_of_the_mean_is_the_sum_over_component_pairs():
     a, b = rng.normal(size=(2, 7, 2)) @ [1, 1j]
     at = 0.03 * np.arange(7)
     product, apart = a.conj() * b, np.sinc((at[:, None] - at) * 50.0 / (2 * np.pi)) ** 2
-    assert record_covariance(a, b, 0.03, 50.0) == pytest.approx((product @ apart @ product.conj()).real, rel=1e-12)
+    assert record_covariance(a[:, None], b[:, None], 0.03, 50.0) == pytest.approx(
+        (product @ apart @ product.conj()).real, rel=1e-12
+    )
 
 
 def test_fixed_amplitudes_have_the_interval_of_the_numerical_error(coarse):
@@ -192,7 +194,7 @@ def test_batch_means_average_to_the_mean_of_the_window():
 def test_linear_batches_of_a_regular_wave():
     """c |V|^2 / 2 in every batch of whole periods."""
     omega = np.array([2 * np.pi / 4.0])
-    found = linear_batches(omega, np.array([0.3 + 0.4j]), 8e3, (20.0, 60.0), 5)
+    found = linear_batches(omega, np.sqrt(8e3) * np.array([[0.3 + 0.4j]]), (20.0, 60.0), 5)
     assert found == pytest.approx(np.full(5, 0.5 * 8e3 * 0.25), rel=1e-9)
 
 
@@ -219,7 +221,7 @@ def test_sample_of_a_tuned_run_has_its_closed_form(coarse):
     powers = port.power(4e3, spring)[[14, 15]]
     assert kept.batches == pytest.approx(np.full(4, 7.0))
     assert kept.linear == pytest.approx(float(powers @ [0.36, 0.64]), rel=1e-9)
-    assert np.abs(kept.components) ** 2 == pytest.approx(powers * [0.36, 0.64], rel=1e-9)
+    assert np.abs(kept.components[:, 0]) ** 2 == pytest.approx(powers * [0.36, 0.64], rel=1e-9)
     assert kept.spacing == pytest.approx(0.1)
     speed = port.velocity_under(port.load(4e3, spring))[[14, 15]] * waves.amplitude
     instants = np.linspace(*study.simulation.window, 40001)

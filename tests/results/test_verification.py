@@ -140,7 +140,9 @@ def test_realisation_has_the_variance_and_the_power_of_its_sea():
     period = 2 * np.pi / np.diff(sea.omega).min()
     assert period > duration
     here = port(sea.omega)
-    mean = linear_batches(sea.omega, here.velocity_under(here.load(2e4)) * sea.amplitude, 2e4, (0.0, period), 1)[0]
+    mean = linear_batches(
+        sea.omega, np.sqrt(2e4) * (here.velocity_under(here.load(2e4)) * sea.amplitude)[:, None], (0.0, period), 1
+    )[0]
     assert mean == pytest.approx(sea.mean_of(here.power(2e4)), rel=1e-3)
     assert np.abs(realised(seas, 3, duration, seed=6).amplitude) == pytest.approx(np.abs(sea.amplitude))
     assert realised(seas, 3, duration, seed=5, highest=1.0).omega.max() < 1.0

@@ -11,6 +11,7 @@ from benchmarks.hard_cases import hydro_files
 from vsb.errors import ConfigError
 from vsb.integrators.simulate import legs
 from vsb.integrators.switching import switched
+from vsb.motion.damper_matrix import best_matrix
 from vsb.motion.forces import Damper, EndStop, Excitation, Spring, TakeOff
 from vsb.motion.port import LinearPto, Port, port_direction
 from vsb.motion.scene import Scene
@@ -18,7 +19,7 @@ from vsb.motion.system import System
 from vsb.motion.tuning import frequencies, squares
 from vsb.scenes.build import SCENES
 from vsb.scenes.floating_system import FloatingSystem, floating_system
-from vsb.scenes.take_off import LAWS, end_stop, tuned_take_off, with_take_off
+from vsb.scenes.take_off import LAWS, end_stop, given_matrix, matrix_kind, tuned_take_off, with_take_off
 from vsb.study.study import load
 from vsb.study.take_off import Pto
 from vsb.study.waves import RegularWave
@@ -189,6 +190,38 @@ def test_power_from_strain_in_time_is_that_of_the_port(held, model, tmp_path_fac
     start, end = np.interp([48.0, 60.0], leg.motion.time, leg.energy["pto"])
     seen = floating_system(study, files["database"]).ports(np.array([2 * np.pi / 3.0]))["VSWEC"]
     assert (end - start) / 12.0 == pytest.approx(0.01**2 * seen.power(2e3)[0], rel=5e-3 if model == "linear" else 1e-2)
+
+
+@pytest.mark.parametrize("model", ["linear", pytest.param("body_exact", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "pto",
+    [
+        {"ports": {"heave": "heave", "shell": {"strain": "area"}}, "damping": [[5e4, -2e3], [-2e3, 4e3]]},
+        {"ports": {"heave": "heave", "shell": {"strain": "area"}}, "damping": None},
+        {"port": {"distributed": "membrane"}, "damping": 0.3},
+    ],
+    ids=["given", "tuned", "spread"],
+)
+def test_damper_matrix_in_time_absorbs_what_it_does_in_frequency(pto, model, tmp_path_factory):
+    study = varied(
+        load(CONFIG / "pressurised.yaml"),
+        designs={"VSWEC": {}},
+        modes={"degree": 2},
+        hydro={"omega_max": 4.5, "model": model},
+        pto={"damping": None, **pto},
+        waves=[{"kind": "regular", "amplitude": 0.01, "period": 3.0}],
+        simulation={"duration": 60.0, "window": (48.0, 60.0), "initial_velocity": 0.0, "tolerance": 1e-9},
+    )
+    files = hydro_files(study, tmp_path_factory.getbasetemp() / "wet")
+    found = SCENES[model](only_run(study), files)
+    (leg,) = legs(found.system, found.sea, study.simulation, None)
+    assert leg.balance.residual < 1e-6
+    start, end = np.interp([48.0, 60.0], leg.motion.time, leg.energy["pto"])
+    seen = floating_system(study, files["database"]).several_ports(np.array([2 * np.pi / 3.0]))["VSWEC"]
+    kind = matrix_kind(study.pto)
+    given = given_matrix(study.pto, "VSWEC", seen.velocity.shape[1])
+    power = best_matrix(seen, np.ones(1), kind).power if given is None else seen.power(given)[0]
+    assert (end - start) / 12.0 == pytest.approx(0.01**2 * power, rel=5e-3 if model == "linear" else 2e-2)
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ from conftest import SEED, varied
 from vsb.errors import ConfigError
 from vsb.study.plan import StudyPlan
 from vsb.study.study import canonical, load, parse
-from vsb.study.take_off import Pto, port_kind
+from vsb.study.take_off import Pto, port_kind, positive_semidefinite
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +39,7 @@ def test_canonical_form_of_the_take_off(keys, form):
     assert Pto(**pto.model_dump()) == pto
 
 
+TWO = {"ports": {"heave": "heave", "shell": {"strain": "area"}}, "damping": None}
 GAS = {"gas": {"adiabatic_index": 1.4}}
 
 
@@ -72,6 +73,27 @@ def test_errors_of_the_take_off(seed, keys, wrong):
             {"pto": {"port": {"strain": "hoop", "belt": [90, 30]}}},
             r"pto.port.belt: received .90, 30.; needs two colatitudes, the upper one first",
         ),
+        ({"pto": TWO | {"damping": [[1.0, 0.0]]}}, r"damping: needs 2 rows of 2 numbers, one for each port"),
+        ({"pto": TWO | {"damping": [[1.0, 2.0], [0.0, 9.0]]}}, r"damping: needs a symmetric matrix"),
+        (
+            {"pto": TWO | {"damping": [[1.0, 2.0], [2.0, 3.0]]}},
+            r"damping: needs a matrix without a negative eigenvalue",
+        ),
+        ({"pto": TWO | {"damping": 8000.0}}, r"pto.port.damping|damping"),
+        (
+            {"pto": TWO | {"stiffness": 3.0}},
+            r"several ports, or a damper spread over the shell, have a damper matrix alone",
+        ),
+        ({"pto": TWO | {"tuning": "fixed"}}, r"tuning: of several ports is fixed with a damping matrix"),
+        ({"pto": {"ports": {"a": "pitch", "b": "heave"}}}, r"a: needs heave, volume, a ring, two points or the strain"),
+        (
+            {"pto": TWO, "hydro": {"model": "auto"}},
+            r"need motion: heave, hydro.model: linear or body_exact, and no drag",
+        ),
+        (
+            {"pto": TWO, "modes": {"basis": "full", "degree": None}},
+            r"convergence in modes is not estimated; needs modes.degree",
+        ),
         ({"pto": {"held": {"place": "point"}}}, r"pto.held.*a point force on a thin shell has no limit as shell modes"),
         ({"pto": {"held": {"place": "heave"}}}, r"pto.held .place: heave.: leaves the rigid design FSB no motion"),
         (
@@ -103,6 +125,31 @@ def test_still_water_needs_a_given_damping(seed, tuning, wave):
     with pytest.raises(ConfigError, match=r"waves.0 still: still water has no optimal damping; needs pto.damping"):
         study.check_dampers()
     varied(study, pto={"damping": 8000.0}).check_dampers()
+
+
+@pytest.mark.parametrize(
+    ("rows", "passive"),
+    [
+        ([[0.0, 0.0], [0.0, 0.0]], True), ([[1.0, 1.0], [1.0, 1.0]], True), ([[1.0, 1.001], [1.001, 1.0]], False),
+        ([[0.0, 1.0], [1.0, 5.0]], False), ([[2e9, 3e4, 0.0], [3e4, 0.5, 0.1], [0.0, 0.1, 1.0]], True),
+        ([[4.0, 2.0, 1.0], [2.0, 1.0, 0.0], [1.0, 0.0, 3.0]], False),
+    ],
+)  # fmt: skip
+def test_damper_matrix_of_several_ports_must_be_passive(rows, passive):
+    assert positive_semidefinite(rows) is passive
+
+
+def test_several_ports_stand_beside_the_other_keys_of_the_take_off():
+    matrix = [[1e5, 2e3], [2e3, 4e3]]
+    given = Pto(ports=TWO["ports"], damping=matrix)
+    assert given.tuning == "fixed"
+    assert given.several
+    assert [list(row) for row in given.port.damping] == matrix
+    tuned = Pto(ports=TWO["ports"], matrix="diagonal")
+    assert (tuned.tuning, tuned.port.damping, tuned.port.matrix) == ("each", None, "diagonal")
+    for pto in (given, tuned, Pto(port={"distributed": "membrane"})):
+        assert Pto(**pto.model_dump()) == pto
+    assert port_kind({"distributed": "membrane"}).damping_unit == "s"
 
 
 def test_damping_of_a_run(seed):

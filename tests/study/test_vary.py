@@ -175,6 +175,14 @@ def test_take_off_scales_with_the_units_of_its_port(port, expected):
     assert tuple(found[key] for key in TAKE_OFF) == (*expected, 1.0)
 
 
+def test_damper_matrix_scales_with_the_units_of_its_ports():
+    """N s/m, N s/m^2 across, N s/m^3 of a change of area."""
+    ports = {"heave": "heave", "shell": {"strain": "area"}}
+    for pto in ({"ports": ports, "damping": [[1.0] * 2] * 2}, {"port": {"ports": ports, "damping": [[1.0] * 2] * 2}}):
+        found = scaled({"pto": {**pto, "tuning": "fixed"}}, 4.0)["pto"]
+        assert found == {"ports": ports, "damping": [[32.0, 8.0], [8.0, 2.0]], "tuning": "fixed"}
+
+
 @pytest.mark.parametrize("scale", [0.25, 4.0])
 def test_natural_frequencies_scale_with_the_root_of_length(scale):
     study = config.load(SEED)

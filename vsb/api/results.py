@@ -17,6 +17,7 @@ from vsb.api.plots import StudyPlots
 from vsb.errors import ConfigError
 from vsb.hydro.database import load_database
 from vsb.motion.constrained import ConstrainedOptimum, optimum_in_sea
+from vsb.motion.damper_matrix import Ports
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.report.answer import closing_line
@@ -193,6 +194,8 @@ class Results:
             If no force within its limit keeps the stroke limit.
         """
         found = self._wave(wave)
+        if self.study.pto.several:
+            raise ConfigError("pto.port: the best force within limits is of one port; received several")
         low, high = band(self.study, self.database)
         sea = study_sea(self.study, found, self.database)
         harmonics = Harmonics.of_sea(sea.omega, float(max(low, self.database.omega[0])), high)
@@ -243,7 +246,28 @@ class Results:
             Of the waves.
         """
         at = self.database.omega.values if omega is None else np.asarray(omega, dtype=float)
+        if self.study.pto.several:
+            raise ConfigError("pto.port: several ports have no one impedance; needs several_ports")
         return self._floating.ports(at, direction)[self._design(design)]
+
+    def several_ports(self, design: str, omega: npt.ArrayLike | None = None) -> Ports:
+        """Return impedances between several ports and their free velocities, of a design.
+
+        Parameters
+        ----------
+        design : str
+        omega : array_like, shape (omega,) [rad/s], optional
+            By default the frequencies of the database.
+
+        Raises
+        ------
+        ConfigError
+            If the study's take-off has one port.
+        """
+        if not self.study.pto.several:
+            raise ConfigError("pto.port: received one port; needs pto.ports, or a distributed one")
+        at = self.database.omega.values if omega is None else np.asarray(omega, dtype=float)
+        return self._floating.several_ports(at)[self._design(design)]
 
     # pages -----------------------------------------------------------------------------------------------------------
 

@@ -108,7 +108,7 @@ def take_off(pto: LinearPto, dof: int) -> dict[str, Force]:
     """Return the force of a take-off by name, its spring slack at rest; none without damper and spring."""
     if pto.stiffness:
         return {"pto": SpringDamper(pto.spring(dof), pto.matrix(dof), np.zeros(dof))}
-    return {"pto": Damper(pto.matrix(dof))} if pto.damping else {}
+    return {"pto": Damper(pto.matrix(dof))} if np.any(pto.damping) else {}
 
 
 def _behind_chamber(buoy: LinearSystem) -> dict[str, Force]:

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.linalg import eigh, null_space
 
 from vsb.hydro.database import Coefficients
+from vsb.motion.damper_matrix import Ports
 from vsb.motion.port import ROUND_OFF, Port
 from vsb.tools.arrays import ComplexArray, FloatArray
 
@@ -76,6 +77,26 @@ class LinearEquation:
         A chamber is in series with it.
         """
         return self.port_of_motion(*self.free_motion(motions, direction), motions, direction)
+
+    def ports(self, motions: FloatArray, directions: FloatArray) -> Ports:
+        """Return several ports of a design at once, V0 = -i w B^T q_free and Y = -i w B^T q_forced.
+
+        Parameters
+        ----------
+        motions : ndarray, shape (dof, free)
+        directions : ndarray, shape (dof, port)
+            B.
+        """
+        allowed = np.stack([allowed_part(direction, motions) for direction in directions.T], axis=-1)
+        loads = np.empty((len(self.omega), motions.shape[1], 1 + allowed.shape[1]), dtype=complex)
+        loads[..., 0], loads[..., 1:] = self.water.excitation @ motions, allowed
+        solved = np.linalg.solve(motions.T @ self.dynamic_stiffness @ motions, loads)
+        forced, rate = motions @ solved[..., 1:], -1j * self.omega[:, None]
+        lossy = self.water.damping + self.damping
+        loss = sum(part.swapaxes(1, 2) @ lossy @ part for part in (forced.real, forced.imag))
+        reactive = (rate[..., None] * (allowed.T @ solved[..., 1:])).imag
+        admittance = self.omega[:, None, None] ** 2 * loss + 1j * (reactive + reactive.swapaxes(1, 2)) / 2
+        return Ports(self.omega, admittance, rate * (solved[..., 0] @ allowed))
 
     def port_of_motion(
         self, free: ComplexArray, forced: ComplexArray, motions: FloatArray, direction: FloatArray

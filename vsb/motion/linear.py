@@ -262,6 +262,9 @@ class LinearSystem:
 
     def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
         """Return the mean absorbed power per squared wave amplitude, c w^2 |b.q|^2/2, shape (omega,) [W/m^2]."""
+        if self.pto.several:
+            lossy = self.pto.matrix(len(self.mass))
+            return np.asarray(0.5 * omega**2 * np.real(np.einsum("wi,ij,wj->w", rao.conj(), lossy, rao)))
         stroke = rao @ self.pto.direction(len(self.mass))
         return np.asarray(0.5 * self.pto_at(omega).damping * omega**2 * np.abs(stroke) ** 2)
 

@@ -19,7 +19,16 @@ from vsb.hydro.dofs import multiplicity
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.orders import OrderBasis
-from vsb.study.take_off import BetweenPort, DofPort, LinePort, PortChoice, ShellPort, StrainPort
+from vsb.study.take_off import (
+    BetweenPort,
+    DistributedPort,
+    DofPort,
+    LinePort,
+    PortChoice,
+    SeveralPorts,
+    ShellPort,
+    StrainPort,
+)
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 _ROUND_OFF = 1e-6
@@ -209,9 +218,11 @@ ROUND_OFF = 1e-12
 def port_direction(choice: PortChoice, shape: DeformedShell, orders: Sequence[OrderBasis] = ()) -> FloatArray:
     """Return b of a port, whose velocity is b.q', shape (dof,) [-]; of volume [m^2], area [m], strain [1/m], pitch [m].
 
+    Of several ports B, shape (dof, port); of a damper spread over the shell L of its membrane's stiffness L L^T.
+
     Parameters
     ----------
-    choice : "heave", "surge", "pitch", "volume", ShellPort, BetweenPort, StrainPort, LinePort or DofPort
+    choice : "heave", "surge", "pitch", "volume" or a section of `vsb.study.take_off.PortChoice`
     shape : DeformedShell
         The shape at rest.
     orders : sequence of OrderBasis
@@ -224,7 +235,12 @@ def port_direction(choice: PortChoice, shape: DeformedShell, orders: Sequence[Or
     bed likewise, attached to the frame; of the volume, its gradient int n.psi dS; of strain, that of the shape at rest
     (`DeformedShell.strain_gradients`), to which orders m >= 1 add nothing.
     """
+    if isinstance(choice, SeveralPorts):
+        return np.stack([port_direction(one, shape, orders) for one in choice.ports.values()], axis=-1)
     labels = [*shape.basis.labels, *(label for basis in orders for label in basis.labels)]
+    if isinstance(choice, DistributedPort):
+        spread = ElasticShell(shape.basis).membrane_factor(shape.modal_amplitude)
+        return np.concatenate([spread, np.zeros((len(labels) - len(spread), spread.shape[1]))])
     if isinstance(choice, LinePort):
         return combination(labels, line_shares(choice, shape.centre_height))
     if isinstance(choice, DofPort):
@@ -245,7 +261,8 @@ def channels_reached(direction: FloatArray, orders: IntArray) -> int:
     orders : ndarray, shape (dof,)
         Azimuthal order of each degree of freedom.
     """
-    return sum(multiplicity(int(order)) for order in np.unique(np.abs(orders[direction != 0.0])))
+    reached = direction.any(axis=1) if direction.ndim == 2 else direction != 0.0
+    return sum(multiplicity(int(order)) for order in np.unique(np.abs(orders[reached])))
 
 
 def line_shares(line: LinePort, centre_height: float) -> dict[str, float]:
@@ -322,9 +339,14 @@ def combination(labels: Sequence[str], shares: Mapping[str, float]) -> FloatArra
 class LinearPto:
     """Damper and spring at a port b, f = -b (c b.q' + k b.q); of the heaving sphere centre against the bed, Eq. 91."""
 
-    damping: FloatArray | float  # c [N s/m]; one for each frequency: (omega,)
-    stiffness: FloatArray | float = 0.0  # k [N/m]; likewise
-    port: FloatArray | None = None  # b (dof,) [-]; none: heave
+    damping: FloatArray | float  # c [N s/m]; one for each frequency: (omega,); of several ports C (port, port)
+    stiffness: FloatArray | float = 0.0  # k [N/m]; likewise; 0 of several
+    port: FloatArray | None = None  # b (dof,) [-]; none: heave; of several ports B (dof, port)
+
+    @property
+    def several(self) -> bool:
+        """Whether it acts on several ports at once."""
+        return self.port is not None and self.port.ndim == 2
 
     def direction(self, dof: int) -> FloatArray:
         """Return b over all degrees of freedom, heave first, shape (dof,) [-]."""
@@ -332,10 +354,14 @@ class LinearPto:
 
     def matrix(self, dof: int) -> FloatArray:
         """Return its damping over all degrees of freedom, shape ([omega,] dof, dof) [N s/m]."""
+        if self.port is not None and self.port.ndim == 2:
+            return np.asarray(self.port @ self.damping @ self.port.T)
         return np.asarray(np.asarray(self.damping)[..., None, None] * self._outer(dof))
 
     def spring(self, dof: int) -> FloatArray:
         """Return its stiffness over all degrees of freedom, shape ([omega,] dof, dof) [N/m]."""
+        if self.several:
+            return np.zeros((dof, dof))
         return np.asarray(np.asarray(self.stiffness)[..., None, None] * self._outer(dof))
 
     def relaxed(self, compliance: float) -> tuple["LinearPto", float]:

@@ -12,7 +12,9 @@ register(
             ("...", "design", "omega"), "W/m^2", "mean absorbed power per squared wave amplitude"
         ),
         "power_limit": Variable(("omega",), "W/m^2", "theoretical limit, capture width of wavelength/(2 pi)"),
-        "port_impedance": Variable(("design", "omega"), at_port("damping_unit"), "mechanical impedance of the port"),
+        "port_impedance": Variable(
+            ("design", "omega", "..."), at_port("damping_unit"), "mechanical impedance of the port"
+        ),
         "port_velocity": Variable(
             ("...", "design", "omega"), at_port("rate_per_amplitude"), "velocity of the free port per wave amplitude"
         ),

@@ -62,6 +62,7 @@ class StudyData:
     limit: str = "limit λ/2π"  # what a capture width of a wavelength over 2 pi is called
     spectra: xr.DataArray = field(default_factory=xr.DataArray)  # of irregular seas (sea, omega) [m^2 s/rad]
     port: PortKind = FORCE
+    ports: Mapping[str, PortKind] = field(default_factory=dict)  # of several by name
     raos: xr.DataArray = field(default_factory=xr.DataArray)  # (wave_direction, design, omega, dof), `PORT` among dof
 
 

@@ -37,13 +37,17 @@ def rao(data: StudyData) -> Figure:
     """Draw amplitude and phase of the rigid motions and of the take-off's port, by design and heading."""
     values = _few_headings(data.raos).transpose("wave_direction", ...)
     rigid = _moving(values, [str(dof) for dof in values.dof.values if is_rigid(str(dof))], data)
-    port = values.sel(dof=PORT)
-    own = [*rigid, *([] if any(np.allclose(port, values.sel(dof=dof)) for dof in rigid) else [PORT])]
+    ports = {PORT: data.port, **{f"{PORT} {name}": kind for name, kind in data.ports.items()}}
+    own = rigid + [
+        port
+        for port in ports
+        if port in values.dof and not any(np.allclose(values.sel(dof=port), values.sel(dof=dof)) for dof in rigid)
+    ]
     rows: dict[str, list[Curve]] = {}
     for dof in own:
         turns = motion_of(dof) in ROTATIONS
-        name = f"port's {data.port.motion}" if dof == PORT else _in_words(dof)
-        unit = superscripts(data.port.motion_unit) if dof == PORT else "degrees" if turns else "m"
+        name = f"{dof.removeprefix('take-off ')}'s {ports[dof].motion}" if dof in ports else _in_words(dof)
+        unit = superscripts(ports[dof].motion_unit) if dof in ports else "degrees" if turns else "m"
         rows[f"{name}\n[{unit}/m]"] = [
             (np.asarray(at * (180 / np.pi if turns else 1.0), dtype=complex), look)
             for design in data.designs

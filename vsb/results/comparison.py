@@ -8,10 +8,13 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
+from vsb.motion.damper_matrix import Ports
 from vsb.motion.linear import direction_index
-from vsb.scenes.build import TUNED
+from vsb.scenes.build import TUNED, TUNED_MATRIX
 from vsb.scenes.drag import LINEARISED
+from vsb.scenes.take_off import given_matrix
 from vsb.study.study import BaseStudy, RegularWave, StillWater, Water, Wave
+from vsb.study.take_off import SeveralPorts
 from vsb.tools.arrays import FloatArray
 from vsb.tools.tables import csv_text
 from vsb.waves.dispersion import group_velocity
@@ -134,9 +137,21 @@ def relative_difference(mean: float, expected: float) -> float:
     return abs(mean / expected - 1) if abs(expected) > NO_POWER else abs(mean)
 
 
-def damper_of(study: BaseStudy, design: str, run: Mapping[str, Any]) -> float:
-    """Return the damper of a design in a run, by its attributes: given or tuned [N s/m]."""
+def damper_of(study: BaseStudy, design: str, run: Mapping[str, Any]) -> float | None:
+    """Return the damper of a design in a run, by its attributes: given or tuned [N s/m]; None of a damper matrix."""
+    if isinstance(study.pto.port, SeveralPorts):
+        return None
     return float(run.get(TUNED, study.pto.damper(design) or 0.0))
+
+
+def damper_matrix_of(study: BaseStudy, design: str, run: Mapping[str, Any], count: int) -> FloatArray:
+    """Return the damper matrix of a design in a run at several ports, shape (port, port)."""
+    if TUNED_MATRIX in run:
+        return np.reshape(run[TUNED_MATRIX], (count, count))
+    if TUNED in run:
+        return float(run[TUNED]) * np.eye(count)
+    given = given_matrix(study.pto, design, count)
+    return np.zeros((count, count)) if given is None else given
 
 
 def in_direction(response: xr.Dataset, wave: Wave) -> xr.Dataset:
@@ -158,17 +173,25 @@ def in_direction(response: xr.Dataset, wave: Wave) -> xr.Dataset:
     return response.isel(wave_direction=place)
 
 
-def velocity_response(
-    study: BaseStudy, response: xr.Dataset, design: str, run: Mapping[str, Any]
-) -> tuple[float, xr.DataArray]:
-    """Return the damper of a run [N s/m] and the velocity of the loaded port per wave amplitude [1/s].
+def power_waves(study: BaseStudy, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
+    """Return u per wave amplitude, |u|^2/2 the power the take-off absorbs, dims (omega, load) [W^0.5/m].
 
-    V = V0 Z/(Z + c + ik/omega), Z and V0 of the port; 0 where the port cannot move.
+    u = sqrt(c) V of a damper c, V = V0 Z/(Z + c + ik/omega), Z and V0 of the port; 0 where the port cannot move. At
+    several ports u = S V with the damper matrix S^T S and V = (1 + Y C)^-1 V0.
     """
-    here, damper = response.sel(design=design), damper_of(study, design, run)
+    here = response.sel(design=design)
+    if study.pto.several:
+        velocity, impedance = here.port_velocity.transpose("omega", "port").values, here.port_impedance.values
+        matrix = damper_matrix_of(study, design, run, velocity.shape[1])
+        seen = Ports(here.omega.values, np.linalg.pinv(impedance, rcond=1e-13), velocity)
+        values, vectors = np.linalg.eigh(matrix)
+        root = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
+        return xr.DataArray(seen.velocity_under(matrix) @ root.T, {"omega": here.omega}, ("omega", "load"))
+    damper = damper_of(study, design, run) or 0.0
     total = here.port_impedance + damper + 1j * study.pto.stiffness / here.omega
     found: xr.DataArray = here.port_velocity * here.port_impedance / total.where(here.port_impedance != 0, 1.0)
-    return damper, found
+    scaled: xr.DataArray = (np.sqrt(damper) * found).expand_dims("load", axis=-1)
+    return scaled
 
 
 def power_response(study: BaseStudy, response: xr.Dataset, design: str, run: Mapping[str, Any]) -> xr.DataArray:
@@ -181,13 +204,13 @@ def power_response(study: BaseStudy, response: xr.Dataset, design: str, run: Map
         The frequency response of the study, in the direction of the waves.
     design : str
     run : mapping
-        Attributes of a run of the design; a tuned damper c absorbs c |V|^2/2 (`velocity_response`).
+        Attributes of a run of the design; what a tuned damper absorbs is that of `power_waves`.
     """
-    if TUNED not in run:
+    if TUNED not in run and TUNED_MATRIX not in run:
         given: xr.DataArray = response.absorbed_power.sel(design=design)
         return given
-    damper, velocity = velocity_response(study, response, design, run)
-    return 0.5 * damper * abs(velocity) ** 2
+    found: xr.DataArray = 0.5 * (abs(power_waves(study, response, design, run)) ** 2).sum("load")
+    return found
 
 
 def linear_mean(

@@ -16,10 +16,11 @@ from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
 from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, coefficient_errors, sensitivity
 from vsb.motion.constrained import optimum_in_sea
+from vsb.motion.damper_matrix import best_matrix
 from vsb.motion.drag import DraggedPort, best_damper, best_pair, with_load
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
-from vsb.motion.tuning import Load, best_dampers, best_pairs, mean_power
+from vsb.motion.tuning import Load, best_dampers, best_pairs, frequencies, mean_power, squares
 from vsb.results.budget import MODES, Budget, Rows, Source
 from vsb.results.left_out import modes_left_out
 from vsb.scenes.drag import dragged_port
@@ -34,6 +35,7 @@ from vsb.scenes.floating_system import (
     port_in_seas,
     study_sea,
 )
+from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater, Wave
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -41,12 +43,16 @@ from vsb.tools.tables import csv_text
 from vsb.waves.seas import Sea, expected, superposed
 
 CONSTRAINED = "constrained"
-RUNGS = ("fixed", "best_damper", "best_damper_all_seas", "best_spring_damper", CONSTRAINED, "matched")
+BEST_DIAGONAL = "best_diagonal"
+"""Of several ports whose damper matrix may be full: the best damper at each port alone."""
+RUNGS = ("fixed", BEST_DIAGONAL, "best_damper", "best_damper_all_seas", "best_spring_damper", CONSTRAINED, "matched")
 """Power does not decrease along the levels, but that of one damper for all seas is at most that of the best one."""
 INSTANTS = 8
 """Instants at which peaks are looked for, per shortest period of a sea."""
 MOST_HARMONICS = 1024
 """Of the force of an optimum within limits: seconds of work and a tenth of a gigabyte."""
+NAMED = range(6)
+"""Ports that have names: of so many the damper matrix is told."""
 STILL = "waves do not move this port"
 GAP = 0.005
 """Of the best force found within limits, as a part of the bound of all forces [-]."""
@@ -103,6 +109,8 @@ def study_ladder(study: LadderSpec, database: str) -> list[Rung]:
     names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
     families = [names.index(name) for name in dict.fromkeys(names)]
     pairs = list(zip(waves, seas.values(), strict=True))
+    if pto.several:
+        return several_rungs(study, floating, seas, families)
     ports = {design: port_in_seas(floating, design, pairs) for design in study.designs}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
     buoy, dragged = study.buoy, None
@@ -219,6 +227,41 @@ def rungs_of(
                 sizes = (float(rms[j]), float(peaks[0, j]), float(peaks[1, j]))
                 found.append(Rung(design, label, name, c, k, power, share, *sizes, None))
     return found
+
+
+def several_rungs(
+    study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea], families: Sequence[int]
+) -> list[Rung]:
+    """Return the levels of every design at several ports, or with a damper spread over the shell, in every sea.
+
+    `best_damper` and `best_damper_all_seas` are of the matrices the study allows; matrices stand in the notes.
+    Peaks, which several ports do not have in common, and intervals are not known.
+    """
+    omega, kind = frequencies(list(seas.values())), matrix_kind(study.pto)
+    rows, found = squares(list(seas.values()), omega), []
+    for design, ports in floating.several_ports(omega).items():
+        given = given_matrix(study.pto, design, floating.port.shape[1])
+        one = best_matrix(ports, rows[list(families)].sum(axis=0), kind).damping
+        for label, sea in zip(seas, rows, strict=True):
+            levels = {} if given is None else {"fixed": given}
+            if kind == "full":
+                levels[BEST_DIAGONAL] = best_matrix(ports, sea, "diagonal").damping
+            levels |= {"best_damper": best_matrix(ports, sea, kind).damping, "best_damper_all_seas": one}
+            matched = float(sea @ ports.matched_power)
+            powers = {name: float(sea @ ports.power(matrix)) for name, matrix in levels.items()} | {"matched": matched}
+            for name, power in powers.items():
+                share = power / matched if matched > 0 else None
+                note = matrix_text(levels[name]) if name in levels and ports.moves else ""
+                damper = float(levels[name][0, 0]) if kind == "uniform" and name in levels and ports.moves else None
+                found.append(Rung(design, label, name, damper, None, power, share, None, None, None, None, note))
+    return found
+
+
+def matrix_text(matrix: FloatArray) -> str:
+    """Return a damper matrix in words, in SI units of its ports."""
+    if len(matrix) > len(NAMED):
+        return ""
+    return f"damper matrix {[[float(f'{entry:.6g}') for entry in row] for row in matrix.tolist()]}"
 
 
 def _peaks(sea: Sea, force: ComplexArray, stroke: ComplexArray, time: float) -> FloatArray:

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import stdtrit
 
 from vsb.hydro.database import Check, check_at_most
-from vsb.results.comparison import in_direction, power_response, relative_difference, velocity_response
+from vsb.results.comparison import in_direction, power_response, power_waves, relative_difference
 from vsb.scenes.drag import LINEARISED
 from vsb.study.study import BaseStudy, Irregular, IrregularSea
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
@@ -103,7 +103,7 @@ class Sample(NamedTuple):
     batches: FloatArray  # mean power of each (batch,) [W]
     linear_batches: FloatArray  # by linear theory in the same waves (batch,) [W]
     linear: float  # expected by linear theory of the sea [W]
-    components: ComplexArray  # u, |u|^2 their expected powers by linear theory (component,) [W^0.5]
+    components: ComplexArray  # u, |u|^2 their expected powers by linear theory (component, load) [W^0.5]
     spacing: float  # of the components in frequency [rad/s]
 
     @property
@@ -132,39 +132,38 @@ def sample(
     response : xarray.Dataset
         The frequency response of the study.
     """
-    window, linear, velocity = study.simulation.window, 0.0, np.zeros(len(sea.omega), dtype=complex)
+    window, linear, found = study.simulation.window, 0.0, []
     for going, mine in _parts(wave, sea):
         here = in_direction(response, going)
         linear += linear_power(power_response(study, here, design, run.attrs), spectral.part(mine))
-        damping, transfer = velocity_response(study, here, design, run.attrs)
-        velocity[mine] = CubicSpline(transfer.omega.values, transfer.values)(sea.omega[mine])
+        transfer = power_waves(study, here, design, run.attrs)
+        found.append((mine, CubicSpline(transfer.omega.values, transfer.values)(sea.omega[mine])))
     linear = float(run.attrs.get(LINEARISED, linear))
+    absorbed = np.zeros((len(sea.omega), found[0][1].shape[1]), dtype=complex)
+    for mine, values in found:
+        absorbed[mine] = values
     batches = batch_means(run, window, wave.memory)
-    alike = linear_batches(sea.omega, velocity * sea.amplitude, damping, window, len(batches))
-    components = np.sqrt(damping / 2) * velocity * np.abs(spectral.amplitude)
+    alike = linear_batches(sea.omega, absorbed * sea.amplitude[:, None], window, len(batches))
+    components = np.sqrt(0.5) * absorbed * np.abs(spectral.amplitude)[:, None]
     spacing = float(np.ptp(sea.omega)) / max(len(sea.omega) - 1, 1)
     return Sample(batches, alike, linear, components, spacing)
 
 
-def linear_batches(
-    omega: FloatArray, velocity: ComplexArray, damping: float, window: tuple[float, float], count: int
-) -> FloatArray:
-    """Return the mean power c v^2 of equal batches of a window by linear theory, transients past, (batch,) [W].
+def linear_batches(omega: FloatArray, absorbed: ComplexArray, window: tuple[float, float], count: int) -> FloatArray:
+    """Return the mean power u^2 of equal batches of a window by linear theory, transients past, (batch,) [W].
 
     Parameters
     ----------
     omega : ndarray, shape (component,) [rad/s]
-    velocity : ndarray, shape (component,) [m/s]
-        Phasors.
-    damping : float [N s/m]
+    absorbed : ndarray, shape (component, load) [W^0.5]
+        Phasors of u, sqrt(c) times the velocity of a port.
     window : tuple of float [s]
     count : int
         Number of batches.
     """
     length = (window[1] - window[0]) / count
     steps = int(np.ceil(INSTANTS * float(omega.max()) * length / (2 * np.pi)))
-    speed = superposed(omega, velocity[:, None], np.linspace(*window, count * steps + 1))[:, 0]
-    power = damping * speed**2
+    power = np.sum(superposed(omega, absorbed, np.linspace(*window, count * steps + 1)) ** 2, axis=1)
     return np.array([np.trapezoid(power[i * steps : (i + 1) * steps + 1]) / steps for i in range(count)])
 
 
@@ -173,7 +172,7 @@ def record_covariance(first: ComplexArray, second: ComplexArray, spacing: float,
 
     Parameters
     ----------
-    first, second : ndarray, shape (component,) [W^0.5]
+    first, second : ndarray, shape (component, load) [W^0.5]
         See `Sample.components`.
     spacing : float
         Of the components in frequency [rad/s].
@@ -184,11 +183,12 @@ def record_covariance(first: ComplexArray, second: ComplexArray, spacing: float,
     -----
     With independent complex normal z_j of E |z_j|^2 = 1 the mean power of a record of length T is, but for terms at
     the sums of frequencies, sum_jk u_j* u_k z_j* z_k sinc((w_j - w_k) T/2), so that
-    Cov = sum_jk Re(a_j a_k*) sinc^2((w_j - w_k) T/2), a_j = u1_j* u2_j.
+    Cov = sum_jk Re(a_j a_k*) sinc^2((w_j - w_k) T/2), a_j = u1_j* u2_j, of several loads summed over all pairs.
     """
-    product = first.conj() * second
-    count = len(product)
-    lagged = np.fft.ifft(np.abs(np.fft.fft(product, 2 * count)) ** 2).real[:count]  # sum_j Re(a_j* a_{j+m})
+    count = len(first)
+    product = (first.conj()[:, :, None] * second[:, None, :]).reshape(count, -1)
+    spectra = np.sum(np.abs(np.fft.fft(product, 2 * count, axis=0)) ** 2, axis=1)
+    lagged = np.fft.ifft(spectra).real[:count]  # sum_j Re(a_j* a_{j+m})
     weight = np.sinc(np.arange(count) * spacing * length / (2 * np.pi)) ** 2
     return float(2 * weight @ lagged - lagged[0])
 

@@ -208,8 +208,8 @@ class DesignInTime:
         """
         direction, damping = self.take_off.direction(len(self.buoy.mass)), float(self.take_off.damping)
         port = self.buoy.port(sea.omega, self.motions, direction).beside(float(self.take_off.stiffness))
-        velocity = port.velocity_under(port.load(damping)) * sea.amplitude
-        linear = float(linear_batches(sea.omega, velocity, damping, settings.window, 1)[0])
+        absorbed = np.sqrt(damping) * port.velocity_under(port.load(damping)) * sea.amplitude
+        linear = float(linear_batches(sea.omega, absorbed[:, None], settings.window, 1)[0])
         return self._run(sea, settings, model), linear
 
     def _run(self, sea: Sea, settings: Simulation, model: Model) -> float:

@@ -44,6 +44,7 @@ from vsb.shell.orders import OrderBasis, all_clamp_rows
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.specs import BodySystem, BuoySystem, Dynamics, SimulateSpec
 from vsb.study.study import RegularWave
+from vsb.study.take_off import Pto, SeveralPorts
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 from vsb.waves.seas import NO_WAVES, Sea, expected
@@ -54,6 +55,8 @@ LIGHTEST = 0.01
 """Least damper tried with latching, over the best one without."""
 TUNED = "tuned_damping"
 """What a run records of its damper, if it was not given [N s/m]."""
+TUNED_MATRIX = "tuned_damper_matrix"
+"""What it records of the damper matrix of several ports, row by row."""
 
 
 class Memory(NamedTuple):
@@ -202,13 +205,22 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     others = [(w, study_sea(run, expected(w), ds)) for w in run.seas]
     dragged = None if system.drag is None else partial(dragged_port, system)
     pto = tuned_take_off(run.pto, design, floating, others or [(wave, spectral)], dragged)
-    notes = {} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)}
+    notes = tuned_notes(run.pto, pto)
     notes |= linearised(system, floating, design, pto, wave, spectral)
     buoy = replace(floating.towards(heading_in(wave, waves)), pto=pto)
     held = all_clamp_rows(system.designs[design].clamp, shape.basis, orders)
     if not orders:
         held = np.concatenate([held, mooring_rows(system, shape.basis)])
     return _FromBem(buoy, shape, model, waves, motions, notes, held, orders)
+
+
+def tuned_notes(pto: Pto, linear: LinearPto) -> dict[str, Any]:
+    """Return what a run records of a damper that was not given: of several ports the matrix, row by row."""
+    if pto.tuning == "fixed":
+        return {}
+    if isinstance(pto.port, SeveralPorts):
+        return {TUNED_MATRIX: np.asarray(linear.damping).ravel().tolist()}
+    return {TUNED: float(np.asarray(linear.damping).ravel()[0])}
 
 
 def body_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:

@@ -17,6 +17,7 @@ from vsb.errors import ConfigError
 from vsb.hydro import database
 from vsb.hydro.dofs import flexible
 from vsb.hydro.orders import Directions
+from vsb.motion.damper_matrix import Ports
 from vsb.motion.linear import LinearSystem, with_open_chamber
 from vsb.motion.port import Port, channels_reached, combination, port_direction
 from vsb.motion.tuning import frequencies
@@ -47,7 +48,7 @@ class FloatingSystem:
 
     linear: LinearSystem
     motions: Mapping[str, FloatArray]  # design -> N (dof, free)
-    port: FloatArray  # b (dof,)
+    port: FloatArray  # b (dof,); of several ports at once B (dof, port)
     channels: int = 1  # azimuthal orders the port reaches: each may radiate, so that power is limited by as many λ/2π
     shape: DeformedShell | None = None  # a buoy moves about
 
@@ -66,6 +67,11 @@ class FloatingSystem:
         """Return what the take-off sees of all designs in waves of one direction [degrees]."""
         equation = self.towards(direction).equation(omega)
         return {design: equation.port(motions, self.port) for design, motions in self.motions.items()}
+
+    def several_ports(self, omega: FloatArray) -> dict[str, Ports]:
+        """Return what a damper matrix at several ports sees of all designs."""
+        equation = self.linear.equation(omega)
+        return {design: equation.ports(motions, self.port) for design, motions in self.motions.items()}
 
     def extended_port(self, design: str, omega: FloatArray, direction: Heading = 0.0) -> Port:
         """Return what the take-off sees of a design, also outside the band of the database."""

@@ -259,8 +259,10 @@ def converged_degree(spec: DegreeSpec, climate: Climate | None = None) -> int:
 
 
 def knows_port(study: AnyBuoy) -> bool:
-    """Whether powers are known by degree: of heave, volume, strain and rings of the shell, not of turning."""
+    """Whether powers are known by degree: of one port, and of heave, volume, strain or rings of the shell."""
     port = study.pto.port
+    if study.pto.several:
+        return False
     return study.motion == "heave" or port in ("heave", "volume") or isinstance(port, ShellPort | StrainPort)
 
 

@@ -346,6 +346,8 @@ def check_spring(study: Study, reference: ReferenceShell) -> None:
     ------
     ConfigError
     """
+    if study.pto.several:  # without a spring
+        return
     direction = port_direction(study.pto.port, reference.shape, order_bases(study, reference.basis))
     reference, chamber = seen_by_take_off(study, reference)
     stiffness, least = whole_stiffness(study, reference), -np.inf

@@ -8,14 +8,15 @@ import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.motion import drag
+from vsb.motion.damper_matrix import Kind, best_matrix
 from vsb.motion.forces import EndStop, Force, PortForce, TakeOff
 from vsb.motion.frequency import allowed_part, compliance
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
-from vsb.motion.tuning import best_dampers
+from vsb.motion.tuning import best_dampers, frequencies, squares
 from vsb.scenes.floating_system import FloatingSystem, headings, port_in_seas
 from vsb.study.study import Wave
-from vsb.study.take_off import Law, Pto, distribution_of, entry_point, port_kind
+from vsb.study.take_off import Law, Pto, SeveralPorts, distribution_of, entry_point, port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea
 
@@ -96,14 +97,11 @@ def tuned_take_off(
     ConfigError
         If no damper is given and no sea has waves.
     """
+    if pto.several:
+        return LinearPto(_damper_matrix(pto, design, floating, seas), port=floating.port)
     damper = pto.damper(design)
     if pto.tuning != "fixed":
-        moving = [(wave, sea) for wave, sea in seas if sea.omega.size]
-        if not moving:
-            unit = port_kind(pto.port).damping_unit
-            raise ConfigError(
-                f"pto.tuning: received {pto.tuning!r}, needs at least one sea with waves, or pto.damping in {unit}"
-            )
+        moving = _with_waves(pto, seas)
         seen = port_in_seas(floating, design, moving)
         if dragged:
             beside = dragged(floating, design, headings(moving))
@@ -113,6 +111,40 @@ def tuned_take_off(
             damper = float(best_dampers(seen.port, together, pto.stiffness, pto.efficiency).damping[0])
     assert damper is not None  # a Pto's own check
     return LinearPto(damper, pto.stiffness, floating.port)
+
+
+def _with_waves(pto: Pto, seas: Sequence[tuple[Wave, Sea]]) -> list[tuple[Wave, Sea]]:
+    """Seas a damper can be tuned in; `ConfigError` if there is none."""
+    moving = [(wave, sea) for wave, sea in seas if sea.omega.size]
+    if not moving:
+        unit = port_kind(pto.port).damping_unit
+        raise ConfigError(
+            f"pto.tuning: received {pto.tuning!r}, needs at least one sea with waves, or pto.damping in {unit}"
+        )
+    return moving
+
+
+def given_matrix(pto: Pto, design: str, count: int) -> FloatArray | None:
+    """Return the damper matrix given at several ports, or spread over the shell, (port, port); None if it is tuned."""
+    if isinstance(pto.port, SeveralPorts):
+        return None if pto.port.damping is None else np.array(pto.port.damping)
+    damper = pto.damper(design)
+    return None if damper is None or pto.tuning != "fixed" else damper * np.eye(count)
+
+
+def matrix_kind(pto: Pto) -> Kind:
+    """Return what the damper matrix of a take-off may be."""
+    return pto.port.matrix if isinstance(pto.port, SeveralPorts) else "uniform"
+
+
+def _damper_matrix(pto: Pto, design: str, floating: FloatingSystem, seas: Sequence[tuple[Wave, Sea]]) -> FloatArray:
+    """The damper matrix given, or the one that absorbs most in seas together."""
+    if (given := given_matrix(pto, design, floating.port.shape[1])) is not None:
+        return given
+    together = [sea for _, sea in _with_waves(pto, seas)]
+    omega = frequencies(together)
+    ports = floating.several_ports(omega)[design]
+    return best_matrix(ports, squares(together, omega).sum(axis=0), matrix_kind(pto)).damping
 
 
 def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:

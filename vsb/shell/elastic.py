@@ -111,6 +111,20 @@ class ElasticShell:
         along = (1 + q @ meridional) * meridional + (q @ rotation) * rotation
         return along, (1 + q @ hoop) * hoop, *self._tables.curvatures
 
+    def membrane_factor(self, q: FloatArray) -> FloatArray:
+        """Return L of the membrane's stiffness L L^T at amplitudes q, without bending, shape (dof, rank) [(N/m)^0.5].
+
+        Of Hooke's law, C (E_phi^2 + E_theta^2 + 2 nu E_phi E_theta) dA in the gradients of the Green strains there.
+        """
+        along, hoop, *_ = self._gradients(q)
+        shell, area = self.basis.shell, self._tables.area
+        weight, nu = shell.membrane_stiffness * area, shell.poisson_ratio
+        whole = (weight * along) @ along.T + (weight * hoop) @ hoop.T
+        whole += nu * ((weight * along) @ hoop.T + (weight * hoop) @ along.T)
+        values, vectors = np.linalg.eigh(whole)
+        kept = values > 1e-12 * values[-1]
+        return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
+
     def material_stiffness(self, q: FloatArray) -> FloatArray:
         """Return the part of the Hessian of U that holds the elastic moduli, bending included, (dof, dof) [N/m]."""
         gradients, moduli = (

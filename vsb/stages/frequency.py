@@ -17,14 +17,17 @@ from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
 from vsb.hydro.variables import PAIR
 from vsb.motion import frequency as response
+from vsb.motion.damper_matrix import best_matrix
+from vsb.motion.linear import NO_TAKE_OFF
 from vsb.motion.port import LinearPto, Port
 from vsb.report.band import with_extremes
 from vsb.results.ladder import as_csv, study_ladder
 from vsb.scenes.floating_system import FloatingSystem, floating_system, stored_body
+from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.stages.stage import stamp
 from vsb.study.specs import LadderSpec, RadiationSpec, ResponseSpec
 from vsb.study.study import canonical
-from vsb.study.take_off import port_kind
+from vsb.study.take_off import SeveralPorts, port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save, write_text
 from vsb.tools.stamps import record
@@ -135,6 +138,10 @@ def run_response(spec: ResponseSpec, database: str, out: str) -> None:
     else:
         omega = refined(floating.linear.database.omega.values, spec.omega)
     omega = with_resonances(spec, floating, omega)
+    if spec.pto.several:
+        found = xr.merge([at_several_ports(spec, floating, omega), natural(spec, floating)])
+        save(found.assign_attrs(port_attributes(spec), **stamp(spec, database)), out)
+        return
     directions = spec.directions or (0.0,)
     if spec.reference_design and len(spec.designs) > 1:
         omega = with_extremes(partial(best_powers, spec, floating, directions[0]), omega, spec.reference_design)
@@ -143,13 +150,55 @@ def run_response(spec: ResponseSpec, database: str, out: str) -> None:
     waves = headings[0]
     if spec.directions:
         waves = xr.concat(headings, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(spec.directions))
-    attrs = {"take_off": TAKE_OFF[spec.pto.damping is None], "port": canonical(spec.pto.port).strip('"')}
-    attrs["port_kind"] = port_kind(spec.pto.port).load
-    reached = floating.channels
+    attrs, reached = port_attributes(spec), floating.channels
     if reached > 1:
         attrs["limit"] = f"{reached} λ/2π"
     found = xr.merge([waves, at_port(spec, seen[0], reached), natural(spec, floating)])
     save(found.assign_attrs(attrs, **stamp(spec, database)), out)
+
+
+def port_attributes(spec: ResponseSpec) -> dict[str, str]:
+    """Return what a response says of the take-off."""
+    pto = spec.pto
+    tuned, kind = pto.tuning != "fixed" if pto.several else pto.damping is None, port_kind(pto.port)
+    return {"take_off": TAKE_OFF[tuned], "port": canonical(pto.port).strip('"'), "port_kind": kind.load}
+
+
+def at_several_ports(spec: ResponseSpec, floating: FloatingSystem, omega: FloatArray) -> xr.Dataset:
+    """Return the response with a damper matrix: the one given, else the best one of each frequency.
+
+    `port_impedance` has the dimensions (design, omega, port, port_); the ports of a damper spread over the shell are
+    the columns of L, its membrane's stiffness L L^T, by number.
+    """
+    pto, water, equation = spec.pto, spec.water, floating.linear.equation(omega)
+    seen, kind = floating.several_ports(omega), matrix_kind(pto)
+    rao, power, best = [], [], []
+    for design, ports in seen.items():
+        alone = [ports.at(np.array([i])) for i in range(len(omega))]
+        matrices = np.array([best_matrix(one, np.ones(1), kind).damping for one in alone])
+        best.append([float(one.power(matrix)[0]) for one, matrix in zip(alone, matrices, strict=True)])
+        given = given_matrix(pto, design, floating.port.shape[1])
+        used = matrices if given is None else np.broadcast_to(given, matrices.shape)
+        lossy = floating.port @ used @ floating.port.T
+        loaded = replace(equation, damping=equation.damping + lossy)
+        rao.append(loaded.response(equation.water.excitation, floating.motions[design]))
+        stroke = rao[-1] @ floating.port
+        power.append(0.5 * omega**2 * np.real(np.einsum("wi,wij,wj->w", stroke.conj(), used, stroke)))
+    by = ("design", "omega")
+    found = {
+        "rao": ((*by, "dof"), np.array(rao)),
+        "absorbed_power": (by, np.array(power)),
+        "best_power": (by, np.array(best)),
+        "matched_power": (by, np.array([ports.matched_power for ports in seen.values()])),
+        "power_limit": ("omega", [power_limit(w, water.depth, water.density, water.gravity) for w in omega]),
+    }
+    coords = {"design": list(seen), "omega": omega, "dof": list(floating.linear.labels)}
+    numbers = [str(i) for i in range(floating.port.shape[1])]
+    names = list(pto.port.ports) if isinstance(pto.port, SeveralPorts) else numbers
+    found["port_impedance"] = ((*by, "port", "port_"), np.array([ports.impedance for ports in seen.values()]))
+    found["port_velocity"] = ((*by, "port"), np.array([ports.velocity for ports in seen.values()]))
+    coords |= {"port": names, "port_": names}
+    return xr.Dataset(found, coords)
 
 
 def refined(omega: FloatArray, extra: Iterable[float]) -> FloatArray:
@@ -160,7 +209,7 @@ def refined(omega: FloatArray, extra: Iterable[float]) -> FloatArray:
 
 def with_resonances(spec: ResponseSpec, floating: FloatingSystem, omega: FloatArray) -> FloatArray:
     """Return frequencies with those of the natural motions without a damper, and beside them at half their power."""
-    pto = LinearPto(0.0, spec.pto.stiffness, floating.port)
+    pto = NO_TAKE_OFF if spec.pto.several else LinearPto(0.0, spec.pto.stiffness, floating.port)
     modes = [replace(floating.linear, pto=pto).natural_modes(motions) for motions in floating.motions.values()]
     near = [natural * (1 + ratio * side) for natural, ratio in modes for side in (-1, 0, 1)]
     every = np.concatenate([omega, *near])
@@ -222,6 +271,9 @@ def natural(spec: ResponseSpec, floating: FloatingSystem) -> xr.Dataset:
     wet: list[tuple[str, float, float]] = []
     for design in spec.designs:
         pto = LinearPto(spec.pto.damper(design) or 0.0, spec.pto.stiffness, floating.port)
+        if spec.pto.several:
+            given = given_matrix(spec.pto, design, floating.port.shape[1])
+            pto = NO_TAKE_OFF if given is None else LinearPto(given, port=floating.port)
         modes = replace(floating.linear, pto=pto).natural_modes(floating.motions[design])
         wet += [(design, float(frequency), float(ratio)) for frequency, ratio in zip(*modes, strict=True)]
     return xr.Dataset(

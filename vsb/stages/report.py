@@ -44,7 +44,7 @@ from vsb.study.study import (
     Study,
     Wave,
 )
-from vsb.study.take_off import port_kind
+from vsb.study.take_off import named_ports, port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
@@ -74,6 +74,7 @@ def run_figures(study: AnyStudy, trajectories: str, out: str, manifest: str, **f
         limit=f"limit {found.response.attrs.get('limit', 'λ/2π')}" if study.buoy else "λ/2π",
         spectra=_spectra(study, found.plan.highest),
         port=port_kind(study.pto.port),
+        ports={name: port_kind(port) for name, port in named_ports(study.pto).items()},
         raos=_raos(study, found),
     )
     written: list[str] = []
@@ -87,11 +88,15 @@ def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:
     """Response amplitude operators, (wave_direction, design, omega, dof), the take-off's port among the motions."""
     if not study.needs_bem:
         return xr.DataArray()
-    rao = found.response.rao
+    rao: xr.DataArray = found.response.rao
     rao = rao if "wave_direction" in rao.dims else rao.expand_dims(wave_direction=[0.0])
-    port = xr.DataArray(floating_system(study, found.path("database")).port, {"dof": rao.dof.values}, ("dof",))
-    moved = (rao * port).sum("dof").expand_dims(dof=[PORT], axis=-1)
-    together: xr.DataArray = xr.concat([rao, moved], "dof")
+    names = [f"{PORT} {name}" for name in named_ports(study.pto)] if study.pto.several else [PORT]
+    direction = floating_system(study, found.path("database")).port
+    moved = [
+        (rao * xr.DataArray(port, {"dof": rao.dof.values}, ("dof",))).sum("dof").expand_dims(dof=[name], axis=-1)
+        for name, port in zip(names, np.atleast_2d(direction.T), strict=False)  # of a spread damper none has a name
+    ]
+    together: xr.DataArray = xr.concat([rao, *moved], "dof")
     return together
 
 
@@ -190,7 +195,7 @@ def interactive_study(
     """
     pto = study.pto
     spread = any(isinstance(wave, SpectralSea) and wave.spreading for wave in study.waves)
-    if not study.needs_bem or study.drag_of_buoy or pto.spring_costs or spread:
+    if not study.needs_bem or study.drag_of_buoy or pto.spring_costs or spread or pto.several:
         return None
     seen, waves = _Seen(study, floating_system(study, database)), _shown_seas(study)
     if not waves:

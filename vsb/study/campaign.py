@@ -159,6 +159,11 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"{source}: study: {campaign.study} has hydro.model 'assumed_pressure', which knows no waves; needs a "
             "study with coefficients"
         )
+    if study.pto.several:
+        raise ConfigError(
+            f"{source}: study: {campaign.study} has several ports, or a damper spread over the shell, whose year a "
+            "campaign does not compute; needs one port"
+        )
     if study.pto.damping is None and "fixed" in (campaign.tuning or ()):
         raise ConfigError(
             f"{source}: tuning: received fixed, but {campaign.study} has no pto.damping; needs one in "

@@ -214,6 +214,12 @@ KEYS: dict[str, dict[str, Key]] = {
             "what the take-off acts on: heave, surge, pitch, a line to the sea bed, a ring of the shell, two points, "
             "its strain, or its volume",
         ),
+        "ports": Key(
+            "",
+            "{heave: heave, shell: {strain: area}}",
+            "several ports at once, by name; damping is then a matrix of load over rate, or optimal",
+        ),
+        "matrix": Key("", "diagonal", "optimal damper matrix of several ports: full, or a damper at each alone"),
         "held": Key("", "{place: heave}", "what the mooring holds of all designs: heave of the frame, or a ring"),
         "law": Key(
             "",
@@ -239,6 +245,14 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "area", "stretch of the shell the take-off acts on: change of its area, mean hoop or meridional strain"
         ),
         "belt": Key("degrees", "[60, 120]", "colatitudes of the part of the shell meant; all of it"),
+    },
+    "DistributedPort": {
+        "distributed": Key("", "membrane", "damper spread over the shell: damping [s] times its membrane's stiffness")
+    },
+    "SeveralPorts": {
+        "ports": Key("", "{heave: heave, shell: {strain: area}}", "the ports by name"),
+        "damping": Key("", "[[1.0e+5, 0.0], [0.0, 2.0e+3]]", "damper matrix, load of each port over rate of each"),
+        "matrix": Key("", "diagonal", "what the optimal matrix may be without one given: full, or diagonal"),
     },
     "HeldHeave": {"place": Key("", "heave", "what the mooring holds: heave of the frame, sphere centre and ballast")},
     "HeldRing": {

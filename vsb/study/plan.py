@@ -341,7 +341,9 @@ def figure_names(study: Study) -> list[str]:
         "excitation",
         "radiation_kernel",
     )
-    names = of_bem if study.needs_bem else ("mode_shapes",)
+    names: tuple[str, ...] = of_bem if study.needs_bem else ("mode_shapes",)
+    if study.pto.several:  # which have no one impedance
+        names = tuple(name for name in names if name != "reactance")
     if study.has_spectra:
         names = (*names, "spectra")
     if not no_witness(study):

@@ -129,8 +129,9 @@ def hint(schema: Schema, place: Sequence[str | int], key: str) -> str:
     others = sorted(keys_at(schema, place).keys() - {key})  # a key of another kind may be called as this one
     if near := nearest(key, others):
         return near
-    here = ".".join(part for part in [*place, key] if isinstance(part, str))
-    return next((name for name in dotted(schema) if name.rpartition(".")[2] == key and name != here), "")
+    section = "".join(f"{part}." for part in place if isinstance(part, str))
+    alike = (name for name in dotted(schema) if name.rpartition(".")[2] == key and name != key)
+    return next((name for name in alike if not section or not name.startswith(section)), "")
 
 
 def nearest(word: str, words: Iterable[str]) -> str:

@@ -48,7 +48,7 @@ from vsb.study.sections import (
     Simulation,
     Water,
 )
-from vsb.study.take_off import Pto, Tuning, port_kind
+from vsb.study.take_off import Pto, SeveralPorts, Tuning, port_kind
 from vsb.study.waves import (
     Irregular,
     IrregularSea,
@@ -417,6 +417,20 @@ class Study(Buoy, BaseStudy):
             check_rubber(model, method, self.pto)
         self.check_published()
 
+    def _check_several(self) -> None:
+        """Several ports are of a buoy that heaves in linear waves with modes that are given."""
+        if not self.pto.several:
+            return
+        if self.motion != "heave" or self.hydro.model not in ("linear", "body_exact") or self.drag is not None:
+            raise ValueError(
+                "pto.port: several ports, or a damper spread over the shell, need motion: heave, hydro.model: linear "
+                "or body_exact, and no drag"
+            )
+        if self.modes.degree is None:
+            raise ValueError("pto.port: at several ports convergence in modes is not estimated; needs modes.degree")
+        if self.device.gas and isinstance(self.pto.port, SeveralPorts) and "volume" in self.pto.port.ports.values():
+            raise ValueError("pto.ports: the volume of trapped gas is a port alone; needs others, or no device.gas")
+
     def _check_held(self) -> None:
         """What is held must leave every design something to move, of a buoy that heaves."""
         if (held := self.pto.held) is None:
@@ -426,7 +440,8 @@ class Study(Buoy, BaseStudy):
             raise ValueError(f"{given}: needs motion: heave, and hydro.model: linear or body_exact")
         if rigid := [name for name, design in self.designs.items() if not design.flexible]:
             raise ValueError(f"{given}: leaves the rigid design {rigid[0]} no motion; needs flexible designs alone")
-        if held.place == "heave" and self.pto.port == "heave":
+        ports = self.pto.port.ports.values() if isinstance(self.pto.port, SeveralPorts) else (self.pto.port,)
+        if held.place == "heave" and "heave" in ports:
             raise ValueError(f"{given}: holds the take-off's port, heave; needs another pto.port")
         if self.simulation.initial_position or self.simulation.initial_velocity:
             raise ValueError(f"{given}: starts at rest; needs simulation.initial_position and initial_velocity of 0")
@@ -436,12 +451,13 @@ class Study(Buoy, BaseStudy):
         model, method, pto = self.hydro.model, self.simulation.method, self.pto
         self.check_dampers_of_designs()
         self._check_held()
+        self._check_several()
         if model == "assumed_pressure" and pto.tuning != "fixed":
             raise ValueError(
                 f"pto.tuning {pto.tuning!r}: an assumed pressure has no optimal damping; "
                 "needs pto.damping and tuning: fixed"
             )
-        if pto.port != "heave" and model != "linear" and not (pto.on_shell and model == "body_exact"):
+        if pto.port != "heave" and model != "linear" and not ((pto.on_shell or pto.several) and model == "body_exact"):
             at_shell = " and those of the shell" if model == "body_exact" else ""
             raise ValueError(
                 f"pto.port: hydro.model {model!r} has no other port than heave{at_shell}; needs hydro.model: linear"

@@ -29,7 +29,7 @@ from vsb.study.quantities import (
     motion_of,
     within,
 )
-from vsb.tools.ports import FORCE, MOMENT, PRESSURE, TENSION, WORK, PortKind
+from vsb.tools.ports import FORCE, MEMBRANE, MOMENT, PRESSURE, SEVERAL, TENSION, WORK, PortKind
 from vsb.tools.words import shortened
 
 
@@ -151,7 +151,7 @@ def _port_kind(value: object) -> str:
     return "name"
 
 
-PortChoice = Annotated[
+SinglePort = Annotated[
     Annotated[Literal["heave", "surge", "pitch", "volume"], Tag("name")]
     | Annotated[ShellPort, Tag("shell")]
     | Annotated[BetweenPort, Tag("points")]
@@ -160,8 +160,90 @@ PortChoice = Annotated[
     | Annotated[DofPort, Tag("motions")],
     Discriminator(_port_kind),
 ]
-"""What the take-off acts on: rigid motion against the sea bed, enclosed volume (pressure against flow), points or
+"""One port of a take-off: rigid motion against the sea bed, enclosed volume (pressure against flow), points or
 strain of the shell, a line, or a combination of degrees of freedom."""
+
+
+class DistributedPort(Section):
+    """Damper spread over the shell: the power of strain rates in its membrane, damping [s] times its stiffness."""
+
+    distributed: Literal["membrane"]
+
+
+Matrix = Literal["full", "diagonal"]
+AT_ONCE = ("heave", "volume")
+"""Ports that are words and may stand beside others."""
+PASSIVE = 1e-9
+"""Share of a damper matrix, in units of its diagonal, that is round-off [-]."""
+
+
+class SeveralPorts(Section):
+    """Several ports at once and their damper matrix, force of each over rate of each, given or the optimal one.
+
+    A full matrix couples the ports, a diagonal one is a damper at each.
+    """
+
+    ports: Annotated[dict[Name, SinglePort], Field(min_length=2, max_length=6)]
+    damping: tuple[tuple[Finite, ...], ...] | None = None
+    matrix: Matrix = "full"
+
+    @field_validator("ports")
+    @classmethod
+    def _on_the_axis(cls, value: dict[str, Any]) -> dict[str, Any]:
+        for name, port in value.items():
+            if not isinstance(port, _AXISYMMETRIC) and port not in AT_ONCE:
+                raise ValueError(f"{name}: needs heave, volume, a ring, two points or the strain of the shell")
+        return value
+
+    @model_validator(mode="after")
+    def _passive(self) -> Self:
+        if self.damping is None:
+            return self
+        count, rows = len(self.ports), [list(row) for row in self.damping]
+        if any(len(row) != count for row in rows) or len(rows) != count:
+            raise ValueError(f"damping: needs {count} rows of {count} numbers, one for each port")
+        if any(rows[i][j] != rows[j][i] for i in range(count) for j in range(i)):
+            raise ValueError("damping: needs a symmetric matrix: else it is no damper alone")
+        if not positive_semidefinite(rows):
+            raise ValueError("damping: needs a matrix without a negative eigenvalue: else it gives out energy")
+        return self
+
+
+_AXISYMMETRIC = (ShellPort, BetweenPort, StrainPort)
+
+
+def named_ports(pto: "Pto") -> dict[str, Any]:
+    """Return several ports by name; of one, or of a damper spread over the shell, none."""
+    return dict(pto.port.ports) if isinstance(pto.port, SeveralPorts) else {}
+
+
+def positive_semidefinite(rows: list[list[float]]) -> bool:
+    """Whether a symmetric matrix has no negative eigenvalue, to round-off, by elimination in units of its diagonal."""
+    unit = [math.sqrt(max(row[i], 0.0)) or 1.0 for i, row in enumerate(rows)]
+    left = [[entry / (unit[i] * unit[j]) for j, entry in enumerate(row)] for i, row in enumerate(rows)]
+    while left:
+        pivot = max(range(len(left)), key=lambda i: left[i][i])
+        head, column = left[pivot][pivot], [row[pivot] for row in left]
+        if head <= PASSIVE:
+            return all(abs(entry) <= PASSIVE for row in left for entry in row)
+        others = [i for i in range(len(left)) if i != pivot]
+        left = [[left[i][j] - column[i] * column[j] / head for j in others] for i in others]
+    return True
+
+
+def _how_many(value: object) -> str:
+    """Whether one port is meant, several, or the whole shell."""
+    keys = dict(value) if isinstance(value, dict | Section) else {}
+    return "several" if "ports" in keys else "spread" if "distributed" in keys else "one"
+
+
+PortChoice = Annotated[
+    Annotated[SinglePort, Tag("one")]
+    | Annotated[DistributedPort, Tag("spread")]
+    | Annotated[SeveralPorts, Tag("several")],
+    Discriminator(_how_many),
+]
+"""What the take-off acts on."""
 
 
 Law = Literal["linear", "saturated", "coulomb", "latching", "declutching"]
@@ -193,6 +275,10 @@ def port_kind(port: object) -> PortKind:
     dofs = said.get("dofs", {})
     if port == "volume":
         return PRESSURE
+    if "distributed" in said:
+        return MEMBRANE
+    if "ports" in said:
+        return SEVERAL
     if strain := said.get("strain"):
         return TENSION if strain == "area" else WORK
     turned = port == "pitch" or (bool(dofs) and all(motion_of(name) in ROTATIONS for name in dofs))
@@ -222,6 +308,14 @@ def distribution_of(entry: EntryPoint) -> str:
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else entry.module
 
 
+def _several_alone(schema: dict[str, Any]) -> None:
+    """Tell editors that several ports stand beside the other keys, with a damper matrix."""
+    several = {"type": "object", "minProperties": 2}
+    schema["properties"] |= {"ports": several, "matrix": {"enum": ["full", "diagonal"]}}
+    damping = schema["properties"]["damping"]
+    damping["anyOf"] = [*damping["anyOf"], {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}]
+
+
 class Pto(Section):
     """Power take-off: damping [N s/m] of all designs or of each, stiffness [N/m] of a spring beside it, its port.
 
@@ -230,6 +324,8 @@ class Pto(Section):
 
     `tuning` says which damper a run has: `fixed`, as given; `each`, the design's own best in its sea; `one`, the
     design's best for the sum of all seas; best by linear theory, beside the spring. Without a damping it is `each`.
+    `port: {ports: ...}` acts on several motions at once with a damper matrix; a file says `ports`, `damping` and
+    `matrix` beside the other keys.
     `efficiency` [-] of both directions of power judges the dampers and springs of the control levels.
 
     The law in time: `linear`, whose force saturates at a force limit [N] if there is one; `saturated` insists on the
@@ -240,6 +336,7 @@ class Pto(Section):
     is of, name and version, is found out.
     """
 
+    model_config = ConfigDict(json_schema_extra=_several_alone)
     damping: Dampers | None = None
     stiffness: Annotated[Finite, within(-STIFFEST, STIFFEST, "N/m", "this spring locks the take-off")] = 0.0
     tuning: Tuning = "fixed"
@@ -283,6 +380,11 @@ class Pto(Section):
         return isinstance(self.port, ShellPort | BetweenPort | StrainPort)
 
     @property
+    def several(self) -> bool:
+        """Whether it acts on more than one motion at once, with a damper matrix."""
+        return isinstance(self.port, SeveralPorts | DistributedPort)
+
+    @property
     def idle(self) -> bool:
         """Whether the damping given to some design is zero."""
         given = self.damping.values() if isinstance(self.damping, dict) else [self.damping]
@@ -306,9 +408,14 @@ class Pto(Section):
     @model_validator(mode="before")
     @classmethod
     def _tuned_by_default(cls, raw: Any) -> Any:
-        """Without a damping, tuning decides."""
+        """Without a damping, tuning decides; the damping of several ports is their matrix."""
+        if isinstance(raw, dict) and "ports" in raw:
+            own = {key: raw[key] for key in ("ports", "damping", "matrix") if raw.get(key) is not None}
+            raw = {key: value for key, value in raw.items() if key not in ("ports", "damping", "matrix")}
+            raw = {**raw, "port": own}
         if isinstance(raw, dict) and raw.get("damping") is None:
-            return {"tuning": "each", **raw}
+            given = isinstance(raw.get("port"), dict) and raw["port"].get("damping") is not None
+            return {"tuning": "fixed" if given else "each", **raw}
         return raw
 
     @model_validator(mode="before")
@@ -335,8 +442,22 @@ class Pto(Section):
 
     @model_validator(mode="after")
     def _given(self) -> Self:
-        if self.tuning == "fixed" and self.damping is None:
+        if isinstance(self.port, SeveralPorts):
+            if self.damping is not None:
+                raise ValueError("damping: of several ports needs a matrix, as pto: {ports: ..., damping: [[...]]}")
+            if (self.tuning == "fixed") != (self.port.damping is not None):
+                raise ValueError("tuning: of several ports is fixed with a damping matrix, each or one without")
+        elif self.tuning == "fixed" and self.damping is None:
             raise ValueError(f"damping: missing; tuning fixed needs one in {port_kind(self.port).damping_unit}")
+        return self
+
+    @model_validator(mode="after")
+    def _linear_at_several(self) -> Self:
+        if self.several and (self.switches or self.stiffness or self.efficiency < 1.0):
+            raise ValueError(
+                "port: several ports, or a damper spread over the shell, have a damper matrix alone; needs law: linear "
+                "without limits, stiffness and efficiency"
+            )
         return self
 
     @model_validator(mode="after")

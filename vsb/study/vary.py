@@ -67,7 +67,12 @@ def scaled_take_off(raw: Any, scale: float) -> Any:
     """Return a take-off scaled by Froude: its force times what its port moves by is a work, of the fourth power."""
     if not isinstance(raw, dict):
         return raw
-    stroke = port_kind(raw.get("port")).stroke
+    port = raw.get("port")
+    several = raw if "ports" in raw else port
+    if isinstance(several, dict) and "ports" in several:
+        own = {key: value for key, value in raw.items() if key not in ("ports", "damping", "matrix", "port")}
+        return own | _scaled_matrix(several, scale)
+    stroke = port_kind(port).stroke
     powers = {
         "damping": 4.5 - 2 * stroke,
         "stiffness": 4 - 2 * stroke,
@@ -75,6 +80,17 @@ def scaled_take_off(raw: Any, scale: float) -> Any:
         "stroke_limit": stroke,
     }
     return {key: scaled(value, scale, powers.get(key, 0.0)) for key, value in raw.items()}
+
+
+def _scaled_matrix(raw: dict[str, Any], scale: float) -> dict[str, Any]:
+    """Several ports and their damper matrix scaled by Froude."""
+    strokes = [port_kind(port).stroke for port in raw["ports"].values()]
+    rows = raw.get("damping")
+    if rows is None:
+        return raw
+    pairs = zip(rows, strokes, strict=True)
+    matrix = [[scaled(x, scale, 4.5 - s - t) for x, t in zip(row, strokes, strict=True)] for row, s in pairs]
+    return {**raw, "damping": matrix}
 
 
 _SCALED_APART = {"mooring": scaled_mooring, "pto": scaled_take_off}

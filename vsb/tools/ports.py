@@ -30,9 +30,15 @@ TENSION = PortKind(
     "surface tension", "change of area", "rate of area", "N/m", "m^2", "m^2/s", "N s/m^3", "N/m^3", "m/s", 2.0
 )
 WORK = PortKind("work per strain", "mean strain", "strain rate", "N m", "1", "1/s", "N m s", "N m", "1/(m s)", 0.0)
-KINDS = {kind.load: kind for kind in (FORCE, MOMENT, PRESSURE, TENSION, WORK)}
+_NORM = ("J^0.5", "J^0.5", "J^0.5/s", "s", "1", "J^0.5/(m s)")  # of elastic energy: L^T q, stiffness L L^T
+MEMBRANE = PortKind("membrane stress", "membrane strain", "membrane strain rate", *_NORM, 2.0)
+KINDS = {kind.load: kind for kind in (FORCE, MOMENT, PRESSURE, TENSION, WORK, MEMBRANE)}
+
+
+SEVERAL = PortKind("loads of several ports", "motions", "rates", *("SI",) * 6, 1.0)
+"""Stands for ports of several kinds, each in SI units of its own."""
 
 
 def kind_of(ds: "xr.Dataset") -> PortKind:
     """Return the kind of the port of a file by its attribute `port_kind`; a file without it is of forces."""
-    return KINDS[ds.attrs.get("port_kind", FORCE.load)]
+    return {**KINDS, SEVERAL.load: SEVERAL}[ds.attrs.get("port_kind", FORCE.load)]

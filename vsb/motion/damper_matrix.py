@@ -1,0 +1,210 @@
+"""Several ports at once: impedances between them, and the damper matrix that absorbs most in a sea.
+
+The take-off acts on p combinations B of the degrees of freedom with forces F = C V against their velocities V = B^T q'.
+Per frequency and unit wave amplitude V = V0 - Y F, Y (p, p) symmetric, and with L L^T = C >= 0
+
+    P = 1/2 Re V^H C V,   dP = Re mu^H dC V/2,   mu = (1 + C Y)^-H (V - Y^H F).
+
+With one radiation channel a real matrix reaches the matched power where the reactance X of the ports is indefinite:
+locked in a ratio u with u^T X u = 0 they are one port in resonance. Where X is definite no matrix does.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize
+
+from vsb.tools.arrays import ComplexArray, FloatArray
+
+Kind = Literal["full", "diagonal", "uniform"]
+"""What a damper matrix may be: symmetric, a damper at each port alone, or the same damper at all ports."""
+DRAWN = 64
+"""Damper matrices tried first, drawn about the ports' own impedances, always the same ones."""
+CLIMBED = 4
+"""The best of them that are followed to a maximum."""
+SPREAD = 2.5
+"""Standard deviation of the logarithm of those dampers over the ports' own impedances."""
+ROUND_OFF = 1e-9
+"""Share of the largest loss of the ports at a frequency below which a combination of them radiates nothing [-]."""
+
+
+@dataclass(frozen=True)
+class Ports:
+    """Thevenin's equivalent of one design at several ports, over frequency; units are those of each port's kind."""
+
+    omega: FloatArray  # (omega,) [rad/s]
+    admittance: ComplexArray  # Y (omega, port, port) [m/(N s)]
+    velocity: ComplexArray  # V0 per wave amplitude (omega, port) [1/s]
+
+    @property
+    def moves(self) -> bool:
+        """Whether waves move any of the ports."""
+        return bool(self.velocity.any())
+
+    @cached_property
+    def size(self) -> FloatArray:
+        """Mean modulus of each port's own admittance, shape (port,): what makes the ports comparable."""
+        own = np.abs(np.einsum("wii->wi", self.admittance))
+        return np.asarray(np.exp(np.log(np.where(own > 0, own, 1.0)).mean(axis=0)))
+
+    @cached_property
+    def impedance(self) -> ComplexArray:
+        """Z = Y^-1, shape (omega, port, port); 0 of ports that cannot move."""
+        scale = np.sqrt(np.outer(self.size, self.size))
+        return np.asarray(np.linalg.pinv(self.admittance / scale, rcond=1e-13) / scale)
+
+    @cached_property
+    def matched_power(self) -> FloatArray:
+        """Mean power under the optimal forces, V0^H (Re Y)^-1 V0/8 per squared amplitude, shape (omega,) [W/m^2].
+
+        Notes
+        -----
+        Where ports radiate through fewer channels than there are ports and lose nothing else, Re Y is singular, and V0
+        in its range.
+        """
+        scale = np.sqrt(np.outer(self.size, self.size))
+        loss, free = (self.admittance / scale).real, self.velocity / np.sqrt(self.size)
+        values, vectors = np.linalg.eigh(loss)
+        along = np.abs(np.einsum("wij,wi->wj", vectors, free)) ** 2
+        kept = values > ROUND_OFF * np.abs(values).max(axis=1, keepdims=True)
+        return np.asarray(np.divide(along, 8 * values, out=np.zeros_like(along), where=kept).sum(axis=1))
+
+    def velocity_under(self, damping: FloatArray) -> ComplexArray:
+        """Return V = (1 + Y C)^-1 V0 under a damper matrix C (port, port), per wave amplitude, (omega, port) [1/s]."""
+        loaded = np.eye(len(damping)) + self.admittance @ damping
+        return np.asarray(np.linalg.solve(loaded, self.velocity[..., None])[..., 0])
+
+    def power(self, damping: FloatArray) -> FloatArray:
+        """Return the mean power V^H C V/2 of a damper matrix per squared wave amplitude, shape (omega,) [W/m^2]."""
+        velocity = self.velocity_under(damping)
+        return np.asarray(0.5 * np.real(np.einsum("wi,ij,wj->w", velocity.conj(), damping, velocity)))
+
+    def power_and_slope(self, damping: FloatArray, squares: FloatArray) -> tuple[float, FloatArray]:
+        """Return the mean power in a sea [W] and its derivative by the entries of a symmetric damper matrix.
+
+        Parameters
+        ----------
+        damping : ndarray, shape (port, port)
+        squares : ndarray, shape (omega,)
+            Squared amplitudes of the sea [m^2].
+        """
+        velocity = self.velocity_under(damping)
+        force = velocity @ damping
+        beyond = velocity - np.einsum("wji,wj->wi", self.admittance.conj(), force)
+        loaded = np.eye(len(damping)) + self.admittance.conj().swapaxes(1, 2) @ damping
+        adjoint = np.linalg.solve(loaded, beyond[..., None])[..., 0]
+        power = 0.5 * float(squares @ np.real(np.einsum("wi,wi->w", velocity.conj(), force)))
+        slope = 0.5 * np.real(np.einsum("w,wi,wj->ij", squares, adjoint.conj(), velocity))
+        return power, (slope + slope.T) / 2
+
+    def at(self, chosen: FloatArray) -> "Ports":
+        """Return the ports at some of their frequencies, by index or mask."""
+        return Ports(self.omega[chosen], self.admittance[chosen], self.velocity[chosen])
+
+
+class DamperMatrix(NamedTuple):
+    """A damper matrix and the mean power it absorbs."""
+
+    damping: FloatArray  # C (port, port)
+    power: float  # [W]
+
+
+def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full") -> DamperMatrix:
+    """Return the damper matrix C >= 0, real and symmetric, that absorbs most in a sea.
+
+    Parameters
+    ----------
+    ports : Ports
+    squares : ndarray, shape (omega,)
+        Squared amplitudes [m^2]: of one sea, of several together, or of a year.
+    kind : {'full', 'diagonal', 'uniform'}
+
+    Notes
+    -----
+    Over the Cholesky factor, or the logarithms of the dampers, of ports in terms of their own impedances: quasi-Newton
+    with the exact slope from the best of `DRAWN` matrices. A full matrix also starts from the best diagonal one: it
+    absorbs no less.
+    """
+    used = (squares > 0) & (np.abs(ports.velocity).max(axis=1) > 0)
+    count = ports.velocity.shape[1]
+    if not used.any():
+        return DamperMatrix(np.zeros((count, count)), 0.0)
+    seen, weights, unit = ports.at(used), squares[used], 1 / np.sqrt(ports.size)
+    if kind == "uniform":  # of ports that have one unit
+        unit = np.full(count, np.exp(np.log(unit).mean()))
+    form = _FORMS[kind](count)
+    limit = float(weights @ seen.matched_power) or 1.0
+
+    def loss(x: FloatArray) -> tuple[float, FloatArray]:
+        damping, pull = form.matrix(x, unit)
+        power, slope = seen.power_and_slope(damping, weights)
+        return -power / limit, -pull(slope) / limit
+
+    starts = form.starts(np.random.default_rng(count))
+    if isinstance(form, _Full):
+        own = best_matrix(ports, squares, "diagonal").damping
+        starts = [*starts, form.of_diagonal(np.diag(own) / unit**2)]
+    ranked = sorted(starts, key=lambda x: loss(x)[0])
+    followed = [*ranked[:CLIMBED], *starts[DRAWN:]]
+    found = [minimize(loss, x, jac=True, method="L-BFGS-B", options={"ftol": 1e-13, "gtol": 1e-9}) for x in followed]
+    best = min(found, key=lambda one: float(one.fun))
+    damping, _ = form.matrix(best.x, unit)
+    return DamperMatrix(damping, float(weights @ seen.power(damping)))
+
+
+class _Full:
+    """C = S L L^T S of a lower triangular L, S the ports' units."""
+
+    def __init__(self, count: int) -> None:
+        self.at, self.count = np.tril_indices(count), count
+
+    def factor(self, x: FloatArray) -> FloatArray:
+        """L."""
+        found = np.zeros((self.count, self.count))
+        found[self.at] = x
+        return found
+
+    def matrix(self, x: FloatArray, unit: FloatArray) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """C and what takes its slope back to x: dP/dL = 2 S G S L."""
+        factor, scale = self.factor(x), np.outer(unit, unit)
+        return scale * (factor @ factor.T), lambda slope: (2 * (scale * slope) @ factor)[self.at]
+
+    def starts(self, rng: np.random.Generator) -> list[FloatArray]:
+        """Dampers of all sizes along all combinations of the ports."""
+        found = []
+        for _ in range(DRAWN):
+            turned = np.linalg.qr(rng.standard_normal((self.count, self.count)))[0]
+            size = np.exp(SPREAD * rng.standard_normal(self.count))
+            found.append(np.linalg.cholesky((turned * size) @ turned.T)[self.at])
+        return found
+
+    def of_diagonal(self, dampers: FloatArray) -> FloatArray:
+        """The point of a diagonal matrix, off its axis: there the slope across it would vanish."""
+        root = np.sqrt(np.maximum(dampers, 1e-12))
+        return np.asarray((np.diag(root) + 1e-6 * np.tril(np.outer(root, root) ** 0.5, -1))[self.at])
+
+
+class _Logarithmic:
+    """C = S diag(e^(W x)) S: a damper of its own at each port, or one at all."""
+
+    def __init__(self, weight: FloatArray) -> None:
+        self.weight = weight
+
+    def matrix(self, x: FloatArray, unit: FloatArray) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """C and what takes its slope back to x."""
+        dampers = unit**2 * np.exp(np.clip(self.weight @ x, -40.0, 40.0))
+        return np.diag(dampers), lambda slope: self.weight.T @ (np.diag(slope) * dampers)
+
+    def starts(self, rng: np.random.Generator) -> list[FloatArray]:
+        """Dampers of all sizes."""
+        return list(SPREAD * rng.standard_normal((DRAWN, self.weight.shape[1])))
+
+
+_FORMS: Mapping[Kind, Callable[[int], "_Full | _Logarithmic"]] = {
+    "full": _Full,
+    "diagonal": lambda count: _Logarithmic(np.eye(count)),
+    "uniform": lambda count: _Logarithmic(np.ones((count, 1))),
+}
