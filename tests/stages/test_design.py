@@ -225,6 +225,21 @@ def test_starts_none_of_which_rests_are_named(folder):
 
 
 @pytest.mark.slow
+def test_runs_in_time_of_linear_theory_say_its_own_gain(folder):
+    """Both buoys in time by the linear model: the gain of the year, but for the end of the transient."""
+    plan = planned(folder, "intime", verify={"seas": 4, "model": "linear"})
+    for job in jobs(plan):
+        if job.stage != "design_report":
+            work(job)
+    found = vsb.open(plan.folder)
+    said = found.facts["verified"]
+    assert said["model"] == "linear"
+    assert said["value"] == pytest.approx(found.gain.value, abs=0.1)
+    assert said["low"] <= said["value"] <= said["high"]
+    assert "linear theory" in set(found.budget.source)
+
+
+@pytest.mark.slow
 def test_a_design_through_snakemake_is_resumed(folder):
     """The command of users; a start that is missing is all that is computed again before what is made of it."""
     planned(folder, "whole", starts=2)
