@@ -7,9 +7,9 @@ prints the figures of every claim; some of them by name:
     python -m examples.claims results/claims matched_limit longer_resonance
 """
 
-import argparse
 import sys
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,7 @@ import xarray as xr
 import vsb
 from benchmarks.hard_cases import hydro_files
 from examples import command
-from examples.surprises import FLEXIBLE, RIGID, Figures, Ladder, regular, study_of, table
-from vsb.errors import ConfigError
+from examples.surprises import FLEXIBLE, RIGID, Figures, Ladder, regular, run, study_of
 from vsb.hydro.orders import order_groups
 from vsb.integrators.exact import propagate
 from vsb.scenes.build import linear_design
@@ -212,16 +211,7 @@ CASES: Mapping[str, Callable[[Path], Figures]] = {
 """By name."""
 
 
-def run(args: argparse.Namespace) -> int:
-    """Print the figures."""
-    if unknown := set(args.cases) - set(CASES):
-        raise ConfigError(f"case: received {', '.join(sorted(unknown))}, needs some of {', '.join(CASES)}")
-    for name in args.cases or CASES:
-        print(table(name, CASES[name](Path(args.folder))), flush=True)
-    return 0
-
-
-main = command("claims", __doc__, run, "{folder}/", folder="FOLDER", cases="CASE...")
+main = command("claims", __doc__, partial(run, CASES), "{folder}/", folder="FOLDER", cases="CASE...")
 
 if __name__ == "__main__":
     sys.exit(main(None))

@@ -155,5 +155,7 @@ def test_body_whose_mass_lies_beside_its_buoyancy_does_not_rest_upright(tmp_path
     own = {"body": "box", "mesh": hull, "modes": "rigid", "mass": "displaced", "centre_of_mass": [0.4, 0.1, 0.0], **BOX}
     study = {"study": "a", "body": {"file": own}, "designs": {"a": {}}, "waves": [{"kind": "still"}]}
     found = located(study | {"pto": {"damping": 1.0}}, str(tmp_path / "a.yaml"))
-    with pytest.raises(ConfigError, match=r"designs\.a: the body does not rest upright: .* 0\.11 of the cube root"):
+    with pytest.raises(
+        ConfigError, match=r"designs\.a: the body is not in equilibrium upright: .* 0\.11 of the cube root"
+    ):
         body_before_run(BodyPlan(found.study, root=str(tmp_path), files=found.files))

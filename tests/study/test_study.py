@@ -204,7 +204,7 @@ def study(**changes):
     ("changes", "message"),
     [
         ({"waves": [SWELL, STILL, SWELL]}, r"waves \['regular_A0.5_T7', 'still', 'regular_A0.5_T7'\]: the same sea is"),
-        ({"study": "logs"}, "study: received 'logs'; 'logs' is the name of a results folder; choose a name other"),
+        ({"study": "logs"}, "study: received 'logs'; 'logs' is the name of a results folder; choose another"),
         ({"pto": {"damping": {"a": 1.0}}}, "pto.damping: received dampers of a, needs one for every design: a, b"),
         ({"pto": {"damping": {}}}, "pto.damping: received dampers of no design, needs one for every design: a, b"),
         (

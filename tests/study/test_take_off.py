@@ -77,7 +77,7 @@ def test_errors_of_the_take_off(seed, keys, wrong):
         ({"pto": TWO | {"damping": [[1.0, 2.0], [0.0, 9.0]]}}, r"damping: needs a symmetric matrix"),
         (
             {"pto": TWO | {"damping": [[1.0, 2.0], [2.0, 3.0]]}},
-            r"damping: needs a matrix without a negative eigenvalue",
+            r"damping: needs a matrix without negative eigenvalues",
         ),
         ({"pto": TWO | {"damping": 8000.0}}, r"pto.port.damping|damping"),
         (

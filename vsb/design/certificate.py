@@ -2,8 +2,9 @@
 
 At an optimum multipliers lambda >= 0 of limits and mu >= 0 of bounds exist with df/dx + lambda dg/dx + mu (+-e) = 0 and
 lambda g = 0 (Karush, Kuhn and Tucker). They are found by nonnegative least squares from the gradients, whatever the
-optimiser says. The Hessian of the Lagrangian, by differences of gradients, on the directions left free tells a maximum
-from a saddle, and names flat ridges: directions in which the whole range of a variable changes next to nothing.
+optimiser says. The Hessian of the Lagrangian, by differences of gradients, on the directions left free distinguishes
+a maximum from a saddle, and names flat ridges: directions in which the whole range of a variable changes next to
+nothing.
 """
 
 from collections.abc import Mapping

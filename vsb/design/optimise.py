@@ -1,6 +1,7 @@
 """The best buoy from one start: sequential quadratic programming with exact gradients, then a certificate of its own.
 
-The optimiser is scipy's SLSQP (Kraft 1988). Where an evaluation fails, because the shell does not rest, its line search
+The optimiser is scipy's SLSQP (Kraft 1988). Where an evaluation fails, because the shell has no stable rest shape, its
+line search
 backs off. What it ends at is moved to the optimum of its active set by Newton steps and certified
 (`vsb.design.certificate`); what is not certified is returned all the same and says why.
 """
@@ -168,7 +169,7 @@ def _searched(problem: Problem, start: Point, ends: tuple[float, float], seen: P
 
 
 BARRIER = 1e6
-"""Cost, in the objective's scale, of a buoy that does not rest."""
+"""Cost, in the objective's scale, of a buoy without a stable rest shape."""
 
 
 def _merit(point: Point) -> float:
@@ -284,7 +285,7 @@ def converged(
         try:
             again = problem.at(found.point.place)
         except IMPOSSIBLE as error:
-            message = f"with degree {finer} the shell does not rest: {error}"
+            message = f"with degree {finer} the shell has no stable rest shape: {error}"
             found = replace(found, accepted=False, message=message)
             break
         truncation = again.objective / found.objective - 1

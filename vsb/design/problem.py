@@ -25,7 +25,7 @@ THIN_SHELL = "thin_shell"
 SMALLEST = 1e-300
 """Least scale of an objective."""
 IMPOSSIBLE = (ConfigError, ConvergenceError, StabilityError, np.linalg.LinAlgError)
-"""What an evaluation raises where there is no such buoy: the shell does not rest, or the buoy sinks."""
+"""What an evaluation raises where there is no such buoy: the shell has no stable rest shape, or the buoy sinks."""
 
 
 class Model(Protocol):

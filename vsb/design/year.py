@@ -118,9 +118,9 @@ class PortYear:
             radiated = (change.radiation.reshape(-1, free**2) @ pairs).reshape(count, len(grid.solved), len(w))
             return np.asarray(-(w**2) * (mass + (radiated * between.T).sum(axis=1)) - 1j * w * damping + stiffness)
 
-        pushed = (between @ change.excitation * under).sum(axis=-1)
+        forced = (between @ change.excitation * under).sum(axis=-1)
         return cls(
-            grid, q @ b, under @ b, pushed - forces(q) + change.port @ q.T, 2 * change.port @ under.T - forces(under)
+            grid, q @ b, under @ b, forced - forces(q) + change.port @ q.T, 2 * change.port @ under.T - forces(under)
         )
 
     @property

@@ -22,7 +22,7 @@ from vsb.tools.arrays import BoolArray, FloatArray, IntArray
 from vsb.waves.seas import Sea
 
 FARTHEST = 100.0
-"""Heave in radii that no buoy afloat reaches."""
+"""Heave in radii that no floating buoy reaches."""
 
 
 class Leg(NamedTuple):
@@ -187,7 +187,7 @@ def legs(
         last = done + math.ceil((count - done) / parts)
         begin, end = (settings.duration * (record / count) for record in (done, last))
         motion, steps = follow(np.linspace(begin, end, (last - done) * stride + 1), start)
-        check_afloat(system, motion)
+        check_floats(system, motion)
         own = energies(system, motion)
         energy = {term: own[term] + balance.ended.get(term, 0.0) for term in own}
         after = balance.after(energy)
@@ -207,7 +207,7 @@ def legs(
             stride *= 2
 
 
-def check_afloat(system: System, motion: Motion) -> None:
+def check_floats(system: System, motion: Motion) -> None:
     """Check that a buoy of finite motion heaves by less than `FARTHEST` radii, as any buoy that floats does.
 
     Raises

@@ -35,7 +35,7 @@ class ElasticForce(ShellForce):
         return self.loaded.elastic.stiffness(self.rest + q)
 
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Return it along a motion."""
+        """Return the elastic force along a motion, shape (time, dof) [N]."""
         return self.loaded.elastic.force(self.rest + q)
 
     def potential_energy(self, q: FloatArray) -> FloatArray:
@@ -53,7 +53,7 @@ class InsidePressure(ShellForce):
         return self.loaded.pressure_stiffness(at) + self.loaded.gas_stiffness(at)
 
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Return it along a motion."""
+        """Return the force of the pressure along a motion, shape (time, dof) [N]."""
         at = self.rest + q
         return np.asarray(np.asarray(self.loaded.pressure(at))[..., None] * self.loaded.elastic.volume_gradient(at))
 

@@ -52,7 +52,7 @@ INSTANTS = 8
 MOST_HARMONICS = 1024
 """Of the force of an optimum within limits: seconds of work and a tenth of a gigabyte."""
 NAMED = range(6)
-"""Ports that have names: of so many the damper matrix is told."""
+"""Ports that have names: of up to so many the damper matrix is reported."""
 STILL = "waves do not move this port"
 GAP = 0.005
 """Of the best force found within limits, as a part of the bound of all forces [-]."""

@@ -132,7 +132,7 @@ def viability_checks(study: Study) -> list[Check]:
 
     With internal pressure linear buckling is advice: a shell that comes to a stable rest shape along the nonlinear
     path of the growing load carries it, and the check is a doubt at most. About the equilibrium there is nothing to
-    add: a shell that buckles on that path is refused there. How near rubber is to the end of that path is told.
+    add: a shell that buckles on that path is refused there. How near rubber is to the end of that path is reported.
     """
     if study.at_equilibrium:
         return [_path_check(study)] if Shell.of(study.device).rubber else []

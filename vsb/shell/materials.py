@@ -119,22 +119,22 @@ class HookeLaw(Law):
         return np.maximum(np.abs(first), np.abs(second))
 
     def energy(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """Return it."""
+        """Return the energy per undeformed volume [J/m^3]."""
         return np.asarray(self._modulus / 2 * (first**2 + second**2 + 2 * self.poisson_ratio * first * second))
 
     def stresses(self, first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return them."""
+        """Return S_1 and S_2 [Pa]."""
         nu, modulus = self.poisson_ratio, self._modulus
         return modulus * (first + nu * second), modulus * (second + nu * first)
 
     def moduli(self, first: FloatArray, second: FloatArray) -> Moduli:
-        """Return them, the same at all strains."""
+        """Return the tangent moduli [Pa], the same at all strains."""
         one = np.ones_like(first)
         normal = self._modulus * one
         return Moduli(normal, self.poisson_ratio * normal, normal, (1 - self.poisson_ratio) / 2 * normal)
 
     def thinning(self, first: FloatArray, second: FloatArray) -> Thinning:
-        """Return none."""
+        """Return the stretch of the thickness: one, as the wall keeps its thickness."""
         one, zero = np.ones_like(first), np.zeros_like(first)
         return Thinning(one, (zero, zero), ((zero, zero), (zero, zero)), zero)
 
@@ -179,7 +179,7 @@ class Incompressible(Law):
         return (2 * (first + second) * area - 4 * product) / (1 + area), (area**2 - 4 * product) / (1 + area)
 
     def energy(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """Return it."""
+        """Return the energy per undeformed volume [J/m^3]."""
         return self.of_invariants(*self.invariants(first, second))
 
     def stresses(self, first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -225,11 +225,11 @@ class NeoHookeanLaw(Incompressible):
     range: ClassVar[Range] = Range("a neo-Hookean material", "largest change of length", 0.5, 1.0)
 
     def of_invariants(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """Return it."""
+        """Return the energy by I_1 - 3 and I_2 - 3 [J/m^3]."""
         return np.asarray(self.mu / 2 * first)
 
     def derivatives(self, first: FloatArray) -> Derivatives:
-        """Return them."""
+        """Return the derivatives of the energy by its invariants [Pa]."""
         return Derivatives(self.mu / 2, 0.0, 0.0)
 
 
@@ -242,11 +242,11 @@ class MooneyRivlinLaw(Incompressible):
     range: ClassVar[Range] = Range("a Mooney-Rivlin material", "largest change of length", 1.0, 2.0)
 
     def of_invariants(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """Return it."""
+        """Return the energy by I_1 - 3 and I_2 - 3 [J/m^3]."""
         return np.asarray(self.c1 * first + self.c2 * second)
 
     def derivatives(self, first: FloatArray) -> Derivatives:
-        """Return them."""
+        """Return the derivatives of the energy by its invariants [Pa]."""
         return Derivatives(self.c1, self.c2, 0.0)
 
 
@@ -272,11 +272,11 @@ class GentLaw(Incompressible):
         return bool(np.all(self.strained(first, second) < 1))
 
     def of_invariants(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """Return it; it ends at lock-up."""
+        """Return the energy by I_1 - 3 and I_2 - 3 [J/m^3]; it ends at lock-up."""
         return np.asarray(-self.mu * self.jm / 2 * np.log1p(-first / self.jm))
 
     def derivatives(self, first: FloatArray) -> Derivatives:
-        """Return them."""
+        """Return the derivatives of the energy by its invariants [Pa]."""
         left = self.jm - first
         return Derivatives(self.mu * self.jm / (2 * left), 0.0, self.mu * self.jm / (2 * left**2))
 

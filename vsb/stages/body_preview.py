@@ -91,13 +91,14 @@ def checked_body(plan: BodyPlan) -> CheckedBody:
 
 
 def _off_axis(checks: Sequence[Check]) -> str:
-    """Why a body does not rest upright; nothing if its centres of mass and buoyancy lie on one vertical."""
+    """Why a body is not in equilibrium upright; nothing if its centres of mass and buoyancy lie on one vertical."""
     trim = next((check for check in checks if check.name == "trim" and check.verdict != "ok"), None)
     if trim is None:
         return ""
     return (
-        f"the body does not rest upright: its centres of mass and buoyancy are {trim.value:.2g} of the cube root of "
-        f"the displaced volume apart horizontally, needs at most {trim.limit:g}: correct centre_of_mass or the mesh"
+        f"the body is not in equilibrium upright: its centres of mass and buoyancy are {trim.value:.2g} of the cube "
+        f"root of the displaced volume apart horizontally, needs at most {trim.limit:g}: correct "
+        "centre_of_mass or the mesh"
     )
 
 

@@ -86,8 +86,8 @@ def run_design_results(
 
 def _with_linear_theory(doubts: Uncertainty, value: float, verified: xr.Dataset) -> Uncertainty:
     """What linear theory errs by, as runs in time of both buoys in the same seas say: their interval of the gain."""
-    told = json.loads(verified.attrs["verified"])
-    source = Source(LINEAR_THEORY, min(0.0, told["low"] - value), max(0.0, told["high"] - value))
+    runs = json.loads(verified.attrs["verified"])
+    source = Source(LINEAR_THEORY, min(0.0, runs["low"] - value), max(0.0, runs["high"] - value))
     return Uncertainty(doubts.budget + Budget((source,)), doubts.unknown)
 
 

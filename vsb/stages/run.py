@@ -112,7 +112,7 @@ def forget_damaged(records: Path) -> None:
 
 
 MARKS = {"study": ("study.json", "modes.nc"), "campaign": ("campaign.nc", "members"), "design": ("design.nc", "starts")}
-"""What in a folder of results tells whose they are."""
+"""What in a folder of results says whose they are."""
 
 
 def check_name(plan: Plan) -> None:

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema,
 from vsb.errors import ConfigError
 from vsb.study.quantities import Count, Name, Number, Section
 from vsb.study.reading import read_yaml, validated
-from vsb.study.study import RESERVED_NAMES, Study, parse
+from vsb.study.study import Study, not_reserved, parse
 from vsb.study.study import load as load_study
 from vsb.study.take_off import port_kind
 from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary, scaled
@@ -113,14 +113,7 @@ class Campaign(Section):
     constrained: Constrained | None = None
     verify: Verify | None = None
 
-    @field_validator("campaign")
-    @classmethod
-    def _not_reserved(cls, value: str) -> str:
-        if value in RESERVED_NAMES:
-            raise ValueError(
-                f"{value!r} is the name of a results folder; choose another than {', '.join(RESERVED_NAMES)}"
-            )
-        return value
+    _campaign_not_reserved = field_validator("campaign")(not_reserved)
 
     @field_validator("tuning")
     @classmethod

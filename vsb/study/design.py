@@ -15,7 +15,7 @@ from vsb.errors import ConfigError
 from vsb.study.campaign import ClimateFile, Verify, sections, study_at
 from vsb.study.quantities import Count, Name, NonNegative, Positive, Section
 from vsb.study.reading import Located, nearest, read_yaml, validated
-from vsb.study.study import RESERVED_NAMES, Study
+from vsb.study.study import Study, not_reserved
 from vsb.study.study import load as load_study
 from vsb.tools.bounded import sha256_of
 
@@ -186,14 +186,7 @@ class Optimisation(Section):
     uncertain: dict[str, Annotated[NonNegative, Field(le=1)]] = Field(default_factory=dict)
     verify: Verify | None = None
 
-    @field_validator("design")
-    @classmethod
-    def _not_reserved(cls, value: str) -> str:
-        if value in RESERVED_NAMES:
-            raise ValueError(
-                f"{value!r} is the name of a results folder; choose another than {', '.join(RESERVED_NAMES)}"
-            )
-        return value
+    _design_not_reserved = field_validator("design")(not_reserved)
 
 
 def first_flexible(study: Study) -> str:

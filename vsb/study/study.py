@@ -67,6 +67,13 @@ from vsb.study.waves import (
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks", "trash")
 
 
+def not_reserved(value: str) -> str:
+    """Return the name of a study, campaign or design, unless it is that of a folder of the workflow."""
+    if value in RESERVED_NAMES:
+        raise ValueError(f"{value!r} is the name of a results folder; choose another than {', '.join(RESERVED_NAMES)}")
+    return value
+
+
 def first_rigid(designs: Mapping[str, Any]) -> str | None:
     """Return the first rigid design by name, the order of results: gains are relative to it."""
     return next((name for name, design in sorted(designs.items()) if not design.flexible), None)
@@ -85,14 +92,7 @@ class BaseStudy(Section):
         hydro: Any  # of a buoy or of a body
         published: Published | None
 
-    @field_validator("study", check_fields=False)
-    @classmethod
-    def _not_reserved(cls, value: str) -> str:
-        if value in RESERVED_NAMES:
-            raise ValueError(
-                f"{value!r} is the name of a results folder; choose a name other than {', '.join(RESERVED_NAMES)}"
-            )
-        return value
+    _study_not_reserved = field_validator("study", check_fields=False)(not_reserved)
 
     @field_validator("waves", check_fields=False)
     @classmethod

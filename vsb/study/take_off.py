@@ -205,7 +205,7 @@ class SeveralPorts(Section):
         if any(rows[i][j] != rows[j][i] for i in range(count) for j in range(i)):
             raise ValueError("damping: needs a symmetric matrix: else it is no damper alone")
         if not positive_semidefinite(rows):
-            raise ValueError("damping: needs a matrix without a negative eigenvalue: else it gives out energy")
+            raise ValueError("damping: needs a matrix without negative eigenvalues, or the take-off adds energy")
         return self
 
 
