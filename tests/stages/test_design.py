@@ -18,6 +18,7 @@ from vsb.cli import main
 from vsb.design.compared import COMPETITOR, FLEXIBLE
 from vsb.design.evaluation import DesignModel
 from vsb.errors import ConfigError, ConvergenceError
+from vsb.report.design_answer import answer
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
 from vsb.stages.design_preview import check_design
@@ -237,6 +238,9 @@ def test_runs_in_time_of_linear_theory_say_its_own_gain(folder):
     assert said["value"] == pytest.approx(found.gain.value, abs=0.1)
     assert said["low"] <= said["value"] <= said["high"]
     assert "linear theory" in set(found.budget.source)
+    assert found.facts["not_viable"] == ""
+    line = answer({**found.facts, "not_viable": "overstrained: 12 % at rest"}).line
+    assert line.startswith("No valid answer yet: the best flexible buoy found is not viable (overstrained")
 
 
 @pytest.mark.slow
@@ -245,17 +249,17 @@ def test_a_design_through_snakemake_is_resumed(folder):
     planned(folder, "whole", starts=2)
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
 
-    def told(*options):
+    def run(*options):
         command = [sys.executable, "-m", "vsb.cli", "run", "whole.yaml", *options]
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
         assert done.returncode == 0, done.stderr + done.stdout
         return done.stdout + done.stderr
 
-    out = told("--cores", "2")
+    out = run("--cores", "2")
     assert "whole: The best flexible buoy absorbs" in out
-    assert "Nothing to be done" in told("-n")
+    assert "Nothing to be done" in run("-n")
     facts = json.loads(attributes(folder / "results" / "whole" / "design.nc")["facts"])
     assert set(facts["power"]) >= {FLEXIBLE, COMPETITOR}
     first = next((folder / "results" / "whole" / "starts").glob("*.nc"))
     first.unlink()
-    assert "design_start          1" in told("-n")
+    assert "design_start          1" in run("-n")

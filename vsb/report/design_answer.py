@@ -47,6 +47,9 @@ def answer(facts: Facts) -> Answer:
         f"The best flexible buoy absorbs {best} {unit}, mean over the year of {facts['climate']}; the best rigid "
         f"sphere {rigid} {unit} within the same limits: {in_words(facts)}."
     ]
+    if why := facts["not_viable"]:
+        headline = f"No valid answer yet: the best flexible buoy found is not viable ({why}). Change first: the limits."
+        return Answer((headline,), ("Computed, but not valid: " + stands[0], *limited(facts)))
     if unproven := [name for name in (FLEXIBLE, COMPETITOR) if not facts["found"][name]["accepted"]]:
         stands.append(f"The {' and the '.join(unproven)} shown are not proven optima.")
     below = [verdict(facts), *in_time(facts), *size_or_flexibility(facts), *limited(facts)]

@@ -26,6 +26,7 @@ from vsb.design.problem import POWER
 from vsb.design.searched import Outcome, best
 from vsb.report.design_answer import answer
 from vsb.results.budget import Budget, Source
+from vsb.scenes.viability import viability
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
 from vsb.study.design import LIMIT_UNITS
@@ -65,6 +66,7 @@ def run_design_results(
     curves = _fronts(spec, fronts)
     facts = {
         **_facts(spec, found, ends, buoys, doubts),
+        **_at_rest(buoys[FLEXIBLE]),
         "fronts": curves,
         "verified": None if verified is None else dict(json.loads(verified.attrs["verified"])),
     }
@@ -89,6 +91,12 @@ def _with_linear_theory(doubts: Uncertainty, value: float, verified: xr.Dataset)
     runs = json.loads(verified.attrs["verified"])
     source = Source(LINEAR_THEORY, min(0.0, runs["low"] - value), max(0.0, runs["high"] - value))
     return Uncertainty(doubts.budget + Budget((source,)), doubts.unknown)
+
+
+def _at_rest(buoy: Buoy) -> dict[str, str]:
+    """Why a buoy is not viable, and what of it is doubted, in a basis that resolves buckling; "" where it is sound."""
+    rest = viability(buoy.study)
+    return {"not_viable": rest.reasons.get(buoy.design, ""), "doubted": rest.doubts.get(buoy.design, "")}
 
 
 def _facts(
