@@ -33,7 +33,7 @@ from vsb.tools.shipped import HOME
 
 STUDY = {
     "study": "shell",
-    "device": DEVICE,
+    "device": {**DEVICE, "thickness": 0.015, "young_modulus": 4e7},
     "modes": {"basis": "full", "degree": 3},
     "reference_shape": "equilibrium",
     "designs": {"FSB": {"flexible": False}, "VSWEC": {}},
@@ -239,8 +239,20 @@ def test_runs_in_time_of_linear_theory_say_its_own_gain(folder):
     assert said["low"] <= said["value"] <= said["high"]
     assert "linear theory" in set(found.budget.source)
     assert found.facts["not_viable"] == ""
-    line = answer({**found.facts, "not_viable": "overstrained: 12 % at rest"}).line
-    assert line.startswith("No valid answer yet: the best flexible buoy found is not viable (overstrained")
+
+
+def test_a_buoy_that_is_not_viable_is_no_answer():
+    """Its power stands below the headline, named as not valid."""
+    facts = {
+        "not_viable": "overstrained: 12 % at rest",
+        "climate": "site",
+        "power": {FLEXIBLE: 14e3, COMPETITOR: 10e3},
+        "gain": {"value": 40.0, "low": 39.0, "high": 41.0},
+        "found": {FLEXIBLE: {"multipliers": {}, "flat": []}},
+    }
+    said = answer(facts)
+    assert said.line.startswith("No valid answer yet: the best flexible buoy found is not viable (overstrained")
+    assert said.below[0].startswith("Computed, but not valid: The best flexible buoy absorbs 14")
 
 
 @pytest.mark.slow

@@ -344,7 +344,7 @@ def test_failed_check_fails_the_run(folder):
 
 def test_check_and_shell_commands(folder):
     summary = run(folder, folder / "base.yaml", command="check")
-    assert summary.returncode == 0
+    assert summary.returncode == 1  # a check fails: the paper's shell would buckle
     assert "BEM jobs     0 of 3" in summary.stdout
     assert "buckling" in summary.stdout
     table = run(folder, folder / "base.yaml", "--json", command="shell")
