@@ -5,13 +5,10 @@ from typing import Literal
 
 from vsb.errors import ConfigError
 from vsb.study.specs import ClimateSpec
-from vsb.tools.bounded import open_regular, sha256_of
+from vsb.tools.bounded import sha256_of
 from vsb.waves.climate import Climate
-from vsb.waves.ndbc import SWAN, read_ndbc, read_spectra
 from vsb.waves.scatter import Spectrum, read_scatter
-
-NETCDF = (b"CDF", b"\x89HDF")
-"""What netCDF files begin with."""
+from vsb.waves.spectra import read_spectra
 
 
 def read_climate(spec: ClimateSpec, path: str) -> Climate:
@@ -50,9 +47,4 @@ def read_seas(path: str | Path, form: Spectrum | Literal["spectra"] = "spectra",
     """
     if form != "spectra":
         return read_scatter(path, form, gamma)
-    try:
-        with open_regular(path) as file:
-            begin = file.read(len(SWAN))
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read ({error.strerror}); needs a file of spectra") from None
-    return read_spectra(path) if begin.startswith((*NETCDF, SWAN)) else read_ndbc(path)
+    return read_spectra(path)

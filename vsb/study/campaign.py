@@ -62,7 +62,7 @@ MOST_VERIFIED = 4
 
 
 class Spectra(Section):
-    """Measured spectra: NDBC's spectral text, plain or gz, or netCDF with wavespectra's names."""
+    """Spectra: NDBC's text, plain or gz, SWAN's text, or netCDF."""
 
     spectra: str
 

@@ -520,9 +520,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "[device.radius, device.mass]", "variables the rigid sphere is optimised in; without it all it has"
         ),
     },
-    "Spectra": {
-        "spectra": Key("", "sea.txt.gz", "NDBC's spectral text, plain or gz, or netCDF of wavespectra's names")
-    },
+    "Spectra": {"spectra": Key("", "sea.txt.gz", "spectra: NDBC's text, plain or gz, SWAN's text, or netCDF")},
     "Scatter": {
         "scatter": Key("", "site.csv", "table of occurrences over significant height and period"),
         "spectrum": Key("", "jonswap", "form of the spectra of its cells"),

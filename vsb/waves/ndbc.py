@@ -1,41 +1,22 @@
-"""Spectra from files: text of the National Data Buoy Center, netCDF in wavespectra's names, and formats it reads."""
+"""Spectra in the text files of the National Data Buoy Center."""
 
 from collections import Counter
 from datetime import datetime
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.tools.arrays import FloatArray
-from vsb.tools.bounded import bounded_reading, open_regular
 from vsb.tools.files import read_text
 from vsb.waves.climate import PARTIAL, Climate, of_records
-
-if TYPE_CHECKING:
-    import numpy.typing as npt
-    import xarray as xr
 
 MISSING, NONE = 999.0, {"MM": "999.0"}
 """Numbers of the text from which on a value is missing, and words for missing values."""
 HIGHEST_HZ = 5.0
 """Highest possible band [Hz]."""
 DATE = ("YY", "MM", "DD", "hh", "mm")
-FREQUENCY = {"hz", "s-1", "s^-1", "s^{-1}", "1/s"}
-DENSITY = {
-    False: {"m2/hz", "m^2/hz", "m2s", "m^2s", "m^{2}s", "m**2/hz", "m2hz-1", "m**2s"},
-    True: {
-        "m2/hz/degree", "m^2/hz/degree", "m2s/degree", "m2sdegree-1", "m^{2}.s.degree^{-1}", "m2hz-1degree-1",
-        "m2/hz/deg",
-    },
-}  # fmt: skip
-"""Units of spectral density, without and with directions."""
-READERS = {"d2fd": "era5", "spectral_wave_density": "ndbc", "waveEnergyDensity": "ndbc", "density": "ncswan"}
-"""Variables of other netCDF files of spectra, and wavespectra's reader for them."""
-SWAN = b"SWAN"
-"""First characters of SWAN's text."""
 METEOROLOGICAL = {"WVHT", "SWVHT", "WSPD"}
 """Columns of the National Data Buoy Center's files without spectra."""
 
@@ -80,7 +61,7 @@ def read_ndbc(path: str | Path) -> Climate:
     times = [_time(path, i, row[:dates]) for i, row in rows]
     values = _numbers(path, [(i, [NONE.get(word, word) for word in row[dates:]]) for i, row in rows])
     density = np.where(values >= MISSING, np.nan, values) / (2 * np.pi)
-    kept, notes = _calendar(times)
+    kept, notes = calendar(times)
     return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
 
 
@@ -152,7 +133,7 @@ def _time(path: str | Path, line: int, words: list[str]) -> datetime:
         ) from None
 
 
-def _calendar(times: list[datetime]) -> tuple[list[int], list[str]]:
+def calendar(times: list[datetime]) -> tuple[list[int], list[str]]:
     """Indices of the records to keep, the first of each instant, and notes on gaps of the calendar."""
     first = {time: i for i, time in reversed(list(enumerate(times)))}
     order = sorted(first)
@@ -170,124 +151,3 @@ def _calendar(times: list[datetime]) -> tuple[list[int], list[str]]:
         if days < 360:
             notes.append(f"{days:.0f} days {PARTIAL}: seasons are missing")
     return sorted(first.values()), notes
-
-
-def read_spectra(path: str | Path) -> Climate:
-    """Return the climate of a netCDF file of spectra with the names of wavespectra, or of one that wavespectra reads.
-
-    Parameters
-    ----------
-    path : path
-        `efth(time, freq, dir)` [m^2/Hz/degree] or `efth(time, freq)` [m^2/Hz], `freq` [Hz], `dir` [degree]; one site.
-        By wavespectra: netCDF of WAVEWATCH III, SWAN, ERA5 and the National Data Buoy Center, and SWAN's text.
-
-    Raises
-    ------
-    ConfigError
-        With file, name, value received and value needed.
-    """
-    import xarray as xr  # here alone: text needs none
-
-    try:
-        with open_regular(path) as file:
-            begin = file.read(len(SWAN))
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read ({error.strerror})") from None
-    if begin == SWAN:
-        stored = _by_wavespectra(path, "swan")
-    else:
-        try:
-            with bounded_reading(path), xr.open_dataset(path, engine="netcdf4") as ds:
-                stored = ds.load()
-        except MemoryError:
-            raise ConfigError(f"{path}: cannot be read as netCDF (it announces more than it holds)") from None
-        except Exception as error:  # libraries raise errors of many types for damaged files
-            reason = " ".join(str(error).split()) or type(error).__name__
-            raise ConfigError(f"{path}: cannot be read as netCDF ({reason})") from None
-        names = {"ww3"} if {"efth", "frequency"} <= {*stored.variables} else set()
-        names |= {READERS[name] for name in READERS if name in stored.variables and "efth" not in stored.variables}
-        stored = _by_wavespectra(path, min(names)) if names else stored
-    for name in ("efth", "freq"):
-        if name not in stored.variables:
-            raise ConfigError(f"{path}: received variables {sorted(map(str, stored.variables))}, needs {name}")
-    for name in ("efth", "freq", "dir"):
-        if name in stored.variables and stored[name].dtype.kind not in "iuf":
-            raise ConfigError(f"{path}: received {name} of type {stored[name].dtype}, needs numbers")
-    spectra = stored.efth
-    for name in [name for name in spectra.dims if name not in ("time", "freq", "dir")]:
-        if spectra.sizes[name] != 1:
-            raise ConfigError(f"{path}: received {spectra.sizes[name]} along {name}, needs one: select a site")
-        spectra = spectra.isel({name: 0})
-    directional = "dir" in spectra.dims
-    _check_units(path, stored, directional)
-    if directional:
-        spectra = spectra * _direction_widths(path, stored.dir.values)
-        spectra = spectra.sum("dir", skipna=False)
-    hertz = np.asarray(stored.freq.values, dtype=float)
-    if "time" not in spectra.dims or len(hertz) < 2 or hertz[0] <= 0 or np.any(np.diff(hertz) <= 0):
-        raise ConfigError(f"{path}: received efth over {spectra.dims}, needs time and ascending freq above 0 Hz")
-    density = spectra.transpose("time", "freq").values.astype(float) / (2 * np.pi)
-    kept, notes = _calendar(_dates(path, stored.time.values))
-    return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
-
-
-def _by_wavespectra(path: str | Path, reader: str) -> "xr.Dataset":
-    """Spectra in wavespectra's names and units, read by its reader of that name; without directions if possible.
-
-    Raises
-    ------
-    ConfigError
-        If wavespectra is not installed, or cannot read the file.
-    """
-    try:
-        import wavespectra
-    except ImportError:
-        raise ConfigError(
-            f"{path}: received spectra as {reader} writes them, needs the package wavespectra to read them: "
-            "pip install 'vsb[spectra]'"
-        ) from None
-    options = {"directional": False} if reader == "ndbc" else {}
-    try:
-        found = getattr(wavespectra, f"read_{reader}")(str(path), **options).load()
-    except (OSError, ValueError, KeyError, IndexError, RuntimeError, AttributeError) as error:
-        reason = " ".join(str(error).split())
-        raise ConfigError(f"{path}: cannot be read by wavespectra's read_{reader} ({reason})") from None
-    found["efth"].attrs.pop("units", None)  # says per degree even without directions
-    return found.sortby("freq")  # type: ignore[no-any-return]
-
-
-def _dates(path: str | Path, time: "npt.NDArray[np.generic]") -> list[datetime]:
-    """Dates of the records, one or more; plain numbers are refused."""
-    if not time.size:
-        raise ConfigError(f"{path}: received no record along time, needs one or more")
-    try:
-        if time.dtype.kind in "MO":
-            return [datetime.fromisoformat(str(each)[:19]) for each in time.astype("datetime64[s]")]
-    except ValueError:
-        pass  # not a date
-    raise ConfigError(
-        f"{path}: received time from {time[0]} to {time[-1]}, needs a date for every record, in units such as 'hours "
-        "since 2020-01-01'"
-    )
-
-
-def _check_units(path: str | Path, ds: "xr.Dataset", directional: bool) -> None:
-    """Check units where the file states them."""
-    for name, known in (("freq", FREQUENCY), ("efth", DENSITY[directional])):
-        units = str(ds[name].attrs.get("units", ""))
-        if units and units.lower().replace(" ", "").replace("degrees", "degree") not in known:
-            needed = "Hz" if name == "freq" else "m2/Hz/degree" if directional else "m2/Hz"
-            raise ConfigError(f"{path}: received {name} in {units!r}, needs {needed}")
-
-
-def _direction_widths(path: str | Path, degrees: FloatArray) -> "xr.DataArray":
-    """Widths of bands of direction [degree], which must be equal all around."""
-    steps = np.diff(np.sort(np.asarray(degrees, dtype=float) % 360), append=np.sort(degrees % 360)[0] + 360)
-    if not np.ptp(steps) <= 1e-3 * steps.mean():
-        raise ConfigError(
-            f"{path}: received directions {steps.min():.4g} to {steps.max():.4g} degrees apart, needs equal distances "
-            "all around"
-        )
-    import xarray as xr
-
-    return xr.DataArray(np.full(len(degrees), 360 / len(degrees)), dims="dir")
