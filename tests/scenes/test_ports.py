@@ -188,3 +188,18 @@ def test_modes_radiate_through_the_channel_of_their_excitation(study):
     shape = alone.damping[3] / np.trace(alone.damping[3])
     assert np.trace(found.damping[3]) > 1.01 * np.trace(alone.damping[3])
     np.testing.assert_allclose(found.damping[3], np.trace(found.damping[3]) * shape, rtol=1e-9, atol=1e-9)
+
+
+def test_a_viscous_shell_is_at_each_frequency_a_stiffer_one_with_more_damping(seed):
+    """Of Hooke's law, open to constant pressure, all stiffness of the shell goes with E."""
+    branch = {"ratio": 0.6, "time": 0.4}
+    viscous = varied(seed, device={"damping": {"alpha": 0.0, "beta": 1e-3, "maxwell": [branch]}}, modes={"degree": 4})
+    found = designs_in_waves(viscous, reference_shell(viscous), water(viscous))["VSWEC"].port
+    for i in (0, 12, 25):
+        x = (OMEGA[i] * branch["time"]) ** 2
+        stiffer, loss = 1 + branch["ratio"] * x / (1 + x), branch["ratio"] * branch["time"] / (1 + x)
+        device = {"young_modulus": 1e7 * stiffer, "damping": {"alpha": 0.0, "beta": (1e-3 + loss) / stiffer}}
+        plain = varied(viscous, device=device)
+        port = designs_in_waves(plain, reference_shell(plain), water(plain))["VSWEC"].port
+        assert found.admittance[i] == pytest.approx(port.admittance[i], rel=1e-9)
+        assert found.velocity[i] == pytest.approx(port.velocity[i], rel=1e-9)

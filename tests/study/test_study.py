@@ -67,7 +67,7 @@ PRESSED = {"hydro": {"model": "assumed_pressure", "pressure": 100.0}, "waves": [
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"device": {"gas": {}}}, "has no trapped gas; remove device.gas"),
+        ({"device": {"gas": {}}}, "has no trapped gas and no viscous material; remove device.gas"),
         ({"device": {"internal_pressure": -5.0}}, "needs device.internal_pressure: 0 and reference_shape: undeformed"),
         ({"waves": [REGULAR, {"kind": "jonswap", "hs": 1.0, "tp": 7.0}]}, "has one period, of a regular wave; remove"),
         *(

@@ -84,6 +84,8 @@ class DesignModel:
             raise ConfigError(f"variables: received {unknown[0]}; needs some of {', '.join(known)}")
         if study.motion != "heave":
             raise ConfigError(f"motion: received {study.motion!r}; derivatives of designs need heave")
+        if study.device.damping.maxwell:
+            raise ConfigError("device.damping.maxwell: received branches; derivatives of designs need none")
         if study.opens_chamber:
             raise ConfigError(
                 "pto.port: received 'volume' behind trapped gas; derivatives of designs need no device.gas"

@@ -57,10 +57,15 @@ class PeriodicScene:
         """Return conj K between the modes: radiation force -conj K U' (C1), shape (omega, free, free)."""
         return self._between_modes(self.transfer, omega)
 
-    def relaxation(self, omega: FloatArray) -> ComplexArray:
-        """Return the same of a take-off with memory, behind a chamber."""
-        memory = self.system.scene.memories.get(self.system.scene.take_off)
+    def relaxation(self, name: str, omega: FloatArray) -> ComplexArray:
+        """Return the same of another force with memory: a take-off behind a chamber, or a viscous material."""
+        memory = self.system.scene.memories.get(name)
         return self._between_modes(memory.transfer if memory else None, omega)
+
+    @property
+    def relaxing(self) -> list[str]:
+        """Names of the forces with memory besides radiation."""
+        return [name for name in self.system.scene.memories if name != "radiation"]
 
     def _between_modes(self, transfer: Transfer | None, omega: FloatArray) -> ComplexArray:
         """Conjugate of a transfer function between the modes."""
@@ -74,7 +79,8 @@ class PeriodicScene:
         free = self.system.free
         squares = -np.diag(self.system.matrix[free : 2 * free, :free]) * self.system.scale
         omega = self.omega * np.arange(1, count)
-        damping = -self.system.matrix[free : 2 * free, free : 2 * free] + self.radiation(omega) + self.relaxation(omega)
+        own = -self.system.matrix[free : 2 * free, free : 2 * free] + self.radiation(omega)
+        damping = sum((self.relaxation(name, omega) for name in self.relaxing), own)
         moving = np.diag(squares) - omega[:, None, None] ** 2 * np.eye(free) - 1j * omega[:, None, None] * damping
         return np.concatenate([np.diag(squares)[None].astype(complex), moving])
 
@@ -362,15 +368,16 @@ def mean_power(scene: PeriodicScene, orbit: Orbit) -> Power:
     losses = {name: force.dissipated_power(v) for name, force in system.scene.forces.items()}
     losses |= {name: -np.sum(named[name] * v, axis=1) for name in system.dissipating}
     means = {name: float(np.mean(loss)) for name, loss in losses.items()}
-    pto = means.pop(system.scene.take_off, 0.0)
-    structural = sum(means.values())
     omega = scene.omega * np.arange(1, len(orbit.harmonics))
     rate = -1j * omega[:, None] * orbit.harmonics[1:]
-    radiated, relaxed = (
-        0.5 * float(np.real(np.einsum("hi,hij,hj", rate.conj(), transfer(omega), rate)))
-        for transfer in (scene.radiation, scene.relaxation)
-    )
-    return Power(wave, pto + relaxed, radiated, structural)
+
+    def taken(transfer: ComplexArray) -> float:
+        return 0.5 * float(np.real(np.einsum("hi,hij,hj", rate.conj(), transfer, rate)))
+
+    for name in scene.relaxing:
+        means[name] = means.get(name, 0.0) + taken(scene.relaxation(name, omega))
+    pto = means.pop(system.scene.take_off, 0.0)
+    return Power(wave, pto, taken(scene.radiation(omega)), sum(means.values()))
 
 
 def harmonic_balance(system: System, tolerance: float = 1e-8, transfer: Transfer | None = None) -> SteadyState:

@@ -63,19 +63,21 @@ class Piece(NamedTuple):
         out[0] += load.constant
         return np.asarray(out)
 
-    def powers(self, jet: FloatArray, driven: FloatArray, damper: FloatArray, channel: FloatArray) -> FloatArray:
-        """Return the powers of `TERMS` and their derivatives, shape (term, 3, node)."""
+    def powers(self, jet: FloatArray, driven: FloatArray, lost: FloatArray, radiated: FloatArray) -> FloatArray:
+        """Return the powers of `TERMS` and their derivatives, shape (term, 3, node).
+
+        `lost` and `radiated` are the forms of structural and radiated power, each shape (state, state).
+        """
         n, phase = self.phase.system.free, self.phase
-        rate, memory = jet[:, :, n : 2 * n], jet[:, :, 2 * n :]
+        rate = jet[:, :, n : 2 * n]
         velocity = (rate @ phase.port)[:, :, None]
         taken = self.at_port(self.taken, jet)[:, :, None]
         stopped = -self.stopped.damping * velocity  # the energy of its spring is stored
-        radiated = memory @ channel
         return np.array([
             product(rate, driven),
             -product(velocity, taken),
-            product(rate, rate @ damper) - product(velocity, stopped),
-            0.5 * product(radiated, radiated),
+            product(jet, jet @ lost) - product(velocity, stopped),
+            product(jet, jet @ radiated),
         ])  # fmt: skip
 
 
@@ -136,8 +138,8 @@ def account(
         Which nodes are equally spaced.
     """
     n, last, driven = system.free, len(time) - 1, driven_at(system, time, regular)
-    memory, damper = system.scene.memory, np.sum(system.dampers(), axis=0)
-    channel = memory.channel.reshape(memory.order, -1) if memory else np.zeros((0, 1))
+    own, structural, radiated = system.losses()
+    lost = own + structural
     rates, works = np.empty((last + 1, n)), np.zeros((len(TERMS), last + 1))
     taken, stopped = np.empty((2, last + 1))
     for piece, nodes in pieces.items():
@@ -151,7 +153,7 @@ def account(
             at = at[at < last]
             received = driven[:, at + 1] + piece.phase.added(states[at + 1])
             ends = piece.jet(states[at + 1], received)
-            before = piece.powers(jet[:, : len(at)], forcing[:, : len(at)], damper, channel)
-            after = piece.powers(ends, received, damper, channel)
+            before = piece.powers(jet[:, : len(at)], forcing[:, : len(at)], lost, radiated)
+            after = piece.powers(ends, received, lost, radiated)
             works[:, at + 1] = integrated(before, after, time[at + 1] - time[at])
     return Account(rates, taken, stopped, np.cumsum(works, axis=1))

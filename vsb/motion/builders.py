@@ -26,6 +26,7 @@ from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene, resting
 from vsb.motion.shell_forces import shell_forces
+from vsb.motion.viscous import ViscousForce
 from vsb.motion.wetted import WetShell
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.loaded import LoadedShell
@@ -72,6 +73,8 @@ def linear_scene(
     forces |= _behind_chamber(system) if system.chamber else take_off(system.pto, dof)
     if not system.axisymmetric or flexible(labels, free):
         forces |= _elastic_forces(system.stiffness_parts, system.structural_damping)
+        if system.maxwell:
+            forces["viscous"] = ViscousForce(system.maxwell, system.stiffness_parts["structural"])
     if "mooring" in system.stiffness_parts:
         forces["mooring"] = Spring(system.stiffness_parts["mooring"])
     seas = {system.direction: waves} if isinstance(waves, Sea) else waves

@@ -20,7 +20,7 @@ UNRESTRAINED = 1e-6
 class LinearEquation:
     """The linear equation of motion at some frequencies, in waves of unit amplitude.
 
-        [-w^2 (M + A) - i w (B + D) + K] q = X - b F          (C1)
+        [-w^2 (M + A) - i w (B + D) + K + K_v] q = X - b F    (C1)
 
     Every design of a floating system moves by it within its own motions N.
     """
@@ -29,15 +29,16 @@ class LinearEquation:
     water: Coefficients  # A, B, X at these frequencies
     mass: FloatArray  # M (dof, dof) [kg]
     damping: FloatArray  # D of everything but radiation ([omega,] dof, dof) [N s/m]
-    stiffness: FloatArray  # K ([omega,] dof, dof) [N/m]
+    stiffness: FloatArray  # K, that at rest ([omega,] dof, dof) [N/m]
+    stiffening: FloatArray | float = 0.0  # K_v, what a viscous material adds in motion (omega, dof, dof) [N/m]
     chamber: float = 0.0  # compliance in series with a port, of the gas before a turbine [m^3/Pa]
 
     @cached_property
     def dynamic_stiffness(self) -> ComplexArray:
-        """-w^2 (M + A) - i w (B + D) + K, shape (omega, dof, dof) [N/m]."""
+        """-w^2 (M + A) - i w (B + D) + K + K_v, shape (omega, dof, dof) [N/m]."""
         w, (added_mass, radiated, _) = self.omega[:, None, None], self.water
         inertia, lossy = self.mass + added_mass, radiated + self.damping
-        return np.asarray(-(w**2) * inertia - 1j * w * lossy + self.stiffness, dtype=complex)
+        return np.asarray(-(w**2) * inertia - 1j * w * lossy + self.stiffness + self.stiffening, dtype=complex)
 
     def response(self, load: ComplexArray, motions: FloatArray) -> ComplexArray:
         """Return the motion of a design under a load, both of shape (..., omega, dof) [N], [m].

@@ -25,6 +25,8 @@ from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.variables import PAIR
 from vsb.motion.frequency import LinearEquation, softest, unrestrained_motions
 from vsb.motion.port import LinearPto, Port
+from vsb.motion.viscous import loss, stiffening
+from vsb.study.device import MaxwellBranch
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 FASTEST = 1e9
@@ -44,11 +46,12 @@ class LinearSystem:
     """Degrees of freedom about the mean position, from a hydro database; every design moves in a subspace of them."""
 
     database: xr.Dataset
-    structural_damping: FloatArray  # (dof, dof) [N s/m]
+    structural_damping: FloatArray  # (dof, dof) [N s/m]; that of Maxwell branches is beside it
     pto: LinearPto = NO_TAKE_OFF
     chamber: float = 0.0  # compliance between port and take-off, of the gas before a turbine [m^3/Pa]
     direction: float | Directions = 0.0  # the waves go to [rad]
     axisymmetric: bool = True  # each azimuthal order has one radiation channel; False: a body of any shape
+    maxwell: tuple[MaxwellBranch, ...] = ()  # of the shell's material
 
     def __post_init__(self) -> None:
         """Check a body of any shape, whose numbers and port may come from anywhere."""
@@ -97,11 +100,27 @@ class LinearSystem:
 
     def damping_at(self, omega: FloatArray) -> FloatArray:
         """Return structural and power take-off damping, shape ([omega,] dof, dof) [N s/m]."""
-        return self.structural_damping + self.pto_at(omega).matrix(len(self.mass))
+        return self.lossy_at(omega) + self.pto_at(omega).matrix(len(self.mass))
 
     def held_at(self, omega: FloatArray) -> FloatArray:
         """Return stiffness of the system and of the power take-off, shape ([omega,] dof, dof) [N/m]."""
-        return self.stiffness + self.pto_at(omega).spring(len(self.mass))
+        return self.stiffness + self.stiffening_at(omega) + self.pto_at(omega).spring(len(self.mass))
+
+    def lossy_at(self, omega: FloatArray) -> FloatArray:
+        """Return structural damping with that of a viscous material, shape ([omega,] dof, dof) [N s/m]."""
+        if not self.maxwell:
+            return self.structural_damping
+        own = self.stiffness_parts["structural"]
+        return self.structural_damping + loss(self.maxwell, omega)[..., None, None] * own
+
+    def stiffening_at(self, omega: FloatArray) -> FloatArray | float:
+        """Return what a viscous material adds to the stiffness in motion, shape ([omega,] dof, dof) [N/m]; 0 of none.
+
+        Its branches are beside the elastic stiffness of the shape at rest.
+        """
+        if not self.maxwell:
+            return 0.0
+        return stiffening(self.maxwell, omega)[..., None, None] * self.stiffness_parts["structural"]
 
     @property
     def damping(self) -> FloatArray:
@@ -242,14 +261,18 @@ class LinearSystem:
             The motions the design allows.
         """
         equation = self.equation(omega)
-        loaded = replace(equation, damping=self.damping_at(omega), stiffness=self.held_at(omega))
+        beside, dof = self.pto_at(omega), len(self.mass)
+        loaded = replace(
+            equation,
+            damping=equation.damping + beside.matrix(dof),
+            stiffness=equation.stiffness + beside.spring(dof),
+        )
         return loaded.response(equation.water.excitation, motions)
 
     def equation(self, omega: FloatArray) -> LinearEquation:
         """Return its equation of motion at frequencies, without take-off."""
-        return LinearEquation(
-            omega, self.coefficients(omega), self.mass, self.structural_damping, self.stiffness, self.chamber
-        )
+        viscous = self.lossy_at(omega), self.stiffness, self.stiffening_at(omega)
+        return LinearEquation(omega, self.coefficients(omega), self.mass, *viscous, self.chamber)
 
     def port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
         """Return what a take-off sees of a design; see `vsb.motion.frequency.LinearEquation.port`."""
@@ -258,7 +281,9 @@ class LinearSystem:
     def extended_port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
         """Return `port` at any frequency: outside the band solved with the coefficients of its nearest end."""
         first, last = self.database.omega.values[[0, -1]]
-        return replace(self.equation(np.clip(omega, first, last)), omega=omega).port(motions, direction)
+        nearest = self.equation(np.clip(omega, first, last))
+        own = {"damping": self.lossy_at(omega), "stiffening": self.stiffening_at(omega)}
+        return replace(nearest, omega=omega, **own).port(motions, direction)
 
     def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
         """Return the mean absorbed power per squared wave amplitude, c w^2 |b.q|^2/2, shape (omega,) [W/m^2]."""

@@ -97,9 +97,8 @@ class Scene:
 
     @property
     def radiation(self) -> RadiationModel | None:
-        """The memory of all but the take-off, if there is one."""
-        others = [model for name, model in self.memories.items() if name != self.take_off]
-        return joined(others) if others else None
+        """The memory of radiation, if there is one."""
+        return self.memories.get("radiation")
 
     @cached_property
     def remembered(self) -> dict[str, slice]:

@@ -393,7 +393,10 @@ class System:
         return [self.modes.T @ self.scene.projected(group) @ self.modes for group in (ours, others)]
 
     def losses(self) -> FloatArray:
-        """Return the powers z.Q z the take-off, all other dampers and radiation take, Q (3, state, state) [1/s]."""
+        """Return the powers z.Q z the take-off, structure and all other dampers, and radiation take.
+
+        Q, shape (3, state, state) [1/s].
+        """
         n, scene = self.free, self.scene
         out = np.zeros((3, len(self.matrix), len(self.matrix)))
         for form, damper in zip(out, self.dampers(), strict=False):
@@ -401,7 +404,7 @@ class System:
         for name, memory in scene.memories.items():
             own = scene.remembered[name]
             at = slice(2 * n + own.start, 2 * n + own.stop)
-            out[0 if name == scene.take_off else 2, at, at] = memory.radiated
+            out[{scene.take_off: 0, "radiation": 2}.get(name, 1), at, at] = memory.radiated
         return out
 
     # sizes ----------------------------------------------------------------------------------------------------------

@@ -61,6 +61,7 @@ register(
         "internal_pressure": Variable(_MOTION, "N", "force of the pressure inside a shell of rubber"),
         "gas": Variable(_MOTION, "N", "force of the trapped gas"),
         "structural_damping": Variable(_MOTION, "N", "structural damping force"),
+        "viscous": Variable(_MOTION, "N", "force of the viscous branches of the shell's material"),
         "elevation": Variable(("time",), "m", "undisturbed wave elevation at the buoy's axis"),
         "energy": Variable(("time", "term"), "J", "energy since the start"),
     }

@@ -17,7 +17,7 @@ BODY_FORCES = {
     "forceRadiationDamping": ("radiation",),
     "forceRestoring": ("hydrostatic", "weight"),
     "forceMorisonAndViscous": ("drag",),
-    "forceLinearDamping": ("structural_damping",),
+    "forceLinearDamping": ("structural_damping", "viscous"),
     "forceMooring": ("mooring",),
     "forceElastic": ("elastic", "prestress", "preload", "gas"),
 }

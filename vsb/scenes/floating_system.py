@@ -98,7 +98,8 @@ def _floating_buoy(study: AnyBuoy, database_path: str) -> FloatingSystem:
     orders = order_bases(study, basis)
     shape = DeformedShell(basis, study.centre_height, ds.reference_amplitude.values[: len(basis.labels)])
     port = port_direction(study.pto.port, shape, orders)
-    buoy = LinearSystem(ds, block_diag(basis.damping, *(order.damping for order in orders)))
+    damping, maxwell = block_diag(basis.damping, *(order.damping for order in orders)), study.device.damping.maxwell
+    buoy = LinearSystem(ds, damping, maxwell=maxwell if shell_moves else ())
     motions = {design: design_motions(study, basis, design) for design in study.designs}
     linear = with_open_chamber(buoy, port) if study.opens_chamber else buoy
     return FloatingSystem(linear, motions, port, channels_reached(port, buoy.orders), shape)

@@ -20,6 +20,7 @@ from vsb.scenes.rest import (
     order_bases,
     seen_by_take_off,
     side_by_side,
+    viscous_parts,
     whole_stiffness,
 )
 from vsb.shell.deformed import ReferenceShell
@@ -123,8 +124,10 @@ def designs_in_waves(
         side_by_side(getattr(basis, name), *(getattr(each, name) for each in families))
         for name in ("inertia", "damping")
     )
+    omega, stiffness = water.omega, whole_stiffness(study, seen)
+    lossy, stiffer = viscous_parts(study, reference, omega) if study.device.damping.maxwell else (0.0, 0.0)
     equation = LinearEquation(
-        water.omega, water.in_modes(basis, families), inertia, damping, whole_stiffness(study, seen), chamber
+        omega, water.in_modes(basis, families), inertia, damping + lossy, stiffness, stiffer, chamber
     )
     direction, shapes = port_direction(study.pto.port, reference.shape, families), shell_shapes(basis, families)
     found = {}

@@ -14,6 +14,7 @@ from vsb.errors import ConfigError, ConvergenceError
 from vsb.motion.frequency import allowed_part, compliance, softest, unrestrained_motions
 from vsb.motion.linear import gas_compliance
 from vsb.motion.port import port_direction
+from vsb.motion.viscous import loss, stiffening
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium
@@ -259,6 +260,14 @@ def whole_stiffness(study: Moving, reference: ReferenceShell) -> FloatArray:
     orders = (order_stiffness(study, basis, reference) for basis in order_bases(study, reference.basis))
     whole = side_by_side(reference.total, *(np.sum(list(parts.values()), axis=0) for parts in orders))
     return np.asarray(whole + sum(mooring_stiffness(study, whole_labels(study, reference)).values()))
+
+
+def viscous_parts(study: Moving, reference: ReferenceShell, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return damping [N s/m] and added stiffness [N/m] of the material's Maxwell branches, each (omega, dof, dof)."""
+    orders = (basis.stiffness for basis in order_bases(study, reference.basis))
+    own, branches = side_by_side(reference.stiffness["structural"], *orders), study.device.damping.maxwell
+    damping, stiffness = (share(branches, omega)[:, None, None] * own for share in (loss, stiffening))
+    return damping, stiffness
 
 
 def design_stiffness(

@@ -56,7 +56,8 @@ _EXPANSIONS = {"first": ("first order", "#000000", "o"), "second": ("second orde
 def linear_buoy(study: Study, reference: ReferenceShell, family: ShapeFamily) -> LinearSystem:
     """Return the buoy of a study with the coefficients of the family's reference shape; see `given_damper`."""
     pto = LinearPto(given_damper(study))
-    return LinearSystem(with_structure(family.centre, reference), reference.basis.damping, pto)
+    maxwell = study.device.damping.maxwell
+    return LinearSystem(with_structure(family.centre, reference), reference.basis.damping, pto, maxwell=maxwell)
 
 
 def given_damper(study: Study) -> float:
@@ -69,7 +70,8 @@ def given_damper(study: Study) -> float:
 
 def damped(buoy: LinearSystem, omega: FloatArray, c: Coefficients) -> LinearEquation:
     """Return the equation of motion of a buoy and its damper with other coefficients at some frequencies."""
-    return LinearEquation(omega, c, buoy.mass, buoy.damping_at(omega), buoy.stiffness)
+    viscous = buoy.damping_at(omega), buoy.stiffness, buoy.stiffening_at(omega)
+    return LinearEquation(omega, c, buoy.mass, *viscous)
 
 
 def power_slope(buoy: LinearSystem, slopes: xr.Dataset, motions: FloatArray) -> FloatArray:

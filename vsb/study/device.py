@@ -171,11 +171,24 @@ THINNEST_SHELL = 1 / 3e4
 """Thickness over radius below which a sphere is a film."""
 
 
-class RayleighDamping(Section):
-    """Structural damping D = alpha M + beta K, alpha [1/s], beta [s]."""
+class MaxwellBranch(Section):
+    """A spring and a dashpot in series beside the shell: its stiffness over the shell's own [-], its time [s]."""
+
+    ratio: Annotated[Positive, within(1e-6, 100.0, "", "beyond it the shell at rest is none beside the branch")]
+    time: Annotated[Positive, within(1e-4, 1e6, "s", "what relaxes faster or slower is no motion of a buoy")]
+
+
+class StructuralDamping(Section):
+    """Structural damping D = alpha M + beta K, alpha [1/s], beta [s], and Maxwell branches of a viscous material."""
 
     alpha: Annotated[NonNegative, within(0.0, 1e4, "1/s", "what dies in a tenth of a millisecond does not move")] = 0.0
     beta: Annotated[NonNegative, within(0.0, 100.0, "s", "a shell damped for minutes is rigid: flexible: false")] = 0.0
+    maxwell: tuple[MaxwellBranch, ...] = ()
+
+    @model_serializer(mode="wrap")
+    def _without_absent(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        said: dict[str, Any] = dump(self)
+        return {key: value for key, value in said.items() if key != "maxwell" or value}
 
 
 class Gas(Section):
@@ -220,7 +233,7 @@ class Device(Section):
     mass: Positive
     internal_pressure: Annotated[Finite, within(-1e8, 1e8, "Pa", "no vessel holds a thousand atmospheres")] = 0.0
     gas: Gas | None = None
-    damping: RayleighDamping = RayleighDamping()
+    damping: StructuralDamping = StructuralDamping()
     material: Material = Hookean()
     centre_of_mass: Annotated[Finite, within(-1e3, 1e3, "m", "no buoy is larger")] | None = None
     ballast_inertia: Inertia | None = None

@@ -124,9 +124,16 @@ KEYS: dict[str, dict[str, Key]] = {
         "mu": Key("Pa", "4.0e+5", "shear modulus of small strains"),
         "jm": Key("-", "30.0", "first invariant, less 3, at which the chains are straight"),
     },
-    "RayleighDamping": {
+    "StructuralDamping": {
         "alpha": Key("1/s", "0.0", "damping per modal mass"),
         "beta": Key("s", "1.0e-3", "damping per modal stiffness"),
+        "maxwell": Key(
+            "", "[{ratio: 0.2, time: 0.5}]", "viscous material: springs in series with dashpots beside the shell"
+        ),
+    },
+    "MaxwellBranch": {
+        "ratio": Key("-", "0.2", "stiffness of the branch over that of the shell at rest"),
+        "time": Key("s", "0.5", "relaxation time, dashpot over spring; the loss is largest at its inverse in rad/s"),
     },
     "Gas": {
         "adiabatic_index": Key("-", "1.4", "ratio of specific heats; 1 is isothermal"),

@@ -15,7 +15,7 @@ from vsb.errors import ConfigError
 from vsb.study.device import (
     Device,
     Gas,
-    RayleighDamping,
+    StructuralDamping,
     centre_height,
     check_shape,
     full_volume,
@@ -234,12 +234,12 @@ __all__ = [
     "PiersonMoskowitz",
     "Pto",
     "Published",
-    "RayleighDamping",
     "RecordedSea",
     "RegularWave",
     "Simulation",
     "SpectralSea",
     "StillWater",
+    "StructuralDamping",
     "Study",
     "Water",
     "Wave",
@@ -391,8 +391,11 @@ class Study(Buoy, BaseStudy):
                 f"hydro.model {model!r}: is the paper's undeformed shell, open to constant pressure; needs "
                 "device.internal_pressure: 0 and reference_shape: undeformed"
             )
-        if model == "assumed_pressure" and self.device.gas:
-            raise ValueError(f"hydro.model {model!r}: has no trapped gas; remove device.gas")
+        if model == "assumed_pressure" and (self.device.gas or self.device.damping.maxwell):
+            raise ValueError(
+                f"hydro.model {model!r}: has no trapped gas and no viscous material; remove device.gas and "
+                "device.damping.maxwell"
+            )
         idle = [key for key in ("omega", "rows", "accept") if getattr(self.hydro, key)]
         if model == "assumed_pressure" and idle:
             raise ValueError(f"hydro.{idle[0]}: hydro.model {model!r} has no coefficients to solve or judge; remove it")
@@ -468,9 +471,10 @@ class Study(Buoy, BaseStudy):
                 "shell's: a shut valve leaves the shell on the gas, and a force that jumps makes the flow jump; needs "
                 "law: linear without force_limit and stroke_limit, or no device.gas"
             )
-        if self.opens_chamber and method == "convolution":
+        if method == "convolution" and (self.opens_chamber or self.device.damping.maxwell):
             raise ValueError(
-                "simulation.method 'convolution': knows no chamber's pressure beside the motion's past; needs auto"
+                "simulation.method 'convolution': knows no chamber's pressure and no viscous material beside the "
+                "motion's past; needs auto"
             )
         if pto.switches and model == "auto":
             raise ValueError(

@@ -23,7 +23,7 @@ FROUDE = {
     "force_limit": 3.0, "stroke_limit": 1.0, "amplitude": 1.0, "period": 0.5, "duration": 0.5, "window": 0.5,
     "initial_position": 1.0, "initial_velocity": 0.5, "area": 2.0, "lever": 1.0,
     "centre_of_mass": 1.0, "ballast_inertia": 5.0, "ballast_yaw_inertia": 5.0, "line_to": 1.0, "line_from": 1.0,
-    "height": 1.0, "length": 1.0,
+    "height": 1.0, "length": 1.0, "time": 0.5,
 }  # fmt: skip
 """Power of the length scale each quantity goes with, at the same water and gravity."""
 
@@ -109,7 +109,7 @@ MOST_POINTS = 10_000
 SECTIONS = ("device", "reference_shape", "modes", "designs", "water", "hydro", "pto")
 """Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""
 _VARIED_IN = (
-    "Device", "Shape", "Spheroid", "Capsule", "RayleighDamping", "Gas", "NeoHookean", "MooneyRivlin", "Gent", "Drag",
+    "Device", "Shape", "Spheroid", "Capsule", "StructuralDamping", "Gas", "NeoHookean", "MooneyRivlin", "Gent", "Drag",
     "Vane", "Plate", "Modes", "Design", "Water", "Hydro", "Pto", "ShellPort", "StrainPort", "LinePort", "BetweenPort",
 )  # fmt: skip
 """What those sections are made of, as `vsb.study.keys` names it."""
