@@ -52,6 +52,15 @@ def test_a_balloon_under_constant_pressure_stretches_as_in_closed_form():
     assert np.abs(np.delete(q, 1)).max() < 1e-9
 
 
+def test_a_damper_spread_over_rubber_has_the_moduli_of_the_stretched_material():
+    """Of a breathing balloon d2W/dE2 = 12 mu/lambda^8 with both strains alike, and dE/dq = lambda/r."""
+    elastic, stretch = balloon(NeoHookeanLaw(MU), 0.0).elastic, 1.3
+    q = np.zeros(len(elastic.basis.labels))
+    q[1] = RADIUS * (stretch - 1)
+    factor = elastic.membrane_factor(q)
+    assert (factor @ factor.T)[1, 1] == pytest.approx(48 * np.pi * MU * THICKNESS / stretch**6, rel=1e-9)
+
+
 def test_the_limit_point_is_refused_with_its_pressure():
     with pytest.raises(ConvergenceError, match=r"passes its limit point at 0\.\d+ of its load, at an internal press"):
         equilibrium(loaded := balloon(NeoHookeanLaw(MU), 1.25 * MOST), held(loaded))

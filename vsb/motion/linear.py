@@ -282,8 +282,8 @@ class LinearSystem:
         """Return `port` at any frequency: outside the band solved with the coefficients of its nearest end."""
         first, last = self.database.omega.values[[0, -1]]
         nearest = self.equation(np.clip(omega, first, last))
-        own = {"damping": self.lossy_at(omega), "stiffening": self.stiffening_at(omega)}
-        return replace(nearest, omega=omega, **own).port(motions, direction)
+        viscous = self.lossy_at(omega), self.stiffness, self.stiffening_at(omega)
+        return LinearEquation(omega, nearest.water, self.mass, *viscous, self.chamber).port(motions, direction)
 
     def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
         """Return the mean absorbed power per squared wave amplitude, c w^2 |b.q|^2/2, shape (omega,) [W/m^2]."""

@@ -114,13 +114,12 @@ class ElasticShell:
     def membrane_factor(self, q: FloatArray) -> FloatArray:
         """Return L of the membrane's stiffness L L^T at amplitudes q, without bending, shape (dof, rank) [(N/m)^0.5].
 
-        Of Hooke's law, C (E_phi^2 + E_theta^2 + 2 nu E_phi E_theta) dA in the gradients of the Green strains there.
+        h d2W/dE_i dE_j dA in the gradients of the Green strains, the moduli those of the material as it is stretched.
         """
         along, hoop, *_ = self._gradients(q)
-        shell, area = self.basis.shell, self._tables.area
-        weight, nu = shell.membrane_stiffness * area, shell.poisson_ratio
-        whole = (weight * along) @ along.T + (weight * hoop) @ hoop.T
-        whole += nu * ((weight * along) @ hoop.T + (weight * hoop) @ along.T)
+        moduli, volume = self.basis.shell.law.moduli(*self.strains(q)), self.basis.shell.thickness * self._tables.area
+        mixed = (volume * moduli.mixed * along) @ hoop.T
+        whole = (volume * moduli.first * along) @ along.T + (volume * moduli.second * hoop) @ hoop.T + mixed + mixed.T
         values, vectors = np.linalg.eigh(whole)
         kept = values > 1e-12 * values[-1]
         return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
