@@ -8,12 +8,13 @@ import pytest
 from tests.design.conftest import study_of
 from vsb.design.evaluation import DesignModel
 from vsb.design.linearised import displacements
+from vsb.design.resting import RestingBuoy
 from vsb.design.year import FrequencyGrid
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.hydro.database import Coefficients, with_excitation
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.scenes.ports import ShapeWater, designs_in_waves
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import reference_shell, stiffness_about
 from vsb.waves.climate import Climate
 
 RUBBER = {
@@ -96,6 +97,29 @@ def test_what_waves_do_not_matter_for_scales_by_froude(climate):
     for name, power in (powers | {f"load_factor_inverse_{i}": 0 for i in range(4)}).items():
         one, scale = found[name], np.abs(found[name].gradient * weights).max()
         assert one.gradient @ weights == pytest.approx(power * one.value, abs=1e-8 * scale), name
+
+
+def test_hull_of_a_sphere_has_its_measures(climate):
+    """Beam 2 r, surface 4 pi r^2, volume 4 pi r^3/3 and the draft of the study, with their slopes."""
+    study = study_of(designs={"FSB": {"flexible": False}})
+    found, r = model_of(study, "FSB", climate, ["device.radius", "device.mass"]).at([2.0, 17170.0]), 2.0
+    expected = {"beam": (2 * r, 2.0), "surface": (4 * np.pi * r**2, 8 * np.pi * r)}
+    expected |= {"volume": (4 / 3 * np.pi * r**3, 4 * np.pi * r**2), "mass": (17170.0, 0.0)}
+    for name, (value, slope) in expected.items():
+        assert found[name].value == pytest.approx(value, rel=1e-9), name
+        assert found[name].gradient[0] == pytest.approx(slope, rel=1e-9, abs=1e-9), name
+    assert found["draft"].value == pytest.approx(study.draft, rel=1e-9)
+
+
+def test_weight_hangs_on_the_mean_motion_of_a_shell_that_is_no_sphere():
+    """Statics in the shell's own functions: a force m g on the mean of its motion, sum (m_j/m_0) q_j."""
+    rest = RestingBuoy.of(study_of(**SPHEROID), 4)
+    loaded, momentum, none = rest.loaded, rest.loaded.basis.integrated("mass")[0], 0 * rest.modal_amplitude
+    assert np.abs(momentum[1:]).max() > 0.01 * momentum[0]
+    weight = loaded.gravity * loaded.basis.inertia[0]
+    force = loaded.force(none) + weight - weight[0] * momentum / momentum[0]
+    stiffness = sum(stiffness_about(rest.study, loaded, none).values())
+    assert rest.linear_rest == pytest.approx(np.linalg.solve(stiffness, force), rel=1e-9, abs=1e-12)
 
 
 def test_a_rigid_sphere_in_long_waves_absorbs_its_stiffness():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vsb.design.certificate import multipliers
+from vsb.design.certificate import curvature, multipliers, newton_step
 from vsb.design.evaluation import Evaluation, Quantity
 from vsb.design.optimise import KKT, VIOLATION, converged, first_possible, optimised, start_places
 from vsb.design.problem import Problem
@@ -48,6 +48,19 @@ def test_nearest_point_of_a_disc_and_its_multiplier(start):
     power = 20 - (np.sqrt(10) - 2) ** 2
     assert found.objective == pytest.approx(power, rel=1e-9)
     assert found.multipliers == {"mass": pytest.approx(2 * 2 * (np.sqrt(10) - 2) / power, rel=1e-5)}
+
+
+def test_newton_step_from_beyond_a_limit_lands_on_the_optimum():
+    """Exact of a quadratic power and a linear limit, m + k <= 3: the point of that line nearest to (3, 1)."""
+
+    def straight(values):
+        return {**nearest(values), "mass": Quantity(float(values.sum()), np.ones(2))}
+
+    of = problem(straight, {"mass": 3.0})
+    point = of.at(of.place([2.7, 0.4]))
+    found = multipliers(point, 0.1)
+    place = point.place + newton_step(point, found, curvature(of, point, found))
+    assert of.values(place) == pytest.approx([2.5, 0.5], abs=1e-6)
 
 
 def test_multiplier_is_what_a_wider_limit_gives():

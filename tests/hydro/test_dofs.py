@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from vsb.errors import ConfigError
 from vsb.hydro.dofs import (
     Displacement,
-    azimuthal_order,
     bessel,
     displacements,
     flexible,
@@ -74,33 +73,12 @@ def test_pitch_is_a_rotation_about_y_through_the_origin(height, ratio):
 
 
 @pytest.mark.parametrize(
-    "label",
-    ["Rubbish2", "Membrane2", "Bending3", "radial2", "Radial", "Radial-1", "Radial02", "Sway", "2", ""],
+    "label", ["Rubbish2", "Membrane2", "Bending3", "radial2", "Radial", "Radial-1", "Radial02", "Sway", "2", ""]
 )
 @pytest.mark.parametrize("order", [0, 1])
 def test_unknown_labels_are_refused(label, order):
-    with pytest.raises(
-        ConfigError, match=rf"^displacements: received {label} of azimuthal order {order}; needs Radial"
-    ):
+    with pytest.raises(ConfigError, match=rf"^displacements: received {label} of azimuthal order {order}; needs"):
         displacements([label], order)
-
-
-@pytest.mark.parametrize(
-    ("name", "order"),
-    [("Radial1", 2), ("Surge", 2), ("Surge", 0), ("Pitch", 0), ("Heave", 1), ("Meridional0", 0), ("Meridional1", 2)],
-)
-def test_displacements_of_another_order_are_refused(name, order):
-    with pytest.raises(ConfigError, match=rf"received {name} of azimuthal order {order}; needs Radial<n>"):
-        displacements([name], order)
-
-
-@pytest.mark.parametrize(
-    ("moved", "received"),
-    [((), "none"), ((HEAVE, SURGE), "Heave of order 0, Surge of order 1"), ((HEAVE, HEAVE), "Heave of order 0, Heave")],
-)
-def test_mixed_orders_and_duplicates_are_refused(moved, received):
-    with pytest.raises(ConfigError, match=f"received {received}.*; needs one or more, all of one order, none twice"):
-        azimuthal_order(moved)
 
 
 def test_legendre_functions_of_low_order():

@@ -6,13 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
-from vsb.hydro.passive import (
-    RadiationSamples,
-    entry_error,
-    fit_lowest,
-    fit_passive,
-    sizes,
-)
+from vsb.hydro.passive import RadiationSamples, entry_error, fit_lowest, fit_passive, sizes
 from vsb.hydro.realisation import StateSpace, least_damping
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel

@@ -105,7 +105,5 @@ def test_pole_between_grid_and_axis_is_found(depth, hidden):
 
 
 def test_too_few_samples_are_refused():
-    with pytest.raises(
-        ConvergenceError, match=r"omega: received 3 samples, rational interpolation needs 4; solve more"
-    ):
+    with pytest.raises(ConvergenceError, match=r"omega: received 3 samples, rational interpolation needs 4; solve"):
         selected(samples(3), slow(samples(3)), np.ones(3), GRID, ONE)

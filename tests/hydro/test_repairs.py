@@ -6,13 +6,7 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
-from vsb.hydro.repairs import (
-    PAIR,
-    repaired,
-    with_causal_added_mass,
-    with_passive_damping,
-    with_symmetric_stiffness,
-)
+from vsb.hydro.repairs import PAIR, repaired, with_causal_added_mass, with_passive_damping, with_symmetric_stiffness
 from vsb.hydro.retardation import DampingSpectrum
 
 LABELS = ["Heave", "Pitch"]

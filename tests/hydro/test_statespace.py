@@ -5,13 +5,7 @@ from hypothesis import strategies as st
 
 from vsb.errors import StabilityError
 from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import (
-    RadiationModel,
-    _dissipative,
-    fit_order,
-    fit_radiation,
-    vector_fit,
-)
+from vsb.hydro.statespace import RadiationModel, _dissipative, fit_order, fit_radiation, vector_fit
 
 
 def chain(order: int, dof: int, seed: int) -> RadiationModel:

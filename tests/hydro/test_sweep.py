@@ -7,13 +7,7 @@ import pytest
 
 from vsb.errors import ConvergenceError
 from vsb.hydro import dofs
-from vsb.hydro.spectral.solver import (
-    SpectralProblem,
-    converged,
-    converged_on_grid,
-    incident_wave,
-    resolved,
-)
+from vsb.hydro.spectral.solver import SpectralProblem, converged, converged_on_grid, incident_wave, resolved
 from vsb.hydro.sweep import FORCES, on_grid
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_sphere

@@ -11,13 +11,7 @@ from hypothesis import strategies as st
 from vsb.errors import ConvergenceError
 from vsb.hydro import database
 from vsb.hydro.statespace import RadiationModel, fit_radiation
-from vsb.integrators.audit import (
-    TERMS,
-    energies,
-    flow,
-    residual,
-    step_integrals,
-)
+from vsb.integrators.audit import TERMS, energies, flow, residual, step_integrals
 from vsb.integrators.exact import propagate
 from vsb.integrators.simulate import EXACT, legs, recorded, simulate
 from vsb.motion.builders import linear_scene
@@ -33,15 +27,6 @@ from vsb.waves.seas import sea
 
 def one_mass(**forces):
     return Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1))
-
-
-@settings(max_examples=40)
-@given(st.floats(-3.0, 9.0))
-def test_integral_of_a_decay_has_its_closed_form(exponent):
-    """int_0^1 exp(-2 a t) dt = (1 - exp(-2 a))/(2 a), a = 1e-3 ... 1e9."""
-    rate = 10.0**exponent
-    found = step_integrals(np.array([[-rate]]), np.ones((1, 1, 1)))[0, 0, 0]
-    assert found == pytest.approx(-np.expm1(-2 * rate) / (2 * rate), rel=1e-13)
 
 
 @settings(max_examples=30)

@@ -46,12 +46,7 @@ def independent(plant, time, start):
     return done.y[:n].T
 
 
-@pytest.mark.parametrize(
-    ("kind", "q", "sample"),
-    [
-        ("membrane0", [-0.9410052093878509, -0.004144601433786726], 5),
-    ],
-)
+@pytest.mark.parametrize(("kind", "q", "sample"), [("membrane0", [-0.9410052093878509, -0.004144601433786726], 5)])
 def test_waterline_on_a_sample_is_found_despite_round_off(paper, kind, q, sample):
     """Table and recurrence may see z at a sample with different signs."""
     basis, q = mode_basis(paper.device, kind[:-1], int(kind[-1])), np.array(q)

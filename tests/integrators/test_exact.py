@@ -221,11 +221,7 @@ def test_nonlinear_forces_and_other_memories_are_refused():
     time, start = np.linspace(0.0, 1.0, 11), (np.zeros(2), np.zeros(2))
     assert not convolve(System.of(scene), COUPLED, time, start).position.any()
     twice = replace(scene, forces={**forces, "chamber": memory})
-    with pytest.raises(
-        ValueError, match=r"^convolution: received forces that remember besides radiation, needs none; use"
-    ):
+    with pytest.raises(ValueError, match=r"^convolution: received forces that remember besides radiation, needs none;"):
         convolve(System.of(twice), COUPLED, time, start)
-    with pytest.raises(
-        ValueError, match=r"^convolution: received nonlinear forces, needs a linear scene; use `integrate`"
-    ):
+    with pytest.raises(ValueError, match=r"^convolution: received nonlinear forces, needs a linear scene; use"):
         convolve(SimpleNamespace(linear=False, scene=scene), COUPLED, time, start)

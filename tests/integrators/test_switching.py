@@ -280,9 +280,7 @@ def test_harmonic_balance_of_friction_reports_its_truncation_error():
     """The force jumps, so its harmonics decay slowly."""
     system = in_regular_wave(TakeOff(B, np.inf, limit=2.0))
     assert harmonic_balance(system, 3e-3).power.pto == pytest.approx(periodic_power(system)[0], rel=1e-2)
-    with pytest.raises(
-        ConvergenceError, match=r"the steady state is known to .* harmonics, needs 1e-06; use a gentler"
-    ):
+    with pytest.raises(ConvergenceError, match=r"the steady state is known to .* harmonics, needs 1e-06; use a"):
         harmonic_balance(system, 1e-6)
 
 
@@ -292,13 +290,9 @@ def test_methods_for_smooth_forces_refuse_a_switching_take_off():
         propagate(system, TIME, START)
     with pytest.raises(ValueError, match=r"received a take-off that switches, needs smooth forces; use .switched."):
         structure_preserving(system, TIME, START, 1e-6)
-    with pytest.raises(
-        ValueError, match="harmonic balance: received a latching or declutching take-off; needs another, or time"
-    ):
+    with pytest.raises(ValueError, match="harmonic balance: received a latching or declutching take-off; needs"):
         harmonic_balance(oscillator(TakeOff(B, 4.0, pause=0.3), waves=Excitation(np.ones(1), np.ones((1, 1)) + 0j)))
-    with pytest.raises(
-        ValueError, match="switching: received the nonlinear forces none, needs a linear or body-exact scene"
-    ):
+    with pytest.raises(ValueError, match="switching: received the nonlinear forces none, needs a linear or body-exact"):
         Switching(oscillator(Damper(np.eye(1))))
 
 

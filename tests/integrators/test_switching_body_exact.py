@@ -9,7 +9,6 @@ from scipy.integrate import solve_ivp
 
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.exponential import integrate
-from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import Switching, switched
 from vsb.motion.builders import assumed_pressure_scene
 from vsb.motion.forces import AssumedPressure, EndStop, TakeOff
@@ -17,8 +16,6 @@ from vsb.motion.port import LinearPto
 from vsb.motion.system import System
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis, rigid_basis
-from vsb.study.sections import Simulation
-from vsb.waves.seas import NO_WAVES
 
 B, START, DURATION = np.ones(1), (0.1, 0.2), 5.0
 LAWS = {
@@ -129,15 +126,3 @@ def test_springs_and_stops_act_from_the_rest_position(seed):
     for name in ("pto", "end_stop"):
         assert motion.forces[name] == pytest.approx(named[name], abs=1e-6)
     assert np.abs(motion.forces["end_stop"]).max() > 100.0
-
-
-def test_run_split_into_legs_equals_the_whole_run(seed):
-    one = scene(seed, 0, *LAWS["latching"])
-    setting = Simulation(duration=6.0, window=(3.0, 6.0), initial_position=0.1, initial_velocity=0.2)
-    whole, stride, method = simulate(System.of(one), NO_WAVES, setting, None)
-    assert method.startswith("exponential collocation between switches, ")
-    parts = list(legs(System.of(one), NO_WAVES, setting, None, longest=60))
-    assert len(parts) > 2
-    position = np.concatenate([part.motion.position[bool(i) :: part.stride] for i, part in enumerate(parts)])
-    assert position == pytest.approx(whole.position[::stride], abs=1e-6)
-    assert parts[-1].balance.residual < 1e-7

@@ -180,9 +180,7 @@ def test_invalid_bodies_are_refused(changes, message):
 
 def test_waves_that_were_not_solved_are_refused():
     body = floating_body(("Heave",), [4.0], [9.0])
-    with pytest.raises(
-        DatabaseError, match=r"^frequencies: received 0.3 to 5 rad/s, the database holds 0.5 to 4 rad/s"
-    ):
+    with pytest.raises(DatabaseError, match=r"^frequencies: received 0.3 to 5 rad/s, the database holds 0.5 to 4"):
         body.coefficients(np.array([0.3, 5.0]))
     with pytest.raises(DatabaseError, match=r"received 30 degrees, needs one of 0"):
         replace(body, direction=np.pi / 6).coefficients(np.array([1.0]))

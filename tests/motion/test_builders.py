@@ -6,7 +6,7 @@ import xarray as xr
 from conftest import SEED, varied
 
 from vsb.hydro.statespace import RadiationModel
-from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene, still_scene
+from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
 from vsb.motion.forces import AssumedPressure
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
@@ -126,21 +126,3 @@ def test_assumed_pressure_acts_on_the_waterplane(studies):
     assert named["hydrostatic"][:, 0] == pytest.approx(2 * [1e4 * np.pi * (r - z) ** 2 * (2 * r + z) / 3], rel=1e-6)
     assert np.abs(named["excitation"][:, 0]) == pytest.approx(2 * [100 * np.pi * (r**2 - z**2)], rel=1e-6)
     assert named["excitation"][1] == pytest.approx(-named["excitation"][0], rel=1e-12)
-
-
-@pytest.mark.parametrize("design", ["FSB", "VSWEC"])
-def test_buoy_floats_deeper_in_lighter_water(studies, design):
-    study, reference = studies["vented"]
-    motions = design_motions(study, reference.basis, design)
-    depths = []
-    for density, gravity in ((1025.0, 9.81), (900.0, 9.0), (900.0, 9.81)):
-        still = still_scene(reference, density, gravity, motions)
-        assert still.water.specific_weight == pytest.approx(density * gravity, rel=1e-15)
-        assert still.forces["weight"].value == pytest.approx(-gravity * reference.basis.inertia[0], rel=1e-15)
-        assert ("elastic" in still.forces) == study.designs[design].flexible
-        rest = (motions @ still.rest)[None]
-        pushed = sum(still.named(np.zeros(1), rest, 0 * rest).values())[0] @ motions
-        assert np.abs(pushed).max() < 1e-9 * gravity * study.device.mass
-        depths.append(rest[0, 0])
-    assert depths[1] < depths[0] - 0.1
-    assert depths[2] < depths[0] - 0.1

@@ -50,9 +50,7 @@ def test_port_that_is_not_passive_has_no_optimum():
     """Where waves move a port, `Port` itself sees it."""
     port = buoy_port(SEA)
     lossless = replace(port, velocity=0 * port.velocity, admittance=1j * port.admittance.imag)
-    with pytest.raises(
-        ValueError, match=r"port: not passive at .* rad/s, received Re Y = -?0 m/\(N s\), needs more than 0"
-    ):
+    with pytest.raises(ValueError, match=r"port: not passive at .* rad/s, received Re Y = -?0 m/\(N s\), needs more"):
         constrained_optimum(SEA, lossless, np.ones(SEA.count), Limits(1.0))
 
 
@@ -189,9 +187,7 @@ def test_infeasible_limits_are_proved_by_a_linear_programme(seed):
         optimum(narrow, kept * limits, seed=seed, **of)
     assert told.value.bound >= power(velocity, y, force)
 
-    with pytest.raises(
-        StabilityError, match=r"no force within force_limit keeps stroke_limit in this sea \(proof: it would"
-    ) as told:
+    with pytest.raises(StabilityError, match=r"no force within force_limit keeps stroke_limit in this sea") as told:
         optimum(narrow, 0.75 * less * limits, seed=seed, **of)
     assert not isinstance(told.value, NoForceFoundError)
     most, least = (float(number) for number in re.findall(r"(-?[\d.e+]+) W", str(told.value)))

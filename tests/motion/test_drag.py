@@ -44,8 +44,7 @@ class Buoy:
         w = self.omega[:, None, None]
         held = -1j * w * ((self.d.T * drag) @ self.d + damping * np.outer(self.b, self.b))
         moved = self.solved(
-            self.dynamic + held + stiffness * np.outer(self.b, self.b),
-            self.push + (drag * self.flow) @ self.d,
+            self.dynamic + held + stiffness * np.outer(self.b, self.b), self.push + (drag * self.flow) @ self.d
         )
         rate = -1j * self.omega
         return rate * (moved @ self.b), rate[:, None] * (moved @ self.d.T) - self.flow

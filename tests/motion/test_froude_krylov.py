@@ -5,14 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import j0
 
-from vsb.motion.froude_krylov import (
-    _dynamic,
-    _elevation,
-    _moment,
-    incident,
-    rotated,
-    wave_force,
-)
+from vsb.motion.froude_krylov import _dynamic, _elevation, _moment, incident, rotated, wave_force
 from vsb.motion.wetted import WetShell
 from vsb.shell.modes import mode_basis
 from vsb.waves.seas import NO_WAVES, Sea

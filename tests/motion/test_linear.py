@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import varied
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from vsb.errors import DatabaseError, StabilityError
 from vsb.motion.frequency import compliance, normal_modes, softest, unrestrained_motions
@@ -101,11 +99,6 @@ def test_unstable_or_massless_motions_are_refused(buoy_of, seed):
         changed(buoy_of(seed), structural_stiffness=-1.0).natural_modes(np.eye(8))
     with pytest.raises(DatabaseError, match=r"takes a mode's inertia; lower hydro.tolerance"):
         changed(buoy_of(seed), added_mass_inf=-1.0).natural_modes(np.eye(8))
-
-
-def test_frequencies_outside_the_database_are_refused(buoy_of, seed):
-    with pytest.raises(DatabaseError, match=r"database holds .* rad/s; raise hydro.omega_max"):
-        buoy_of(seed).coefficients(np.array([20.0]))
 
 
 @pytest.mark.parametrize(
@@ -208,16 +201,6 @@ def line(degrees, height=0.0, arm=0.0):
     """How a horizontal line of a direction pulls: at a height above the centre, past it at an arm."""
     c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     return np.array([c, s, 0.0, -height * s, height * c, arm])
-
-
-@settings(max_examples=20)
-@given(angle=st.floats(0.0, 360.0), exponent=st.floats(-3.0, 9.0), height=st.sampled_from([0.0, -1.5]))
-def test_single_line_leaves_sway_across_it_and_yaw(angle, exponent, height):
-    stiffness = moored((10.0**exponent, line(angle, height)))
-    loose = unrestrained_motions(stiffness, RIGID, np.eye(6))
-    across = np.array([-np.sin(np.radians(angle)), np.cos(np.radians(angle)), 0.0, 0.0, 0.0, 0.0])
-    np.testing.assert_allclose(loose @ loose.T, np.outer(across, across) + np.diag([0.0] * 5 + [1.0]), atol=1e-8)
-    assert softest(stiffness, loose)[0] > 0.0
 
 
 @pytest.mark.parametrize(

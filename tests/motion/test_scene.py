@@ -7,12 +7,7 @@ import pytest
 
 from vsb.errors import ConvergenceError
 from vsb.motion.builders import assumed_pressure_scene
-from vsb.motion.forces import (
-    AssumedPressure,
-    ConstantForce,
-    Damper,
-    Spring,
-)
+from vsb.motion.forces import AssumedPressure, ConstantForce, Damper, Spring
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene, resting
 from vsb.shell.deformed import DeformedShell

@@ -152,7 +152,5 @@ ROUTES = {
 @pytest.mark.parametrize("route", ROUTES.values(), ids=ROUTES)
 @pytest.mark.parametrize("apart", [1e-9])
 def test_indistinguishable_clamps_are_refused(seed, route, apart):
-    with pytest.raises(
-        ConfigError, match=r"clamps closer than the basis resolves \(relative singular value \d.\de-\d\d; needs"
-    ):
+    with pytest.raises(ConfigError, match=r"clamps closer than the basis resolves \(relative singular value"):
         route(mode_basis(seed.device, "membrane", 12), [1.0, 1.0 + apart])

@@ -8,13 +8,7 @@ from hypothesis import strategies as st
 
 from vsb.errors import ConfigError
 from vsb.hydro.panels.mesh import deformed_mesh
-from vsb.shell.deformed import (
-    DeformedShell,
-    ReferenceShell,
-    check_meridian,
-    enclosed,
-    rigid_buoy,
-)
+from vsb.shell.deformed import DeformedShell, ReferenceShell, check_meridian, enclosed, rigid_buoy
 from vsb.shell.modes import ModeBasis, mode_basis, shell_modes
 from vsb.shell.shell import Shell
 from vsb.study.meridian import capsule

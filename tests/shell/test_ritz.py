@@ -151,13 +151,7 @@ def solid(of, degree):
     return np.sqrt(np.abs(eigh(stiffness / size, mass / size, eigvals_only=True)))
 
 
-@pytest.mark.parametrize(
-    ("meridian", "thickness"),
-    [
-        (spheroid(2.0, 3.0), 0.04),
-        (capsule(1.0, 1.0), 0.04),
-    ],
-)
+@pytest.mark.parametrize(("meridian", "thickness"), [(spheroid(2.0, 3.0), 0.04), (capsule(1.0, 1.0), 0.04)])
 def test_a_thin_shell_is_the_limit_of_the_solid(meridian, thickness):
     """Apart by the square of the thickness in the lowest mode; the next ones by a little less than that, for they turn
     from membrane to bending somewhere along the meridian; never by more than shear and rotation of a solid's sections.

@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import re
 
 import numpy as np
 import pytest
@@ -150,15 +149,3 @@ def test_volume_in_closed_form_for_any_term(term):
     across, along = RestMeridian(ripple, (0.0, 1.0)), RestMeridian((1.0,), (0.0, *ripple))
     assert across.volume == pytest.approx(math.pi * (4 / 3 + 2 * b * share + b**2 * own), rel=1e-12)
     assert along.volume == pytest.approx(math.pi * (4 / 3 + term * b * share), rel=1e-12)
-
-
-def test_self_crossing_is_located():
-    """By its symmetry at its middle, where 0.5 c + 0.7 (4 c^3 - 3 c) is 0 for c = cos t: c^2 = 4/7."""
-    sine = math.sqrt(3 / 7)
-    x = 1.5 * sine + 0.8 * (3 * sine - 4 * sine**3)
-    with pytest.raises(ValueError, match="received a meridian that crosses itself near") as refused:
-        RestMeridian((1.5, 0.0, 0.8), (0.3, 0.5, 0.0, 0.7))
-    expected = [
-        float(number) for number in re.search(r"\((.*), (.*)\) m; needs one that does not", str(refused.value)).groups()
-    ]
-    assert expected == pytest.approx([x, 0.3], abs=0.03)

@@ -1,7 +1,6 @@
 """Plan of a study: ids, figures, frequencies of the response, memory."""
 
 import json
-import math
 import re
 from typing import get_args
 
@@ -12,10 +11,10 @@ from pydantic import ValidationError
 
 from vsb.study import specs
 from vsb.study import study as config
-from vsb.study.plan import StudyPlan, figure_names
+from vsb.study.plan import StudyPlan
 from vsb.study.sections import Basis
 from vsb.study.specs import PHYSICS
-from vsb.study.study import canonical, content_id, load, result_id
+from vsb.study.study import canonical, content_id, load
 
 
 @pytest.fixture(scope="module")
@@ -28,29 +27,12 @@ def block_ids(study):
     return {content_id(block) for block in StudyPlan(study).sweep_blocks + StudyPlan(study).tabulated_blocks}
 
 
-def database_id(study):
-    return content_id(StudyPlan(study).database)
-
-
 def test_labels_are_those_of_the_basis(seed):
     from vsb.scenes.rest import study_basis
 
     for basis in get_args(Basis):
         study = varied(seed, modes={"basis": basis, "degree": 4})
         assert study_basis(study).labels[1:] == StudyPlan(study).mode_labels
-
-
-def test_figures_follow_from_the_study(seed):
-    waves = [{"kind": "still"}, {"kind": "regular", "amplitude": 0.1, "period": 3.0}]
-    study = varied(seed, waves=waves)
-    assert len(figure_names(study)) == 8 + 2 * 8
-    assert len(figure_names(varied(study, designs={"FSB": {"flexible": False}}))) == 8 + 2 * 5
-    assumed = varied(study, hydro={"model": "assumed_pressure", "pressure": 100.0})
-    assert len(figure_names(assumed)) == 1 + 2 * 8
-    assert not {"absorbed_power", "radiation_kernel"} & set(figure_names(assumed))
-    sea = {"kind": "pierson_moskowitz", "hs": 0.5, "tp": 4.0}
-    assert "spectra" in figure_names(varied(seed, waves=[*waves, sea]))
-    assert "spectra" not in figure_names(study)
 
 
 def test_assumed_pressure_needs_no_bem(seed):
@@ -76,16 +58,6 @@ def test_ids_do_not_depend_on_spelling(tmp_path, rewrite):
     for spec in ("database", "radiation", "display", "modes", "response", "comparison"):
         assert content_id(getattr(theirs, spec)) == content_id(getattr(ours, spec))
     assert block_ids(theirs.study) == block_ids(ours.study)
-
-
-def test_paths_lie_under_the_root_and_name_their_ids(seed):
-    plan = StudyPlan(seed, root="elsewhere")
-    block = plan.sweep_blocks[0]
-    assert plan.database_path == f"elsewhere/hydro/db/{database_id(seed)}.nc"
-    assert plan.block_path(block) == f"elsewhere/hydro/blocks/{content_id(block)}.nc"
-    assert plan.mesh_path(block.mesh) == f"elsewhere/hydro/mesh/{content_id(block.mesh)}/mean.nc"
-    assert plan.trajectory_path("FSB", "still") == "elsewhere/seed/trajectories/FSB-still.nc"
-    assert len(set(plan.display_paths)) == 1 + 2 * 7
 
 
 def test_memory_bounds_what_was_measured(seed):
@@ -124,44 +96,6 @@ def test_every_file_has_the_id_of_what_it_is_made_from(solver):
             assert identity == plan.study_id
     assert plan.ids[plan.database_path] == content_id(plan.database)
     assert {path for path in plan.ids if "/mesh/" in path}
-
-
-@pytest.mark.parametrize("pressed", [False, True])
-def test_study_id_covers_all_results(seed, pressed):
-    hydro = {"model": "assumed_pressure", "pressure": 100.0} if pressed else {}
-    regular = {"kind": "regular", "amplitude": 0.1, "period": 3.0}
-    sea = {"kind": "jonswap", "hs": 0.5, "tp": 4.0, "realisations": 2}
-    waves = [regular, {**regular, "period": 4.0}, *([] if pressed else [sea])]
-    study = varied(seed, waves=waves, hydro=hydro, designs={"B": {}, "A": {"clamp": 0}})
-    plan = StudyPlan(study)
-    database, radiation = content_id(plan.database), content_id(plan.radiation)
-    solved = () if pressed else (database, radiation)
-    runs = [result_id(plan.simulation(name, wave), *solved) for wave in study.waves for name in ("A", "B")]
-    answers = () if pressed else (result_id(plan.response, database), result_id(plan.ladder, database))
-    witness = () if pressed else (content_id(plan.witness),)
-    own = result_id(plan.comparison, content_id(plan.modes), *solved, *witness, *answers, *runs)
-    assert plan.study_id == own
-    assert plan.ids[f"{plan.folder}/report.html"] == own
-    assert plan.ids[f"{plan.folder}/modes.nc"] == content_id(plan.modes)
-    assert {plan.ids[path] for path in plan.display_paths} == {content_id(plan.display)}
-
-
-def test_memory_of_runs_and_reports(seed):
-    """Three records per run, one per design in the report, 0.6 kB per component of a spectrum."""
-    waves = [
-        {"kind": "regular", "amplitude": 0.1, "period": 5.0},
-        {"kind": "regular", "amplitude": 0.1, "period": 2.5},
-        {"kind": "jonswap", "hs": 0.5, "tp": 6.0},
-        {"kind": "still"},
-    ]
-    run = {"duration": 2e4, "window": (0.0, 2e4)}
-    study = varied(seed, waves=waves, simulation=run, hydro={"omega_max": 7.0}, designs={"A": {}, "B": {"clamp": 0}})
-    plan = StudyPlan(study)
-    records = [plan.record_megabytes(wave) for wave in study.waves]
-    assert len(set(records)) > 2
-    beyond = [plan.simulation_megabytes(wave) - 3 * record for wave, record in zip(study.waves, records, strict=True)]
-    assert beyond == [800, 800, 800 + math.ceil(6e-4 * 7.0 * 2e4), 800]
-    assert plan.study_megabytes == 800 + math.ceil(1.2 * 2 * max(records))
 
 
 @pytest.fixture(scope="module")

@@ -8,13 +8,12 @@ import yaml
 from conftest import SEED
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pydantic import TypeAdapter, ValidationError
 
 from vsb.errors import ConfigError
 from vsb.study import quantities
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import Colatitude, Finite, NonNegative, Positive, canonical, content_id, result_id, within
+from vsb.study.quantities import canonical, content_id, result_id, within
 
 
 def changed(path, value):
@@ -45,9 +44,7 @@ def test_band_below_the_peak_of_damping_is_refused():
         if fits:
             plan.check_waves()
         else:
-            with pytest.raises(
-                ConfigError, match=r"omega_max: received 2 rad/s, needs at least 5.515 .* beyond its peak; raise it"
-            ):
+            with pytest.raises(ConfigError, match=r"omega_max: received 2 rad/s, needs at least 5.515 .* beyond its"):
                 plan.check_waves()
 
 
@@ -65,23 +62,6 @@ def test_integer_of_too_many_digits_is_refused(tmp_path, old, new, key, line):
     expected = rf"^{file}:{line}: {key}: received a number of too many digits; needs at most 4300$"
     with pytest.raises(ConfigError, match=expected):
         config.load(file)
-
-
-@pytest.mark.parametrize(
-    ("quantity", "taken", "refused"),
-    [
-        (Positive, [1e-300, 1e300], [0.0, -1.0]),
-        (NonNegative, [0.0, 1e300], [-1e-300]),
-        (Finite, [-1e300, 0.0, 1e300], []),
-        (Colatitude, [0.0, 180.0], [-1e-9, 180.001]),
-    ],
-)
-def test_quantities_are_finite_and_bounded(quantity, taken, refused):
-    checked = TypeAdapter(quantity)
-    assert [checked.validate_python(value) for value in taken] == taken
-    for value in (*refused, math.nan, math.inf, -math.inf):
-        with pytest.raises(ValidationError, match=r"greater|less|finite"):
-            checked.validate_python(value)
 
 
 @pytest.mark.parametrize(

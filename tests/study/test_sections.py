@@ -77,28 +77,12 @@ def test_invalid_value_is_one_line_with_file_key_and_need(tmp_path, path, value,
     ("wave", "label", "words"),
     [
         ({"kind": "still"}, "still", "still water"),
-        (
-            {"kind": "regular", "amplitude": 0.179, "period": 2.5},
-            "regular_A0.179_T2.5",
-            "regular waves of 0.179 m amplitude and 2.5 s period",
-        ),
-        (
-            {"kind": "jonswap", "hs": 0.5, "tp": 4, "seed": 7},
-            "jonswap_Hs0.5_Tp4_g3.3_s7",
-            "a JONSWAP sea of Hs = 0.5 m and Tp = 4 s",
-        ),
-        (
-            {"kind": "pierson_moskowitz", "hs": 0.5, "tp": 4, "seed": 7},
-            "pierson_moskowitz_Hs0.5_Tp4_s7",
-            "a Pierson-Moskowitz sea of Hs = 0.5 m and Tp = 4 s",
-        ),
-        (
-            {"kind": "white_noise", "hs": 0.5, "band": [1, 3], "seed": 7},
-            "white_noise_Hs0.5_w1-3_s7",
-            "white noise of 1 to 3 rad/s and Hs = 0.5 m",
-        ),
+        ({"kind": "regular", "amplitude": 0.179, "period": 2.5}, "regular_A0.179_T2.5", "regular waves of 0.179 m amplitude and 2.5 s period"),
+        ({"kind": "jonswap", "hs": 0.5, "tp": 4, "seed": 7}, "jonswap_Hs0.5_Tp4_g3.3_s7", "a JONSWAP sea of Hs = 0.5 m and Tp = 4 s"),
+        ({"kind": "pierson_moskowitz", "hs": 0.5, "tp": 4}, "pierson_moskowitz_Hs0.5_Tp4_s1", "a Pierson-Moskowitz sea of Hs = 0.5 m and Tp = 4 s"),
+        ({"kind": "white_noise", "hs": 0.5, "band": [1, 3], "seed": 7}, "white_noise_Hs0.5_w1-3_s7", "white noise of 1 to 3 rad/s and Hs = 0.5 m"),
     ],
-)
+)  # fmt: skip
 def test_labels_and_descriptions_of_seas(seed, wave, label, words):
     (read,) = varied(seed, waves=[wave]).waves
     assert (read.label, read.description) == (label, words)

@@ -65,35 +65,17 @@ def test_errors_of_the_take_off(seed, keys, wrong):
             {"pto": {"damping": None}, "hydro": {"model": "assumed_pressure", "pressure": 9.0}},
             r"pto.tuning 'each': an assumed pressure has no optimal damping; needs",
         ),
-        (
-            {"pto": {"port": "volume"}, "hydro": {"model": "body_exact"}},
-            r"pto.port: hydro.model 'body_exact' has no other port than heave and those of the shell; needs",
-        ),
-        (
-            {"pto": {"port": {"strain": "hoop", "belt": [90, 30]}}},
-            r"pto.port.belt: received .90, 30.; needs two colatitudes, the upper one first",
-        ),
+        ({"pto": {"port": "volume"}, "hydro": {"model": "body_exact"}}, r"pto.port: hydro.model 'body_exact' has no"),
+        ({"pto": {"port": {"strain": "hoop", "belt": [90, 30]}}}, r"pto.port.belt: received .90, 30.; needs two"),
         ({"pto": TWO | {"damping": [[1.0, 0.0]]}}, r"damping: needs 2 rows of 2 numbers, one for each port"),
         ({"pto": TWO | {"damping": [[1.0, 2.0], [0.0, 9.0]]}}, r"damping: needs a symmetric matrix"),
-        (
-            {"pto": TWO | {"damping": [[1.0, 2.0], [2.0, 3.0]]}},
-            r"damping: needs a matrix without negative eigenvalues",
-        ),
+        ({"pto": TWO | {"damping": [[1.0, 2.0], [2.0, 3.0]]}}, r"damping: needs a matrix without negative eigenvalues"),
         ({"pto": TWO | {"damping": 8000.0}}, r"pto.port.damping|damping"),
-        (
-            {"pto": TWO | {"stiffness": 3.0}},
-            r"several ports, or a damper spread over the shell, have a damper matrix alone",
-        ),
+        ({"pto": TWO | {"stiffness": 3.0}}, r"several ports, or a damper spread over the shell, have a damper matrix"),
         ({"pto": TWO | {"tuning": "fixed"}}, r"tuning: of several ports is fixed with a damping matrix"),
         ({"pto": {"ports": {"a": "pitch", "b": "heave"}}}, r"a: needs heave, volume, a ring, two points or the strain"),
-        (
-            {"pto": TWO, "hydro": {"model": "auto"}},
-            r"need motion: heave, hydro.model: linear or body_exact, and no drag",
-        ),
-        (
-            {"pto": TWO, "modes": {"basis": "full", "degree": None}},
-            r"convergence in modes is not estimated; needs modes.degree",
-        ),
+        ({"pto": TWO, "hydro": {"model": "auto"}}, r"need motion: heave, hydro.model: linear or body_exact, and no"),
+        ({"pto": TWO, "modes": {"basis": "full", "degree": None}}, r"convergence in modes is not estimated; needs"),
         ({"pto": {"held": {"place": "point"}}}, r"pto.held.*a point force on a thin shell has no limit as shell modes"),
         ({"pto": {"held": {"place": "heave"}}}, r"pto.held .place: heave.: leaves the rigid design FSB no motion"),
         (
@@ -104,14 +86,8 @@ def test_errors_of_the_take_off(seed, keys, wrong):
             {"pto": {"port": {"strain": "area"}, "held": {"place": "heave"}}, "designs": {"A": {}}},
             r"starts at rest; needs simulation.initial_position and initial_velocity of 0",
         ),
-        (
-            {"pto": {"port": {"between": [0, 180]}}, "hydro": {"model": "auto"}},
-            r"pto.port: hydro.model 'auto' has no other port than heave; needs hydro.model: linear",
-        ),
-        (
-            {"pto": {"port": "volume", "force_limit": 9.0}, "device": GAS},
-            r"pto.port 'volume': behind the gas .* a flow without inertia, not the shell's: .* needs law: linear .* no device.gas",
-        ),
+        ({"pto": {"port": {"between": [0, 180]}}, "hydro": {"model": "auto"}}, r"pto.port: hydro.model 'auto' has no"),
+        ({"pto": {"port": "volume", "force_limit": 9.0}, "device": GAS}, r"pto.port 'volume': behind the gas .* a"),
     ],
 )
 def test_combinations_a_model_cannot_compute(seed, changes, wrong):

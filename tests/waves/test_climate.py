@@ -91,9 +91,7 @@ def test_at_most_one_percent_of_the_records_may_be_impossible():
     omega = 3.0 + 0.1 * np.arange(5)
     calm, steep = np.linspace(0.001, 0.002, 5), np.linspace(2.0, 1.0, 5)
     assert len(of_records(omega, np.vstack([steep, *[calm] * 99]), "file").hs) == 99
-    with pytest.raises(
-        ConfigError, match=r"file: received 1.0% of records that are physically impossible, as Hs 3\.\d+ m with Te 1\.9"
-    ):
+    with pytest.raises(ConfigError, match=r"file: received 1.0% of records that are physically impossible, as Hs"):
         of_records(omega, np.vstack([steep, *[calm] * 98]), "file")
 
 

@@ -1,12 +1,9 @@
 """A body: its hydrostatic stiffness, checks, symmetry and resolution."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
 
 from examples import barge
 from vsb.errors import ConfigError
@@ -240,20 +237,6 @@ def two_panels(left, right):
 
 
 SQUARE = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
-DIAMOND = [(0, -(2**0.5)), (2**0.5, 0), (0, 2**0.5), (-(2**0.5), 0)]
-WIDE = [(x, 3 * y) for x, y in SQUARE]
-
-
-@pytest.mark.parametrize(
-    ("left", "right", "found"),
-    [
-        (SQUARE, SQUARE[2:] + SQUARE[:2], "xOz"),
-        (SQUARE, DIAMOND, "none"),  # centres are mirrored, corners are not
-        (WIDE, WIDE, "none"),  # across the plane
-    ],
-)
-def test_symmetry_needs_mirrored_corners(left, right, found):
-    assert bodies.detected_symmetry(two_panels(left, right)) == found
 
 
 def test_wall_in_the_plane_of_symmetry_is_not_its_own_mirror_image():
@@ -271,29 +254,3 @@ def test_panels_per_lobe_of_a_sphere(degree, rows):
     body = revolved_body(shell_with(0.0), rows, (degree,), 2 * rows)
     expected = np.pi / np.sqrt(degree * (degree + 1) + 2) / bodies.panel_size(body)
     assert bodies.panels_per_lobe(body) == pytest.approx(expected, rel=6e-3)
-
-
-def test_panels_per_lobe_is_of_the_shortest_flexible_mode(box):
-    shapes = np.concatenate([rigid(box[0]), *(np.cos(k * box[0][:, :1])[None] * [0, 0, 1] for k in (0.3, 1.0))])
-    assert bodies.panels_per_lobe(made(*box, shapes[:6])) == np.inf
-    alone = [bodies.panels_per_lobe(made(*box, shapes[[i]])) for i in (6, 7)]
-    assert alone[1] < alone[0]
-    assert bodies.panels_per_lobe(made(*box, shapes)) == pytest.approx(alone[1])
-    assert bodies.panels_per_lobe(made(*box, 1e3 * shapes)) == pytest.approx(alone[1])
-
-
-@given(hnp.arrays(float, (4, 3), elements=st.floats(-5.0, 5.0)))
-def test_panel_diameter_is_the_largest_distance_of_corners(corners):
-    """Of any four, a triangle's twice the same among them."""
-    body = SimpleNamespace(vertices=corners, faces=np.array([[0, 1, 2, 3], [0, 1, 2, 2], [3, 3, 1, 0]]))
-    expected = [max(np.linalg.norm(corners[a] - corners[b]) for a in face for b in face) for face in body.faces]
-    np.testing.assert_allclose(bodies.panel_diameters(body), expected, rtol=1e-12)
-
-
-def test_panel_size_is_the_mean_root_of_areas_over_the_surface():
-    """A square of side 1, a triangle of area 8, a quadrilateral of halves 1/2 and 3."""
-    corners = [(0, 0), (1, 0), (1, 1), (0, 1), (4, 0), (0, 4), (2, 1), (-2, 2)]
-    vertices = np.column_stack([np.array(corners, dtype=float), np.full(8, -1.0)])
-    faces = np.array([[0, 1, 2, 3], [0, 4, 5, 5], [0, 1, 6, 7]])
-    body = CoarserBody(vertices, faces, ("Dof",), np.ones((1, 3, 3)), np.ones((1, 8, 3)))
-    assert bodies.panel_size(body) == pytest.approx((1.0 + 8.0**1.5 + 3.5**1.5) / 12.5, rel=1e-12)

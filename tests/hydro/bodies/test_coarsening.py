@@ -7,10 +7,7 @@ from scipy.spatial import cKDTree
 
 from examples import barge
 from vsb.hydro.bodies import body as bodies
-from vsb.hydro.bodies.coarsening import (
-    coarser_body,
-    coarser_panels,
-)
+from vsb.hydro.bodies.coarsening import coarser_body, coarser_panels
 
 BOTH = ("xOz", "yOz")
 
@@ -113,17 +110,3 @@ def test_panels_are_not_joined_across_the_edges_of_a_hexagon():
     a = areas(vertices, found.faces)
     assert np.linalg.norm(a, axis=1).sum() == pytest.approx(12.0, rel=1e-12)  # cut corners would be less
     assert found.share == 0.0
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_numbering_of_vertices_and_panels_does_not_matter(seed):
-    """A plate of 6 x 10 squares: patches begin in its corners and lie side by side."""
-    x, y = np.meshgrid(np.arange(7.0), np.arange(11.0), indexing="ij")
-    place, chance = np.arange(77).reshape(7, 11), np.random.default_rng(seed)
-    faces = np.stack([place[:-1, :-1], place[1:, :-1], place[1:, 1:], place[:-1, 1:]], axis=-1).reshape(-1, 4)
-    old = chance.permutation(77)
-    vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(77)])[old]
-    found = coarser_panels(vertices, np.argsort(old)[chance.permutation(faces)], ())
-    assert found.share == pytest.approx(1.0)
-    assert len(found.faces) == 15
-    assert np.linalg.norm(areas(vertices, found.faces), axis=1) == pytest.approx(4.0)

@@ -2,7 +2,6 @@ import capytaine as cpt
 import numpy as np
 import pytest
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
-from scipy.special import j0
 
 from examples import barge
 from vsb.hydro import dofs
@@ -15,7 +14,7 @@ from vsb.hydro.panels.mesh import polygon_radius, revolved
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.shell import legendre
 from vsb.study.sections import Water
-from vsb.waves.dispersion import group_velocity, wavenumber
+from vsb.waves.dispersion import wavenumber
 
 UNIT = Water(density=1.0, gravity=1.0)
 SEA = Water(density=1025.0, gravity=9.81)
@@ -170,23 +169,6 @@ def test_unit_wave_solves_laplace_the_free_surface_and_the_bed(depth):
     assert abs(surface.item()) < 1e-12
     if np.isfinite(depth):
         assert abs(unit_wave_slope(np.array([[0.3, -0.8, -depth]]), up, k, depth, beta).item()) < 1e-12
-
-
-@pytest.mark.parametrize("kl", [1.0, 20.0, 200.0])
-def test_far_field_damping_in_short_waves_matches_bessel_function(green, box, kl):
-    """Energy sent in all directions, in closed form: the mean of exp(ik r cos b) around the circle is J_0(kr)."""
-    k = kl / box.size
-    flat = made(box.vertices * [1.0, 1.0, 1e-3], box.faces, box.shapes, box.labels)  # else waves do not reach the keel
-    problem, omega = BodyProblem(green, flat, SEA), float(np.sqrt(k * SEA.gravity))
-    noise = np.random.default_rng(0)
-    strength = noise.normal(size=(2, len(flat.faces))) + 1j * noise.normal(size=(2, len(flat.faces)))
-    at = np.asarray(problem._panels.whole.faces_centers)
-    apart = np.linalg.norm(at[:, None, :2] - at[None, :, :2], axis=2)
-    decay = np.exp(k * at[:, 2])
-    mean = (strength * decay) @ j0(k * apart) @ (strength * decay).conj().T
-    flux = 4 * SEA.density * SEA.gravity * group_velocity(omega, np.inf, SEA.gravity)
-    found = problem._far_field_damping(omega, strength)
-    assert np.abs(found - (k / flux * mean).real).max() < 1e-11 * np.abs(k / flux * mean).max()
 
 
 def test_added_mass_of_a_deeply_submerged_sphere(green):

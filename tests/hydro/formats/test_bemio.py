@@ -9,12 +9,7 @@ from hydro.formats.test_exchange import WATER, WAVE, random_database, with_struc
 from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.bemio import (
-    bemio_entries,
-    excitation_response,
-    read_bemio,
-    write_h5,
-)
+from vsb.hydro.formats.bemio import bemio_entries, excitation_response, read_bemio, write_h5
 from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.stages.coefficients import import_bemio
@@ -182,9 +177,7 @@ def test_damaged_or_incomplete_h5_is_refused(elastic, tmp_path):
     with pytest.raises(DatabaseError, match=rf"^{whole}: holds no /body1/hydro_coeffs/added_mass/inf_freq; needs"):
         read_bemio(path)
     write_h5(changed(entries, dof=np.array([[9.0]])), path)
-    with pytest.raises(
-        DatabaseError, match=rf"^{whole}: holds 9 degrees of freedom; needs 8 for its mode_labels \['Heave', 'Mem"
-    ):
+    with pytest.raises(DatabaseError, match=rf"^{whole}: holds 9 degrees of freedom; needs 8 for its mode_labels"):
         read_bemio(path)
     write_h5(changed(entries, mode_labels=None, dof=np.array([[9.0]])), path)
     with pytest.raises(DatabaseError, match=rf"^{whole}: .*added_mass/all has shape \(8, 8, 6\); needs \(9, 9, 6\)"):

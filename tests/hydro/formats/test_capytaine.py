@@ -78,21 +78,12 @@ def test_failed_frequencies_are_left_out(tmp_path):
 @pytest.mark.parametrize(
     ("spoiled", "message"),
     [
-        (
-            lambda ds: ds.drop_vars("diffraction_force"),
-            "holds no diffraction_force; needs a hydro database of capytaine",
-        ),
+        (lambda ds: ds.drop_vars("diffraction_force"), "holds no diffraction_force; needs a hydro database of"),
         (lambda ds: ds.assign_coords(forward_speed=1.0), "is of a body under way; needs forward_speed 0"),
-        (
-            lambda ds: ds.assign_coords(rho=("depths", [1.0, 2.0])),
-            "holds 2 values of rho; needs the coefficients of one",
-        ),
+        (lambda ds: ds.assign_coords(rho=("depths", [1.0, 2.0])), "holds 2 values of rho; needs the coefficients of"),
         (lambda ds: ds.assign(added_mass=np.nan * ds.added_mass), "NaN"),
         (lambda ds: ds.isel(omega=[0, 4]), r"frequencies \[\] rad/s; needs finite, ascending ones"),
-        (
-            lambda ds: ds.assign({name: np.nan * ds[name] for name in SOLVED}),
-            "all coefficients are NaN at every frequency; needs some",
-        ),
+        (lambda ds: ds.assign({name: np.nan * ds[name] for name in SOLVED}), "all coefficients are NaN at every"),
     ],
 )
 def test_wrong_files_are_refused(tmp_path, spoiled, message):

@@ -8,16 +8,7 @@ from capytaine.io.xarray import merge_complex_values
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.formats.capytaine import read_capytaine
-from vsb.hydro.formats.checks import (
-    BEMIO_WORDS,
-    LEAST_SIZE,
-    WAMIT_WORDS,
-    causes,
-    coefficient_checks,
-    haskind_damping,
-    lift_check,
-    sizes,
-)
+from vsb.hydro.formats.checks import BEMIO_WORDS, WAMIT_WORDS, causes, coefficient_checks, sizes
 from vsb.hydro.formats.wamit import import_wamit
 from vsb.tools import variables
 from vsb.waves.dispersion import group_velocity, wavenumber
@@ -243,19 +234,6 @@ def test_limit_of_a_second_radiation_channel():
 # --- spikes and Kramers-Kronig
 
 
-def test_spike_of_both_coefficients_is_a_doubt_and_of_one_a_failure():
-    ds = sound()
-    both, alone = judged(_spiky(ds, 0.5)), judged(_spiky_alone(ds, 0.5))
-    assert both["irregular_frequencies"].verdict == "doubt"
-    assert alone["irregular_frequencies"].verdict == "fail"
-    assert "of one without the other; most at 2.1 rad/s in Heave" in alone["irregular_frequencies"].explanation
-
-    def change(b):
-        b[20, 2, 2] *= 4
-
-    assert verdicts(edited(ds, "radiation_damping", change))["irregular_frequencies"] == "fail"
-
-
 def test_narrow_resonance_is_not_a_failure():
     """K(s) = c s/(s^2 + 2 z s + 1) as narrow as the steps, wherever they fall: at worst a doubt."""
     rng = np.random.default_rng(1)
@@ -441,29 +419,6 @@ def bare(labels, added, damping, omega=(0.5, 1.0, 2.0), **facts):
     )
 
 
-def test_sizes_of_two_bodies():
-    """The volume of one is known, of the other it is not; a mode is measured by the largest mode of its body."""
-    labels = ["float__Surge", "float__Heave", "float__Pitch", "float__Bend", "float__Twist"]
-    labels += ["spar__Heave", "spar__Sway", "spar__Roll", "spar__Bend"]
-    mass = np.array([7000.0, -40.0, 2.0, 300.0, 1.0, 20.0, 500.0, 3.0, 9.0])
-    largest = np.array([900.0, 1e-3, 1e-3, 2.0, 1e-3, 1e-3, 8.0, 1e-3, 5.0])
-    top = np.array([0, 1, 2, 1, 2, 0, 1, 2, 1])
-    damping = np.where(np.arange(3)[:, None] == top, -largest, 0.1 * largest)
-    ds = bare(labels, np.outer([10.0, 1.0, 0.5], mass), damping, displaced_volume_float=3.0, displaced_volume=99.0)
-    share, water, other = LEAST_SIZE**2, 3000.0, 500.0
-    turn, small = water * 3.0 ** (2 / 3), other * 0.5 ** (2 / 3)
-    least = share * np.array([water, water, turn, 300.0, 300.0, other, other, small, 9.0])
-    size = np.maximum(np.abs(mass), least)
-    found = sizes(ds)
-    assert found.added_mass == pytest.approx(size, rel=1e-12)
-    floor = 1e-3 * np.array([0.5, 1.0, 2.0])[top] * size
-    assert found.damping == pytest.approx(np.maximum(largest, floor), rel=1e-12)
-    assert found.wet.tolist() == (np.abs(mass) > 1e-4 * least).tolist()
-    assert np.count_nonzero(floor > largest) == 5
-    some = np.arange(9) % 3 == 1
-    assert all(part.tolist() == whole[some].tolist() for part, whole in zip(found.of(some), found, strict=True))
-
-
 def test_kramers_kronig_of_coupled_motions():
     """In terms of both; of one whose damping lasts beyond the band what couples it is left out."""
     ds = sound()
@@ -489,57 +444,7 @@ def test_kramers_kronig_of_coupled_motions():
     assert "rad/s in Heave" in found.explanation
 
 
-def ringing(values, n=12):
-    """Excitation over frequencies and modes, functions of the heading, at n headings all around."""
-    beta = 2 * np.pi * np.arange(n) / n
-    x = np.array([[mode(beta) for mode in row] for row in values]).swapaxes(1, 2)
-    labels = ["Surge", "Heave"][: x.shape[2]]
-    ds = sound(labels, np.degrees(beta), omega=np.linspace(0.5, 1.5, len(values)))
-    return ds.assign(excitation_force=(ds.excitation_force.dims, x.astype(complex)))
-
-
-@pytest.mark.parametrize(("order", "least"), [(4, 12), (5, 12), (6, 12), (1, 7), (2, 7)])
-def test_resolution_limit_of_headings(order, least):
-    """Order 0 of power one and another of power s/(1 - s); orders below the last two may hold anything."""
-    last = order >= least // 2 - 1
-    for share in (0.0249, 0.0251):
-        part = np.sqrt(share / (1 - share) * (1.0 if 2 * order == least else 2.0))
-        ds = ringing([[lambda beta, part=part: 1.0 + part * np.cos(order * beta)]], least)
-        assert bool(haskind_damping(ds, np.zeros(1), False)[1][0, 0]) == (share < 0.025 or not last)
-
-
-@pytest.mark.parametrize("depth", [30.0, np.inf])
-def test_haskind_damping_from_headings_all_around(depth):
-    ds = sound(("Surge", "Heave"), depth=depth)
-    largest = np.abs(ds.radiation_damping.values).max()
-    for density in (RHO, 3 * RHO):
-        damping, resolved = haskind_damping(ds.assign_attrs(water_density=density), np.zeros(2), False)
-        assert resolved.all()
-        np.testing.assert_allclose(density / RHO * damping, ds.radiation_damping.values, atol=1e-9 * largest)
-
-
 FORCES = ("excitation_force", "Froude_Krylov_force", "diffraction_force")
-
-
-def lifted(stiffness=(0.0, 100.0, 0.0, 200.0), force=((101.0, 93.0), (170.0, 200.0))):
-    """Two bodies in two headings, in the first of two waves 0.5 rad/s; sizes of their added masses."""
-    labels = ["float__Surge", "float__Heave", "spar__Surge", "spar__Heave"]
-    x = np.zeros((2, 2, 4), dtype=complex)
-    x[0, :, 1], x[0, :, 3] = (np.array(each) * np.exp(2j) for each in force)
-    data = {"hydrostatic_stiffness": (PAIR, np.diag(stiffness)), "excitation_force": (WAVE, x)}
-    return xr.Dataset(
-        data, {"omega": [0.5, 0.7], "wave_direction": [0.0, 1.0], **dict.fromkeys(PAIR, labels)}
-    ), np.array([5.0, 3.0, 50.0, 4.0])
-
-
-def test_lift_in_long_waves_of_the_worse_of_two_bodies():
-    """0.07 of 0.05 + 2 (0.02) is nearer than 0.15 of 0.05 + 2 (0.0675): each with the water of its own translations."""
-    (check,), notes = lift_check(*lifted())
-    assert (check.value, check.limit, notes) == (pytest.approx(0.07), pytest.approx(0.05 + 2 * 0.02), [])
-    (check,), _ = lift_check(*lifted(force=((101.0, 99.0), (160.0, 200.0))))
-    assert (check.value, check.limit) == (pytest.approx(0.2), pytest.approx(0.05 + 2 * 0.0675))
-    (check,), _ = lift_check(*lifted(force=((101.0, 93.0), (200.0, 262.0))))
-    assert check.value == pytest.approx(0.31)
 
 
 def phases(ds, dofs=None):

@@ -106,10 +106,7 @@ def test_mode_numbers_and_labels():
         (lambda ds: ds.isel(wave_direction=[]), r"wave directions \[\] degrees; needs finite ones, none twice"),
         (lambda ds: ds.assign_attrs(displaced_volume=-1.0), "displaced_volume -1.0 m.3; needs a finite one, not neg"),
         (lambda ds: ds.assign_attrs(centre_of_mass=[0.0, 1.0]), "centre_of_mass .* m; needs three finite numbers"),
-        (
-            lambda ds: ds.assign(added_mass=-2e40 * ds.added_mass / ds.added_mass),
-            r"added_mass holds 2e\+40; no body has",
-        ),
+        (lambda ds: ds.assign(added_mass=-2e40 * ds.added_mass / ds.added_mass), r"added_mass holds 2e\+40; no body"),
     ],
 )
 def test_implausible_databases_are_refused(change, message):
@@ -235,9 +232,7 @@ def test_broken_mmx_file_is_refused(foreign, old, new, message):
 def test_body_at_rest_from_attributes_or_from_a_sphere():
     ds = flexible()
     bare = ds.drop_attrs().assign_attrs({name: ds.attrs[name] for name in ("water_density", "gravity", "water_depth")})
-    with pytest.raises(
-        DatabaseError, match="memory: holds no displaced_volume, centre_of_buoyancy, centre_of_mass; needs"
-    ):
+    with pytest.raises(DatabaseError, match="memory: holds no displaced_volume, centre_of_buoyancy, centre_of_mass;"):
         floating(bare, "memory")
     known = {name: value for name, value in ds.attrs.items() if name != "centre_of_mass"}
     with pytest.raises(DatabaseError, match="memory: holds no centre_of_mass; needs"):

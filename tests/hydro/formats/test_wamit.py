@@ -292,9 +292,7 @@ def test_wrong_facts_of_the_run_are_refused(tmp_path, facts, message):
 def test_incomplete_databases_are_not_written():
     ds = random_database()
     bare = ds.drop_vars("excitation_force").drop_attrs()
-    with pytest.raises(
-        DatabaseError, match="memory: holds no gravity, excitation_force; needs a complete hydro database"
-    ):
+    with pytest.raises(DatabaseError, match="memory: holds no gravity, excitation_force; needs a complete hydro"):
         wamit_texts(bare.assign_attrs(water_density=1.0, water_depth=2.0), "memory")
     with pytest.raises(DatabaseError, match="memory: variable added_mass holds NaN"):
         wamit_texts(ds.assign(added_mass=ds.added_mass * np.nan).assign_attrs(WATER), "memory")
@@ -393,30 +391,3 @@ def test_second_rigid_body_is_recognised_by_its_stiffness(modes, restores, refus
         _check_one_body("raft", numbers, stiffness)
     coupled = stiffness + np.where(np.add.outer(numbers, numbers) == 12, 0.1, 0.0)  # 3 with 9
     _check_one_body("raft", numbers, coupled)
-
-
-def test_mmx_file_line_by_line():
-    """Volumes thrice; centres of buoyancy and of mass, as they are whatever ULEN is."""
-    facts = {"displaced_volume": 4.5, "centre_of_buoyancy": [0.1, -0.2, -0.75], "centre_of_mass": [-0.3, 0.4, 0.5]}
-    pair = np.array([[1.0, 2.0], [3.0, 4.0]])
-    dry = {name: (PAIR, k * pair) for k, name in ((1, "inertia_matrix"), (100, "structural_stiffness"))}
-    ds = two_modes(**dry, structural_damping_matrix=(PAIR, 10 * pair)).assign_attrs(facts)
-    assert wamit_texts(ds, "memory", 2.5)[".mmx"].splitlines()[1:] == [
-        "",
-        " Gravity:  1.000000E+01  Length scale:  2.500000E+00",
-        "",
-        " NBODY =     1       IALTFRC = 2",
-        "",
-        " WAMIT  Ouputs for body N =     1    IALTFRCN = 2",
-        " Volumes (VOLX,VOLY,VOLZ):        4.500000E+00  4.500000E+00  4.500000E+00",
-        " Center of Buoyancy (Xb,Yb,Zb):   1.000000E-01 -2.000000E-01 -7.500000E-01",
-        " Center of Gravity:  (Xg,Yg,Zg)  -3.000000E-01  4.000000E-01  5.000000E-01",
-        "",
-        " External force matrices:",
-        "     I     J      MASS(I,J)      DAMP(I,C)      STIF(I,J)",
-        "     3     3  1.000000E+00  1.000000E+01  1.000000E+02",
-        "     3     7  2.000000E+00  2.000000E+01  2.000000E+02",
-        "     7     3  3.000000E+00  3.000000E+01  3.000000E+02",
-        "     7     7  4.000000E+00  4.000000E+01  4.000000E+02",
-    ]
-    assert set(wamit_texts(ds.drop_vars("inertia_matrix"), "memory")) == {".1", ".3", ".hst"}

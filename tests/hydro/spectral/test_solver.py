@@ -4,7 +4,6 @@ import dataclasses
 import itertools
 from pathlib import Path
 
-import capytaine as cpt
 import numpy as np
 import pytest
 from scipy.special import gammaln
@@ -217,13 +216,6 @@ def test_scan_is_as_exact_near_irregular_frequencies_as_elsewhere(hemisphere):
     assert distance(sphere(20).solve(omegas), sphere(28).solve(omegas)).max() < 1e-7
 
 
-@pytest.mark.parametrize(("order", "height"), [(1, -0.4), (2, 0.4)])
-def test_a_scan_of_the_band_is_smooth(order, height):
-    """Two resolutions agree at every one of 50 frequencies from Ka = 0.1 to 10."""
-    omegas = omegas_of(np.linspace(0.1, 10.0, 50))
-    assert distance(sphere(20, height, order).solve(omegas), sphere(28, height, order).solve(omegas)).max() < 1e-5
-
-
 @pytest.mark.parametrize("height", [-0.5, 0.7])
 def test_spheres_that_float_high_or_low_converge_as_fast(height):
     omegas = omegas_of(KA)
@@ -327,62 +319,3 @@ def test_rings_of_panels_converge_to_spectral_solution(green_folder, oblate, cas
 def test_a_shell_without_waterline_is_refused(height):
     with pytest.raises(ConfigError, match="needs one waterline with the keel"):
         sphere(12, height).at_infinity()
-
-
-def revolved_body(shape, rows, order):
-    """capytaine's body: `rows` panels along the meridian, twice as many around it; the displacements as 3-D vectors."""
-    mesh = deformed_mesh(shape, rows, 2 * rows, 2)
-    x, z = mesh.meridian_radius.values[::-1], mesh.meridian_height.values[::-1]
-    angle = np.pi * (np.arange(2 * rows) - 0.5) / rows
-    vertices = np.array([(a * np.cos(t), a * np.sin(t), b) for t in angle for a, b in zip(x, z, strict=True)])
-    i = np.arange(rows)
-    ring = np.column_stack([i, i + len(x), i + len(x) + 1, i + 1])
-    faces = np.concatenate([ring + j * len(x) for j in range(2 * rows)]) % len(vertices)
-    body = cpt.Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
-    phi, theta = (
-        np.tile(mesh.row_colatitude.values[::-1], 2 * rows),
-        np.repeat(np.pi * np.arange(2 * rows) / rows, rows),
-    )
-    radial = np.column_stack([np.sin(phi) * np.cos(theta), np.sin(phi) * np.sin(theta), np.cos(phi)])
-    shapes = {f"Radial{n}": legendre_function(n, order, phi)[0] * np.cos(order * theta) for n in (order, order + 1)}
-    moved = {name: value[:, None] * radial for name, value in shapes.items()}
-    if order == 1:
-        moved |= {
-            "Surge": np.tile([1.0, 0.0, 0.0], (len(phi), 1)),
-            "Pitch": np.cross([0.0, 1.0, 0.0], body.faces_centers),
-        }
-    return cpt.FloatingBody(mesh=body, dofs=moved, name=f"{rows} rows"), tuple(moved)
-
-
-def by_panels(green, body, labels, omega, depth):
-    """A, B and X of a wave to +x by capytaine in three dimensions; rho = 1025, g = 9.81."""
-    solver, water = (
-        cpt.BEMSolver(green_function=green),
-        {"omega": omega, "water_depth": depth, "rho": 1025.0, "g": 9.81},
-    )
-    results = [
-        solver.solve(cpt.RadiationProblem(body=body, radiating_dof=dof, **water), keep_details=False) for dof in labels
-    ]
-    wave = solver.solve(cpt.DiffractionProblem(body=body, wave_direction=0.0, **water), keep_details=False)
-    force = cpt.bem.airy_waves.froude_krylov_force(wave.problem)
-    a = np.array([[each.added_masses[dof] for each in results] for dof in labels])
-    b = np.array([[each.radiation_dampings[dof] for each in results] for dof in labels])
-    return a, b, np.array([wave.forces[dof] + force[dof] for dof in labels])
-
-
-@pytest.mark.parametrize(
-    ("height", "order", "depth"), [pytest.param(1.5, 1, 8.0, marks=pytest.mark.slow), (None, 2, np.inf)]
-)
-def test_capytaine_in_three_dimensions_converges_to_spectral_solution(green_folder, oblate, height, order, depth):
-    """Every sign and phase, of displacements given to capytaine as vectors: a sphere, or the oblate shell."""
-    shape = oblate().shell if height is None else rigid_sphere(5.0, height)
-    omega, found = 1.1, []
-    for rows in (4, 8, 16):
-        body, names = revolved_body(shape, rows, order)
-        found.append(by_panels(bem.green_function(green_folder), body, names, omega, depth))
-    problem = SpectralProblem(shape, dofs.displacements(names, order), 1025.0, 9.81, 24, depth)
-    exact = [each[0] for each in values(problem.solve([omega]))]
-    errors = [relative(panels[0], exact[0]) for panels in found]
-    assert errors[0] / 1.5 > errors[1] > 1.5 * errors[2], errors
-    for coarse, fine, limit in zip(found[1], found[2], exact, strict=True):
-        assert relative(2 * fine - coarse, limit) < 0.03  # of first order, as flat panels are
