@@ -8,12 +8,22 @@ import numpy as np
 import pytest
 from conftest import varied
 
+from vsb.motion.tuning import best_dampers
 from vsb.results.left_out import gain_of_year, modes_left_out
 from vsb.results.year import band_weights
-from vsb.scenes.mode_convergence import DEGREES, MOST_FREQUENCIES, ModeConvergence, powers_of_ports, sampled
+from vsb.scenes.floating_system import floating_system, port_in_seas
+from vsb.scenes.mode_convergence import (
+    DEGREES,
+    MOST_FREQUENCIES,
+    ModeConvergence,
+    directed,
+    powers_of_ports,
+    sampled,
+)
 from vsb.scenes.ports import designs_in_waves
 from vsb.scenes.rest import reference_shell
 from vsb.stages.campaign import swept_shape
+from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.sections import Modes
 from vsb.waves.climate import Climate
@@ -105,9 +115,10 @@ def test_sampled_seas_keep_their_energy():
     amplitude = 0.05 * np.exp(-((omega - 1.3) ** 2) / 0.1) + 0j
     found = sampled([Sea(omega, amplitude), Sea(np.array([2.5]), np.array([0.1 + 0j]))])
     assert len(found.omega) <= MOST_FREQUENCIES + 1
+    assert found.directions.tolist() == [0.0]
     assert found.squares[0].sum() == pytest.approx((amplitude.real**2).sum(), rel=1e-12)
-    assert found.squares[1, np.searchsorted(found.omega, 2.5)] == pytest.approx(0.01)
-    mean = (found.squares[0] @ found.omega) / found.squares[0].sum()
+    assert found.squares[1, 0, np.searchsorted(found.omega, 2.5)] == pytest.approx(0.01)
+    mean = (found.squares[0, 0] @ found.omega) / found.squares[0].sum()
     assert mean == pytest.approx((amplitude.real**2 @ omega) / (amplitude.real**2).sum(), rel=2e-3)
 
 
@@ -117,14 +128,52 @@ def test_sampled_seas_keep_their_energy():
         {"designs": {"FSB": {"flexible": False}}},
         {
             "modes": {"basis": "full"},
-            "motion": "planar",
-            "pto": {"port": "pitch", "damping": 1e4},
-            "device": {"centre_of_mass": -0.5, "ballast_inertia": 5e3},
+            "pto": {"ports": {"a": "heave", "b": "volume"}, "damping": None, "tuning": "each"},
         },
     ],
 )
-def test_rigid_and_pitching_buoys_have_no_estimate(seed, changes):
+def test_rigid_buoys_and_several_ports_have_no_estimate(seed, changes):
     assert not left_out(varied(seed, **changes)).data_vars
+
+
+def test_degree_of_a_port_within_the_shell_does_not_depend_on_a_rigid_design(seed):
+    """Which absorbs nothing there, and has no gain: the degree is that of the flexible design."""
+    changes = {
+        "device": {"young_modulus": 1e9},
+        "pto": {"port": {"between": [0.0, 180.0]}, "damping": None, "tuning": "each"},
+        "waves": WAVES[:1],
+    }
+    found = [
+        convergence(varied(seed, designs=d, **changes)) for d in (DESIGNS, {"VSWEC": {}, "VSWEC90": {"clamp": 90}})
+    ]
+    assert found[0].degree == found[1].degree > DEGREES[0]
+
+
+PLANAR = {
+    "motion": "planar",
+    "device": {"centre_of_mass": -0.5, "ballast_inertia": 5e3},
+    "designs": {"FSB": {"flexible": False}, "VSWEC": {}},
+    "mooring": [2e4, 0, 0, 0, 0, 0],
+    "modes": {"basis": "full", "degree": 3},
+    "hydro": {"omega_max": 6.0, "accept": ["kramers_kronig"]},
+    "waves": [{"kind": "regular", "amplitude": 0.1, "period": 3.0, "direction": angle} for angle in (0.0, 180.0)],
+}
+
+
+@pytest.mark.parametrize(
+    "port", [pytest.param("pitch", marks=pytest.mark.slow), {"line_to": [20.0, -30.0], "line_from": [0.0, -1.5]}]
+)
+def test_powers_of_ports_that_turn_are_those_of_the_study(seed, port, tmp_path):
+    """In waves from both sides, which an oblique line tells apart, of the study's own degree."""
+    study = varied(seed, **PLANAR, pto={"port": port, "damping": None, "tuning": "each"})
+    plan = StudyPlan(study, root=str(tmp_path))
+    make(plan, plan.hydro_files.values())
+    seas = [(wave, sea(wave, study.hydro.omega_max, 60.0)) for wave in study.waves]
+    floating = floating_system(study, plan.hydro_files["database"])
+    found = ModeConvergence(plan.ladder.buoy, [directed(*one) for one in seas]).powers(study.modes)
+    for i, design in enumerate(study.designs):
+        port_seen, squares, _ = port_in_seas(floating, design, seas)
+        assert found[i, :, 1] == pytest.approx(best_dampers(port_seen, squares).power, rel=2e-3)
 
 
 @pytest.mark.slow

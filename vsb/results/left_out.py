@@ -11,9 +11,11 @@ from vsb.scenes.mode_convergence import (
     SAMPLED,
     TAKE_OFFS,
     ModeConvergence,
+    directed,
     further,
     knows_port,
     mean_sea,
+    motion_of_port,
     powers_of_ports,
 )
 from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
@@ -50,12 +52,11 @@ def modes_left_out(study: BuoySystem, seas: Sequence[tuple[Wave, Sea]]) -> xr.Da
     Notes
     -----
     The change from the basis of the study to the full basis of the highest degree tried, and what further degrees may
-    change (`vsb.scenes.mode_convergence`). Not known of ports that turn, as pitch and lines, where the buoy moves in
-    more directions than heave.
+    change (`vsb.scenes.mode_convergence`). Not known of all ports, see `motion_of_port` there.
     """
     if not study.flexible or not knows_port(study) or not seas:
         return xr.Dataset()
-    convergence = ModeConvergence(study, tuple(sea for _, sea in seas))
+    convergence = ModeConvergence(study, tuple(directed(wave, sea) for wave, sea in seas))
     before, tried = convergence.powers(study.modes), list(convergence.powers_by_degree.values())
     power, gain = _relative(_bounds(before, tried), before), np.zeros((*before.shape, len(ENDS)))
     if (reference := study.reference_design) is not None:
@@ -82,12 +83,13 @@ def gain_of_year(
         Of its shape, at frequencies of the climate.
     climate : Climate
     waves : mapping design -> InWaves
-        Of all its modes, in that water; what varies around the axis moves no heaving port.
+        Of all its modes, in that water.
 
     Returns
     -------
     ndarray, shape (design, end)
-        `end` as `ENDS`, the wider of the damper given and the optimal one [percentage points]; 0 of ports that turn.
+        `end` as `ENDS`, the wider of the damper given and the optimal one [percentage points]; 0 where it is not known
+        (`vsb.scenes.mode_convergence.motion_of_port`).
 
     Notes
     -----
@@ -100,16 +102,16 @@ def gain_of_year(
     flexible = np.array([study.designs[design].flexible for design in designs])
     if not flexible.any() or not knows_port(study):
         return np.zeros((len(designs), len(ENDS)))
-    heaving = study.model_copy(update={"motion": "heave", "mooring": None})
+    heaving = study.model_copy(update={"motion": "heave"})
     lower = [degree for degree in DEGREES if degree <= study.modes.max_degree / LEAST_RATIO][-2:]
     nested = study.modes.basis == "full" and lower
-    if nested and not study.at_equilibrium:
+    if nested and not study.at_equilibrium and motion_of_port(study) == "heave":
         squares = (climate.mean_density @ band_weights(water.omega, climate))[None]
         seen = [*(designs_in_waves(heaving, reference, water, n) for n in lower), waves]
         tried = [powers_of_ports({d: w.port for d, w in one.items()}, study.pto, squares) for one in seen]
         before = tried[-1]
     else:
-        convergence = ModeConvergence(heaving, [mean_sea(climate, study.hydro.omega_max)])
+        convergence = ModeConvergence(study, [mean_sea(climate, study.hydro.omega_max)])
         before = convergence.powers(study.modes)
         if nested:  # the shape at rest, and with it the rigid design, depends on the modes, too
             tried = [*(convergence.powers(Modes(basis="full", degree=n)) for n in lower), before]

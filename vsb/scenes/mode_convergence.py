@@ -5,27 +5,30 @@ more beside a clamp. Powers are computed with the full basis of ascending degree
 frequencies of the seas alone, until what further degrees may change is small.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from vsb.errors import ConvergenceError
 from vsb.hydro.database import Coefficients, with_excitation
 from vsb.hydro.dofs import Displacement
+from vsb.hydro.orders import heading_shares, with_haskind_damping
 from vsb.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, incident_wave, resolved
 from vsb.hydro.sweep import on_grid
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, best_pairs, mean_power
+from vsb.scenes.floating_system import heading
 from vsb.scenes.ports import ShapeWater, designs_in_waves
-from vsb.scenes.rest import reference_shell
-from vsb.shell.deformed import DeformedShell
+from vsb.scenes.rest import order_bases, reference_shell
+from vsb.shell.deformed import DeformedShell, ReferenceShell
+from vsb.study.directions import IN_PLANE, RIGID
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
-from vsb.study.study import RegularWave, StillWater, Study
-from vsb.study.take_off import Pto, ShellPort, StrainPort
+from vsb.study.study import RegularWave, StillWater, Study, Wave
+from vsb.study.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea, expected, sea
@@ -52,14 +55,23 @@ JUDGED = 2
 
 
 class Sampled(NamedTuple):
-    """Seas at common frequencies."""
+    """Seas at common frequencies, in the directions they go to."""
 
     omega: FloatArray  # (omega,) [rad/s]
-    squares: FloatArray  # squared amplitudes (sea, omega) [m^2]
+    directions: FloatArray  # (direction,) [degrees]
+    squares: FloatArray  # squared amplitudes (sea, direction, omega) [m^2]
+
+
+def directed(wave: Wave, sea: Sea) -> Sea:
+    """Return a sea with the direction each of its components goes to."""
+    return sea if sea.heading is not None else replace(sea, heading=np.full(len(sea.omega), float(heading(wave))))
 
 
 def sampled(seas: Sequence[Sea]) -> Sampled:
-    """Return seas at as few frequencies as the change of their powers with the degree needs."""
+    """Return seas at as few frequencies as the change of their powers with the degree needs.
+
+    A sea without directions goes to 0.
+    """
     grids = []
     for one in seas:
         energy = np.cumsum(np.abs(one.amplitude) ** 2)
@@ -67,12 +79,14 @@ def sampled(seas: Sequence[Sea]) -> Sampled:
         few = len(one.omega) <= MOST_FREQUENCIES or len(inside) < 2
         grids.append(one.omega if few else np.linspace(inside[0], inside[-1], MOST_FREQUENCIES))
     omega = np.unique(np.round(np.concatenate(grids), 9))
-    squares = np.zeros((len(seas), len(omega)))
-    for row, one, grid in zip(squares, seas, grids, strict=True):
+    going = [np.zeros(len(one.omega)) if one.heading is None else one.heading for one in seas]
+    directions = np.unique(np.concatenate(going))
+    squares = np.zeros((len(seas), len(directions), len(omega)))
+    for row, one, towards, grid in zip(squares, seas, going, grids, strict=True):
         at = np.searchsorted(omega, np.round(grid, 9))
         nearest = at[np.abs(one.omega[:, None] - grid).argmin(axis=1)]
-        np.add.at(row, nearest, np.abs(one.amplitude) ** 2)
-    return Sampled(omega, squares)
+        np.add.at(row, (np.searchsorted(directions, towards), nearest), np.abs(one.amplitude) ** 2)
+    return Sampled(omega, directions, squares)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,35 +100,64 @@ class ModeConvergence:
     seas: Sequence[Sea]
 
     @cached_property
+    def _motion(self) -> Literal["heave", "planar"]:
+        found = motion_of_port(self.study)
+        assert found is not None
+        return found
+
+    @cached_property
     def _sampled(self) -> Sampled:
+        """The seas; what only heaves answers waves of all directions alike."""
+        if self._motion == "heave":
+            return sampled([replace(one, heading=None) for one in self.seas])
         return sampled(self.seas)
 
     @cached_property
     def _undeformed_water(self) -> ShapeWater:
         """Of the undeformed shell, whose displacements of all degrees are solved once.
 
-        Around other shapes than spheres they are solved as far as the points of the solver resolve them.
+        Around other shapes than spheres, and of orders m >= 1, as far as the points of the solver resolve them.
         """
         shape = reference_shell(self._with(Modes(basis="full", degree=1))).shape
-        if self.study.device.shape is None:
-            return self._solved(shape, _displacements(DEGREES[-1], meridional=False))
-        for highest in reversed(DEGREES[2:-2]):
+        sphere = self.study.device.shape is None
+        if sphere and self._motion == "heave":
+            return self._solved(shape, DEGREES[-1], meridional=False)
+        for highest in reversed(DEGREES[2 : -1 if sphere else -2]):
             try:
-                return self._solved(shape, _displacements(highest))
+                return self._solved(shape, highest, meridional=not sphere)
             except ConvergenceError:
                 continue
-        return self._solved(shape, _displacements(DEGREES[1]))
+        return self._solved(shape, DEGREES[1], meridional=not sphere)
 
     def _with(self, modes: Modes) -> AnyBuoy:
-        """The study in heave with another basis: what varies around the axis moves no heaving port."""
-        return self.study.model_copy(update={"modes": modes, "motion": "heave", "mooring": None})
+        """The study with another basis, in the directions its port follows."""
+        order = self.study.modes.order if isinstance(self.study.pto.port, BetweenPort) else 1
+        modes = modes.model_copy(update={"order": order})
+        return self.study.model_copy(update={"modes": modes, "motion": self._motion})
 
-    def _solved(self, shape: DeformedShell, moved: tuple[Displacement, ...]) -> ShapeWater:
-        """Coefficients of displacements of a shape at the frequencies of the seas."""
-        water, omega = self.study.water, self._sampled.omega.tolist()
+    def _solved(self, shape: DeformedShell, highest: int, *, meridional: bool = True) -> ShapeWater:
+        """Coefficients of displacements of a shape to a degree, at the frequencies of the seas.
+
+        Those along the meridian move water around other shapes than spheres alone.
+        """
+        along = [Displacement("meridional", n) for n in range(1, highest + 1)] if meridional else []
+        first = self._of_order(shape, 0, [*(Displacement("radial", n) for n in range(highest + 1)), *along])
+        if self._motion == "heave":
+            return first
+        orders = range(1, self._with(self.study.modes).modes.order + 1)
+        others = (
+            self._of_order(shape, m, [Displacement("radial", n, m) for n in range(m, highest + 1)]) for m in orders
+        )
+        return replace(first, orders=tuple(others))
+
+    def _of_order(self, shape: DeformedShell, order: int, moved: Iterable[Displacement]) -> ShapeWater:
+        """Coefficients of displacements of one azimuthal order."""
+        water, omega, moved = self.study.water, self._sampled.omega.tolist(), tuple(moved)
         problem = SpectralProblem(shape, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)
         problem, _ = resolved(problem, [omega[0], omega[-1]], SOLVED)
         found = with_excitation(on_grid(problem.solve, omega, SOLVED, incident_wave(problem)).coefficients)
+        if order:
+            found = with_haskind_damping(found, order, water.depth, water.density, water.gravity)
         matrices = (found[name].values for name in ("added_mass", "radiation_damping"))
         added_mass, damping = ((m + m.swapaxes(-1, -2)) / 2 for m in matrices)
         excitation = np.asarray(found.excitation_force.values[:, 0])
@@ -125,12 +168,34 @@ class ModeConvergence:
         study = self._with(modes)
         reference = reference_shell(study)
         if study.at_equilibrium or modes.max_degree > self._degrees[-1]:
-            water = self._solved(reference.shape, _displacements(max(1, modes.max_degree)))
+            water = self._solved(reference.shape, max(1, modes.max_degree))
         else:
             water = self._undeformed_water
+        squares = self._sampled.squares
+        return powers_of_ports(self._ports(study, reference, water), study.pto, squares.reshape(len(squares), -1))
+
+    def _ports(self, study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> dict[str, Port]:
+        """Ports of the designs, in waves of one direction after the other.
+
+        By reciprocity, D being symmetric, V0 = -i w (D^-1 b).X, so that directions need no further solution.
+        """
         as_study = Study.model_construct(**{name: getattr(study, name) for name in type(study).model_fields})
-        ports = {design: seen.port for design, seen in designs_in_waves(as_study, reference, water).items()}
-        return powers_of_ports(ports, study.pto, self._sampled.squares)
+        waves = designs_in_waves(as_study, reference, water)
+        omega, directions, _ = self._sampled
+        if not directions.any():
+            return {design: one.port for design, one in waves.items()}
+        families, found = order_bases(study, reference.basis), {}
+        orders = np.repeat(
+            [0, *(each.signed for each in families)],
+            [len(reference.basis.labels), *(len(each.labels) for each in families)],
+        )
+        force = water.in_modes(reference.basis, families).excitation
+        shares = np.array([heading_shares(orders, np.deg2rad(one)) for one in directions])
+        for design, one in waves.items():
+            velocity = -1j * omega * (shares @ (one.moved[1] * force).T)
+            admittance = np.tile(one.port.admittance, len(directions))
+            found[design] = Port(np.tile(omega, len(directions)), admittance, velocity.ravel(), one.port.compliance)
+        return found
 
     @cached_property
     def powers_by_degree(self) -> Mapping[int, FloatArray]:
@@ -170,11 +235,15 @@ class ModeConvergence:
 
     @cached_property
     def _size(self) -> FloatArray:
-        """Power that changes are relative to: of each design, or of the reference design where that is smaller [W]."""
+        """Power that changes are relative to: of each design, or of the reference design where that is smaller [W].
+
+        A rigid reference design absorbs nothing at a port within the shell: there is no gain then.
+        """
         power, reference = self._first, self.study.reference_design
         if reference is None:
             return power
-        return np.minimum(power, power[[list(self.study.designs).index(reference)]])
+        base = power[[list(self.study.designs).index(reference)]]
+        return np.where(base > 0, np.minimum(power, base), power)
 
     @cached_property
     def _first(self) -> FloatArray:
@@ -193,12 +262,6 @@ class ModeConvergence:
             if self.worst(np.abs(self.converged - power) + self.further) <= self.study.modes.tolerance:
                 return degree
         return max(self.powers_by_degree)
-
-
-def _displacements(highest: int, *, meridional: bool = True) -> tuple[Displacement, ...]:
-    """Displacements to a degree; those along the meridian move water around other shapes than spheres alone."""
-    along = (Displacement("meridional", n) for n in range(1, highest + 1)) if meridional else ()
-    return (*(Displacement("radial", n) for n in range(highest + 1)), *along)
 
 
 def powers_of_ports(ports: Mapping[str, Port], pto: Pto, squares: FloatArray) -> FloatArray:
@@ -246,7 +309,7 @@ def converged_degree(spec: DegreeSpec, climate: Climate | None = None) -> int:
     Parameters
     ----------
     spec : DegreeSpec
-        Of a port whose powers are not known by degree, heave stands for it.
+        Of a port whose powers are not known by degree (`motion_of_port`), heave stands for it.
     climate : Climate, optional
         The seas of a year: its mean spectrum, from which its mean power follows, takes the place of the waves.
     """
@@ -254,16 +317,40 @@ def converged_degree(spec: DegreeSpec, climate: Climate | None = None) -> int:
     assert buoy is not None
     if not knows_port(buoy):
         pto = buoy.pto.model_copy(update={"port": "heave", "damping": None, "tuning": "each", "stiffness": 0.0})
-        buoy = buoy.model_copy(update={"pto": pto})
+        buoy = buoy.model_copy(update={"pto": pto, "motion": "heave"})
     return ModeConvergence(buoy, _seas(spec, buoy, climate)).degree
 
 
-def knows_port(study: AnyBuoy) -> bool:
-    """Whether powers are known by degree: of one port, and of heave, volume, strain or rings of the shell."""
-    port = study.pto.port
+def motion_of_port(study: AnyBuoy) -> Literal["heave", "planar"] | None:
+    """Return in which directions a buoy must move for the power of its port to be known; None where it is not known.
+
+    Azimuthal orders couple through the mooring alone, and a port of heave or of rings of the shell moves with order 0.
+    Not known of several ports, and where motions out of the plane of x and z, or combinations with shell modes, matter.
+    """
+    port, axisymmetric = study.pto.port, study.pto.port in ("heave", "volume")
     if study.pto.several:
-        return False
-    return study.motion == "heave" or port in ("heave", "volume") or isinstance(port, ShellPort | StrainPort)
+        return None
+    if study.motion == "heave":
+        return "heave"
+    if isinstance(port, DofPort):
+        if not set(port.dofs) <= {RIGID[i].capitalize() for i in IN_PLANE}:
+            return None
+        axisymmetric = set(port.dofs) == {"Heave"}
+    if _couples(study, IN_PLANE):
+        return None
+    axisymmetric |= isinstance(port, ShellPort | StrainPort)
+    return "heave" if axisymmetric and not _couples(study, (RIGID.index("heave"),)) else "planar"
+
+
+def _couples(study: AnyBuoy, those: Sequence[int]) -> bool:
+    """Whether the mooring couples some rigid motions with others."""
+    rows = study.mooring or ()
+    return any(entry for i in those for j, entry in enumerate(rows[i] if rows else ()) if j not in those)
+
+
+def knows_port(study: AnyBuoy) -> bool:
+    """Return whether powers are known by degree of the shell modes."""
+    return motion_of_port(study) is not None
 
 
 def mean_sea(climate: Climate, highest: float = np.inf) -> Sea:
@@ -284,4 +371,4 @@ def _seas(spec: DegreeSpec, buoy: BuoySystem, climate: Climate | None) -> tuple[
         unit = np.sqrt(spec.water.gravity / buoy.device.radius)
         periods = [2 * np.pi / min(part * unit, highest) for part in PROBED]
         return tuple(sea(RegularWave(kind="regular", amplitude=0.1, period=t), highest, 0.0) for t in periods)
-    return tuple(sea(expected(wave), highest, spec.simulation.duration) for wave in waves)
+    return tuple(directed(wave, sea(expected(wave), highest, spec.simulation.duration)) for wave in waves)
