@@ -26,11 +26,11 @@ def floating_system(height=0.0):
     return DeformedShell(BASIS, height)
 
 
-def by_panels(shapes, green_folder, rows=ROWS):
+def by_panels(shapes, rows=ROWS):
     def mesh(shape, part):
         return deformed_mesh(shape.shell, rows // part, 2 * rows // part, 16 // part)
 
-    return [witness_runs(green_folder, (mesh(s, 1), mesh(s, 2)), BASIS, WAVES) for s in shapes]
+    return [witness_runs((mesh(s, 1), mesh(s, 2)), BASIS, WAVES) for s in shapes]
 
 
 def by_spectral(shapes):
@@ -43,8 +43,8 @@ def shapes():
 
 
 @pytest.fixture(scope="module")
-def panels(shapes, green_folder):
-    return by_panels(shapes, green_folder)
+def panels(shapes):
+    return by_panels(shapes)
 
 
 @pytest.fixture(scope="module")

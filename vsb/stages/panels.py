@@ -87,14 +87,14 @@ def _at_rest(spec: DeformedSpec) -> DeformedShell:
     return DeformedShell(compared_basis(spec, basis), shape.centre_height)
 
 
-def run_witness(spec: WitnessSpec, meshes: str, green: str, out: str) -> None:
+def run_witness(spec: WitnessSpec, meshes: str, out: str) -> None:
     """Solve every shape by both solvers, panels on the mesh in a folder and on one of half its rows, and compare."""
     found, water = shapes(spec.meshes), spec.water
     waves = Waves(spec.omega, water.density, water.depth, water.gravity)
     basis = compared_basis(spec.meshes, found[0].shell.basis)
     stored = [load(Path(meshes) / f"{shape.name}.nc", expected=content_id(spec.meshes)) for shape in found]
     by_panels = [
-        witness_runs(green, (mesh, shape_mesh(spec.meshes, shape, coarser=2)), basis, waves)
+        witness_runs((mesh, shape_mesh(spec.meshes, shape, coarser=2)), basis, waves)
         for shape, mesh in zip(found, stored, strict=True)
     ]
     by_spectral = [spectral_runs(shape.shell, basis, waves) for shape in found]

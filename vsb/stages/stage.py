@@ -65,7 +65,7 @@ _ROWS: tuple[tuple[str, str, str, Any, str, str], ...] = (
     ("mesh", "panels", "mean wetted mesh", specs.SphereMesh | specs.LoadedMesh, "out", ""),
     ("green", "panels", "Green-function table", None, "folder out", ""),
     ("deformed", "panels", "meshes of the mean and of deformed shells", specs.DeformedSpec, "out", ""),
-    ("witness", "panels", "two solvers on the mean and on deformed shells", specs.WitnessSpec, "meshes green out", ""),
+    ("witness", "panels", "two solvers on the mean and on deformed shells", specs.WitnessSpec, "meshes out", ""),
     ("panels", "panels", "one block of frequencies by panels", specs.PanelsSpec, "mesh green out", ""),
     ("spectral", "water", "one block of frequencies without panels", specs.SpectralSpec, "out", ""),
     ("coefficients", "coefficients", "hydro database of a body, solved or read", specs.BodySpec, "out", BODY_FILES),

@@ -175,12 +175,10 @@ def blocks(plan: StudyPlan) -> Iterator[Job]:
 def _witness(plan: StudyPlan) -> Iterator[Job]:
     """The second solver."""
     if plan.witness:
-        if not plan.study.uses_panels:
-            yield _green(plan)
         meshes, out = tuple(plan.deformed_paths), plan.witness_files["witness"]
-        files = {"meshes": str(PurePosixPath(meshes[0]).parent), "green": plan.green_folder, "out": out}
+        files = {"meshes": str(PurePosixPath(meshes[0]).parent), "out": out}
         yield Job("deformed", plan.witness.meshes, {"out": files["meshes"]}, meshes)
-        yield Job("witness", plan.witness, files, (out,), (*meshes, f"{plan.green_folder}.done"))
+        yield Job("witness", plan.witness, files, (out,), meshes)
 
 
 def _database(plan: StudyPlan) -> Iterator[Job]:

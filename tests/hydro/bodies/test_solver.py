@@ -74,8 +74,10 @@ def test_rigid_motions_equal_capytaines_own_to_round_off(green, box, depth, symm
 @pytest.mark.parametrize("belts", [pytest.param(0, marks=pytest.mark.slow), 2])
 def test_planes_of_symmetry_change_no_coefficient(green, box, belts, monkeypatch):
     # capytaine takes the distance to a panel's first corner for its size, and a mirrored skew panel begins elsewhere
-    size = property(lambda self: np.linalg.norm(self.vertices[self.faces] - self.faces_centers[:, None], axis=2).max(1))
-    monkeypatch.setattr(cpt.Mesh, "faces_radiuses", size)
+    def size(mesh):
+        return np.linalg.norm(mesh.vertices[mesh.faces] - mesh.faces_centers[:, None], axis=2).max(1)
+
+    monkeypatch.setattr(cpt.Mesh, "faces_radiuses", property(size, lambda mesh, first: None))
     lid = interior_lid(box, belts) if belts else None
     directions = np.array([0.0, 0.7])
     whole = BodyProblem(green, box, SEA, "none", lid)

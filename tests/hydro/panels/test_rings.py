@@ -46,6 +46,22 @@ def errors(result, hemisphere, ka):
     return [np.abs(ours - np.array(exact)).max() / np.abs(exact).max() for ours, exact in pairs]
 
 
+def test_geometry_of_quadrangles_and_triangles_is_capytaines_own():
+    vertices = np.array([[0.0, 0.0, -1.0], [1.0, 0.1, -1.2], [1.1, 1.0, -0.9], [0.1, 1.2, -1.0], [2.0, 1.0, -0.5]])
+    faces = np.array([[0, 1, 2, 3], [1, 4, 2, 2]])
+    own = cpt.Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
+    mesh = bem.panel_mesh(vertices, faces)
+    for name in ("faces_areas", "faces_centers", "faces_normals", "faces_radiuses"):
+        np.testing.assert_allclose(getattr(mesh, name), getattr(own, name), rtol=1e-14, atol=1e-15, err_msg=name)
+
+
+def test_quick_table_changes_coefficients_by_a_tenth_of_the_panels_error(green):
+    omegas = [float(np.sqrt(ka)) for ka in (0.3, 1.0, 3.0)]
+    whole, quick = (unit_problem(one, 20).solve(omegas) for one in (green, bem.quick_green_function()))
+    for name in ("added_mass", "radiation_damping", "diffraction_force"):
+        assert float(abs(quick[name] - whole[name]).max()) < 3e-4 * float(abs(whole[name]).max()), name
+
+
 def tampered(content):
     """Another table, whole and of the same name and size."""
     with np.load(io.BytesIO(content)) as table:
@@ -126,8 +142,9 @@ def order_problem(green, rows, displacements, order, *, azimuth=None, depth=np.i
 class Plain(bem.AxisymmetricProblem):
     """Capytaine's own diagonal."""
 
-    def correction(self, rings):
-        return np.zeros(rings.rows)
+    @property
+    def correction(self):
+        return np.zeros(self.body.rows)
 
 
 def full_mesh(wedge, azimuth):

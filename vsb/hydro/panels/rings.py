@@ -11,7 +11,7 @@ import tempfile
 import zipfile
 import zlib
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import IO, Any
 
@@ -86,6 +86,21 @@ def stored_green_function(folder: str | Path) -> cpt.Delhommeau:
     return green_function(place)
 
 
+@cache
+def quick_green_function() -> cpt.Delhommeau:
+    """Return capytaine's Green function with a table of a quarter of the points, computed in 2 s and not stored.
+
+    Coefficients of the cross-check's meshes then change by 2e-4 of their largest entry, a tenth of the panels' error.
+    """
+    return cpt.Delhommeau(
+        tabulation_nr=338,
+        tabulation_nz=186,
+        tabulation_nb_integration_points=251,
+        tabulation_cache_dir=None,
+        finite_depth_prony_decomposition_method="fortran",
+    )
+
+
 @dataclass(frozen=True)
 class RingMesh:
     """One wedge of panels, body rows before lid rows, and the half circle of copies whose sum is a ring."""
@@ -130,7 +145,21 @@ def _wedge(x: FloatArray, z: FloatArray, azimuth: int) -> cpt.Mesh:
     left, right = (np.column_stack([x * np.cos(a), x * np.sin(a), z]) for a in (-angle, angle))
     i = np.arange(len(x) - 1)
     faces = np.stack([i, i + len(x), i + len(x) + 1, i + 1], axis=1)
-    return cpt.Mesh(vertices=np.concatenate([left, right]), faces=faces, auto_clean=False, auto_check=False)
+    return _mesh(np.concatenate([left, right]), faces)
+
+
+def _mesh(vertices: FloatArray, faces: IntArray) -> cpt.Mesh:
+    """Panels as a mesh of capytaine, nothing cleaned; its geometry by arrays, for capytaine loops over panels."""
+    mesh = cpt.Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
+    a, b, c, d = vertices[faces].swapaxes(0, 1)  # of a triangle c = d
+    halves = [np.linalg.norm(np.cross(u, c - a), axis=1) / 2 for u in (b - a, d - a)]
+    weighed = halves[0][:, None] * (a + b + c) / 3 + halves[1][:, None] * (a + c + d) / 3
+    normals = np.cross(c - a, d - b)
+    mesh.faces_areas = halves[0] + halves[1]
+    mesh.faces_centers = weighed / mesh.faces_areas[:, None]
+    mesh.faces_normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    mesh.faces_radiuses = np.linalg.norm(a - mesh.faces_centers, axis=1)
+    return mesh
 
 
 def ring_mesh(mesh: xr.Dataset, with_lid: bool = True) -> RingMesh:
@@ -154,12 +183,8 @@ def ring_mesh(mesh: xr.Dataset, with_lid: bool = True) -> RingMesh:
 def _joined(meshes: list[cpt.Mesh]) -> cpt.Mesh:
     """Join meshes, panel for panel (capytaine's own join may drop or reorder panels)."""
     offsets = np.cumsum([0, *(len(m.vertices) for m in meshes)])
-    return cpt.Mesh(
-        vertices=np.concatenate([m.vertices for m in meshes]),
-        faces=np.concatenate([m.faces + offset for m, offset in zip(meshes, offsets, strict=False)]),
-        auto_clean=False,
-        auto_check=False,
-    )
+    faces = [m.faces + offset for m, offset in zip(meshes, offsets, strict=False)]
+    return _mesh(np.concatenate([m.vertices for m in meshes]), np.concatenate(faces))
 
 
 def ring_matrices(
@@ -177,7 +202,7 @@ def ring_matrices(
 
 
 def flux_correction(green: cpt.Delhommeau, rings: RingMesh) -> FloatArray:
-    """Return the correction of the diagonal of D for the flatness of panels, shape (row,); zero on the lid.
+    """Return the correction of the diagonal of D for the flatness of a body's panels, without lid, shape (row,).
 
     Notes
     -----
@@ -191,11 +216,7 @@ def flux_correction(green: cpt.Delhommeau, rings: RingMesh) -> FloatArray:
     to 0.03 %, P_4^3 from 1.9 % to 0.2 %.
     """
     _, d = ring_matrices(green, rings, 0.0)
-    body = slice(0, rings.body_rows)
-    area = rings.areas
-    correction = np.zeros(rings.rows)
-    correction[body] = 1.0 - (area @ d[body, body].real) / area
-    return correction
+    return np.asarray(1.0 - (rings.areas @ d.real) / rings.areas)
 
 
 @dataclass(frozen=True)
@@ -247,15 +268,15 @@ class AxisymmetricProblem:
         """Generalized force of a unit potential, -rho w_i dS, shape (displacement, row); cos^2 halves a ring's."""
         return -self.density * self.velocities * self.body.areas / (2 if self.order else 1)
 
-    def correction(self, rings: RingMesh) -> FloatArray:
-        """Correction of the diagonal of D, shape (row,); see `flux_correction`."""
-        return flux_correction(self.green, rings)
+    @cached_property
+    def correction(self) -> FloatArray:
+        """Correction of the diagonal of D on the body's rings, shape (row,); see `flux_correction`."""
+        return flux_correction(self.green, self.body)
 
     @cached_property
-    def _with_lid(self) -> tuple[RingMesh, FloatArray]:
-        """All rings, and the correction of their diagonal of D."""
-        rings = ring_mesh(self.mesh)
-        return rings, self.correction(rings)
+    def _with_lid(self) -> RingMesh:
+        """All rings."""
+        return ring_mesh(self.mesh)
 
     @property
     def waterline(self) -> float:
@@ -293,10 +314,9 @@ class AxisymmetricProblem:
 
     def at_infinity(self) -> FloatArray:
         """Added mass at infinite frequency, shape (degree, degree) [kg]; the potential vanishes at z = 0: no lid."""
-        correction = self.correction(self.body)
         k = np.inf if np.isinf(self.depth) else _LARGEST_DEPTH_IN_WAVENUMBERS / self.depth
         s, d = ring_matrices(self.green, self.body, k, self.depth, self.order)
-        return np.real(self.onto @ (s @ np.linalg.solve(d + np.diag(correction), self.velocities.T)))
+        return np.real(self.onto @ (s @ np.linalg.solve(d + np.diag(self.correction), self.velocities.T)))
 
     def solve(self, omegas: list[float]) -> xr.Dataset:
         """Solve radiation and diffraction at finite frequencies [rad/s].
@@ -306,18 +326,16 @@ class AxisymmetricProblem:
         xarray.Dataset
             added_mass, radiation_damping, Froude_Krylov_force, diffraction_force over the displacements.
         """
-        rings, correction = self._with_lid
-        return solved_dataset(omegas, self.displacements, [self._at(rings, correction, omega) for omega in omegas])
+        return solved_dataset(omegas, self.displacements, [self._at(omega) for omega in omegas])
 
-    def _at(
-        self, rings: RingMesh, correction: FloatArray, omega: float
-    ) -> tuple[FloatArray, FloatArray, ComplexArray, ComplexArray]:
+    def _at(self, omega: float) -> tuple[FloatArray, FloatArray, ComplexArray, ComplexArray]:
         """Added mass, damping, Froude-Krylov and diffraction force at one frequency.
 
         Phasors exp(-i omega t) (C1): pressure i omega rho phi, so A + iB/omega = -rho int phi_j w_i dS.
         """
-        k = wavenumber(omega, self.depth, self.gravity)
+        rings, k = self._with_lid, wavenumber(omega, self.depth, self.gravity)
         s, d = ring_matrices(self.green, rings, k, self.depth, self.order)
+        correction = np.pad(self.correction, (0, rings.rows - rings.body_rows))  # the lid is flat
         incident, incident_velocity = self.incident(rings, omega)
         w, onto = self.velocities, self.onto
         velocity = np.zeros((rings.rows, len(w) + 1), dtype=complex)
@@ -377,7 +395,7 @@ def immersed_panels(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, 
 
 def panel_mesh(vertices: FloatArray, faces: IntArray, planes: tuple[str, ...] = ()) -> Any:
     """Return panels as a mesh of capytaine, mirrored in planes of symmetry; nothing is cleaned or reordered."""
-    mesh: Any = cpt.Mesh(vertices=vertices, faces=faces, auto_clean=False, auto_check=False)
+    mesh: Any = _mesh(vertices, faces)
     for plane in planes:
         mesh = cpt.ReflectionSymmetricMesh(mesh, plane=plane)
     return mesh

@@ -10,7 +10,7 @@ import xarray as xr
 
 from vsb.hydro.database import displacements_of, with_excitation
 from vsb.hydro.dofs import displacements
-from vsb.hydro.panels.rings import AxisymmetricProblem, green_function
+from vsb.hydro.panels.rings import AxisymmetricProblem, green_function, quick_green_function
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.sweep import apart, coefficients, joined, largest, on_grid
 from vsb.hydro.witness import Runs, Waves, runs
@@ -106,14 +106,11 @@ def solve_block(spec: PanelsSpec, fine: xr.Dataset, coarse: xr.Dataset, green_fo
     return problem.solve(list(spec.omega), spec.interpolation)
 
 
-def witness_runs(
-    green_folder: str | Path, meshes: tuple[xr.Dataset, xr.Dataset], basis: ModeBasis, waves: Waves
-) -> Runs:
+def witness_runs(meshes: tuple[xr.Dataset, xr.Dataset], basis: ModeBasis, waves: Waves) -> Runs:
     """Return the panels' coefficients of a shape on two meshes, the finer one first."""
-    green = green_function(green_folder)
+    green, moved = quick_green_function(), displacements_of(basis)
     fine, coarse = (
-        AxisymmetricProblem(green, mesh, displacements_of(basis), waves.density, waves.depth, waves.gravity)
-        for mesh in meshes
+        AxisymmetricProblem(green, mesh, moved, waves.density, waves.depth, waves.gravity) for mesh in meshes
     )
     omegas = list(waves.omegas)
     return runs(lambda: fine.solve(omegas), lambda: coarse.solve(omegas), basis, waves)
