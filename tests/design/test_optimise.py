@@ -5,10 +5,11 @@ import pytest
 
 from vsb.design.certificate import curvature, multipliers, newton_step
 from vsb.design.evaluation import Evaluation, Quantity
-from vsb.design.optimise import KKT, VIOLATION, converged, first_possible, optimised, start_places
+from vsb.design.optimise import KKT, VIOLATION, converged, first_possible, left_out, optimised, start_places
 from vsb.design.problem import Problem
 from vsb.errors import ConvergenceError
 from vsb.study.design import Variable
+from vsb.study.sections import DEGREES
 
 MASS, SPRING = (Variable(key="device.mass", low=0.5, high=8.0), Variable(key="pto.stiffness", low=-4.0, high=4.0))
 
@@ -197,7 +198,7 @@ def test_load_factors_and_the_thin_shell_are_limits():
 
 
 def test_modes_are_added_until_the_objective_stands():
-    """A truncated model whose objective errs by 0.5^degree: solved at 2, 4, 6, 8; the change after 6 is small."""
+    """A truncated model whose power errs by 0.5^degree: solved at 2, 4, 6; the changes after 6 are small."""
 
     def of(degree):
         def truncated(values):
@@ -211,5 +212,15 @@ def test_modes_are_added_until_the_objective_stands():
     found = converged(of, (2, 4, 6, 8, 10), 0.02, [np.array([0.5, 0.5])])
     assert found.optimum.accepted
     assert found.degree == 6
-    assert found.truncation == pytest.approx((1 - 0.5**8) / (1 - 0.5**6) - 1)
+    assert found.truncation == pytest.approx((0.0, 2 * ((1 - 0.5**10) / (1 - 0.5**6) - 1)))
     assert found.optimum.objective == pytest.approx(20 * (1 - 0.5**6))
+
+
+def test_what_further_modes_change_holds_errors_of_first_order_and_none_that_seem_small_by_chance():
+    """Powers 1 - c/degree: the last of all lies at the end; changes of two signs leave both sides open."""
+    for i, degree in enumerate(DEGREES[:-2]):
+        power = [1 - 0.1 / n for n in DEGREES[i : i + 3]]
+        low, high = left_out([one / power[0] - 1 for one in power[1:]])
+        assert low == 0.0
+        assert 0.1 / degree <= 1.000001 * high * power[0] <= 0.13 / degree
+    assert left_out([0.002, -0.001]) == pytest.approx((-0.004, 0.002))

@@ -29,10 +29,10 @@ FLEXIBLE, COMPETITOR, TWIN, SPHERE = "flexible", "rigid competitor", "rigid twin
 OF_TAKE_OFF = ("force_rms", "stroke_rms")
 """Limits that a take-off can meet."""
 SAFETY = 2.0
-"""Of the change by the next degree of shell modes, for the error by all degrees left out."""
+"""Of the change by finer nodes and frequencies, for the error of those used."""
 DEVIATIONS = 1.96
 """Standard deviations to the end of a 95 % interval."""
-BLOCK_DAYS, RESAMPLED = 5.0, 2000
+BLOCK_DAYS, RESAMPLED = 7.0, 2000
 """Length of the blocks of a year that are drawn again, in which seas belong together [days], and years drawn."""
 SHAPE_POINTS = 181
 
@@ -164,28 +164,35 @@ class Uncertainty:
     unknown: tuple[str, ...] = ()
 
 
-def uncertainty(
-    spec: DesignSpec, climate: Climate, flexible: Buoy, rigid: Buoy, truncation: float | None
+def numerical_errors(
+    climate: Climate, flexible: Buoy, rigid: Buoy, truncation: tuple[float, float] | None
 ) -> Uncertainty:
-    """Return what the gain is uncertain by, linear theory itself apart.
+    """Return bounds of the numerical error of the gain of a buoy over a rigid one, each under its damper.
 
     Parameters
     ----------
-    spec : DesignSpec
     climate : Climate
     flexible, rigid : Buoy
-    truncation : float, optional
-        Change of the objective by the next degree of shell modes, relative.
+    truncation : (float, float), optional
+        Changes of the power by all further degrees of shell modes, relative (`vsb.design.optimise.left_out`).
     """
-    found, unknown = [], []
-    value, ratio = gain(flexible.power, rigid.power), 100 * flexible.power / rigid.power
-    if truncation is None:
-        unknown.append(MODES)
-    else:
-        found.append(Source.towards(MODES, SAFETY * truncation * ratio))
     finer = [one.with_damper().model(climate).finer for one in (flexible, rigid)]
     powers = [model.at(model.point)[POWER].value for model in finer]
-    found.append(Source.within("coefficients and quadrature", abs(gain(*powers) - value)))
+    change = gain(*powers) - gain(flexible.power, rigid.power)
+    found = Source.within("coefficients and quadrature", SAFETY * abs(change))
+    if truncation is None:
+        return Uncertainty(Budget((found,)), (MODES,))
+    low, high = (100 * flexible.power / rigid.power * one for one in truncation)
+    return Uncertainty(Budget((Source(MODES, low, high), found)))
+
+
+def uncertainty(
+    spec: DesignSpec, climate: Climate, flexible: Buoy, rigid: Buoy, truncation: tuple[float, float] | None
+) -> Uncertainty:
+    """Return what the gain is uncertain by, linear theory itself apart; parameters as of `numerical_errors`."""
+    numerical = numerical_errors(climate, flexible, rigid, truncation)
+    found, unknown = list(numerical.budget.sources), list(numerical.unknown)
+    value, ratio = gain(flexible.power, rigid.power), 100 * flexible.power / rigid.power
     if spec.flexible.climate.form == "spectra":
         years = gain_of_years(power_of_seas(flexible, climate), power_of_seas(rigid, climate), climate.hours)
         low, high = np.quantile(years, [0.025, 0.975])

@@ -24,7 +24,7 @@ from vsb.design.certificate import (
     multipliers,
     newton_step,
 )
-from vsb.design.problem import IMPOSSIBLE, SMALLEST, Point, Problem
+from vsb.design.problem import IMPOSSIBLE, POWER, SMALLEST, Point, Problem
 from vsb.errors import ConvergenceError
 from vsb.tools.arrays import FloatArray
 
@@ -235,14 +235,35 @@ def _why(kkt: float, point: Point, worst: str, *, saddle: bool, message: str) ->
 
 @dataclass(frozen=True)
 class Converged:
-    """The best buoy from one start, with as many shell modes as its objective needs."""
+    """The best buoy from one start, with as many shell modes as its power needs."""
 
     optimum: Optimum
     start: Point
     reasons: tuple[str, ...]  # why places tried before do not rest
     degree: int | None  # highest Legendre degree; none of a rigid buoy
-    truncation: float | None  # change of the objective by the next degree, relative; none where there is none
+    truncation: tuple[float, float] | None  # of the power, by `left_out`; none of a rigid buoy
     evaluations: int
+
+
+FURTHER = 2
+"""Degrees beyond that of an optimum with which it is evaluated, too."""
+
+
+def left_out(changes: Sequence[float]) -> tuple[float, float]:
+    """Return between which changes of a power by all further degrees of shell modes lie, relative, zero included.
+
+    Beyond the last degree evaluated they change at most as much as the largest change among those evaluated. That holds
+    of errors that fall like 1/degree or faster, because two steps of `vsb.study.sections.DEGREES` double the degree.
+    One step would not do: before the bending beside a clamp is resolved it may be small by chance.
+
+    Parameters
+    ----------
+    changes : sequence of float
+        By the degrees evaluated beyond that of the power, ascending, relative to it.
+    """
+    known = [0.0, *map(float, changes)]
+    largest = max(known) - min(known)
+    return min(0.0, known[-1] - largest), max(0.0, known[-1] + largest)
 
 
 def converged(
@@ -262,9 +283,9 @@ def converged(
     problem_of : callable
         Degree -> the problem.
     degrees : sequence of int, or of one None
-        To be tried, ascending; with the last one nothing is known of what it leaves out.
+        To be tried, ascending; the last two are for what the others leave out.
     tolerance : float
-        Change of the objective by the next degree, relative, that is small enough.
+        Change of the power by the next two degrees, relative, that is small enough.
     places : sequence of ndarray, shape (variable,)
         Tried in turn until a buoy rests.
     seen : callable, optional
@@ -275,22 +296,29 @@ def converged(
     ConvergenceError
         If no buoy rests.
     """
-    problem = problem_of(degrees[0])
-    start, reasons = first_possible(problem, places)
-    found, evaluations, truncation = optimised(problem, start, seen), problem.evaluations, None
-    degree = degrees[0]
-    for finer in degrees[1:]:
-        problem = problem_of(finer)
-        evaluations += 1
+    problems: dict[int | None, Problem] = {}
+
+    def of(degree: int | None) -> Problem:
+        if degree not in problems:
+            problems[degree] = problem_of(degree)
+        return problems[degree]
+
+    start, reasons = first_possible(of(degrees[0]), places)
+    begin, truncation = start, None
+    solved = degrees[: max(1, len(degrees) - FURTHER)]
+    for i, degree in enumerate(solved):
+        found = optimised(of(degree), begin, seen)
         try:
-            again = problem.at(found.point.place)
+            further = [of(finer).at(found.point.place) for finer in degrees[i + 1 : i + 1 + FURTHER]]
         except IMPOSSIBLE as error:
-            message = f"with degree {finer} the shell has no stable rest shape: {error}"
+            message = f"with more shell modes than to degree {degree} it has no stable rest shape: {error}"
             found = replace(found, accepted=False, message=message)
             break
-        truncation = again.objective / found.objective - 1
-        if abs(truncation) <= tolerance and again.violation <= tolerance:
+        changes = [one.evaluation[POWER].value / found.point.evaluation[POWER].value - 1 for one in further]
+        stands = all(abs(one) <= tolerance for one in (*changes, *(point.violation for point in further)))
+        if stands or degree == solved[-1]:
+            truncation = left_out(changes) if len(changes) == FURTHER else None
             break
-        found, degree, truncation = optimised(problem, again, seen), finer, None
-        evaluations += problem.evaluations - 1
+        begin = further[0]
+    evaluations = sum(one.evaluations for one in problems.values())
     return Converged(found, start, tuple(reasons), degree, truncation, evaluations)

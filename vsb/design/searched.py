@@ -102,7 +102,7 @@ class Outcome:
     message: str
     evaluations: int
     degree: int | None
-    truncation: float | None
+    truncation: tuple[float, float] | None  # of the power by all further degrees, relative: at most 0, at least 0
 
     @classmethod
     def of(cls, found: Converged, keys: Sequence[str]) -> "Outcome":
@@ -117,7 +117,7 @@ class Outcome:
         keys: Sequence[str],
         start: FloatArray,
         degree: int | None,
-        truncation: float | None,
+        truncation: tuple[float, float] | None,
         evaluations: int,
     ) -> "Outcome":
         """Return what is kept of an optimum."""
@@ -187,6 +187,7 @@ class Outcome:
             return str(ds.attrs["failure"])
         facts = json.loads(ds.attrs["outcome"])
         names = [str(name) for name in ds["quantity"].values]
+        truncation = facts.pop("truncation")
         return cls(
             keys=tuple(map(str, ds["variable"].values)),
             start=ds["start_value"].values,
@@ -196,6 +197,7 @@ class Outcome:
             gradients=dict(zip(names, ds["quantity_gradient"].values, strict=True)),
             kkt=float(ds["kkt"]),
             violation=float(ds["violation"]),
+            truncation=None if truncation is None else tuple(truncation),
             **{**facts, "curvatures": tuple(facts["curvatures"]), "flat": tuple(facts["flat"])},
         )
 

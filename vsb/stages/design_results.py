@@ -183,7 +183,7 @@ def starts_table(spec: DesignSpec, ends: Mapping[str, Sequence[Outcome | str]]) 
     held = list(dict.fromkeys(name for one in known for name in one.multipliers))
     head = [
         "buoy", "start", "accepted", "objective", *keys, *limits, *(f"multiplier {name}" for name in held), "kkt",
-        "violation", "evaluations", "degree", "truncation", "flat", "message",
+        "violation", "evaluations", "degree", "modes left out, low", "modes left out, high", "flat", "message",
     ]  # fmt: skip
     rows: list[list[object]] = []
     for name, some in ends.items():
@@ -195,14 +195,10 @@ def starts_table(spec: DesignSpec, ends: Mapping[str, Sequence[Outcome | str]]) 
             cells += [one.point.get(key, "") for key in keys]
             cells += [one.quantities.get(limit, "") for limit in limits]
             cells += [one.multipliers.get(limit, 0.0) for limit in held]
-            cells += [one.kkt, one.violation, one.evaluations, _or_empty(one.degree), _or_empty(one.truncation)]
+            cells += [one.kkt, one.violation, one.evaluations, "" if one.degree is None else one.degree]
+            cells += one.truncation or ("", "")
             rows.append([*cells, "; ".join(one.flat), one.message])
     return head, rows
-
-
-def _or_empty(value: float | None) -> object:
-    """A number, or an empty cell."""
-    return "" if value is None else value
 
 
 SENSITIVITY = ("buoy", "variable", "unit", "value", "per", "slope")

@@ -64,11 +64,11 @@ class DesignPlan(ResultsFolder):
 
     @property
     def _degrees(self) -> tuple[int, ...]:
-        """Degrees of shell modes to be tried: all, or the one the study gives and the next, for what it leaves out."""
+        """Degrees of shell modes to be tried: all, or the one the study gives; the last two for errors."""
         given = self.loaded.base.modes.degree
         if given is None:
             return DEGREES
-        return (given, *(degree for degree in DEGREES if degree > given))[:2]
+        return (given, *(degree for degree in DEGREES if degree > given))[:3]
 
     @cached_property
     def rigid(self) -> Search:
