@@ -484,6 +484,43 @@ def test_body_away_from_the_origin_passes(ball):
     assert phases(ds.assign({name: ds[name] * delay for name in FORCES})).verdict == "ok"
 
 
+def test_constant_error_of_all_phases_is_found(ball):
+    """As of a wave that is a sine at the origin: no distance of the body explains it."""
+    ds = read_capytaine(ball)
+    found = phases(ds.assign({name: 1j * ds[name] for name in FORCES}))
+    assert (found.verdict, found.value) == ("fail", pytest.approx(np.sqrt(2), abs=0.1))
+    assert "phases later by 270 degrees would fit" in found.explanation or "269" in found.explanation
+
+
+def _turned_round(ds):
+    """Moments of the other sign, as files of NEMOH had them."""
+    sign = xr.where(ds.influenced_dof.isin(["Roll", "Pitch", "Yaw"]), -1.0, 1.0)
+    return ds.assign({name: ds[name] * sign for name in FORCES})
+
+
+def _about_another_point(ds):
+    return ds.assign_attrs(rotation_centre=ds.attrs["rotation_centre"] + np.array([0.0, 0.0, 1.0]))
+
+
+@pytest.mark.parametrize("kept", [FORCES, ["excitation_force"]])
+@pytest.mark.parametrize(
+    ("damage", "verdict"), [(xr.Dataset.copy, "ok"), (_turned_round, "fail"), (_about_another_point, "fail")]
+)
+def test_moments_in_long_waves(ball, damage, verdict, kept):
+    ds = damage(read_capytaine(ball)).drop_vars([name for name in FORCES if name not in kept])
+    assert judged(ds)["tilt"].verdict == verdict
+
+
+def test_added_mass_of_another_unit_is_found(ball):
+    """Of a file whose numbers are divided by the density though it says they are not."""
+    ds = read_capytaine(ball)
+    found = judged(
+        ds.assign({name: ds[name] / 1025.0 for name in ("added_mass", "added_mass_inf", "radiation_damping")})
+    )
+    assert found["displaced_volume"].verdict == "fail"
+    assert "times that water" in found["displaced_volume"].explanation
+
+
 def test_displaced_volume_by_the_force_of_long_waves(ball):
     ds = read_capytaine(ball)
     for factor, verdict in ((1.0, "ok"), (1.3, "doubt"), (5.0, "fail")):

@@ -10,7 +10,12 @@ on a fixed body is that on one that moves the opposite way in still water. Per u
 
     X_heave = C - omega^2 (A + rho V) - i omega B,    X_surge = -i k g (rho V + A + i B/omega) cos(beta),
 
-and sway likewise with sin(beta).
+and sway likewise with sin(beta). The slope i k of the surface turns the body by its stiffness, with the weight at the
+centre of rotation, and the surging water pulls at it:
+
+    X_pitch = -i k cos(beta) (C + g A_pitch,surge),    X_roll = i k sin(beta) (C - g A_roll,sway),
+
+with A + i B/omega for A; the Froude-Krylov moment is the part of C alone.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,7 +28,7 @@ import xarray as xr
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import quality
 from vsb.hydro.database import Check, Rule
-from vsb.hydro.formats.common import volume_of
+from vsb.hydro.formats.common import rotation_centre, volume_of
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import RIGID, body_of, motion_of, of_bodies
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
@@ -57,6 +62,9 @@ RULES = {
         causes="{period}; excitation and stiffness of different runs or lengths"),
     "phases": Rule(0.2, "in waves much longer than the body forces follow from the motion of the water",  # from 0 to 2
         causes="phases of the other sign; headings in another unit; the force of another body or run"),
+    "tilt": Rule(0.1, "such waves turn the body in roll and pitch by its hydrostatic stiffness and added mass",
+        causes="moments of the other sign or about another point; stiffness about another point or without the weight; "
+        "centres of another run"),
     "haskind": Rule(0.05, "damping follows from excitation", doubt=1.0,
         causes="{depth}; {length}; {gravity}; {period}; an irregular frequency{irr}; too few panels"),
     "haskind_scale": Rule(0.01, "excitation and damping have one scale", causes="{length}; {gravity}; too few panels"),
@@ -91,8 +99,13 @@ _HELD, _FALLEN = 0.05, 0.5  # damping at the ends of a band that holds it, and t
 _LARGEST_UNKNOWN = 0.2  # relative added mass that damping outside the band and between the steps may give
 _ALONE = 5.0  # ratio of a spike of added mass or damping to the other's: a resonance shows in both
 _LONG = 0.2  # second order of heave, omega^2 (A + displaced water)/C, up to which waves are long
+_COUPLED = 0.1  # moment of the lift of a wave over that of its slope, above which the latter is not seen
+_ROUND = 0.1  # stiffness over that of a body with arms of the cube root of its volume, below which nothing turns it
+_SMALLEST, _LARGEST = 0.005, 200.0  # largest added mass of a translation over the water displaced, of any body
 _PARTS = ("excitation_force", "Froude_Krylov_force", "diffraction_force")
 _ALONG: dict[str, Callable[[FloatArray], FloatArray]] = {"Surge": np.cos, "Sway": np.sin}
+_TURNING = {"Pitch": ("Surge", np.cos, -1.0), "Roll": ("Sway", np.sin, 1.0)}
+"""Motion of the water that pulls at a rotation, its share by heading, and the sign of the slope's moment."""
 _READINGS = (  # other readings of a file: sign of forces of surge and sway, and factor of its headings
     ("their complex conjugates would fit (or headings the waves come from)", -1.0, 1.0),
     ("headings would fit in degrees where they are read as radians", 1.0, np.pi / 180),
@@ -199,7 +212,7 @@ def coefficient_checks(
     if axisymmetric:
         checks.append(_check("rank_one", quality.second_channel(part, np.sqrt(np.outer(its.damping, its.damping)))))
     found = [_smooth(wet, among), _causal(wet, among), _limits(ds, size), lift_check(ds, size.added_mass)]
-    found += [phase_check(whole, of_all), _haskind(part, its, axisymmetric)]
+    found += [phase_check(whole, of_all), _tilt(whole, of_all), _haskind(part, its, axisymmetric)]
     notes = [line for _, lines in found for line in lines]
     notes += [] if any(check.name == "afloat" for check in checks) else [_DENSITY]
     return [*checks, *(check for some, _ in found for check in some)], notes
@@ -412,6 +425,11 @@ def phase_check(ds: xr.Dataset, added_mass: FloatArray) -> Found:
     signs = [sign for body in bodies if (sign := _heave_sign(ds, body)) is not None]
     if not patterns and not signs:
         return [], ["not checked: phases, sign and headings of which surge and heave show in long waves"]
+    notes = [] if patterns else ["not checked: phases of other motions than heave, headings: no wave is long enough"]
+    for body in bodies:
+        if (turn := _constant_phase(ds, body)) is not None and abs(np.exp(1j * turn) - 1) > RULES["phases"].limit:
+            more = f"; of heave in ever longer waves; phases later by {np.degrees(-turn) % 360:.0f} degrees would fit"
+            return [_check("phases", float(abs(np.exp(1j * turn) - 1)), more)], notes
     headings = ds.wave_direction.values
     worst, where = max([(each.error(headings), each.where) for each in patterns] + signs)
     check = _check("phases", worst, f"; most {where}")
@@ -419,8 +437,43 @@ def phase_check(ds: xr.Dataset, added_mass: FloatArray) -> Found:
         errors = [each.error(headings * factor, turn) for each in patterns]
         errors += [error if turn > 0 else 2.0 - error for error, _ in signs]
         if max(errors) <= check.limit:
-            return [replace(check, verdict="fail", explanation=f"{check.explanation}; {reading}")], []
-    return [check], []
+            return [replace(check, verdict="fail", explanation=f"{check.explanation}; {reading}")], notes
+    return [check], notes
+
+
+def _tilt(ds: xr.Dataset, added_mass: FloatArray) -> Found:
+    """Moments on a single body in the longest wave against its stiffness, the larger of the errors of roll and pitch.
+
+    Not of a body that the lift of the wave turns as well, and of one whose stiffness or point of rotation is unknown.
+    """
+    bodies, centre = _heaving(ds, added_mass), rotation_centre(ds)
+    volume = float(ds.attrs.get(volume_of(""), 0.0))
+    if len(bodies) != 1 or centre is None or "centre_of_mass" not in ds.attrs or not volume:
+        return [], []
+    (body,), labels = bodies, list(map(str, ds.influenced_dof.values))
+    if body.second_order[0] > _LONG:
+        return [], []
+    omega, headings = float(ds.omega[0]), ds.wave_direction.values
+    density, gravity, depth = (float(ds.attrs[name]) for name in ("water_density", "gravity", "water_depth"))
+    k = wavenumber(omega, depth, gravity)
+    inertia = ds.added_mass.values[0] + 1j * ds.radiation_damping.values[0] / omega
+    stiffness, excitation, found = ds.hydrostatic_stiffness.values, ds.excitation_force.values, []
+    for motion in (motion for motion in _TURNING if motion in labels):
+        pulling, along, sign = _TURNING[motion]
+        j, at = labels.index(motion), int(np.abs(along(headings)).argmax())
+        pull = gravity * inertia[j, labels.index(pulling)] if pulling in labels else 0.0
+        own = stiffness[j, j] + density * gravity * volume * float(ds.attrs["centre_of_mass"][2] - centre[2])
+        lift = max(abs(stiffness[body.heave, j]), omega**2 * abs(inertia[body.heave, j]))
+        for name, turning in (("Froude_Krylov_force", own), ("excitation_force", own - sign * pull)):
+            expected = 1j * sign * k * along(headings[at]) * turning
+            small = abs(turning) < _ROUND * density * gravity * volume ** (4 / 3) or lift > _COUPLED * abs(expected)
+            if name in ds and not small:
+                turned = ds[name].values[0, at, j] * np.exp(-1j * np.angle(excitation[0, at, body.heave]))
+                found.append((float(abs(turned / expected - 1)), f"{name.lower().replace('_', ' ')} of {motion}"))
+    if not found:
+        return [], ["not checked: tilt, of which no wave, heading or stiffness of roll or pitch is enough"]
+    limit = RULES["tilt"].limit + 2 * float(body.second_order[0])
+    return [_check("tilt", max(found)[0], f"; most at {omega:.4g} rad/s in {max(found)[1]}", limit)], []
 
 
 class _Pattern(NamedTuple):
@@ -472,8 +525,29 @@ def _heave_sign(ds: xr.Dataset, body: _Heaving) -> tuple[float, str] | None:
     return None
 
 
+def _constant_phase(ds: xr.Dataset, body: _Heaving) -> float | None:
+    """Phase of heave as waves grow longer [rad], 0 wherever the body lies; None if two long waves do not show it."""
+    if np.count_nonzero(body.second_order <= _LONG) < 2:
+        return None
+    gravity, depth = float(ds.attrs["gravity"]), float(ds.attrs["water_depth"])
+    near, far = (wavenumber(float(w), depth, gravity) for w in ds.omega.values[:2])
+    first, second = ds.excitation_force.values[:2, :, body.heave]
+    step = np.angle(second * first.conj())
+    if np.abs(step).max() > np.pi / 4:  # a body so far away that its distance is not sure
+        return None
+    limit = np.exp(1j * (np.angle(first) - step * near / (far - near)))
+    return float(np.angle(limit.mean())) if np.abs(limit.mean()) > 1 - _ROUND else None
+
+
 def _displaced_volume(ds: xr.Dataset, added_mass: FloatArray) -> list[Check]:
-    """Displaced volume by the Froude-Krylov force in long waves, k rho g V, where both are known."""
+    """Displaced volume by the size of added mass, and by the Froude-Krylov force in long waves, k rho g V."""
+    labels, rule = list(map(str, ds.influenced_dof.values)), RULES["displaced_volume"]
+    mass = np.median(np.abs(np.einsum("wii->wi", ds.added_mass.values)), axis=0)
+    for name, places in of_bodies(labels).items():
+        largest = max((mass[j] for j in places if motion_of(labels[j]) in RIGID[:3]), default=0.0)
+        water = float(ds.attrs["water_density"]) * float(ds.attrs.get(volume_of(name), 0.0))
+        if largest and water and not _SMALLEST < (ratio := largest / water) < _LARGEST:
+            return [rule.check("displaced_volume", abs(ratio - 1), f"; added mass is {ratio:.2g} times that water")]
     if "Froude_Krylov_force" not in ds:
         return []
     density, gravity, depth = (float(ds.attrs[name]) for name in ("water_density", "gravity", "water_depth"))
