@@ -49,3 +49,21 @@ def test_interpolation_converges_at_fourth_order():
         errors.append(np.abs(spectrum.at(probe)[:, 0, 0] - damping(probe)).max())
     slopes = np.diff(np.log(errors)) / np.diff(np.log(steps))
     assert np.all(np.abs(slopes[1:] - 4.0) < 0.15), slopes
+
+
+@pytest.mark.parametrize("omega", [0.55, 2.2])
+def test_damping_beyond_the_band_falls_as_its_cube(omega):
+    """A band that ends where damping is largest: kernel and added mass are integrals of B over all frequencies."""
+    cut = DampingSpectrum(OMEGA[:15], damping(OMEGA[:15])[:, None, None])
+    top = OMEGA[14]
+
+    def b(v):
+        return float(cut.at(np.array([v]))[0, 0, 0])
+
+    assert b(2 * top) == pytest.approx(damping(top) / 8)
+    high = max(top, omega + 0.3)
+    inner = quad(lambda v: b(v) / (v + omega), 0, high, weight="cauchy", wvar=omega, limit=400)[0]
+    outer = quad(lambda v: b(v) / (v**2 - omega**2), high, np.inf)[0]
+    assert cut.added_mass_difference(np.array([omega]))[0, 0, 0] == pytest.approx(2 / np.pi * (inner + outer), abs=2e-5)
+    whole = quad(b, 0, top)[0] + damping(top) * top / 2
+    assert cut.kernel(np.zeros(1))[0, 0, 0] == pytest.approx(2 / np.pi * whole, abs=1e-6)

@@ -74,6 +74,12 @@ def test_solvers_agree_within_small_estimates(compared, derivatives, tmp_path):
     assert float(compared.witness_estimate.sel(solver="spectral").max()) < 1e-5
 
 
+def test_central_differences_of_one_solver_differ_by_the_next_term(shapes, spectral):
+    """Less their known term of third order: by its square, about."""
+    own = witness.derivatives(shapes, spectral, BASIS, WAVES)
+    assert float(own.slope_difference.max()) < float(own.slope_estimate.max()) < 1e-5
+
+
 def database(solver, factor=1.0):
     omegas = [0.8, *WAVES.omegas, 4.5, 5.5]
     problem = SpectralProblem(floating_system(), displacements_of(BASIS), WAVES.density, WAVES.gravity, 24)

@@ -7,6 +7,7 @@ import pytest
 from conftest import varied
 from hypothesis import given
 from hypothesis import strategies as st
+from shell.test_orders import DEVICE, at_order, deformed
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import database
@@ -15,6 +16,7 @@ from vsb.motion.linear import LinearSystem, with_open_chamber
 from vsb.motion.port import LinearPto, Port, channels_reached, combination, line_shares, port_direction
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import DeformedShell, enclosed
+from vsb.shell.modes import mode_basis
 from vsb.stages.water import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.study.take_off import BetweenPort, LinePort, ShellPort, StrainPort
@@ -145,6 +147,22 @@ def test_port_directions_match_finite_differences(seed):
     ):  # fmt: skip
         found = port_direction(choice, shape)
         assert found == pytest.approx(np.array(moved(1e-5, quantity)) / 2e-5, rel=1e-6, abs=1e-7 * np.abs(found).max())
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_distance_of_two_points_of_the_meridian_in_shapes_of_an_order(order):
+    """By differences of the deformed shell; rigid motions do not lengthen it."""
+    basis = at_order(order)
+    ends = np.deg2rad([30.0, 140.0])
+
+    def apart(q):
+        return np.linalg.norm(np.diff(deformed(basis, q, ends, 0.0)[0]))
+
+    steps = 1e-6 * np.eye(len(basis.labels))
+    shape = DeformedShell(mode_basis(DEVICE, "full", 4), 0.15)
+    found = port_direction(BetweenPort(between=(30, 140)), shape, [basis])[len(shape.basis.labels) :]
+    assert found == pytest.approx(np.array([apart(h) - apart(-h) for h in steps]) / 2e-6, abs=1e-8)
+    assert np.abs(found).max() > 0.1
 
 
 def passive(draw_from):

@@ -20,6 +20,7 @@ from vsb.shell.deformed import DeformedShell
 from vsb.study.blocks import frequency_step, no_witness, tolerance_rows
 from vsb.study.plan import StudyPlan, figure_names
 from vsb.study.study import content_id, load
+from vsb.waves.dispersion import wavenumber
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +68,13 @@ def test_solver_follows_from_depth_and_rows(seed):
     assert not varied(seed, hydro={"solver": "spectral"}, water={"depth": 1.03 * seed.draft}).uses_panels
     with pytest.raises(ConfigError, match=r"hydro.solver 'spectral': has no rows"):
         varied(seed, hydro={"solver": "spectral", "rows": 20})
+
+
+@pytest.mark.parametrize("depth", [2.5, 4.0])
+def test_panels_begin_at_a_wavenumber_times_depth_of_three_tenths(seed, depth):
+    """Below it capytaine's Green function of finite depth fails."""
+    lowest = StudyPlan(varied(seed, water={"depth": depth})).lowest_omega
+    assert wavenumber(lowest, depth, 9.81) * depth == pytest.approx(0.3, rel=1e-6)
 
 
 @pytest.mark.parametrize(("draft", "degree", "least"), [(0.2, 2, 0.7), (1.0, 8, 0.7), (1.8, 4, 0.5)])

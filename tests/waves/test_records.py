@@ -61,6 +61,11 @@ def test_spectrum_and_bands_hold_the_variance_of_the_record():
     _, amplitude = components(wave, 12.0, 20.0)
     assert np.sum(amplitude**2) / 2 == pytest.approx(elevation.var(), rel=1e-9)
     assert share_above(wave, 2.5) + share_below(wave, 2.5) == pytest.approx(1.0)
+    time = STEP * np.arange(400)
+    two = recorded(0.3 * np.cos(0.02 * np.pi * 10 * time) + 0.1 * np.cos(0.02 * np.pi * 50 * time))
+    assert 2 * np.pi / two.omega == pytest.approx(
+        (0.9 * 10.0 + 0.1 * 2.0), rel=1e-9
+    )  # m_-1/m_0 of periods 10 s and 2 s
 
 
 @pytest.mark.parametrize("form", ["comma", "semicolon", "blanks", "packed"])

@@ -69,6 +69,7 @@ def test_layouts_of_one_table(written, text):
         ("Hs/Te,6.5,7.5\n0.25,10%,47%\n", r"received occurrences that sum to 57, needs 100 \(percent\)"),
         ("Hs,Te,hours\n0.25,6.5,100\n", r"received occurrences that sum to 100, needs 8766 \(hours\)"),
         ("Te/Hs,6.5,7.5\n2.5,10,20\n3.5,0,70\n", "100.0% of seas that are physically impossible, as Hs 7.5 m with Te"),
+        ("Hs/Te,2.5,6.5\n1.5,50,0\n7.0,0,50\n", "as Hs 1.5 m with Te 2.5 s"),  # the steepest, not the highest
         ("Hs/Te,2.5,9.5\n1.5,1.1,98.9\n", r"received 1\.1% of seas that are physically impossible, as Hs 1.5 m with"),
         (b"Hs/Te;6\xb0;7\n", "byte 7 that is no text, needs UTF-8"),
         ('Hs/Te,6.5\n"' + "1," * 100_000, r"line 2: received a cell too long .*; needs all quotes closed"),

@@ -28,6 +28,17 @@ def test_realisations_differ_by_phase_only_and_repeat_by_seed():
     assert 2 * np.pi / np.diff(first.omega).max() >= 60.0  # no repetition within the run
 
 
+def test_random_amplitudes_are_rayleigh_distributed_about_the_spectrum():
+    """|a|^2 is exponential of its mean: its square has twice the square of the mean."""
+    fixed, drawn = (
+        irregular(Jonswap(kind="jonswap", hs=1, tp=5, seed=3, amplitudes=kind), 12.0, 20_000.0)
+        for kind in ("fixed", "random")
+    )
+    share = np.abs(drawn.amplitude) ** 2 / np.abs(fixed.amplitude) ** 2
+    assert share.mean() == pytest.approx(1.0, abs=4 / np.sqrt(len(share)))
+    assert (share**2).mean() == pytest.approx(2.0, abs=4 * np.sqrt(20 / len(share)))
+
+
 def test_regular_and_still_seas():
     regular = sea(RegularWave(kind="regular", amplitude=0.2, period=4.0), 12.0, 60.0)
     assert regular.elevation(np.array([0.0, 1.0, 2.0])) == pytest.approx([0.2, 0.0, -0.2], abs=1e-15)
