@@ -8,7 +8,7 @@ import xarray as xr
 from stages.test_campaign import made_up
 from stages.test_members import planned, with_seas
 
-from vsb.results.campaign import as_csv, damper, gathered, stacked
+from vsb.results.campaign import as_csv, damper, gathered, stacked, with_verification
 from vsb.study.campaign import CONSTRAINED
 from vsb.study.campaign_plan import members
 from vsb.study.vary import MEMBER
@@ -31,6 +31,20 @@ def test_order_of_batches_does_not_matter(held):
     assert one.young_modulus.values.tolist() == [3e6, 1e6]
     assert one.young_modulus.attrs == {"units": "Pa", "long_name": "device.young_modulus"}
     assert one.attrs["reference"] == "FSB"
+
+
+def test_intervals_of_gains_in_time_are_wider_by_the_errors_of_linear_theory(held):
+    """-12 to -8 % by runs, and -1.5 to +2.5 points about the linear gain."""
+    plan, found = held
+    ds = gathered(plan.campaign, [stacked([made_up(one) for one in found], [one.id for one in found])])
+    like = xr.zeros_like(ds.annual_mean_power)
+    ds = ds.assign(gain_percent=like + 5.0, gain_low=like + 3.5, gain_high=like + 7.5)
+    ends = {"corrected_gain_percent": -10.0, "corrected_gain_low": -12.0, "corrected_gain_high": -8.0}
+    run = xr.Dataset({name: ("design", np.full(like.sizes["design"], value)) for name, value in ends.items()})
+    run = run.assign_coords(design=ds.design).assign_attrs(model="body_exact", runs="4 seas")
+    both = with_verification(plan.campaign, ds, [run, run])
+    for end, expected in (("percent", -10.0), ("low", -13.5), ("high", -5.5)):
+        np.testing.assert_allclose(both[f"body_exact_gain_{end}"], expected)
 
 
 def test_damper_of_a_tuning_is_known_if_all_seas_share_it():

@@ -15,6 +15,7 @@ from vsb.results.verification import (
     GAIN,
     POWER,
     DesignInTime,
+    Verification,
     chances,
     contributions,
     drawn,
@@ -182,6 +183,18 @@ def test_proportional_loss_is_found_without_scatter(known):
     ratio = float(ds.corrected_mean_power.sel(design="B") / ds.corrected_mean_power.sel(design="A"))
     assert float(ds.corrected_gain_percent.sel(design="B")) == pytest.approx(100 * (ratio - 1), rel=1e-12)
     np.testing.assert_array_equal(ds.drawn_hs, found.climate.hs[sample.sea])
+
+
+def test_gain_is_certain_where_both_designs_lose_alike(known):
+    """Of every draw the same share, by chance: powers have intervals, their ratio has none."""
+    _, sample = known
+    rng, draws = np.random.default_rng(3), len(sample.sea)
+    linear = np.outer([1.0, 1.5], rng.uniform(1.0, 2.0, draws))
+    better = rng.uniform(0.6, 0.9, draws) * linear
+    both = Verification(np.array([2.0, 3.0]), linear, np.full(draws, 1 / draws), sample, better, linear)
+    power, gain = both.power(0), both.gain(1, 0)
+    assert power.high - power.low > 0.01 * power.mean
+    assert (gain.low, gain.mean, gain.high) == pytest.approx((50.0, 50.0, 50.0), rel=1e-9)
 
 
 def test_designs_that_are_not_viable_have_no_values(known):
