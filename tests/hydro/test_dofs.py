@@ -10,7 +10,6 @@ from vsb.hydro.dofs import (
     Displacement,
     bessel,
     displacements,
-    flexible,
     legendre_function,
     multiplicity,
     normal_velocities,
@@ -28,15 +27,6 @@ def shapes():
         return Displacement(kind, max(order + more, 1), order)
 
     return st.builds(one, st.sampled_from(["radial", "meridional"]), st.integers(0, 5), st.integers(0, 9))
-
-
-@pytest.mark.parametrize(
-    ("labels", "answer"),
-    [(["Heave"], False), (["Surge", "Heave", "Pitch"], False), (["Membrane0"], True), (["Heave", "Bending2"], True)],
-)
-def test_flexible_motions_are_recognised_by_label(labels, answer):
-    """However many motions there are."""
-    assert flexible(np.array(labels)) is answer
 
 
 def test_heave_of_a_sphere_is_its_first_radial_and_meridional_shape():

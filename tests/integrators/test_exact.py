@@ -57,18 +57,6 @@ def test_matrix_exponential_of_widely_spaced_rates_has_its_closed_form(fast, slo
         assert found[0, 1] == pytest.approx(coupling * a * (np.exp(-b) - np.exp(-a)) / (a - b), rel=1e-12, abs=1e-14)
 
 
-@pytest.mark.parametrize(("instants", "begin"), [(2, -3.0), (37, 5.0)])
-def test_motion_starts_from_its_initial_state_at_any_time(instants, begin):
-    plant = oscillator({"pto": Damper(np.array([[1.2]]))})
-    time = np.linspace(begin, begin + 6.0, instants)
-    motion = propagate(System.of(plant), time, (np.array([1.0]), np.array([-0.5])))
-    assert motion.position[:, 0] == pytest.approx(damped(time - begin), abs=1e-13)
-    wave = {"excitation": Excitation(np.array([2.0]), np.array([[30.0 + 5j]])), **plant.forces}
-    pushed = propagate(System.of(replace(plant, forces=wave)), time, (np.array([1.0]), np.array([-0.5])))
-    assert pushed.position[0, 0] == pytest.approx(1.0)
-    assert pushed.velocity[0, 0] == pytest.approx(-0.5)
-
-
 def test_motion_in_many_wave_components_is_the_sum_over_components():
     """200 equally spaced components, summed by FFT, against eight at a time."""
     plant, time = oscillator({"pto": Damper(np.array([[1.2]]))}), np.linspace(0.0, 30.0, 901)

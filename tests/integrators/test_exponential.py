@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import compiled_motion, labelled, only_run, varied
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from vsb.errors import ConvergenceError
@@ -178,16 +176,6 @@ def test_scene_without_water_pressure_is_refused(assumed):
 
 
 START = np.array([0.3, -1.0])
-
-
-@given(st.floats(-50.0, 3.0).filter(lambda x: abs(x) > 0.1))
-def test_scalar_phi_functions_have_their_closed_form(x):
-    _, whole, (one, two, three) = phi_integrals(np.array([[x]]), np.eye(1), 1.0, 3)
-    e = np.exp(x)
-    assert whole[0, 0] == pytest.approx(e, rel=1e-12)
-    assert one[0, 0] == pytest.approx((e - 1) / x, rel=1e-12)
-    assert two[0, 0] == pytest.approx((e - 1 - x) / x**2, rel=1e-10)
-    assert three[0, 0] == pytest.approx((e - 1 - x - x**2 / 2) / x**3, rel=1e-9)
 
 
 def test_response_of_an_oscillator_to_a_polynomial():

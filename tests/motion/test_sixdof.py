@@ -62,9 +62,6 @@ def tumbling(scene, seed=0, spin=2.0):
     return scene.start(**parts)
 
 
-# --- inertia ------------------------------------------------------------------------------------------------------
-
-
 # --- the equation of motion against Lagrange's, from particles ------------------------------------------------------
 
 
@@ -323,9 +320,6 @@ def test_quaternion_passes_gimbal_lock():
         integrate(euler, euler.start(attitude=np.array([0.0, -np.pi / 2, 0.0])), time)
     last = integrate(euler, euler.start(angular_velocity=w), np.array([0.0, 1.5]))[-1]
     assert last[4] == pytest.approx(1.5, rel=1e-12)
-
-
-# --- refusals -------------------------------------------------------------------------------------------------------
 
 
 RHO = 1025.0

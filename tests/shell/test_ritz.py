@@ -8,7 +8,7 @@ from scipy.linalg import eigh
 from vsb.shell import ritz
 from vsb.shell.modes import bending_block, mass_block, membrane_block
 from vsb.shell.ritz import heave, matrices, natural_modes
-from vsb.shell.shell import Shell, bend, curve, natural_frequencies
+from vsb.shell.shell import Shell, bend, curve
 from vsb.study.meridian import RestMeridian, capsule, spheroid
 
 SEED = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
@@ -33,12 +33,6 @@ def test_matrices_of_the_sphere_match_the_closed_form(degree):
         assert np.abs(found - exact).max() < 1e-11 * np.abs(exact).max()
         size = np.sqrt(np.outer(*2 * (np.diag(exact) + 1e-9 * exact.max(),)))
         assert np.abs((found - exact) / size).max() < 1e-10
-
-
-def test_natural_frequencies_of_the_sphere():
-    exact = [natural_frequencies(SEED, n)[1] for n in range(7)], [natural_frequencies(SEED, n)[0] for n in range(2, 7)]
-    found = natural_modes(SEED, 6).omega
-    assert found == pytest.approx([*exact[1], *exact[0]], rel=1e-10)
 
 
 @pytest.mark.parametrize("shell", [OBLATE, PROLATE, CAPSULE])

@@ -16,7 +16,7 @@ from vsb.study.body import BodyFile, BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
 from vsb.study.keys import KEYS
-from vsb.study.reading import hint, schema_of
+from vsb.study.reading import schema_of
 from vsb.study.study import Study
 from vsb.tools.shipped import HOME
 
@@ -229,19 +229,3 @@ def test_schema_refuses_what_a_study_refuses(place, value):
         here = here[part]
     here[last] = value
     assert not jsonschema.Draft202012Validator(schema_of(Study)).is_valid(raw)
-
-
-@pytest.mark.parametrize(
-    ("place", "key", "meant"),
-    [
-        (("device",), "youngs_modulus", "young_modulus"),
-        ((), "radius", "device.radius"),
-        (("device", "damping"), "bta", "beta"),
-        (("designs", "VSWEC"), "clmp", "clamp"),
-        (("device",), "colour", ""),
-        (("waves", 0), "hs", ""),
-        (("pto", "port"), "direction", "waves.direction"),
-    ],
-)
-def test_suggestions_for_misspelt_keys(place, key, meant):
-    assert hint(schema_of(Study), place, key) == meant

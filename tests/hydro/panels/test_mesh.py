@@ -1,7 +1,5 @@
-import meshio
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 from vsb.hydro.panels.mesh import (
     deformed_mesh,
@@ -9,7 +7,6 @@ from vsb.hydro.panels.mesh import (
     mean_mesh,
     polygon_radius,
     revolved,
-    write_wet_shell,
 )
 from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.shell.modes import mode_basis
@@ -18,22 +15,6 @@ from vsb.shell.modes import mode_basis
 def panel_area(vertices, faces):
     a, b, c, d = (vertices[faces[:, i]] for i in range(4))
     return 0.5 * np.linalg.norm(np.cross(c - a, d - b), axis=1)
-
-
-def test_area_of_the_viewable_mesh_converges_at_second_order(seed, tmp_path):
-    shell = DeformedShell(mode_basis(seed.device, "full", 4), 0.3, np.array([0.0, 0.1, 0, 0.05, 0, 0, -0.1, 0, 0]))
-    waterline = brentq(lambda phi: shell.meridian(np.array([phi])).z[0], 0.1, 3.0)
-    t, weight = np.polynomial.legendre.leggauss(60)
-    m = shell.meridian((np.pi + waterline + (np.pi - waterline) * t) / 2)
-    area = (np.pi - waterline) / 2 * weight @ (2 * np.pi * m.x * np.hypot(m.dx, m.dz))
-    rows, errors = [8, 16, 32, 64], []
-    for n in rows:
-        write_wet_shell(shell, tmp_path / "wet.vtu", n, 2 * n)
-        mesh = meshio.read(tmp_path / "wet.vtu")
-        errors.append(abs(panel_area(mesh.points, mesh.cells_dict["quad"]).sum() - area))
-        assert mesh.points[:, 2].max() < 1e-12
-    slopes = -np.diff(np.log(errors)) / np.diff(np.log(rows))
-    assert np.all(np.abs(slopes - 2.0) < 0.1), slopes
 
 
 def enclosed_volume(vertices, faces):
