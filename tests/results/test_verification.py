@@ -227,6 +227,14 @@ def test_spring_of_the_take_off_shifts_run_and_theory_alike(rigid):
     assert abs(theory / rigid.powers(sea, settings, "linear")[1] - 1) > 0.05
 
 
+def test_tolerance_of_the_runs_is_far_below_the_intervals(rigid):
+    """Against a motion a hundred times as exact, whose audit closes a hundred times as well."""
+    settings = record_of(8.0, 2.0, Simulation())
+    sea = realised(climate(), 3, settings.duration, seed=1)
+    exact = settings.model_copy(update={"tolerance": 1e-7})
+    assert rigid.powers(sea, settings)[0] == pytest.approx(rigid.powers(sea, exact)[0], rel=1e-5)
+
+
 @pytest.mark.slow
 def test_nonlinear_correction_scales_with_the_amplitude_squared(rigid):
     """Relative to the linear run in the same waves."""

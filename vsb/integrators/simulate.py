@@ -151,7 +151,12 @@ def in_words(method: str, steps: int) -> str:
 
 
 def legs(
-    system: System, sea: Sea, settings: Simulation, spectrum: DampingSpectrum | None, longest: int | None = LEG
+    system: System,
+    sea: Sea,
+    settings: Simulation,
+    spectrum: DampingSpectrum | None,
+    longest: int | None = LEG,
+    records: int = RECORDS_PER_PERIOD,
 ) -> Iterator[Leg]:
     """Yield the motion of a scene, its energy audit closed, in legs one after the other.
 
@@ -167,6 +172,8 @@ def legs(
         For the convolution only.
     longest : int or None
         Most instants of a leg; None: one leg, as the convolution, which needs its whole past, always has.
+    records : int
+        Instants recorded per period of the shortest wave that matters, to begin with.
 
     Raises
     ------
@@ -175,7 +182,7 @@ def legs(
     StabilityError
         If the buoy leaves the water for good.
     """
-    count, convolved = recorded_steps(system, sea, settings), settings.method == "convolution"
+    count, convolved = recorded_steps(system, sea, settings, records), settings.method == "convolution"
     enough = max(settings.tolerance, CONVOLVED if convolved else ROUND_OFF)
     name = {"auto": suited(system)}.get(settings.method, settings.method)
     follow = METHODS[name].follower(system, settings.tolerance, spectrum)
@@ -226,8 +233,8 @@ def check_floats(system: System, motion: Motion) -> None:
         )
 
 
-def recorded_steps(system: System, sea: Sea, settings: Simulation) -> int:
-    """Return the number of recorded steps, `RECORDS_PER_PERIOD` of the shortest wave that matters.
+def recorded_steps(system: System, sea: Sea, settings: Simulation, records: int = RECORDS_PER_PERIOD) -> int:
+    """Return the number of recorded steps, so many per period of the shortest wave that matters.
 
     Without waves, of the faster of free heave and the assumed pressure: the buoy heaves freely until that has died out.
     """
@@ -236,5 +243,5 @@ def recorded_steps(system: System, sea: Sea, settings: Simulation) -> int:
     else:
         omega = max([system.heaving, *system.frequencies])
     start, end = settings.window
-    rate = max(RECORDS_PER_PERIOD * omega / (2 * np.pi), FEWEST_IN_WINDOW / (end - start))
+    rate = max(records * omega / (2 * np.pi), FEWEST_IN_WINDOW / (end - start))
     return int(np.ceil(rate * settings.duration))
