@@ -9,8 +9,8 @@ from conftest import varied
 
 from vsb.report import html
 from vsb.results.force_steps import SHARES
-from vsb.stages.report import interactive_study
-from vsb.study.study import RegularWave
+from vsb.stages.report import interactive_study, no_slider
+from vsb.study.study import Jonswap, RegularWave
 from vsb.tools.files import load
 
 
@@ -64,8 +64,11 @@ def test_no_interactive_chart_where_damping_does_not_determine_power(small):
     lossy = varied(small.study, pto={"damping": 8000.0, "stiffness": 100.0, "efficiency": 0.8})
     dry = varied(small.study, hydro={"model": "assumed_pressure", "pressure": 1800.0})
     dragged = varied(small.study, drag={"heave": {"coefficient": 1.0, "area": 12.0}})
-    for study in (still, lossy, dry, dragged):
+    spread = small.study.model_copy(update={"waves": (Jonswap(kind="jonswap", hs=1.0, tp=4.0, spreading={"s": 10.0}),)})
+    for study in (still, lossy, dry, dragged, spread):
         assert living(small, study) is None
+    for study, why in ((lossy, "reactive power"), (dragged, "drag"), (spread, "many directions")):
+        assert why in no_slider(study)
     for pto in ({"stiffness": 100.0}, {"efficiency": 0.8}):  # a spring or losses alone leave the damper's power known
         assert living(small, varied(small.study, pto=pto)) is not None
 

@@ -40,6 +40,18 @@ def test_wheel_holds_every_file(installed):
     assert {path.name for path in installed.iterdir() if path.is_dir() and "dist-info" not in path.name} == {"vsb"}
 
 
+def test_default_workflow_is_linted_where_only_snakemake_is_installed():
+    """As the workflow catalog does; of the libraries only those that Snakemake itself brings."""
+    code = """
+import sys
+sys.modules.update(dict.fromkeys(["numpy", "scipy", "numba", "xarray", "pandas", "capytaine"]))
+from snakemake.cli import main
+main(["--lint"])
+"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=CHECKOUT, capture_output=True, text=True, check=False)
+    assert "your workflow is in a good condition" in done.stdout + done.stderr
+
+
 @pytest.mark.slow
 def test_installed_package_begins_and_plans_a_study(installed, tmp_path):
     paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"

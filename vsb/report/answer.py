@@ -238,9 +238,9 @@ def parts_table(lines: Lines) -> list[list[str]]:
 
 def tuning_head(unit: str) -> list[str]:
     """Return the head of the table of designs at equal tuning, by the unit of damping."""
-    measures = ["mean power [W]", "gain [%]", "interval of the gain"]
-    best = ["design", "sea", f"optimal damping [{unit}]", *measures]
-    return [*best, f"given damping [{unit}]", *measures, "share of optimum [%]"]
+    measures = ["gain [%]", "interval of the gain", "mean power [W]"]
+    best = ["design", "sea", *measures, f"optimal damping [{unit}]"]
+    return [*best, *measures, f"given damping [{unit}]", "share of optimum [%]"]
 
 
 def tuning_table(lines: Lines) -> list[list[str]]:
@@ -252,10 +252,10 @@ def tuning_table(lines: Lines) -> list[list[str]]:
     return [
         [
             line["design"], line["sea"],
-            text(line["best_damping"]), text(line["best_power"]), text(line["best_gain_percent"], "+.1f"),
-            interval_text(line.get("best_low"), line.get("best_high")) or "-",
-            text(line["damping"]), text(line["power"]), text(line["gain_percent"], "+.1f"),
-            interval_text(line.get("low"), line.get("high")) or "-",
+            text(line["best_gain_percent"], "+.1f"), interval_text(line.get("best_low"), line.get("best_high")) or "-",
+            text(line["best_power"]), text(line["best_damping"]),
+            text(line["gain_percent"], "+.1f"), interval_text(line.get("low"), line.get("high")) or "-",
+            text(line["power"]), text(line["damping"]),
             text(line["share"], ".1f", 100.0),
         ]
         for line in lines

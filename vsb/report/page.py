@@ -80,6 +80,7 @@ class Report:
     flexible: bool = True  # whether any design is
     sketches: Sequence[dict[str, str]] = ()  # of each design: name, words, SVG
     interactive: dict[str, Any] | None = None  # data of the page's scripts, see `vsb.report.interactive`
+    no_slider: str = ""  # why there are no such data
     animated: dict[str, Any] | None = None  # the buoys in motion, see `vsb.report.animation`
 
 
@@ -350,6 +351,7 @@ def render(report: Report) -> str:
         kind="study",
         port=kind,
         interactive=as_script(report.interactive) if report.interactive else "",
+        no_slider=report.no_slider,
         animated=in_motion(report.animated),
         still="" if report.animated else STILL,
         tuned=[

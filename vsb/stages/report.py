@@ -172,12 +172,22 @@ SEAS = 24
 """Most seas a reader can choose from."""
 
 
+def no_slider(study: AnyStudy) -> str:
+    """Return why a reader cannot move the damping of a study on its page; empty if impedance and sea give its power."""
+    spread = any(isinstance(wave, SpectralSea) and wave.spreading for wave in study.waves)
+    reasons = (
+        (study.drag_of_buoy, "drag takes power that depends on the amplitude"),
+        (study.pto.spring_costs, "the spring loses reactive power"),
+        (spread, "waves of a spread sea come from many directions"),
+        (study.pto.several, "the take-off has several ports"),
+    )
+    return next((f"No slider of the damping: {why}." for applies, why in reasons if applies), "")
+
+
 def interactive_study(
     study: AnyStudy, database: str, response: xr.Dataset, limited: Sequence[Mapping[str, Any]]
 ) -> dict[str, Any] | None:
-    """Return the data of a study's page; none where no damper's power is known, or a spring or drag loses some of it.
-
-    None either in spread seas, whose ports differ from sea to sea.
+    """Return the data of a study's page; none without waves that radiate, or for one of the reasons of `no_slider`.
 
     Parameters
     ----------
@@ -193,10 +203,9 @@ def interactive_study(
     -----
     A port has a free velocity for every direction waves go to: seas share a grid if they share both.
     """
-    pto = study.pto
-    spread = any(isinstance(wave, SpectralSea) and wave.spreading for wave in study.waves)
-    if not study.needs_bem or study.drag_of_buoy or pto.spring_costs or spread or pto.several:
+    if not study.needs_bem or no_slider(study):
         return None
+    pto = study.pto
     seen, waves = _Seen(study, floating_system(study, database)), _shown_seas(study)
     if not waves:
         return None
@@ -332,6 +341,7 @@ def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **fi
         flexible=study.flexible,
         animated=animated_study(stored, stored.modes, _seas(study)) if buoy else None,
         interactive=interactive_study(study, stored.path("database"), stored.response, found["within_limits"]),
+        no_slider=no_slider(study),
         figures={n: read_text(f"{files['figures']}/{n}.svg", manifest, study_id) for n in stored.plan.figures},
         facts=_facts(stored, stored.runs.attributes()),
     )

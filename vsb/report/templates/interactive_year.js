@@ -76,7 +76,7 @@ class InteractiveYear {
     this.matrix();
   }
 
-  /** The table: damping, energy, capture width, gain, share of the optimum. */
+  /** The table: gain, energy, damping, capture width, share of the optimum; the gain is seen on a narrow screen, too. */
   table(used, means) {
     const over = gains(means, this.reference);
     const rows = means.flatMap((mean, i) => {
@@ -84,9 +84,9 @@ class InteractiveYear {
       const best = power(this.point.ports[i], this.squares, this.own[i]);
       const gain = over[i] === null ? "–" : `${over[i] < 0 ? "−" : "+"}${Math.abs(over[i]).toFixed(2)}`;
       const share = best > 0 ? (100 * mean) / best : null;
-      const numbers = [used[i], this.energy(mean), mean / this.point.flux].map(plain);
+      const numbers = [this.energy(mean), used[i], mean / this.point.flux, share].map(plain);
       const design = this.data.designs[i];
-      return [tableRow([design.name, ...numbers, gain, plain(share)], design)];
+      return [tableRow([design.name, gain, ...numbers], design)];
     });
     this.part("rows").replaceChildren(...rows);
   }
