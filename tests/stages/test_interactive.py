@@ -8,7 +8,6 @@ from browser import asked, evaluated
 from conftest import varied
 
 from vsb.report import html
-from vsb.results.force_steps import SHARES
 from vsb.stages.report import interactive_study, no_slider
 from vsb.study.study import Jonswap, RegularWave
 from vsb.tools.files import load
@@ -46,17 +45,6 @@ def test_seas_from_two_directions_have_their_own_ports(small):
     assert [(sea["grid"], sea["band"]) for sea in data["seas"]] == [(0, 0), (1, 1), (0, 0)]
     assert data["grids"][0] == data["grids"][1]
     assert data["bands"][0] == data["bands"][1]
-
-
-def test_power_increases_with_the_force_limit_in_every_sea(small):
-    waves = [{"kind": "regular", "amplitude": 0.1, "period": 3.0}, {"kind": "jonswap", "hs": 1, "tp": 4}]
-    data = living(small, varied(small.study, waves=waves))
-    for sea in data["seas"]:
-        limits, powers = sea["steps"]["limits"], sea["steps"]["powers"]
-        assert len(limits) == len(powers[0]) == len(SHARES)
-        assert all(np.diff(power).min() > 0 for power in powers)
-    lossy = living(small, varied(small.study, waves=waves, pto={"damping": 8000.0, "efficiency": 0.8}))
-    assert [sea["steps"] for sea in lossy["seas"]] == [None, None]
 
 
 def test_no_interactive_chart_where_damping_does_not_determine_power(small):

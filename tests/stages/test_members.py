@@ -254,13 +254,3 @@ def test_no_gain_is_given_where_the_rigid_design_absorbs_nothing(folder, pto, mi
         name not in missing for name in ("fixed", "one")
     ]
     assert float(found.annual_mean_power.sel(design="VSWEC", tuning="one")) > 0
-
-
-@pytest.mark.slow
-def test_absorbed_power_increases_with_the_force_limit(folder):
-    """Under optimal control within the limit, and below the bound."""
-    plan = planned(folder, {"pto.force_limit": [2e3, 2e4]}, name="scarce", tuning=["constrained"])
-    found = computed(plan)
-    power = found.annual_mean_power.sel(tuning="constrained")
-    assert bool((power.sel(force_limit=2e4) > 2 * power.sel(force_limit=2e3)).all())
-    assert bool((found.power_bound >= power).all())
