@@ -17,16 +17,19 @@ from vsb.hydro.spectral.solver import SpectralProblem, converged_on_grid
 from vsb.motion.constrained import REFINED
 from vsb.motion.force_bound import Limits
 from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto, Port
+from vsb.motion.port import LinearPto, Port, port_direction
 from vsb.motion.tuning import frequencies, mean_power, squares
 from vsb.results.ladder import (
     Given,
     as_csv,
     constrained_checks,
     constrained_rung,
+    material_checks,
+    material_rungs,
     rungs_of,
+    several_rungs,
 )
-from vsb.scenes.floating_system import PortInSeas
+from vsb.scenes.floating_system import FloatingSystem, PortInSeas
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import rigid_sphere
 from vsb.stages.water import spectral_problem
@@ -305,3 +308,24 @@ def test_every_level_has_the_power_and_force_of_its_own_load():
             velocity = ports[rung.design].velocity / (1 + ports[rung.design].admittance * (rung.damping + 1j * spring))
             force = np.abs((rung.damping + 1j * spring) * velocity) ** 2
             assert rung.force_rms == pytest.approx(np.sqrt(0.5 * float(waves[0] @ force)), rel=1e-9)
+
+
+def test_levels_of_a_damper_spread_over_the_shell_and_of_its_material(seed, spectral_seed):
+    """Of a regular wave the material allows e m/T; of a rigid buoy, which does not move the port, nothing."""
+    energy, omega = 0.5, np.array([1.5])
+    study = varied(seed, pto={"port": {"distributed": "membrane"}, "damping": None, "tuning": "each"})
+    study = varied(study, pto={"energy_per_cycle": energy})
+    basis, spec = study_basis(study), StudyPlan(study).ladder
+    port = port_direction(study.pto.port, reference_shell(study).shape)
+    motions = {design: design_motions(study, basis, design) for design in ("FSB", "VSWEC")}
+    floating = FloatingSystem(spectral_seed, motions, port)
+    seas = {"wave": Sea(omega, np.array([0.2 + 0j]))}
+    rungs = several_rungs(spec, floating, seas, [0])
+    levels = {rung.rung: rung.power_mean for rung in rungs if rung.design == "VSWEC"}
+    assert levels["best_damper"] == pytest.approx(levels["best_damper_all_seas"], rel=1e-9)
+    assert 0 < levels["best_damper"] < levels["matched"]
+    (material,) = material_rungs(spec, floating, seas, rungs)
+    allowed = energy * study.device.shell_mass * omega[0] / (2 * np.pi)
+    assert (material.design, material.power_mean) == ("VSWEC", pytest.approx(allowed, rel=1e-9))
+    (check,) = material_checks(study.pto, [*rungs, material])
+    assert check.value == pytest.approx(energy * levels["best_damper"] / allowed, rel=1e-12)

@@ -13,6 +13,7 @@ ADVICE = {
     "load_path": "a thicker or stiffer shell; with rubber less device.internal_pressure may help, or device.gas",
     "wrinkling": "raise device.internal_pressure until all of the shell is in tension",
     "angles": "angles in degrees",
+    "specific_energy": "a thicker shell, or a smaller damper: the material converts less than the waves offer",
     "modes_left_out": "modes: {basis: full} and a higher degree, or modes: {tolerance: 0.005}",
     "reference_power": "longer waves, in which the rigid design absorbs power",
     "fair_damping": "pto.tuning: each, or read the gains at optimal damping",

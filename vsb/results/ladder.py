@@ -38,6 +38,7 @@ from vsb.scenes.floating_system import (
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.study.specs import LadderSpec
 from vsb.study.study import IrregularSea, StillWater, Wave
+from vsb.study.take_off import Pto
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.waves.seas import Sea, expected, superposed
@@ -45,8 +46,13 @@ from vsb.waves.seas import Sea, expected, superposed
 CONSTRAINED = "constrained"
 BEST_DIAGONAL = "best_diagonal"
 """Of several ports whose damper matrix may be full: the best damper at each port alone."""
-RUNGS = ("fixed", BEST_DIAGONAL, "best_damper", "best_damper_all_seas", "best_spring_damper", CONSTRAINED, "matched")
-"""Power does not decrease along the levels, but that of one damper for all seas is at most that of the best one."""
+MATERIAL = "material"
+"""What the energy per cycle of the shell's material would allow, beside what the take-off finds in the waves."""
+RUNGS = (
+    "fixed", BEST_DIAGONAL, "best_damper", "best_damper_all_seas", "best_spring_damper", CONSTRAINED, "matched", MATERIAL
+)  # fmt: skip
+"""Power does not decrease along the levels of the waves, to `matched`, but that of one damper for all seas is at most
+that of the best one."""
 INSTANTS = 8
 """Instants at which peaks are looked for, per shortest period of a sea."""
 MOST_HARMONICS = 1024
@@ -110,7 +116,8 @@ def study_ladder(study: LadderSpec, database: str) -> list[Rung]:
     families = [names.index(name) for name in dict.fromkeys(names)]
     pairs = list(zip(waves, seas.values(), strict=True))
     if pto.several:
-        return several_rungs(study, floating, seas, families)
+        rungs = several_rungs(study, floating, seas, families)
+        return [*rungs, *material_rungs(study, floating, seas, rungs)]
     ports = {design: port_in_seas(floating, design, pairs) for design in study.designs}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
     buoy, dragged = study.buoy, None
@@ -122,7 +129,8 @@ def study_ladder(study: LadderSpec, database: str) -> list[Rung]:
         designs, labels = list(study.designs), list(seas)
         rungs.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
     left_out = modes_left_out(buoy, pairs) if buoy else xr.Dataset()
-    return with_errors(rungs, floating, pairs, study.reference_design, left_out)
+    rungs = with_errors(rungs, floating, pairs, study.reference_design, left_out)
+    return [*rungs, *material_rungs(study, floating, seas, rungs)]
 
 
 # dampers, springs and the matched force -----------------------------------------------------------------------------
@@ -255,6 +263,49 @@ def several_rungs(
                 damper = float(levels[name][0, 0]) if kind == "uniform" and name in levels and ports.moves else None
                 found.append(Rung(design, label, name, damper, None, power, share, None, None, None, None, note))
     return found
+
+
+def material_rungs(
+    study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea], rungs: Sequence[Rung]
+) -> list[Rung]:
+    """Return the mean power that the material of the shell would allow at ports of strain, by design and sea.
+
+    Of `pto.energy_per_cycle` e [J/kg], the mass m of the shell and the mean frequency f of the strain's cycles under
+    the optimal damper, e m f: all of the material, fully used in every cycle.
+    """
+    if study.pto.energy_per_cycle is None or study.buoy is None:
+        return []
+    omega, found, mass = frequencies(list(seas.values())), [], study.buoy.device.shell_mass
+    rows = dict(zip(seas, squares(list(seas.values()), omega), strict=True))
+    linear = floating.linear.equation(omega)
+    by = {(rung.design, rung.wave, rung.rung): rung for rung in rungs}
+    for design, motions in floating.motions.items():
+        ports = linear.ports(motions, floating.port.reshape(len(motions), -1))
+        for label, sea in rows.items():
+            best, matched = by[design, label, "best_damper"], by[design, label, "matched"].power_mean
+            if not best.power_mean:
+                continue
+            matrix = best_matrix(ports, sea, matrix_kind(study.pto) if study.pto.several else "full").damping
+            absorbed = sea * ports.power(matrix)
+            frequency = float(np.sqrt(absorbed.sum() / (absorbed / omega**2).sum())) / (2 * np.pi)
+            allowed = study.pto.energy_per_cycle * mass * frequency
+            share = allowed / matched if matched else None
+            note = f"cycles of {1 / frequency:.4g} s, {mass:.6g} kg of shell"
+            found.append(Rung(design, label, MATERIAL, None, None, allowed, share, None, None, None, None, note))
+    return found
+
+
+def material_checks(pto: Pto, rungs: Sequence[Rung]) -> list[Check]:
+    """Return the energy that the optimal damper takes from a kilogram of shell in a cycle, against the material's."""
+    by = {(rung.design, rung.wave, rung.rung): rung for rung in rungs}
+    checks, limit = [], pto.energy_per_cycle or 0.0
+    for rung in (rung for rung in rungs if rung.rung == MATERIAL):
+        power, allowed = by[rung.design, rung.wave, "best_damper"].power_mean or 0.0, rung.power_mean or 1.0
+        text = f"energy per cycle that the optimal damper takes from the shell at {power:.4g} W, where its material "
+        text += f"would allow {allowed:.4g} W ({rung.note})"
+        where = {"design": rung.design, "wave": rung.wave}
+        checks.append(check_at_most("specific_energy", limit * power / allowed, limit, "J/kg", text, doubt=True, **where))
+    return checks
 
 
 def matrix_text(matrix: FloatArray) -> str:

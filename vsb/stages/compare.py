@@ -17,7 +17,7 @@ from vsb.results.gains import (
     with_intervals,
     within_limits,
 )
-from vsb.results.ladder import Rung, constrained_checks
+from vsb.results.ladder import Rung, constrained_checks, material_checks
 from vsb.results.run_checks import agreement_checks, latching_checks, sea_checks, transient_checks
 from vsb.scenes.floating_system import study_sea
 from vsb.scenes.rest import reference_shell
@@ -58,7 +58,7 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
         tuned, limited = equal_tuning(compared, ladder, beyond), within_limits(compared, ladder)
         rows = with_intervals(compared, rows, runs, ladder, found.response)
         checks += [*fair_damping_checks(tuned, compared.pto), *constrained_checks(ladder)]
-        checks += reference_power_checks(compared, ladder)
+        checks += [*reference_power_checks(compared, ladder), *material_checks(compared.pto, ladder)]
         checks += ledger.mode_checks(buoy, ladder) if buoy else []
     elif buoy:
         checks += ledger.assumed_pressure_checks(buoy, rows)

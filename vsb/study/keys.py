@@ -237,6 +237,9 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
         "parameters": Key("", "{exponent: 2.0}", "numbers that the law of a package is called with"),
         "distribution": Key("", "my-package 1.0", "name and version of that package; found out if it is not given"),
+        "energy_per_cycle": Key(
+            "J/kg", "10.0", "of ports of strain: what a kilogram of the shell converts in a cycle at most"
+        ),
         "force_limit": Key("in units of the port", "5000.0", "largest force of the take-off, N in heave; .inf is none"),
         "stroke_limit": Key(
             "in units of the port", "0.5", "motion from rest at which an end stop begins, m in heave; .inf is none"

@@ -25,6 +25,7 @@ from vsb.study.quantities import (
     Name,
     NonNegative,
     Number,
+    Positive,
     Section,
     motion_of,
     within,
@@ -326,6 +327,7 @@ class Pto(Section):
     design's best for the sum of all seas; best by linear theory, beside the spring. Without a damping it is `each`.
     `port: {ports: ...}` acts on several motions at once with a damper matrix; a file says `ports`, `damping` and
     `matrix` beside the other keys.
+    `energy_per_cycle` [J/kg] is what a kilogram of the shell's material converts in a cycle at most, of ports of strain.
     `efficiency` [-] of both directions of power judges the dampers and springs of the control levels.
 
     The law in time: `linear`, whose force saturates at a force limit [N] if there is one; `saturated` insists on the
@@ -348,6 +350,7 @@ class Pto(Section):
     distribution: str | None = None
     force_limit: Limit = math.inf
     stroke_limit: Limit = math.inf
+    energy_per_cycle: Annotated[Positive, within(1e-6, 1e6, "J/kg", "no elastomer converts so much")] | None = None
 
     @property
     def limited(self) -> bool:
@@ -458,6 +461,14 @@ class Pto(Section):
                 "port: several ports, or a damper spread over the shell, have a damper matrix alone; needs law: linear "
                 "without limits, stiffness and efficiency"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _of_strain(self) -> Self:
+        if self.energy_per_cycle is not None:
+            ports = self.port.ports.values() if isinstance(self.port, SeveralPorts) else (self.port,)
+            if not all(isinstance(port, StrainPort | DistributedPort) for port in ports):
+                raise ValueError("energy_per_cycle: is of a material that is strained; needs ports of strain alone")
         return self
 
     @model_validator(mode="after")
