@@ -49,7 +49,8 @@ BEST_DIAGONAL = "best_diagonal"
 MATERIAL = "material"
 """What the energy per cycle of the shell's material would allow, beside what the take-off finds in the waves."""
 RUNGS = (
-    "fixed", BEST_DIAGONAL, "best_damper", "best_damper_all_seas", "best_spring_damper", CONSTRAINED, "matched", MATERIAL
+    "fixed", BEST_DIAGONAL, "best_damper", "best_damper_all_seas", "best_spring_damper", CONSTRAINED, "matched",
+    MATERIAL,
 )  # fmt: skip
 """Power does not decrease along the levels of the waves, to `matched`, but that of one damper for all seas is at most
 that of the best one."""
@@ -303,8 +304,8 @@ def material_checks(pto: Pto, rungs: Sequence[Rung]) -> list[Check]:
         power, allowed = by[rung.design, rung.wave, "best_damper"].power_mean or 0.0, rung.power_mean or 1.0
         text = f"energy per cycle that the optimal damper takes from the shell at {power:.4g} W, where its material "
         text += f"would allow {allowed:.4g} W ({rung.note})"
-        where = {"design": rung.design, "wave": rung.wave}
-        checks.append(check_at_most("specific_energy", limit * power / allowed, limit, "J/kg", text, doubt=True, **where))
+        where, taken = {"design": rung.design, "wave": rung.wave}, limit * power / allowed
+        checks.append(check_at_most("specific_energy", taken, limit, "J/kg", text, doubt=True, **where))
     return checks
 
 

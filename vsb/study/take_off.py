@@ -327,7 +327,7 @@ class Pto(Section):
     design's best for the sum of all seas; best by linear theory, beside the spring. Without a damping it is `each`.
     `port: {ports: ...}` acts on several motions at once with a damper matrix; a file says `ports`, `damping` and
     `matrix` beside the other keys.
-    `energy_per_cycle` [J/kg] is what a kilogram of the shell's material converts in a cycle at most, of ports of strain.
+    `energy_per_cycle` [J/kg] is what a kilogram of the shell converts in a cycle at most, of ports of strain.
     `efficiency` [-] of both directions of power judges the dampers and springs of the control levels.
 
     The law in time: `linear`, whose force saturates at a force limit [N] if there is one; `saturated` insists on the
