@@ -14,7 +14,9 @@ from hydro.bodies.test_body import made, rigid
 from examples import barge
 from vsb.errors import ConfigError
 from vsb.hydro.bodies import files
+from vsb.hydro.bodies.build import build_body
 from vsb.hydro.panels.mesh import revolved
+from vsb.study.body import BodyFile
 from vsb.tools import bounded
 
 LABELS = ("Heave", "Pitch")
@@ -263,11 +265,25 @@ def test_gdf_notes_ignored_lines_and_refuses_feet_and_short_files(tmp_path):
         "2 lines behind the panels of the GDF ignored"
     )
     (tmp_path / "feet.gdf").write_text(gdf(32.174))
-    with pytest.raises(ConfigError, match=r"feet.gdf:2: GRAV: received 32.174, which is in feet; needs water.gravity"):
+    with pytest.raises(ConfigError, match=r"feet.gdf:2: GRAV: received feet; needs metres here"):
         files.read_body(tmp_path / "feet.gdf", tmp_path / "modes.nc", 9.81)
     (tmp_path / "short.gdf").write_text(gdf().rpartition("\n")[0])
     with pytest.raises(ConfigError, match=r"short.gdf: cannot be read as a mesh \(NPAN is \d+, but \d+ panels follow"):
         files.read_mesh(tmp_path / "short.gdf")
+
+
+def test_gdf_in_feet_is_scaled_where_its_displacements_are_made(tmp_path):
+    """A box of 4 x 2 x 1 feet weighs its displaced water; GRAV of neither unit is refused."""
+    (tmp_path / "feet.gdf").write_text(gdf(32.174))
+    file = BodyFile(body="feet", mesh="feet.gdf", modes=["Heave"], mass="displaced", omega=[1.0])
+    made = build_body(file, {"mesh": tmp_path / "feet.gdf"})
+    assert made.mass[0, 0] == pytest.approx(1025.0 * 8 * 0.3048**3, rel=1e-9)
+    assert "GRAV is in feet" in made.history
+    (tmp_path / "feet.gdf").write_text(gdf(3.7))
+    with pytest.raises(
+        ConfigError, match=r"feet.gdf:2: GRAV: received 3.7; needs water.gravity, 9.81 m/s\^2, or that in"
+    ):
+        build_body(file, {"mesh": tmp_path / "feet.gdf"})
 
 
 def test_files_of_salome_are_refused(tmp_path):

@@ -156,7 +156,7 @@ def test_bodies_beside_each_other_are_accepted(shift, tmp_path):
     [
         (boxes((1.0, 0.5, 0.0)), r"mesh: \d+ panels of float lie inside spar or on its wall, the first at \("),
         (boxes((0.2, 0.1, 0.0), (1.0, 0.8, 0.5)), r"mesh: \d+ panels of spar lie inside float"),
-        (boxes((4.0, 0.0, 0.0)), r"mesh: panel \d+ at \(2, .*\) is there twice; needs bodies apart"),
+        (boxes((4.0, 0.0, 0.0)), r"mesh: panel \d+ at \(2, .*\) is there twice; needs it once"),
         (two(disc_and_walls((3.0, 5.0), 48), disc_and_walls((0.0, 3.0), 36)), r"of ring|of float lie inside spar"),
     ],
     ids=["overlapping", "inside", "shared wall", "round walls of one radius"],

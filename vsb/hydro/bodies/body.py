@@ -280,7 +280,7 @@ def check_apart(body: FlexibleBody) -> None:
     _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
     if (twice := first[count > 1]).size:
         at = text_of(body.centres[twice[0]])
-        raise ConfigError(f"mesh: panel {twice[0]} at {at} is there twice; needs bodies apart, water between them")
+        raise ConfigError(f"mesh: panel {twice[0]} at {at} is there twice; needs it once, and bodies apart")
     part, normal = body.part, body.vector_areas
     before = body.centres + _BEFORE * normal / np.sqrt(np.linalg.norm(normal, axis=1, keepdims=True))
     for one, other in permutations(range(body.part_count), 2):
@@ -288,8 +288,8 @@ def check_apart(body: FlexibleBody) -> None:
         if inside.any():
             raise ConfigError(
                 f"mesh: {np.count_nonzero(inside)} panels of {_name(body, one)} lie inside {_name(body, other)} or on "
-                f"its wall, the first at {text_of(body.centres[part == one][inside][0])}; needs bodies apart, water "
-                "between them"
+                f"its wall, the first at {text_of(body.centres[part == one][inside][0])}; needs bodies with water "
+                "between them, and of a hollow hull the outer surface alone"
             )
 
 

@@ -34,7 +34,8 @@ _LARGEST = {
 """Bounds of displacements per unit amplitude [-], their second-order part [1/m], the centre of mass [m], mass and
 stiffness [kg, N/m]."""
 _HEADER = 4  # lines of a GDF: title, ULEN GRAV, ISX ISY, NPAN
-_FEET = (32.0, 32.3)  # GRAV of a GDF in feet/s^2
+FOOT = 0.3048
+"""A foot [m]."""
 _MATRICES = {
     "mass": "inertia_matrix", "stiffness": "structural_stiffness", "centre_of_mass": "centre_of_mass",
     "second_order": "second_order",
@@ -160,14 +161,25 @@ def read_gdf(path: Path) -> Gdf:
     return Gdf("\n".join([*lines[:_HEADER], *rows]), float(lines[1].split()[1]), ignored)
 
 
-def _check_gravity(path: Path, found: float, gravity: float) -> None:
-    """Raise `ConfigError` if GRAV of a GDF shows that its lengths are not metres, in water of a gravity [m/s^2]."""
-    if abs(found / gravity - 1) > 0.01:
-        unit = "which is in feet" if _FEET[0] < found < _FEET[1] else "another unit of length or another planet"
-        raise ConfigError(
-            f"{path}:2: GRAV: received {found:g}, {unit}; needs water.gravity, {gravity:g} m/s^2: convert the mesh, "
-            "and its displacements, to metres"
-        )
+def length_unit(mesh: str | Path, gravity: float) -> float:
+    """Return the unit of length of a mesh [m]: that of a GDF whose GRAV is in feet/s^2 is 0.3048, all others are 1.
+
+    Raises
+    ------
+    ConfigError
+        If GRAV is that of water of a gravity [m/s^2] in neither unit.
+    """
+    path = Path(mesh)
+    if path.suffix.lower() != ".gdf":
+        return 1.0
+    found = read_gdf(path).gravity
+    for unit in (1.0, FOOT):
+        if abs(found * unit / gravity - 1) <= 0.01:
+            return unit
+    raise ConfigError(
+        f"{path}:2: GRAV: received {found:g}; needs water.gravity, {gravity:g} m/s^2, or that in feet: convert the "
+        "mesh to metres"
+    )
 
 
 def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None) -> FlexibleBody:
@@ -186,7 +198,11 @@ def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None)
     """
     vertices, faces = read_mesh(mesh)
     labels, values, by_vertex, known = _displacements(modes, (len(vertices), len(faces)), mesh)
-    kept, notes = panels_with_area(mesh, vertices, faces, gravity)
+    if gravity and length_unit(mesh, gravity) != 1:
+        raise ConfigError(
+            f"{mesh}:2: GRAV: received feet; needs metres here, as the unit of the displacements is unknown"
+        )
+    kept, notes = panels_with_area(mesh, vertices, faces)
     faces, values = faces[kept], values if by_vertex else values[:, kept]
     try:
         if wet := wetted(vertices, faces):
@@ -211,22 +227,11 @@ def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None)
     return with_gaps_noted(body)
 
 
-def panels_with_area(
-    mesh: str | Path, vertices: FloatArray, faces: IntArray, gravity: float | None = None
-) -> tuple[IntArray, list[str]]:
-    """Return which panels of a mesh file have an area, shape (panel,), and notes on what is dropped.
-
-    Raises
-    ------
-    ConfigError
-        If the file is a GDF whose lengths are not metres, in water of a gravity [m/s^2].
-    """
+def panels_with_area(mesh: str | Path, vertices: FloatArray, faces: IntArray) -> tuple[IntArray, list[str]]:
+    """Return which panels of a mesh file have an area, shape (panel,), and notes on what is dropped or ignored."""
     kept, notes = np.flatnonzero(~without_area(vertices, faces)), list[str]()
     if (path := Path(mesh)).suffix.lower() == ".gdf":
-        gdf = read_gdf(path)
-        notes.append(gdf.note)
-        if gravity:
-            _check_gravity(path, gdf.gravity, gravity)
+        notes.append(read_gdf(path).note)
     if dropped := len(faces) - len(kept):
         notes.append(f"panels without area dropped: {dropped} of {len(faces)}")
     return kept, notes

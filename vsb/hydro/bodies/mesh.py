@@ -109,6 +109,8 @@ class Gaps(NamedTuple):
     beside: IntArray  # (n, 2): panels on both sides of such gaps
     open: FloatArray  # (edge, 2, xyz) [m]: edges that have no other beside them
     turned: FloatArray  # (edge, 2, xyz) [m]: edges along which panels face opposite ways
+    low: FloatArray  # (xyz) [m]: least and largest coordinates of the panels
+    high: FloatArray
 
 
 def panel_edges(corners: IntArray) -> tuple[IntArray, IntArray]:
@@ -151,8 +153,9 @@ def gaps(vertices: FloatArray, corners: IntArray, surface: float) -> Gaps:
     below = (vertices[edges][..., 2] < surface).any(axis=1)
     ends, panel = vertices[edges[below]], panel[below]
     turned = vertices[edges[np.abs(net) >= 2]]
+    low, high = (end(vertices[corners], axis=(0, 1)) for end in (np.min, np.max))
     if not len(ends):
-        return Gaps(0.0, np.zeros(3), np.empty((0, 2), dtype=int), ends, turned)
+        return Gaps(0.0, np.zeros(3), np.empty((0, 2), dtype=int), ends, turned, low, high)
     length, width = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), np.full(len(ends), np.inf)
     middle = ends.mean(axis=1)
     near, joins = cKDTree(middle).query_pairs(1.1 * float(length.max()), output_type="ndarray"), []
@@ -167,20 +170,21 @@ def gaps(vertices: FloatArray, corners: IntArray, surface: float) -> Gaps:
         joins.append(np.column_stack([panel[a[beside]], panel[b[beside]]]))
     matched = np.isfinite(width)
     widest = int(np.argmax(np.where(matched, width, -1.0)))
-    return Gaps(float(width[widest]), middle[widest], np.concatenate(joins), ends[~matched], turned)
+    return Gaps(float(width[widest]), middle[widest], np.concatenate(joins), ends[~matched], turned, low, high)
 
 
 def check_closed(found: Gaps) -> None:
     """Raise `ConfigError`, which says where, if a surface is open or its panels are turned against each other."""
     if len(found.turned):
         raise ConfigError(
-            f"mesh: the panels on both sides of the edge at {text_of(found.turned[0].mean(axis=0))} list their corners "
-            "in opposite order; needs all normals into the water: turn one of them"
+            f"mesh: panels at the edge at {text_of(found.turned[0].mean(axis=0))} list their corners in opposite "
+            "order, or are there twice; needs each panel once and all normals into the water: turn or delete one"
         )
     if not len(ends := found.open):
         return
     on = np.abs(ends).max(axis=1)[:, :2] < 1e-6 * np.abs(ends).max()
-    if on.any(axis=1).all():
+    beside = on.any(axis=0) & (np.minimum(-found.low, found.high)[:2] < 1e-6 * np.abs(ends).max())  # on one side of it
+    if on[:, beside].any(axis=1).all():
         names = " and ".join(f"{name} = 0" for k, name in enumerate("xy") if (on[:, k] & ~on[:, 1 - k]).any())
         raise ConfigError(
             f"mesh: open along {names}, where {len(ends)} edges belong to one panel only: a half or quarter of a body; "
@@ -189,7 +193,7 @@ def check_closed(found: Gaps) -> None:
     longest = int(np.argmax(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
     raise ConfigError(
         f"mesh: open at {text_of(ends[longest].mean(axis=0))}: {len(ends)} edges below z = 0 belong to one panel only; "
-        "needs a surface that is closed below z = 0: add the panels that lack, or let corners meet"
+        "needs a surface that is closed below z = 0: add missing panels, let corners meet, or delete a wall inside"
     )
 
 

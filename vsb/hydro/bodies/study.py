@@ -143,7 +143,8 @@ def check_solvable(study: BodyFile, body: FlexibleBody) -> None:
         needed = np.sqrt(2 * np.pi * water.gravity * _COARSEST / longest)  # in deep water, as for such waves
         raise ConfigError(
             f"omega: received {study.omega[-1]:g} rad/s, whose waves are {shortest:.3g} m long and the largest panel "
-            f"{longest:.3g} m; needs at most {needed:.3g} rad/s: smaller panels or lower frequencies"
+            f"{longest:.3g} m of a body of {body.size:.3g} m; needs at most {needed:.3g} rad/s: smaller panels, lower "
+            "frequencies, or a mesh in metres"
         )
 
 
