@@ -141,15 +141,6 @@ def test_small_motion_is_linear(assumed):
     assert np.all(np.abs(slopes - 2.0) < 0.1), slopes
 
 
-def test_stiff_shell_is_rigid(assumed):
-    rigid, study = scene(assumed, "FSB")
-    motion = simulate(System.of(rigid), NO_WAVES, study.simulation, None)[0]
-    stiff, study = scene(assumed, "VSWEC", device={"young_modulus": 1e15})
-    flexible = simulate(System.of(stiff), NO_WAVES, study.simulation, None)[0]
-    every = [m.position[:: (len(m.time) - 1) // 4800, 0] for m in (motion, flexible)]
-    assert np.abs(every[0] - every[1]).max() < 1e-6 * np.abs(every[0]).max()
-
-
 def test_free_fall_and_splash(assumed):
     """From 3 m above the water: free fall until the keel touches, then a splash."""
     plant, _ = undamped(assumed, "FSB")

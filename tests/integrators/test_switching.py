@@ -160,17 +160,6 @@ def test_law_without_limits_equals_the_linear_take_off(shell, law):
     assert motion.forces["pto"] == pytest.approx(force, abs=1e-10)
 
 
-@pytest.mark.parametrize("name", ["end stop", "latching within a force"])
-def test_energy_audit_closes_for_three_modes_with_radiation_memory(shell, name):
-    law, stop = (part and replace(part, direction=np.array([1.0, 0.3, -0.2])) for part in LAWS[name])
-    law = replace(law, limit=law.limit / 20)  # of the size of this scene's forces
-    forces = {**shell.forces, "pto": law} | ({"end_stop": replace(stop, stroke=0.05)} if stop else {})
-    system = System.of(replace(shell, forces=forces))
-    motion, switches = switched(system, np.linspace(0.0, 20.0, 1001), (np.zeros(3), np.zeros(3)))
-    assert switches > 5
-    assert residual(energies(system, motion)) < 1e-7
-
-
 def test_coulomb_friction_decay_has_its_closed_form():
     """2 y'' + 50 y = -F sign y': every half swing ends 2 F/50 closer to zero, until the spring cannot overcome F."""
     system = oscillator(TakeOff(B, np.inf, limit=3.0), waves=None, drag=0.0)

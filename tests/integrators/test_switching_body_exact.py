@@ -8,7 +8,6 @@ from conftest import springs
 from scipy.integrate import solve_ivp
 
 from vsb.integrators.audit import energies, residual
-from vsb.integrators.exponential import integrate
 from vsb.integrators.switching import Switching, switched
 from vsb.motion.builders import assumed_pressure_scene
 from vsb.motion.forces import AssumedPressure, EndStop, TakeOff
@@ -37,20 +36,6 @@ def scene(seed, degree, law=None, stop=None, damping=0.0):
     laws = {"pto": law, "end_stop": stop}
     forces = {name: replace(force, direction=port) for name, force in laws.items() if force}
     return replace(found, forces={**found.forces, **forces})
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("degree", [2])
-def test_unlimited_law_equals_the_smooth_damper(seed, degree):
-    """By the exponential Adams method at 1e-11."""
-    time = np.linspace(0.0, DURATION, 101)
-    smooth = scene(seed, degree, damping=8e3)
-    expected, _ = integrate(System.of(smooth), time, smooth.start(*START), 1e-11)
-    found, switches = switched(System.of(scene(seed, degree, TakeOff(B, 8e3))), time, smooth.start(*START), 1e-8)
-    assert switches >= 3
-    for part in ("position", "velocity", "acceleration"):
-        scale = np.abs(getattr(expected, part)).max()
-        assert getattr(found, part) == pytest.approx(getattr(expected, part), abs=1e-8 * scale)
 
 
 @pytest.mark.parametrize("name", [pytest.param("saturated", marks=pytest.mark.slow), "end stop"])

@@ -6,7 +6,7 @@ from conftest import varied
 from results.test_year import climate
 from scenes.test_ports import water
 
-from vsb.results.member import CURVES, MATRICES, OF_DESIGNS, TRIED, member
+from vsb.results.member import CURVES, MATRICES, OF_DESIGNS, TRIED, DampedYears, member
 from vsb.results.year import band_weights, year
 from vsb.scenes.ports import ShapeWater, design_ports, designs_in_waves
 from vsb.scenes.rest import reference_shell
@@ -67,6 +67,18 @@ def test_interval_of_a_gain_contains_the_errors_of_both_designs(study, found):
         assert bool((one.gain_percent - one.gain_low >= least).all() or design == "FSB")
         ratio = one.annual_mean_power / reference.annual_mean_power
         np.testing.assert_allclose(one.gain_percent, 100 * (ratio - 1), atol=1e-10)
+
+
+def test_relative_errors_of_two_powers_add_up_in_the_interval_of_their_ratio(study, shared, seas):
+    """Of the quadrature alone; the gain is 100 (P/P_0 - 1)."""
+    waves = designs_in_waves(study, reference_shell(study), shared)
+    values = DampedYears(seas, TUNINGS)(study, waves)
+    power, error, low, high = (
+        np.asarray(values[name][1]) for name in ("annual_mean_power", "quadrature_error", "gain_low", "gain_high")
+    )
+    relative, ratio = error / power, power / power[0]
+    assert np.abs(ratio[1] - 1).max() > 0.1
+    np.testing.assert_allclose((high - low)[1:], 200 * ((relative + relative[0]) * ratio)[1:], rtol=1e-4, atol=1e-12)
 
 
 def test_unstable_designs_have_no_values(study, shared, seas, found):
