@@ -11,10 +11,11 @@ from vsb.integrators.audit import energies, residual
 from vsb.integrators.switching import Switching, switched
 from vsb.motion.builders import assumed_pressure_scene
 from vsb.motion.forces import AssumedPressure, EndStop, TakeOff
-from vsb.motion.port import LinearPto
+from vsb.motion.port import LinearPto, port_direction
 from vsb.motion.system import System
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis, rigid_basis
+from vsb.study.take_off import StrainPort
 
 B, START, DURATION = np.ones(1), (0.1, 0.2), 5.0
 LAWS = {
@@ -73,6 +74,25 @@ def test_energy_audit_closes_and_forces_balance(seed, name):
     if stop:  # without losses V sqrt(m/k)
         lossless = np.abs(motion.velocity[:, 0]).max() * np.sqrt(one.mass[0, 0] / stop.stiffness)
         assert 0.3 * lossless < np.abs(motion.position[:, 0]).max() - stop.stroke < lossless
+
+
+@pytest.mark.parametrize("name", ["coulomb", pytest.param("latching", marks=pytest.mark.slow)])
+def test_energy_audit_closes_at_a_port_of_strain(seed, name):
+    """Tension against the change of area, of friction [N/m] or latched: the shell strains in steps."""
+    law = {"coulomb": TakeOff(B, np.inf, limit=100.0), "latching": TakeOff(B, 2e3, pause=0.1)}[name]
+    one = scene(seed, 2, law)
+    shape = one.water.shell
+    area = port_direction(StrainPort(strain="area"), DeformedShell(shape.basis, shape.centre_height, one.water.rest))
+    one = replace(one, forces={**one.forces, "pto": replace(law, direction=area)})
+    system, time = System.of(one), np.linspace(0.0, 1.0, 101)
+    y, rate = one.start(*START)
+    motion, switches = switched(system, time, (one.rest + y, rate), 1e-7)
+    energy = energies(system, motion)
+    assert switches >= 3
+    assert residual(energy) < 1e-6
+    assert energy["pto"][-1] > 0
+    if name == "coulomb":
+        assert np.abs(motion.forces["pto"] @ area / (area @ area)).max() <= law.limit * (1 + 1e-9)
 
 
 @pytest.mark.slow

@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.harmonic_balance import harmonic_balance, steady_power
+from vsb.motion.shell_forces import ElasticForce
 from vsb.scenes.automatic import RIGID, Description, Scenes, chosen, linear_power, motion_ladder, truncated
-from vsb.scenes.rest import study_basis
+from vsb.scenes.rest import reference_shell, rubber_shell, study_basis
 from vsb.shell.deformed import DeformedShell
+from vsb.study.study import parse
 from vsb.waves.seas import sea
 
 DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}, "VSWEC0": {"clamp": 0}}
@@ -123,3 +125,27 @@ def test_memory_in_a_high_long_wave_is_judged_body_exact(scenes_of):
     whole = steady_power(scenes.system(scenes.full), 1e-8, scenes.buoy.spectrum.transfer)
     assert choice.description.body_exact
     assert abs(scenes.power(choice.description) / whole - 1) <= choice.error
+
+
+def test_the_model_chosen_for_rubber_is_exact_where_its_stretch_counts(seed, buoy_of, radiation_of):
+    """Small waves leave an inflated shell linear about its rest; in high ones rubber and water are exact."""
+    device = {
+        "radius": 2.0, "thickness": 0.05, "density": 1100.0, "mass": 17170.0, "internal_pressure": 2.2e4,
+        "material": {"law": "neo_hookean", "mu": 1e6},
+    }  # fmt: skip
+    study = parse({
+        "study": "rubber", "device": device, "designs": {"VSWEC": {}}, "reference_shape": "equilibrium",
+        "modes": {"basis": "full", "degree": 2}, "hydro": {"model": "auto", "tolerance": 1e-2, "omega_max": 6.0},
+        "pto": {"damping": 8000.0}, "waves": [swell(1e-3, 4.0), swell(0.5, 4.0)],
+    })  # fmt: skip
+    basis, buoy = study_basis(study), buoy_of(study)
+    attrs = {"gravity": 9.81, "water_density": 1025.0, "water_depth": "inf"}
+    buoy = replace(buoy, database=buoy.database.assign_attrs(attrs))
+    shape, rubber = reference_shell(study, basis).shape, rubber_shell(study, basis)
+    ladder, memory = motion_ladder(study, basis, "VSWEC"), radiation_of(study)
+    seas = [sea(wave, study.hydro.omega_max, 60.0) for wave in study.waves]
+    small, high = (chosen(Scenes(buoy, shape, memory, one, ladder, study.simulation, rubber), 0.02) for one in seas)
+    assert not small.description.body_exact
+    assert high.description.body_exact
+    assert high.description.degree == RIGID or isinstance(high.scene.forces["elastic"], ElasticForce)
+    assert max(small.error, high.error) <= 0.02

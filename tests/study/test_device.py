@@ -257,7 +257,7 @@ def test_what_a_material_may_not_be(changes, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"hydro": {"model": "auto"}, "pto": {"damping": 8e3}}, "hydro.model 'auto': knows no rubber"),
+        ({"hydro": {"model": "assumed_pressure"}, "pto": {"damping": 8e3}}, "hydro.model 'assumed_pressure'"),
         (
             {
                 "hydro": {"model": "body_exact"},

@@ -15,6 +15,7 @@ import numpy as np
 
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.hydro.statespace import RadiationModel, truncated
+from vsb.integrators.collocation import collocated
 from vsb.integrators.exact import propagate, steady_state
 from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import steady_power
@@ -24,6 +25,7 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import Motion, System
 from vsb.scenes.rest import design_motions, motions_to_degree
 from vsb.shell.deformed import DeformedShell
+from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import ModeBasis
 from vsb.study.specs import Designed
 from vsb.study.study import Simulation
@@ -112,6 +114,7 @@ class Scenes:
     sea: Sea
     ladder: Mapping[int, FloatArray]
     settings: Simulation
+    rubber: LoadedShell | None = None  # the shell, if it is of rubber
 
     @property
     def full(self) -> Description:
@@ -122,7 +125,7 @@ class Scenes:
         """Return the scene of a description."""
         memory, motions = truncated(self.radiation, d.memory), self.ladder[d.degree]
         if d.body_exact:
-            return body_exact_scene(self.buoy, self.shape, memory, self.sea, motions)
+            return body_exact_scene(self.buoy, self.shape, memory, self.sea, motions, self.rubber)
         return linear_scene(self.buoy, memory, self.sea, motions)
 
     def system(self, d: Description) -> System:
@@ -154,8 +157,10 @@ class Scenes:
             begin, end = (min(part * period, share * end) for part, share in zip(RECORD, (0.25, 1.0), strict=True))
         time = np.linspace(0.0, end, int(np.ceil(end / self._sampling)) + 1)
         start = system.scene.start(self.settings.initial_position, self.settings.initial_velocity)
-        motion = propagate(system, time, start) if system.linear else integrate(system, time, start, PRECISION)[0]
-        return absorbed(system, motion, begin)
+        if system.linear:
+            return absorbed(system, propagate(system, time, start), begin)
+        follow = collocated if system.foreign else integrate  # compiled steps do not know rubber
+        return absorbed(system, follow(system, time, start, PRECISION)[0], begin)
 
     @property
     def _sampling(self) -> float:

@@ -125,7 +125,8 @@ def automatic_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     at = _from_bem(run, paths)
     (design,), (buoy, hydro) = run.designs, _buoy_of(run)
     ladder = automatic.motion_ladder(buoy, at.shape.basis, design)
-    scenes = automatic.Scenes(at.buoy, at.shape, at.radiation, at.sea, ladder, run.simulation)
+    rubber = rubber_shell(buoy, at.shape.basis)
+    scenes = automatic.Scenes(at.buoy, at.shape, at.radiation, at.sea, ladder, run.simulation, rubber)
     choice = automatic.chosen(scenes, hydro.power_tolerance or POWER_TOLERANCE)
     return at.with_scene(choice.scene, {**choice.notes, "choice_seconds": clock.perf_counter() - begun})
 

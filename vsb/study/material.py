@@ -99,8 +99,8 @@ def check_rubber(model: str, method: str, pto: Pto) -> None:
     ------
     ValueError
     """
-    if model not in ("linear", "body_exact"):
-        raise ValueError(f"hydro.model {model!r}: knows no rubber; needs linear or body_exact")
+    if model == "assumed_pressure":
+        raise ValueError(f"hydro.model {model!r}: knows no rubber; needs linear, body_exact or auto")
     if model == "body_exact" and method != "auto":
         raise ValueError(f"simulation.method {method!r}: cannot follow a shell of rubber; needs auto")
     if model == "body_exact" and pto.switches:
