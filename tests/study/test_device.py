@@ -257,7 +257,6 @@ def test_what_a_material_may_not_be(changes, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"hydro": {"model": "assumed_pressure"}, "pto": {"damping": 8e3}}, "hydro.model 'assumed_pressure'"),
         (
             {
                 "hydro": {"model": "body_exact"},
@@ -270,7 +269,7 @@ def test_what_a_material_may_not_be(changes, message):
             "with hydro.model 'body_exact' rubber cannot be followed beside a take-off that switches",
         ),
     ],
-    ids=["auto", "method", "switches"],
+    ids=["method", "switches"],
 )
 def test_what_cannot_follow_rubber(changes, message):
     device = {**RUBBER, "material": {"law": "neo_hookean", "mu": 1e6}}
