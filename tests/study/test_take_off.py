@@ -103,6 +103,13 @@ def test_still_water_needs_a_given_damping(seed, tuning, wave):
     varied(study, pto={"damping": 8000.0}).check_dampers()
 
 
+def test_a_damper_matrix_is_a_damping_given(seed):
+    ports = {"a": "heave", "b": {"strain": "area"}}
+    study = varied(seed, pto={"ports": ports, "damping": [[2e4, 0.0], [0.0, 1e3]]})
+    study.check_dampers()
+    assert study.pto.tuning == "fixed"
+
+
 @pytest.mark.parametrize(
     ("rows", "passive"),
     [

@@ -202,12 +202,30 @@ class Port:
         return 0.5 * c * abs(self.impedance * self.velocity) ** 2 / abs(self.impedance + c) ** 2
 
 
-def ports(shell: Shell, period: float, degree: int, basis: str = "full", clamp: bool = False) -> tuple[Port, Port]:
-    """Rigid and flexible buoy. A `clamp` holds the shell at the equator to the frame, whose heave is the port's."""
+@dataclass(frozen=True)
+class Motion:
+    """The equation of motion at one frequency, -w^2 (M + A) - i w (B + D) + K, over heave and shell motions."""
+
+    omega: float
+    modes: np.ndarray  # in coordinates (radial 0..N, meridional 0..N) (coordinate, motion)
+    dynamic: np.ndarray  # (motion, motion)
+    force: np.ndarray  # of a wave of unit amplitude (motion,)
+
+    def network(self, ports: np.ndarray, free: slice = slice(None)) -> tuple[np.ndarray, np.ndarray]:
+        """Free velocities and admittances of ports, the columns over the motions, of which some may be held."""
+        dynamic, b = self.dynamic[free, free], ports[free]
+        scaling = 1 / np.sqrt(np.abs(np.diag(dynamic)))
+        right = np.column_stack([self.force[free], b]) * scaling[:, None]
+        solved = scaling[:, None] * np.linalg.solve(scaling[:, None] * dynamic * scaling, right)
+        answer = -1j * self.omega * b.T @ solved
+        return answer[:, 0], answer[:, 1:]
+
+
+def motion(shell: Shell, period: float, degree: int, basis: str = "full", clamp: bool = False) -> Motion:
+    """Heave and shell in waves of a period. A `clamp` holds the shell at the equator to the frame."""
     omega = 2 * np.pi / period
     a, rho = shell.radius, shell.water
-    wavenumber = omega**2 / GRAVITY
-    water = radiation(wavenumber * a, degree)
+    water = radiation(omega**2 / GRAVITY * a, degree)
     size = degree + 1
     added, damping, excitation = np.zeros((2 * size, 2 * size)), np.zeros((2 * size, 2 * size)), np.zeros(2 * size) * 0j
     added[:size, :size] = water.added_mass * rho * a**3
@@ -227,22 +245,46 @@ def ports(shell: Shell, period: float, degree: int, basis: str = "full", clamp: 
     mass[0, 0] = shell.total_mass
     added, damping = modes.T @ added @ modes, modes.T @ damping @ modes
     still = modes.T @ shell.hydrostatics(degree) @ modes
-    force = modes.T @ excitation
     loss = shell.beta * elastic
     dynamic = -(omega**2) * (mass + added) - 1j * omega * (damping + loss) + elastic + still
-    speed = omega / (2 * wavenumber)
-    limit = 0.5 * rho * GRAVITY * speed / wavenumber
+    return Motion(omega, modes, dynamic, modes.T @ excitation)
+
+
+def ports(shell: Shell, period: float, degree: int, basis: str = "full", clamp: bool = False) -> tuple[Port, Port]:
+    """Rigid and flexible buoy, whose heave is the port's."""
+    found = motion(shell, period, degree, basis, clamp)
+    wavenumber = found.omega**2 / GRAVITY
+    limit = 0.5 * shell.water * GRAVITY * found.omega / (2 * wavenumber) / wavenumber
+    heave = np.eye(len(found.force), 1)
 
     def port(count: int) -> Port:
-        scaling = 1 / np.sqrt(np.abs(np.diag(dynamic[:count, :count])))
-        scaled = scaling[:, None] * dynamic[:count, :count] * scaling
-        unit = np.zeros(count)
-        unit[0] = 1
-        right = np.column_stack([unit, force[:count]]) * scaling[:, None]
-        answer = -1j * omega * (scaling[:, None] * np.linalg.solve(scaled, right))[0]
-        return Port(1 / answer[0], answer[1], limit)
+        velocity, admittance = found.network(heave, slice(count))
+        return Port(1 / admittance[0, 0], velocity[0], limit)
 
-    return port(1), port(modes.shape[1])
+    return port(1), port(len(found.force))
+
+
+def strain_port(shell: Shell, degree: int, kind: str, belt: tuple[float, float] = (0.0, 180.0)) -> np.ndarray:
+    """Change of area (m), or mean hoop strain of a belt (1/m), by the coordinates (radial 0..N, meridional 0..N).
+
+    Strains of a sphere: hoop (v + u cot phi)/r, meridional (v + du/dphi)/r, which with the surface element
+    2 pi r^2 sin phi dphi give an area 8 pi r per metre of breathing, of all other degrees none.
+    """
+    size = degree + 1
+    found = np.zeros(2 * size)
+    if kind == "area":
+        found[0] = 8 * np.pi * shell.radius
+        return found
+    t, weight = leggauss(4 * degree + 40)
+    low, high = np.deg2rad(belt)
+    phi, weight = (low + high) / 2 + (high - low) / 2 * t, weight * (high - low) / 2
+    s, c = np.sin(phi), np.cos(phi)
+    p = legendre(c, degree)
+    slope = np.zeros_like(p)
+    slope[1:] = np.arange(1, size)[:, None] * (c * p[1:] - p[:-1]) / s
+    whole = shell.radius * (weight @ s)
+    found[:size], found[size:] = p @ (weight * s) / whole, slope @ (weight * c) / whole
+    return found
 
 
 def gain(shell: Shell, period: float, degree: int, basis: str = "full", clamp: bool = False) -> float:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
+from verification.conftest import SEED
 from verification.multipoles import GRAVITY, Shell
 from verification.transient import Pausing, coulomb, drag, excitation, heave, linear, saturated
 
@@ -98,3 +99,55 @@ def test_drag(agree, run):
     agree("quadratic drag", "power of a damper beside it", row["power_mean"], wanted, 5e-3)
     free = settled(linear(15000.0), lambda v: 15000 * v**2, 3.3, 0.4)
     assert wanted < 0.9 * free  # else the drag would not have been tested
+
+
+def test_record(agree, run, folder):
+    """A measured sea from rest, 50 s: every harmonic drives Cummins' equation with its own excitation and phase."""
+    step, count = 0.25, 240
+    time, harmonic = step * np.arange(count), np.arange(count)
+    draw = np.random.default_rng(7)
+    inside = (harmonic > 11) & (harmonic < 31)  # 1.2 to 3.2 rad/s
+    waves = np.where(inside, draw.normal(size=count) * 0.01, 0.0) * np.exp(2j * np.pi * draw.random(count))
+    omega = 2 * np.pi * harmonic / (step * count)
+    elevation = (waves * np.exp(-1j * np.outer(time, omega))).sum(axis=1).real
+    lines = [f"{t:.4f},{e:.12f}" for t, e in zip(time, elevation, strict=True)]
+    (folder / "record.csv").write_text("\n".join(["time [s],elevation [m]", *lines]) + "\n", encoding="utf-8")
+
+    sample = np.fft.rfft(elevation)[: count // 2]  # again from the file's samples, conjugated: C1
+    driven = {k: 2 * np.conj(sample[k]) / count * excitation(SHELL, 2 * np.pi / omega[k]) for k in harmonic[inside]}
+
+    def force(t: float) -> float:
+        return float(sum((f * np.exp(-1j * omega[k] * t)).real for k, f in driven.items()))
+
+    wave = {"kind": "record", "file": str(folder / "record.csv")}
+    times = {"duration": 50.0, "window": [10.0, 50.0]}
+    results = run("record", waves=[wave], pto={"damping": 8000.0}, simulation=times, **RIGID)
+    found = results.trajectory("FSB")
+    at, position, *_ = heave(SHELL, linear(8000.0), 50.0, 0.02, force)
+    moved = found["position"].sel(dof="Heave")
+    agree("records of the sea", "motion over 50 s", np.interp(at, found["time"], moved), position, 1e-2)
+
+
+def test_spreading(agree, run):
+    """A surging buoy in a short-crested sea over the long-crested one: cos^2 over the energy of all directions.
+
+    A damper of any size absorbs S(w) D(b) cos^2 b P(w) of each direction b: the double sum of D(b) cos^2 b, D the
+    density cos^2s of half the angle, whatever the buoy's response is.
+    """
+    spread, wave = 8, {"kind": "jonswap", "hs": 0.1, "tp": 3.5, "seed": 1}
+    device = {"centre_of_mass": -0.5, "ballast_inertia": 5.0e3}
+    sections = {
+        "device": {**SEED["device"], **device},
+        "motion": "planar",
+        "mooring": [2.0e4, 0, 0, 0, 0, 0],
+        "pto": {"damping": 9000.0, "port": "surge"},
+        "simulation": {"duration": 300.0, "window": [100.0, 300.0]},
+    }
+    seas = [wave, {**wave, "spreading": {"s": spread, "directions": 15}}]
+    rows = run("spread", waves=seas, **sections, **RIGID).ladder.query("rung == 'fixed'")
+    long_crested, short_crested = rows.power_mean
+    angle = np.linspace(-np.pi, np.pi, 20001)
+    density = np.cos(angle / 2) ** (2 * spread)
+    share = np.sum(density * np.cos(angle) ** 2) / np.sum(density)
+    agree("short-crested seas", "power at a surging port, s = 8", short_crested / long_crested, share, 2e-2)
+    assert share < 0.85

@@ -29,7 +29,11 @@ MARGIN = 1e-6
 FINEST = 1e-4
 """Step at which the climb ends, in the logarithm of the damper: power is then exact to the step's square and better."""
 SETTLED = 1e-8
-"""Newton step [-] after which the next one is round-off."""
+"""Newton step [-] after which the next one is round-off.
+
+Where power is flat round-off moves the optimal damper by as much, and with it, in proportion to the slope there, the
+power of a run in time, whose own optimum is another one.
+"""
 STEPS = 200
 """Most steps of a climb: few are needed but on long narrow ridges."""
 

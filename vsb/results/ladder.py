@@ -129,7 +129,7 @@ def study_ladder(study: LadderSpec, database: str) -> list[Rung]:
         rungs += constrained_rungs(study, floating, seas)
         designs, labels = list(study.designs), list(seas)
         rungs.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
-    left_out = modes_left_out(buoy, pairs) if buoy else xr.Dataset()
+    left_out = modes_left_out(buoy, pairs, families) if buoy else xr.Dataset()
     rungs = with_errors(rungs, floating, pairs, study.reference_design, left_out)
     return [*rungs, *material_rungs(study, floating, seas, rungs)]
 
@@ -494,8 +494,7 @@ def _by_modes(left_out: xr.Dataset, rung: Rung, name: str, size: float) -> list[
     """What modes left out may change of a `power` or a `gain`; nothing where it is not known, or zero."""
     if name not in left_out:
         return []
-    take_off = {"fixed": "given", "best_spring_damper": "optimal_spring"}.get(rung.rung, "optimal")
-    ends = left_out[name].sel(design=rung.design, wave=rung.wave, take_off=take_off)
+    ends = left_out[name].sel(design=rung.design, wave=rung.wave, take_off=rung.rung)
     low, high = (size * float(end) for end in ends)
     return [Source(MODES, low, high)] if low or high else []
 

@@ -33,7 +33,9 @@ ENDS = ("low", "high")
 """Of a range about zero: the value with all modes less the one computed."""
 
 
-def modes_left_out(study: BuoySystem, seas: Sequence[tuple[Wave, Sea]]) -> xr.Dataset:
+def modes_left_out(
+    study: BuoySystem, seas: Sequence[tuple[Wave, Sea]], families: Sequence[int] | None = None
+) -> xr.Dataset:
     """Return how far powers and gains may lie from those of a shell with all its modes.
 
     Parameters
@@ -41,6 +43,8 @@ def modes_left_out(study: BuoySystem, seas: Sequence[tuple[Wave, Sea]]) -> xr.Da
     study : BuoySystem
     seas : sequence of (Wave, Sea)
         Without still water.
+    families : sequence of int, optional
+        One sea of each, by index, that the damper for all seas is tuned to; by default all.
 
     Returns
     -------
@@ -56,7 +60,7 @@ def modes_left_out(study: BuoySystem, seas: Sequence[tuple[Wave, Sea]]) -> xr.Da
     """
     if not study.flexible or not knows_port(study) or not seas:
         return xr.Dataset()
-    convergence = ModeConvergence(study, tuple(directed(wave, sea) for wave, sea in seas))
+    convergence = ModeConvergence(study, tuple(directed(wave, sea) for wave, sea in seas), families)
     before, tried = convergence.powers(study.modes), list(convergence.powers_by_degree.values())
     power, gain = _relative(_bounds(before, tried), before), np.zeros((*before.shape, len(ENDS)))
     if (reference := study.reference_design) is not None:

@@ -48,8 +48,9 @@ MOST_FREQUENCIES = 128
 SAMPLED = 0.01
 """Relative error of a change with the degree by so few frequencies: 6e-3 with 24, 3e-4 with 40 [-]."""
 
-TAKE_OFFS = ("given", "optimal", "optimal_spring")
-"""The given damper, if there is one; the optimal damper of each design in each sea; the optimal damper and spring."""
+TAKE_OFFS = ("fixed", "best_damper", "best_spring_damper", "best_damper_all_seas", "matched")
+"""Control levels: the given damper, or the optimal one; the optimal damper of each design in each sea; the optimal
+damper and spring; one damper for all seas; any force."""
 JUDGED = 2
 """Number of take-offs, the first ones, whose powers are to be within the tolerance."""
 
@@ -98,6 +99,7 @@ class ModeConvergence:
 
     study: AnyBuoy
     seas: Sequence[Sea]
+    families: Sequence[int] | None = None  # one sea of each, by index, for the damper for all seas; else every sea
 
     @cached_property
     def _motion(self) -> Literal["heave", "planar"]:
@@ -171,8 +173,8 @@ class ModeConvergence:
             water = self._solved(reference.shape, max(1, modes.max_degree))
         else:
             water = self._undeformed_water
-        squares = self._sampled.squares
-        return powers_of_ports(self._ports(study, reference, water), study.pto, squares.reshape(len(squares), -1))
+        ports, squares = self._ports(study, reference, water), self._sampled.squares
+        return powers_of_ports(ports, study.pto, squares.reshape(len(squares), -1), self.families)
 
     def _ports(self, study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> dict[str, Port]:
         """Ports of the designs, in waves of one direction after the other.
@@ -264,7 +266,9 @@ class ModeConvergence:
         return max(self.powers_by_degree)
 
 
-def powers_of_ports(ports: Mapping[str, Port], pto: Pto, squares: FloatArray) -> FloatArray:
+def powers_of_ports(
+    ports: Mapping[str, Port], pto: Pto, squares: FloatArray, families: Sequence[int] | None = None
+) -> FloatArray:
     """Return mean powers of designs in seas under every take-off of `TAKE_OFFS`, (design, sea, take-off) [W].
 
     Parameters
@@ -273,16 +277,21 @@ def powers_of_ports(ports: Mapping[str, Port], pto: Pto, squares: FloatArray) ->
     pto : Pto
     squares : ndarray, shape (sea, omega) [m^2]
         Squared amplitudes.
+    families : sequence of int, optional
+        Seas whose plain sum the damper for all seas maximises; by default all.
     """
+    together = squares[list(families or range(len(squares)))].sum(axis=0, keepdims=True)
     found = []
     for design, port in ports.items():
         optimal = best_dampers(port, squares, pto.stiffness, pto.efficiency)
         sprung = best_pairs(port, squares, optimal, pto.efficiency).power
-        given, count, power = pto.damper(design), len(squares), optimal.power
+        one = float(best_dampers(port, together, pto.stiffness, pto.efficiency).damping[0])
+        given, stiffness = pto.damper(design), np.full(len(squares), pto.stiffness)
+        for_all = mean_power(port, squares, np.full(len(squares), one), stiffness, pto.efficiency)
+        fixed = optimal.power
         if given is not None:
-            damping, stiffness = np.full(count, given), np.full(count, pto.stiffness)
-            power = mean_power(port, squares, damping, stiffness, pto.efficiency)
-        found.append([power, optimal.power, sprung])
+            fixed = mean_power(port, squares, np.full(len(squares), given), stiffness, pto.efficiency)
+        found.append([fixed, optimal.power, sprung, for_all, squares @ port.matched_power])
     return np.asarray(found).swapaxes(1, 2)
 
 

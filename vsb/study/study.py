@@ -187,7 +187,7 @@ class BaseStudy(Section):
         ConfigError
         """
         for i, wave in enumerate(self.waves):
-            if self.tuning(wave) == "fixed" and self.pto.damping is None:
+            if self.tuning(wave) == "fixed" and not self.pto.has_damper:
                 raise ConfigError(
                     f"waves.{i} {wave.label}: still water has no optimal damping; needs pto.damping in "
                     f"{port_kind(self.pto.port).damping_unit}"

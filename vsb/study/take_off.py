@@ -393,6 +393,11 @@ class Pto(Section):
         given = self.damping.values() if isinstance(self.damping, dict) else [self.damping]
         return 0.0 in given
 
+    @property
+    def has_damper(self) -> bool:
+        """Whether a damper is given, or the damper matrix of several ports."""
+        return self.damping is not None or (isinstance(self.port, SeveralPorts) and self.port.damping is not None)
+
     def damper(self, design: str) -> float | None:
         """Return the damping given to a design [N s/m]; none where there is none."""
         return self.damping[design] if isinstance(self.damping, dict) else self.damping
