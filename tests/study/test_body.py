@@ -81,7 +81,7 @@ def test_body_file_brings_its_water(tmp_path):
     (tmp_path / "file.yaml").write_text("# of another name\n" + yaml.safe_dump({**body, "body": "other"}))
     assert located({**RAW, "body": "file.yaml"}, str(tmp_path / "raft.yaml")).study == found.study
     assert located({**RAW, "body": "file.yaml", "water": {"depth": 20}}, str(tmp_path / "raft.yaml")) == found
-    with pytest.raises(ConfigError, match=r"water: is not that of .*file.yaml; needs the same, or leave it"):
+    with pytest.raises(ConfigError, match=r"water: differs from that of .*file.yaml; needs the same, or none"):
         located({**RAW, "body": "file.yaml", "water": {"depth": 30.0}}, str(tmp_path / "raft.yaml"))
 
 

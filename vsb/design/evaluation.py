@@ -88,7 +88,7 @@ class DesignModel:
             raise ConfigError("device.damping.maxwell: received branches; derivatives of designs need none")
         if study.opens_chamber:
             raise ConfigError(
-                "pto.port: received 'volume' behind trapped gas; derivatives of designs need no device.gas"
+                "pto.port: received 'volume' with device.gas; a design needs another port, or no trapped gas"
             )
         if study.flexible and study.modes.basis != "full":
             raise ConfigError(f"modes.basis: received {study.modes.basis!r}; derivatives of designs need full")

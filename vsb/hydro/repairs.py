@@ -176,8 +176,8 @@ def repaired(ds: xr.Dataset, names: Sequence[str]) -> tuple[xr.Dataset, list[Che
         largest, limit = float(change.max()), LARGEST_CHANGE[name]
         if largest > limit:
             raise ConfigError(
-                f"hydro.repair: {name} would change {what}, by {largest:.2g} ({at}), needs at most {limit:g}: that is "
-                "no noise; needs other degrees of freedom, another hydro.omega_max, or coefficients solved again"
+                f"hydro.repair: {name} would change {what}, by {largest:.2g} ({at}), needs at most {limit:g}, "
+                "the size of noise: choose other degrees of freedom or hydro.omega_max, or solve the coefficients again"
             )
         checks.append(Check(f"repaired {name}", largest, limit, "-", "doubt", f"largest change of {what}; {at}"))
         ds = mended

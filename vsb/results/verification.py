@@ -168,8 +168,8 @@ def record_of(te: float, decay: float, settings: Simulation) -> Simulation:
     startup = max(STARTUP * te, DECAYS * decay)
     if startup > LONGEST * te:
         raise ConfigError(
-            f"verify: received motions that decay in {decay:.4g} s in a sea of Te {te:.3g} s, whose start-up no record "
-            f"outlasts; needs less than {LONGEST / DECAYS * te:.4g} s: device.damping or pto.damping"
+            f"verify: received motions that decay in {decay:.4g} s in a sea of Te {te:.3g} s, longer than a record "
+            f"lasts; needs less than {LONGEST / DECAYS * te:.4g} s: increase device.damping or pto.damping"
         )
     end, tolerance = startup + RECORD * te, max(settings.tolerance, TOLERANCE)
     record = {"duration": end, "window": (startup, end), "tolerance": tolerance}

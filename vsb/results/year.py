@@ -353,7 +353,7 @@ def year(
         low, high = (f(p.omega[k] for p in ports.values()) for f, k in ((max, 0), (min, -1)))
         raise ConfigError(
             f"climate {climate.name}: received {outside:.2%} of its variance outside {low:.4g} to {high:.4g} rad/s, "
-            f"which hydrodynamics are known in, needs at most {OUTSIDE:.0%}; raise hydro.omega_max"
+            f"the band of the hydrodynamics, needs at most {OUTSIDE:.0%}; raise hydro.omega_max"
         )
     here = [DesignYear(port, climate) for port in ports.values()]
     fine, coarse = (_absorbed(ports, years, tunings, given) for years in (here, [one.coarser() for one in here]))

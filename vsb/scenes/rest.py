@@ -365,8 +365,8 @@ def check_spring(study: Study, reference: ReferenceShell) -> None:
         yields = chamber + compliance(motions.T @ stiffness @ motions, allowed_part(direction, motions))
         if yields == np.inf and study.pto.stroke_limit < np.inf:
             raise ConfigError(
-                f"pto.stroke_limit: received {study.pto.stroke_limit:g} m, but nothing holds the port of design "
-                f"{design} at rest, from where it counts; needs a mooring that does"
+                f"pto.stroke_limit: received {study.pto.stroke_limit:g} m, but the port of design {design} has "
+                "no position of rest to measure it from; needs a mooring that holds it"
             )
         least = max(least, -1 / yields if yields > 0 else -np.inf)
     if not (study.pto.stiffness > least or study.pto.stiffness == least == 0.0):

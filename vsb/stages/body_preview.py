@@ -74,8 +74,8 @@ def checked_body(plan: BodyPlan) -> CheckedBody:
         yields = compliance(motions.T @ held @ motions, allowed_part(floating.port, motions))
         if yields == np.inf and study.pto.stroke_limit < np.inf:
             raise ConfigError(
-                f"pto.stroke_limit: received {study.pto.stroke_limit:g} m, but nothing holds the port of design "
-                f"{design} at rest, from where it counts; needs a mooring that does"
+                f"pto.stroke_limit: received {study.pto.stroke_limit:g} m, but the port of design {design} has "
+                "no position of rest to measure it from; needs a mooring that holds it"
             )
     for i, wave in enumerate(study.waves):
         check_wave(i, wave, body)

@@ -228,7 +228,7 @@ class BodyFile(Section):
                     f"modes: received {self.modes!r}; a {self.mesh.kind} needs rigid, or names such as Heave"
                 )
             if given:
-                raise ValueError(f"{given[0]}: stands in the file of modes; remove it, or use modes: rigid")
+                raise ValueError(f"{given[0]}: is given by the file of modes; remove it here, or use modes: rigid")
             return self
         named = self.rigid_motions
         if len(set(named)) < len(named) or not (named or self.families):
@@ -571,7 +571,7 @@ def load_body(path: str | Path) -> LocatedBody:
 def _of_a_mesh(study: BodyStudy, body: BodyFile, path: str, source: str, own_water: bool) -> LocatedBody:
     """A study of a body file, which stands at a path, in its water."""
     if own_water and study.water != body.water:
-        raise ConfigError(f"{source}: water: is not that of {path}; needs the same, or leave it to the body file")
+        raise ConfigError(f"{source}: water: differs from that of {path}; needs the same, or none here")
     files = {name: str(Path(path).parent / file) for name, file in body.paths.items()}
     known = {name: _contents([file], f"{path}: {name}") for name, file in files.items()}
     solved = body.model_copy(update={**known, "body": "body"})

@@ -175,7 +175,9 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"in time; needs at most {MOST_VERIFIED}, or no verify"
         )
     if campaign.constrained and "constrained" not in (campaign.tuning or ()):
-        raise ConfigError(f"{source}: constrained: received without that tuning; needs constrained among tuning")
+        raise ConfigError(
+            f"{source}: constrained: is used by the tuning of this name alone; add constrained to tuning, or remove it"
+        )
     if campaign.verify and campaign.tuning == ("constrained",):
         raise ConfigError(
             f"{source}: verify: received tuning constrained alone, whose forces are of no law in time; needs "
@@ -297,7 +299,7 @@ def _check_linear(study: Study, where: str) -> None:
             f"{where}: motion: received 'free'; the seas of a year have no directions: needs motion: heave or planar"
         )
     if study.drag is not None:
-        raise ConfigError(f"{where}: drag: a year is of linear theory, in which what waves do adds up; remove it")
+        raise ConfigError(f"{where}: drag: a year is computed by linear theory, which has no drag; remove it")
     if study.pto.efficiency != 1.0:
         raise ConfigError(f"{where}: pto.efficiency: received {study.pto.efficiency:g}; a year needs 1")
 

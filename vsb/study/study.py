@@ -467,14 +467,13 @@ class Study(Buoy, BaseStudy):
             )
         if self.opens_chamber and pto.switches:
             raise ValueError(
-                "pto.port 'volume': behind the gas of device.gas a take-off meets a flow without inertia, not the "
-                "shell's: a shut valve leaves the shell on the gas, and a force that jumps makes the flow jump; needs "
-                "law: linear without force_limit and stroke_limit, or no device.gas"
+                "pto.port 'volume': with device.gas the take-off drives gas without inertia, whose flow jumps where "
+                "the force does; needs law: linear without force_limit and stroke_limit, or no device.gas"
             )
         if method == "convolution" and (self.opens_chamber or self.device.damping.maxwell):
             raise ValueError(
-                "simulation.method 'convolution': knows no chamber's pressure and no viscous material beside the "
-                "motion's past; needs auto"
+                "simulation.method 'convolution': has neither trapped gas behind a volume port nor a viscous material; "
+                "needs auto"
             )
         if pto.switches and model == "auto":
             raise ValueError(

@@ -136,7 +136,10 @@ def test_heave_of_a_hemisphere_from_an_stl(stl, green_folder):
         ({"mass": 1.0, "density": 1.0}, "density: received both density and mass; needs one of them"),
         ({"radii_of_gyration": [1, 1, 1]}, "radii_of_gyration: received no mass; needs mass or density as well"),
         ({"modes": ["Heave", "Heave"]}, "needs at least one rigid motion, and none twice"),
-        ({"modes": "shapes.nc", "mass": 1.0}, "mass: stands in the file of modes; remove it, or use modes: rigid"),
+        (
+            {"modes": "shapes.nc", "mass": 1.0},
+            "mass: is given by the file of modes; remove it here, or use modes: rigid",
+        ),
         ({"mass": "heavy"}, "mass: received 'heavy'"),
     ],
 )

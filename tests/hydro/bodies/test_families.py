@@ -99,7 +99,7 @@ def test_rotation_point_is_a_combination_of_motions_about_the_centre_of_mass():
         ({"modes": {"rigid": False}}, "rigid: received none, and no other modes"),
         ({"modes": {"rigid": ["Heave", "Heave"]}}, "needs at least one rigid motion, and none twice"),
         ({"modes": "rigid.nc", "mesh": "m.stl", "mass": None, "centre_of_mass": None, "radii_of_gyration": None,
-          "rotation_point": [0, 0, 0]}, "rotation_point: stands in the file of modes"),
+          "rotation_point": [0, 0, 0]}, "rotation_point: is given by the file of modes"),
     ],
 )  # fmt: skip
 def test_what_is_no_family_is_refused(changes, message):

@@ -212,8 +212,8 @@ def _named(path: str, modes: list[int], bodies: int, labels: Sequence[str] | Non
     if bodies > 1:
         if modes[-1] > 6 * bodies or labels:
             raise DatabaseError(
-                f"{path}.1: holds modes up to {modes[-1]} of {bodies} bodies; needs six of each, unnamed: whose others "
-                "are these files do not say."
+                f"{path}.1: holds modes up to {modes[-1]} of {bodies} bodies; needs six of each and no labels, "
+                "because the files do not say which body a further mode belongs to."
             )
         numbers = [(mode - 1) % 6 + 1 for mode in modes]
         of = [(mode - 1) // 6 + 1 for mode in modes]
