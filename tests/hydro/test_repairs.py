@@ -102,7 +102,9 @@ def test_more_than_noise_is_refused():
     with pytest.raises(ConfigError, match=expected):
         repaired(noisy(two_channels(), 0.5), ["positive_damping"])
     ds = two_channels()
-    with pytest.raises(ConfigError, match=r"kramers_kronig would change added mass.* needs at most 0.1, the size of noise"):
+    with pytest.raises(
+        ConfigError, match=r"kramers_kronig would change added mass.* needs at most 0.1, the size of noise"
+    ):
         repaired(ds.assign(added_mass=ds.added_mass + 4 * np.sin(ds.omega)), ["kramers_kronig"])
     with pytest.raises(ConfigError, match=r"hydro.repair: kramers_kronig needs 10 frequencies, received 5"):
         repaired(ds.isel(omega=slice(5)), ["kramers_kronig"])

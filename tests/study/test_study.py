@@ -114,7 +114,9 @@ def test_switching_laws_need_method_auto_and_no_chamber(seed, law):
     pto = {"law": law} | ({"force_limit": 1e3} if law == "coulomb" else {})
     with pytest.raises(ConfigError, match=r"simulation.method 'exact': cannot follow a take-off that switches; needs"):
         varied(seed, pto=pto, simulation={"method": "exact"})
-    with pytest.raises(ConfigError, match=r"pto.port 'volume': with device.gas the take-off drives gas without inertia"):
+    with pytest.raises(
+        ConfigError, match=r"pto.port 'volume': with device.gas the take-off drives gas without inertia"
+    ):
         varied(seed, pto={**pto, "port": "volume"}, device={"gas": {}})
     assert varied(seed, pto={**pto, "port": "volume"}).pto.law == law
     chamber = {"pto": {"port": "volume", "damping": 1e4}, "device": {"gas": {}}}
