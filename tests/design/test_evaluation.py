@@ -76,6 +76,8 @@ def differences(model, variable, part):
         ("VSWEC90", SPHEROID, "device.radius"),
         ("VSWEC", SPHEROID | {"pto": {"port": {"colatitude": 120}}}, "device.shape.spheroid.height"),
         ("VSWEC90", SPHEROID, CLAMP),
+        ("VSWEC", CAPSULE, "device.radius"),
+        ("FSB", CAPSULE, "device.shape.capsule.length"),
         ("VSWEC", RUBBER, "device.material.jm"),
         ("VSWEC", RUBBER, "device.material.mu"),
     ],
@@ -161,7 +163,6 @@ def test_what_cannot_be_evaluated_is_named(climate):
         ({"pto": {"port": "volume"}, "device": {"gas": {}}}, "VSWEC", [], "pto.port"),
         ({"motion": "planar", "device": {"centre_of_mass": -0.5, "ballast_inertia": 1e4}}, "FSB", [], "motion"),
         ({"modes": {"basis": "membrane", "degree": 4}}, "VSWEC", [], "modes.basis"),
-        (CAPSULE, "FSB", ["device.radius"], "device.radius of a capsule"),
     ):
         with pytest.raises(ConfigError, match=words):
             DesignModel.of(study_of(**changes), design, climate, keys)

@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import complete_basis
-from vsb.shell.materials import GentLaw, HookeLaw, MooneyRivlinLaw, NeoHookeanLaw, Wall
+from vsb.shell.materials import GentLaw, HookeLaw, MooneyRivlinLaw, NeoHookeanLaw, Range, Wall
 from vsb.shell.modes import ModeBasis, natural_shapes
 from vsb.shell.shell import Shell
 from vsb.study.meridian import spheroid
@@ -143,3 +143,12 @@ def test_gent_admits_nothing_beyond_lock_up():
 def test_a_shell_of_rubber_needs_the_moduli_of_its_law():
     with pytest.raises(ValueError, match="a shell of rubber needs E and nu of its small strains"):
         Shell(2.0, 0.05, 1e7, 0.3, 1100.0, None, NeoHookeanLaw(1e5))
+
+
+def test_a_strain_at_a_bound_of_its_law_is_not_beyond_it():
+    """A design optimised under that bound rests at it to round-off."""
+    bounds = Range("a law", "strain", 0.1, 0.2)
+    assert not bounds.is_doubted(0.1 * (1 + 1e-9))
+    assert bounds.is_doubted(0.1001)
+    assert not bounds.is_invalid(0.2 * (1 + 1e-9))
+    assert bounds.is_invalid(0.2001)

@@ -6,6 +6,8 @@ from conftest import SEED
 
 from vsb.errors import ConfigError
 from vsb.study.design import is_design, load
+from vsb.study.design_plan import DesignPlan
+from vsb.study.jobs import jobs
 
 RAW = {
     "design": "best",
@@ -14,6 +16,12 @@ RAW = {
     "variables": {"device.radius": [1.4, 2.6], "device.young_modulus": {"log": [1e6, 1e9]}, "device.mass": [7e3, 2e4]},
     "limits": {"beam": 4.8},
 }
+
+
+SPHEROID = {
+    "radius": 2.0, "thickness": 0.05, "young_modulus": 3e7, "poisson_ratio": 0.3, "density": 1100.0, "mass": 12e3,
+    "shape": {"spheroid": {"height": 3.0}},
+}  # fmt: skip
 
 
 @pytest.fixture
@@ -78,7 +86,7 @@ def test_what_to_know_before_solving(folder):
         ({"limits": {"mass": 1e3}, "variables": {"device.thickness": [0.01, 0.02]}}, r"design.yaml:\d+: limits.mass: received 1000 kg, and the mass is 17170 kg"),
         ({"limits": {"beam": -1}}, "limits.beam: received -1"),
         ({"maximise": "money"}, "maximise: received 'money'"),
-        ({"competitor": {"variables": ["device.thickness"]}}, "competitor.variables: received device.thickness; a rigid sphere has only"),
+        ({"competitor": {"variables": ["device.thickness"]}}, "competitor.variables: received device.thickness; a rigid buoy has only"),
         ({"competitor": {"variables": ["pto.stiffness"]}}, "competitor.variables: received pto.stiffness, which has no bounds"),
         ({"optimise": "FSB"}, "optimise: received 'FSB', needs a flexible design: VSWEC"),
         ({"design": "hydro"}, "'hydro' is the name of a results folder"),
@@ -102,6 +110,12 @@ def test_errors_in_a_design_file(folder, changes, message):
         ({"designs": {"FSB": {"flexible": False}}}, "study: received seed.yaml without a flexible design"),
         ({"hydro": {"model": "assumed_pressure", "pressure": 1800.0}}, "which knows no waves"),
         ({"pto": {"damping": 8000.0, "force_limit": 1000.0}}, "a take-off that switches"),
+        ({"pto": {"damping": 8000.0, "port": "volume"}}, "pto.port that a rigid buoy does not move.*needs heave"),
+        ({"pto": {"damping": 8000.0, "port": {"colatitude": 0, "against": "frame"}}}, "a rigid buoy does not move"),
+        (
+            {"device": SPHEROID, "modes": {"degree": 4}},
+            "limits.load_factor: received 1.5, and buckling is known of the sphere alone",
+        ),
         ({"pto": {"damping": 8000.0, "efficiency": 0.9}}, r"design.yaml:2: study: pto.efficiency: received 0.9"),
     ],
 )
@@ -110,6 +124,32 @@ def test_studies_whose_year_has_no_derivatives_are_refused(folder, changes, mess
     (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
     with pytest.raises(ConfigError, match=message):
         load(written(folder))
+
+
+def test_a_climate_is_known_by_its_contents_wherever_it_lies(folder):
+    """Neither the ids nor the files that jobs need change with its path, so nothing runs again."""
+    (folder / "moved.txt").write_text("spectra")
+    plans = [
+        DesignPlan.of({**RAW, "climate": {"spectra": name}}, folder / "x.yaml") for name in ("sea.txt", "moved.txt")
+    ]
+    first, second = (
+        {(job.makes, job.needs, job.text) for job in jobs(plan) if job.stage == "design_start"} for plan in plans
+    )
+    assert first == second
+    assert not any(str(folder) in need for job in jobs(plans[0]) for need in job.needs)
+
+
+def test_the_height_of_a_spheroid_may_be_varied_and_its_buckling_is_said_to_be_unknown(folder):
+    raw = {**yaml.safe_load(SEED.read_text()), "device": SPHEROID, "modes": {"degree": 4}}
+    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
+    variables = {"device.shape.spheroid.height": [2.0, 5.0], "device.thickness": [0.05, 0.1]}
+    loaded = load(written(folder, variables=variables, limits={"load_factor": None, "beam": 4.8}))
+    assert [one.key for one in loaded.competing] == ["device.shape.spheroid.height"]
+    assert loaded.notes == [
+        "device.shape: buckling is known of the sphere alone and is no limit here; check it otherwise"
+    ]
+    with pytest.raises(ConfigError, match=r"seed.yaml has no device.shape.capsule.length"):
+        load(written(folder, variables={"device.shape.capsule.length": [1.0, 2.0]}, limits={"load_factor": None}))
 
 
 def test_a_clamp_and_structural_damping_may_be_varied(folder):

@@ -92,8 +92,6 @@ class DesignModel:
             )
         if study.flexible and study.modes.basis != "full":
             raise ConfigError(f"modes.basis: received {study.modes.basis!r}; derivatives of designs need full")
-        if "device.radius" in variables and study.device.shape and study.device.shape.capsule:
-            raise ConfigError("variables: received device.radius of a capsule; needs a sphere, a spheroid or a profile")
         if degree is None:
             degree = study.modes.max_degree if study.flexible else 1
         nodes, solves = _resolution(study, band(climate, study.hydro.omega_max), degree)

@@ -110,7 +110,7 @@ def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:
             slopes.append([0.0] * FACTORS)
             continue
         step = rigid.with_step(key)
-        changed = with_variable(loaded, key, 1j * step.size)
+        changed = with_variable(loaded, key, 1j * step.size, study.device)
         d_elastic, d_load = map(
             np.imag, buckling_pencil(replace(changed, centre_height=step.buoy.loaded.centre_height))
         )

@@ -18,7 +18,8 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import LoadedShell, complete_basis, equilibrium
 from vsb.shell.modes import rigid_basis
 from vsb.shell.shell import Curve, Shell
-from vsb.study.meridian import RestMeridian
+from vsb.study.device import Device
+from vsb.study.meridian import RestMeridian, capsule, spheroid
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 
@@ -30,8 +31,10 @@ OF_MATERIAL = ("material.mu", "material.c1", "material.c2", "material.jm")
 """Those of laws of rubber."""
 OF_DAMPING = ("damping.alpha", "damping.beta")
 """Those of structural damping."""
-HEIGHT = "shape.spheroid.height"
-OF_DEVICE = (*OF_SHELL, HEIGHT, *OF_MATERIAL, "internal_pressure", "mass", *OF_DAMPING)
+HEIGHT, LENGTH = "shape.spheroid.height", "shape.capsule.length"
+OF_SHAPE = ("radius", HEIGHT, LENGTH)
+"""Those that a meridian other than the sphere's depends on."""
+OF_DEVICE = (*OF_SHELL, HEIGHT, LENGTH, *OF_MATERIAL, "internal_pressure", "mass", *OF_DAMPING)
 """Variables of a device."""
 
 
@@ -117,7 +120,7 @@ class RestingBuoy:
         stiffness; an undeformed shell only floats higher or lower.
         """
         size = step_of(self.study, key)
-        changed = with_variable(self.loaded, key, 1j * size)
+        changed = with_variable(self.loaded, key, 1j * size, self.study.device)
         rate = self.compliance @ changed.force(self.modal_amplitude).imag / size
         stepped = replace(changed, centre_height=changed.centre_height + 1j * size * rate[0])
         shell = rate * (np.arange(len(rate)) > 0)
@@ -169,19 +172,20 @@ def value_of(study: Study, key: str) -> float:
     return float(found)
 
 
-def _stretched(rest: RestMeridian, radius: float, name: str, step: complex) -> RestMeridian:
-    """A spheroid with a step of its radius or height, or a profile with one of the radius it is scaled to."""
-    changed: dict[str, Any] = {}
-    if len(rest.radial) == 1 and len(rest.axial) == 2:
-        height = rest.axial[1]
-        changed = {"axial": (rest.axial[0], height + step / 2)} if name == HEIGHT else {"radial": (radius + step,)}
-    else:
-        factor = 1 + step / radius
-        changed = {"radial": tuple(factor * a for a in rest.radial), "axial": tuple(factor * b for b in rest.axial)}
-    return replace(rest, **changed)
+def _reshaped(device: Device, name: str, step: complex) -> RestMeridian:
+    """The meridian of a device at rest with a step of its radius or of a number of its shape."""
+    steps: dict[str, Any] = {name: step}
+    shape, radius = device.shape, device.radius + steps.get("radius", 0.0)
+    assert shape is not None
+    if shape.spheroid:
+        return spheroid(radius, shape.spheroid.height + steps.get(HEIGHT, 0.0))
+    if shape.capsule:
+        return capsule(radius, shape.capsule.length + steps.get(LENGTH, 0.0))
+    factor = radius / device.radius  # a profile is scaled to its radius
+    return shape.meridian(device.radius).scaled(factor, factor)
 
 
-def with_variable(loaded: LoadedShell, key: str, step: complex) -> LoadedShell:
+def with_variable(loaded: LoadedShell, key: str, step: complex, device: Device) -> LoadedShell:
     """Return a loaded shell with a step of a variable of its device, at the same height of the centre.
 
     Raises
@@ -204,10 +208,10 @@ def with_variable(loaded: LoadedShell, key: str, step: complex) -> LoadedShell:
         changed = {of_law: getattr(basis.shell.rubber, of_law) + step}
         rubber = replace(basis.shell.rubber, **changed)  # type: ignore[type-var]  # all laws are dataclasses
         changed = {"shell": replace(basis.shell, rubber=rubber, young_modulus=rubber.young_modulus)}
-    elif name in OF_SHELL or name == HEIGHT:
-        changed = {} if name == HEIGHT else {name: getattr(basis.shell, name) + step}
-        if basis.shell.rest is not None and name in ("radius", HEIGHT):
-            changed["rest"] = _stretched(basis.shell.rest, basis.shell.radius, name, step)
+    elif name in OF_SHELL or name in OF_SHAPE:
+        changed = {name: getattr(basis.shell, name) + step} if name in OF_SHELL else {}
+        if basis.shell.rest is not None and name in OF_SHAPE:
+            changed["rest"] = _reshaped(device, name, step)
         changed = {"shell": replace(basis.shell, **changed)}
     else:
         raise ConfigError(f"variables: received {key}; needs one of {', '.join(OF_DEVICE)} of the device")

@@ -45,7 +45,7 @@ def answer(facts: Facts) -> Answer:
     (best, rigid), unit = watts([of[FLEXIBLE], of[COMPETITOR]])
     stands = [
         f"The best flexible buoy absorbs {best} {unit}, mean over the year of {facts['climate']}; the best rigid "
-        f"sphere {rigid} {unit} within the same limits: {in_words(facts)}."
+        f"buoy {rigid} {unit} within the same limits: {in_words(facts)}."
     ]
     if why := facts["not_viable"]:
         headline = f"No valid answer yet: the best flexible buoy found is not viable ({why}). Change first: the limits."

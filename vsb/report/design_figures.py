@@ -145,7 +145,7 @@ def captions(facts: Facts, names: Sequence[str]) -> dict[str, str]:
         "open: not.",
         "sensitivity": "Relative change of mean power with each variable at the best buoys, all else kept and limits "
         "left aside.",
-        "budget": "What the gain over the best rigid sphere is uncertain by, 95 %; bounds add linearly, statistics "
+        "budget": "What the gain over the best rigid buoy is uncertain by, 95 %; bounds add linearly, statistics "
         "quadratically, both linearly.",
     }
     for name in names:

@@ -207,7 +207,7 @@ def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:
 
 def strain_check(name: str, strain: float, holds: Range, when: str = "", **where: str) -> Check:
     """Return whether a strain, as the law of the material measures it, is within the range of that law."""
-    verdict: Verdict = "ok" if strain <= holds.doubted else "doubt" if strain <= holds.invalid else "fail"
+    verdict: Verdict = "fail" if holds.is_invalid(strain) else "doubt" if holds.is_doubted(strain) else "ok"
     return Check(name, strain, holds.doubted, "-", verdict, f"{holds.measure}{when}", **where)
 
 

@@ -78,11 +78,11 @@ def viability(study: Study) -> Viability:
     flexible = [design for design, one in study.designs.items() if one.flexible]
     strain = static_strain(reference.basis, static_modal_amplitude(study, reference)) if flexible else 0.0
     holds = reference.basis.shell.law.range
-    if strain > holds.invalid:
+    if holds.is_invalid(strain):
         words = f"overstrained: {100 * strain:.3g} % at rest, {holds.law} ends at {100 * holds.invalid:g} %"
         return Viability(study, reference, margin, dict.fromkeys(flexible, words) | reasons)
     words = f"doubtful: strained by {100 * strain:.3g} % at rest, above {100 * holds.doubted:g} %"
-    doubts = dict.fromkeys(flexible, words) if strain > holds.doubted else {}
+    doubts = dict.fromkeys(flexible, words) if holds.is_doubted(strain) else {}
     return Viability(study, reference, margin, reasons, doubts)
 
 

@@ -57,6 +57,18 @@ class Range(NamedTuple):
     doubted: float
     invalid: float
 
+    def is_doubted(self, measured: float) -> bool:
+        """Whether the law is doubted at a measured value, beyond round-off."""
+        return measured > (1 + AT_BOUND) * self.doubted
+
+    def is_invalid(self, measured: float) -> bool:
+        """Whether the law does not hold at a measured value, beyond round-off."""
+        return measured > (1 + AT_BOUND) * self.invalid
+
+
+AT_BOUND = 1e-6
+"""Relative excess over the bound of a law that counts as at it: a design optimised under that bound rests at it."""
+
 
 class Law(ABC):
     """Law of elasticity of an isotropic sheet in plane stress.

@@ -21,6 +21,8 @@ from vsb.tools.bounded import sha256_of
 
 RANGES: dict[str, tuple[float, float]] = {
     "device.radius": (0.0, math.inf),
+    "device.shape.spheroid.height": (0.0, math.inf),
+    "device.shape.capsule.length": (0.0, math.inf),
     "device.thickness": (0.0, math.inf),
     "device.young_modulus": (0.0, math.inf),
     "device.poisson_ratio": (-1.0, 0.5),
@@ -39,8 +41,11 @@ RANGES: dict[str, tuple[float, float]] = {
 """Keys a design may vary, and the open interval their values lie in; beside them a clamp's colatitude."""
 CLAMP = re.compile(r"designs\.(\w+)\.clamp")
 BETWEEN_POLES = (0.0, 180.0)
-OF_RIGID = ("device.radius", "device.mass", "pto.damping", "pto.stiffness")
-"""Those a rigid sphere has as well."""
+OF_RIGID = (
+    "device.radius", "device.shape.spheroid.height", "device.shape.capsule.length", "device.mass", "pto.damping",
+    "pto.stiffness",
+)  # fmt: skip
+"""Those a rigid buoy has as well."""
 Objective = Literal["annual_mean_power", "gain", "power_per_force", "power_per_mass", "power_per_surface"]
 DIVISORS = {"power_per_force": "force_rms", "power_per_mass": "mass", "power_per_surface": "surface"}
 """Objective -> the quantity annual mean power is divided by."""
@@ -252,9 +257,11 @@ class LoadedDesign(Section):
             )
         if not self.competing:
             found.append(
-                f"variables: none that a rigid sphere has ({', '.join(OF_RIGID)}), so the competitor is the sphere of "
+                f"variables: none that a rigid buoy has ({', '.join(OF_RIGID)}), so the competitor is that of "
                 "the study as it is, and the gain over it is that of size as well"
             )
+        if self.base.device.shape is not None:
+            found.append("device.shape: buckling is known of the sphere alone and is no limit here; check it otherwise")
         bound = [name for name in ("force_rms", "stroke_rms") if name in limits]
         if bound and "pto.damping" not in keys:
             found.append(
@@ -347,6 +354,18 @@ def _check_study(problem: Optimisation, study: Study, mistakes: _Mistakes) -> No
         )
     if study.motion != "heave":
         mistakes.add("study", f"{problem.study} has motion {study.motion!r}; derivatives are known of heave alone")
+    if not study.pto.moved_by_heave:
+        mistakes.add(
+            "study",
+            f"{problem.study} has a pto.port that a rigid buoy does not move, so there is nothing to compare with; "
+            "needs heave, or a place of the shell against the sea bed; vsb.gradient has derivatives of other ports",
+        )
+    if study.device.shape is not None and problem.limits.load_factor is not None:
+        mistakes.add(
+            ("limits", "load_factor"),
+            f"received {problem.limits.load_factor:g}, and buckling is known of the sphere alone, not of device.shape; "
+            "needs load_factor: null, and walls that do not buckle by the bounds of device.thickness",
+        )
     if study.pto.switches:
         mistakes.add(
             "study", f"{problem.study} has a take-off that switches; needs law: linear without force or stroke limit"
@@ -404,7 +423,7 @@ def _check_competitor(problem: Optimisation, mistakes: _Mistakes) -> None:
     keys = [one.key for one in problem.variables]
     for key in problem.competitor.variables or ():
         if key not in OF_RIGID:
-            mistakes.add(("competitor", "variables"), f"received {key}; a rigid sphere has only {', '.join(OF_RIGID)}")
+            mistakes.add(("competitor", "variables"), f"received {key}; a rigid buoy has only {', '.join(OF_RIGID)}")
         elif key not in keys:
             mistakes.add(
                 ("competitor", "variables"), f"received {key}, which has no bounds; needs it among variables too"

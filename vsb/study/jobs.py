@@ -31,7 +31,7 @@ class Job:
     spec: Any  # what it computes from; None of a stage without specification
     files: Mapping[str, str]  # by option of its command
     makes: tuple[str, ...]
-    needs: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()  # files of other jobs; those of users stand in its specification by their contents
     name: str = ""  # part of the path of the only file it makes, where a stage may have several jobs
     megabytes: int = 1000
     minutes: int = 30
@@ -246,18 +246,18 @@ def _year(plan: CampaignPlan) -> Iterator[Job]:
     for name, batch in plan.batches.items():
         out = plan.batch_path(name)
         files = {**read, "folder": f"{folder}/members", "out": out}
-        yield Job("members", batch, files, (out,), (climate,), name, megabytes=2000, minutes=plan.batch_minutes)
+        yield Job("members", batch, files, (out,), (), name, megabytes=2000, minutes=plan.batch_minutes)
     for name, verification in plan.verifications.items():
         out = plan.verification_path(name)
         files = {**read, "out": out}
-        yield Job("verification", verification, files, (out,), (climate,), name, megabytes=2000, minutes=240)
+        yield Job("verification", verification, files, (out,), (), name, megabytes=2000, minutes=240)
     data, table, stamps = plan.data_path, plan.table_path, {"manifest": plan.manifest}
     files = {"batches": f"{folder}/batches", "verifications": f"{folder}/verification", "out": data, "table": table}
     needs = (*plan.batch_paths, *plan.verification_paths)
     yield Job("campaign", plan.campaign, {**files, **stamps}, (data, table), needs, megabytes=4000)
     report = f"{folder}/report.html"
     files = {**read, "data": data, "figures": f"{folder}/figures", "out": report, **stamps}
-    yield Job("campaign_report", plan.campaign, files, (report, *plan.figure_paths), (data, climate), megabytes=4000)
+    yield Job("campaign_report", plan.campaign, files, (report, *plan.figure_paths), (data,), megabytes=4000)
 
 
 # a design problem ---------------------------------------------------------------------------------------------------
@@ -269,18 +269,18 @@ def _design(plan: DesignPlan) -> Iterator[Job]:
     starts, read = f"{folder}/starts", {"climate": climate}
     for name, start in (plan.starts | plan.rigid_starts).items():
         out = plan.start_path(name)
-        yield Job("design_start", start, {**read, "out": out}, (out,), (climate,), name, minutes=120)
+        yield Job("design_start", start, {**read, "out": out}, (out,), (), name, minutes=120)
     begun = {**read, "starts": starts}
     for name, front in plan.fronts.items():
         out, needs = plan.front_path(name), tuple(map(plan.start_path, front.starts))
-        yield Job("design_front", front, {**begun, "out": out}, (out,), (climate, *needs), name, minutes=240)
+        yield Job("design_front", front, {**begun, "out": out}, (out,), needs, name, minutes=240)
     found = tuple(plan.start_paths)
     for out in plan.verification_paths:
-        files, needs = {**begun, "root": plan.root, "out": out}, (climate, *found)
-        yield Job("design_verification", plan.verification, files, (out,), needs, minutes=600, megabytes=2000)
+        files = {**begun, "root": plan.root, "out": out}
+        yield Job("design_verification", plan.verification, files, (out,), found, minutes=600, megabytes=2000)
     tables = tuple(plan.tables.values())
     files = {**begun, "fronts": f"{folder}/fronts", "verifications": f"{folder}/verification", "folder": folder}
-    needs = (climate, *found, *plan.front_paths, *plan.verification_paths)
+    needs = (*found, *plan.front_paths, *plan.verification_paths)
     yield Job("design_results", plan.design, {**files, "manifest": plan.manifest}, tables, needs, megabytes=2000)
     report = f"{folder}/report.html"
     files = {"data": plan.tables["design.nc"], "figures": f"{folder}/figures", "out": report, "manifest": plan.manifest}

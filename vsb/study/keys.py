@@ -505,7 +505,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "surface",
         ),
         "limits": Key("", "{load_factor: 1.5, beam: 4.8, force_rms: 2.0e+4}", "what every buoy keeps within"),
-        "competitor": Key("", "{variables: [device.radius, device.mass]}", "the rigid sphere that is optimised too"),
+        "competitor": Key("", "{variables: [device.radius, device.mass]}", "the rigid buoy that is optimised too"),
         "starts": Key("-", "8", "how many places the optimiser starts from: the study's own and others spread evenly"),
         "seed": Key("-", "1", "seed of the places it starts from"),
         "pareto": Key("", "{force_rms: [1.0e+4, 2.0e+4]}", "limits whose other values give a Pareto front"),
@@ -527,7 +527,7 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "Competitor": {
         "variables": Key(
-            "", "[device.radius, device.mass]", "variables the rigid sphere is optimised in; without it all it has"
+            "", "[device.radius, device.mass]", "variables the rigid buoy is optimised in; without it all it has"
         ),
     },
     "Spectra": {"spectra": Key("", "sea.txt.gz", "spectra: NDBC's text, plain or gz, SWAN's text, or netCDF")},

@@ -8,6 +8,7 @@ meridian is therefore
 and sin phi times, or just, a polynomial in cos phi. The sphere is a_1 = b_1 = r, a spheroid a_1 and b_1 alone.
 """
 
+import cmath
 import itertools
 import math
 from collections.abc import Callable, Sequence
@@ -258,18 +259,19 @@ def capsule(radius: float, length: float) -> RestMeridian:
     -----
     The tangent turns by psi' = 1 + sum c_k cos k phi, c_k = 4 P/(2 pi^2 r) sin(k w)/k exp(-(k s)^2/2) of even k, with
     P the perimeter, w = pi^2 r/P half of a cap and s = 2 pi `JUNCTION` r/P; then x' = cos psi, z' = -sin psi.
+    Radius and length may be complex, for derivatives by a complex step.
     """
+    of = cmath if isinstance(radius + length, complex) else math
     perimeter = 2 * (math.pi * radius + length)
     half, blur = math.pi**2 * radius / perimeter, 2 * math.pi * JUNCTION * radius / perimeter
-    even = range(2, min(MOST_TERMS, 2 + int(9 / blur)), 2)
+    even = range(2, min(MOST_TERMS, 2 + int(9 / blur.real)), 2)
     turn = {
-        k: 2 * perimeter / (math.pi**2 * radius) * math.sin(k * half) / k * math.exp(-0.5 * (k * blur) ** 2)
-        for k in even
+        k: 2 * perimeter / (math.pi**2 * radius) * of.sin(k * half) / k * of.exp(-0.5 * (k * blur) ** 2) for k in even
     }
     count = 8 * MOST_TERMS
     angles = [math.pi * (i + 0.5) / count for i in range(count)]
     tangents = [phi + sum(c * math.sin(k * phi) / k for k, c in turn.items()) for phi in angles]
-    radial, axial = _terms([math.cos(psi) for psi in tangents], [math.sin(psi) for psi in tangents], SMALL)
+    radial, axial = _terms([of.cos(psi) for psi in tangents], [of.sin(psi) for psi in tangents], SMALL)
     plain = RestMeridian(tuple(a / k for k, a in enumerate(radial, 1)), (0.0, *(b / k for k, b in enumerate(axial, 1))))
     return plain.scaled(radius / plain.at(math.pi / 2)[0], (2 * radius + length) / (plain.top - plain.keel))
 

@@ -383,6 +383,14 @@ class Pto(Section):
         return isinstance(self.port, ShellPort | BetweenPort | StrainPort)
 
     @property
+    def moved_by_heave(self) -> bool:
+        """Whether the heave of a rigid buoy moves its port."""
+        port = self.port
+        if not isinstance(port, ShellPort):
+            return port == "heave" and self.held is None
+        return port.against == "sea_bed" and (port.direction, port.colatitude) != ("radial", 90) and self.held is None
+
+    @property
     def several(self) -> bool:
         """Whether it acts on more than one motion at once, with a damper matrix."""
         return isinstance(self.port, SeveralPorts | DistributedPort)
