@@ -157,6 +157,8 @@ def test_answer_is_the_gain_at_own_optimal_damping():
 def test_share_of_the_optimum_at_the_given_damping():
     assert shares_text(SWELL, "w", "N s/m") == "; at 8000 N s/m FSB reaches 26 % of its optimum, A 32 %"
     assert shares_text(CHOP, "v", "N s/m") == ""
+    matrix = [line | {"damping": None} for line in SWELL]
+    assert shares_text(matrix, "w", "SI") == "; at the damper matrix FSB reaches 26 % of its optimum, A 32 %"
     own = [SWELL[0], SWELL[1] | {"damping": 6000.0}, SWELL[1] | {"design": "B", "damping": 8000.0}]
     assert shares_text(own, "w", "N s/m").startswith(
         "; at 8000 N s/m and 6000 N s/m FSB reaches 26 % of its optimum, A 32 %, B 32 %"

@@ -221,7 +221,8 @@ def shares_text(lines: Lines, sea: str, unit: str) -> str:
     known = [line for line in lines if line["sea"] == sea and line["share"] is not None]
     if not known:
         return ""
-    dampings = " and ".join(dict.fromkeys(f"{line['damping']:g} {unit}" for line in known))
+    given = ("the damper matrix" if c is None else f"{c:g} {unit}" for c in (line["damping"] for line in known))
+    dampings = " and ".join(dict.fromkeys(given))
     first, *others = (f"{100 * line['share']:.0f} %" for line in known)
     rest = "".join(f", {line['design']} {share}" for line, share in zip(known[1:], others, strict=True))
     return f"; at {dampings} {known[0]['design']} reaches {first} of its optimum{rest}"
