@@ -9,6 +9,7 @@ from scipy.special import roots_legendre
 
 from examples import barge
 from vsb.errors import ConfigError
+from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.families import free_free_root, free_free_shape
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
@@ -184,5 +185,9 @@ def test_shipped_body_is_what_the_script_writes():
     assert located.study.reference_design == "rigid"
     assert located.study.directions == (0.0, 45.0)
     hinge = load_body(EXAMPLE.with_name("hinged_barge.yaml"))
-    assert hinge.files == located.files
     assert hinge.study.pto.port.dofs == {"Hinge": 1.0}
+    by_name = build_body(hinge.study.body.file, hinge.files)
+    assert by_name.labels == found.labels
+    for name in ("shapes", "mass", "stiffness"):
+        expected = getattr(found, name)
+        assert getattr(by_name, name) == pytest.approx(expected, rel=1e-7, abs=1e-10 * abs(expected).max())

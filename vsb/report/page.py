@@ -28,7 +28,7 @@ from vsb.report.doubts import no_answer, warnings
 from vsb.report.figures import captions
 from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
-from vsb.study.take_off import port_kind
+from vsb.study.take_off import WITHOUT_DAMPING, port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import multiple, plain, power, superscripts, the_rigid
@@ -224,7 +224,7 @@ def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> s
 def measures(kind: PortKind, thing: str, law: str) -> list[Measure]:
     """Return the columns of the comparison table; of a body, motion is that of the port.
 
-    Coulomb friction and laws of packages have no damping: the one given is of the linear response alone.
+    Of laws without damping, and of packages, the damping given is of the linear response alone.
     """
     motion = ("heave [m]", "heave velocity [m/s]")
     if thing == "body":
@@ -236,7 +236,7 @@ def measures(kind: PortKind, thing: str, law: str) -> list[Measure]:
         ("power_peak", "peak power [W]", 1.0, ""),
         ("power_mean", "mean power [W]", 1.0, ""),
         ("capture_width", "capture width [m]", 1.0, ""),
-        *([] if law == "coulomb" or ":" in law else [damping]),
+        *([] if law in WITHOUT_DAMPING or ":" in law else [damping]),
         ("power_gain_percent", "gain of mean power [%]", 1.0, "+.1f"),
     ]
 

@@ -258,6 +258,8 @@ LawChoice = Annotated[
 """A law by its name, or a function of an installed package, `my_package:law`."""
 NEED_A_LIMIT = ("saturated", "coulomb")
 PAUSE = ("latching", "declutching")
+WITHOUT_DAMPING = {"coulomb": "Coulomb friction of {force_limit:g} {load_unit}"}
+"""Laws whose parameter is no damping, and their words on a page, of keys of `pto` and the port's unit of load."""
 Tuning = Literal["fixed", "each", "one"]
 Limit = Annotated[Number, Field(gt=0)]
 STIFFEST = 1e12
