@@ -35,9 +35,9 @@ from vsb.motion.port import LinearPto
 from vsb.motion.system import Motion, System
 from vsb.motion.udwadia_kalaba import constraint_drift
 from vsb.scenes.build import design_in_sea
-from vsb.scenes.rest import check_stable, design_motions, reference_shell, study_basis
+from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.modes import rigid_basis
-from vsb.stages.make import make
+from vsb.stages.make import hydro_files
 from vsb.study.device import Device
 from vsb.study.plan import StudyPlan
 from vsb.study.reading import read_yaml
@@ -159,19 +159,6 @@ def case_study(case: Case) -> Study:
     if not isinstance(raw, dict):
         raise ConfigError(f"{case.base}: received {type(raw).__name__}, needs a study, as base of case {case.name}")
     return parse({**changed(raw, case.overrides), "published": None}, source=case.name)
-
-
-def hydro_files(study: Study, folder: str | Path) -> dict[str, Any]:
-    """Return database and radiation model of a study by name, made if not there yet.
-
-    Files are named by content, so cases share them.
-    """
-    plan = StudyPlan(study, root=str(folder))
-    check_stable(study, reference_shell(study))
-    if study.needs_bem:
-        plan.check_waves()
-    make(plan, plan.hydro_files.values())
-    return dict(plan.hydro_files)
 
 
 # simulation ---------------------------------------------------------------------------------------------------------

@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 from scipy.integrate import simpson
 
 from benchmarks.general_solvers import NOT_INSTALLED, SCIPY, SUNDIALS, Equation, Solution, best, solved
-from benchmarks.hard_cases import hydro_files
 from benchmarks.measure import Row, as_csv, say
 from vsb.errors import ConfigError, VsbError
 from vsb.hydro.retardation import DampingSpectrum
@@ -34,6 +33,7 @@ from vsb.motion.system import Motion, System
 from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.scenes.automatic import absorbed
 from vsb.scenes.build import DesignInSea, design_in_sea
+from vsb.stages.make import hydro_files
 from vsb.study.plan import StudyPlan
 from vsb.study.study import RegularWave, Study, parse
 from vsb.tools.arrays import FloatArray

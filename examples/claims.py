@@ -17,13 +17,12 @@ import numpy as np
 import xarray as xr
 
 import vsb
-from benchmarks.hard_cases import hydro_files
 from examples import command
 from examples.surprises import FLEXIBLE, RIGID, Figures, Ladder, regular, run, study_of
 from vsb.hydro.orders import order_groups
 from vsb.integrators.exact import propagate
 from vsb.scenes.build import linear_design
-from vsb.stages.make import make
+from vsb.stages.make import hydro_files, make
 from vsb.study.body import load_body
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
 from vsb.study.study import Study, load, parse

@@ -15,5 +15,5 @@ for design in designs:
     heave = results.response.rao.sel(design=design, dof="Heave").interp(omega=omega)
     print(f"{design}: heave per wave amplitude {np.round(np.abs(heave.values), 3)} at {omega} rad/s")
     for damping, power in zip(dampings, results.port(design, omega).power(dampings), strict=True):
-        print(f"  {damping:7.0f} N s/m takes {np.round(power / 1e3, 3)} kW/m^2")
+        print(f"  {damping:7.0f} N s/m absorbs {np.round(power / 1e3, 3)} kW/m^2")
 print(results.comparison[["design", "power_mean", "damping"]], results.report)

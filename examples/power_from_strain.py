@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from benchmarks.hard_cases import hydro_files
 from examples import command
 from vsb.motion.damper_matrix import best_matrix
 from vsb.motion.tuning import best_dampers
@@ -23,6 +22,7 @@ from vsb.results.year import band_weights, frequencies
 from vsb.scenes.floating_system import floating_system
 from vsb.scenes.take_off import matrix_kind
 from vsb.stages.climate import read_seas
+from vsb.stages.make import hydro_files
 from vsb.study.study import Study, load, parse
 from vsb.study.vary import scaled
 from vsb.tools.files import write_text

@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.hard_cases import hydro_files
 from examples import command
 from examples.paper_at_optimal_damping import rows_of
 from vsb.errors import ConfigError
 from vsb.results.ladder import Rung, study_ladder
 from vsb.scenes.build import linear_design
 from vsb.scenes.floating_system import floating_system
+from vsb.stages.make import hydro_files
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load, parse
 from vsb.waves.seas import sea

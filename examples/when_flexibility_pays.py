@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks.hard_cases import hydro_files
 from examples import command
 from vsb.errors import ConfigError
 from vsb.motion.constrained import optimum_in_sea
@@ -23,6 +22,7 @@ from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.scenes.floating_system import floating_system
 from vsb.scenes.rest import computed_buckling
+from vsb.stages.make import hydro_files
 from vsb.study.study import Study, load, parse
 from vsb.tools.files import write_text
 from vsb.tools.tables import csv_text, svg_text

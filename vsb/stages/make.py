@@ -36,6 +36,21 @@ def make(plan: AnyPlan, targets: Collection[str], stale: Collection[str] = ()) -
     _run(plan, due(jobs(plan), targets, stale), stale)
 
 
+def hydro_files(study: Study, folder: str | Path) -> dict[str, str]:
+    """Return the paths of the database and radiation model of a study by name, made if not there yet.
+
+    Files are named by content, so studies in one folder share them.
+    """
+    from vsb.scenes.rest import check_stable, reference_shell  # a dry run does without them
+
+    plan = StudyPlan(study, root=str(folder))
+    check_stable(study, reference_shell(study))
+    if study.needs_bem:
+        plan.check_waves()
+    make(plan, plan.hydro_files.values())
+    return dict(plan.hydro_files)
+
+
 def solve(plan: StudyPlan) -> None:
     """Solve the frequencies of a buoy's shape that are not there: what of a study a member of a campaign needs."""
     targets = [plan.block_path(block) for block in plan.sweep_blocks]
