@@ -10,6 +10,7 @@ from vsb.motion.coefficient_errors import (
     Sensitivity,
     haskind_misfits,
     sensitivity,
+    sensitivity_at_ports,
     sensitivity_of_forces,
 )
 from vsb.motion.frequency import LinearEquation
@@ -67,6 +68,29 @@ def test_sensitivities_match_differences_of_the_power(load, design):
                 ends.append(best(c._replace(**{name: getattr(c, name) + sign * size * change}), FREE[design], load))
         expected = (ends[0] - ends[1]) / (2 * size) / power
         assert np.sum(getattr(slopes, name) * change).real == pytest.approx(expected, rel=1e-6, abs=1e-9), name
+
+
+def test_sensitivities_of_a_damper_matrix_match_differences_of_the_power():
+    """At two ports, by central differences."""
+    rng, directions = np.random.default_rng(5), np.stack([B, [0.0, 1.0, -0.4]], axis=-1)
+    matrix = np.array([[2.0, 0.5], [0.5, 1.0]])
+    c, changed, of_stiffness = water(rng), (symmetric(rng), symmetric(rng), water(rng).excitation), symmetric(rng)[0]
+
+    def power(found, stiffness=STIFFNESS):
+        equation = LinearEquation(OMEGA, found, MASS, DAMPING, stiffness)
+        return SQUARES @ equation.ports(np.eye(3), directions).power(matrix)
+
+    equation = LinearEquation(OMEGA, c, MASS, DAMPING, STIFFNESS)
+    ports = equation.ports(np.eye(3), directions)
+    slopes = sensitivity_at_ports(equation.motion_of_ports(np.eye(3), directions), ports, matrix, SQUARES)
+    size = 1e-5
+    ends = [power(c, STIFFNESS + sign * size * of_stiffness) for sign in (1, -1)]
+    expected = (ends[0] - ends[1]) / (2 * size) / power(c)
+    assert np.sum(slopes.stiffness * of_stiffness) == pytest.approx(expected, rel=1e-6)
+    for name, change in zip(Coefficients._fields, changed, strict=True):
+        ends = [power(c._replace(**{name: getattr(c, name) + sign * size * change})) for sign in (1, -1)]
+        expected = (ends[0] - ends[1]) / (2 * size) / power(c)
+        assert np.sum(getattr(slopes, name) * change).real == pytest.approx(expected, rel=1e-6), name
 
 
 def test_common_scale_of_the_force_cancels_in_the_gain():

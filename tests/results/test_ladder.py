@@ -27,6 +27,7 @@ from vsb.results.ladder import (
     material_checks,
     material_rungs,
     rungs_of,
+    several_levels,
     several_rungs,
 )
 from vsb.scenes.floating_system import FloatingSystem, PortInSeas
@@ -320,7 +321,7 @@ def test_levels_of_a_damper_spread_over_the_shell_and_of_its_material(seed, spec
     motions = {design: design_motions(study, basis, design) for design in ("FSB", "VSWEC")}
     floating = FloatingSystem(spectral_seed, motions, port)
     seas = {"wave": Sea(omega, np.array([0.2 + 0j]))}
-    rungs = several_rungs(spec, floating, seas, [0])
+    rungs = several_rungs(floating, seas, several_levels(spec, floating, seas, [0]))
     levels = {rung.rung: rung.power_mean for rung in rungs if rung.design == "VSWEC"}
     assert levels["best_damper"] == pytest.approx(levels["best_damper_all_seas"], rel=1e-9)
     assert 0 < levels["best_damper"] < levels["matched"]

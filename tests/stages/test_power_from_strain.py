@@ -34,6 +34,10 @@ def test_levels_of_two_ports_and_of_the_material(results):
     """Of a regular wave the material allows e m/T."""
     levels = results.ladder.set_index("rung").power_mean
     assert levels["best_diagonal"] <= levels["best_damper"] * (1 + 1e-9) <= levels["matched"] * (1 + 2e-9)
+    best = results.ladder.query("rung == 'best_damper'")
+    assert (best.power_mean * 0.9 < best.low).all()
+    assert (best.low < best.power_mean).all()
+    assert (best.power_mean < best.high).all()
     device = results.study.device
     mass = 4 * np.pi * device.radius**2 * device.thickness * device.density
     assert levels["material"] == pytest.approx(ENERGY * mass / PERIOD, rel=1e-9)

@@ -14,6 +14,7 @@ from scipy.ndimage import maximum_filter1d
 
 from vsb.hydro.database import ESTIMATE, Coefficients, stored_checks
 from vsb.hydro.orders import order_groups
+from vsb.motion.damper_matrix import Ports
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import Port
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -97,6 +98,37 @@ def sensitivity(
     weight = squares * load.real * velocity.conj() * (-1j * omega) / power
     towards = weight[:, None] * adjoint
     return _by_coefficients(omega, towards, -towards[:, :, None] * response[:, None, :])
+
+
+def sensitivity_at_ports(
+    moved: tuple[ComplexArray, ComplexArray], ports: Ports, damping: FloatArray, squares: FloatArray
+) -> Sensitivity:
+    """Return the same of a damper matrix C at several ports.
+
+    Parameters
+    ----------
+    moved : tuple of ndarray, shapes (omega, dof) and (omega, dof, port)
+        Of `vsb.motion.frequency.LinearEquation.motion_of_ports`.
+    ports : Ports
+    damping : ndarray, shape (port, port)
+    squares : ndarray, shape (omega,) [m^2]
+
+    Notes
+    -----
+    dP = sum a^2 Re((C V)^H dV), dV = -i w lambda^T (dX - dD q), lambda = forced (1 + C Y)^-1. An optimal C does not
+    change P to first order (envelope).
+    """
+    free, forced = moved
+    force = ports.velocity_under(damping) @ damping
+    power = float(squares @ ports.power(damping))
+    if not power > 0:
+        none = np.zeros((*free.shape, free.shape[1]))
+        return Sensitivity(none, none, np.zeros_like(free), none)
+    response = free - (forced @ force[..., None])[..., 0]
+    weight = (-1j * ports.omega * squares / power)[:, None] * force.conj()
+    beside = np.linalg.solve(np.eye(len(damping)) + damping @ ports.admittance, weight[..., None])
+    towards = (forced @ beside)[..., 0]
+    return _by_coefficients(ports.omega, towards, -towards[:, :, None] * response[:, None, :])
 
 
 def sensitivity_of_forces(

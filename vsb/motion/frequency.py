@@ -80,8 +80,8 @@ class LinearEquation:
         """
         return self.port_of_motion(*self.free_motion(motions, direction), motions, direction)
 
-    def ports(self, motions: FloatArray, directions: FloatArray) -> Ports:
-        """Return several ports of a design at once, V0 = -i w B^T q_free and Y = -i w B^T q_forced.
+    def motion_of_ports(self, motions: FloatArray, directions: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return displacements without take-off (omega, dof) [m/m], and under unit forces of ports (omega, dof, port).
 
         Parameters
         ----------
@@ -89,16 +89,24 @@ class LinearEquation:
         directions : ndarray, shape (dof, port)
             B.
         """
-        allowed = np.stack([allowed_part(direction, motions) for direction in directions.T], axis=-1)
+        allowed = _allowed_parts(directions, motions)
         loads = np.empty((len(self.omega), motions.shape[1], 1 + allowed.shape[1]), dtype=complex)
         loads[..., 0], loads[..., 1:] = self.water.excitation @ motions, allowed
-        solved = np.linalg.solve(motions.T @ self.dynamic_stiffness @ motions, loads)
-        forced, rate = motions @ solved[..., 1:], -1j * self.omega[:, None]
+        solved = motions @ np.linalg.solve(motions.T @ self.dynamic_stiffness @ motions, loads)
+        return solved[..., 0], solved[..., 1:]
+
+    def ports(self, motions: FloatArray, directions: FloatArray) -> Ports:
+        """Return several ports of a design at once, V0 = -i w B^T q_free and Y = -i w B^T q_forced.
+
+        Parameters as `motion_of_ports`.
+        """
+        free, forced = self.motion_of_ports(motions, directions)
+        along, rate = motions @ _allowed_parts(directions, motions), -1j * self.omega[:, None]
         lossy = self.water.damping + self.damping
         loss = sum(part.swapaxes(1, 2) @ lossy @ part for part in (forced.real, forced.imag))
-        reactive = (rate[..., None] * (allowed.T @ solved[..., 1:])).imag
+        reactive = (rate[..., None] * (along.T @ forced)).imag
         admittance = self.omega[:, None, None] ** 2 * loss + 1j * (reactive + reactive.swapaxes(1, 2)) / 2
-        return Ports(self.omega, admittance, rate * (solved[..., 0] @ allowed))
+        return Ports(self.omega, admittance, rate * (free @ along))
 
     def port_of_motion(
         self, free: ComplexArray, forced: ComplexArray, motions: FloatArray, direction: FloatArray
@@ -153,6 +161,11 @@ def allowed_part(direction: FloatArray, motions: FloatArray) -> FloatArray:
     """Return a port's direction in the motions of a design, N^T b, shape (free,): zero where only round-off is left."""
     part = motions.T @ direction
     return np.where(np.abs(part) > ROUND_OFF * np.linalg.norm(direction), part, 0.0)
+
+
+def _allowed_parts(directions: FloatArray, motions: FloatArray) -> FloatArray:
+    """The same of several ports, shape (free, port)."""
+    return np.stack([allowed_part(direction, motions) for direction in directions.T], axis=-1)
 
 
 def frequency_grid(step: float, lowest: float, omega_max: float, extra: Iterable[float]) -> FloatArray:

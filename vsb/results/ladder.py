@@ -14,7 +14,13 @@ import xarray as xr
 
 from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
-from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, coefficient_errors, sensitivity
+from vsb.motion.coefficient_errors import (
+    CoefficientError,
+    Sensitivity,
+    coefficient_errors,
+    sensitivity,
+    sensitivity_at_ports,
+)
 from vsb.motion.constrained import optimum_in_sea
 from vsb.motion.damper_matrix import best_matrix
 from vsb.motion.drag import DraggedPort, best_damper, best_pair, with_load
@@ -90,6 +96,10 @@ COLUMNS = (*Rung._fields[: Rung._fields.index("note")], "low", "high")
 """Of `ladder.csv`."""
 
 
+Levels = dict[tuple[str, str, str], FloatArray]
+"""Damper matrices by design, sea and level."""
+
+
 class Given(NamedTuple):
     """The take-off of a study: damper (None: tuned), spring, efficiency of both directions of power."""
 
@@ -117,7 +127,10 @@ def study_ladder(study: LadderSpec, database: str) -> list[Rung]:
     families = [names.index(name) for name in dict.fromkeys(names)]
     pairs = list(zip(waves, seas.values(), strict=True))
     if pto.several:
-        rungs = several_rungs(study, floating, seas, families)
+        levels = several_levels(study, floating, seas, families)
+        rungs = with_errors(
+            several_rungs(floating, seas, levels), floating, pairs, study.reference_design, xr.Dataset(), levels
+        )
         return [*rungs, *material_rungs(study, floating, seas, rungs)]
     ports = {design: port_in_seas(floating, design, pairs) for design in study.designs}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
@@ -238,31 +251,49 @@ def rungs_of(
     return found
 
 
-def several_rungs(
+def several_levels(
     study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea], families: Sequence[int]
-) -> list[Rung]:
-    """Return the levels of every design at several ports, or with a damper spread over the shell, in every sea.
+) -> Levels:
+    """Return the damper matrices of every design at several ports, or spread over the shell, in every sea, by level.
 
-    `best_damper` and `best_damper_all_seas` are of the matrices the study allows; matrices stand in the notes.
-    Peaks, which several ports do not have in common, and intervals are not known.
+    `best_damper` and `best_damper_all_seas` are of the matrices the study allows.
     """
-    omega, kind = frequencies(list(seas.values())), matrix_kind(study.pto)
-    rows, found = squares(list(seas.values()), omega), []
+    omega, kind, found = frequencies(list(seas.values())), matrix_kind(study.pto), {}
+    rows = squares(list(seas.values()), omega)
     for design, ports in floating.several_ports(omega).items():
         given = given_matrix(study.pto, design, floating.port.shape[1])
         one = best_matrix(ports, rows[list(families)].sum(axis=0), kind).damping
         for label, sea in zip(seas, rows, strict=True):
-            levels = {} if given is None else {"fixed": given}
+            if given is not None:
+                found[design, label, "fixed"] = given
             if kind == "full":
-                levels[BEST_DIAGONAL] = best_matrix(ports, sea, "diagonal").damping
-            levels |= {"best_damper": best_matrix(ports, sea, kind).damping, "best_damper_all_seas": one}
+                found[design, label, BEST_DIAGONAL] = best_matrix(ports, sea, "diagonal").damping
+            found[design, label, "best_damper"] = best_matrix(ports, sea, kind).damping
+            found[design, label, "best_damper_all_seas"] = one
+    return found
+
+
+def several_rungs(floating: FloatingSystem, seas: Mapping[str, Sea], levels: Levels) -> list[Rung]:
+    """Return the levels of damper matrices, and the matched one, of every design in every sea.
+
+    Matrices stand in the notes. Peaks are not known, which several ports do not have in common.
+    """
+    omega, found = frequencies(list(seas.values())), []
+    rows = squares(list(seas.values()), omega)
+    for design, ports in floating.several_ports(omega).items():
+        for label, sea in zip(seas, rows, strict=True):
             matched = float(sea @ ports.matched_power)
-            powers = {name: float(sea @ ports.power(matrix)) for name, matrix in levels.items()} | {"matched": matched}
-            for name, power in powers.items():
+            for rung in RUNGS:
+                matrix = levels.get((design, label, rung))
+                if matrix is None and rung != "matched":
+                    continue
+                power = matched if matrix is None else float(sea @ ports.power(matrix))
+                damper, note = None, ""
+                if matrix is not None and ports.moves:
+                    note = matrix_text(matrix)
+                    damper = None if note else float(matrix[0, 0])  # spread over the shell
                 share = power / matched if matched > 0 else None
-                note = matrix_text(levels[name]) if name in levels and ports.moves else ""
-                damper = float(levels[name][0, 0]) if kind == "uniform" and name in levels and ports.moves else None
-                found.append(Rung(design, label, name, damper, None, power, share, None, None, None, None, note))
+                found.append(Rung(design, label, rung, damper, None, power, share, None, None, None, None, note))
     return found
 
 
@@ -413,6 +444,7 @@ def with_errors(
     seas: Sequence[tuple[Wave, Sea]],
     reference: str | None,
     left_out: xr.Dataset,
+    levels: Levels | None = None,
 ) -> list[Rung]:
     """Return levels with the error budgets of power and gain; those of an unknown power have none.
 
@@ -426,6 +458,8 @@ def with_errors(
         is left.
     left_out : xarray.Dataset
         See `vsb.results.left_out.modes_left_out`.
+    levels : mapping, optional
+        Of several ports; their matched level has no budget.
 
     Notes
     -----
@@ -444,9 +478,11 @@ def with_errors(
         key = repr((heading(wave), loads)).encode() + sea.omega.tobytes() + np.abs(sea.amplitude).tobytes()
         key += b"" if sea.heading is None else sea.heading.tobytes()
         if key not in known:  # realisations of a sea with the same amplitudes share them
-            known[key] = _slopes(floating, wave, sea, list(linear.values()))
+            known[key] = _slopes(floating, wave, sea, list(linear.values()), levels)
         slopes, errors = known[key]
         for (design, name), rung in linear.items():
+            if (design, name) not in slopes:
+                continue
             power, own = rung.power_mean or 0.0, slopes[design, name]
             numbers = [Source.within(e.name, power * own.to(e), shared=True) for e in errors]
             of_power = Budget((*numbers, *_by_modes(left_out, rung, "power", power)))
@@ -475,11 +511,17 @@ def with_errors(
     return found
 
 
-def _slopes(floating: FloatingSystem, wave: Wave, sea: Sea, rungs: Sequence[Rung]) -> _Slopes:
+def _slopes(floating: FloatingSystem, wave: Wave, sea: Sea, rungs: Sequence[Rung], levels: Levels | None) -> _Slopes:
     """Derivatives of the powers of levels in a sea; the matched force is that of the conjugate impedance."""
     linear, squares, found = floating.towards(heading_in(wave, sea)), np.abs(sea.amplitude) ** 2, {}
     equation = linear.equation(sea.omega)
     for design, motions in floating.motions.items():
+        if levels is not None:
+            both, ports = equation.motion_of_ports(motions, floating.port), equation.ports(motions, floating.port)
+            own = {name: matrix for (of, at, name), matrix in levels.items() if (of, at) == (design, wave.label)}
+            for name, matrix in own.items():
+                found[design, name] = sensitivity_at_ports(both, ports, matrix, squares)
+            continue
         moved = equation.free_motion(motions, floating.port)
         port = equation.port_of_motion(*moved, motions, floating.port)
         for rung in (rung for rung in rungs if rung.design == design):
