@@ -14,6 +14,8 @@ from vsb.report.design_answer import NAMES, OBJECTIVES, Facts
 from vsb.study.design import LIMIT_UNITS
 from vsb.tools.words import superscripts
 
+FARTHEST = 1.5
+"""Distance from the gain to none, in widths of its interval, up to which both are drawn: else no bar could be read."""
 THOUSANDS = ("force_rms", "mass")
 """Limits shown in thousands."""
 
@@ -114,11 +116,15 @@ def budget(facts: Facts, ds: xr.Dataset) -> Figure:
     colour = look(facts, FLEXIBLE)["color"]
     for i, (_, low, high) in enumerate(rows):
         ax.barh(i, high - low, left=low, height=0.6, color=colour if i == len(rows) - 1 else "#999999")
+        ends = f" {low:+.3g} to {high:+.3g}"  # bars of small sources are too narrow to be read
+        ax.annotate(ends, (1.0, i), xycoords=("axes fraction", "data"), va="center", fontsize="small")
     ax.set_yticks(range(len(rows)), [name.replace("_", " ") for name, _, _ in rows])
     ax.invert_yaxis()
     ax.axvline(0.0, color="black", linewidth=0.8)
-    ax.axvline(-gain["value"], color="black", linewidth=0.8, linestyle=":")
-    ax.set(xlabel="change of the gain [percentage points]; dotted: no gain")
+    ax.set(xlabel="change of the gain [percentage points]")
+    if abs(gain["value"]) <= FARTHEST * (gain["high"] - gain["low"]):
+        ax.axvline(-gain["value"], color="black", linewidth=0.8, linestyle=":")
+        ax.set(xlabel="change of the gain [percentage points]; dotted: no gain")
     return figure
 
 
