@@ -13,7 +13,7 @@ from vsb.design.year import FrequencyGrid
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.hydro.database import Coefficients, with_excitation
 from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.scenes.ports import ShapeWater, designs_in_waves
+from vsb.scenes.ports import ShapeWater, buoy_at
 from vsb.scenes.rest import reference_shell, stiffness_about
 from vsb.waves.climate import Climate
 
@@ -199,8 +199,8 @@ def test_the_year_is_that_of_a_campaign(climate, design, changes):
     coefficients = Coefficients(
         solved.added_mass.values, solved.radiation_damping.values, solved.excitation_force.values[:, 0]
     )
-    waves = designs_in_waves(study, reference, ShapeWater(moved, grid.omega, coefficients))
-    port = waves[design].port.beside(study.pto.stiffness)
+    buoy = buoy_at(study, reference, ShapeWater(moved, grid.omega, coefficients))
+    port = buoy.ports(study.pto.stiffness)[design]
     damping = np.array([found["damping"].value * factor for factor in (0.99, 1.0, 1.01)])
     power = port.power(damping) @ (2 * grid.variance)
     assert found["annual_mean_power"].value == pytest.approx(power[1], rel=1e-7)

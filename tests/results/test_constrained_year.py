@@ -15,8 +15,9 @@ from vsb.results.constrained_year import ConstrainedYear, Optima, affordable, co
 from vsb.results.member import member
 from vsb.results.validity import LIMITS as WAVE_LIMITS
 from vsb.results.year import Bins
-from vsb.scenes.ports import designs_in_waves
+from vsb.scenes.ports import BuoyOfShape, buoy_at
 from vsb.scenes.rest import reference_shell
+from vsb.scenes.viability import viability
 from vsb.study.campaign import CONSTRAINED
 
 SEAS = climate()
@@ -163,8 +164,10 @@ def test_undecided_sea_keeps_its_bound():
 LIMIT, SECONDS = 2e4, 0.05
 
 
-def optima_of(study, **changes):
-    return Optima(**{"water": lambda basis, omega: water(study, omega=omega), "seconds": SECONDS, "seed": 1} | changes)
+def buoy(study):
+    """The buoy in water that acts on one ring."""
+    swept = SimpleNamespace(band=(0.1, 8.0), at=lambda omega: water(study, omega=omega))
+    return BuoyOfShape(study, reference_shell(study), swept)
 
 
 @pytest.fixture(scope="module")
@@ -179,27 +182,21 @@ def study(seed):
 
 
 @pytest.fixture(scope="module")
-def shared(study):
-    """Coefficients of the shape over all frequencies of the year."""
-    return water(study, omega=np.arange(0.1, 3.0, 0.01))
-
-
-@pytest.fixture(scope="module")
 def seas():
     return climate(seas=6)
 
 
 @pytest.fixture(scope="module")
-def found(study, shared, seas):
-    return member(study, lambda basis: shared, seas, ("one", CONSTRAINED), optima_of(study))
+def found(study, seas):
+    return member(viability(study), lambda: buoy(study), seas, ("one", CONSTRAINED), Optima(SECONDS, 1))
 
 
-def test_member_equals_the_constrained_years_of_its_ports(study, shared, seas, found):
-    harmonics = harmonics_of_year(seas, float(shared.omega[0]), 8.0, SECONDS)
-    waves = designs_in_waves(study, reference_shell(study), water(study, omega=harmonics.port_omega))
+def test_member_equals_the_constrained_years_of_its_ports(study, seas, found):
+    harmonics = harmonics_of_year(seas, float(seas.edges[0]), 8.0, SECONDS)
+    ports = buoy_at(study, reference_shell(study), water(study, omega=harmonics.port_omega)).ports()
     years = {
-        design: constrained_year(one.port, seas, study.water, harmonics, Limits(LIMIT), SECONDS, 1)
-        for design, one in waves.items()
+        design: constrained_year(port, seas, study.water, harmonics, Limits(LIMIT), SECONDS, 1)
+        for design, port in ports.items()
     }
     at = found.sel(tuning=CONSTRAINED)
     for design, one in years.items():
@@ -220,9 +217,9 @@ def test_member_equals_the_constrained_years_of_its_ports(study, shared, seas, f
 
 
 @pytest.mark.slow
-def test_soft_shell_is_marked_beyond_validity(study, shared, seas, found):
+def test_soft_shell_is_marked_beyond_validity(study, seas, found):
     soft = varied(study, device={"young_modulus": 5e5}, pto={"stiffness": 1e5})
-    ds = optima_of(soft)(soft, reference_shell(soft), seas, float(shared.omega[0])).sel(tuning=CONSTRAINED)
+    ds = Optima(SECONDS, 1)(soft, buoy(soft), seas).sel(tuning=CONSTRAINED)
     ds = ds.assign_coords(limit=list(WAVE_LIMITS))
     assert 0 < float(ds.energy_beyond.sel(design="VSWEC", limit="deformation")) <= 1
     assert float(ds.energy_beyond.sel(design="FSB", limit="deformation")) == 0
@@ -236,8 +233,8 @@ def test_known_years_are_not_reused_for_other_limits(study, seas):
     powers = []
     for pto in ({"force_limit": 1e4}, {"force_limit": 2e4}):
         one = varied(rigid, pto=pto)
-        kept = kept or optima_of(one)
-        found, alone = (of(one, reference_shell(one), seas, 0.1) for of in (kept, optima_of(one)))
+        kept = kept or Optima(SECONDS, 1)
+        found, alone = (of(one, buoy(one), seas) for of in (kept, Optima(SECONDS, 1)))
         assert found.identical(alone)
         powers.append(float(found.annual_mean_power.squeeze()))
     assert len(kept.known) == len(set(powers)) == 2

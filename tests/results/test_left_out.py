@@ -10,7 +10,7 @@ from conftest import varied
 
 from vsb.motion.tuning import best_dampers
 from vsb.results.left_out import gain_of_year, modes_left_out
-from vsb.results.year import band_weights
+from vsb.results.year import band_weights, frequencies
 from vsb.scenes.floating_system import floating_system, port_in_seas
 from vsb.scenes.mode_convergence import (
     DEGREES,
@@ -20,7 +20,7 @@ from vsb.scenes.mode_convergence import (
     powers_of_ports,
     sampled,
 )
-from vsb.scenes.ports import designs_in_waves
+from vsb.scenes.ports import BuoyOfShape
 from vsb.scenes.rest import reference_shell
 from vsb.stages.campaign import swept_shape
 from vsb.stages.make import make
@@ -205,15 +205,16 @@ def test_interval_of_a_year_contains_the_gain_of_many_modes(seed, tmp_path):
     def computed(modes):
         study = varied(seed, modes=modes, designs=DESIGNS, hydro={"omega_max": 5.0})
         reference = reference_shell(study)
-        water = swept_shape(study, reference.basis, str(tmp_path)).of_year(year)
-        squares = (year.mean_density @ band_weights(water.omega, year))[None]
-        waves = designs_in_waves(study, reference, water)
+        buoy = BuoyOfShape(study, reference, swept_shape(study, reference.basis, str(tmp_path)))
+        omega = frequencies(year, *buoy.band)
+        squares = (year.mean_density @ band_weights(omega, year))[None]
+        waves = buoy.at(omega).in_waves()
         ports = {design: seen.port for design, seen in waves.items()}
         gain = 100 * (
             powers_of_ports(ports, study.pto, squares)[:, 0, :2] / powers_of_ports(ports, study.pto, squares)[0, :, :2]
             - 1
         )
-        return gain, gain_of_year(study, reference, water, year, waves)
+        return gain, gain_of_year(study, buoy, year, waves)
 
     gain, interval = computed({"basis": "membrane", "degree": 6})
     many, _ = computed({"basis": "full", "degree": 42})

@@ -1,5 +1,7 @@
 """A member of a campaign: the year of its ports, power over damping, designs that are not stable."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from conftest import varied
@@ -7,10 +9,10 @@ from results.test_year import climate
 from scenes.test_ports import water
 
 from vsb.results.member import CURVES, MATRICES, OF_DESIGNS, TRIED, DampedYears, member
-from vsb.results.year import band_weights, year
-from vsb.scenes.ports import ShapeWater, design_ports, designs_in_waves
+from vsb.results.year import band_weights, frequencies, year
+from vsb.scenes.ports import BuoyOfShape, buoy_at
 from vsb.scenes.rest import reference_shell
-from vsb.scenes.viability import with_designs
+from vsb.scenes.viability import viability, with_designs
 from vsb.study.study import Study
 from vsb.waves.climate import Climate
 
@@ -24,10 +26,17 @@ def study(seed) -> Study:
     return varied(seed, modes={"degree": 2}, pto={"damping": 8e3})
 
 
-@pytest.fixture(scope="module")
-def shared(study) -> ShapeWater:
-    """Hydrodynamics of the sphere over all frequencies of the year."""
-    return water(study, omega=np.arange(0.1, 3.0, 0.02))
+BAND = (0.1, 3.0)
+
+
+def year_of(study, seas, tunings=TUNINGS, **known):
+    """The member of a study in water that acts on one ring."""
+    swept, rest = SimpleNamespace(band=BAND, at=lambda omega: water(study, omega=omega)), viability(study)
+
+    def floating():
+        return BuoyOfShape(with_designs(study, rest.designs), reference_shell(study), swept)
+
+    return member(rest, floating, seas, tunings, **known)
 
 
 @pytest.fixture(scope="module")
@@ -36,8 +45,8 @@ def seas() -> Climate:
 
 
 @pytest.fixture(scope="module")
-def found(study, shared, seas):
-    return member(study, lambda basis: shared, seas, TUNINGS)
+def found(study, seas):
+    return year_of(study, seas)
 
 
 def unstable(study) -> Study:
@@ -46,8 +55,9 @@ def unstable(study) -> Study:
     return varied(study, pto={"stiffness": BETWEEN * waterplane})
 
 
-def test_member_equals_the_year_of_its_ports(study, shared, seas, found):
-    ports = design_ports(study, reference_shell(study), shared)
+def test_member_equals_the_year_of_its_ports(study, seas, found):
+    omega = frequencies(seas, *BAND)
+    ports = buoy_at(study, reference_shell(study), water(study, omega=omega)).ports()
     apart = year(ports, seas, study.water, TUNINGS, dict.fromkeys(ports, 8e3), "FSB").dataset()
     for name in ("annual_mean_power", "force_rms", "gain_percent", "power_matrix", "damping"):
         np.testing.assert_array_equal(found[name].values, apart[name].values, err_msg=name)
@@ -69,9 +79,10 @@ def test_interval_of_a_gain_contains_the_errors_of_both_designs(study, found):
         np.testing.assert_allclose(one.gain_percent, 100 * (ratio - 1), atol=1e-10)
 
 
-def test_relative_errors_of_two_powers_add_up_in_the_interval_of_their_ratio(study, shared, seas):
+def test_relative_errors_of_two_powers_add_up_in_the_interval_of_their_ratio(study, seas):
     """Of the quadrature alone; the gain is 100 (P/P_0 - 1)."""
-    waves = designs_in_waves(study, reference_shell(study), shared)
+    omega = frequencies(seas, *BAND)
+    waves = buoy_at(study, reference_shell(study), water(study, omega=omega)).in_waves()
     values = DampedYears(seas, TUNINGS)(study, waves)
     power, error, low, high = (
         np.asarray(values[name][1]) for name in ("annual_mean_power", "quadrature_error", "gain_low", "gain_high")
@@ -81,14 +92,14 @@ def test_relative_errors_of_two_powers_add_up_in_the_interval_of_their_ratio(stu
     np.testing.assert_allclose((high - low)[1:], 200 * ((relative + relative[0]) * ratio)[1:], rtol=1e-4, atol=1e-12)
 
 
-def test_unstable_designs_have_no_values(study, shared, seas, found):
+def test_unstable_designs_have_no_values(study, seas, found):
     assert found.viable.all()
     lost = unstable(study)
-    ds = member(lost, lambda basis: shared, seas, TUNINGS)
+    ds = year_of(lost, seas)
     assert ds.viable.values.tolist() == [True, False, False, True]
     assert [text.startswith("unstable: least stiffness -") for text in ds.reason.values] == [False, True, True, False]
     stable = ["FSB", "VSWEC90"]
-    alone = member(with_designs(lost, stable), lambda basis: shared, seas, TUNINGS)
+    alone = year_of(with_designs(lost, stable), seas)
     for name in (*OF_DESIGNS, *CURVES, *MATRICES):
         assert np.isnan(ds[name].sel(design=["VSWEC", "VSWEC0"])).all(), name
         np.testing.assert_array_equal(ds[name].sel(design=stable), alone[name], err_msg=name)
@@ -100,7 +111,7 @@ def test_member_without_a_stable_design_needs_no_hydrodynamics(study, seas):
     soft = varied(study, reference_shape="equilibrium")
     shells = with_designs(unstable(study), ["VSWEC", "VSWEC0"])
     for lost in (soft, shells):
-        ds = member(lost, asked.append, seas, TUNINGS)
+        ds = member(viability(lost), asked.append, seas, TUNINGS)
         assert not ds.viable.values.any()
         assert np.isnan(ds.annual_mean_power).all()
         assert ds["count"].sum() == 12
@@ -109,15 +120,15 @@ def test_member_without_a_stable_design_needs_no_hydrodynamics(study, seas):
 
 
 @pytest.mark.slow
-def test_known_years_are_not_reused_in_other_water(study, shared, seas):
+def test_known_years_are_not_reused_in_other_water(study, seas):
     """The same coefficients, but another energy flux and capture width."""
     lighter, known = varied(study, water={"density": 1000.0}), {}
-    member(study, lambda basis: shared, seas, TUNINGS, known=known)
-    found = member(lighter, lambda basis: shared, seas, TUNINGS, known=known)
-    assert found.identical(member(lighter, lambda basis: shared, seas, TUNINGS))
+    year_of(study, seas, known=known)
+    found = year_of(lighter, seas, known=known)
+    assert found.identical(year_of(lighter, seas))
 
 
-def test_power_over_damping_equals_years_with_that_damper(study, shared, seas, found):
+def test_power_over_damping_equals_years_with_that_damper(study, seas, found):
     """The curve has its maximum, in the middle, at the optimal damping of all seas."""
     tried, power, force = (found[f"{name}_damping"].values for name in ("tried", "power_of", "force_of"))
     best = np.nanmax(found.damping.sel(tuning="one").values, axis=(1, 2))
@@ -125,16 +136,16 @@ def test_power_over_damping_equals_years_with_that_damper(study, shared, seas, f
     assert (power.argmax(axis=1) == 30).all()
     for i in (45,):
         given = varied(study, pto={"damping": float(tried[0, i])})
-        year = member(given, lambda basis: shared, seas, ("fixed",)).isel(design=0, tuning=0)
+        year = year_of(given, seas, ("fixed",)).isel(design=0, tuning=0)
         assert power[0, i] == pytest.approx(float(year.annual_mean_power), rel=1e-9)
         assert force[0, i] == pytest.approx(float(year.force_rms), rel=1e-9)
 
 
-def test_year_includes_the_spring_of_the_take_off(study, shared, seas):
+def test_year_includes_the_spring_of_the_take_off(study, seas):
     """P = c |v|^2/2 of every wave with the impedance c + i k/omega at the port."""
     spring = varied(study, pto={"damping": 8e3, "stiffness": 2e4})
-    waves = designs_in_waves(spring, reference_shell(spring), shared)
-    found = member(spring, lambda basis: shared, seas, ("fixed",))
+    waves = buoy_at(spring, reference_shell(spring), water(spring, omega=frequencies(seas, *BAND))).in_waves()
+    found = year_of(spring, seas, ("fixed",))
     for i, one in enumerate(waves.values()):
         omega = one.port.omega
         weights = band_weights(omega, seas).T @ (seas.hours @ seas.density) / seas.hours.sum()

@@ -9,7 +9,7 @@ from scenes.test_ports import water
 
 from vsb.results.validity import LIMITS, beyond_validity, motion_rms, wave_limits
 from vsb.results.year import band_weights, year
-from vsb.scenes.ports import designs_in_waves
+from vsb.scenes.ports import buoy_at
 from vsb.scenes.rest import reference_shell
 from vsb.study.study import Water
 from vsb.waves.dispersion import wavenumber
@@ -33,7 +33,7 @@ def test_steep_and_breaking_seas_in_deep_water():
 def shells(seed):
     """The seed's designs and their motions in a year of twelve seas."""
     study = varied(seed, modes={"degree": 2}, pto={"damping": 8e3, "stiffness": 2e4})
-    waves = designs_in_waves(study, reference_shell(study), water(study, omega=np.arange(0.1, 3.0, 0.01)))
+    waves = buoy_at(study, reference_shell(study), water(study, omega=np.arange(0.1, 3.0, 0.01))).in_waves()
     return study, waves, climate(seas=12)
 
 

@@ -8,7 +8,7 @@ from scipy.linalg import block_diag
 from vsb.hydro.database import Coefficients
 from vsb.hydro.dofs import displacements
 from vsb.motion.port import port_direction
-from vsb.scenes.ports import ShapeWater, _of_shell, design_ports, designs_in_waves, shell_shapes
+from vsb.scenes.ports import ShapeWater, buoy_at, shell_shapes
 from vsb.scenes.rest import design_motions, order_bases, reference_shell
 from vsb.shell.orders import semi_normalisation, semi_normalised
 from vsb.study.blocks import HydroPlan
@@ -50,7 +50,7 @@ def test_rigid_design_is_a_mass_on_two_springs(study, spring):
     """V0 = F/Z and Y = 1/Z with added mass, loss, waterplane and the spring of the take-off."""
     study = varied(study, pto={"stiffness": spring})
     rest = reference_shell(study)
-    port = design_ports(study, rest, water(study))["FSB"]
+    port = buoy_at(study, rest, water(study)).ports(spring)["FSB"]
     heave, squared = np.cos(2.0), study.device.radius**2 - study.centre_height**2
     waterplane = study.water.density * study.water.gravity * np.pi * squared
     inertia = study.device.mass + 4e3 * heave**2
@@ -66,14 +66,14 @@ def test_stiff_shells_approach_the_rigid_design(study):
     far = []
     for modulus in (1e12, 1e13):
         stiff = varied(study, device={"young_modulus": modulus})
-        ports = design_ports(stiff, reference_shell(stiff), shared)
+        ports = buoy_at(stiff, reference_shell(stiff), shared).ports(SPRING)
         far.append(np.abs(ports["VSWEC"].velocity / ports["FSB"].velocity - 1).max())
     assert far[0] / far[1] == pytest.approx(10, rel=0.05)
     assert far[0] < 0.05
 
 
 def test_motion_under_a_damper_matches_the_port(study):
-    waves = designs_in_waves(study, reference_shell(study), water(study))
+    waves = buoy_at(study, reference_shell(study), water(study)).in_waves()
     for one in waves.values():
         velocity = -1j * OMEGA * one.position(8e3, 2e4)[:, 0]
         load = one.port.load(8e3, 2e4)
@@ -93,7 +93,7 @@ def test_gas_chamber_with_a_shut_and_an_open_turbine(study):
     waves = {}
     for name, change in changes.items():
         own = varied(study, **change)
-        waves[name] = designs_in_waves(own, reference_shell(own), water(own))
+        waves[name] = buoy_at(own, reference_shell(own), water(own)).in_waves()
     for design in ("VSWEC", "VSWEC90"):
         opened, held, vented = (waves[name][design] for name in ("volume", "heave", "vented"))
         for moved, expected in ((opened.position(1e15, 0.0), held), (opened.position(0.0, 0.0), vented)):
@@ -135,9 +135,8 @@ def test_line_port_of_all_orders_solves_the_equation_of_motion(seed, design):
     kinds = {1: (3e3, 700.0, 4e4 * (0.6 + 0.8j)), 2: (900.0, 200.0, 1e4 * (0.8 - 0.6j))}
     orders = tuple(ring_of(order, 2.0, *kind) for order, kind in kinds.items())
     axial = water(study)
-    found = designs_in_waves(study, reference, ShapeWater(axial.displacements, OMEGA, axial.coefficients, orders))[
-        design
-    ]
+    buoy = buoy_at(study, reference, ShapeWater(axial.displacements, OMEGA, axial.coefficients, orders))
+    found = buoy.in_waves()[design]
     radial = [basis.displacement(at)[0][:, 0], *(each.field(at).radial[:, 0] for each in families)]
     kinds = [(4e3, 1e3, 5e4), *kinds.values()]
     mass, loss = (
@@ -172,7 +171,7 @@ def test_line_port_of_all_orders_solves_the_equation_of_motion(seed, design):
     np.testing.assert_allclose(together, moved, rtol=1e-8, atol=1e-9 * np.abs(moved).max())
     heave, shell = found.motion.with_load(found.port, found.port.load(8e3, SPRING))
     np.testing.assert_allclose(heave, together[:, 0], rtol=1e-10)
-    expected = _of_shell(together, shell_shapes(basis, families))
+    expected = np.einsum("wi,iab->abw", together[:, 1:], shell_shapes(basis, families)[1:])
     np.testing.assert_allclose(shell, expected, rtol=1e-9, atol=1e-10 * np.abs(together).max())
 
 
@@ -194,12 +193,12 @@ def test_a_viscous_shell_is_at_each_frequency_a_stiffer_one_with_more_damping(se
     """Of Hooke's law, open to constant pressure, all stiffness of the shell goes with E."""
     branch = {"ratio": 0.6, "time": 0.4}
     viscous = varied(seed, device={"damping": {"alpha": 0.0, "beta": 1e-3, "maxwell": [branch]}}, modes={"degree": 4})
-    found = designs_in_waves(viscous, reference_shell(viscous), water(viscous))["VSWEC"].port
+    found = buoy_at(viscous, reference_shell(viscous), water(viscous)).ports()["VSWEC"]
     for i in (0, 12, 25):
         x = (OMEGA[i] * branch["time"]) ** 2
         stiffer, loss = 1 + branch["ratio"] * x / (1 + x), branch["ratio"] * branch["time"] / (1 + x)
         device = {"young_modulus": 1e7 * stiffer, "damping": {"alpha": 0.0, "beta": (1e-3 + loss) / stiffer}}
         plain = varied(viscous, device=device)
-        port = designs_in_waves(plain, reference_shell(plain), water(plain))["VSWEC"].port
+        port = buoy_at(plain, reference_shell(plain), water(plain)).ports()["VSWEC"]
         assert found.admittance[i] == pytest.approx(port.admittance[i], rel=1e-9)
         assert found.velocity[i] == pytest.approx(port.velocity[i], rel=1e-9)

@@ -44,7 +44,7 @@ def family(reference):
 
 @pytest.fixture(scope="module")
 def motion(small, reference, family):
-    return StudyMotion(small, reference, shapedependence.linear_buoy(small, reference, family))
+    return StudyMotion.of(small, reference, family)
 
 
 @pytest.fixture(scope="module")
@@ -60,14 +60,14 @@ def dataset(counted):
     return counted[0]
 
 
-def test_power_slope_matches_responses_on_deformed_shapes(small, reference, family):
+def test_power_slope_matches_responses_on_deformed_shapes(small, reference, family, motion):
     def power(eta, design):
         ds = with_structure(family.at(eta), reference)
         buoy = LinearSystem(ds, reference.basis.damping, LinearPto(small.pto.damping))
         omega = np.array(OMEGAS)
         return buoy.absorbed_power(omega, buoy.rao(omega, design_motions(small, reference.basis, design)))
 
-    changes = shapedependence.power_changes(small, reference, family)
+    changes = shapedependence.power_changes(motion, family)
     direction, h = np.array([0.6, 0.3, -0.5, 0.4]), 4e-3
     for design in ("FSB", "VSWEC"):
         d = [(power(s * h * direction, design) - power(-s * h * direction, design)) / (2 * s * h) for s in (1, 2)]
@@ -167,7 +167,7 @@ def test_verdict_on_shape_dependence(passed, rest, verdict, dataset):
 
 
 def test_still_water_has_no_shape_dependence(small, reference, family, dataset):
-    buoy = shapedependence.linear_buoy(small, reference, family)
+    buoy = StudyMotion.of(small, reference, family).buoy
     motion = StudyMotion(varied(small, waves=[{"kind": "still"}]), reference, buoy)
     powers = shapedependence.study_powers(motion, family, ShapeDatabase(dataset))
     assert answer(powers, "seed") == "seed: no power is absorbed, so none depends on the shape"

@@ -13,10 +13,10 @@ from stages.test_members import folder  # noqa: F401
 
 from vsb.report.animation import PERIODS
 from vsb.report.campaign_answer import leading
-from vsb.scenes.ports import designs_in_waves
+from vsb.scenes.ports import BuoyOfShape
 from vsb.scenes.rest import reference_shell
 from vsb.stages import campaign_report as module
-from vsb.stages.campaign_report import Point, animated_year
+from vsb.stages.campaign_report import animated_year
 from vsb.stages.climate import read_climate
 from vsb.waves.seas import Sea
 
@@ -53,10 +53,10 @@ def test_heave_is_that_of_the_port_with_its_damping(seed):
     spring, dampers = 2e4, {"FSB": 5e3, "VSWEC": 3e4}
     study = varied(seed, modes={"degree": 2}, pto={"damping": 8e3, "stiffness": spring})
     reference = reference_shell(study)
-    point = Point(study, reference, SimpleNamespace(at=lambda omega: water(study, omega=omega)))
+    point = BuoyOfShape(study, reference, SimpleNamespace(at=lambda omega: water(study, omega=omega)))
     waves = Sea(np.array([1.0, 1.3, 1.7]), np.array([0.3, 0.0, 0.2j]))
     runs = module._runs(point, dampers, waves, 10.0)
-    inside = designs_in_waves(study, reference, water(study, omega=waves.omega))
+    inside = point.at(waves.omega).in_waves()
     for design, damping in dampers.items():
         port = inside[design].port
         velocity = port.velocity / (1 + port.admittance * (damping + 1j * spring / waves.omega))

@@ -3,22 +3,18 @@
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 from browser import findings
+from results.test_member import year_of
 from results.test_year import climate
-from scenes.test_ports import water
 from stages.test_members import gather, planned, with_seas
 
 from vsb.report.campaign_answer import closing_answer
 from vsb.results.campaign import stacked
-from vsb.results.member import member
 from vsb.stages import campaign_report
 from vsb.study.campaign_plan import members
 from vsb.tools.files import load, save
 from vsb.tools.stamps import faults, read_manifest
-
-OMEGA = np.arange(0.1, 3.0, 0.02)
 
 
 @pytest.fixture(scope="module")
@@ -31,10 +27,7 @@ def plan(tmp_path_factory):
     )
     for batch, spec in one.batches.items():
         held = members(spec.base, spec.points, spec.climate, spec.tuning)
-        found = [
-            member(each.study, lambda basis, s=each.study: water(s, omega=OMEGA), climate(8), spec.tuning)
-            for each in held
-        ]
+        found = [year_of(each.study, climate(8), spec.tuning) for each in held]
         save(stacked(found, [each.id for each in held]).assign_attrs(spec_id=batch), one.batch_path(batch))
     gather(one)
     return one

@@ -67,7 +67,7 @@ def test_dimensions_are_the_last_words_unless_they_clash():
 @pytest.mark.parametrize(
     ("raw", "message"),
     [([1], r"received \[1\], needs keys of the study"),
-        ({"waves.0.hs": [1.0]}, "waves.0.hs: needs scale, reference_shape, or a key of device, modes, designs, water,"),
+        ({"waves.0.hs": [1.0]}, "waves.0.hs: needs scale, reference_shape, or a key of device, body, modes, designs, water,"),
         ({"device.mass": 5.0}, r"device.mass: received 5.0, needs a list of values, \{log"),
         ({"device.mass": {"log": [1, 2]}}, r"device.mass: received .*, needs \{log: \[first, last, count\]\}"),
         ({"device.mass": {"log": [0, 2, 3]}}, "needs ends above 0"),

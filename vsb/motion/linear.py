@@ -271,8 +271,17 @@ class LinearSystem:
 
     def equation(self, omega: FloatArray) -> LinearEquation:
         """Return its equation of motion at frequencies, without take-off."""
+        return self._equation(omega, omega)
+
+    def extended_equation(self, omega: FloatArray) -> LinearEquation:
+        """Return `equation` at any frequencies: outside the band solved with the coefficients of its nearest end."""
+        first, last = self.database.omega.values[[0, -1]]
+        return self._equation(omega, np.clip(omega, first, last))
+
+    def _equation(self, omega: FloatArray, known: FloatArray) -> LinearEquation:
+        """The equation of motion, with the coefficients of frequencies of the band."""
         viscous = self.lossy_at(omega), self.stiffness, self.stiffening_at(omega)
-        return LinearEquation(omega, self.coefficients(omega), self.mass, *viscous, self.chamber)
+        return LinearEquation(omega, self.coefficients(known), self.mass, *viscous, self.chamber)
 
     def port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
         """Return what a take-off sees of a design; see `vsb.motion.frequency.LinearEquation.port`."""
@@ -280,10 +289,7 @@ class LinearSystem:
 
     def extended_port(self, omega: FloatArray, motions: FloatArray, direction: FloatArray) -> Port:
         """Return `port` at any frequency: outside the band solved with the coefficients of its nearest end."""
-        first, last = self.database.omega.values[[0, -1]]
-        nearest = self.equation(np.clip(omega, first, last))
-        viscous = self.lossy_at(omega), self.stiffness, self.stiffening_at(omega)
-        return LinearEquation(omega, nearest.water, self.mass, *viscous, self.chamber).port(motions, direction)
+        return self.extended_equation(omega).port(motions, direction)
 
     def absorbed_power(self, omega: FloatArray, rao: ComplexArray) -> FloatArray:
         """Return the mean absorbed power per squared wave amplitude, c w^2 |b.q|^2/2, shape (omega,) [W/m^2]."""

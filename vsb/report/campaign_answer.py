@@ -115,10 +115,17 @@ def of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
     """Return at how many viable points flexibility pays: the interval of some design's gain lies above zero."""
     least = reported_bounds(ds.sel(tuning=tuning), tuning)[0].where(ds.design != reference)
     carries, pays = ds.margin >= 0, least.max("design") > 0
+    if not of_shells(ds):
+        return f"At {int(pays.sum())} of {ds.margin.size} points a design absorbs more than {reference}."
     if not bool(carries.any()):
         return f"None of the {ds.margin.size} points carries its static load without buckling."
     carried = f"{int(carries.sum())} of {ds.margin.size} points carry their static load without buckling"
     return f"{carried}; flexibility pays at {int((pays & carries).sum())} of these."
+
+
+def of_shells(ds: xr.Dataset) -> bool:
+    """Return whether a campaign is of a buoy, whose shell deforms and may buckle; else it is of a body."""
+    return "deformation" in ds.limit.values
 
 
 def at_point(one: xr.Dataset) -> str:

@@ -18,6 +18,7 @@ from vsb.report.campaign_answer import (
     is_verified,
     leading,
     of_points,
+    of_shells,
     reported_bounds,
     reported_gain,
     second_tuning,
@@ -29,6 +30,7 @@ from vsb.report.campaign_answer import (
 from vsb.report.campaign_figures import is_mapped
 from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
+from vsb.report.page import STILL as STILL_BODY
 from vsb.study.campaign import CONSTRAINED
 from vsb.tools.ports import kind_of
 from vsb.tools.words import plain
@@ -47,10 +49,14 @@ CAPTIONS = {
     "damping up to the optimal one, without limits.{within}",
     "sweep": "Gain of annual energy over the rigid design, {tuned}{marks}.",
 }
-MAPPED = (
-    ". Black line: the shell buckles under its static load; hatched: the interval of the gain includes zero; grey: not "
-    "viable"
-)
+BEYOND = {
+    "steepness": "too steep",
+    "breaking": "with breaking waves",
+    "deformation": "with shells deformed by more than a tenth of their radius",
+}
+"""Limits of linear theory that mark a sea, in words."""
+BUCKLING = ". Black line: the shell buckles under its static load"
+MAPPED = "; hatched: the interval of the gain includes zero; grey: not viable"
 MOST_ROWS = 24
 STILL = "No animation: no design is viable at the point of the answer, or its take-off is not linear."
 
@@ -81,13 +87,14 @@ def render(report: CampaignReport) -> str:
         sketches=report.sketches,
         kind="year",
         animated=in_motion(report.animated),
-        still="" if report.animated else STILL,
+        still="" if report.animated else STILL if of_shells(ds) else STILL_BODY,
         interactive=as_script(report.interactive) if report.interactive else "",
         statements=statements(ds, reference, tuning),
         warnings=[*warnings(ds), *(f"Of the climate, {note}." for note in report.notes if PARTIAL in note)],
         port=kind_of(ds),
         head=[*head(ds), *([f"gain by {MODELS[ds.attrs['verified_model']]} [%]"] if _has_runs(ds) else [])],
         body=rows(ds),
+        shells=of_shells(ds),
         explained=f"Tunings: {'; '.join(f'{name}, {TUNED[name]}' for name in map(str, ds.tuning.values))}.",
         left_out=max(0, int(ds.annual_mean_power.size) - MOST_ROWS),
         figures=captioned(report.figures, captions(ds)),
@@ -108,7 +115,7 @@ def captions(ds: xr.Dataset) -> dict[str, str]:
     words = {"tuned": TUNED[tuning], "at": f" at {at}" if at else ""}
     words["load"] = kind_of(ds).load
     words["within"] = " Squares: optimal force within each limit." if CONSTRAINED in ds.tuning.values else ""
-    words["marks"] = MAPPED if is_mapped(ds) else "; shaded: interval"
+    words["marks"] = (BUCKLING if of_shells(ds) else "") + MAPPED if is_mapped(ds) else "; shaded: interval"
     if is_verified(ds, tuning):
         words["marks"] += "; corrected by time-domain runs" + ("" if is_mapped(ds) else "; dotted: linear theory alone")
     return {name: text.format(**words) for name, text in CAPTIONS.items()}
@@ -128,10 +135,10 @@ def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
     if ds.margin.size > 1 and reference is not None and second:
         found.append(of_points(ds, reference, tuning))
     marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)
+    shares = [f"{_shares(ds, name, tuning)} {words}" for name, words in BEYOND.items() if name in ds.limit]
     found.append(
         f"{share_range(marked)} of the energy comes from seas beyond the validity of linear theory, crossed in the "
-        f"matrices: {_shares(ds, 'steepness', tuning)} too steep, {_shares(ds, 'breaking', tuning)} with breaking "
-        f"waves, {_shares(ds, 'deformation', tuning)} with shells deformed by more than a tenth of their radius."
+        f"matrices: {', '.join(shares)}."
     )
     over = 100 * (ds.practice_power / ds.annual_mean_power.where(ds.annual_mean_power > 0) - 1)
     if bool((abs(over) > 1e-6).any()):  # of a table of JONSWAP seas it is the year itself
@@ -154,7 +161,7 @@ def warnings(ds: xr.Dataset) -> list[str]:
             "quantities set by a few storms (breaking, limits, large deformation) coverage is 77 to 95 % with 12 seas, "
             "89 to 96 % with 24.",
         ]
-    if bool(ds.viable.any()):
+    if bool(ds.viable.any()) and of_shells(ds):
         found.append(
             f"In seas that bring {_shares(ds, 'heave', leading(ds)[0])} of the energy the heave amplitude exceeds 0.3 "
             "of the radius; coefficients of the shape at rest are then inaccurate."
@@ -214,7 +221,7 @@ def _shares(ds: xr.Dataset, limit: str, tuning: str) -> str:
 def head(ds: xr.Dataset) -> list[str]:
     """Return the head of the table."""
     known, kind = ["point", "design", "tuning", "energy [MWh/year]", "capture width [m]", "gain [%]"], kind_of(ds)
-    return [*known, f"rms {kind.load} [k{kind.load_unit}]", "margin [-]"]
+    return [*known, f"rms {kind.load} [k{kind.load_unit}]", *(["margin [-]"] if of_shells(ds) else [])]
 
 
 def rows(ds: xr.Dataset) -> list[list[str]]:
@@ -237,7 +244,7 @@ def _row(one: xr.Dataset, design: str, tuning: str) -> list[str]:
     gain = float(one.gain_percent) if "gain_percent" in one else np.nan
     numbers = [
         (float(one.annual_energy), ""), (float(one.capture_width), ".3g"), (gain, "+.1f"),
-        (float(one.force_rms) / 1e3, ""), (float(one.margin), ""),
+        (float(one.force_rms) / 1e3, ""), *([(float(one.margin), "")] if of_shells(one) else []),
     ]  # fmt: skip
     cells = ["-" if np.isnan(value) else format(value, form) if form else plain(value) for value, form in numbers]
     if _has_runs(one):

@@ -7,9 +7,11 @@ import numpy as np
 import xarray as xr
 
 from vsb.results.member import SAME_FOR_ALL
+from vsb.study.body import BodyDesign
 from vsb.study.campaign import CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CampaignSpec
+from vsb.study.study import first_rigid
 from vsb.study.take_off import port_kind
 from vsb.study.vary import MEMBER, PORT, Vary, unit
 from vsb.tools.arrays import AnyArray, FloatArray
@@ -62,9 +64,13 @@ def gathered(spec: CampaignSpec, batches: Sequence[xr.Dataset]) -> xr.Dataset:
 
 def _attrs(spec: CampaignSpec) -> dict[str, str]:
     """Attributes of the file: names, reference design, conventions."""
-    rigid = (name for name, design in spec.base["designs"].items() if not design["flexible"])
+    designs = spec.base["designs"]
+    if "body" in spec.base:
+        reference = first_rigid({name: BodyDesign(**design) for name, design in designs.items()})
+    else:
+        reference = next((name for name, design in designs.items() if not design["flexible"]), None)
     names = {"campaign": spec.campaign, "study": spec.study, "climate": spec.climate_name}
-    return {**names, "reference": next(rigid, ""), "Conventions": "CF-1.8", "port_kind": _port_kind(spec).load}
+    return {**names, "reference": reference or "", "Conventions": "CF-1.8", "port_kind": _port_kind(spec).load}
 
 
 def _port_kind(spec: CampaignSpec) -> PortKind:

@@ -8,7 +8,7 @@ A bin is two realisations of its mean spectrum, with independent phases that are
 says how well few waves know the mean, and the gain of one design over another.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -21,14 +21,11 @@ from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, sensiti
 from vsb.motion.constrained import ConstrainedOptimum, NoForceFoundError, constrained_optimum
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port, PortMotion
-from vsb.results.member import OF_LIMITS
+from vsb.results.member import OF_LIMITS, radius_of
 from vsb.results.statistics import stratified_half_width
-from vsb.results.validity import LIMITS, motion_limits, wave_limits
+from vsb.results.validity import limits_of, motion_limits, wave_limits
 from vsb.results.year import Bins, bins_of
-from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
-from vsb.scenes.rest import order_bases
-from vsb.shell.deformed import ReferenceShell
-from vsb.shell.modes import ModeBasis
+from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.study.campaign import CONSTRAINED
 from vsb.study.study import Study, Water
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
@@ -277,41 +274,35 @@ def _optimum(port: Port, harmonics: Harmonics, amplitude: ComplexArray, limits: 
 class Optima:
     """Computes the years of designs within limits; a rigid design that members have in common is solved once."""
 
-    water: Callable[[ModeBasis, FloatArray], ShapeWater]  # coefficients of the member's shape at frequencies
     seconds: float  # budget of each design [s]
     seed: int
     known: dict[bytes, ConstrainedYear] = field(default_factory=dict)
 
     def __call__(
-        self,
-        study: Study,
-        reference: ReferenceShell,
-        climate: Climate,
-        omega_min: float,
-        left_out: FloatArray | None = None,
+        self, study: Study | AnyBody, floating: Floating, climate: Climate, left_out: FloatArray | None = None
     ) -> xr.Dataset:
         """Return the years of designs within the limits of their take-off.
 
         Parameters
         ----------
-        study : Study
+        study : Study or BodyStudy
             Of viable designs alone.
-        reference : ReferenceShell
+        floating : Floating
+            What floats in it.
         climate : Climate
-        omega_min : float [rad/s]
-            Lowest frequency at which coefficients and waves are known.
         left_out : ndarray, shape (design, end) [percentage points], optional
             As of `vsb.results.left_out.gain_of_year`.
         """
-        harmonics = harmonics_of_year(climate, omega_min, study.hydro.omega_max, self.seconds)
-        waves = designs_in_waves(study, reference, self.water(reference.basis, harmonics.port_omega))
+        low, high = floating.band
+        low = max(low, float(climate.edges[0]))
+        high = study.buoy.hydro.omega_max if study.buoy else high
+        harmonics = harmonics_of_year(climate, low, high, self.seconds)
+        waves = floating.at(harmonics.port_omega).in_waves()
         found = {design: self._year(study, design, one, climate, harmonics) for design, one in waves.items()}
-        water, families = self.water(reference.basis, harmonics.omega), order_bases(study, reference.basis)
-        errors = water.errors(reference.basis, families, study.water)
-        return constrained_dataset(study, found, waves, climate, errors, left_out)
+        return constrained_dataset(study, found, waves, climate, floating.errors(harmonics.omega), left_out)
 
     def _year(
-        self, study: Study, design: str, waves: InWaves, climate: Climate, harmonics: Harmonics
+        self, study: Study | AnyBody, design: str, waves: InWaves, climate: Climate, harmonics: Harmonics
     ) -> ConstrainedYear:
         """The year of one design."""
         limits = Limits(study.pto.force_limit, study.pto.stroke_limit)
@@ -329,7 +320,7 @@ class Optima:
 
 
 def constrained_dataset(
-    study: Study,
+    study: Study | AnyBody,
     years: Mapping[str, ConstrainedYear],
     waves: Mapping[str, InWaves],
     climate: Climate,
@@ -407,7 +398,9 @@ def _slopes(years: Mapping[str, ConstrainedYear], waves: Mapping[str, InWaves]) 
     return slopes
 
 
-def _beyond(study: Study, one: ConstrainedYear, motion: PortMotion, climate: Climate) -> dict[str, float | FloatArray]:
+def _beyond(
+    study: Study | AnyBody, one: ConstrainedYear, motion: PortMotion, climate: Climate
+) -> dict[str, float | FloatArray]:
     """Which part of the seas of each bin lies beyond validity, and their shares of the energy.
 
     Steepness is that of every sea; the motion is that of the mean spectrum of a bin, which marks all of it.
@@ -415,15 +408,17 @@ def _beyond(study: Study, one: ConstrainedYear, motion: PortMotion, climate: Cli
     bins = one.bins
     shares = {limit.name: bins.mean(limit.seas.astype(float)) for limit in wave_limits(climate, study.water)}
     steep = bins.mean(np.any([limit.seas for limit in wave_limits(climate, study.water)], axis=0).astype(float))
-    moved = {name: one.matrix(values) for name, values in _motion_rms(one, motion).items()}
-    for limit in motion_limits({name: v.ravel() for name, v in moved.items()}, study.device.radius):
-        shares[limit.name] = limit.seas.reshape(bins.shape).astype(float)
-    marked = np.where(shares["deformation"] > 0, 1.0, steep)
+    radius, marked = radius_of(study), steep
+    if radius is not None:
+        moved = {name: one.matrix(values) for name, values in _motion_rms(one, motion).items()}
+        for limit in motion_limits({name: v.ravel() for name, v in moved.items()}, radius):
+            shares[limit.name] = limit.seas.reshape(bins.shape).astype(float)
+        marked = np.where(shares["deformation"] > 0, 1.0, steep)
     energy = bins.share * one.power_matrix
     total = max(float(energy.sum()), np.finfo(float).tiny)
     return {
         "beyond_validity": marked,
-        "energy_beyond": np.array([float((energy * shares[name]).sum()) / total for name in LIMITS]),
+        "energy_beyond": np.array([float((energy * shares[name]).sum()) / total for name in limits_of(radius)]),
         "energy_beyond_validity": float((energy * marked).sum()) / total,
     }
 

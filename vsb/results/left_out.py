@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.results.year import band_weights
+from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.scenes.mode_convergence import (
     JUDGED,
     SAMPLED,
@@ -18,8 +19,7 @@ from vsb.scenes.mode_convergence import (
     motion_of_port,
     powers_of_ports,
 )
-from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
-from vsb.shell.deformed import ReferenceShell
+from vsb.scenes.ports import BuoyOfShape, buoy_at
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import BuoySystem
 from vsb.study.study import Study, Wave
@@ -74,20 +74,19 @@ def modes_left_out(
 
 
 def gain_of_year(
-    study: Study, reference: ReferenceShell, water: ShapeWater, climate: Climate, waves: Mapping[str, InWaves]
+    study: Study | AnyBody, floating: Floating, climate: Climate, waves: Mapping[str, InWaves]
 ) -> FloatArray:
     """Return how far gains of a year's mean power may lie from those of a shell with all its modes.
 
     Parameters
     ----------
-    study : Study
+    study : Study or BodyStudy
         Of viable designs, among them a rigid one that they are compared with.
-    reference : ReferenceShell
-    water : ShapeWater
-        Of its shape, at frequencies of the climate.
+    floating : Floating
+        What floats in it; a body has the modes of its files, and leaves out no others that are known.
     climate : Climate
     waves : mapping design -> InWaves
-        Of all its modes, in that water.
+        Of all its modes, at frequencies of the climate.
 
     Returns
     -------
@@ -103,20 +102,22 @@ def gain_of_year(
     """
     designs, rigid = list(study.designs), study.reference_design
     at = designs.index(rigid or "")
-    flexible = np.array([study.designs[design].flexible for design in designs])
-    if not flexible.any() or not knows_port(study):
+    if not isinstance(floating, BuoyOfShape) or not floating.study.flexible or not knows_port(floating.study):
         return np.zeros((len(designs), len(ENDS)))
-    heaving = study.model_copy(update={"motion": "heave"})
-    lower = [degree for degree in DEGREES if degree <= study.modes.max_degree / LEAST_RATIO][-2:]
-    nested = study.modes.basis == "full" and lower
-    if nested and not study.at_equilibrium and motion_of_port(study) == "heave":
-        squares = (climate.mean_density @ band_weights(water.omega, climate))[None]
-        seen = [*(designs_in_waves(heaving, reference, water, n) for n in lower), waves]
-        tried = [powers_of_ports({d: w.port for d, w in one.items()}, study.pto, squares) for one in seen]
+    buoy = floating.study
+    heaving = buoy.model_copy(update={"motion": "heave"})
+    lower = [degree for degree in DEGREES if degree <= buoy.modes.max_degree / LEAST_RATIO][-2:]
+    nested = buoy.modes.basis == "full" and lower
+    if nested and not buoy.at_equilibrium and motion_of_port(buoy) == "heave":
+        omega = waves[designs[at]].port.omega
+        squares, water = (climate.mean_density @ band_weights(omega, climate))[None], floating.swept.at(omega)
+        seen = [buoy_at(heaving, floating.reference, water, n).ports() for n in lower]
+        seen.append({design: one.port for design, one in waves.items()})
+        tried = [powers_of_ports(ports, study.pto, squares) for ports in seen]
         before = tried[-1]
     else:
-        convergence = ModeConvergence(study, [mean_sea(climate, study.hydro.omega_max)])
-        before = convergence.powers(study.modes)
+        convergence = ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)])
+        before = convergence.powers(buoy.modes)
         if nested:  # the shape at rest, and with it the rigid design, depends on the modes, too
             tried = [*(convergence.powers(Modes(basis="full", degree=n)) for n in lower), before]
         else:

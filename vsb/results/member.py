@@ -13,13 +13,10 @@ import xarray as xr
 from vsb.motion.coefficient_errors import CoefficientError, sensitivity
 from vsb.motion.port import Port
 from vsb.results.left_out import gain_of_year
-from vsb.results.validity import LIMITS, beyond_validity
-from vsb.results.year import DesignYear, Tuning, Year, best_for_all, bins_of, gain_percent, year
-from vsb.scenes.ports import InWaves, ShapeWater, designs_in_waves
-from vsb.scenes.rest import order_bases
-from vsb.scenes.viability import viability, with_designs
-from vsb.shell.deformed import ReferenceShell
-from vsb.shell.modes import ModeBasis
+from vsb.results.validity import beyond_validity, limits_of
+from vsb.results.year import DesignYear, Tuning, Year, best_for_all, bins_of, frequencies, gain_percent, year
+from vsb.scenes.floating_system import AnyBody, Floating, InWaves
+from vsb.scenes.viability import Viability, with_designs
 from vsb.study.campaign import CONSTRAINED, Tunings
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
@@ -28,8 +25,8 @@ from vsb.waves.climate import Climate
 Values = Mapping[str, tuple[tuple[str, ...], AnyArray]]
 """Dimensions and values by name; a dataset is made of them only at the end, which takes as long as computing them."""
 Labels = dict[str, list[str]]
-YearsWithin = Callable[[Study, ReferenceShell, Climate, float, FloatArray | None], xr.Dataset]
-"""Viable designs, their shape, climate, lowest frequency [rad/s], `gain_of_year` -> their years within limits."""
+YearsWithin = Callable[[Study | AnyBody, Floating, Climate, FloatArray | None], xr.Dataset]
+"""Study of viable designs, what floats in it, climate, `gain_of_year` -> their years within limits."""
 
 BY, BINS = ("design", "tuning"), ("hs", "te")
 OF_DESIGNS = (
@@ -54,8 +51,8 @@ SAME_FOR_ALL = ("count", "occurrence")
 
 
 def member(
-    study: Study,
-    water: Callable[[ModeBasis], ShapeWater],
+    rest: Viability,
+    floating: Callable[[], Floating],
     climate: Climate,
     tunings: Sequence[Tunings],
     optima: YearsWithin | None = None,
@@ -65,9 +62,10 @@ def member(
 
     Parameters
     ----------
-    study : Study
-    water : callable
-        Modes -> the coefficients of its shape; not called where there is no shape at rest.
+    rest : Viability
+        Of the study, a buoy's or a body's.
+    floating : callable
+        Returns what floats of the designs that are viable; not called where none is.
     climate : Climate
     tunings : sequence of {'fixed', 'one', 'each', 'constrained'}
     optima : callable, optional
@@ -75,23 +73,23 @@ def member(
     known : dict, optional
         Rigid designs of earlier members; added to.
     """
-    rest = viability(study)
-    blank = _blank(tuple(study.designs), tuple(tunings), climate, study.reference_design is not None)
+    study = rest.study
+    limits, compared = limits_of(radius_of(study)), study.reference_design is not None
+    blank = _blank(tuple(study.designs), tuple(tunings), climate, limits, compared)
     found = {name: (dims, values.copy()) for name, (dims, values) in _values(blank).items()}
     at: Labels = {"design": list(study.designs), "tuning": list(tunings)}
-    if rest.viable:
-        some, reference = rest.viable
-        shape = water(reference.basis)
+    if rest.designs:
+        some = with_designs(study, rest.designs)
+        system = floating()
+        omega = frequencies(climate, *system.band)
         damped = DampedYears(climate, [one for one in tunings if one != CONSTRAINED], {} if known is None else known)
         here: Labels = {"design": list(some.designs), "tuning": [*damped.tunings]}
-        errors = shape.errors(reference.basis, order_bases(some, reference.basis), some.water)
-        waves = designs_in_waves(some, reference, shape)
-        left_out = None
+        errors, waves, left_out = system.errors(omega), system.at(omega).in_waves(), None
         if some.reference_design is not None:
-            left_out = gain_of_year(some, reference, shape, climate, waves)
+            left_out = gain_of_year(some, system, climate, waves)
         _fill(found, at, damped(some, waves, errors, left_out), here)
         if optima:
-            within = optima(some, reference, climate, float(shape.omega[0]), left_out)
+            within = optima(some, system, climate, left_out)
             _fill(found, at, _values(within), here | {"tuning": [CONSTRAINED]})
     words = {**rest.doubts, **rest.reasons}
     filled = {name: values for name, (_, values) in found.items()} | {
@@ -108,11 +106,18 @@ def _values(ds: xr.Dataset) -> Values:
     return {str(name): (tuple(map(str, ds.variables[name].dims)), ds.variables[name].values) for name in ds.data_vars}
 
 
+def radius_of(study: Study | AnyBody) -> float | None:
+    """Return the radius of a buoy, in terms of which its motion is judged [m]; None of a body."""
+    return study.buoy.device.radius if study.buoy else None
+
+
 @lru_cache(maxsize=4)
-def _blank(designs: tuple[str, ...], tunings: tuple[str, ...], climate: Climate, compared: bool) -> xr.Dataset:
+def _blank(
+    designs: tuple[str, ...], tunings: tuple[str, ...], climate: Climate, limits: tuple[str, ...], compared: bool
+) -> xr.Dataset:
     """All variables without values, and how many seas a bin holds; made once, for it takes as long as to fill it."""
     bins = bins_of(climate)
-    sizes = {"design": len(designs), "tuning": len(tunings), "limit": len(LIMITS), "damper": len(TRIED)}
+    sizes = {"design": len(designs), "tuning": len(tunings), "limit": len(limits), "damper": len(TRIED)}
     sizes |= dict(zip(BINS, bins.shape, strict=True))
     names = [name for name in OF_DESIGNS if compared or not name.startswith("gain")]
     dims: dict[str, tuple[str, ...]] = dict.fromkeys(names, BY) | dict.fromkeys(MATRICES, (*BY, *BINS))
@@ -121,7 +126,7 @@ def _blank(designs: tuple[str, ...], tunings: tuple[str, ...], climate: Climate,
     values: dict[str, tuple[tuple[str, ...], AnyArray]]
     values = {name: (of, np.full([sizes[dim] for dim in of], np.nan)) for name, of in dims.items()}
     of_all = {name: (of, np.zeros([sizes[dim] for dim in of])) for name, of in OF_ALL.items()}
-    at = {"design": list(designs), "tuning": list(tunings), "limit": list(LIMITS)}
+    at = {"design": list(designs), "tuning": list(tunings), "limit": list(limits)}
     of_bins = {"hs": bins.hs_centres, "te": bins.te_centres}
     of_year = {"count": (BINS, bins.count), "occurrence": (BINS, bins.share)}
     return xr.Dataset({**values, **of_year, **of_all}, coords=at | of_bins)
@@ -135,7 +140,7 @@ def _fill(found: Values, at: Labels, of: Values, here: Labels) -> None:
         found[name][1][np.ix_(*places)] = values
 
 
-def ports_year(study: Study, ports: Mapping[str, Port], climate: Climate, tunings: Sequence[Tuning]) -> Year:
+def ports_year(study: Study | AnyBody, ports: Mapping[str, Port], climate: Climate, tunings: Sequence[Tuning]) -> Year:
     """Return the year of the designs of a study from their ports."""
     dampers = {design: study.pto.damper(design) for design in study.designs}
     given = {design: damping for design, damping in dampers.items() if damping is not None}
@@ -152,7 +157,7 @@ class DampedYears:
 
     def __call__(
         self,
-        study: Study,
+        study: Study | AnyBody,
         waves: Mapping[str, InWaves],
         errors: Sequence[CoefficientError] = (),
         left_out: FloatArray | None = None,
@@ -161,7 +166,7 @@ class DampedYears:
 
         Parameters
         ----------
-        study : Study
+        study : Study or BodyStudy
         waves : mapping design -> InWaves
         errors : sequence of CoefficientError
             Shared by all designs; with quadrature over frequency they make the intervals of gains.
@@ -186,23 +191,23 @@ class DampedYears:
             return together
         return {**together, **self._gains(study, waves, together, errors, left_out)}
 
-    def _key(self, study: Study, design: str, waves: InWaves) -> bytes:
+    def _key(self, study: Study | AnyBody, design: str, waves: InWaves) -> bytes:
         """All that the year of a rigid design depends on in one climate."""
         parts = (waves.port.velocity, waves.port.admittance, *waves.motion.heave, *waves.motion.shell)
         pto, water = study.pto, study.water  # which the energy flux and breaking depend on, the port does not
-        given = (pto.stiffness, pto.damper(design) or 0.0, study.device.radius)
+        given = (pto.stiffness, pto.damper(design) or 0.0, radius_of(study) or 0.0)
         return (
             b"".join(part.tobytes() for part in parts)
             + np.array([*given, water.density, water.depth, water.gravity]).tobytes()
         )
 
-    def _computed(self, study: Study, waves: Mapping[str, InWaves]) -> Values:
+    def _computed(self, study: Study | AnyBody, waves: Mapping[str, InWaves]) -> Values:
         """Results of designs that are not known yet."""
         ports = {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}
         if not self.tunings:
             return self._curves(ports, None)
         of = ports_year(study, ports, self.climate, self.tunings)
-        beyond = beyond_validity(of, waves, study.pto.stiffness, study.device.radius)
+        beyond = beyond_validity(of, waves, study.pto.stiffness, radius_of(study))
         return {**of.values, **beyond, **self._curves(ports, of)}
 
     def _curves(self, ports: Mapping[str, Port], of: Year | None) -> Values:
@@ -216,7 +221,7 @@ class DampedYears:
 
     def _gains(
         self,
-        study: Study,
+        study: Study | AnyBody,
         waves: Mapping[str, InWaves],
         found: Values,
         errors: Sequence[CoefficientError],

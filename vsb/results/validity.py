@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vsb.results.year import Year, band_weights
-from vsb.scenes.ports import InWaves
+from vsb.scenes.floating_system import InWaves
 from vsb.study.study import Water
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 from vsb.waves.climate import Climate
@@ -28,6 +28,8 @@ DEFORMATION = 0.1
 LIMITS = ("steepness", "breaking", "deformation", "heave")
 MARKED = LIMITS[:3]
 """Limits that mark a sea; heave does not: in long waves a buoy follows the water, however far."""
+OF_WAVES = 2
+"""Limits, the first ones, of the waves alone: of a body no others are known."""
 NODES = 8
 """Dampers at which variances are computed, to interpolate between them to 1e-3."""
 
@@ -47,6 +49,11 @@ class Beyond(NamedTuple):
         """Return the part of a year's energy from those seas; power and hours of each sea, shape (sea,)."""
         total = float(power @ hours)
         return float((power * hours)[self.seas].sum()) / total if total > 0 else 0.0
+
+
+def limits_of(radius: float | None) -> tuple[str, ...]:
+    """Return the limits known of a buoy of a radius [m], or of a body."""
+    return LIMITS if radius is not None else LIMITS[:OF_WAVES]
 
 
 @lru_cache(maxsize=4)
@@ -131,7 +138,7 @@ def _nodes(damping: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.exp(middle + half * nodes), np.array(shares)
 
 
-def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, radius: float) -> Marks:
+def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, radius: float | None) -> Marks:
     """Return which part of the seas of each bin lies beyond validity, and their shares of the energy.
 
     Parameters
@@ -140,16 +147,19 @@ def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, 
     waves : mapping design -> InWaves
     stiffness : float [N/m]
         Of the take-off's spring.
-    radius : float [m]
+    radius : float or None [m]
+        Of a buoy; of a body only the waves are judged.
     """
     of_waves, hours = wave_limits(year.climate, year.water), year.climate.hours
-    sizes = (len(year.designs), len(year.tunings))
-    marked, energy = np.zeros((*sizes, *year.bins.shape)), np.zeros((*sizes, len(LIMITS)))
+    sizes, known = (len(year.designs), len(year.tunings)), limits_of(radius)
+    marked, energy = np.zeros((*sizes, *year.bins.shape)), np.zeros((*sizes, len(known)))
     together = np.zeros(sizes)
     for i, design in enumerate(year.designs):
         for j in range(sizes[1]):
-            moved = motion_rms(waves[design], year.climate, year.damping[i, j], stiffness)
-            limits = sorted([*of_waves, *motion_limits(moved, radius)], key=lambda one: LIMITS.index(one.name))
+            limits = list(of_waves)
+            if radius is not None:
+                limits += motion_limits(motion_rms(waves[design], year.climate, year.damping[i, j], stiffness), radius)
+            limits.sort(key=lambda one: known.index(one.name))
             power, beyond = year.power[i, j], np.any([one.seas for one in limits if one.name in MARKED], axis=0)
             marked[i, j] = year.bins.mean(beyond.astype(float))
             energy[i, j] = [one.energy(power, hours) for one in limits]

@@ -23,7 +23,6 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import legs
 from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.linear import LinearSystem
@@ -33,6 +32,7 @@ from vsb.results.campaign import GAIN, POWER
 from vsb.results.run_checks import energy_check
 from vsb.results.statistics import Estimate, linear_batches, stratified_half_width
 from vsb.results.year import Year
+from vsb.scenes.build import Memory, check_followed
 from vsb.scenes.latching import body_exact_latching_time, linear_latching_time, with_latching_time
 from vsb.scenes.take_off import with_take_off
 from vsb.shell.deformed import DeformedShell
@@ -181,8 +181,8 @@ class DesignInTime:
     """One design with its take-off, ready for any sea."""
 
     buoy: LinearSystem
-    shape: DeformedShell
-    radiation: RadiationModel
+    shape: DeformedShell | None  # at rest; a body has none
+    radiation: Memory
     motions: FloatArray  # motions the design allows (dof, free)
     take_off: LinearPto
     pto: Pto = UNLIMITED  # its law and its limits in time
@@ -217,9 +217,12 @@ class DesignInTime:
     def _run(self, sea: Sea, settings: Simulation, model: Model) -> float:
         """Mean power over the window by a run [W]; `ConvergenceError` if its energy audit fails."""
         buoy = replace(self.buoy, pto=self.take_off)
-        scene = linear = linear_scene(buoy, self.radiation, sea, self.motions)
+        check_followed(self.radiation, sea, "the sea")
+        memory, limit = self.radiation.model, self.radiation.added_mass_inf
+        scene = linear = linear_scene(buoy, memory, sea, self.motions, limit)
         if model != "linear":
-            scene = body_exact_scene(buoy, self.shape, self.radiation, sea, self.motions, self.rubber)
+            assert self.shape is not None
+            scene = body_exact_scene(buoy, self.shape, memory, sea, self.motions, self.rubber)
         scene = with_take_off(scene, self.pto, self.take_off)
         if self.pto.pauses and scene.law:  # or nothing there moves
             best = linear_latching_time(with_take_off(linear, self.pto, self.take_off), sea, settings)

@@ -4,10 +4,11 @@ All that is linear, the response, the control levels, the tuning of a damper, a 
 other kind.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import xarray as xr
@@ -17,9 +18,11 @@ from vsb.errors import ConfigError
 from vsb.hydro import database
 from vsb.hydro.dofs import flexible
 from vsb.hydro.orders import Directions
+from vsb.motion.coefficient_errors import CoefficientError, coefficient_errors
 from vsb.motion.damper_matrix import Ports
+from vsb.motion.frequency import LinearEquation
 from vsb.motion.linear import LinearSystem, with_open_chamber
-from vsb.motion.port import Port, channels_reached, combination, port_direction
+from vsb.motion.port import Port, PortMotion, channels_reached, combination, port_direction
 from vsb.motion.tuning import frequencies
 from vsb.scenes.rest import design_motions, order_bases
 from vsb.shell.deformed import DeformedShell
@@ -29,7 +32,7 @@ from vsb.study.quantities import is_rigid
 from vsb.study.specs import AnyBuoy, BodySystem, LadderSpec, SimulateSpec, SystemSpec
 from vsb.study.study import RecordedSea, StillWater, Study, Wave
 from vsb.study.take_off import DofPort
-from vsb.tools.arrays import FloatArray, IntArray
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.waves.seas import Sea, sea
 
 AnyBody = BodyStudy | BodySystem
@@ -40,6 +43,67 @@ InSeas = Study | BodyStudy | LadderSpec | SimulateSpec
 
 Heading = float | Directions
 """A direction [degrees], or one for every frequency."""
+
+
+class InWaves(NamedTuple):
+    """One design in waves of unit amplitude: what its take-off sees of it, and what moves with that."""
+
+    port: Port
+    motion: PortMotion
+    moved: tuple[ComplexArray, ComplexArray]  # free, forced (omega, dof) [m/m], [m/N]
+
+    def position(self, damping: float, stiffness: float) -> ComplexArray:
+        """Return all degrees of freedom per wave amplitude under a damper and a spring, shape (omega, dof) [m/m]."""
+        load = self.port.load(damping, stiffness)
+        return self.moved[0] - (load * self.port.velocity_under(load))[:, None] * self.moved[1]
+
+
+@dataclass(frozen=True)
+class AtFrequencies:
+    """A floating system at some frequencies, without take-off: its equation of motion, its designs, its port."""
+
+    equation: LinearEquation
+    motions: Mapping[str, FloatArray]  # design -> N (dof, free)
+    port: FloatArray  # b (dof,)
+    shapes: FloatArray | None = None  # displacements of points of a shell (dof, 2, point) [-]; a body has none
+
+    def ports(self, stiffness: float = 0.0) -> dict[str, Port]:
+        """Return what the damper of a take-off sees of every design, beside its spring [N/m]."""
+        seen = {design: self.equation.port(motions, self.port) for design, motions in self.motions.items()}
+        return {design: port.beside(stiffness) for design, port in seen.items()}
+
+    def in_waves(self) -> dict[str, InWaves]:
+        """Return every design in waves of unit amplitude."""
+        return {design: self._of_design(motions) for design, motions in self.motions.items()}
+
+    def _of_design(self, motions: FloatArray) -> InWaves:
+        """One design."""
+        moved = self.equation.free_motion(motions, self.port)
+        heave, shell = zip(*((one[:, 0], self._of_shell(one)) for one in moved), strict=True)
+        port = self.equation.port_of_motion(*moved, motions, self.port)
+        return InWaves(port, PortMotion(heave, shell), moved)
+
+    def _of_shell(self, amplitude: ComplexArray) -> ComplexArray:
+        """Displacements of points of the shell, heave left out, (2, point, omega) [-], of amplitudes (omega, dof)."""
+        if self.shapes is None:
+            return np.zeros((2, 0, len(amplitude)), dtype=complex)
+        count, *places = self.shapes[1:].shape
+        parts = np.stack([amplitude.real, amplitude.imag])[:, :, 1:] @ self.shapes[1:].reshape(count, math.prod(places))
+        return np.asarray((parts[0] + 1j * parts[1]).T.reshape(*places, len(amplitude)))
+
+
+class Floating(Protocol):
+    """What a site's year asks of what floats, a `FloatingSystem` or a buoy whose shape studies share."""
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency solved [rad/s]."""
+
+    def at(self, omega: FloatArray) -> AtFrequencies:
+        """Return it at frequencies; outside the band with the coefficients of its nearest end."""
+
+    def errors(self, omega: FloatArray) -> list[CoefficientError]:
+        """Return the estimated errors of its coefficients at frequencies."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +121,20 @@ class FloatingSystem:
         """The shape a buoy moves about."""
         assert self.shape is not None
         return self.shape
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency solved [rad/s]."""
+        first, last = self.linear.database.omega.values[[0, -1]]
+        return float(first), float(last)
+
+    def at(self, omega: FloatArray) -> AtFrequencies:
+        """Return it at frequencies; outside the band with the coefficients of its nearest end."""
+        return AtFrequencies(self.linear.extended_equation(omega), self.motions, self.port)
+
+    def errors(self, omega: FloatArray) -> list[CoefficientError]:
+        """Return the estimated errors of its coefficients at frequencies."""
+        return coefficient_errors(self.linear, np.clip(omega, *self.band))
 
     def towards(self, direction: Heading) -> LinearSystem:
         """Return its motion in waves of a direction [degrees]; a buoy of revolution that heaves answers all alike."""

@@ -21,13 +21,13 @@ from vsb.hydro.sweep import on_grid
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, best_pairs, mean_power
 from vsb.scenes.floating_system import heading
-from vsb.scenes.ports import ShapeWater, designs_in_waves
+from vsb.scenes.ports import ShapeWater, buoy_at
 from vsb.scenes.rest import order_bases, reference_shell
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.study.directions import IN_PLANE, RIGID
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
-from vsb.study.study import RegularWave, StillWater, Study, Wave
+from vsb.study.study import RegularWave, StillWater, Wave
 from vsb.study.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
@@ -181,19 +181,18 @@ class ModeConvergence:
 
         By reciprocity, D being symmetric, V0 = -i w (D^-1 b).X, so that directions need no further solution.
         """
-        as_study = Study.model_construct(**{name: getattr(study, name) for name in type(study).model_fields})
-        waves = designs_in_waves(as_study, reference, water)
+        buoy = buoy_at(study, reference, water)
         omega, directions, _ = self._sampled
         if not directions.any():
-            return {design: one.port for design, one in waves.items()}
+            return buoy.ports()
         families, found = order_bases(study, reference.basis), {}
         orders = np.repeat(
             [0, *(each.signed for each in families)],
             [len(reference.basis.labels), *(len(each.labels) for each in families)],
         )
-        force = water.in_modes(reference.basis, families).excitation
+        force = buoy.equation.water.excitation
         shares = np.array([heading_shares(orders, np.deg2rad(one)) for one in directions])
-        for design, one in waves.items():
+        for design, one in buoy.in_waves().items():
             velocity = -1j * omega * (shares @ (one.moved[1] * force).T)
             admittance = np.tile(one.port.admittance, len(directions))
             found[design] = Port(np.tile(omega, len(directions)), admittance, velocity.ravel(), one.port.compliance)

@@ -1,19 +1,18 @@
-"""The ports of all designs of a study from the coefficients of its shape, which studies of other materials share."""
+"""A buoy from the coefficients of its shape, which studies of other materials share."""
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from vsb.hydro.database import Coefficients, shares
-from vsb.hydro.dofs import Displacement
+from vsb.hydro.dofs import Displacement, displacements
 from vsb.hydro.orders import order_shares
 from vsb.motion.coefficient_errors import INTERPOLATION, RESOLUTION, CoefficientError, haskind_misfits, relative_error
 from vsb.motion.frequency import LinearEquation
-from vsb.motion.linear import channelled
-from vsb.motion.port import Port, PortMotion, port_direction
+from vsb.motion.linear import LinearSystem, channelled
+from vsb.motion.port import port_direction
+from vsb.scenes.floating_system import AtFrequencies
 from vsb.scenes.rest import (
     design_motions,
     motions_to_degree,
@@ -26,13 +25,18 @@ from vsb.scenes.rest import (
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
+from vsb.study.specs import AnyBuoy
 from vsb.study.study import Study, Water
-from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.tools.arrays import FloatArray
 
 POINTS = 13
 """Points of the meridian the shell's motion is given at, both poles and the equator among them."""
 KEPT = 32
 """Combinations of displacements whose coefficients are kept: as many thicknesses as a sweep may well have."""
+GRIDS = 3
+"""Sets of frequencies whose coefficients are kept: those of a climate, of harmonics, of these and what is beside."""
+STATED = ("error_estimate", "interpolation_error")
+"""Errors that blocks estimate of themselves."""
 
 
 @dataclass(frozen=True)
@@ -92,27 +96,68 @@ class ShapeWater:
         return Coefficients(transform @ added_mass @ transform.T, channelled(lost, force), force)
 
 
-class InWaves(NamedTuple):
-    """One design in waves of unit amplitude: what its take-off sees of it, and what moves with that."""
+@dataclass(frozen=True)
+class SweptShape:
+    """A shape whose coefficients are solved, to be had at any frequencies of the band."""
 
-    port: Port
-    motion: PortMotion
-    moved: tuple[ComplexArray, ComplexArray]  # free, forced (omega, dof) [m/m], [m/N]
+    buoys: tuple[LinearSystem, ...]  # in displacements, of azimuthal orders 0, 1, ...
+    _known: dict[bytes, ShapeWater] = field(default_factory=dict, repr=False, compare=False)  # the last few
 
-    def position(self, damping: float, stiffness: float) -> ComplexArray:
-        """Return all degrees of freedom per wave amplitude under a damper and a spring, shape (omega, dof) [m/m]."""
-        load = self.port.load(damping, stiffness)
-        return self.moved[0] - (load * self.port.velocity_under(load))[:, None] * self.moved[1]
+    def at(self, omega: FloatArray) -> ShapeWater:
+        """Return the coefficients at frequencies; outside the band those of its nearest end."""
+        if (key := omega.tobytes()) not in self._known:
+            if len(self._known) == GRIDS:
+                del self._known[next(iter(self._known))]
+            self._known[key] = self._at(omega)
+        return self._known[key]
+
+    def _at(self, omega: FloatArray) -> ShapeWater:
+        """The coefficients at frequencies."""
+        known = np.clip(omega, *self.band)
+        first, *others = (
+            ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(known))
+            for order, buoy in enumerate(self.buoys)
+        )
+        attrs = [buoy.database.attrs for buoy in self.buoys]
+        resolution, interpolation = (max(float(each.get(name, 0.0)) for each in attrs) for name in STATED)
+        return replace(first, orders=tuple(others), resolution=resolution, interpolation=interpolation)
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency solved [rad/s]."""
+        first, last = self.buoys[0].database.omega.values[[0, -1]]
+        return float(first), float(last)
 
 
-def designs_in_waves(
-    study: Study, reference: ReferenceShell, water: ShapeWater, degree: int | None = None
-) -> dict[str, InWaves]:
-    """Return every design of a study in waves, without its take-off.
+@dataclass(frozen=True)
+class BuoyOfShape:
+    """The buoy of a study at rest in the coefficients of its shape, which studies of other materials share."""
+
+    study: Study
+    reference: ReferenceShell
+    swept: SweptShape
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency solved [rad/s]."""
+        return self.swept.band
+
+    def at(self, omega: FloatArray) -> AtFrequencies:
+        """Return it at frequencies; outside the band with the coefficients of its nearest end."""
+        return buoy_at(self.study, self.reference, self.swept.at(omega))
+
+    def errors(self, omega: FloatArray) -> list[CoefficientError]:
+        """Return the estimated errors of its coefficients at frequencies."""
+        basis = self.reference.basis
+        return self.swept.at(omega).errors(basis, order_bases(self.study, basis), self.study.water)
+
+
+def buoy_at(study: AnyBuoy, reference: ReferenceShell, water: ShapeWater, degree: int | None = None) -> AtFrequencies:
+    """Return the buoy of a study at the frequencies of the coefficients of its shape.
 
     Parameters
     ----------
-    study : Study
+    study : Study or BuoySystem
     reference : ReferenceShell
     water : ShapeWater
     degree : int, optional
@@ -129,24 +174,11 @@ def designs_in_waves(
     equation = LinearEquation(
         omega, water.in_modes(basis, families), inertia, damping + lossy, stiffness, stiffer, chamber
     )
-    direction, shapes = port_direction(study.pto.port, reference.shape, families), shell_shapes(basis, families)
-    found = {}
-    for design in study.designs:
-        motions = design_motions(study, basis, design)
-        if degree is not None:
-            motions = motions_to_degree(study, basis, design, degree)
-        moved = equation.free_motion(motions, direction)
-        heave, shell = zip(*((one[:, 0], _of_shell(one, shapes)) for one in moved), strict=True)
-        port = equation.port_of_motion(*moved, motions, direction)
-        found[design] = InWaves(port, PortMotion(heave, shell), moved)
-    return found
-
-
-def _of_shell(amplitude: ComplexArray, shapes: FloatArray) -> ComplexArray:
-    """Displacements of points of the shell, heave left out, (2, point, omega) [-], of amplitudes (omega, dof)."""
-    count, *places = shapes[1:].shape
-    parts = np.stack([amplitude.real, amplitude.imag])[:, :, 1:] @ shapes[1:].reshape(count, math.prod(places))
-    return np.asarray((parts[0] + 1j * parts[1]).T.reshape(*places, len(amplitude)))
+    motions = {design: design_motions(study, basis, design) for design in study.designs}
+    if degree is not None:
+        motions = {design: motions_to_degree(study, basis, design, degree) for design in study.designs}
+    port = port_direction(study.pto.port, reference.shape, families)
+    return AtFrequencies(equation, motions, port, shell_shapes(basis, families))
 
 
 def shell_shapes(basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> FloatArray:
@@ -164,9 +196,3 @@ def shell_shapes(basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Float
         one[: each.rigid] = 0.0
         found.append(np.concatenate([one, (-1) ** each.order * one], axis=2))
     return np.concatenate(found)
-
-
-def design_ports(study: Study, reference: ReferenceShell, water: ShapeWater) -> dict[str, Port]:
-    """Return what the damper of the take-off sees of every design, its spring built in."""
-    waves = designs_in_waves(study, reference, water)
-    return {design: one.port.beside(study.pto.stiffness) for design, one in waves.items()}

@@ -218,7 +218,7 @@ def stiffness_about(study: AtRest, loaded: LoadedShell, q: FloatArray) -> dict[s
     return {name: (k + k.T) / 2 for name, k in stiffness.items()}
 
 
-def seen_by_take_off(study: Study, reference: ReferenceShell) -> tuple[ReferenceShell, float]:
+def seen_by_take_off(study: AnyBuoy, reference: ReferenceShell) -> tuple[ReferenceShell, float]:
     """Return the shell at rest as the port finds it, and the compliance of the chamber before the take-off [m^3/Pa].
 
     Gas that a take-off of the volume lets out is in series with it, and no longer holds the shell.

@@ -13,6 +13,7 @@ through, and with those of the loaded shell's shape at rest.
 import itertools
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -53,13 +54,6 @@ _CURVES = {
 _EXPANSIONS = {"first": ("first order", "#000000", "o"), "second": ("second order", "#D55E00", "s")}
 
 
-def linear_buoy(study: Study, reference: ReferenceShell, family: ShapeFamily) -> LinearSystem:
-    """Return the buoy of a study with the coefficients of the family's reference shape; see `given_damper`."""
-    pto = LinearPto(given_damper(study))
-    maxwell = study.device.damping.maxwell
-    return LinearSystem(with_structure(family.centre, reference), reference.basis.damping, pto, maxwell=maxwell)
-
-
 def given_damper(study: Study) -> float:
     """Return the damper of a study whose take-off is one given damper on heave; `ConfigError` if it is another."""
     pto = study.pto
@@ -89,16 +83,15 @@ def power_slope(buoy: LinearSystem, slopes: xr.Dataset, motions: FloatArray) -> 
     return np.asarray(buoy.pto.damping * omega**2 * (q[:, 0].conj() * response[..., 0]).real)
 
 
-def power_changes(study: Study, reference: ReferenceShell, family: ShapeFamily) -> xr.Dataset:
+def power_changes(motion: "StudyMotion", family: ShapeFamily) -> xr.Dataset:
     """Return how the power of every design depends to first order on the shape its coefficients are taken on.
 
     `absorbed_power` (design, omega) [W/m^2] per squared wave amplitude; its `power_slope` (design, shape_dof, omega)
     [W/m^3]; `power_swing` (design, omega) [W/m^3], max over t of sum_k P_k Re q_k e^{-i w t} per wave amplitude, with
     coefficients of the shape at that instant; `power_undeformed` (design, omega) [W/m^2], with those of the sphere.
     """
-    basis, omega = reference.basis, np.array(family.omegas)
-    buoy = linear_buoy(study, reference, family)
-    motions = [design_motions(study, basis, design) for design in study.designs]
+    study, reference, buoy, omega = motion.study, motion.reference, motion.buoy, np.array(family.omegas)
+    motions = [design_motions(study, reference.basis, design) for design in study.designs]
     raos = np.array([buoy.rao(omega, free) for free in motions])
     slope = np.array([power_slope(buoy, family.slopes, free) for free in motions])
     wave, swing = ("design", "omega"), np.abs(np.einsum("dkw,dwk->dw", slope, raos))
@@ -153,6 +146,12 @@ class StudyMotion:
     study: Study
     reference: ReferenceShell
     buoy: LinearSystem
+
+    @classmethod
+    def of(cls, study: Study, reference: ReferenceShell, family: ShapeFamily) -> Self:
+        """Return the motion with the coefficients of the family's reference shape; see `given_damper`."""
+        pto, dry, maxwell = LinearPto(given_damper(study)), reference.basis.damping, study.device.damping.maxwell
+        return cls(study, reference, LinearSystem(with_structure(family.centre, reference), dry, pto, maxwell=maxwell))
 
     @cached_property
     def runs(self) -> dict[tuple[str, str], tuple[Sea, FloatArray]]:
@@ -264,7 +263,7 @@ def shape_dataset(study: Study, family: ShapeFamily, samples: int = TRIED) -> xr
     `deformation` is its size [m]. The database is measured on `samples` random combinations within its reach.
     """
     reference = reference_shell(study)
-    motion = StudyMotion(study, reference, linear_buoy(study, reference, family))
+    motion = StudyMotion.of(study, reference, family)
     database = shape_database(family, motion.reach, samples)
     sizes = study.device.radius * np.array(SIZES)
     errors = [family.interpolation_error(size, samples=SAMPLES).to_array().max("variable") for size in sizes]
@@ -273,7 +272,7 @@ def shape_dataset(study: Study, family: ShapeFamily, samples: int = TRIED) -> xr
         {"expansion": list(_EXPANSIONS), "deformation": ("deformation", sizes, {"units": "m"})},
     )
     powers = study_powers(motion, family, database)
-    changes = power_changes(study, reference, family)
+    changes = power_changes(motion, family)
     return described(database.dataset.merge(changes).merge(table).merge(powers))
 
 

@@ -1,15 +1,17 @@
-"""Whether a study's shell carries its load: a campaign reports it for each point instead of failing."""
+"""Whether a shell carries its load, a body rests stably: a campaign reports it for each point instead of failing."""
 
 import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 
-from vsb.errors import ConfigError, ConvergenceError
+from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.motion.port import LinearPto, port_direction
+from vsb.scenes.floating_system import AnyBody, FloatingSystem
 from vsb.scenes.rest import (
     check_upright,
     complete_loaded_shell,
@@ -24,7 +26,9 @@ from vsb.shell.deformed import ReferenceShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import LoadedShell, stable_path
 from vsb.shell.modes import ModeBasis
+from vsb.study.body import BodyStudy
 from vsb.study.material import Hookean
+from vsb.study.specs import BodySystem
 from vsb.study.study import Study, canonical, parse
 from vsb.tools.arrays import FloatArray
 
@@ -35,26 +39,40 @@ MOST_LOAD = 2.0
 """Factor of its load to which a shell of rubber is followed."""
 
 
+Some = TypeVar("Some", Study, BodyStudy | BodySystem, Study | BodyStudy | BodySystem)
+
+
 @dataclass(frozen=True)
 class Viability:
-    """The shell of a study at rest, if there is one, how far it is from buckling, and why designs are not viable."""
+    """The shell of a buoy at rest, if there is one, how far it is from buckling, and why designs are not viable."""
 
-    study: Study
-    reference: ReferenceShell | None
+    study: Study | AnyBody
+    reference: ReferenceShell | None  # none of a body
     margin: float  # 1 - static load over buckling load: 0 on the line, 1 where no load buckles [-]
     reasons: Mapping[str, str]  # of designs that are not viable
     doubts: Mapping[str, str] = field(default_factory=dict)  # by design
 
     @property
-    def viable(self) -> tuple[Study, ReferenceShell] | None:
-        """The study of its viable designs alone, and their shell at rest; None if there are none."""
-        designs = [design for design in self.study.designs if design not in self.reasons]
-        return (with_designs(self.study, designs), self.reference) if designs and self.reference else None
+    def designs(self) -> list[str]:
+        """Names of the designs that are viable."""
+        return [design for design in self.study.designs if design not in self.reasons]
 
 
-def with_designs(study: Study, designs: Sequence[str]) -> Study:
-    """Return a study of some of its designs."""
-    return study.model_copy(update={"designs": {design: study.designs[design] for design in designs}})
+def with_designs(study: Some, designs: Sequence[str]) -> Some:
+    """Return a study, or what a stage reads of it, with some of its designs."""
+    some = {design: study.designs[design] for design in designs}
+    return study.model_copy(update={"designs": some})
+
+
+def viability_of_body(study: AnyBody, floating: FloatingSystem) -> Viability:
+    """Return which designs of a body rest stably beside the spring of the take-off; nothing there buckles."""
+    spring, reasons = LinearPto(0.0, study.pto.stiffness, floating.port).spring(len(floating.port)), {}
+    for design, motions in floating.motions.items():
+        try:
+            floating.linear.unrestrained(motions.T @ (floating.linear.stiffness + spring) @ motions, motions)
+        except StabilityError as error:
+            reasons[design] = f"unstable: {str(error).partition(': ')[2].partition(';')[0]}"
+    return Viability(study, None, 1.0, reasons)
 
 
 def viability(study: Study) -> Viability:

@@ -112,12 +112,7 @@ def check_wave(i: int, wave: Wave, body: LinearSystem) -> None:
     if isinstance(wave, StillWater):
         return
     first, last = body.database.omega.values[[0, -1]]
-    known = np.asarray(body.database.wave_direction.values)
-    if direction_index(known, float(np.deg2rad(wave.direction))) is None:
-        raise ConfigError(
-            f"waves.{i}.direction: received {wave.direction:g} degrees, needs one of "
-            f"{', '.join(f'{d:g}' for d in np.degrees(known))}, the directions of the body's database"
-        )
+    check_direction(wave.direction, body, f"waves.{i}.direction")
     if isinstance(wave, RecordedSea):
         wave.check_band(float(first), float(last), f"waves.{i}.file")
         return
@@ -126,6 +121,16 @@ def check_wave(i: int, wave: Wave, body: LinearSystem) -> None:
         raise ConfigError(
             f"waves.{i} {wave.label}: received a frequency of {high:.4g} rad/s, needs {first:.4g} to {last:.4g} rad/s, "
             "the band of the body's database"
+        )
+
+
+def check_direction(direction: float, body: LinearSystem, where: str) -> None:
+    """Check that a body's database has waves of a direction [degrees]; `ConfigError`."""
+    known = np.asarray(body.database.wave_direction.values)
+    if direction_index(known, float(np.deg2rad(direction))) is None:
+        raise ConfigError(
+            f"{where}: received {direction:g} degrees, needs one of "
+            f"{', '.join(f'{d:g}' for d in np.degrees(known))}, the directions of the body's database"
         )
 
 

@@ -1,8 +1,7 @@
 """Rule campaign: all members of a campaign together, as netCDF and as a table."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,31 +10,27 @@ import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.hydro import database, orders, quality
-from vsb.hydro.dofs import displacements
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.results.campaign import as_csv, gathered, stacked, with_verification
 from vsb.results.member import YearsWithin, member
-from vsb.results.year import frequencies
-from vsb.scenes.ports import ShapeWater
+from vsb.scenes.floating_system import AnyBody, Floating, floating_body, stored_body
+from vsb.scenes.ports import STATED, BuoyOfShape, SweptShape
 from vsb.scenes.rest import order_bases
+from vsb.scenes.viability import Viability, viability, viability_of_body, with_designs
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
 from vsb.stages.climate import read_climate
 from vsb.stages.make import solve
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.campaign_plan import Member, members
-from vsb.study.plan import StudyPlan
-from vsb.study.specs import CampaignSpec, MembersSpec
+from vsb.study.plan import StudyPlan, database_path
+from vsb.study.specs import CampaignSpec, MemberSpec, MembersSpec
 from vsb.study.study import Study, canonical, content_id
 from vsb.tools import packed
-from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load, save, write_text
 from vsb.tools.stamps import record
 from vsb.waves.climate import Climate
-
-STATED = ("error_estimate", "interpolation_error")
-"""Errors that blocks estimate of themselves."""
 
 
 def run_members(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:
@@ -54,35 +49,53 @@ class Work:
     climate: Climate
     spec: MembersSpec
     root: str
-    _shape: dict[tuple[str, ...], "Swept"] = field(default_factory=dict)  # of the last shape alone
+    _coefficients: dict[tuple[str, ...], Any] = field(default_factory=dict)  # of the last shape or body alone
     _rigid: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs under dampers
     _optima: dict[bytes, Any] = field(default_factory=dict)  # years of rigid designs within limits
 
     def results(self, one: Member) -> xr.Dataset:
         """Return the results of a member."""
-        water = partial(self.water, one)
-        return member(one.study, water, self.climate, self.spec.tuning, self._years_within(one), self._rigid)
+        rest, floating = at_rest(one.study, one.spec, self.root, self._coefficients)
+        return member(rest, floating, self.climate, self.spec.tuning, self._years_within(), self._rigid)
 
-    def _years_within(self, one: Member) -> YearsWithin | None:
-        """What finds the years of a member within limits, if they are asked for; only then what is compiled is read."""
+    def _years_within(self) -> YearsWithin | None:
+        """What finds years within limits, if they are asked for; only then what is compiled is read."""
         if not (given := self.spec.constrained):
             return None
         from vsb.results.constrained_year import Optima
 
-        def water(basis: ModeBasis, omega: FloatArray) -> ShapeWater:
-            return self.swept(one, basis).at(omega)
+        return Optima(given.seconds, given.seed, self._optima)
 
-        return Optima(water, given.seconds, given.seed, self._optima)
 
-    def water(self, one: Member, basis: ModeBasis) -> ShapeWater:
-        """Return the coefficients of the shape of a member at the frequencies of the climate."""
-        return self.swept(one, basis).of_year(self.climate)
+def at_rest(
+    study: Study | AnyBody, spec: MemberSpec, root: str, known: dict[tuple[str, ...], Any] | None = None
+) -> tuple[Viability, Callable[[], Floating]]:
+    """Return which designs of a member are viable, and what floats of these, to be asked for if there are any.
 
-    def swept(self, one: Member, basis: ModeBasis) -> "Swept":
-        """Return the shape of a member, kept while members of the same shape follow."""
-        if one.spec.sweep not in self._shape:
-            self._shape = {one.spec.sweep: swept_shape(one.study, basis, self.root)}
-        return self._shape[one.spec.sweep]
+    `known` keeps the coefficients while members of the same shape, or body, follow.
+    """
+    kept = {} if known is None else known
+
+    def coefficients(read: Callable[[], Any]) -> Any:
+        if spec.sweep not in kept:
+            kept.clear()
+            kept[spec.sweep] = read()
+        return kept[spec.sweep]
+
+    if not isinstance(study, Study):
+        body: LinearSystem = coefficients(lambda: stored_body(database_path(root, *spec.sweep)))
+        floating = floating_body(study, replace(body, direction=float(np.deg2rad(spec.climate.direction))))
+        found = viability_of_body(study, floating)
+        return found, lambda: floating_body(with_designs(study, found.designs), floating.linear)
+    rest, buoy = viability(study), study
+
+    def afloat() -> BuoyOfShape:
+        assert rest.reference is not None  # where designs are viable
+        basis = rest.reference.basis
+        swept = coefficients(lambda: swept_shape(buoy, basis, root))
+        return BuoyOfShape(with_designs(buoy, rest.designs), rest.reference, swept)
+
+    return rest, afloat
 
 
 def finished(path: Path, one: Member, work: Work) -> xr.Dataset:
@@ -98,44 +111,7 @@ def finished(path: Path, one: Member, work: Work) -> xr.Dataset:
     return found
 
 
-@dataclass
-class Swept:
-    """A shape whose coefficients are solved, to be had at any frequencies of the band."""
-
-    buoys: tuple[LinearSystem, ...]  # in displacements, of azimuthal orders 0, 1, ...
-    _year: dict[str, ShapeWater] = field(default_factory=dict)  # at the frequencies of a climate
-
-    def at(self, omega: FloatArray) -> ShapeWater:
-        """Return the coefficients at frequencies; outside the band those of its nearest end."""
-        known = np.clip(omega, *self._band)
-        first, *others = (
-            ShapeWater(displacements(buoy.labels, order), omega, buoy.coefficients(known))
-            for order, buoy in enumerate(self.buoys)
-        )
-        resolution, interpolation = self._stated
-        return replace(first, orders=tuple(others), resolution=resolution, interpolation=interpolation)
-
-    @property
-    def _stated(self) -> tuple[float, float]:
-        """Estimated relative errors of what is solved and of what is interpolated between [-]."""
-        attrs = [buoy.database.attrs for buoy in self.buoys]
-        resolution, interpolation = (max(float(each.get(name, 0.0)) for each in attrs) for name in STATED)
-        return resolution, interpolation
-
-    @property
-    def _band(self) -> tuple[float, float]:
-        """Lowest and highest frequency solved [rad/s]."""
-        first, last = self.buoys[0].database.omega.values[[0, -1]]
-        return float(first), float(last)
-
-    def of_year(self, climate: Climate) -> ShapeWater:
-        """Return the coefficients at the frequencies of a climate."""
-        if climate.name not in self._year:
-            self._year = {climate.name: self.at(frequencies(climate, *self._band))}
-        return self._year[climate.name]
-
-
-def swept_shape(study: Study, basis: ModeBasis, root: str) -> Swept:
+def swept_shape(study: Study, basis: ModeBasis, root: str) -> SweptShape:
     """Return the coefficients of a shape, solved if they are not there.
 
     Raises
@@ -146,7 +122,7 @@ def swept_shape(study: Study, basis: ModeBasis, root: str) -> Swept:
     plan = StudyPlan(study, root=root)
     solve(plan)
     families = order_bases(study, basis)
-    return Swept(tuple(_of_order(plan, basis, one) for one in (None, *families)))
+    return SweptShape(tuple(_of_order(plan, basis, one) for one in (None, *families)))
 
 
 def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> LinearSystem:

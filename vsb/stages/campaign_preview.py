@@ -1,15 +1,16 @@
 """Checks of a campaign before anything is solved; imported before each run, so it imports little."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from vsb.errors import ConfigError
 from vsb.stages.climate import read_climate
 from vsb.study.campaign import where_of
-from vsb.study.campaign_plan import CampaignPlan, Member
-from vsb.study.plan import StudyPlan
+from vsb.study.campaign_plan import CampaignPlan
+from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.study import Study
 from vsb.tools import packed
-from vsb.waves.climate import OUTSIDE
+from vsb.waves.climate import OUTSIDE, Climate
 
 
 def check_campaign(plan: CampaignPlan) -> None:
@@ -21,44 +22,67 @@ def check_campaign(plan: CampaignPlan) -> None:
     """
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     for one in {member.spec.sweep: member for member in plan.members}.values():
-        hydro = StudyPlan(one.study, root=plan.root)
-        hydro.check_waves()
-        outside = seas.variance_outside(hydro.first_omega, one.study.hydro.omega_max)
-        if outside > OUTSIDE:
-            raise ConfigError(
-                f"{plan.loaded.source}: climate: {outside:.1%} of its variance lies outside {hydro.first_omega:.4g} to "
-                f"{one.study.hydro.omega_max:.4g} rad/s, which a point solves; needs at most {OUTSIDE:.0%}, a larger "
-                "hydro.omega_max in the study"
-            )
+        if one.study.buoy:
+            hydro = StudyPlan(one.study.buoy, root=plan.root)
+            hydro.check_waves()
+            _check_band(plan, seas, hydro.first_omega, one.study.buoy.hydro.omega_max)
+    for body in plan.bodies.values():
+        _check_body(plan, body, seas)
     for member in plan.members:
-        if any(
-            one.flexible and member.study.modes.max_degree <= 2 * len(one.clamp)
-            for one in member.study.designs.values()
+        if (buoy := member.study.buoy) and any(
+            one.flexible and buoy.modes.max_degree <= 2 * len(one.clamp) for one in buoy.designs.values()
         ):
-            _check_clamps(member, plan.loaded.source)
+            _check_clamps(buoy, where_of(member.point), plan.loaded.source)
     for spec in plan.verifications.values():
-        _check_runs(spec.simulated, plan.loaded.source)
+        if spec.buoy:
+            _check_runs(spec.simulated, plan.loaded.source)
 
 
-def _check_clamps(member: Member, source: str) -> None:
+def _check_band(plan: CampaignPlan, seas: Climate, omega_min: float, omega_max: float) -> None:
+    """Raise if more than a hundredth of the variance lies outside the frequencies of a point [rad/s]."""
+    outside = seas.variance_outside(omega_min, omega_max)
+    if outside > OUTSIDE:
+        needed = "a larger hydro.omega_max in the study" if plan.loaded.base.buoy else "coefficients of a wider band"
+        raise ConfigError(
+            f"{plan.loaded.source}: climate: {outside:.1%} of its variance lies outside {omega_min:.4g} to "
+            f"{omega_max:.4g} rad/s, which a point solves; needs at most {OUTSIDE:.0%}, {needed}"
+        )
+
+
+def _check_body(plan: CampaignPlan, body: BodyPlan, seas: Climate) -> None:
+    """Raise what would fail of a body: its files, its band, the direction of the seas."""
+    from vsb.stages.body_preview import body_before_run, check_direction
+
+    without_seas = replace(body, study=body.study.model_copy(update={"waves": ()}))  # those of the year come instead
+    try:
+        found = body_before_run(without_seas)
+    except ConfigError as error:
+        raise ConfigError(f"{plan.loaded.source}: study: {error}") from None
+    direction = plan.loaded.campaign.climate.direction
+    check_direction(direction, found, f"{plan.loaded.source}: climate.direction")
+    _check_band(plan, seas, *map(float, found.database.omega.values[[0, -1]]))
+
+
+def _check_clamps(buoy: Study, where: str, source: str) -> None:
     """Raise where clamps, of two equations each, leave no mode free: of few modes alone, for it reads what solves."""
     from vsb.scenes.rest import design_motions, study_basis
 
     try:
-        for design in member.study.designs:
-            design_motions(member.study, study_basis(member.study), design)
+        for design in buoy.designs:
+            design_motions(buoy, study_basis(buoy), design)
     except ConfigError as error:
-        raise ConfigError(f"{source}: vary: {where_of(member.point)}: {error}") from None
+        raise ConfigError(f"{source}: vary: {where}: {error}") from None
 
 
 def _check_runs(study: Study, source: str) -> None:
     """Raise what would fail in the runs in time of a member; designs that are not viable are not run."""
     from vsb.scenes.rest import check_rests
-    from vsb.scenes.viability import viability
+    from vsb.scenes.viability import viability, with_designs
 
-    if viable := viability(study).viable:
+    rest = viability(study)
+    if rest.designs and rest.reference:
         try:
-            check_rests(*viable)
+            check_rests(with_designs(study, rest.designs), rest.reference)
         except ConfigError as error:
             raise ConfigError(f"{source}: verify: {error}") from None
 
@@ -69,13 +93,14 @@ def campaign_summary(plan: CampaignPlan) -> list[str]:
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     given = plan.loaded.campaign
     shapes = len({one.spec.sweep for one in plan.members})
+    kinds = "shapes of the water" if plan.loaded.base.buoy else "databases"
     done = sum(Path(plan.folder, "members", f"{one.id}{packed.SUFFIX}").exists() for one in plan.members)
     jobs = sum(not Path(path).exists() for path in plan.batch_paths)
     return [
         f"campaign     {plan.name}: {given.study} over {len(seas.hours)} seas, tuning {', '.join(plan.loaded.tuning)}",
         f"points       {len(plan.members)} of {' x '.join(given.vary.values) or 'nothing varied'}, {done} done",
         *_runs_lines(plan),
-        f"jobs         {jobs} of {len(plan.batches)} batches to do, {shapes} shapes of the water",
+        f"jobs         {jobs} of {len(plan.batches)} batches to do, {shapes} {kinds}",
         *(f"climate      {note}" for note in seas.notes),
         *_angle_lines(plan),
     ]

@@ -1,8 +1,7 @@
 """Rule answer: figures and report of a campaign."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -18,12 +17,12 @@ from vsb.report.interactive import designs_data, year_data
 from vsb.report.shell_figures import round_factor
 from vsb.report.sketch import sketches
 from vsb.report.svg import Drawn, drawn
-from vsb.results.year import Bins
-from vsb.scenes.ports import design_ports, designs_in_waves
+from vsb.results.year import Bins, frequencies
+from vsb.scenes.floating_system import AnyBody, Floating
+from vsb.scenes.ports import BuoyOfShape
 from vsb.scenes.rest import whole_labels
-from vsb.scenes.viability import viability
-from vsb.shell.deformed import ReferenceShell
-from vsb.stages.campaign import Swept, swept_shape
+from vsb.scenes.viability import with_designs
+from vsb.stages.campaign import at_rest
 from vsb.stages.climate import read_climate
 from vsb.stages.shell import shell_modes
 from vsb.study.campaign import CONSTRAINED
@@ -40,13 +39,11 @@ FRAMES = PER_PERIOD * PERIODS
 """Instants at which motions are summed; a page shows as many."""
 
 
-@dataclass(frozen=True)
-class Point:
-    """A point of a campaign whose take-off a page knows: what of it is viable, at rest, and the water it moves."""
+class Point(NamedTuple):
+    """A point of a campaign whose take-off a page knows."""
 
-    study: Study  # of its viable designs
-    reference: ReferenceShell
-    swept: Swept
+    study: Study | AnyBody  # of its viable designs
+    floating: Floating
 
 
 def sweep_point(spec: CampaignSpec, index: int, root: str) -> Point | None:
@@ -54,10 +51,8 @@ def sweep_point(spec: CampaignSpec, index: int, root: str) -> Point | None:
     (one,) = members(spec.base, [spec.vary.points[index]], spec.climate, spec.tuning)
     if one.study.pto.switches:
         return None  # a damper of the page knows no limits
-    if (viable := viability(one.study).viable) is None:
-        return None
-    study, reference = viable
-    return Point(study, reference, swept_shape(one.study, reference.basis, root))
+    rest, floating = at_rest(one.study, one.spec, root)
+    return Point(with_designs(one.study, rest.designs), floating()) if rest.designs else None
 
 
 def run_campaign_report(
@@ -90,14 +85,15 @@ def _figure(name: str, ds: xr.Dataset, seas: Climate) -> Figure:
 def _page(spec: CampaignSpec, ds: xr.Dataset, seas: Climate, root: str, svgs: Mapping[str, str]) -> str:
     """The report, with its figures."""
     interactive, animated = (made(spec, ds, *leading(ds), seas, root) for made in (interactive_year, animated_year))
-    first = members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)[0].study
-    return render(CampaignReport(ds, svgs, interactive, sketches(first), animated, seas.notes))
+    buoy = members(spec.base, spec.vary.points[:1], spec.climate, spec.tuning)[0].study.buoy
+    drawn = sketches(buoy) if buoy else []
+    return render(CampaignReport(ds, svgs, interactive, drawn, animated, seas.notes))
 
 
 def animated_year(
     spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, seas: Climate, root: str
 ) -> dict[str, Any] | None:
-    """Return the motion of all viable designs in one sea of a campaign's year; none where no damper is known.
+    """Return the motion of all viable buoys in one sea of a campaign's year; none where no damper is known.
 
     Parameters are those of `vsb.stages.campaign_report.interactive_year`.
     """
@@ -107,17 +103,17 @@ def animated_year(
     tuned = next(
         (name for name in (tuning, "one", "each", "fixed") if name in one.tuning and name != CONSTRAINED), None
     )
-    if point is None or tuned is None:
+    if point is None or tuned is None or not isinstance(buoy := point.floating, BuoyOfShape):
         return None
-    sea, row, column = most_energetic(seas, point.study.water)
-    designs, period, radius = list(point.study.designs), float(seas.te[sea]), point.study.device.radius
+    study = buoy.study
+    sea, row, column = most_energetic(seas, study.water)
+    designs, period, radius = list(study.designs), float(seas.te[sea]), study.device.radius
     damping = one.damping.sel(tuning=tuned, design=designs).isel(hs=row, te=column).values
-    band = point.swept.buoys[0].database.omega.values[[0, -1]]
     if not np.isfinite(damping).all():
         return None
-    waves = realised(seas, sea, PERIODS * period, 0, *map(float, band))
-    runs = _runs(point, dict(zip(designs, map(float, damping), strict=True)), waves, PERIODS * period)
-    modes = shell_modes(point.study, point.reference)
+    waves = realised(seas, sea, PERIODS * period, 0, *buoy.band)
+    runs = _runs(buoy, dict(zip(designs, map(float, damping), strict=True)), waves, PERIODS * period)
+    modes = shell_modes(study, buoy.reference)
     shell = list(map(str, modes.mode.values))
     width = max(SEEN * radius, radius + max(float(abs(run.sel(dof="Heave")).max()) for run in runs.values()))
     words = f"a sea of the bin that brings most energy (Hs {seas.hs[sea]:.2g} m, Te {period:.2g} s)"
@@ -128,7 +124,7 @@ def animated_year(
         "width": width,
         "factor": round_factor(largest, radius),
         "shapes": shapes_data(modes),
-        "seas": [frames_data(words, runs, waves, span, period, width, point.study.water, shell)],
+        "seas": [frames_data(words, runs, waves, span, period, width, study.water, shell)],
         "message": f"In {words}: a realisation of its spectrum by linear theory, {TUNED[tuned]}{at}.",
     }
 
@@ -144,9 +140,9 @@ def most_energetic(climate: Climate, water: Water) -> tuple[int, int, int]:
     return int(inside[np.abs(flux[inside] - mean).argmin()]), row, column
 
 
-def _runs(point: Point, dampers: Mapping[str, float], waves: Sea, duration: float) -> dict[str, xr.DataArray]:
+def _runs(point: BuoyOfShape, dampers: Mapping[str, float], waves: Sea, duration: float) -> dict[str, xr.DataArray]:
     """Positions of all designs in a sea by linear theory, those degrees of freedom alone that a design moves in."""
-    inside = designs_in_waves(point.study, point.reference, point.swept.at(waves.omega))
+    inside = point.at(waves.omega).in_waves()
     labels, spring = np.array(whole_labels(point.study, point.reference)), point.study.pto.stiffness
     time = np.linspace(0.0, duration, FRAMES + 1)
     found = {}
@@ -201,7 +197,7 @@ def _point(
     study = point.study
     return {
         "words": where(ds.isel(place)) or "the study",
-        "ports": design_ports(study, point.reference, point.swept.of_year(seas)),
+        "ports": point.floating.at(frequencies(seas, *point.floating.band)).ports(study.pto.stiffness),
         "given": {design: study.pto.damper(design) for design in study.designs},
         "flux": seas.flux(study.water),
     }

@@ -7,8 +7,8 @@ from vsb.design.compared import COMPETITOR, FLEXIBLE, Buoy, buoy_of
 from vsb.design.searched import best
 from vsb.motion.port import Port
 from vsb.results.verification import DesignInTime, chances, drawn, verified, verified_dataset
-from vsb.results.year import year
-from vsb.scenes.ports import design_ports
+from vsb.results.year import frequencies, year
+from vsb.scenes.ports import BuoyOfShape
 from vsb.scenes.rest import reference_shell
 from vsb.scenes.viability import with_designs
 from vsb.stages.campaign import swept_shape
@@ -72,4 +72,5 @@ def simulated(one: Buoy, spec: DesignVerificationSpec) -> Study:
 def _port(study: Study, design: str, seas: Climate, root: str) -> Port:
     """What the damper of a buoy sees over the frequencies of the year."""
     rest = reference_shell(study)
-    return design_ports(study, rest, swept_shape(study, rest.basis, root).of_year(seas))[design]
+    floating = BuoyOfShape(study, rest, swept_shape(study, rest.basis, root))
+    return floating.at(frequencies(seas, *floating.band)).ports(study.pto.stiffness)[design]

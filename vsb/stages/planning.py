@@ -55,7 +55,8 @@ def with_degree(plan: Plan) -> Plan:
     if isinstance(plan, StudyPlan):
         given = plan.study.modes.degree is not None
         return plan if given else StudyPlan(_with(plan.study, degree_needed(plan)), root=plan.root)
-    base = plan.loaded.base
+    if (base := plan.loaded.base.buoy) is None:
+        return plan
     if base.modes.degree is not None or "modes.degree" in plan.loaded.campaign.vary.keys:
         return plan
     return CampaignPlan(plan.loaded.model_copy(update={"base": _with(base, degree_needed(plan))}), root=plan.root)
@@ -71,7 +72,9 @@ def degree_needed(plan: StudyPlan | CampaignPlan) -> int:
     """
     if isinstance(plan, StudyPlan):
         return _degree(degree_spec(_converged(plan.study)), plan.root)
-    base = CampaignPlan(plan.loaded.model_copy(update={"base": _converged(plan.loaded.base)}), root=plan.root).base
+    buoy = plan.loaded.base.buoy
+    assert buoy is not None
+    base = CampaignPlan(plan.loaded.model_copy(update={"base": _converged(buoy)}), root=plan.root).base
     points = extremes(plan.loaded.campaign.vary.points)
     specs = [degree_spec(study_at(base, point), plan.climate) for point in points]
     degrees = [DEGREES[0]]
@@ -85,7 +88,9 @@ def degree_needed(plan: StudyPlan | CampaignPlan) -> int:
 
 def degree_lines(plan: StudyPlan | CampaignPlan) -> list[str]:
     """Return what `vsb check` says of a given degree: nothing where the degree follows from the tolerance."""
-    study = plan.study if isinstance(plan, StudyPlan) else plan.loaded.base
+    study = plan.study if isinstance(plan, StudyPlan) else plan.loaded.base.buoy
+    if study is None:
+        return []
     modes, varied = study.modes, isinstance(plan, CampaignPlan) and "modes.degree" in plan.loaded.campaign.vary.keys
     if not study.flexible or not study.needs_bem or modes.degree is None or varied:
         return []

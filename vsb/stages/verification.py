@@ -23,21 +23,20 @@ from vsb.results.verification import (
     with_all_designs,
     without_power,
 )
-from vsb.results.year import Year
-from vsb.scenes.build import radiation_model
-from vsb.scenes.floating_system import floating_system
-from vsb.scenes.ports import design_ports
+from vsb.results.year import Year, frequencies
+from vsb.scenes.build import Memory, body_memory, radiation_model
+from vsb.scenes.floating_system import AnyBody, Floating, floating_system
 from vsb.scenes.rest import rubber_shell
-from vsb.scenes.viability import viability
-from vsb.shell.deformed import ReferenceShell
-from vsb.stages.campaign import swept_shape
+from vsb.scenes.viability import with_designs
+from vsb.stages.campaign import at_rest
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
 from vsb.stages.stage import stamp
+from vsb.study.body import BodyHydro
 from vsb.study.campaign import Verify
-from vsb.study.plan import StudyPlan
-from vsb.study.specs import VerificationSpec
-from vsb.study.study import Simulation, Study
+from vsb.study.plan import StudyPlan, database_path, radiation_path
+from vsb.study.specs import BodySystem, RadiationSpec, VerificationSpec
+from vsb.study.study import Simulation, Study, content_id
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
 from vsb.waves.climate import Climate, realised
@@ -45,10 +44,11 @@ from vsb.waves.climate import Climate, realised
 
 def run_verification(spec: VerificationSpec, climate: str, root: str, out: str) -> None:
     """Simulate the seas drawn from a member's year and write what they say about its designs that are viable."""
-    study, seas = spec.simulated, read_climate(spec.climate, climate)
-    viable, found = viability(study).viable, xr.Dataset(coords={"design": []})
-    if viable:
-        found = _of_viable(spec, *viable, seas, root)
+    seas, system = read_climate(spec.climate, climate), spec.system
+    study = system if isinstance(system, BodySystem) else spec.simulated
+    (rest, floating), found = at_rest(study, spec, root), xr.Dataset(coords={"design": []})
+    if rest.designs:
+        found = _of_viable(spec, with_designs(study, rest.designs), floating(), seas, root)
     found = with_all_designs(found, list(study.designs), study.reference_design)
     save(found.assign_attrs(runs=in_words(spec.verify), model=spec.verify.model, **stamp(spec)), out)
 
@@ -61,16 +61,18 @@ def in_words(verify: Verify) -> str:
     )
 
 
-def _of_viable(spec: VerificationSpec, study: Study, rest: ReferenceShell, seas: Climate, root: str) -> xr.Dataset:
+def _of_viable(
+    spec: VerificationSpec, study: Study | AnyBody, floating: Floating, seas: Climate, root: str
+) -> xr.Dataset:
     """The corrected year of designs that are viable, in the water of all."""
     (tuning,) = spec.tuning
     assert tuning != "constrained"  # whose forces are of no law in time
-    water = swept_shape(spec.simulated, rest.basis, root).of_year(seas)
-    year = ports_year(study, design_ports(study, rest, water), seas, (tuning,))
+    ports = floating.at(frequencies(seas, *floating.band)).ports(study.pto.stiffness)
+    year = ports_year(study, ports, seas, (tuning,))
     if not year.annual_mean_power.any():
         return without_power(year)
     sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
-    designs = in_time(spec.simulated, root)
+    designs = in_time(spec.simulated, root) if spec.buoy else bodies_in_time(spec, root)
     some = {design: designs[design] for design in study.designs}
     better, linear = powers_in_time(year, sample, some, spec.simulation, spec.verify.model)
     return verified_dataset(year, tuning, verified(year, tuning, sample, better, linear))
@@ -82,9 +84,23 @@ def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
     make(plan, [plan.database_path, plan.radiation_path])
     floating, radiation = floating_system(study, plan.database_path), radiation_model(plan.radiation_path)
     take_off, shell = LinearPto(0.0, study.pto.stiffness, floating.port), floating.shell
-    rubber = rubber_shell(study, shell.basis) if shell else None
+    rubber, memory = rubber_shell(study, shell.basis), Memory(radiation, floating.linear.added_mass_inf)
     return {
-        design: DesignInTime(floating.linear, shell, radiation, motions, take_off, study.pto, rubber)
+        design: DesignInTime(floating.linear, shell, memory, motions, take_off, study.pto, rubber)
+        for design, motions in floating.motions.items()
+    }
+
+
+def bodies_in_time(spec: VerificationSpec, root: str) -> Mapping[str, DesignInTime]:
+    """Return the designs of a body ready for any sea, without a damper yet, from its database and radiation memory."""
+    (database,), hydro, pto = spec.sweep, spec.hydro, spec.pto
+    assert isinstance(hydro, BodyHydro)
+    memory = RadiationSpec(database=database, tolerance=hydro.tolerance, added_mass_inf=hydro.added_mass_inf)
+    radiation = body_memory(radiation_path(root, content_id(memory)))
+    floating = floating_system(spec, database_path(root, database))
+    linear, take_off = floating.towards(spec.climate.direction), LinearPto(0.0, pto.stiffness, floating.port)
+    return {
+        design: DesignInTime(linear, None, radiation, motions, take_off, pto)
         for design, motions in floating.motions.items()
     }
 

@@ -10,10 +10,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, field_validator
 
 from vsb.errors import ConfigError
+from vsb.study.body import AnyStudy, BodyStudy, LocatedBody, is_body, located
 from vsb.study.quantities import Count, Name, Number, Section
 from vsb.study.reading import read_yaml, validated
 from vsb.study.study import Study, not_reserved, parse
-from vsb.study.study import load as load_study
 from vsb.study.take_off import port_kind
 from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary, scaled
 from vsb.tools.bounded import sha256_of
@@ -48,7 +48,10 @@ class Constrained(Section):
 
 
 class Verify(Section):
-    """Seas of the year to be simulated in time, two of each stratum of its energy; seed of the draw."""
+    """Seas of the year to be simulated in time, two of each stratum of its energy; seed of the draw.
+
+    The model is `body_exact` of a buoy, if none is given, and `linear` of a body, which has no other.
+    """
 
     seas: Annotated[Count, Field(ge=4, le=1000, multiple_of=2)] = 24
     model: Literal["linear", "body_exact"] = "body_exact"
@@ -61,7 +64,13 @@ MOST_VERIFIED = 4
 """Points whose seas are simulated in time: each takes a minute or more, where a point of a linear year takes none."""
 
 
-class Spectra(Section):
+class YearOfSeas(Section):
+    """Where the seas of a year are from; all go in one direction [degrees], which matters to a body alone."""
+
+    direction: Annotated[Number, Field(ge=-360, le=360)] = 0.0
+
+
+class Spectra(YearOfSeas):
     """Spectra: NDBC's text, plain or gz, SWAN's text, or netCDF."""
 
     spectra: str
@@ -72,7 +81,7 @@ class Spectra(Section):
         return self.spectra
 
 
-class Scatter(Section):
+class Scatter(YearOfSeas):
     """Table of occurrences over significant height and period, each cell a spectrum of one form."""
 
     scatter: str
@@ -143,7 +152,8 @@ def read(raw: object, source: str) -> "LoadedCampaign":
     """Validate a campaign given as nested mappings, its files relative to that of its source; see `load`."""
     campaign = validated(Campaign, raw, source)
     folder = Path(source).parent
-    study = load_study(folder / campaign.study)
+    given = read_yaml(folder / campaign.study, "a study file such as config/buoy.yaml")
+    study, files = _located(given, str(folder / campaign.study))
     climate = folder / campaign.climate.file
     if campaign.campaign == study.study:
         raise ConfigError(f"{source}: campaign: received {campaign.campaign!r}, the name of its study; needs another")
@@ -183,13 +193,11 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"{source}: verify: received tuning constrained alone, whose forces are of no law in time; needs "
             "fixed, one or each beside it"
         )
-    if study.device.shape is not None:
-        raise ConfigError(
-            f"{source}: study: received {campaign.study} with device.shape, whose buckling, which a year is judged by, "
-            "is known of the sphere alone; needs a spherical buoy"
-        )
-    floats_by = _floats_by(folder / campaign.study, study)
-    _check_draft(campaign, floats_by, source)
+    if isinstance(study, BodyStudy):
+        campaign, floats_by = _of_a_body(campaign, study, source), {}
+    else:
+        floats_by = _floats_by(given, study)
+        _check_buoy(campaign, study, floats_by, source)
     try:
         digest = sha256_of(climate)[:16]
     except OSError as error:
@@ -198,12 +206,44 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             "path of a file, relative to this one"
         ) from None
     return LoadedCampaign(
-        campaign=campaign, source=source, base=study, climate_path=str(climate), climate_id=digest, floats_by=floats_by
-    )
+        campaign=campaign, source=source, base=study, climate_path=str(climate), climate_id=digest,
+        floats_by=floats_by, files=files,
+    )  # fmt: skip
 
 
-def _check_draft(campaign: Campaign, floats_by: Mapping[str, float], source: str) -> None:
-    """Check that neither mass nor draft stays behind when the radius varies: the answer would be of another buoy."""
+def _located(raw: object, source: str) -> LocatedBody | tuple[Study, dict[str, str]]:
+    """The study of a file and, of a body, the files it is read from."""
+    return located(raw, source) if is_body(raw) else (parse(raw, source=source), {})
+
+
+def _of_a_body(campaign: Campaign, study: BodyStudy, source: str) -> Campaign:
+    """The campaign of a body, whose runs in time are linear; refused where it varies what a body does not have."""
+    keys, mesh = campaign.vary.keys, study.body.file is not None
+    if SCALE in keys:
+        raise ConfigError(
+            f"{source}: vary.{SCALE}: received a body, whose files have one size; needs keys of its study"
+        )
+    if mesh and (own := [key for key in keys if key.startswith("water.")]):
+        raise ConfigError(f"{source}: vary.{own[0]}: the water is that of the body file; needs body.file.{own[0]}")
+    if not campaign.verify:
+        return campaign
+    if "model" in campaign.verify.model_fields_set and campaign.verify.model != "linear":
+        raise ConfigError(f"{source}: verify.model: received {campaign.verify.model}; a body needs linear")
+    verify = campaign.verify.model_copy(update={"model": "linear"})
+    return campaign.model_copy(update={"verify": verify})
+
+
+def _check_buoy(campaign: Campaign, study: Study, floats_by: Mapping[str, float], source: str) -> None:
+    """Check that a year can judge a buoy, and that its draft follows when the radius varies.
+
+    Neither mass nor draft may stay behind: the answer would be of another buoy.
+    """
+    if study.device.shape is not None:
+        raise ConfigError(
+            f"{source}: study: received {campaign.study} with device.shape, whose buckling, which a year is judged by, "
+            "is known of the sphere alone; needs a spherical buoy"
+        )
+    check_no_direction(campaign.climate, source)
     varied = {*campaign.vary.keys}
     stays = [key for key in floats_by if key == "mass" or SCALE in varied]
     if "device.radius" in varied and stays and not {"device.mass", "device.draft"} & varied:
@@ -214,9 +254,16 @@ def _check_draft(campaign: Campaign, floats_by: Mapping[str, float], source: str
         )
 
 
-def _floats_by(path: Path, study: Study) -> dict[str, float]:
+def check_no_direction(climate: YearOfSeas, source: str) -> None:
+    """Refuse a direction of the seas of a buoy, which answers all alike."""
+    if climate.direction:
+        raise ConfigError(
+            f"{source}: climate.direction: a buoy of revolution answers seas of all directions alike; remove it"
+        )
+
+
+def _floats_by(raw: Any, study: Study) -> dict[str, float]:
     """What decides the draft in a study file: its mass, its draft, or nothing, half immersion."""
-    raw = read_yaml(path, "a study file such as config/buoy.yaml")
     device = raw["device"] if isinstance(raw, Mapping) else {}
     if "draft" in device:
         return {"draft": study.draft}
@@ -228,10 +275,11 @@ class LoadedCampaign(Section):
 
     campaign: Campaign
     source: str
-    base: Study
+    base: AnyStudy
     climate_path: str
     climate_id: str
     floats_by: dict[str, float]  # mass or draft as the study gives it; neither: half immersion
+    files: dict[str, str]  # a body is read from, by option of its stage
 
     @property
     def tuning(self) -> tuple[Tunings, ...]:
@@ -243,7 +291,7 @@ class LoadedCampaign(Section):
         """Budget of the optima within limits, if they are asked for."""
         return (self.campaign.constrained or Constrained()) if "constrained" in self.tuning else None
 
-    def check_take_off(self, study: Study, where: str) -> None:
+    def check_take_off(self, study: AnyStudy, where: str) -> None:
         """Check that a take-off that switches is not judged by linear theory alone, which does not see it.
 
         Raises
@@ -260,10 +308,11 @@ class LoadedCampaign(Section):
             )
 
 
-def sections(study: Study) -> dict[str, Any]:
+def sections(study: AnyStudy) -> dict[str, Any]:
     """Return what a year depends on of a study: linear, its waves, its run in time and its name left out."""
     found: dict[str, Any] = study.model_dump(exclude={"study", "waves", "simulation", "published"})
-    found["hydro"] |= {"model": "linear", "power_tolerance": None}
+    if isinstance(study, Study):
+        found["hydro"] |= {"model": "linear", "power_tolerance": None}
     return {key: value for key, value in found.items() if value is not None}
 
 
@@ -273,6 +322,13 @@ def where_of(point: Point) -> str:
 
 
 def study_at(base: Mapping[str, Any], point: Point) -> Study:
+    """Return the study of a buoy with values of a point; see `any_study_at`."""
+    study = any_study_at(base, point)
+    assert isinstance(study, Study)
+    return study
+
+
+def any_study_at(base: Mapping[str, Any], point: Point) -> AnyStudy:
     """Return a study with values of a point: scaled first, then each key set; linear, in no sea of its own.
 
     Raises
@@ -287,18 +343,20 @@ def study_at(base: Mapping[str, Any], point: Point) -> Study:
     for key, value in point.items():
         if key != SCALE:
             raw = _with(raw, key.split("."), value, key)
-    study = parse({"study": "member", "waves": [{"kind": "still"}], **raw}, source=where)
+    if isinstance(file := raw.get("body", {}).get("file"), dict):
+        raw["water"] = file["water"]
+    study, _ = _located({"study": "member", "waves": [{"kind": "still"}], **raw}, where)
     _check_linear(study, where)
     return study
 
 
-def _check_linear(study: Study, where: str) -> None:
+def _check_linear(study: AnyStudy, where: str) -> None:
     """Check that waves go one way, and that nothing is lost but at the take-off: a year counts power at the port."""
-    if study.motion == "free":
+    if study.buoy and study.buoy.motion == "free":
         raise ConfigError(
             f"{where}: motion: received 'free'; the seas of a year have no directions: needs motion: heave or planar"
         )
-    if study.drag is not None:
+    if study.drag_of_buoy is not None:
         raise ConfigError(f"{where}: drag: a year is computed by linear theory, which has no drag; remove it")
     if study.pto.efficiency != 1.0:
         raise ConfigError(f"{where}: pto.efficiency: received {study.pto.efficiency:g}; a year needs 1")
@@ -311,11 +369,15 @@ def _scale(value: Value) -> float:
     return value
 
 
+MATRICES = ("body.mass", "body.damping", "body.stiffness")
+"""Sections of a study whose keys are degrees of freedom; a study need not have them."""
+
+
 def _with(raw: dict[str, Any], path: list[str], value: object, key: str) -> dict[str, Any]:
     """Nested mappings with one value set; the last word may be new: an option that is off by default."""
     first, *rest = path
     if rest and not isinstance(raw.get(first) or {}, dict):
         raise ConfigError(f"{key}: {first} is a value, which has no key {rest[0]}")
-    if rest and first not in raw:
+    if rest and first not in raw and not key.startswith(MATRICES):
         raise ConfigError(f"{key}: the study has no {first}; needs one of {', '.join(raw)}")
-    return {**raw, first: _with(raw[first] or {}, rest, value, key) if rest else value}
+    return {**raw, first: _with(raw.get(first) or {}, rest, value, key) if rest else value}

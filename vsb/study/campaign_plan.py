@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from vsb.errors import ConfigError
-from vsb.study.blocks import HydroPlan
+from vsb.study.body import AnyStudy, BodyStudy
 from vsb.study.campaign import (
     GAIN_IN_TIME,
     IN_TIME,
@@ -22,14 +22,15 @@ from vsb.study.campaign import (
     Constrained,
     LoadedCampaign,
     Tunings,
+    any_study_at,
     leading_tuning,
     read,
     sections,
-    study_at,
     where_of,
 )
-from vsb.study.plan import ResultsFolder, figure_paths
+from vsb.study.plan import BodyPlan, ResultsFolder, StudyPlan, figure_paths, plan_for
 from vsb.study.specs import (
+    BodySystem,
     BuoySystem,
     CampaignSpec,
     ClimateSpec,
@@ -38,7 +39,7 @@ from vsb.study.specs import (
     Spec,
     VerificationSpec,
 )
-from vsb.study.study import Simulation, Study, canonical, content_id, parse
+from vsb.study.study import Simulation, canonical, content_id, parse
 from vsb.study.vary import Point
 
 MOST_BATCHES = 32
@@ -60,7 +61,7 @@ VARIABLES = (
 
 def _shared(one: "Member") -> tuple[Any, ...]:
     """What members may share: coefficients of a shape, a take-off, and shapes and buckling of a thickness."""
-    return one.spec.sweep, canonical(one.study.pto), one.study.device.thickness
+    return one.spec.sweep, canonical(one.study.pto), one.study.buoy.device.thickness if one.study.buoy else 0.0
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class Member:
     """One point of a campaign."""
 
     point: Point
-    study: Study
+    study: AnyStudy
     spec: MemberSpec
 
     @cached_property
@@ -98,18 +99,27 @@ def members(
     swept: dict[str, tuple[str, ...]] = {}  # members of one shape share it
     found = []
     for point in points:
-        study = study_at(base, point)
+        study = any_study_at(base, point)
         if (shape := _shape(study)) not in swept:
-            swept[shape] = tuple(content_id(block) for block in HydroPlan(study).sweep_blocks)
-        parts = {name: getattr(study, name) for name in BuoySystem.model_fields if name != "drag"}  # a year has none
+            swept[shape] = _coefficients(study)
+        kind = BodySystem if isinstance(study, BodyStudy) else BuoySystem
+        system = kind(**{name: getattr(study, name) for name in kind.model_fields if name != "drag"})  # a year has none
         budget = {"climate": climate, "tuning": tuple(tuning), "constrained": constrained}
-        spec = MemberSpec(system=BuoySystem(**parts), hydro=study.hydro, sweep=swept[shape], **budget)
-        found.append(Member(point, study, spec))
+        found.append(Member(point, study, MemberSpec(system=system, hydro=study.hydro, sweep=swept[shape], **budget)))
     return found
 
 
-def _shape(study: Study) -> str:
-    """All that the blocks of a sweep depend on: of the undeformed sphere neither its material nor its clamps."""
+def _coefficients(study: AnyStudy) -> tuple[str, ...]:
+    """Ids of the blocks of a buoy's shape, or of the database of a body."""
+    plan = plan_for(study)
+    specs = plan.sweep_blocks if isinstance(plan, StudyPlan) else [plan.database]
+    return tuple(content_id(spec) for spec in specs)
+
+
+def _shape(study: AnyStudy) -> str:
+    """All that coefficients depend on: of the undeformed sphere neither its material nor its clamps."""
+    if isinstance(study, BodyStudy):
+        return canonical([study.body, study.dofs, study.hydro])
     device = study.device if study.rests_deformed else (study.device.radius, study.device.mass)
     degree = study.modes.max_degree if study.flexible else None
     shell = [study.modes, study.reference_shape] if study.rests_deformed else degree
@@ -137,8 +147,8 @@ class CampaignPlan(ResultsFolder):
     @cached_property
     def base(self) -> dict[str, Any]:
         """Sections of its study; where its draft may vary, with what decides it in the file."""
-        found = sections(self.loaded.base)
-        if not {"device.radius", "device.draft", "water.density"} & {*self.loaded.campaign.vary.keys}:
+        found, keys = sections(self.loaded.base), {*self.loaded.campaign.vary.keys}
+        if not self.loaded.base.buoy or not {"device.radius", "device.draft", "water.density"} & keys:
             return found
         others = {key: value for key, value in found["device"].items() if key != "mass"}
         return {**found, "device": others | self.loaded.floats_by}
@@ -216,15 +226,17 @@ class CampaignPlan(ResultsFolder):
         """Spec of the runs in time of a member: its study by the better model, tolerance and method of the base."""
         verify = self.loaded.campaign.verify
         assert verify is not None
-        given, raw = self.loaded.base.simulation, one.study.model_dump(exclude_none=True)
+        given, hydro = self.loaded.base.simulation, one.spec.hydro
         simulation = Simulation(tolerance=given.tolerance, method=given.method)  # how long follows from the seas
-        raw |= {"simulation": simulation, "hydro": {**raw["hydro"], "model": verify.model}}
-        try:
-            study = parse(raw, source="with the study's simulation")
-        except ConfigError as error:
-            raise ConfigError(f"{self.loaded.source}: verify: {error}") from None
+        if one.study.buoy:
+            raw = one.study.model_dump(exclude_none=True)
+            raw |= {"simulation": simulation, "hydro": {**raw["hydro"], "model": verify.model}}
+            try:
+                hydro = parse(raw, source="with the study's simulation").hydro
+            except ConfigError as error:
+                raise ConfigError(f"{self.loaded.source}: verify: {error}") from None
         parts = {name: value for name, value in one.spec if name not in Spec.model_fields}
-        parts |= {"hydro": study.hydro, "simulation": study.simulation, "verify": verify}
+        parts |= {"hydro": hydro, "simulation": simulation, "verify": verify}
         return VerificationSpec(**parts | {"tuning": (leading_tuning(self.loaded.tuning),)})
 
     @cached_property
@@ -248,6 +260,16 @@ class CampaignPlan(ResultsFolder):
     def campaign_id(self) -> str:
         """Id of what is made of all members together."""
         return content_id(self.campaign)
+
+    @cached_property
+    def bodies(self) -> dict[str, BodyPlan]:
+        """Plans of the bodies of all points by the id of their database; none of a buoy."""
+        plans = (
+            BodyPlan(one.study, root=self.root, files=self.loaded.files)
+            for one in self.members
+            if isinstance(one.study, BodyStudy)
+        )
+        return {content_id(plan.database): plan for plan in plans}
 
     # file names -----------------------------------------------------------------------------------------------------
 

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
 
 from vsb.errors import ConfigError
-from vsb.study.campaign import ClimateFile, Verify, sections, study_at
+from vsb.study.campaign import ClimateFile, Verify, check_no_direction, sections, study_at
 from vsb.study.quantities import Count, Name, NonNegative, Positive, Section
 from vsb.study.reading import Located, nearest, read_yaml, validated
 from vsb.study.study import Study, not_reserved
@@ -290,6 +290,7 @@ def read(raw: object, source: str) -> LoadedDesign:
     mistakes = _Mistakes(source, raw)
     if isinstance(given, dict) and "body" in given:
         mistakes.end("study", f"received {problem.study}, a study of a body; needs a buoy with a device")
+    check_no_direction(problem.climate, source)
     study = load_study(folder / problem.study)
     _check_study(problem, study, mistakes)
     _check_variables(problem, study, given, mistakes)

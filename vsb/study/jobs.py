@@ -133,12 +133,18 @@ def _body(plan: BodyPlan) -> Iterator[Job]:
     """The hydro database of a body, solved or read."""
     if plan.solves_panels:
         yield _green(plan)
-    files = {**plan.sources, "out": plan.database_path}
-    job = Job("coefficients", plan.database, files, (plan.database_path,), tuple(plan.inputs), megabytes=4000)
+    yield _database_of_body(plan)
+
+
+def _database_of_body(plan: BodyPlan) -> Job:
+    """The hydro database of a body alone."""
+    out = plan.database_path
+    files, name = {**plan.sources, "out": out}, PurePosixPath(out).stem
+    job = Job("coefficients", plan.database, files, (out,), tuple(plan.inputs), name, megabytes=4000)
     if isinstance(file := plan.study.body.file, BodyFile):
         memory, minutes = solve_resources(file, plan.files)
         job = replace(job, megabytes=memory, minutes=minutes)
-    yield job
+    return job
 
 
 def _shell(plan: StudyPlan) -> Iterator[Job]:
@@ -187,13 +193,21 @@ def _database(plan: StudyPlan) -> Iterator[Job]:
     yield Job("database", plan.database, {"blocks": plan.block_folder, "out": stored}, (stored,), solved)
 
 
+def _radiation(plan: AnyPlan) -> Job:
+    """The radiation memory of a hydro database."""
+    stored, out = plan.database_path, plan.radiation_path
+    return Job(
+        "radiation", plan.radiation, {"database": stored, "out": out}, (out,), (stored,), PurePosixPath(out).stem
+    )
+
+
 def _coefficients(plan: AnyPlan) -> Iterator[Job]:
     """What follows from the hydro database alone."""
-    stored, radiation = plan.database_path, plan.radiation_path
+    stored = plan.database_path
     response, ladder = plan.response_files["response"], f"{plan.folder}/ladder.csv"
     rungs = plan.ladder_files["rungs"]
     read = {"database": stored}
-    yield Job("radiation", plan.radiation, {**read, "out": radiation}, (radiation,), (stored,))
+    yield _radiation(plan)
     yield Job("response", plan.response, {**read, "out": response}, (response,), (stored,))
     climbed = {**read, "out": ladder, "rungs": rungs, "manifest": plan.manifest}
     yield Job("ladder", plan.ladder, climbed, (ladder, rungs), (stored,))
@@ -240,17 +254,22 @@ def _answers(plan: AnyPlan) -> Iterator[Job]:
 
 
 def _year(plan: CampaignPlan) -> Iterator[Job]:
-    """Batches of members, their runs in time, all of them together, the report."""
-    climate, folder = plan.loaded.climate_path, plan.folder
+    """Databases of bodies, batches of members, their runs in time, all of them together, the report."""
+    climate, folder, bodies = plan.loaded.climate_path, plan.folder, plan.bodies
     read = {"climate": climate, "root": plan.root}
+    yield from {one.green_folder: _green(one) for one in bodies.values() if one.solves_panels}.values()
+    yield from map(_database_of_body, bodies.values())
+    databases = {name: one.database_path for name, one in bodies.items()}
     for name, batch in plan.batches.items():
         out = plan.batch_path(name)
-        files = {**read, "folder": f"{folder}/members", "out": out}
-        yield Job("members", batch, files, (out,), (), name, megabytes=2000, minutes=plan.batch_minutes)
+        files, needs = {**read, "folder": f"{folder}/members", "out": out}, tuple(databases.values())
+        yield Job("members", batch, files, (out,), needs, name, megabytes=2000, minutes=plan.batch_minutes)
+    if plan.verifications:
+        yield from map(_radiation, bodies.values())
     for name, verification in plan.verifications.items():
         out = plan.verification_path(name)
-        files = {**read, "out": out}
-        yield Job("verification", verification, files, (out,), (), name, megabytes=2000, minutes=240)
+        files, needs = {**read, "out": out}, tuple(one.radiation_path for one in bodies.values())
+        yield Job("verification", verification, files, (out,), needs, name, megabytes=2000, minutes=240)
     data, table, stamps = plan.data_path, plan.table_path, {"manifest": plan.manifest}
     files = {"batches": f"{folder}/batches", "verifications": f"{folder}/verification", "out": data, "table": table}
     needs = (*plan.batch_paths, *plan.verification_paths)

@@ -27,6 +27,7 @@ _GOING = {
     )
 }
 """Of all waves."""
+_SEAS_GO_TO = Key("degrees", "0.0", "direction all seas of the year go to, from the x axis; of a body alone")
 
 _HULL = {
     "draft": Key("m", "2.0", "depth of the lowest point below still water"),
@@ -530,11 +531,15 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "[device.radius, device.mass]", "variables the rigid buoy is optimised in; without it all it has"
         ),
     },
-    "Spectra": {"spectra": Key("", "sea.txt.gz", "spectra: NDBC's text, plain or gz, SWAN's text, or netCDF")},
+    "Spectra": {
+        "spectra": Key("", "sea.txt.gz", "spectra: NDBC's text, plain or gz, SWAN's text, or netCDF"),
+        "direction": _SEAS_GO_TO,
+    },
     "Scatter": {
         "scatter": Key("", "site.csv", "table of occurrences over significant height and period"),
         "spectrum": Key("", "jonswap", "form of the spectra of its cells"),
         "gamma": Key("-", "3.3", "peak enhancement of JONSWAP"),
+        "direction": _SEAS_GO_TO,
     },
     "Constrained": {
         "seconds": Key(

@@ -50,6 +50,16 @@ def figure_paths(folder: str, names: Iterable[str]) -> list[str]:
     return [f"{folder}/figures/{name}.{kind}" for name in names for kind in FIGURE_KINDS]
 
 
+def database_path(root: str, identity: str) -> str:
+    """Return the path of a hydro database."""
+    return f"{root}/hydro/db/{identity}.nc"
+
+
+def radiation_path(root: str, identity: str) -> str:
+    """Return the path of a radiation model."""
+    return f"{root}/hydro/radiation/{identity}.nc"
+
+
 def trajectory_name(design: str, wave: str) -> str:
     """Return the file name of the time series of one design in one sea."""
     return f"{design}-{wave}.nc"
@@ -274,12 +284,12 @@ class ResultsPlan(ResultsFolder):
     @property
     def database_path(self) -> str:
         """Hydro database."""
-        return f"{self.root}/hydro/db/{content_id(self.database)}.nc"
+        return database_path(self.root, content_id(self.database))
 
     @property
     def radiation_path(self) -> str:
         """Radiation model."""
-        return f"{self.root}/hydro/radiation/{content_id(self.radiation)}.nc"
+        return radiation_path(self.root, content_id(self.radiation))
 
     @property
     def green_folder(self) -> str:

@@ -16,7 +16,7 @@ from pydantic import (
     model_validator,
 )
 
-from vsb.study.body import AnyStudy, Body, BodyDesign
+from vsb.study.body import AnyStudy, Body, BodyDesign, BodyHydro
 from vsb.study.campaign import Constrained, Scatter, Spectra, Tunings, Verify
 from vsb.study.design import Objective, Variable
 from vsb.study.device import Device, Shape, centre_height
@@ -132,6 +132,15 @@ class BodySystem(Section):
     designs: dict[Name, BodyDesign]
     water: Water
     pto: Pto
+
+    @property
+    def buoy(self) -> None:
+        """There is none."""
+
+    @property
+    def reference_design(self) -> str | None:
+        """The first rigid design by name: gains are relative to it."""
+        return first_rigid(self.designs)
 
 
 AnySystem = Annotated[
@@ -375,14 +384,20 @@ class ClimateSpec(Section):
     contents: str
     form: Literal["spectra", "jonswap", "pierson_moskowitz"]  # of a table the spectrum of its cells
     gamma: float | None = None
+    direction: float = 0.0  # [degrees]
+
+    @model_serializer(mode="wrap")
+    def _without_default(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        said: dict[str, Any] = dump(self)
+        return {key: value for key, value in said.items() if key != "direction" or value}
 
     @classmethod
     def of(cls, given: Spectra | Scatter, contents: str) -> Self:
         """Return the seas of a file as a campaign or a design names it, its contents by their sha256."""
         if isinstance(given, Scatter):
             gamma = given.gamma if given.spectrum == "jonswap" else None
-            return cls(contents=contents, form=given.spectrum, gamma=gamma)
-        return cls(contents=contents, form="spectra")
+            return cls(contents=contents, form=given.spectrum, gamma=gamma, direction=given.direction)
+        return cls(contents=contents, form="spectra", direction=given.direction)
 
 
 class LadderSpec(SystemSpec):
@@ -429,10 +444,13 @@ class CompareSpec(Spec):
 
 
 class MemberSpec(SystemSpec):
-    """One point of a campaign: a study without seas over a year, every design and tuning; blocks of its sweep by id."""
+    """One point of a campaign: a study without seas over a year, every design and tuning.
+
+    `sweep` are the coefficients by id: blocks of a buoy's shape, or the database of a body.
+    """
 
     TAG = "member"
-    hydro: Hydro
+    hydro: Hydro | BodyHydro
     sweep: tuple[str, ...]
     climate: ClimateSpec
     tuning: tuple[Tunings, ...]
@@ -453,7 +471,7 @@ class VerificationSpec(MemberSpec):
 
     @property
     def simulated(self) -> Study:
-        """The study of the member, in no sea of its own."""
+        """The study of the member, a buoy's, in no sea of its own."""
         parts = dict(self.system) | {"hydro": self.hydro, "simulation": self.simulation}
         return Study(study="member", waves=(StillWater(kind="still"),), **parts)
 

@@ -106,11 +106,12 @@ MEMBER = "member"
 """Dimension of points that are no product."""
 MOST_POINTS = 10_000
 """Points of a campaign: each is validated and named by its content whenever the plan is read, 1 ms."""
-SECTIONS = ("device", "reference_shape", "modes", "designs", "water", "hydro", "pto")
+SECTIONS = ("device", "body", "reference_shape", "modes", "designs", "water", "hydro", "pto")
 """Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""
 _VARIED_IN = (
     "Device", "Shape", "Spheroid", "Capsule", "StructuralDamping", "Gas", "NeoHookean", "MooneyRivlin", "Gent", "Drag",
-    "Vane", "Plate", "Modes", "Design", "Water", "Hydro", "Pto", "ShellPort", "StrainPort", "LinePort", "BetweenPort",
+    "Vane", "Plate", "BodyFile", "SphereHull", "CylinderHull", "BoxHull",
+    "Modes", "Design", "Water", "Hydro", "Pto", "ShellPort", "StrainPort", "LinePort", "BetweenPort",
 )  # fmt: skip
 """What those sections are made of, as `vsb.study.keys` names it."""
 UNITS = {name: key.unit for section in _VARIED_IN for name, key in KEYS[section].items() if key.unit not in ("", "-")}
