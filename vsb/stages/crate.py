@@ -44,6 +44,11 @@ DESCRIPTIONS = {
 """What files are, by their names."""
 
 
+def _is_crate(path: str) -> bool:
+    """Whether a file is an archive that describes itself."""
+    return zipfile.is_zipfile(path) and METADATA in zipfile.ZipFile(path).namelist()
+
+
 def crate(config: str, out: str, licence: str | None = None, author: str | None = None) -> list[str]:
     """Write the results of a study or campaign into an archive; return the lines to print.
 
@@ -61,8 +66,10 @@ def crate(config: str, out: str, licence: str | None = None, author: str | None 
     Raises
     ------
     VsbError
-        If results are missing, or are not what they should be.
+        If results are missing, or are not what they should be, or the archive would replace another file than a crate.
     """
+    if Path(out).suffix != ".zip" or (os.path.exists(out) and not _is_crate(out)):
+        raise VsbError(f"{out}: is no crate, which ends in .zip; needs another name")
     plan = plan_of(config)
     paths = sorted({*plan.products, plan.manifest})
     lines = [f"{path}: is not there" for path in paths if not Path(path).is_file()]
