@@ -23,7 +23,7 @@ FROUDE = {
     "force_limit": 3.0, "stroke_limit": 1.0, "amplitude": 1.0, "period": 0.5, "duration": 0.5, "window": 0.5,
     "initial_position": 1.0, "initial_velocity": 0.5, "area": 2.0, "lever": 1.0,
     "centre_of_mass": 1.0, "ballast_inertia": 5.0, "ballast_yaw_inertia": 5.0, "line_to": 1.0, "line_from": 1.0,
-    "height": 1.0, "length": 1.0, "time": 0.5,
+    "height": 1.0, "length": 1.0, "time": 0.5, "energy_per_cycle": 1.0,
 }  # fmt: skip
 """Power of the length scale each quantity goes with, at the same water and gravity."""
 
@@ -78,6 +78,7 @@ def scaled_take_off(raw: Any, scale: float) -> Any:
         "stiffness": 4 - 2 * stroke,
         "force_limit": 4 - stroke,
         "stroke_limit": stroke,
+        "energy_per_cycle": FROUDE["energy_per_cycle"],  # of stress over density
     }
     return {key: scaled(value, scale, powers.get(key, 0.0)) for key, value in raw.items()}
 
