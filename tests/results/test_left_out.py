@@ -17,6 +17,7 @@ from vsb.scenes.mode_convergence import (
     MOST_FREQUENCIES,
     ModeConvergence,
     directed,
+    further,
     powers_of_ports,
     sampled,
 )
@@ -242,3 +243,9 @@ def test_about_an_equilibrium_the_rigid_design_depends_on_the_modes_through_its_
     for bounds, value in ((found.power, power), (found.gain.sel(design="VSWEC"), gain)):
         assert np.all(bounds.sel(end="low") <= value)
         assert np.all(value <= bounds.sel(end="high"))
+
+
+def test_bound_of_further_degrees_holds_where_one_step_is_small_by_chance():
+    """Powers of a pressurised buoy by degree (6, 9, 14, then 30) whose last step is a seventh of what follows."""
+    powers = [np.array([value]) for value in (1.0, 1.0 + 9e-5, 1.0 + 9.7e-5, 1.0 + 14.7e-5)]
+    assert abs(powers[3] - powers[2]) < further(powers[:3])

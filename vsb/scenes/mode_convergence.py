@@ -297,7 +297,8 @@ def powers_of_ports(
 def further(powers: Sequence[FloatArray]) -> FloatArray:
     """Return what degrees beyond the last may change, shape of the powers [W]: `SAFETY` times the last step.
 
-    Where the last step is not smaller than the one before, that one counts, too.
+    At least as much as the step before: one step may be small by chance, where changes of different signs meet. Where
+    the last step is not smaller than the one before, both count.
 
     Parameters
     ----------
@@ -308,7 +309,7 @@ def further(powers: Sequence[FloatArray]) -> FloatArray:
     if len(powers) == 2:
         return SAFETY * step
     previous = np.abs(powers[-2] - powers[-3])
-    return np.where(step > previous, SAFETY * (step + previous), SAFETY * step)
+    return np.where(step > previous, SAFETY * (step + previous), np.maximum(SAFETY * step, previous))
 
 
 def converged_degree(spec: DegreeSpec, climate: Climate | None = None) -> int:
