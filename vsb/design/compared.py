@@ -1,8 +1,8 @@
 """The best flexible buoy beside rigid ones, the gain over the best of them, and what it is uncertain by.
 
-Three rigid buoys separate size from flexibility: the competitor, optimised in all it has under the same limits; the
-twin, of the flexible one's rest shape and mass; the sphere before it was inflated. The last two have the take-off
-that is optimal within the limits of the problem.
+Three rigid buoys separate size from flexibility: the competitor, optimised in every variable it has, under the same
+limits; the twin, of the flexible one's rest shape and mass; the sphere before it was inflated. The last two have the
+take-off that is optimal within the limits of the problem.
 """
 
 from collections.abc import Mapping, Sequence

@@ -169,7 +169,7 @@ class Limits(Section):
 class Competitor(Section):
     """The rigid sphere the best flexible buoy is compared with: which of the variables it is optimised in."""
 
-    variables: Annotated[tuple[str, ...], Field(min_length=1)] | None = None  # none: all it has
+    variables: Annotated[tuple[str, ...], Field(min_length=1)] | None = None  # none: every one it has
 
 
 class Optimisation(Section):

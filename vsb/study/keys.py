@@ -528,7 +528,9 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "Competitor": {
         "variables": Key(
-            "", "[device.radius, device.mass]", "variables the rigid buoy is optimised in; without it all it has"
+            "",
+            "[device.radius, device.mass]",
+            "variables the rigid buoy is optimised in; if not given, every variable it has",
         ),
     },
     "Spectra": {
