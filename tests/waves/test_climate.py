@@ -7,7 +7,7 @@ import pytest
 
 from vsb.errors import ConfigError
 from vsb.study.study import Water
-from vsb.waves.climate import Climate, height_and_period, impossible, of_records, realised
+from vsb.waves.climate import Climate, height_and_period, impossible, is_doubt, of_records, realised
 from vsb.waves.dispersion import wavenumber
 
 
@@ -115,6 +115,7 @@ def test_variance_beyond_the_bands_is_that_of_a_fifth_power_tail():
     share = (first / end) ** 4
     found = float(re.search(r"would add (.*)% to the variance", note)[1])
     assert found == pytest.approx(100 * share / (1 - share), abs=0.01)
+    assert is_doubt(note)  # 6.6 %
 
 
 @pytest.mark.parametrize(

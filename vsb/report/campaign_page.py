@@ -34,7 +34,7 @@ from vsb.report.page import STILL as STILL_BODY
 from vsb.study.campaign import CONSTRAINED
 from vsb.tools.ports import kind_of
 from vsb.tools.words import plain
-from vsb.waves.climate import PARTIAL
+from vsb.waves.climate import is_doubt
 
 CAPTIONS = {
     "spectra": "Spectra of the year: mean, median at each frequency, and the range between the 10 % and 90 % "
@@ -90,7 +90,7 @@ def render(report: CampaignReport) -> str:
         still="" if report.animated else STILL if of_shells(ds) else STILL_BODY,
         interactive=as_script(report.interactive) if report.interactive else "",
         statements=statements(ds, reference, tuning),
-        warnings=[*warnings(ds), *(f"Of the climate, {note}." for note in report.notes if PARTIAL in note)],
+        warnings=[*warnings(ds), *(f"Of the climate, {note}." for note in report.notes if is_doubt(note))],
         port=kind_of(ds),
         head=[*head(ds), *([f"gain by {MODELS[ds.attrs['verified_model']]} [%]"] if _has_runs(ds) else [])],
         body=rows(ds),

@@ -10,7 +10,7 @@ from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.study import Study
 from vsb.tools import packed
-from vsb.waves.climate import OUTSIDE, Climate
+from vsb.waves.climate import OUTSIDE, Climate, climate_line
 
 
 def check_campaign(plan: CampaignPlan) -> None:
@@ -101,7 +101,7 @@ def campaign_summary(plan: CampaignPlan) -> list[str]:
         f"points       {len(plan.members)} of {' x '.join(given.vary.values) or 'nothing varied'}, {done} done",
         *_runs_lines(plan),
         f"jobs         {jobs} of {len(plan.batches)} batches to do, {shapes} {kinds}",
-        *(f"climate      {note}" for note in seas.notes),
+        *map(climate_line, seas.notes),
         *_angle_lines(plan),
     ]
 

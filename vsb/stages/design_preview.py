@@ -8,7 +8,7 @@ from vsb.study.campaign import study_at
 from vsb.study.design import LIMIT_UNITS, Variable
 from vsb.study.design_plan import DesignPlan
 from vsb.study.vary import unit
-from vsb.waves.climate import OUTSIDE
+from vsb.waves.climate import OUTSIDE, climate_line
 
 EVALUATION_SECONDS, EVALUATIONS = 0.3, 6
 """Of a buoy with all derivatives on one core; per variable and start, one more."""
@@ -70,7 +70,7 @@ def design_summary(plan: DesignPlan) -> list[str]:
         f"cost         about {evaluations} evaluations, {minutes} min on one core"
         + (", runs in time apart" if problem.verify else ""),
         *(f"note         {note}" for note in plan.loaded.notes),
-        *(f"climate      {note}" for note in seas.notes),
+        *map(climate_line, seas.notes),
     ]
 
 

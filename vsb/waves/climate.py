@@ -30,8 +30,10 @@ HIGHEST = 40.0
 """Largest possible Hs [m]."""
 AGREEMENT = 0.02
 """Relative difference allowed between Hs and that of the spectrum: tables round, bands cut tails."""
-PARTIAL = "stand for a year"
-"""Words of the note on records of a part of the year only."""
+PARTIAL, CUT = "stand for a year", "too much to be left out"
+"""Words of the notes on records of a part of the year only, and on bands that end too early."""
+LARGEST_TAIL = 0.05
+"""Share of the variance beyond the bands from which on a year is doubted."""
 
 
 @dataclass(frozen=True, eq=False)  # compared by identity, so that results can be cached by climate
@@ -229,7 +231,18 @@ def _tail(omega: FloatArray, density: FloatArray) -> str:
     first, last = band_edges(omega)[[0, -1]]
     beyond = density[:, -1] * (omega[-1] / last) ** 5 * last / 4
     share = float(beyond.sum() / (density @ np.diff(band_edges(omega))).sum())
-    return (
+    note = (
         f"bands from {first / 2 / np.pi:.4g} to {last / 2 / np.pi:.4g} Hz: a tail falling with the fifth power of "
         f"frequency would add {share:.2%} to the variance, which is not counted"
     )
+    return f"{note}: {CUT}" if share > LARGEST_TAIL else note
+
+
+def is_doubt(note: str) -> bool:
+    """Return whether a note on a climate puts its year in doubt."""
+    return PARTIAL in note or CUT in note
+
+
+def climate_line(note: str) -> str:
+    """Return the line `vsb check` prints of a note on a climate."""
+    return f"{'doubt        climate: ' if is_doubt(note) else 'climate      '}{note}"
