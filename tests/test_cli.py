@@ -250,7 +250,8 @@ def test_schema_of_every_kind_of_file(capsys, kind, title):
         (["shape-dependence", "small.yaml", "results/small/response"], "results/small/response.nc", "a product"),
         (["body", "raft.yaml", "."], "raft.nc", "an input"),
         (["export", "results/hydro/db/{database}.nc", "results/hydro/db"], None, None),
-        (["crate", "small.yaml", "results/small.zip"], None, None),
+        (["crate", "small.yaml", "results/new.zip"], None, None),
+        (["crate", "small.yaml", "results/small.zip"], "results/small.zip", "not an archive of an earlier"),
     ],
 )
 def test_no_output_takes_the_place_of_an_input_a_study_or_a_product(

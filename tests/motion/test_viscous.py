@@ -122,5 +122,5 @@ def test_loss_of_rubber_in_a_body_exact_motion():
 
 
 def test_a_convolution_is_refused():
-    with pytest.raises(ConfigError, match="no viscous material"):
+    with pytest.raises(ConfigError, match="nor a viscous material"):
         study(simulation={"method": "convolution"})

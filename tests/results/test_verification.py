@@ -25,6 +25,7 @@ from vsb.results.verification import (
     with_all_designs,
 )
 from vsb.results.year import band_weights, frequencies, year
+from vsb.scenes.build import Memory
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.study.study import Simulation
 from vsb.study.take_off import Pto
@@ -214,9 +215,8 @@ def test_reference_without_power_is_refused(known):
 def rigid(seed, spectral_seed):
     """The seed's rigid buoy at 20 kN s/m."""
     radiation, basis = fit_radiation(spectral_seed.spectrum, 1e-3)[0], study_basis(seed)
-    return DesignInTime(
-        spectral_seed, reference_shell(seed).shape, radiation, design_motions(seed, basis, "FSB"), LinearPto(2e4)
-    )
+    memory, motions = Memory(radiation, spectral_seed.added_mass_inf), design_motions(seed, basis, "FSB")
+    return DesignInTime(spectral_seed, reference_shell(seed).shape, memory, motions, LinearPto(2e4))
 
 
 def test_spring_of_the_take_off_shifts_run_and_theory_alike(rigid):

@@ -194,7 +194,7 @@ def test_repelling_mooring_is_refused(place, name):
 def test_stroke_limit_needs_a_restrained_port():
     study = study_with(pto={"port": "surge", "stroke_limit": 0.5}, mooring=None)
     with pytest.raises(
-        ConfigError, match=r"pto.stroke_limit: received 0.5 m, but nothing holds the port of design FSB"
+        ConfigError, match=r"pto.stroke_limit: received 0.5 m, but the port of design FSB has no position of rest"
     ):
         check_spring(study, reference_shell(study))
     check_spring(study_with(pto={"port": "surge"}, mooring=None), reference_shell(study))

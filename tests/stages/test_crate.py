@@ -79,6 +79,6 @@ def test_missing_or_damaged_results_are_not_packed(finished, tmp_path, monkeypat
 def test_an_archive_replaces_no_file_of_the_user(finished, tmp_path, monkeypatch, name):
     monkeypatch.chdir(finished)
     (tmp_path / name).write_text("mine")
-    with pytest.raises(VsbError, match=r"own\..*: is no crate, which ends in \.zip; needs another name"):
+    with pytest.raises(VsbError, match=r"own\..*: is not an archive of an earlier `vsb crate`"):
         crate("small.yaml", str(tmp_path / name))
     assert (tmp_path / name).read_text() == "mine"

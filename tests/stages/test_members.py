@@ -126,7 +126,8 @@ def test_scatter_figure_shows_the_share_of_hours_of_each_bin(swept):
     corners = ax.collections[0].get_coordinates()
     for axis, bins in enumerate((found.te.values, found.hs.values)):  # a cell lies about the centre of its bin
         edges = corners[0, :, 0] if axis == 0 else corners[:, 0, 1]
-        assert np.abs((edges[1:] + edges[:-1])[:, None] / 2 - bins).min(axis=1) == pytest.approx(0.0, abs=1e-9)
+        centres = (edges[1:] + edges[:-1])[:, None] / 2
+        np.testing.assert_allclose(np.abs(centres - bins).min(axis=1), 0.0, atol=1e-9)
     assert sorted(drawn[drawn > 0]) == pytest.approx(sorted(100 * found.occurrence.values[found["count"].values > 0]))
 
 

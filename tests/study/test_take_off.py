@@ -87,7 +87,10 @@ def test_errors_of_the_take_off(seed, keys, wrong):
             r"starts at rest; needs simulation.initial_position and initial_velocity of 0",
         ),
         ({"pto": {"port": {"between": [0, 180]}}, "hydro": {"model": "auto"}}, r"pto.port: hydro.model 'auto' has no"),
-        ({"pto": {"port": "volume", "force_limit": 9.0}, "device": GAS}, r"pto.port 'volume': behind the gas .* a"),
+        (
+            {"pto": {"port": "volume", "force_limit": 9.0}, "device": GAS},
+            r"pto.port 'volume': with device.gas .*needs law: linear",
+        ),
     ],
 )
 def test_combinations_a_model_cannot_compute(seed, changes, wrong):

@@ -69,7 +69,7 @@ def crate(config: str, out: str, licence: str | None = None, author: str | None 
         If results are missing, or are not what they should be, or the archive would replace another file than a crate.
     """
     if Path(out).suffix != ".zip" or (os.path.exists(out) and not _is_crate(out)):
-        raise VsbError(f"{out}: is no crate, which ends in .zip; needs another name")
+        raise VsbError(f"{out}: is not an archive of an earlier `vsb crate`, which end in .zip; needs another name")
     plan = plan_of(config)
     paths = sorted({*plan.products, plan.manifest})
     lines = [f"{path}: is not there" for path in paths if not Path(path).is_file()]

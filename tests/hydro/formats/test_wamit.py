@@ -331,9 +331,13 @@ def test_incomplete_files_of_two_bodies_are_refused(tmp_path):
     with pytest.raises(DatabaseError, match=r"rm3\.mmx: .* of 2 bodies with IALTFRC = 1; needs IALTFRC = 2, one table"):
         rm3(tmp_path, **heads)
     more = {"1": ("     9     9", "    13    13")}
-    with pytest.raises(DatabaseError, match=r"rm3\.1: holds modes up to 13 of 2 bodies; needs six of each, unnamed"):
+    with pytest.raises(
+        DatabaseError, match=r"rm3\.1: holds modes up to 13 of 2 bodies; needs six of each and no labels"
+    ):
         rm3(tmp_path, **more)
-    with pytest.raises(DatabaseError, match=r"rm3\.1: holds modes up to 9 of 2 bodies; needs six of each, unnamed"):
+    with pytest.raises(
+        DatabaseError, match=r"rm3\.1: holds modes up to 9 of 2 bodies; needs six of each and no labels"
+    ):
         import_wamit(RM3, "rm3", density=1000.0, gravity=9.81, labels=["a", "b"])
 
 
