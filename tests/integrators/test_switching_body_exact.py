@@ -84,11 +84,11 @@ def test_energy_audit_closes_at_a_port_of_strain(seed, name):
     shape = one.water.shell
     area = port_direction(StrainPort(strain="area"), DeformedShell(shape.basis, shape.centre_height, one.water.rest))
     one = replace(one, forces={**one.forces, "pto": replace(law, direction=area)})
-    system, time = System.of(one), np.linspace(0.0, 1.0, 101)
+    system, time = System.of(one), np.linspace(0.0, 1.3, 131)
     y, rate = one.start(*START)
     motion, switches = switched(system, time, (one.rest + y, rate), 1e-7)
     energy = energies(system, motion)
-    assert switches >= 3
+    assert switches >= 3  # slips, sticks, slips; one more where rounding decides the sign of the first velocity
     assert residual(energy) < 1e-6
     assert energy["pto"][-1] > 0
     if name == "coulomb":
