@@ -217,10 +217,12 @@ def test_modes_are_added_until_the_objective_stands():
 
 
 def test_what_further_modes_change_holds_errors_of_first_order_and_none_that_seem_small_by_chance():
-    """Powers 1 - c/degree: the last of all lies at the end; changes of two signs leave both sides open."""
+    """Powers 1 - c/degree: the last of all lies at the end; steps of two signs leave both sides open."""
     for i, degree in enumerate(DEGREES[:-2]):
         power = [1 - 0.1 / n for n in DEGREES[i : i + 3]]
-        low, high = left_out([one / power[0] - 1 for one in power[1:]])
+        low, high = left_out([one / power[0] - 1 for one in power[1:]], 0.01)
         assert low == 0.0
         assert 0.1 / degree <= 1.000001 * high * power[0] <= 0.13 / degree
-    assert left_out([0.002, -0.001]) == pytest.approx((-0.004, 0.002))
+    assert left_out([0.003, 0.001], 0.01) == pytest.approx((-0.003, 0.005))
+    assert left_out([0.002, -0.001], 0.02) == pytest.approx((-0.011, 0.009))  # not falling yet: twice both steps
+    assert left_out([0.002, -0.001], 0.01) is None

@@ -183,14 +183,14 @@ def test_infeasible_limits_are_proved_by_a_linear_programme(seed):
     kept = max(held / limits)  # by another force, at every instant
     assert kept < 0.995 * share
     words = "no force of the 16 harmonics up to 4.03 rad/s within force_limit keeps stroke_limit in this sea; whether another"
-    with pytest.raises(NoForceFoundError, match=words) as told:
+    with pytest.raises(NoForceFoundError, match=words) as raised:
         optimum(narrow, kept * limits, seed=seed, **of)
-    assert told.value.bound >= power(velocity, y, force)
+    assert raised.value.bound >= power(velocity, y, force)
 
-    with pytest.raises(StabilityError, match=r"no force within force_limit keeps stroke_limit in this sea") as told:
+    with pytest.raises(StabilityError, match=r"no force within force_limit keeps stroke_limit in this sea") as raised:
         optimum(narrow, 0.75 * less * limits, seed=seed, **of)
-    assert not isinstance(told.value, NoForceFoundError)
-    most, least = (float(number) for number in re.findall(r"(-?[\d.e+]+) W", str(told.value)))
+    assert not isinstance(raised.value, NoForceFoundError)
+    most, least = (float(number) for number in re.findall(r"(-?[\d.e+]+) W", str(raised.value)))
     size = np.sqrt(2) * 0.75 * less * limits[0]
     least_there_is = -size / 2 * (np.linalg.norm(velocity) + size * y[:16].real.max())
     assert most < least == pytest.approx(least_there_is, rel=1e-5)

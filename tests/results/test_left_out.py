@@ -165,7 +165,7 @@ PLANAR = {
     "port", [pytest.param("pitch", marks=pytest.mark.slow), {"line_to": [20.0, -30.0], "line_from": [0.0, -1.5]}]
 )
 def test_powers_of_ports_that_turn_are_those_of_the_study(seed, port, tmp_path):
-    """In waves from both sides, which an oblique line tells apart, of the study's own degree."""
+    """In waves from both sides, between which an oblique line distinguishes, of the study's own degree."""
     study = varied(seed, **PLANAR, pto={"port": port, "damping": None, "tuning": "each"})
     plan = StudyPlan(study, root=str(tmp_path))
     make(plan, plan.hydro_files.values())

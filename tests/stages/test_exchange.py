@@ -1,4 +1,4 @@
-"""Databases imported from files of other codes, and what they are told of a shape at rest."""
+"""Databases imported from files of other codes, and the shapes at rest given for them."""
 
 import json
 

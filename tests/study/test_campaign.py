@@ -48,7 +48,7 @@ def test_paths_are_relative_to_the_campaign_file(folder, monkeypatch):
             "verify: received a campaign of 5 points, each of which is simulated in time; needs at most 4",
         ),
         ({"waves": []}, "waves: .*unknown key"),
-        ({"constrained": {"seconds": 5}}, "constrained: is used by the tuning of this name alone; add constrained"),
+        ({"constrained": {"seconds": 5}}, "constrained: applies with the tuning constrained only; add it"),
         ({"vary": {"pto.port": ["pitch", "heave"]}}, "vary.pto.port: received heave, pitch, whose dampers and forces"),
         (
             {"verify": {}, "tuning": ["constrained"]},

@@ -1,8 +1,7 @@
 """The best buoy from one start: sequential quadratic programming with exact gradients, then a certificate of its own.
 
 The optimiser is scipy's SLSQP (Kraft 1988). Where an evaluation fails, because the shell has no stable rest shape, its
-line search
-backs off. What it ends at is moved to the optimum of its active set by Newton steps and certified
+line search backs off. What it ends at is moved to the optimum of its active set by Newton steps and certified
 (`vsb.design.certificate`); what is not certified is returned all the same and says why.
 """
 
@@ -26,6 +25,7 @@ from vsb.design.certificate import (
 )
 from vsb.design.problem import IMPOSSIBLE, POWER, SMALLEST, Point, Problem
 from vsb.errors import ConvergenceError
+from vsb.scenes.mode_convergence import further
 from vsb.tools.arrays import FloatArray
 
 ROUNDS = ((3e-3, 1e-7), (1e-3, 1e-9), (1e-4, 1e-11), (1e-5, 1e-13), (0.0, 1e-15), (0.0, 1e-16))
@@ -241,7 +241,7 @@ class Converged:
     start: Point
     reasons: tuple[str, ...]  # why places tried before do not rest
     degree: int | None  # highest Legendre degree; none of a rigid buoy
-    truncation: tuple[float, float] | None  # of the power, by `left_out`; none of a rigid buoy
+    truncation: tuple[float, float] | None  # of the power, by `left_out`; none of a rigid buoy, or where not known
     evaluations: int
 
 
@@ -249,21 +249,24 @@ FURTHER = 2
 """Degrees beyond that of an optimum with which it is evaluated, too."""
 
 
-def left_out(changes: Sequence[float]) -> tuple[float, float]:
-    """Return between which changes of a power by all further degrees of shell modes lie, relative, zero included.
+def left_out(changes: Sequence[float], tolerance: float) -> tuple[float, float] | None:
+    """Return the ends between which all further degrees of shell modes change a power, relative, zero included.
 
-    Beyond the last degree evaluated they change at most as much as the largest change among those evaluated. That holds
-    of errors that fall like 1/degree or faster, because two steps of `vsb.study.sections.DEGREES` double the degree.
-    One step would not do: before the bending beside a clamp is resolved it may be small by chance.
+    What they change beyond the last degree evaluated is bounded as in studies (`vsb.scenes.mode_convergence.further`).
+    None where it is not known: the last step is the larger one, and more than a tolerance may be left out.
 
     Parameters
     ----------
     changes : sequence of float
-        By the degrees evaluated beyond that of the power, ascending, relative to it.
+        By the two degrees evaluated beyond that of the power, ascending, relative to it.
+    tolerance : float
+        Of the power, relative.
     """
-    known = [0.0, *map(float, changes)]
-    largest = max(known) - min(known)
-    return min(0.0, known[-1] - largest), max(0.0, known[-1] + largest)
+    first, last = changes
+    beyond = float(further([np.asarray(change) for change in (0.0, first, last)]))
+    low, high = min(0.0, last - beyond), max(0.0, last + beyond)
+    grows = abs(last - first) > abs(first)
+    return None if grows and max(-low, high) > tolerance else (low, high)
 
 
 def converged(
@@ -285,7 +288,7 @@ def converged(
     degrees : sequence of int, or of one None
         To be tried, ascending; the last two are for what the others leave out.
     tolerance : float
-        Change of the power by the next two degrees, relative, that is small enough.
+        What all further degrees may change the power by, relative, at most.
     places : sequence of ndarray, shape (variable,)
         Tried in turn until a buoy rests.
     seen : callable, optional
@@ -309,16 +312,16 @@ def converged(
     for i, degree in enumerate(solved):
         found = optimised(of(degree), begin, seen)
         try:
-            further = [of(finer).at(found.point.place) for finer in degrees[i + 1 : i + 1 + FURTHER]]
+            finer = [of(one).at(found.point.place) for one in degrees[i + 1 : i + 1 + FURTHER]]
         except IMPOSSIBLE as error:
             message = f"with more shell modes than to degree {degree} it has no stable rest shape: {error}"
-            found = replace(found, accepted=False, message=message)
+            found, truncation = replace(found, accepted=False, message=message), None
             break
-        changes = [one.evaluation[POWER].value / found.point.evaluation[POWER].value - 1 for one in further]
-        stands = all(abs(one) <= tolerance for one in (*changes, *(point.violation for point in further)))
-        if stands or degree == solved[-1]:
-            truncation = left_out(changes) if len(changes) == FURTHER else None
+        changes = [one.evaluation[POWER].value / found.point.evaluation[POWER].value - 1 for one in finer]
+        truncation = left_out(changes, tolerance) if len(changes) == FURTHER else None
+        known = truncation is not None and max(map(abs, truncation)) <= tolerance
+        if degree == solved[-1] or (known and max(point.violation for point in finer) <= tolerance):
             break
-        begin = further[0]
+        begin = finer[0]
     evaluations = sum(one.evaluations for one in problems.values())
     return Converged(found, start, tuple(reasons), degree, truncation, evaluations)

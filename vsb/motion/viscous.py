@@ -25,13 +25,13 @@ _ROUND_OFF = 1e-13
 
 
 def stiffening(branches: Sequence[MaxwellBranch], omega: FloatArray) -> FloatArray:
-    """Return what branches add to a stiffness at frequencies, in terms of itself, of the shape of omega [-]."""
+    """Return what branches add to a stiffness at frequencies, as a fraction of it, of the shape of omega [-]."""
     squares = [(omega * branch.time) ** 2 for branch in branches]
     return sum((b.ratio * x / (1 + x) for b, x in zip(branches, squares, strict=True)), np.zeros_like(omega))
 
 
 def loss(branches: Sequence[MaxwellBranch], omega: FloatArray) -> FloatArray:
-    """Return the damping of branches at frequencies in terms of the stiffness, of the shape of omega [s]."""
+    """Return the damping of branches at frequencies over the stiffness, of the shape of omega [s]."""
     return sum((b.ratio * b.time / (1 + (omega * b.time) ** 2) for b in branches), np.zeros_like(omega))
 
 

@@ -56,14 +56,14 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
     """Return the result for the site in one sentence."""
     begins, ends = f"Over a year of {ds.attrs['climate']}", f", {TUNED[tuning]}"
     best = best_flexible(ds, reference, tuning)
-    if best is None:
+    if best is None or not of_shells(ds):
         power = ds.annual_energy.sel(tuning=tuning)
         if not bool(power.notnull().any()):
             return f"{begins}, no design is viable."
         if not float(power.max()) > 0:
             return f"{begins}{ends}, no design absorbs power."
-        one = power.where(power == power.max(), drop=True)
-        return f"{begins}{ends}, {one.design.values[0]} absorbs most: {float(power.max()):.4g} MWh."
+        most = ds.isel({dim: int(at) for dim, at in power.argmax(...).items()})
+        return f"{begins}{ends}, {most.design.item()}{at_point(most)} absorbs most: {float(power.max()):.4g} MWh."
     return f"{begins}{ends}, {_absorbed(ds, reference, tuning, best)}."
 
 
@@ -80,7 +80,8 @@ def _absorbed(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr
             beside += "; too few runs to resolve the sign"
     rigid = shown_member(ds, tuning, reference).sel(tuning=tuning, design=reference)
     many = (ds.sizes["design"] > 2) or ds.margin.size > 1
-    subject = f"the best flexible design, {design}{at_point(one)}," if many else f"{design}"
+    kind = "flexible design" if of_shells(ds) else "other design"
+    subject = f"the best {kind}, {design}{at_point(one)}," if many else f"{design}"
     interval = f"{low:+.1f} to {high:+.1f} % by {by}{beside}"
     both = f"{_energy(one, tuning):.4g} against {_energy(rigid, tuning):.4g} MWh"
     return f"{subject} absorbs {against_rigid(gain, str(reference))} ({interval}; {both})"

@@ -34,11 +34,7 @@ from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea, expected, sea
 
 SAFETY = 2.0
-"""What all further degrees may change, over the last step of the list.
-
-Steps of errors that fall like a power p of the degree shrink by 0.7^p, so that all further ones together are
-1/(0.7^-p - 1) of the last: below 2 for p > 1.1; errors of resolved bending layers fall faster than any power.
-"""
+"""Of the last steps of the list, for what all further degrees may change where powers do not approach a limit yet."""
 PROBED = (0.4, 0.7, 1.0, 1.3)
 """Frequencies of regular waves that stand for the seas of a study in still water, in sqrt(g/radius)."""
 SOLVED = 2e-4
@@ -295,10 +291,12 @@ def powers_of_ports(
 
 
 def further(powers: Sequence[FloatArray]) -> FloatArray:
-    """Return what degrees beyond the last may change, shape of the powers [W]: `SAFETY` times the last step.
+    """Return what degrees beyond the last may change, shape of the powers [W]: the span of the last three powers.
 
-    At least as much as the step before: one step may be small by chance, where changes of different signs meet. Where
-    the last step is not smaller than the one before, both count.
+    That holds of errors that fall like 1/degree or faster, because two steps of `DEGREES` double the degree. One step
+    would not do: before bending is resolved it may be small by chance. Steps of opposite signs have a small span, and
+    count at least `SAFETY` times the last; where the last step is larger than the one before, errors do not fall yet:
+    `SAFETY` times both.
 
     Parameters
     ----------
@@ -309,7 +307,8 @@ def further(powers: Sequence[FloatArray]) -> FloatArray:
     if len(powers) == 2:
         return SAFETY * step
     previous = np.abs(powers[-2] - powers[-3])
-    return np.where(step > previous, SAFETY * (step + previous), np.maximum(SAFETY * step, previous))
+    falling = np.maximum(np.ptp(powers[-3:], axis=0), SAFETY * step)
+    return np.where(step > previous, SAFETY * (step + previous), falling)
 
 
 def converged_degree(spec: DegreeSpec, climate: Climate | None = None) -> int:

@@ -34,7 +34,7 @@ POINTS = 13
 KEPT = 32
 """Combinations of displacements whose coefficients are kept: as many thicknesses as a sweep may well have."""
 GRIDS = 3
-"""Sets of frequencies whose coefficients are kept: those of a climate, of harmonics, of these and what is beside."""
+"""Sets of frequencies whose coefficients are kept: of a climate, and two of the harmonics of an optimum."""
 STATED = ("error_estimate", "interpolation_error")
 """Errors that blocks estimate of themselves."""
 

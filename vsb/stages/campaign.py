@@ -89,13 +89,13 @@ def at_rest(
         return found, lambda: floating_body(with_designs(study, found.designs), floating.linear)
     rest, buoy = viability(study), study
 
-    def afloat() -> BuoyOfShape:
+    def buoy_of_shape() -> BuoyOfShape:
         assert rest.reference is not None  # where designs are viable
         basis = rest.reference.basis
         swept = coefficients(lambda: swept_shape(buoy, basis, root))
         return BuoyOfShape(with_designs(buoy, rest.designs), rest.reference, swept)
 
-    return rest, afloat
+    return rest, buoy_of_shape
 
 
 def finished(path: Path, one: Member, work: Work) -> xr.Dataset:

@@ -186,7 +186,7 @@ def read(raw: object, source: str) -> "LoadedCampaign":
         )
     if campaign.constrained and "constrained" not in (campaign.tuning or ()):
         raise ConfigError(
-            f"{source}: constrained: is used by the tuning of this name alone; add constrained to tuning, or remove it"
+            f"{source}: constrained: applies with the tuning constrained only; add it to tuning, or remove this"
         )
     if campaign.verify and campaign.tuning == ("constrained",):
         raise ConfigError(

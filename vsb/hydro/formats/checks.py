@@ -471,7 +471,7 @@ def _tilt(ds: xr.Dataset, added_mass: FloatArray) -> Found:
                 turned = ds[name].values[0, at, j] * np.exp(-1j * np.angle(excitation[0, at, body.heave]))
                 found.append((float(abs(turned / expected - 1)), f"{name.lower().replace('_', ' ')} of {motion}"))
     if not found:
-        return [], ["not checked: tilt, of which no wave, heading or stiffness of roll or pitch is enough"]
+        return [], ["not checked: tilt: no wave is long enough, or no heading or stiffness turns the body"]
     limit = RULES["tilt"].limit + 2 * float(body.second_order[0])
     return [_check("tilt", max(found)[0], f"; most at {omega:.4g} rad/s in {max(found)[1]}", limit)], []
 
