@@ -251,15 +251,29 @@ def test_schema_of_every_kind_of_file(capsys, kind, title):
         (["body", "raft.yaml", "."], "raft.nc", "an input"),
         (["export", "results/hydro/db/{database}.nc", "results/hydro/db"], None, None),
         (["crate", "small.yaml", "results/new.zip"], None, None),
-        (["crate", "small.yaml", "results/small.zip"], "results/small.zip", "not an archive of an earlier"),
+        *(
+            (arguments, own, "no earlier output of vsb")
+            for arguments, own in (
+                (["crate", "small.yaml", "mine.zip"], "mine.zip"),
+                (["compare", "small.yaml", "--out", "mine.html"], "mine.html"),
+                (["compare", "small.yaml", "--out", "mine.csv"], "mine.csv"),
+                (["series", "{run}", "mine.csv"], "mine.csv"),
+                (["series", "{run}", "mine.nc"], "mine.nc"),
+                (["import-bemio", "other.h5", "mine.nc"], "mine.nc"),
+                (["shape-dependence", "small.yaml", "mine"], "mine.nc"),
+                (["export", "small.yaml", "mine"], "mine/small.h5"),
+            )
+        ),
     ],
 )
-def test_no_output_takes_the_place_of_an_input_a_study_or_a_product(
+def test_no_output_takes_the_place_of_an_input_a_study_a_product_or_a_file_of_the_user(
     finished, tmp_path, monkeypatch, capsys, arguments, lost, kind
 ):
     shutil.copytree(finished, tmp_path / "copy")
     monkeypatch.chdir(tmp_path / "copy")
-    for name in ("other.yaml", "other.h5", "two.1", "site.csv", "raft.nc", "results/small.zip"):
+    own = ("mine.zip", "mine.html", "mine.csv", "mine.nc", "mine/small.h5")
+    Path("mine").mkdir()
+    for name in ("other.yaml", "other.h5", "two.1", "site.csv", "raft.nc", *own):
         Path(name).write_text(name)
     Path("link.h5").symlink_to("other.h5")
     Path("year.yaml").write_text("{campaign: year, study: small.yaml, climate: {scatter: site.csv}}")
@@ -267,9 +281,27 @@ def test_no_output_takes_the_place_of_an_input_a_study_or_a_product(
         "{body: raft, mesh: other.h5, modes: raft.nc, omega: [1.0], water: {density: 1025.0, gravity: 9.81}}"
     )
     before = {path: path.read_bytes() for path in Path().rglob("*") if path.is_file()}
-    arguments = [one.format(database=Path(SMALL_PLAN.database_path).stem) for one in arguments]
+    run = next(iter(Path("results/small/trajectories").iterdir()))
+    arguments = [one.format(database=Path(SMALL_PLAN.database_path).stem, run=run) for one in arguments]
     if lost is None:
         assert main(arguments) == 0
     else:
         assert told(arguments, capsys).startswith(f"{lost}: is {kind}")
         assert {path: path.read_bytes() for path in Path().rglob("*") if path.is_file()} == before
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["export", "small.yaml", "{out}"],
+        ["series", "{run}", "{out}/run.csv"],
+        ["series", "{run}", "{out}/run.nc"],
+        ["compare", "small.yaml", "--out", "{out}/both.csv"],
+        ["compare", "small.yaml", "--out", "{out}/both.html"],
+        ["crate", "small.yaml", "{out}/small.zip"],
+    ],
+)
+def test_earlier_output_of_a_command_is_replaced(small, tmp_path, arguments):
+    run = next(iter(Path(small.folder, "trajectories").iterdir()))
+    arguments = [one.format(out=tmp_path, run=run) for one in arguments]
+    assert main(arguments) == main(arguments) == 0

@@ -22,8 +22,8 @@ from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plans import Plan
 from vsb.tools.files import atomic_write
+from vsb.tools.stamps import CRATE
 
-METADATA = "ro-crate-metadata.json"
 PROFILE = "https://w3id.org/ro/crate/1.1"
 GPL = "https://spdx.org/licenses/GPL-3.0-or-later"
 FORMATS = {
@@ -44,11 +44,6 @@ DESCRIPTIONS = {
 """What files are, by their names."""
 
 
-def _is_crate(path: str) -> bool:
-    """Whether a file is an archive that describes itself."""
-    return zipfile.is_zipfile(path) and METADATA in zipfile.ZipFile(path).namelist()
-
-
 def crate(config: str, out: str, licence: str | None = None, author: str | None = None) -> list[str]:
     """Write the results of a study or campaign into an archive; return the lines to print.
 
@@ -66,10 +61,10 @@ def crate(config: str, out: str, licence: str | None = None, author: str | None 
     Raises
     ------
     VsbError
-        If results are missing, or are not what they should be, or the archive would replace another file than a crate.
+        If results are missing, or are not what they should be, or the name is none of an archive.
     """
-    if Path(out).suffix != ".zip" or (os.path.exists(out) and not _is_crate(out)):
-        raise VsbError(f"{out}: is not an archive of an earlier `vsb crate`, which end in .zip; needs another name")
+    if Path(out).suffix != ".zip":
+        raise VsbError(f"{out}: received a name without .zip, needs one with it")
     plan = plan_of(config)
     paths = sorted({*plan.products, plan.manifest})
     lines = [f"{path}: is not there" for path in paths if not Path(path).is_file()]
@@ -80,7 +75,7 @@ def crate(config: str, out: str, licence: str | None = None, author: str | None 
     held = {_inside(plan, path): path for path in paths} | {Path(config).name: config}
     text = json.dumps(metadata(plan, held, Path(config).name, licence, author), indent=1, ensure_ascii=False) + "\n"
     with atomic_write(out) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr(METADATA, text)
+        archive.writestr(CRATE, text)
         for name, path in held.items():
             archive.write(path, name)
     return [f"{out}: {len(held)} files, {Path(out).stat().st_size / 1e6:.1f} MB"]
@@ -112,7 +107,7 @@ def metadata(
     words = {"name": licence or "not stated", "description": "what the results may be used for"}
     results = [name for name in held if name != config]
     graph = [
-        {"@id": METADATA, "@type": "CreativeWork", "about": _at("./"), "conformsTo": _at(PROFILE)},
+        {"@id": CRATE, "@type": "CreativeWork", "about": _at("./"), "conformsTo": _at(PROFILE)},
         {
             "@id": "./",
             "@type": "Dataset",

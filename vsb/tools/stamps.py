@@ -7,6 +7,7 @@ import hashlib
 import json
 import os
 import re
+import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -25,6 +26,17 @@ from vsb.tools.files import (
 from vsb.tools.words import shortened
 
 MANIFEST = "manifest.json"
+CRATE = "ro-crate-metadata.json"
+"""The file in an RO-Crate that describes it."""
+_BEGINNINGS = {
+    ".csv": rb"study,point,design,sea,tuning,|time \[s\],(wave_elevation \[m\],)?bodies_position",
+    ".html": rb'(?s:.*)<meta name="generator" content="vsb">',
+    ".svg": rb"(?s:.*)<dc:title>vsb</dc:title>",
+    ".zip": rb'(?s:.*)"description": "Results of vsb ',
+}
+"""How texts begin that are written under a name the user chooses, and the description in a crate; others: `_WAMIT`."""
+_WAMIT = rb" WAMIT's form: ULEN "
+_LONGEST = 4096
 
 
 @dataclass(frozen=True)
@@ -105,7 +117,7 @@ def check_output(path: str | Path, inputs: Iterable[str | Path]) -> None:
     Raises
     ------
     DatabaseError
-        If it cannot be written, or is an input, a study file or a product of a run.
+        If it cannot be written, or is an input, a study file, a product of a run or a file of the user.
     """
     check_file(path)
     if not os.path.exists(path):
@@ -114,9 +126,21 @@ def check_output(path: str | Path, inputs: Iterable[str | Path]) -> None:
         "an input of this command": any(os.path.exists(one) and os.path.samefile(path, one) for one in inputs),
         "a study file": Path(path).suffix in (".yaml", ".yml"),
         "a product of a run": _is_product(Path(os.path.abspath(path))),
+        "no earlier output of vsb": not _is_output(Path(path)),
     }
     for kind in (kind for kind, found in kinds.items() if found):
         raise DatabaseError(f"{path}: is {kind}, which would be lost; needs another name for the output")
+
+
+def _is_output(path: Path) -> bool:
+    """Whether a file was written by this package, under a name that a user chose."""
+    if path.suffix in (".nc", ".h5"):
+        return carries_stamp(path)
+    try:
+        with zipfile.ZipFile(path).open(CRATE) if path.suffix == ".zip" else path.open("rb") as file:
+            return bool(re.match(_BEGINNINGS.get(path.suffix, _WAMIT), file.read(_LONGEST)))
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+        return False
 
 
 def _is_product(path: Path) -> bool:

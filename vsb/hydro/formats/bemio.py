@@ -40,7 +40,7 @@ from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.variables import PAIR
 from vsb.study.quantities import body_of
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.tools.files import atomic_write
+from vsb.tools.files import atomic_write, seal
 from vsb.tools.variables import VARIABLES
 
 _FOLDERS = {"excitation_force": "", "Froude_Krylov_force": "froude-krylov/", "diffraction_force": "scattering/"}
@@ -198,15 +198,17 @@ def _spread(values: Any, modes: list[int], dof: int, axes: int) -> Any:
 def write_h5(entries: dict[str, Any], path: Path) -> None:
     """Write datasets by path to an HDF5 file, complete or not at all; netCDF adds their sizes to its root."""
     units = dict(u.split("=") for u in _UNITS.split())
-    with atomic_write(path) as temporary, netCDF4.Dataset(temporary, "w") as file:
-        for place, values in entries.items():
-            for size in {*np.shape(values)} - {dimension.size for dimension in file.dimensions.values()}:
-                file.createDimension(f"n{size}", size)
-            kind: Any = str if isinstance(values, str) else "f8"
-            dimensions = [f"n{size}" for size in np.shape(values)]
-            variable = file.createVariable(place, kind, dimensions, zlib=np.size(values) > 10_000)
-            variable[...] = values
-            variable.units = units.get(place.rpartition("/")[2], "")
+    with atomic_write(path) as temporary:
+        with netCDF4.Dataset(temporary, "w") as file:
+            for place, values in entries.items():
+                for size in {*np.shape(values)} - {dimension.size for dimension in file.dimensions.values()}:
+                    file.createDimension(f"n{size}", size)
+                kind: Any = str if isinstance(values, str) else "f8"
+                dimensions = [f"n{size}" for size in np.shape(values)]
+                variable = file.createVariable(place, kind, dimensions, zlib=np.size(values) > 10_000)
+                variable[...] = values
+                variable.units = units.get(place.rpartition("/")[2], "")
+        seal(temporary)
 
 
 def read_bemio(path: str | Path) -> xr.Dataset:

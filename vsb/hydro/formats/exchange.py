@@ -1,7 +1,8 @@
 """Any hydro database read from any file, with its verdict, and written as files of other codes."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import xarray as xr
@@ -75,21 +76,30 @@ def export(
 
     Format `wamit` gives FOLDER/NAME.1, .3, .3fk, .3sc, .hst and .mmx with ULEN = length [m] (`wamit_texts`), format
     `bemio` FOLDER/NAME.h5 (`bemio_entries`). The database is this project's, with an `expected_id` that one, or
-    capytaine's. Files of the same name are replaced, but neither `inputs` nor products of a run.
+    capytaine's. Of files of the same name only those that this wrote before are replaced.
     """
     if not formats or set(formats) - set(FORMATS):
         raise DatabaseError(f"formats: received {list(formats)}, needs wamit, bemio or both.")
-    ds, source = _opened(database_path, expected_id), str(database_path)
-    texts = wamit_texts(ds, source, length) if "wamit" in formats else {}
-    entries = bemio_entries(ds, source) if "bemio" in formats else {}
-    files = [Path(folder) / f"{name}{extension}" for extension in [*texts, *[".h5"] * bool(entries)]]
-    for path in files:
+    ds = _opened(database_path, expected_id)
+    contents = [item for form in formats for item in _contents(ds, str(database_path), form, length).items()]
+    return _written({Path(folder, f"{name}{ending}"): content for ending, content in contents}, inputs)
+
+
+def _contents(ds: xr.Dataset, source: str, form: str, length: float = 1.0) -> dict[str, Any]:
+    """What files of a format hold, by their endings."""
+    return wamit_texts(ds, source, length) if form == "wamit" else {".h5": bemio_entries(ds, source)}
+
+
+def _written(contents: Mapping[Path, Any], inputs: Collection[str | Path]) -> list[Path]:
+    """Write files, none if one of them may not be, and return their paths."""
+    for path in contents:
         check_output(path, inputs)
-    for path, text in zip(files, texts.values(), strict=False):
-        write_text(path, text)
-    if entries:
-        write_h5(entries, files[-1])
-    return files
+    for path, content in contents.items():
+        if isinstance(content, str):
+            write_text(path, content)
+        else:
+            write_h5(content, path)
+    return list(contents)
 
 
 def _opened(path: str | Path, expected_id: str | None) -> xr.Dataset:
@@ -108,15 +118,18 @@ def exported(
         If it is complete enough for none.
     """
     ds = _opened(path, expected_id)
-    files: list[Path] = []
+    contents: dict[Path, Any] = {}
     missing: list[str] = []
     for form in FORMATS:
         try:
-            files += export(path, folder, name, [form], expected_id=expected_id, inputs=inputs)
+            found = _contents(ds, str(path), form)
         except DatabaseError as error:
             missing.append(f"no {'.h5' if form == 'bemio' else 'WAMIT files'}: {error}")
-    if not files:
+        else:
+            contents |= {Path(folder, f"{name}{ending}"): content for ending, content in found.items()}
+    if not contents:
         raise DatabaseError("; ".join(missing))
+    files = _written(contents, inputs)
     if files[0].suffix == ".1":
         known = {"-1": "added_mass_zero" in ds or float(ds.omega[0]) == 0, "0": "added_mass_inf" in ds}
         lines = [f"{files[0]}: without lines PER = {per}, whose added mass {path} does not hold" for per in known]
