@@ -123,18 +123,30 @@ def test_sampled_seas_keep_their_energy():
     assert mean == pytest.approx((amplitude.real**2 @ omega) / (amplitude.real**2).sum(), rel=2e-3)
 
 
+def test_rigid_buoys_leave_no_modes_out(seed):
+    assert not left_out(varied(seed, designs={"FSB": {"flexible": False}})).data_vars
+
+
+TWO = {"ports": {"heave": "heave", "area": {"strain": "area"}}, "damping": None, "tuning": "each"}
+
+
 @pytest.mark.parametrize(
-    "changes",
+    "pto",
     [
-        {"designs": {"FSB": {"flexible": False}}},
-        {
-            "modes": {"basis": "full"},
-            "pto": {"ports": {"a": "heave", "b": "volume"}, "damping": None, "tuning": "each"},
-        },
+        {**TWO, "matrix": "diagonal"},
+        pytest.param(TWO, marks=pytest.mark.slow),
+        {"port": {"distributed": "membrane"}, "damping": None, "tuning": "each"},
     ],
 )
-def test_rigid_buoys_and_several_ports_have_no_estimate(seed, changes):
-    assert not left_out(varied(seed, **changes)).data_vars
+def test_damper_matrices_have_an_interval_that_contains_the_powers_of_many_modes(seed, pto):
+    """Of the optimal matrix, of a damper at each port, and of one spread over the shell."""
+    study = varied(seed, pto=pto, designs={"VSWEC": {}}, waves=WAVES[3:4], modes={"basis": "full", "degree": 9})
+    found, both = left_out(study).power, convergence(study)
+    before, rich = (both.powers(Modes(basis="full", degree=n)) for n in (9, 60))
+    change = np.divide(rich - before, before, out=np.zeros_like(before), where=before > 0)
+    assert np.abs(change).max() > 1e-3
+    assert np.all(found.sel(end="low").values <= change + 1e-9)
+    assert np.all(change <= found.sel(end="high").values + 1e-9)
 
 
 def test_degree_of_a_port_within_the_shell_does_not_depend_on_a_rigid_design(seed):
@@ -161,12 +173,28 @@ PLANAR = {
 }
 
 
+FREE = {
+    "motion": "free",
+    "mooring": [[2e4, 5e3, 0, 0, 0, 0], [5e3, 1e4, 0, 0, 0, 1e3], *[[0] * 6] * 3, [0, 1e3, 0, 0, 0, 2e4]],
+    "device": {**PLANAR["device"], "ballast_yaw_inertia": 5e3},
+    "waves": [{"kind": "regular", "amplitude": 0.1, "period": 3.0, "direction": angle} for angle in (30.0, 90.0)],
+}
+"""A mooring that couples surge, sway and yaw."""
+
+
 @pytest.mark.parametrize(
-    "port", [pytest.param("pitch", marks=pytest.mark.slow), {"line_to": [20.0, -30.0], "line_from": [0.0, -1.5]}]
+    ("port", "changes"),
+    [
+        pytest.param("pitch", {}, marks=pytest.mark.slow),
+        ({"line_to": [20.0, -30.0], "line_from": [0.0, -1.5]}, {}),
+        ({"dofs": {"Surge": 1.0, "Membrane2c1": 0.5}}, {}),
+        ("surge", FREE),
+        pytest.param({"dofs": {"Sway": 1.0, "Bending2s1": 0.3}}, FREE, marks=pytest.mark.slow),
+    ],
 )
-def test_powers_of_ports_that_turn_are_those_of_the_study(seed, port, tmp_path):
-    """In waves from both sides, between which an oblique line distinguishes, of the study's own degree."""
-    study = varied(seed, **PLANAR, pto={"port": port, "damping": None, "tuning": "each"})
+def test_powers_of_ports_that_turn_are_those_of_the_study(seed, port, changes, tmp_path):
+    """In waves from several sides, between which an oblique line distinguishes, of the study's own degree."""
+    study = varied(seed, **{**PLANAR, **changes}, pto={"port": port, "damping": None, "tuning": "each"})
     plan = StudyPlan(study, root=str(tmp_path))
     make(plan, plan.hydro_files.values())
     seas = [(wave, sea(wave, study.hydro.omega_max, 60.0)) for wave in study.waves]

@@ -75,7 +75,6 @@ def test_errors_of_the_take_off(seed, keys, wrong):
         ({"pto": TWO | {"tuning": "fixed"}}, r"tuning: of several ports is fixed with a damping matrix"),
         ({"pto": {"ports": {"a": "pitch", "b": "heave"}}}, r"a: needs heave, volume, a ring, two points or the strain"),
         ({"pto": TWO, "hydro": {"model": "auto"}}, r"need motion: heave, hydro.model: linear or body_exact, and no"),
-        ({"pto": TWO, "modes": {"basis": "full", "degree": None}}, r"convergence in modes is not estimated; needs"),
         ({"pto": {"held": {"place": "point"}}}, r"pto.held.*a point force on a thin shell has no limit as shell modes"),
         ({"pto": {"held": {"place": "heave"}}}, r"pto.held .place: heave.: leaves the rigid design FSB no motion"),
         (

@@ -27,6 +27,8 @@ CLIMBED = 4
 """The best of them that are followed to a maximum."""
 SPREAD = 2.5
 """Standard deviation of the logarithm of those dampers over the ports' own impedances."""
+ALONG = np.arange(-8.0, 9.0)
+"""Logarithms of those dampers, where all ports have the same: power in them has no feature narrower than 1."""
 ROUND_OFF = 1e-9
 """Share of the largest loss of the ports at a frequency below which a combination of them radiates nothing [-]."""
 
@@ -126,7 +128,7 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full") -> Dampe
     -----
     Over the Cholesky factor, or the logarithms of the dampers, of ports in terms of their own impedances: quasi-Newton
     with the exact slope from the best of `DRAWN` matrices. A full matrix also starts from the best diagonal one: it
-    absorbs no less.
+    absorbs no less. One damper for all ports has one variable: from every local maximum along it.
     """
     used = (squares > 0) & (np.abs(ports.velocity).max(axis=1) > 0)
     count = ports.velocity.shape[1]
@@ -143,12 +145,19 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full") -> Dampe
         power, slope = seen.power_and_slope(damping, weights)
         return -power / limit, -pull(slope) / limit
 
+    def power(x: FloatArray) -> float:
+        return float(weights @ seen.power(form.matrix(x, unit)[0]))
+
     starts = form.starts(np.random.default_rng(count))
+    powers = np.array([power(x) for x in starts])
+    if kind == "uniform":
+        beside = np.pad(powers, 1, constant_values=-np.inf)
+        followed = [starts[i] for i in np.flatnonzero((powers >= beside[:-2]) & (powers >= beside[2:]))]
+    else:
+        followed = [starts[i] for i in np.argsort(-powers, kind="stable")[:CLIMBED]]
     if isinstance(form, _Full):
         own = best_matrix(ports, squares, "diagonal").damping
-        starts = [*starts, form.of_diagonal(np.diag(own) / unit**2)]
-    ranked = sorted(starts, key=lambda x: loss(x)[0])
-    followed = [*ranked[:CLIMBED], *starts[DRAWN:]]
+        followed.append(form.of_diagonal(np.diag(own) / unit**2))
     found = [minimize(loss, x, jac=True, method="L-BFGS-B", options={"ftol": 1e-13, "gtol": 1e-9}) for x in followed]
     best = min(found, key=lambda one: float(one.fun))
     damping, _ = form.matrix(best.x, unit)
@@ -199,8 +208,9 @@ class _Logarithmic:
         return np.diag(dampers), lambda slope: self.weight.T @ (np.diag(slope) * dampers)
 
     def starts(self, rng: np.random.Generator) -> list[FloatArray]:
-        """Dampers of all sizes."""
-        return list(SPREAD * rng.standard_normal((DRAWN, self.weight.shape[1])))
+        """Dampers of all sizes; of one variable evenly."""
+        count = self.weight.shape[1]
+        return list(ALONG[:, None]) if count == 1 else list(SPREAD * rng.standard_normal((DRAWN, count)))
 
 
 _FORMS: Mapping[Kind, Callable[[int], "_Full | _Logarithmic"]] = {

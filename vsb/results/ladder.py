@@ -126,11 +126,11 @@ def study_ladder(study: LadderSpec, database: str) -> list[Rung]:
     names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
     families = [names.index(name) for name in dict.fromkeys(names)]
     pairs = list(zip(waves, seas.values(), strict=True))
+    left_out = modes_left_out(study.buoy, pairs, families) if study.buoy else xr.Dataset()
     if pto.several:
         levels = several_levels(study, floating, seas, families)
-        rungs = with_errors(
-            several_rungs(floating, seas, levels), floating, pairs, study.reference_design, xr.Dataset(), levels
-        )
+        rungs = several_rungs(floating, seas, levels)
+        rungs = with_errors(rungs, floating, pairs, study.reference_design, left_out, levels)
         return [*rungs, *material_rungs(study, floating, seas, rungs)]
     ports = {design: port_in_seas(floating, design, pairs) for design in study.designs}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
@@ -142,7 +142,6 @@ def study_ladder(study: LadderSpec, database: str) -> list[Rung]:
         rungs += constrained_rungs(study, floating, seas)
         designs, labels = list(study.designs), list(seas)
         rungs.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
-    left_out = modes_left_out(buoy, pairs, families) if buoy else xr.Dataset()
     rungs = with_errors(rungs, floating, pairs, study.reference_design, left_out)
     return [*rungs, *material_rungs(study, floating, seas, rungs)]
 

@@ -20,7 +20,6 @@ from vsb.results.budget import MODES
 from vsb.results.comparison import Row
 from vsb.results.ladder import Rung
 from vsb.scenes.floating_system import band
-from vsb.scenes.mode_convergence import knows_port
 from vsb.scenes.rest import carries_load, complete_at_rest, complete_loaded_shell, computed_buckling, loaded_shell
 from vsb.scenes.viability import MOST_LOAD, rubber_load_factor, static_modal_amplitude, static_strain
 from vsb.shell.azimuthal import softest_order
@@ -253,10 +252,6 @@ def mode_checks(study: Study, rungs: Sequence[Rung]) -> list[Check]:
     for wave, design in product(study.waves, study.designs):
         found = [r for r in rungs if (r.design, r.wave) == (design, wave.label) and r.rung in ("fixed", "best_damper")]
         if not study.designs[design].flexible or not found:
-            continue
-        if not knows_port(study):
-            text = f"not estimated for pto.port {study.pto.port}; raise modes.degree and compare"
-            checks.append(Check("modes_left_out", 1.0, tolerance, "-", "doubt", text, design, wave.label))
             continue
         shares = [
             max(-source["low"], source["high"]) / rung.power_mean

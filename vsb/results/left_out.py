@@ -10,14 +10,13 @@ from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.scenes.mode_convergence import (
     JUDGED,
     SAMPLED,
-    TAKE_OFFS,
     ModeConvergence,
     directed,
     further,
-    knows_port,
     mean_sea,
     motion_of_port,
     powers_of_ports,
+    take_offs,
 )
 from vsb.scenes.ports import BuoyOfShape, buoy_at
 from vsb.study.sections import DEGREES, Modes
@@ -51,14 +50,14 @@ def modes_left_out(
     xarray.Dataset
         `power(design, wave, take_off, end)`, of the mean power [-], and `gain(design, wave, take_off, end)`, of the
         gain over the reference design [percentage points], `end` as `ENDS`, `take_off` as of
-        `vsb.scenes.mode_convergence.TAKE_OFFS`; empty where it cannot be estimated.
+        `vsb.scenes.mode_convergence.take_offs`; empty of a rigid buoy, or without seas.
 
     Notes
     -----
     The change from the basis of the study to the full basis of the highest degree tried, and what further degrees may
-    change (`vsb.scenes.mode_convergence`). Not known of all ports, see `motion_of_port` there.
+    change (`vsb.scenes.mode_convergence`).
     """
-    if not study.flexible or not knows_port(study) or not seas:
+    if not study.flexible or not seas:
         return xr.Dataset()
     convergence = ModeConvergence(study, tuple(directed(wave, sea) for wave, sea in seas), families)
     before, tried = convergence.powers(study.modes), list(convergence.powers_by_degree.values())
@@ -69,8 +68,13 @@ def modes_left_out(
     if not study.at_equilibrium:  # else the shape at rest depends on the modes, too
         power[[i for i, design in enumerate(study.designs.values()) if not design.flexible]] = 0.0
     dims = ("design", "wave", "take_off", "end")
-    coords = {"design": list(study.designs), "wave": [wave.label for wave, _ in seas], "take_off": list(TAKE_OFFS)}
-    return xr.Dataset({"power": (dims, power), "gain": (dims, gain)}, {**coords, "end": list(ENDS)})
+    coords = {
+        "design": list(study.designs),
+        "wave": [wave.label for wave, _ in seas],
+        "take_off": list(take_offs(study.pto)),
+        "end": list(ENDS),
+    }
+    return xr.Dataset({"power": (dims, power), "gain": (dims, gain)}, coords)
 
 
 def gain_of_year(
@@ -91,8 +95,8 @@ def gain_of_year(
     Returns
     -------
     ndarray, shape (design, end)
-        `end` as `ENDS`, the wider of the damper given and the optimal one [percentage points]; 0 where it is not known
-        (`vsb.scenes.mode_convergence.motion_of_port`).
+        `end` as `ENDS`, the wider of the damper given and the optimal one [percentage points]; 0 of what has no shell
+        modes of this project.
 
     Notes
     -----
@@ -102,7 +106,7 @@ def gain_of_year(
     """
     designs, rigid = list(study.designs), study.reference_design
     at = designs.index(rigid or "")
-    if not isinstance(floating, BuoyOfShape) or not floating.study.flexible or not knows_port(floating.study):
+    if not isinstance(floating, BuoyOfShape) or not floating.study.flexible:
         return np.zeros((len(designs), len(ENDS)))
     buoy = floating.study
     heaving = buoy.model_copy(update={"motion": "heave"})

@@ -5,10 +5,11 @@ more beside a clamp. Powers are computed with the full basis of ascending degree
 frequencies of the seas alone, until what further degrees may change is small.
 """
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,13 +19,16 @@ from vsb.hydro.dofs import Displacement
 from vsb.hydro.orders import heading_shares, with_haskind_damping
 from vsb.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, incident_wave, resolved
 from vsb.hydro.sweep import on_grid
+from vsb.motion.damper_matrix import Ports, best_matrix
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, best_pairs, mean_power
 from vsb.scenes.floating_system import heading
 from vsb.scenes.ports import ShapeWater, buoy_at
 from vsb.scenes.rest import order_bases, reference_shell
+from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.shell.deformed import DeformedShell, ReferenceShell
-from vsb.study.directions import IN_PLANE, RIGID
+from vsb.shell.orders import goes_with_sine
+from vsb.study.directions import IN_PLANE, RIGID, Motion
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
 from vsb.study.study import RegularWave, StillWater, Wave
@@ -47,8 +51,12 @@ SAMPLED = 0.01
 TAKE_OFFS = ("fixed", "best_damper", "best_spring_damper", "best_damper_all_seas", "matched")
 """Control levels: the given damper, or the optimal one; the optimal damper of each design in each sea; the optimal
 damper and spring; one damper for all seas; any force."""
+OF_MATRICES = ("fixed", "best_damper", "best_diagonal", "best_damper_all_seas")
+"""The same of a damper matrix at several ports, or spread over the shell; the optimal damper at each port alone."""
 JUDGED = 2
 """Number of take-offs, the first ones, whose powers are to be within the tolerance."""
+SHELL_MODE = re.compile(r"[A-Za-z]+(\d+)([cs]\d+)?")
+"""Label of a shell mode: degree; azimuthal order, if it has one."""
 
 
 class Sampled(NamedTuple):
@@ -90,7 +98,7 @@ def sampled(seas: Sequence[Sea]) -> Sampled:
 class ModeConvergence:
     """Mean powers of the designs of a study in seas, by the degree of the full basis.
 
-    Powers have the dimensions (design, sea, take-off) [W], take-offs as `TAKE_OFFS`.
+    Powers have the dimensions (design, sea, take-off) [W], take-offs as of `take_offs`.
     """
 
     study: AnyBuoy
@@ -98,10 +106,8 @@ class ModeConvergence:
     families: Sequence[int] | None = None  # one sea of each, by index, for the damper for all seas; else every sea
 
     @cached_property
-    def _motion(self) -> Literal["heave", "planar"]:
-        found = motion_of_port(self.study)
-        assert found is not None
-        return found
+    def _motion(self) -> Motion:
+        return motion_of_port(self.study)
 
     @cached_property
     def _sampled(self) -> Sampled:
@@ -129,7 +135,7 @@ class ModeConvergence:
 
     def _with(self, modes: Modes) -> AnyBuoy:
         """The study with another basis, in the directions its port follows."""
-        order = self.study.modes.order if isinstance(self.study.pto.port, BetweenPort) else 1
+        order = self.study.modes.order if isinstance(self.study.pto.port, BetweenPort | DofPort) else 1
         modes = modes.model_copy(update={"order": order})
         return self.study.model_copy(update={"modes": modes, "motion": self._motion})
 
@@ -172,16 +178,18 @@ class ModeConvergence:
         ports, squares = self._ports(study, reference, water), self._sampled.squares
         return powers_of_ports(ports, study.pto, squares.reshape(len(squares), -1), self.families)
 
-    def _ports(self, study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> dict[str, Port]:
+    def _ports(self, study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> Mapping[str, Port | Ports]:
         """Ports of the designs, in waves of one direction after the other.
 
         By reciprocity, D being symmetric, V0 = -i w (D^-1 b).X, so that directions need no further solution.
         """
         buoy = buoy_at(study, reference, water)
         omega, directions, _ = self._sampled
-        if not directions.any():
+        if study.pto.several:
+            return {design: buoy.equation.ports(motions, buoy.port) for design, motions in buoy.motions.items()}
+        if self._motion != "free" and not directions.any():
             return buoy.ports()
-        families, found = order_bases(study, reference.basis), {}
+        families, found = order_bases(study, reference.basis), dict[str, Port | Ports]()
         orders = np.repeat(
             [0, *(each.signed for each in families)],
             [len(reference.basis.labels), *(len(each.labels) for each in families)],
@@ -212,13 +220,16 @@ class ModeConvergence:
                 break
         return found
 
-    @property
+    @cached_property
     def _degrees(self) -> list[int]:
-        """Degrees there are displacements of."""
-        if self.study.at_equilibrium:
-            return list(DEGREES)
-        highest = max(moved.degree for moved in self._undeformed_water.displacements)
-        return [degree for degree in DEGREES if degree <= highest]
+        """Degrees there are displacements of, from that of the modes its port is of."""
+        port = self.study.pto.port
+        modes = [SHELL_MODE.fullmatch(name) for name in port.dofs] if isinstance(port, DofPort) else []
+        least = max([DEGREES[0], *(int(mode[1]) for mode in modes if mode)])
+        highest = DEGREES[-1]
+        if not self.study.at_equilibrium:
+            highest = max(moved.degree for moved in self._undeformed_water.displacements)
+        return [degree for degree in DEGREES if least <= degree <= highest] or [least]
 
     @cached_property
     def further(self) -> FloatArray:
@@ -245,7 +256,7 @@ class ModeConvergence:
     @cached_property
     def _first(self) -> FloatArray:
         """Powers with the lowest degree [W]."""
-        return self.powers(Modes(basis="full", degree=DEGREES[0]))
+        return self.powers(Modes(basis="full", degree=self._degrees[0]))
 
     def worst(self, change: FloatArray) -> float:
         """Return the largest of changes of powers, relative to each power or to the reference design's [-]."""
@@ -261,33 +272,61 @@ class ModeConvergence:
         return max(self.powers_by_degree)
 
 
+def take_offs(pto: Pto) -> tuple[str, ...]:
+    """Return the control levels whose powers are computed, the given damper and the optimal one first."""
+    return OF_MATRICES if pto.several else TAKE_OFFS
+
+
 def powers_of_ports(
-    ports: Mapping[str, Port], pto: Pto, squares: FloatArray, families: Sequence[int] | None = None
+    ports: Mapping[str, Port | Ports], pto: Pto, squares: FloatArray, families: Sequence[int] | None = None
 ) -> FloatArray:
-    """Return mean powers of designs in seas under every take-off of `TAKE_OFFS`, (design, sea, take-off) [W].
+    """Return mean powers of designs in seas at every level of `take_offs`, shape (design, sea, take-off) [W].
 
     Parameters
     ----------
-    ports : mapping design -> Port
+    ports : mapping design -> Port or Ports
+        The latter of a damper matrix.
     pto : Pto
     squares : ndarray, shape (sea, omega) [m^2]
         Squared amplitudes.
     families : sequence of int, optional
         Seas whose plain sum the damper for all seas maximises; by default all.
     """
-    together = squares[list(families or range(len(squares)))].sum(axis=0, keepdims=True)
-    found = []
-    for design, port in ports.items():
-        optimal = best_dampers(port, squares, pto.stiffness, pto.efficiency)
-        sprung = best_pairs(port, squares, optimal, pto.efficiency).power
-        one = float(best_dampers(port, together, pto.stiffness, pto.efficiency).damping[0])
-        given, stiffness = pto.damper(design), np.full(len(squares), pto.stiffness)
-        for_all = mean_power(port, squares, np.full(len(squares), one), stiffness, pto.efficiency)
-        fixed = optimal.power
-        if given is not None:
-            fixed = mean_power(port, squares, np.full(len(squares), given), stiffness, pto.efficiency)
-        found.append([fixed, optimal.power, sprung, for_all, squares @ port.matched_power])
+    together = squares[list(families or range(len(squares)))].sum(axis=0)
+    found = [
+        _of_matrices(port, pto, design, squares, together)
+        if isinstance(port, Ports)
+        else _of_dampers(port, pto, design, squares, together)
+        for design, port in ports.items()
+    ]
     return np.asarray(found).swapaxes(1, 2)
+
+
+def _of_dampers(port: Port, pto: Pto, design: str, squares: FloatArray, together: FloatArray) -> list[FloatArray]:
+    """Powers of one design with a damper and a spring, at the levels `TAKE_OFFS`, each of shape (sea,) [W]."""
+    optimal = best_dampers(port, squares, pto.stiffness, pto.efficiency)
+    sprung = best_pairs(port, squares, optimal, pto.efficiency).power
+    one = float(best_dampers(port, together[None], pto.stiffness, pto.efficiency).damping[0])
+    given, stiffness = pto.damper(design), np.full(len(squares), pto.stiffness)
+    for_all = mean_power(port, squares, np.full(len(squares), one), stiffness, pto.efficiency)
+    fixed = optimal.power
+    if given is not None:
+        fixed = mean_power(port, squares, np.full(len(squares), given), stiffness, pto.efficiency)
+    return [fixed, optimal.power, sprung, for_all, squares @ port.matched_power]
+
+
+def _of_matrices(ports: Ports, pto: Pto, design: str, squares: FloatArray, together: FloatArray) -> list[FloatArray]:
+    """Powers of one design with a damper matrix, at the levels `OF_MATRICES`, each of shape (sea,) [W]."""
+    kind, given = matrix_kind(pto), given_matrix(pto, design, ports.velocity.shape[1])
+    optimal = np.array([best_matrix(ports, sea, kind).power for sea in squares])
+    diagonal = optimal
+    if kind == "full":
+        diagonal = np.array([best_matrix(ports, sea, "diagonal").power for sea in squares])
+    for_all = optimal
+    if len(squares) > 1:
+        for_all = squares @ ports.power(best_matrix(ports, together, kind).damping)
+    fixed = optimal if given is None else squares @ ports.power(given)
+    return [fixed, optimal, diagonal, for_all]
 
 
 def further(powers: Sequence[FloatArray]) -> FloatArray:
@@ -317,48 +356,38 @@ def converged_degree(spec: DegreeSpec, climate: Climate | None = None) -> int:
     Parameters
     ----------
     spec : DegreeSpec
-        Of a port whose powers are not known by degree (`motion_of_port`), heave stands for it.
     climate : Climate, optional
         The seas of a year: its mean spectrum, from which its mean power follows, takes the place of the waves.
     """
     buoy = spec.buoy
     assert buoy is not None
-    if not knows_port(buoy):
-        pto = buoy.pto.model_copy(update={"port": "heave", "damping": None, "tuning": "each", "stiffness": 0.0})
-        buoy = buoy.model_copy(update={"pto": pto, "motion": "heave"})
     return ModeConvergence(buoy, _seas(spec, buoy, climate)).degree
 
 
-def motion_of_port(study: AnyBuoy) -> Literal["heave", "planar"] | None:
-    """Return in which directions a buoy must move for the power of its port to be known; None where it is not known.
+def motion_of_port(study: AnyBuoy) -> Motion:
+    """Return in which directions a buoy must move for the power of its port to be known, as few as may be.
 
-    Azimuthal orders couple through the mooring alone, and a port of heave or of rings of the shell moves with order 0.
-    Not known of several ports, and where motions out of the plane of x and z, or combinations with shell modes, matter.
+    Azimuthal orders couple through the mooring alone, and ports of heave, of rings or of strain of the shell move with
+    order 0.
     """
-    port, axisymmetric = study.pto.port, study.pto.port in ("heave", "volume")
-    if study.pto.several:
-        return None
+    port = study.pto.port
     if study.motion == "heave":
         return "heave"
+    axisymmetric = port in ("heave", "volume") or isinstance(port, ShellPort | StrainPort)
+    out_of_plane = _couples(study, IN_PLANE)
     if isinstance(port, DofPort):
-        if not set(port.dofs) <= {RIGID[i].capitalize() for i in IN_PLANE}:
-            return None
-        axisymmetric = set(port.dofs) == {"Heave"}
-    if _couples(study, IN_PLANE):
-        return None
-    axisymmetric |= isinstance(port, ShellPort | StrainPort)
-    return "heave" if axisymmetric and not _couples(study, (RIGID.index("heave"),)) else "planar"
+        modes = {name: SHELL_MODE.fullmatch(name) for name in port.dofs}
+        axisymmetric = all(mode[2] is None if mode else name == "Heave" for name, mode in modes.items())
+        out_of_plane |= any(goes_with_sine(name) or name in ("Sway", "Roll", "Yaw") for name in modes)
+    if axisymmetric and not _couples(study, (RIGID.index("heave"),)):
+        return "heave"
+    return "free" if out_of_plane else "planar"
 
 
 def _couples(study: AnyBuoy, those: Sequence[int]) -> bool:
     """Whether the mooring couples some rigid motions with others."""
     rows = study.mooring or ()
     return any(entry for i in those for j, entry in enumerate(rows[i] if rows else ()) if j not in those)
-
-
-def knows_port(study: AnyBuoy) -> bool:
-    """Return whether powers are known by degree of the shell modes."""
-    return motion_of_port(study) is not None
 
 
 def mean_sea(climate: Climate, highest: float = np.inf) -> Sea:

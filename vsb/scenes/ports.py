@@ -54,12 +54,15 @@ class ShapeWater:
     def in_modes(self, basis: ModeBasis, families: Sequence[OrderBasis] = ()) -> Coefficients:
         """Return the coefficients of heave and modes, and of families of higher orders, each of one channel."""
         own = self._combined(shares(self.displacements, basis))
-        others = [self.orders[each.order - 1] for each in families]
-        beyond = [
-            water._combined(order_shares(water.displacements, each))
-            for water, each in zip(others, families, strict=True)
-        ]
-        return Coefficients.side_by_side([own, *beyond])
+        return Coefficients.side_by_side([own, *(self._of_family(each) for each in families)])
+
+    def _of_family(self, family: OrderBasis) -> Coefficients:
+        """Coefficients of one family of higher orders; of yaw, of order 0, which moves no water, none."""
+        if not family.order:
+            still = np.zeros((len(self.omega), 1, 1))
+            return Coefficients(still, still, still[..., 0].astype(complex))
+        water = self.orders[family.order - 1]
+        return water._combined(order_shares(water.displacements, family))
 
     def errors(self, basis: ModeBasis, families: Sequence[OrderBasis], water: Water) -> list[CoefficientError]:
         """Return the estimated errors of `in_modes`, as of `vsb.motion.coefficient_errors`."""

@@ -421,7 +421,7 @@ class Study(Buoy, BaseStudy):
         self.check_published()
 
     def _check_several(self) -> None:
-        """Several ports are of a buoy that heaves in linear waves with modes that are given."""
+        """Several ports are of a buoy that heaves, without drag."""
         if not self.pto.several:
             return
         if self.motion != "heave" or self.hydro.model not in ("linear", "body_exact") or self.drag is not None:
@@ -429,8 +429,6 @@ class Study(Buoy, BaseStudy):
                 "pto.port: several ports, or a damper spread over the shell, need motion: heave, hydro.model: linear "
                 "or body_exact, and no drag"
             )
-        if self.modes.degree is None:
-            raise ValueError("pto.port: at several ports convergence in modes is not estimated; needs modes.degree")
         if self.device.gas and isinstance(self.pto.port, SeveralPorts) and "volume" in self.pto.port.ports.values():
             raise ValueError("pto.ports: the volume of trapped gas is a port alone; needs others, or no device.gas")
 
