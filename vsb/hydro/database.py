@@ -135,7 +135,6 @@ def solved_dataset(
     Parameters
     ----------
     omegas : sequence of float [rad/s]
-    solved : sequence of Displacement
     columns : sequence of tuple
         For each frequency added mass, damping, Froude-Krylov and diffraction force.
     """

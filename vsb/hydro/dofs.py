@@ -25,7 +25,6 @@ def legendre_function(degree: int, order: int, colatitude: FloatArray) -> tuple[
 
     Parameters
     ----------
-    degree, order : int
     colatitude : ndarray, shape (point,) [rad]
         Strictly between the poles for m > 0.
     """
@@ -43,7 +42,6 @@ def wave_around(order: int, points: int, kx: FloatArray) -> tuple[ComplexArray, 
 
     Parameters
     ----------
-    order, points : int
     kx : ndarray, shape (circle,)
         Wavenumber times radius.
     """
@@ -161,7 +159,6 @@ def normal_velocities(
 
     Parameters
     ----------
-    moved : sequence of Displacement
     colatitude : ndarray, shape (point,) [rad]
         Of the material points, on the undeformed sphere; strictly between the poles for m > 0.
     position, normal : ndarray, shape (2, point)

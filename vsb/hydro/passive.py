@@ -162,7 +162,6 @@ def fit_passive(samples: RadiationSamples, tolerance: float, *, limit: Limit = "
 
     Parameters
     ----------
-    samples : RadiationSamples
     tolerance : float
         Largest rms over the samples of an entry of K, relative to its size [-].
     limit : "given" or "fitted"

@@ -185,8 +185,6 @@ def judged(checks: Sequence[Check], accept: Sequence[str], remedy: str = _LOWER)
 
     Parameters
     ----------
-    checks : sequence of Check
-    accept : sequence of str
     remedy : str
         Remedy where a check has no advice of its own; that of a buoy if not given.
 

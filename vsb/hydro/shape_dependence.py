@@ -464,7 +464,6 @@ def shape_database(family: ShapeFamily, reach: FloatArray, samples: int = 20) ->
 
     Parameters
     ----------
-    family : ShapeFamily
     reach : ndarray, shape (dof,) [m]
         Largest amplitudes, all positive (else `ConfigError`).
     samples : int

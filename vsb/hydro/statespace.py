@@ -262,7 +262,6 @@ def fit_radiation(spectrum: DampingSpectrum, tolerance: float) -> tuple[Radiatio
 
     Parameters
     ----------
-    spectrum : DampingSpectrum
     tolerance : float
         Largest rms error over frequency of K(i omega), each mode relative to its largest damping [-]. Once two larger
         orders gain less than a tenth, the rest is the mesh error of the damping itself, which no passive model should

@@ -261,10 +261,8 @@ def on_grid(
         Ascending, the band; spaced more finely than the coefficients vary. Only these are solved.
     tolerance : float [-]
         Of added mass, damping and excitation, relative to the band's largest entry of each.
-    incident : IncidentWave
     elsewhere : sequence of xarray.Dataset
         Coefficients at other frequencies of the same band, which count for its largest entries.
-    most : int, optional
     """
     if len(frequencies) < 2 * FIRST_SOLVES:
         return GridSweep(solve(list(frequencies)), None)

@@ -172,7 +172,6 @@ def flow(system: System, motion: Motion, driving: FloatArray) -> Flow:
 
     Parameters
     ----------
-    system : System
     motion : Motion
         With the memory states of the system, or none.
     driving : ndarray, shape (time, free)

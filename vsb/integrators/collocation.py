@@ -226,7 +226,6 @@ def collocated(system: System, time: FloatArray, start: tuple[FloatArray, ...], 
 
     Parameters
     ----------
-    system : System
     time, start
         See `vsb.integrators.exact.propagate`.
     tolerance : float

@@ -63,7 +63,6 @@ def step_matrices(a: FloatArray, free: int, h: float) -> Step:
     Parameters
     ----------
     a : ndarray, shape (state, state) [1/s]
-    free : int
     h : float [s]
     """
     state = len(a)
@@ -236,7 +235,6 @@ def fixed_step(system: System, time: FloatArray, start: tuple[FloatArray, ...], 
         Equally spaced.
     start : tuple of ndarray
         y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
-    substeps : int
 
     Raises
     ------

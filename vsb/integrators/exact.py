@@ -51,7 +51,6 @@ def propagate(
 
     Parameters
     ----------
-    system : System
     time : ndarray, shape (time,) [s]
     start : tuple of ndarray
         y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
@@ -136,7 +135,6 @@ def convolve(
     ----------
     system : System
         Linear.
-    spectrum : DampingSpectrum
     time : ndarray, shape (time,) [s]
         Equally spaced.
     start : tuple of ndarray, each shape (free,)

@@ -69,7 +69,6 @@ def phi_integrals(a: FloatArray, b: FloatArray, h: float, count: int) -> PhiInte
     a : ndarray, shape (state, state) [1/s]
     b : ndarray, shape (state, input)
     h : float [s]
-    count : int
     """
     if not is_small(a, h):
         return doubled(phi_integrals(a, b, h / 2, count))

@@ -385,7 +385,6 @@ def harmonic_balance(system: System, tolerance: float = 1e-8, transfer: Transfer
 
     Parameters
     ----------
-    system : System
     tolerance : float
         Of the motion's estimated error, relative to the largest amplitude of any coordinate or a millionth of the
         radius.

@@ -186,7 +186,6 @@ def port_rate(system: System, port: FloatArray, springs: Iterable[float], damper
 
     Parameters
     ----------
-    system : System
     port : ndarray, shape (free,)
         Beta.
     springs, dampers : iterable of float [N/m], [N s/m]

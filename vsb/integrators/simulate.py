@@ -162,8 +162,6 @@ def legs(
 
     Parameters
     ----------
-    system : System
-    sea : Sea
     settings : Simulation
         Duration, initial heave and velocity, method, tolerance. Exact propagation runs once. Nonlinear scenes
         are recorded at half the distance until the audit closes to the tolerance: this refines the audit, not the

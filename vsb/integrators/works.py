@@ -129,11 +129,9 @@ def account(
 
     Parameters
     ----------
-    system : System
     time : ndarray, shape (node,) [s]
     states, leaving : ndarray, shape (node, state + ...)
         As steps end at the nodes, and as they begin there: what is carried beyond z and f differs.
-    pieces : mapping of Piece to the nodes from which on it is in force
     regular : ndarray of bool, shape (node,)
         Which nodes are equally spaced.
     """

@@ -67,7 +67,6 @@ def frames_data(
 
     Parameters
     ----------
-    words : str
     runs : mapping design -> DataArray, dims (time, dof) [m]
         Positions.
     waves : Sea
@@ -78,7 +77,6 @@ def frames_data(
         Of the sea [s].
     width : float
         Half the width of the water [m].
-    water : Water
     shell : sequence of str
         Labels of the shell modes.
     direction : float

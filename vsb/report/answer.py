@@ -61,7 +61,6 @@ def headline(
         At the optimal damping of each design and frequency.
     reference : str or None
         The rigid design gains are measured against.
-    seas : mapping of sea to words
     invalid : sequence of dict
         Designs that are not valid in a sea; the best one is chosen among the others.
     neglected : str

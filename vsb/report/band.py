@@ -49,7 +49,6 @@ def with_extremes(power: Callable[[FloatArray], xr.DataArray], omega: FloatArray
         Frequencies -> absorbed power, dims (design, omega).
     omega : ndarray, shape (omega,) [rad/s]
         Ascending, fine enough to show every extreme.
-    reference : str
 
     Notes
     -----

@@ -82,7 +82,6 @@ def study_data(
 
     Parameters
     ----------
-    grids : sequence of Grid
     seas : sequence of InteractiveSea
         On those grids.
     bands : sequence of Grid
@@ -95,7 +94,6 @@ def study_data(
         Of the take-off [-].
     bound : str
         The capture width of that limit.
-    kind : PortKind
     """
     designs = list(bands[0].ports)
     return {
@@ -163,14 +161,11 @@ def year_data(
 
     Parameters
     ----------
-    climate : Climate
     points : sequence of mapping
         `words`; `ports` by design, at frequencies that contain the edges of the climate's bands; `given` damping by
         design; energy `flux` of every sea [W/m].
-    designs : sequence of str
     reference : str or None
         The design gains are measured against.
-    kind : PortKind
 
     Notes
     -----

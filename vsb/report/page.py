@@ -121,7 +121,6 @@ def band_statements(absorbed: xr.DataArray, reference: str | None) -> list[str]:
     ----------
     absorbed : DataArray, dims (design, omega) [W/m^2]
         At optimal damping, or at the given one.
-    reference : str or None
     """
     if reference is None:
         return ["This study has no rigid design to compare with."]

@@ -99,7 +99,6 @@ def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> st
 
     Parameters
     ----------
-    lines : sequence of Line
     reports : mapping name -> (path, id)
         The report of every study and campaign, as seen from the page, and its content id.
     """

@@ -55,7 +55,6 @@ def sketch(name: str, designs: dict[str, dict[str, Any]], height: float, outline
 
     Parameters
     ----------
-    name : str
     designs : mapping name -> dict
         All designs of the study in canonical form.
     height : float

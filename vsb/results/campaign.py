@@ -47,7 +47,6 @@ def gathered(spec: CampaignSpec, batches: Sequence[xr.Dataset]) -> xr.Dataset:
 
     Parameters
     ----------
-    spec : CampaignSpec
     batches : sequence of Dataset
         Each with the dimension `member`, whose coordinate holds ids.
     """
@@ -105,7 +104,6 @@ def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Data
 
     Parameters
     ----------
-    spec : CampaignSpec
     ds : Dataset
         See `gathered`.
     runs : sequence of Dataset

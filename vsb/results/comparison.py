@@ -199,10 +199,8 @@ def power_response(study: BaseStudy, response: xr.Dataset, design: str, run: Map
 
     Parameters
     ----------
-    study : BaseStudy
     response : xarray.Dataset
         The frequency response of the study, in the direction of the waves.
-    design : str
     run : mapping
         Attributes of a run of the design; what a tuned damper absorbs is that of `power_waves`.
     """

@@ -159,7 +159,6 @@ def harmonics_of_year(climate: Climate, omega_min: float, omega_max: float, seco
 
     Parameters
     ----------
-    climate : Climate
     omega_min, omega_max : float [rad/s]
         The band the force may be of.
     seconds : float
@@ -190,12 +189,10 @@ def constrained_year(
     ----------
     port : Port
         At `harmonics.port_omega`.
-    climate : Climate
     water : Water
         Of the energy flux.
     harmonics : Harmonics
         Of the period every sea is taken to repeat in.
-    limits : Limits
     seconds : float
         Budget of time [s].
     seed : int
@@ -289,7 +286,6 @@ class Optima:
             Of viable designs alone.
         floating : Floating
             What floats in it.
-        climate : Climate
         left_out : ndarray, shape (design, end) [percentage points], optional
             As of `vsb.results.left_out.gain_of_year`.
         """

@@ -81,7 +81,6 @@ def force_steps(
 
     Parameters
     ----------
-    wave : RegularWave or Irregular
     seen : mapping design -> callable
         Frequencies -> its port, also outside the band.
     reference : str or None

@@ -70,8 +70,6 @@ def equal_tuning(study: BaseStudy, rungs: Sequence[Rung], beyond: Beyond | None 
 
     Parameters
     ----------
-    study : BaseStudy
-    rungs : sequence of Rung
     beyond : mapping, optional
         See `linearisation`.
     """
@@ -181,7 +179,6 @@ def with_intervals(
 
     Parameters
     ----------
-    study : BaseStudy
     rows : sequence of Row
         See `vsb.results.comparison.comparison`.
     runs : mapping (design, label) -> attributes of the run

@@ -113,7 +113,6 @@ def study_ladder(study: LadderSpec, database: str) -> list[Rung]:
 
     Parameters
     ----------
-    study : LadderSpec
     database : str
         Path of its hydro database.
     """
@@ -154,12 +153,10 @@ def linear_rungs(port: Port, waves: FloatArray, families: Sequence[int], given: 
 
     Parameters
     ----------
-    port : Port
     waves : ndarray, shape (sea, omega) [m^2]
         Squared amplitudes.
     families : sequence of int
         One sea of each family of realisations: the damper for all seas maximises their plain sum.
-    given : Given
     """
     spring, count = np.full(len(waves), given.stiffness), len(waves)
 
@@ -383,11 +380,8 @@ def constrained_rung(
 
     Parameters
     ----------
-    design, label : str
-    sea : Sea
     port_at : callable
         Frequencies -> port of the design, also outside the band of the database.
-    limits : Limits
     of_force : (float, float)
         The band the force may be of [rad/s].
     """
@@ -449,9 +443,6 @@ def with_errors(
 
     Parameters
     ----------
-    rungs : sequence of Rung
-    floating : FloatingSystem
-    seas : sequence of (Wave, Sea)
     reference : str or None
         Design gains are over. All designs share one database: of a gain only what their errors do not have in common
         is left.

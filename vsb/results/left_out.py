@@ -39,7 +39,6 @@ def modes_left_out(
 
     Parameters
     ----------
-    study : BuoySystem
     seas : sequence of (Wave, Sea)
         Without still water.
     families : sequence of int, optional
@@ -88,7 +87,6 @@ def gain_of_year(
         Of viable designs, among them a rigid one that they are compared with.
     floating : Floating
         What floats in it; a body has the modes of its files, and leaves out no others that are known.
-    climate : Climate
     waves : mapping design -> InWaves
         Of all its modes, at frequencies of the climate.
 

@@ -66,7 +66,6 @@ def member(
         Of the study, a buoy's or a body's.
     floating : callable
         Returns what floats of the designs that are viable; not called where none is.
-    climate : Climate
     tunings : sequence of {'fixed', 'one', 'each', 'constrained'}
     optima : callable, optional
         Computes the years within limits, `vsb.results.constrained_year.Optima`; needed for `constrained`.
@@ -166,7 +165,6 @@ class DampedYears:
 
         Parameters
         ----------
-        study : Study or BodyStudy
         waves : mapping design -> InWaves
         errors : sequence of CoefficientError
             Shared by all designs; with quadrature over frequency they make the intervals of gains.

@@ -39,8 +39,6 @@ def sea_checks(
 
     Parameters
     ----------
-    study : BaseStudy
-    wave : Wave
     runs : mapping design -> trajectory in this sea
     basis : ModeBasis, optional
         Axisymmetric shell modes, of a study of a buoy.

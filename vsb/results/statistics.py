@@ -123,10 +123,6 @@ def sample(
 
     Parameters
     ----------
-    study : Study
-    wave : Irregular
-    design : str
-    run : xarray.Dataset
     sea, spectral : Sea
         The realisation, and the same with the amplitudes of the spectrum (`vsb.waves.seas.expected`).
     response : xarray.Dataset
@@ -251,7 +247,6 @@ def statistics(study: BaseStudy, samples: Mapping[tuple[str, str], Sample]) -> l
 
     Parameters
     ----------
-    study : Study
     samples : mapping (design, wave label) -> Sample
     """
     return [line for waves in families(study).values() for line in _of_sea(study, waves, samples)]

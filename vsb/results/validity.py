@@ -90,8 +90,6 @@ def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness:
 
     Parameters
     ----------
-    waves : InWaves
-    climate : Climate
     damping : ndarray, shape (sea,) [N s/m]
         Of each sea.
     stiffness : float [N/m]
@@ -143,7 +141,6 @@ def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, 
 
     Parameters
     ----------
-    year : Year
     waves : mapping design -> InWaves
     stiffness : float [N/m]
         Of the take-off's spring.

@@ -122,7 +122,6 @@ def drawn(share: FloatArray, hours: FloatArray, seas: int, seed: int) -> Sample:
         Share of the year of each sea.
     seas : int
         How many, an even number.
-    seed : int
 
     Raises
     ------
@@ -315,10 +314,8 @@ def verified(year: Year, tuning: str, sample: Sample, better: FloatArray, linear
 
     Parameters
     ----------
-    year : Year
     tuning : str
         Under which the runs were made.
-    sample : Sample
     better, linear : ndarray, shape (design, draw) [W]
         Mean powers of the better model and of linear theory (`linear_power`), in the same waves and window.
 

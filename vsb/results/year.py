@@ -123,7 +123,6 @@ def frequencies(climate: Climate, omega_min: float, omega_max: float) -> FloatAr
 
     Parameters
     ----------
-    climate : Climate
     omega_min, omega_max : float [rad/s]
         The band the hydrodynamics are known in.
     """
@@ -141,7 +140,6 @@ def band_weights(omega: FloatArray, climate: Climate) -> FloatArray:
     ----------
     omega : ndarray, shape (omega,) [rad/s]
         Frequencies of a port; beyond them there is nothing.
-    climate : Climate
     """
     return _band_weights(*(np.asarray(values, dtype=float).tobytes() for values in (omega, climate.edges)))
 
@@ -329,7 +327,6 @@ def year(
     ----------
     ports : mapping design -> Port
         Over any frequencies, those of `frequencies` for choice; a spring of the take-off built in (`Port.beside`).
-    climate : Climate
     water : Water
         Of the energy flux.
     tunings : sequence of {'fixed', 'one', 'each'}

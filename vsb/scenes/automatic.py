@@ -211,7 +211,6 @@ def chosen(scenes: Scenes, tolerance: float) -> Choice:
 
     Parameters
     ----------
-    scenes : Scenes
     tolerance : float
         Relative; of it divided by `INTERPLAY` a third each for modes, for memory, and for forces about the mean shape.
 

@@ -96,7 +96,6 @@ def complete_body(body: Body, dofs: Sequence[str] | None, ds: xr.Dataset) -> Lin
         Its matrices stand before those of the files.
     dofs : sequence of str or None
         Degrees of freedom kept, `rigid` for all rigid ones; all.
-    ds : xarray.Dataset
 
     Raises
     ------

@@ -90,7 +90,6 @@ def design_in_sea(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
 
     Parameters
     ----------
-    run : SimulateSpec
     paths : mapping of option to path
         `database` and `radiation`, where the model has them.
     """

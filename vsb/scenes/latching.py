@@ -129,8 +129,6 @@ def linear_latching_time(scene: Scene, sea: Sea, settings: Simulation) -> Latchi
     ----------
     scene : Scene
         Its take-off is a `TakeOff`.
-    sea : Sea
-    settings : Simulation
     """
     if not sea.omega.size:
         return LatchingTime(0.0, 0.0, 0.0)
@@ -194,8 +192,6 @@ def body_exact_latching_time(scene: Scene, linear: LatchingTime, sea: Sea, setti
         Body-exact, its take-off a `TakeOff`.
     linear : LatchingTime
         Of the linear scene.
-    sea : Sea
-    settings : Simulation
 
     Notes
     -----

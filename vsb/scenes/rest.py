@@ -172,7 +172,6 @@ def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceS
 
     Parameters
     ----------
-    study : Study, or a specification with its sections
     basis : ModeBasis, optional
         Another basis than the study's own.
 

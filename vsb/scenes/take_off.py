@@ -84,9 +84,6 @@ def tuned_take_off(
 
     Parameters
     ----------
-    pto : Pto
-    design : str
-    floating : FloatingSystem
     seas : sequence of (Wave, Sea)
         A damper that is not given maximises the sum of power over these, from any directions.
     dragged : callable, optional
@@ -154,8 +151,6 @@ def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
 
     Parameters
     ----------
-    scene : Scene
-    pto : Pto
     linear : LinearPto
         Its damper and its port.
     """
@@ -180,7 +175,6 @@ def end_stop(scene: Scene, port: FloatArray, stroke: float) -> EndStop:
 
     Parameters
     ----------
-    scene : Scene
     port : ndarray, shape (dof,)
         b.
     stroke : float [m]

@@ -165,7 +165,6 @@ def interactive_year(
 
     Parameters
     ----------
-    spec : CampaignSpec
     ds : Dataset
         Results of the campaign.
     tuning : str

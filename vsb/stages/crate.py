@@ -93,12 +93,10 @@ def metadata(
 
     Parameters
     ----------
-    plan : plan of a study or campaign
     held : mapping name -> path
         Files by their names in the archive.
     config : str
         Which of them the run was asked for by.
-    licence, author : str or None
     """
     ids = {_inside(plan, path): identity for path, identity in plan.ids.items()}
     newest = max(Path(path).stat().st_mtime for path in held.values())

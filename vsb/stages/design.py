@@ -63,9 +63,6 @@ def front(search: Search, climate: Climate, limit: str, values: Sequence[float],
 
     Parameters
     ----------
-    search : Search
-    climate : Climate
-    limit : str
     values : sequence of float
         Ascending.
     first : Outcome

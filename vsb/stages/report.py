@@ -131,7 +131,6 @@ def animated_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) 
 
     Parameters
     ----------
-    stored : Inputs
     modes : Dataset
         Of rule `modes`.
     words : mapping
@@ -191,7 +190,6 @@ def interactive_study(
 
     Parameters
     ----------
-    study : Study or BodyStudy
     database : str
         Path of its hydro database.
     response : Dataset

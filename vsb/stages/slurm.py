@@ -37,7 +37,6 @@ def single_job(plan: Plan, profile: Mapping[str, Any]) -> list[str]:
 
     Parameters
     ----------
-    plan : StudyPlan, BodyPlan, CampaignPlan or DesignPlan
     profile : mapping
         What a profile of Snakemake's with Slurm for its executor says.
 

@@ -114,7 +114,6 @@ def powers_in_time(
     ----------
     year : Year
         With the dampers of the designs under its first tuning.
-    sample : Sample
     designs : mapping name -> DesignInTime
     given : Simulation
         Tolerance and method.

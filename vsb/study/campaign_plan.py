@@ -91,10 +91,7 @@ def members(
     ----------
     base : mapping
         `vsb.study.campaign.sections` of the study.
-    points : iterable of Point
-    climate : ClimateSpec
     tuning : sequence of {'fixed', 'one', 'each', 'constrained'}
-    constrained : Constrained, optional
     """
     swept: dict[str, tuple[str, ...]] = {}  # members of one shape share it
     found = []

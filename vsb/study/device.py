@@ -83,7 +83,6 @@ def with_points(raw: Any, source: str) -> Any:
 
     Parameters
     ----------
-    raw : mapping
     source : str
         File of the study, which the profile's name is relative to.
 

@@ -217,7 +217,6 @@ def read_yaml(path: str | Path, wanted: str) -> object:
 
     Parameters
     ----------
-    path : path
     wanted : str
         What kind of file is needed, in words.
 

@@ -118,7 +118,6 @@ def with_records(raw: Any, source: str) -> Any:
 
     Parameters
     ----------
-    raw : mapping
     source : str
         File of the study, which names of records are relative to.
 
@@ -146,7 +145,6 @@ def read_record(path: Path, where: str) -> dict[str, Any]:
 
     Parameters
     ----------
-    path : Path
     where : str
         Place in the study, for messages about the file as a whole.
 

@@ -33,7 +33,6 @@ def scaled(raw: Any, scale: float, power: float = 0.0) -> Any:
 
     Parameters
     ----------
-    raw : mapping, sequence or value
     scale : float
         Of lengths; times go with its root.
     power : float

@@ -68,7 +68,6 @@ def load(path: str | Path, *, expected: str) -> "xr.Dataset":
 
     Parameters
     ----------
-    path : str or Path
     expected : str
         Content id it must carry.
 

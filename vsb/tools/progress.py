@@ -37,7 +37,6 @@ def followed(
 
     Parameters
     ----------
-    lines : iterable of str
     name : str
         Of the study or campaign.
     console : Console

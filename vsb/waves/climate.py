@@ -131,8 +131,6 @@ def realised(
 
     Parameters
     ----------
-    climate : Climate
-    sea : int
     duration : float [s]
     seed : int
         Of the phases; amplitudes are those of the spectrum.
@@ -180,7 +178,6 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
         NaN for missing values; bands at the ends without any value are left out.
     source : str
         File name.
-    notes : sequence of str
 
     Raises
     ------

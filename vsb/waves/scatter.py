@@ -120,7 +120,6 @@ def jonswap_bands(omega: FloatArray, hs: FloatArray, tp: FloatArray, gamma: floa
     omega : ndarray, shape (omega,) [rad/s]
         Centres of the bands.
     hs, tp : ndarray, shape (sea,) [m], [s]
-    gamma : float
     """
     edges = band_edges(omega)
     x, below = _unit_sea(gamma)
