@@ -155,10 +155,7 @@ def solved_dataset(
 def merged_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return blocks of disjoint frequencies as one dataset, frequencies ascending.
 
-    Raises
-    ------
-    DatabaseError
-        If a frequency occurs twice or the blocks differ in their degrees of freedom.
+    Raises `DatabaseError` if a frequency occurs twice or the blocks differ in their degrees of freedom.
     """
     labels = {tuple(map(str, block.influenced_dof.values)) for block in blocks}
     if len(labels) != 1:
@@ -198,10 +195,7 @@ def transformed(raw: xr.Dataset, transform: FloatArray, labels: Sequence[str]) -
 def shares(solved: Sequence[Displacement], basis: ModeBasis) -> FloatArray:
     """Return the displacements that heave and modes consist of, shape (dof, displacement) [-].
 
-    Raises
-    ------
-    DatabaseError
-        If a displacement they need was not solved for.
+    Raises `DatabaseError` if a displacement they need was not solved for.
     """
     degrees = {degree for mode in basis.shapes for degree, _, _ in mode.parts}
     if missing := {Displacement("radial", n) for n in degrees} - set(solved):
@@ -278,10 +272,7 @@ def open_database(path: str | Path) -> xr.Dataset:
 def load_database(path: str | Path, expected_id: str) -> xr.Dataset:
     """Return the frequency sweep of a stored database after checking its id.
 
-    Raises
-    ------
-    DatabaseError
-        If the file is unreadable, no database, or holds another spec than its name says.
+    Raises `DatabaseError` if the file is unreadable, no database, or holds another spec than its name says.
     """
     ds = load(path)
     found = ds.attrs.get("spec_id")

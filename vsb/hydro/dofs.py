@@ -107,10 +107,7 @@ class Displacement:
 def displacements(labels: Iterable[str], order: int = 0) -> tuple[Displacement, ...]:
     """Return the displacements of an azimuthal order that labels name: Radial<n>, Meridional<n>, Surge, Heave, Pitch.
 
-    Raises
-    ------
-    ConfigError
-        If the order has no displacement of a name.
+    Raises `ConfigError` if the order has no displacement of a name.
     """
 
     def one(label: str) -> Displacement:
@@ -138,10 +135,7 @@ def flexible(labels: Iterable[str], motions: FloatArray | None = None) -> bool:
 def azimuthal_order(moved: Sequence[Displacement]) -> int:
     """Return the azimuthal order m that displacements have in common.
 
-    Raises
-    ------
-    ConfigError
-        If there are none, or values of another type, duplicates or several orders.
+    Raises `ConfigError` if there are none, or values of another type, duplicates or several orders.
     """
     if names := [each for each in moved if not isinstance(each, Displacement)]:
         raise ConfigError(f"displacements: received {names[0]!r}; needs values such as Displacement('radial', 3)")

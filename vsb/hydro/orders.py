@@ -29,12 +29,8 @@ Negative for motions that go with sin(m theta), as real spherical harmonics are 
 def order_shares(solved: Sequence[Displacement], basis: OrderBasis) -> FloatArray:
     """Return the displacements of the undeformed sphere that a basis consists of, shape (dof, displacement) [-].
 
-    Meridional ones, along the surface, move no water; nor does pitch, about the sphere's centre.
-
-    Raises
-    ------
-    DatabaseError
-        If a displacement they need was not solved for.
+    Meridional ones, along the surface, move no water; nor does pitch, about the sphere's centre. Raises `DatabaseError`
+    if a displacement they need was not solved for.
     """
     surge = [(1, 1.0), (1, 0.0)][: basis.rigid]  # and pitch
     wanted = [*surge, *((mode.degree, mode.radial) for mode in basis.modes)]

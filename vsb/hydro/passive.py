@@ -160,6 +160,10 @@ def fit_lowest(samples: RadiationSamples, tolerance: float, *, limit: Limit = "g
 def fit_passive(samples: RadiationSamples, tolerance: float, *, limit: Limit = "given") -> PassiveFit:
     """Return the passive model with the fewest states found within a tolerance, or the best there is.
 
+    Raises `StabilityError` if the damping sampled draws energy from calm water by more than `UNUSABLE`: no passive
+    model is near it; `ConvergenceError` if the best model is further off than `UNUSABLE`, or the tolerance is not
+    within 1e-9 and 0.1.
+
     Parameters
     ----------
     tolerance : float
@@ -167,13 +171,6 @@ def fit_passive(samples: RadiationSamples, tolerance: float, *, limit: Limit = "
     limit : "given" or "fitted"
         Added mass at infinite frequency. Its mesh error differs from that at finite frequencies: where no passive K
         is near enough to both, it can be fitted to the samples.
-
-    Raises
-    ------
-    StabilityError
-        If the damping sampled draws energy from calm water by more than `UNUSABLE`: no passive model is near it.
-    ConvergenceError
-        If the best model is further off than `UNUSABLE`, or the tolerance is not within 1e-9 and 0.1.
     """
     if not 1e-9 <= tolerance <= 0.1:
         raise ConvergenceError(f"tolerance: received {tolerance:g}, needs 1e-9 to 0.1.")

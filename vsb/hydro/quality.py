@@ -183,15 +183,12 @@ def estimate_checks(blocks: Sequence[Mapping[str, Any]], tolerance: float) -> li
 def judged(checks: Sequence[Check], accept: Sequence[str], remedy: str = _LOWER) -> list[Check]:
     """Return the checks with failures the study accepts by name marked as such.
 
+    Raises `DatabaseError` if a check fails that the study does not accept.
+
     Parameters
     ----------
     remedy : str
         Remedy where a check has no advice of its own; that of a buoy if not given.
-
-    Raises
-    ------
-    DatabaseError
-        If a check fails that the study does not accept.
     """
     checks = [replace(c, verdict="accepted") if c.verdict == "fail" and c.name in accept else c for c in checks]
     for check in checks:

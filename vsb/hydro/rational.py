@@ -132,7 +132,8 @@ def selected(
     """Return the interpolant that one support point more or less changes least on a grid, and by how much.
 
     Too few support points miss features, too many fit noise with doublets of poles and zeros; in between neighbours
-    agree. Interpolants with a hidden pole (`Rational.spurious`) are passed over.
+    agree. Interpolants with a hidden pole (`Rational.spurious`) are passed over. Raises `ConvergenceError` if there are
+    fewer than `FEWEST_SAMPLES` samples.
 
     Parameters
     ----------
@@ -142,11 +143,6 @@ def selected(
         Ascending.
     on_grid : ndarray, shape (grid,)
         How much an error counts there.
-
-    Raises
-    ------
-    ConvergenceError
-        If there are fewer than `FEWEST_SAMPLES` samples.
     """
     if len(omega) < FEWEST_SAMPLES:
         raise ConvergenceError(

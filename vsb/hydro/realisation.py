@@ -115,13 +115,8 @@ class LeastDamping(NamedTuple):
 def least_damping(system: StateSpace) -> LeastDamping:
     """Return the least eigenvalue of the Hermitian part of K(i omega) over all frequencies, and a proven bound.
 
-    Raises
-    ------
-    StabilityError
-        If A is not stable: K is then no transfer function of a memory.
+    Raises `StabilityError` if A is not stable: K is then no transfer function of a memory.
 
-    Notes
-    -----
     The level -epsilon is lowered to the least damping between the frequencies where it is crossed, until it is not
     crossed any more (Boyd and Balakrishnan 1990); convergence is quadratic, the proof is the last Hamiltonian matrix.
     """

@@ -36,18 +36,13 @@ def with_passive_damping(ds: xr.Dataset) -> xr.Dataset:
     """Return a database whose damping draws no energy from calm water, and the repair in its history.
 
     At every frequency the nearest damping without an eigenvalue below a floor (Higham 1988), with distances measured in
-    the motions' largest damping. The floor is round-off, and more around frequencies between which a cubic spline
-    would draw energy. Motions that move no water remain without damping.
+    the motions' largest damping. The floor is round-off, and more around frequencies between which a cubic spline would
+    draw energy. Motions that move no water remain without damping. Raises `ConfigError` if splines stay negative.
 
     Parameters
     ----------
     ds : xarray.Dataset
         With symmetric damping.
-
-    Raises
-    ------
-    ConfigError
-        If splines stay negative.
     """
     omega, size, damping = ds.omega.values, sizes(ds), ds.radiation_damping.values
     wet = np.flatnonzero(size.wet)
@@ -85,12 +80,8 @@ def _assembled(vectors: FloatArray, values: FloatArray) -> FloatArray:
 def with_causal_added_mass(ds: xr.Dataset) -> xr.Dataset:
     """Return a database whose added mass follows from its damping (Kramers, Kronig), and the repair in its history.
 
-    Added mass at infinite frequency is the median over the band of added mass less what follows from damping.
-
-    Raises
-    ------
-    ConfigError
-        If there are fewer than ten frequencies.
+    Added mass at infinite frequency is the median over the band of added mass less what follows from damping. Raises
+    `ConfigError` if there are fewer than ten frequencies.
     """
     omega = ds.omega.values
     check_repairable(["kramers_kronig"], omega)
@@ -121,8 +112,6 @@ def _with_history(ds: xr.Dataset, entry: str) -> xr.Dataset:
 def with_symmetric_stiffness(ds: xr.Dataset) -> tuple[xr.Dataset, list[Check]]:
     """Return a database whose hydrostatic stiffness is symmetric, as that of an energy, and a doubt if it was not.
 
-    Notes
-    -----
     WAMIT's is C_ij = rho g int psi_j.n (w_i + z div psi_i) dS (Newman 1994). For a rigid motion i that is exact, but
     for weight. Its transpose lacks the work of the load at rest in the bending body: surging in still water, WAMIT's
     barge would bend. So the rows of rigid motions are kept, and means taken where both modes are generalized.
@@ -161,10 +150,7 @@ def check_repairable(names: Sequence[str], omega: FloatArray) -> None:
 def repaired(ds: xr.Dataset, names: Sequence[str]) -> tuple[xr.Dataset, list[Check]]:
     """Return a database with the repairs named, damping first, and a doubt on each with the size of its change.
 
-    Raises
-    ------
-    ConfigError
-        If a change is more than `LARGEST_CHANGE`.
+    Raises `ConfigError` if a change is more than `LARGEST_CHANGE`.
     """
     checks = []
     for name in [name for name in _REPAIRS if name in names]:

@@ -55,8 +55,6 @@ class DampingSpectrum:
     def kernel(self, time: FloatArray) -> FloatArray:
         """Return the retardation kernel K(t) = (2/pi) int B cos(omega t) d omega, shape (time, dof, dof) [kg/s^2].
 
-        Notes
-        -----
         Eight Gauss points per interval are exact to round-off up to t = 10/(frequency step). The tail integral is a
         generalized exponential integral, int_W^inf cos(wt) w^-3 dw = Re E_3(iWt)/W^2.
         """
@@ -70,8 +68,6 @@ class DampingSpectrum:
     def added_mass_difference(self, omega: FloatArray) -> FloatArray:
         """Return A(omega) - A(infinity) by Kramers-Kronig, shape (omega, dof, dof) [kg].
 
-        Notes
-        -----
         -(2/pi) PV int B(v)/(omega^2 - v^2) dv, with the singularity taken out: PV int dv/(omega^2 - v^2) = 0.
         """
         nodes, weights, values = self._quadrature

@@ -354,18 +354,14 @@ class ShapeDatabase:
     def at(self, omega: FloatArray, modal_amplitude: FloatArray) -> Coefficients:
         """Return the coefficients on a shape by cubic splines between solved frequencies.
 
+        Raises `ConfigError` if an amplitude is out of reach, or their number is another; `DatabaseError`: outside the
+        band solved.
+
         Parameters
         ----------
         omega : ndarray, shape (omega,) [rad/s]
         modal_amplitude : ndarray, shape (dof,) [m]
             Of heave and modes, from the reference shape.
-
-        Raises
-        ------
-        ConfigError
-            If an amplitude is out of reach, or their number is another.
-        DatabaseError
-            Outside the band solved.
         """
         q, (first, last) = self._checked(modal_amplitude), self.omega[[0, -1]]
         if not (np.all(omega >= first - 1e-9) and np.all(omega <= last + 1e-9)):

@@ -95,8 +95,6 @@ def _resolvent(a: FloatArray, omega: FloatArray) -> ComplexArray:
 def truncated(model: RadiationModel, order: int) -> RadiationModel:
     """Return the model's balanced truncation to `order` states, which is passive.
 
-    Notes
-    -----
     A + A^T = -L L^T makes the observability Gramian of L the identity. In the eigenvectors of the controllability
     Gramian, A W + W A^T = -G G^T with every mode's input alike in size, both are diagonal; cutting rows and columns
     keeps A + A^T = -L L^T.
@@ -240,9 +238,7 @@ def fit_order(spectrum: DampingSpectrum, omega: FloatArray, order: int) -> tuple
 def check_positive(spectrum: DampingSpectrum) -> None:
     """Check that the damping is positive semidefinite, each mode relative to its largest, within `UNUSABLE`.
 
-    Raises
-    ------
-    StabilityError
+    Raises `StabilityError`.
     """
     largest = np.einsum("wii->wi", spectrum.damping).max(axis=0)
     least = -np.inf if largest.min() < 0 else 0.0
@@ -260,19 +256,15 @@ def check_positive(spectrum: DampingSpectrum) -> None:
 def fit_radiation(spectrum: DampingSpectrum, tolerance: float) -> tuple[RadiationModel, float]:
     """Return the smallest passive model within tolerance, or the best there is, and its error.
 
+    Raises `StabilityError` if the damping draws energy from calm water by more than `UNUSABLE`: no passive model is
+    near it; `ConvergenceError` if the best model is further off than `UNUSABLE`.
+
     Parameters
     ----------
     tolerance : float
         Largest rms error over frequency of K(i omega), each mode relative to its largest damping [-]. Once two larger
         orders gain less than a tenth, the rest is the mesh error of the damping itself, which no passive model should
         fit; the validity ledger reports it.
-
-    Raises
-    ------
-    StabilityError
-        If the damping draws energy from calm water by more than `UNUSABLE`: no passive model is near it.
-    ConvergenceError
-        If the best model is further off than `UNUSABLE`.
     """
     check_positive(spectrum)
     band = spectrum.omega

@@ -127,10 +127,7 @@ class AdaptiveSweep:
     def at(self, omegas: Sequence[float]) -> xr.Dataset:
         """Return the coefficients at frequencies within the band [rad/s], a dataset as of the solver.
 
-        Raises
-        ------
-        ConfigError
-            Outside the band.
+        Raises `ConfigError`: outside the band.
         """
         omega, (first, last) = np.asarray(omegas, dtype=float), self.solved.omega.values[[0, -1]]
         if not np.all((omega >= first) & (omega <= last)):

@@ -64,10 +64,8 @@ class Deformed(NamedTuple):
 def deformed_shapes(shell: DeformedShell, modes: Sequence[str], depth: float) -> list[Deformed]:
     """Return a shell at rest, and deformed by minus and plus the same amplitude of each mode.
 
-    Raises
-    ------
-    ConfigError
-        If some shape crosses the water more than once, or nearly touches the bottom, however little it is deformed.
+    Raises `ConfigError` if some shape crosses the water more than once, or nearly touches the bottom, however little it
+    is deformed.
     """
     lowest = (_keel(shell) + depth) / 2
     size = DEFORMATION * shell.basis.shell.radius

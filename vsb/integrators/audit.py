@@ -185,8 +185,6 @@ def flow(system: System, motion: Motion, driving: FloatArray) -> Flow:
 def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     """Return the energy of each term since the start, each shape (time,) [J]: wave = the sum of the others.
 
-    Notes
-    -----
     Losses and the waves' work are integrated along the flow between records (`Flow`), what is stored is read from the
     records.
     `turned` is no term of the sum: kinetic energy, and a billionth of the energy stored, below which all is round-off.

@@ -182,10 +182,7 @@ class Collocation:
     def run(self, time: FloatArray, first: FloatArray, tolerance: float) -> tuple[FloatArray, int]:
         """Return the states at recorded instants, shape (time, state), and the number of steps tried.
 
-        Raises
-        ------
-        ConvergenceError
-            If steps have to be shorter than dt 2^`SHORTEST`.
+        Raises `ConvergenceError` if steps have to be shorter than dt 2^`SHORTEST`.
         """
         horizon, last = min(self.horizon, float(time[-1] - time[0])), (len(time) - 1) << -SHORTEST
         out, z = np.zeros((len(time), len(first))), first
@@ -224,19 +221,14 @@ class Collocation:
 def collocated(system: System, time: FloatArray, start: tuple[FloatArray, ...], tolerance: float) -> tuple[Motion, int]:
     """Return the motion of a scene with any smooth forces at equally spaced times, and the number of steps tried.
 
+    Raises `ConvergenceError` if the motion cannot be followed; `ValueError` if a force switches.
+
     Parameters
     ----------
     time, start
         See `vsb.integrators.exact.propagate`.
     tolerance : float
         Of the error of the motion, relative to the largest norm of the state so far: the root of twice its energy.
-
-    Raises
-    ------
-    ConvergenceError
-        If the motion cannot be followed.
-    ValueError
-        If a force switches.
     """
     system.check_smooth()
     method, first = Collocation(system, float(time[1] - time[0]), float(time[0])), system.first(start)

@@ -196,10 +196,7 @@ class GaussIntegrator:
     def run(self, first: FloatArray, time: FloatArray, substeps: int) -> FloatArray:
         """Return the states at recorded instants, shape (time, state), by so many steps between two of them.
 
-        Raises
-        ------
-        ConvergenceError
-            If the equations of a step have no solution that is found.
+        Raises `ConvergenceError` if the equations of a step have no solution that is found.
         """
         self.system.check_compiled()
         h, out = float(time[1] - time[0]) / substeps, np.empty((len(time), len(first)))
@@ -227,6 +224,8 @@ class GaussIntegrator:
 def fixed_step(system: System, time: FloatArray, start: tuple[FloatArray, ...], substeps: int = 1) -> Motion:
     """Return the motion of a scene by equal steps, so many between two recorded instants.
 
+    Raises `ConvergenceError` if a step is too long for its equations to be solved.
+
     Parameters
     ----------
     system : System
@@ -235,11 +234,6 @@ def fixed_step(system: System, time: FloatArray, start: tuple[FloatArray, ...], 
         Equally spaced.
     start : tuple of ndarray
         y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
-
-    Raises
-    ------
-    ConvergenceError
-        If a step is too long for its equations to be solved.
     """
     begun = clock.perf_counter()
     method = GaussIntegrator(system)
@@ -252,6 +246,8 @@ def structure_preserving(
 ) -> tuple[Motion, int]:
     """Return the motion of a scene with equal steps small enough, and the number of steps.
 
+    Raises `ConvergenceError` if 2^`FINEST` steps between two instants are not enough.
+
     Parameters
     ----------
     system : System
@@ -263,11 +259,6 @@ def structure_preserving(
     tolerance : float
         Of the state at every instant, relative to its largest norm, the root of twice the energy, or to
         `System.least` if that is larger. The error is a fifteenth of the difference to steps twice as long.
-
-    Raises
-    ------
-    ConvergenceError
-        If 2^`FINEST` steps between two instants are not enough.
     """
     begun = clock.perf_counter()
     method = GaussIntegrator(system)

@@ -21,10 +21,7 @@ AT_ONCE = 8  # blocks of a transient: they stay in the cache
 def steady_state(system: System) -> ComplexArray:
     """Return the phasors of the steady state, shape (component, state): (-i omega - A) z = B w.
 
-    Raises
-    ------
-    StabilityError
-        If a wave component meets an undamped resonance: the response grows without bound.
+    Raises `StabilityError` if a wave component meets an undamped resonance: the response grows without bound.
     """
     if system.omega.size:
         natural = np.linalg.eigvals(system.matrix)
@@ -49,6 +46,8 @@ def propagate(
 ) -> Motion:
     """Return the exact motion of a linear system at equally spaced times.
 
+    Raises `ValueError` if the system is not linear.
+
     Parameters
     ----------
     time : ndarray, shape (time,) [s]
@@ -56,11 +55,6 @@ def propagate(
         y [m] and y' [m/s] at the first instant, each shape (free,); then memory states, if the water is not at rest.
     steady : ndarray, shape (component, state), optional
         `steady_state` of the system, where it is known from a run before.
-
-    Raises
-    ------
-    ValueError
-        If the system is not linear.
 
     Notes
     -----
@@ -111,8 +105,6 @@ def series(x: FloatArray) -> tuple[list[FloatArray], int]:
 def transition(x: FloatArray) -> FloatArray:
     """Return exp(X), shape (state, state).
 
-    Notes
-    -----
     Squares exp - I, not exp: 2 (E - I) + (E - I)^2. Beside a stiff mode, which sets the number of squarings, slow
     motion keeps its digits.
     """
@@ -129,7 +121,8 @@ def convolve(
     """Return the motion with Cummins' convolution integral, by the average-acceleration method, second order.
 
     The reference for the state space: memory is int K(t - s) v(s) ds by the trapezoidal rule over the whole past, the
-    kernel straight from the damping. The system's own radiation memory is not used.
+    kernel straight from the damping. The system's own radiation memory is not used. Raises `ValueError` if the system
+    is not linear, or remembers more than radiation.
 
     Parameters
     ----------
@@ -139,11 +132,6 @@ def convolve(
         Equally spaced.
     start : tuple of ndarray, each shape (free,)
         Initial y [m] and y' [m/s]; the water is at rest.
-
-    Raises
-    ------
-    ValueError
-        If the system is not linear, or remembers more than radiation.
     """
     if not system.linear:
         raise ValueError("convolution: received nonlinear forces, needs a linear scene; use `integrate`.")

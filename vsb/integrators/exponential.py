@@ -425,10 +425,7 @@ class ExponentialIntegrator:
     def run(self, first: FloatArray, count: int, tolerance: float) -> Run:
         """Return the states at `count` recorded instants.
 
-        Raises
-        ------
-        ConvergenceError
-            If steps have to be shorter than dt 2^-20.
+        Raises `ConvergenceError` if steps have to be shorter than dt 2^-20.
         """
         free = self.system.free
         run = Run(np.zeros((count, len(first))), np.zeros((count, free)), 0, 0)
@@ -459,6 +456,8 @@ class ExponentialIntegrator:
 def integrate(system: System, time: FloatArray, start: tuple[FloatArray, ...], tolerance: float) -> tuple[Motion, int]:
     """Return the motion of a body-exact scene at equally spaced times, and the number of steps tried.
 
+    Raises `ConvergenceError` if the motion cannot be followed; `ValueError` if the scene is linear.
+
     Parameters
     ----------
     system : System
@@ -467,13 +466,6 @@ def integrate(system: System, time: FloatArray, start: tuple[FloatArray, ...], t
         See `vsb.integrators.exact.propagate`.
     tolerance : float
         Of the error of the motion, relative to the largest norm of the state so far: the root of twice its energy.
-
-    Raises
-    ------
-    ConvergenceError
-        If the motion cannot be followed.
-    ValueError
-        If the scene is linear.
     """
     system.check_compiled()
     method = ExponentialIntegrator(system, float(time[1] - time[0]), float(time[0]))

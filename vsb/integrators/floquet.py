@@ -133,17 +133,14 @@ def monodromy(matrix: FloatArray, coupling: FloatArray, period: float) -> FloatA
 def multipliers(matrix: FloatArray, coupling: Callable[[FloatArray], FloatArray], period: float) -> ComplexArray:
     """Return the Floquet multipliers of z' = (A + B W(t) P) z, largest first, shape (state,).
 
+    Raises `ConvergenceError` if the largest is not resolved: stiff modes without damping need more samples.
+
     Parameters
     ----------
     matrix : ndarray, shape (state, state) [1/s]
     coupling : callable
         Phases, shape (sample,) [rad] -> W there, see `monodromy`.
     period : float [s]
-
-    Raises
-    ------
-    ConvergenceError
-        If the largest is not resolved: stiff modes without damping need more samples.
     """
     for count in SAMPLES:
         sampled = coupling(phases(count))

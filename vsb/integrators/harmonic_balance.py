@@ -31,10 +31,7 @@ Transfer = Callable[[FloatArray], ComplexArray]
 def regular_frequency(system: System) -> float:
     """Return the frequency of the waves or the assumed pressure of a scene, zero without either [rad/s].
 
-    Raises
-    ------
-    ConfigError
-        If there are several, or a load without a period.
+    Raises `ConfigError` if there are several, or a load without a period.
     """
     found = system.frequencies.tolist()
     if len(found) > 1 or 0.0 in found:
@@ -272,8 +269,6 @@ def balanced(scene: PeriodicScene, orbit: Orbit, tolerance: float) -> Orbit | No
 def missed(scene: PeriodicScene, orbit: Orbit) -> tuple[float, float]:
     """Return the estimated errors of too few samples and of too few harmonics, over the largest amplitude.
 
-    Notes
-    -----
     The residual with twice the samples, up to the highest harmonic they resolve, through one Newton step.
     """
     u = orbit.harmonics
@@ -287,10 +282,7 @@ def missed(scene: PeriodicScene, orbit: Orbit) -> tuple[float, float]:
 def refined(scene: PeriodicScene, orbit: Orbit, tolerance: float) -> tuple[Orbit, float]:
     """Return the orbit with enough harmonics and samples, and its estimated error.
 
-    Raises
-    ------
-    ConvergenceError
-        If `HIGHEST` harmonics or `MOST_SAMPLES` are not enough.
+    Raises `ConvergenceError` if `HIGHEST` harmonics or `MOST_SAMPLES` are not enough.
     """
     while True:
         aliased, cut = missed(scene, orbit)
@@ -318,10 +310,7 @@ def refined(scene: PeriodicScene, orbit: Orbit, tolerance: float) -> tuple[Orbit
 def continued(scene: PeriodicScene, rest: FloatArray, tolerance: float) -> Orbit:
     """Return the orbit Newton's method reaches from rest, the wave raised step by step where it must be.
 
-    Raises
-    ------
-    ConvergenceError
-        If the wave cannot be raised to its full height.
+    Raises `ConvergenceError` if the wave cannot be raised to its full height.
     """
     first = np.zeros((COUPLED + 1, len(rest)), dtype=complex)
     first[0] = np.linalg.solve(scene.system.modes, rest)
@@ -344,12 +333,7 @@ def continued(scene: PeriodicScene, rest: FloatArray, tolerance: float) -> Orbit
 
 
 def check_stable(found: ComplexArray, period: float) -> None:
-    """Check that no disturbance of an orbit grows.
-
-    Raises
-    ------
-    StabilityError
-    """
+    """Check that no disturbance of an orbit grows; raises `StabilityError`."""
     growth = float(np.abs(found).max())
     if growth > 1 + UNSTABLE:
         raise StabilityError(

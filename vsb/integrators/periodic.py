@@ -27,6 +27,9 @@ Start = tuple[FloatArray, ...]
 def periodic_power(system: System, tolerance: float = 1e-6) -> tuple[float, float]:
     """Return the mean absorbed power of a scene in a regular wave [W], starting at rest, and its unsteadiness.
 
+    Raises `ConfigError` if the sea is not one regular wave; `ConvergenceError` if the port responds so fast that a
+    period needs more than `FINEST` instants.
+
     Parameters
     ----------
     system : System
@@ -41,13 +44,6 @@ def periodic_power(system: System, tolerance: float = 1e-6) -> tuple[float, floa
     unsteady : float
         Relative difference between periods: above the tolerance the motion is not periodic, or its transient outlasts
         the run.
-
-    Raises
-    ------
-    ConfigError
-        If the sea is not one regular wave.
-    ConvergenceError
-        If the port responds so fast that a period needs more than `FINEST` instants.
     """
     step = 2 * np.pi / regular_frequency(system) / RECORDED
     runner = Switching(system)

@@ -160,6 +160,9 @@ def legs(
 ) -> Iterator[Leg]:
     """Yield the motion of a scene, its energy audit closed, in legs one after the other.
 
+    Raises `ConvergenceError` if the audit of an exact propagation does not close; `StabilityError` if the buoy leaves
+    the water for good.
+
     Parameters
     ----------
     settings : Simulation
@@ -172,13 +175,6 @@ def legs(
         Most instants of a leg; None: one leg, as the convolution, which needs its whole past, always has.
     records : int
         Instants recorded per period of the shortest wave that matters, to begin with.
-
-    Raises
-    ------
-    ConvergenceError
-        If the audit of an exact propagation does not close.
-    StabilityError
-        If the buoy leaves the water for good.
     """
     count, convolved = recorded_steps(system, sea, settings, records), settings.method == "convolution"
     enough = max(settings.tolerance, CONVOLVED if convolved else ROUND_OFF)
@@ -215,10 +211,7 @@ def legs(
 def check_floats(system: System, motion: Motion) -> None:
     """Check that a buoy of finite motion heaves by less than `FARTHEST` radii, as any buoy that floats does.
 
-    Raises
-    ------
-    StabilityError
-        Out of the water, or far below, nothing holds it against a spring of negative stiffness.
+    Raises `StabilityError`: out of the water, or far below, nothing holds it against a spring of negative stiffness.
     """
     scene = system.scene
     if scene.water is None or "Heave" not in scene.labels:

@@ -150,10 +150,7 @@ MOST_EVENTS = 1000
 class Switching:
     """A linear or body-exact scene with a take-off that switches, and perhaps an end stop.
 
-    Raises
-    ------
-    ValueError
-        If the scene has no such take-off, or forces that are not piecewise linear.
+    Raises `ValueError` if the scene has no such take-off, or forces that are not piecewise linear.
     """
 
     system: System
@@ -331,10 +328,7 @@ class Switching:
     def track(self, time: FloatArray, z: FloatArray, finer: int) -> tuple[Track, Mode]:
         """Return the motion at its nodes, the instants of the lookout and the events, and the mode at its end.
 
-        Raises
-        ------
-        ConvergenceError
-            If the take-off switches without end.
+        Raises `ConvergenceError` if the take-off switches without end.
         """
         count, lookout = (len(time) - 1) * finer, self.lookout(time, finer)
         grid, whole = np.linspace(time[0], time[-1], count + 1), np.arange(count + 1) % lookout.stride == 0
@@ -376,12 +370,8 @@ class Switching:
     def tracked(self, time: FloatArray, start: tuple[FloatArray, ...], share: float = 1.0) -> tuple[Track, int]:
         """Return the motion at its nodes, and the number of instants of the lookout in a recorded step.
 
-        `share` is the part of the tolerance for these instants.
-
-        Raises
-        ------
-        ConvergenceError
-            If a body-exact motion is not followed to the tolerance with the finest lookout.
+        `share` is the part of the tolerance for these instants. Raises `ConvergenceError` if a body-exact motion is not
+        followed to the tolerance with the finest lookout.
         """
         finer, z = self.finer(float(time[1] - time[0])), self.system.first(start)
         while True:
@@ -508,6 +498,9 @@ def switched(
 ) -> tuple[Motion, int]:
     """Return the motion of a scene with a switching take-off at equally spaced instants, and the number of switches.
 
+    Raises `ConvergenceError` if the take-off switches without end, or a body-exact motion is not followed to the
+    tolerance; `ValueError` if the scene has no switching take-off, or other nonlinear forces.
+
     Parameters
     ----------
     system : System
@@ -516,12 +509,5 @@ def switched(
         See `vsb.integrators.exact.propagate`.
     tolerance : float
         Of a body-exact motion, relative to the largest norm of the state.
-
-    Raises
-    ------
-    ConvergenceError
-        If the take-off switches without end, or a body-exact motion is not followed to the tolerance.
-    ValueError
-        If the scene has no switching take-off, or other nonlinear forces.
     """
     return Switching(system, tolerance).follow(time, start)

@@ -22,10 +22,7 @@ MODES = "modes left out"
 class Source:
     """One source of error of a number, in the number's own unit.
 
-    Raises
-    ------
-    VsbError
-        If its range is not finite, or does not hold zero: the number itself must lie in its interval.
+    Raises `VsbError` if its range is not finite, or does not hold zero: the number itself must lie in its interval.
     """
 
     name: str

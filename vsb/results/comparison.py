@@ -157,10 +157,7 @@ def damper_matrix_of(study: BaseStudy, design: str, run: Mapping[str, Any], coun
 def in_direction(response: xr.Dataset, wave: Wave) -> xr.Dataset:
     """Return the frequency response in the direction of a sea; a buoy has one for all, in still water any will do.
 
-    Raises
-    ------
-    ConfigError
-        If the response is of other directions.
+    Raises `ConfigError` if the response is of other directions.
     """
     if "wave_direction" not in response.dims:
         return response

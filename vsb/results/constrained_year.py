@@ -185,6 +185,8 @@ def constrained_year(
 ) -> ConstrainedYear:
     """Return the year of one design within limits.
 
+    Raises `ConfigError` if the port is known elsewhere, or harmonics leave out more than a hundredth of the variance.
+
     Parameters
     ----------
     port : Port
@@ -197,11 +199,6 @@ def constrained_year(
         Budget of time [s].
     seed : int
         Of the phases, of each bin its own.
-
-    Raises
-    ------
-    ConfigError
-        If the port is known elsewhere, or harmonics leave out more than a hundredth of the variance.
     """
     needed = harmonics.port_omega
     if len(port.omega) != len(needed) or not np.allclose(port.omega, needed, rtol=1e-9):

@@ -78,10 +78,7 @@ class Sample:
 def contributions(year: Year, tuning: str) -> FloatArray:
     """Return what each sea contributes to a year by linear theory, all designs alike, shape (sea,), sums to 1 [-].
 
-    Raises
-    ------
-    ConfigError
-        If the tuning is not there, or no design absorbs power.
+    Raises `ConfigError` if the tuning is not there, or no design absorbs power.
     """
     if tuning not in year.tunings:
         raise ConfigError(f"verify: received the tuning {tuning!r}, needs one of {', '.join(year.tunings)}")
@@ -93,15 +90,8 @@ def contributions(year: Year, tuning: str) -> FloatArray:
 
 
 def chances(year: Year, tuning: str) -> FloatArray:
-    """Return how likely each sea is to be drawn, shape (sea,), sums to 1 [-].
+    """Return how likely each sea is to be drawn, shape (sea,), sums to 1 [-]; raises `ConfigError` see `contributions`.
 
-    Raises
-    ------
-    ConfigError
-        See `contributions`.
-
-    Notes
-    -----
     Half by energy, a quarter by energy times Hs^4, a quarter by energy times (Hs/Te^2)^4. What linear theory leaves out
     grows with height or steepness, at first with its square, beyond a threshold faster: chances in proportion to the
     difference itself scatter least. No sea weighs more than twice what it does by energy alone.
@@ -114,6 +104,8 @@ def chances(year: Year, tuning: str) -> FloatArray:
 def drawn(share: FloatArray, hours: FloatArray, seas: int, seed: int) -> Sample:
     """Return seas drawn by their chances, two within each stratum of equal chance.
 
+    Raises `ConfigError` if `seas` is odd or less than 4.
+
     Parameters
     ----------
     share : ndarray, shape (sea,) [-]
@@ -122,11 +114,6 @@ def drawn(share: FloatArray, hours: FloatArray, seas: int, seed: int) -> Sample:
         Share of the year of each sea.
     seas : int
         How many, an even number.
-
-    Raises
-    ------
-    ConfigError
-        If `seas` is odd or less than 4.
 
     Notes
     -----
@@ -150,6 +137,8 @@ def drawn(share: FloatArray, hours: FloatArray, seas: int, seed: int) -> Sample:
 def record_of(te: float, decay: float, settings: Simulation) -> Simulation:
     """Return the run in time of a sea: long enough in its periods, from rest.
 
+    Raises `ConfigError` if the motions decay too slowly.
+
     Parameters
     ----------
     te : float
@@ -158,11 +147,6 @@ def record_of(te: float, decay: float, settings: Simulation) -> Simulation:
         Longest decay time of the motions it excites [s].
     settings : Simulation
         Its method, and its tolerance where that is larger than `TOLERANCE`.
-
-    Raises
-    ------
-    ConfigError
-        If the motions decay too slowly.
     """
     startup = max(STARTUP * te, DECAYS * decay)
     if startup > LONGEST * te:
@@ -239,12 +223,7 @@ class DesignInTime:
 
 
 def check_audit(settings: Simulation, residual: float) -> None:
-    """Refuse the power of a run whose energy audit fails.
-
-    Raises
-    ------
-    ConvergenceError
-    """
+    """Refuse the power of a run whose energy audit fails; raises `ConvergenceError`."""
     check = energy_check(settings, residual)
     if check.verdict == "fail":
         raise ConvergenceError(
@@ -312,17 +291,14 @@ class Verification:
 def verified(year: Year, tuning: str, sample: Sample, better: FloatArray, linear: FloatArray) -> Verification:
     """Return the correction of a year by runs in the drawn seas.
 
+    Raises `ConfigError` if powers are missing or not finite.
+
     Parameters
     ----------
     tuning : str
         Under which the runs were made.
     better, linear : ndarray, shape (design, draw) [W]
         Mean powers of the better model and of linear theory (`linear_power`), in the same waves and window.
-
-    Raises
-    ------
-    ConfigError
-        If powers are missing or not finite.
     """
     needed = (len(year.designs), len(sample.sea))
     for name, values in (("better", better), ("linear", linear)):
@@ -345,10 +321,7 @@ def _estimate(mean: float, draws: FloatArray) -> Estimate:
 def verified_dataset(year: Year, tuning: str, runs: Verification) -> xr.Dataset:
     """Return the corrected year of every design under a tuning with its intervals, and the runs behind it.
 
-    Raises
-    ------
-    ConfigError
-        If the corrected power of the reference is not above 0, over which gains are.
+    Raises `ConfigError` if the corrected power of the reference is not above 0, over which gains are.
     """
     powers = [runs.power(i) for i in range(len(year.designs))]
     values: dict[str, tuple[tuple[str, ...], AnyArray]] = {

@@ -105,8 +105,6 @@ class Bins:
     def deviation(self, values: FloatArray) -> FloatArray:
         """Return standard deviations within each bin, weighted by hours, shape (hs, te); 0 where there are none.
 
-        Notes
-        -----
         Of the bin's own seas, N below the line: Formula D.5 of Edition 2.
         """
         return np.sqrt(self.mean((values - self.mean(values).ravel()[self.index]) ** 2))
@@ -189,10 +187,7 @@ class DesignYear:
     def absorbed(self, tuning: Tuning, damping: float | None) -> Load:
         """Return damper and absorbed power in each sea under a tuning, `fixed` and `one` with a damper [N s/m].
 
-        Raises
-        ------
-        ValueError
-            If they have none.
+        Raises `ValueError` if they have none.
         """
         seas = len(self.climate.hours)
         if not self.port.moves:
@@ -323,6 +318,9 @@ def year(
 ) -> Year:
     """Return a site's year of some designs.
 
+    Raises `ConfigError` if `fixed` lacks a damper, or more than a hundredth of the waves lie beyond the frequencies of
+    a port.
+
     Parameters
     ----------
     ports : mapping design -> Port
@@ -334,11 +332,6 @@ def year(
         Dampers of the tuning `fixed` [N s/m].
     reference : str, optional
         Design gains are over.
-
-    Raises
-    ------
-    ConfigError
-        If `fixed` lacks a damper, or more than a hundredth of the waves lie beyond the frequencies of a port.
     """
     given = dict(dampings or {})
     if unknown := [tuning for tuning in tunings if tuning not in TUNINGS]:

@@ -28,10 +28,7 @@ FEWEST = 4
 def within_band(ds: xr.Dataset, omega_max: float | None) -> xr.Dataset:
     """Return a database without the frequencies above one [rad/s], and the repair in its history.
 
-    Raises
-    ------
-    ConfigError
-        If fewer than four are left.
+    Raises `ConfigError` if fewer than four are left.
     """
     kept = ds.omega.values > 0 if omega_max is None else (ds.omega.values > 0) & (ds.omega.values <= omega_max + 1e-9)
     if kept.sum() < FEWEST:
@@ -70,10 +67,7 @@ def without_negative_ends(ds: xr.Dataset, labels: Sequence[str]) -> xr.Dataset:
 def with_hydrostatics(body: Body, ds: xr.Dataset) -> xr.Dataset:
     """Return a database with hydrostatic stiffness: none where files hold none and the study's is all there is.
 
-    Raises
-    ------
-    ConfigError
-        If neither files nor study have a stiffness.
+    Raises `ConfigError` if neither files nor study have a stiffness.
     """
     if "hydrostatic_stiffness" in ds:
         return ds
@@ -90,17 +84,14 @@ def with_hydrostatics(body: Body, ds: xr.Dataset) -> xr.Dataset:
 def complete_body(body: Body, dofs: Sequence[str] | None, ds: xr.Dataset) -> LinearSystem:
     """Return the body of a study from the database of its files.
 
+    Raises `ConfigError` if degrees of freedom, or masses of rigid motions, are missing.
+
     Parameters
     ----------
     body : Body
         Its matrices stand before those of the files.
     dofs : sequence of str or None
         Degrees of freedom kept, `rigid` for all rigid ones; all.
-
-    Raises
-    ------
-    ConfigError
-        If degrees of freedom, or masses of rigid motions, are missing.
     """
     labels = [str(label) for label in ds.influenced_dof.values]
     mass, damping, stiffness = (
@@ -154,10 +145,7 @@ def _held(ds: xr.Dataset, names: Sequence[str]) -> FloatArray:
 def with_entries(name: str, given: Matrix | None, labels: Sequence[str], held: FloatArray) -> FloatArray:
     """Return a matrix of the dry bodies: rows as given in the study, or those of the files with entries as given.
 
-    Raises
-    ------
-    ConfigError
-        If rows are not as many as degrees of freedom, or an entry is of none.
+    Raises `ConfigError` if rows are not as many as degrees of freedom, or an entry is of none.
     """
     if given is None:
         return held
@@ -200,10 +188,7 @@ def _places(name: str, key: str, rows: Rows, bodies: Mapping[str, Sequence[int]]
 def check_water(water: Water, ds: xr.Dataset) -> None:
     """Check that a study's water is that of its body's files.
 
-    Raises
-    ------
-    ConfigError
-        With a line for each value that is not.
+    Raises `ConfigError` with a line for each value that is not.
     """
     own = {"density": "water_density", "depth": "water_depth", "gravity": "gravity"}
     other = {name: (float(getattr(water, name)), float(ds.attrs[attribute])) for name, attribute in own.items()}

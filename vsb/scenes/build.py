@@ -250,10 +250,7 @@ def body_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
 def check_followed(memory: Memory, waves: Sea, label: str) -> None:
     """Check that a memory follows the coefficients where a sea has its waves.
 
-    Raises
-    ------
-    DatabaseError
-        If more than `UNFOLLOWED` of the variance of the sea lies above.
+    Raises `DatabaseError` if more than `UNFOLLOWED` of the variance of the sea lies above.
     """
     squares = np.abs(waves.amplitude) ** 2
     beyond = float(squares[waves.omega > memory.up_to + 1e-9].sum() / (squares.sum() or 1.0))

@@ -215,10 +215,7 @@ def held_rows(design: BodyDesign, labels: Sequence[str]) -> FloatArray:
 def body_motions(name: str, design: BodyDesign, labels: Sequence[str]) -> FloatArray:
     """Return the motions a design allows, N, shape (dof, free): degrees of freedom, less what is held.
 
-    Raises
-    ------
-    ConfigError
-        If it names what is not there, or nothing moves.
+    Raises `ConfigError` if it names what is not there, or nothing moves.
     """
     chosen = moved(design, labels)
     held = [label for shares in design.held for label in shares]

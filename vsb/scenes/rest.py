@@ -66,12 +66,8 @@ def whole_labels(study: Moving, reference: ReferenceShell) -> tuple[str, ...]:
 def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray:
     """Return the motions a design allows, shape (dof, free) [-]: heave alone, or heave and the unclamped modes.
 
-    Likewise of the other azimuthal orders, where the buoy moves in more directions; less what the mooring holds.
-
-    Raises
-    ------
-    ConfigError
-        If the clamps leave no shell mode free.
+    Likewise of the other azimuthal orders, where the buoy moves in more directions; less what the mooring holds. Raises
+    `ConfigError` if the clamps leave no shell mode free.
     """
     chosen, clamps = study.designs[design], np.deg2rad(study.designs[design].clamp)
     others = (order.allowed(chosen.flexible, clamps) for order in order_bases(study, basis))
@@ -101,10 +97,7 @@ def mooring_rows(study: Designed, basis: ModeBasis) -> FloatArray:
 def motions_to_degree(study: Designed, basis: ModeBasis, design: str, degree: int) -> FloatArray:
     """Return the motions a heaving design has with the shell modes to a degree, in a basis of more, (dof, free) [-].
 
-    Raises
-    ------
-    ConfigError
-        If the clamps leave none of those modes free.
+    Raises `ConfigError` if the clamps leave none of those modes free.
     """
     smaller = mode_basis(study.device, study.modes.basis, degree)
     motions = design_motions(study, smaller, design)
@@ -149,10 +142,7 @@ def _at_rest(loaded: LoadedShell) -> FloatArray:
 def complete_at_rest(study: AtRest) -> tuple[LoadedShell, FloatArray]:
     """Return the loaded shell in a basis that resolves its buckling, and its equilibrium, shape (dof,) [m].
 
-    Raises
-    ------
-    ConvergenceError
-        If the growing load does not lead it to a stable rest shape.
+    Raises `ConvergenceError` if the growing load does not lead it to a stable rest shape.
     """
     loaded = complete_loaded_shell(study)
     return loaded, _at_rest(loaded)
@@ -170,16 +160,13 @@ def carries_load(study: AtRest) -> bool:
 def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceShell:
     """Return the shell a study is linearised about.
 
+    Raises `ConfigError` if `reference_shape: equilibrium` is asked for and the shell buckles before it carries its
+    load, in a basis that resolves its buckling: few modes would hide it.
+
     Parameters
     ----------
     basis : ModeBasis, optional
         Another basis than the study's own.
-
-    Raises
-    ------
-    ConfigError
-        If `reference_shape: equilibrium` is asked for and the shell buckles before it carries its load, in a basis
-        that resolves its buckling: few modes would hide it.
 
     Notes
     -----
@@ -294,12 +281,7 @@ def _rigid_stiffness(study: Moving, reference: ReferenceShell) -> tuple[list[str
 
 
 def check_upright(study: Moving, reference: ReferenceShell) -> None:
-    """Check that the buoy as a rigid body does not fall over.
-
-    Raises
-    ------
-    ConfigError
-    """
+    """Check that the buoy as a rigid body does not fall over; raises `ConfigError`."""
     names, stiffness = _rigid_stiffness(study, reference)
     tilts = {name: float(stiffness[i, i]) for i, name in enumerate(names) if name in ("Pitch", "Roll")}
     if tilts and min(tilts.values()) <= 0.0:
@@ -314,9 +296,7 @@ def check_upright(study: Moving, reference: ReferenceShell) -> None:
 def check_moored(study: Moving, reference: ReferenceShell) -> None:
     """Check that the mooring does not drive the buoy as a rigid body out of its rest; what nothing holds may drift.
 
-    Raises
-    ------
-    ConfigError
+    Raises `ConfigError`.
     """
     names, stiffness = _rigid_stiffness(study, reference)
     least, shape = softest(stiffness, unrestrained_motions(stiffness, names, np.eye(len(names))))
@@ -331,9 +311,7 @@ def check_moored(study: Moving, reference: ReferenceShell) -> None:
 def check_stable(study: Designed, reference: ReferenceShell) -> None:
     """Check that every design rests stably about the reference shape: else a linear model of it grows without bound.
 
-    Raises
-    ------
-    ConfigError
+    Raises `ConfigError`.
     """
     check_upright(study, reference)
     check_moored(study, reference)
@@ -348,12 +326,7 @@ def check_stable(study: Designed, reference: ReferenceShell) -> None:
 
 
 def check_spring(study: Study, reference: ReferenceShell) -> None:
-    """Check that the take-off's spring does not push a buoy out of its rest.
-
-    Raises
-    ------
-    ConfigError
-    """
+    """Check that the take-off's spring does not push a buoy out of its rest; raises `ConfigError`."""
     if study.pto.several:  # without a spring
         return
     direction = port_direction(study.pto.port, reference.shape, order_bases(study, reference.basis))
@@ -378,9 +351,7 @@ def check_spring(study: Study, reference: ReferenceShell) -> None:
 def check_rests(study: Study, reference: ReferenceShell) -> None:
     """Check that every design comes to rest where the water acts on the shell as it is; a linear model needs no rest.
 
-    Raises
-    ------
-    ConfigError
+    Raises `ConfigError`.
     """
     if study.hydro.model == "linear":
         return

@@ -46,13 +46,9 @@ Latching times are found in a sea (`vsb.scenes.latching`)."""
 def law_of_package(pto: Pto, port: FloatArray, rest: float) -> PortForce:
     """Return the force of a law of a package, `force = law(position, velocity, time, parameters)`.
 
-    Position and velocity of the port, from rest, and time are arrays (time,); the force [N] acts on the buoy.
-
-    Raises
-    ------
-    ConfigError
-        If the package is not installed, in another version than the study is of, or its law cannot be had, raises, or
-        gives no finite force for a port at rest.
+    Position and velocity of the port, from rest, and time are arrays (time,); the force [N] acts on the buoy. Raises
+    `ConfigError` if the package is not installed, in another version than the study is of, or its law cannot be had,
+    raises, or gives no finite force for a port at rest.
     """
     try:
         entry = entry_point(pto.law)
@@ -82,17 +78,14 @@ def tuned_take_off(
 ) -> LinearPto:
     """Return spring and damper of a run: the damper given, or the one that absorbs most in seas by linear theory.
 
+    Raises `ConfigError` if no damper is given and no sea has waves.
+
     Parameters
     ----------
     seas : sequence of (Wave, Sea)
         A damper that is not given maximises the sum of power over these, from any directions.
     dragged : callable, optional
         Floating system, design, frequencies by direction -> its port with drag, where there is drag.
-
-    Raises
-    ------
-    ConfigError
-        If no damper is given and no sea has waves.
     """
     if pto.several:
         return LinearPto(_damper_matrix(pto, design, floating, seas), port=floating.port)
@@ -173,16 +166,13 @@ def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
 def end_stop(scene: Scene, port: FloatArray, stroke: float) -> EndStop:
     """Return the stop of a port: much stiffer than the buoy, critically damped with all that moves with the port.
 
+    Raises `ConfigError` if the port drifts.
+
     Parameters
     ----------
     port : ndarray, shape (dof,)
         b.
     stroke : float [m]
-
-    Raises
-    ------
-    ConfigError
-        If the port drifts.
     """
     b = scene.motions.T @ port
     mass = 1 / float(b @ np.linalg.solve(scene.motions.T @ scene.mass @ scene.motions, b))

@@ -126,8 +126,6 @@ def _no_equilibrium(error: Exception) -> str:
 def buckling_margin(study: Study) -> float:
     """Return 1 - static load over computed buckling load [-]; 1 of a study without flexible designs.
 
-    Notes
-    -----
     Without trapped gas the load is that of weight, water and internal pressure, which does not depend on the modulus:
     the buckling load is proportional to it. Rubber at its equilibrium is followed along the growing load instead, to
     `MOST_LOAD` at most.

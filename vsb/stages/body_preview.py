@@ -46,11 +46,8 @@ def body_before_run(plan: BodyPlan) -> LinearSystem:
 def checked_body(plan: BodyPlan) -> CheckedBody:
     """Return what is known of the body of a study before it is solved, after what would fail later.
 
-    Raises
-    ------
-    ConfigError, DatabaseError, StabilityError
-        If its files are not what they should be, it is statically unstable, nothing moves, or its seas are
-        not in its band.
+    Raises `ConfigError`, `DatabaseError` or `StabilityError` if its files are not what they should be, it is statically
+    unstable, nothing moves, or its seas are not in its band.
     """
     study, files, source, mesh = plan.study, plan.files, plan.study.body, None
     if isinstance(source.file, BodyFile):
@@ -103,12 +100,7 @@ def _off_axis(checks: Sequence[Check]) -> str:
 
 
 def check_wave(i: int, wave: Wave, body: LinearSystem) -> None:
-    """Check that a sea comes from a direction the database has, and lies in its band.
-
-    Raises
-    ------
-    ConfigError
-    """
+    """Check that a sea comes from a direction the database has, and lies in its band; raises `ConfigError`."""
     if isinstance(wave, StillWater):
         return
     first, last = body.database.omega.values[[0, -1]]

@@ -114,10 +114,7 @@ def finished(path: Path, one: Member, work: Work) -> xr.Dataset:
 def swept_shape(study: Study, basis: ModeBasis, root: str) -> SweptShape:
     """Return the coefficients of a shape, solved if they are not there.
 
-    Raises
-    ------
-    DatabaseError
-        If a check on them fails that the study does not accept.
+    Raises `DatabaseError` if a check on them fails that the study does not accept.
     """
     plan = StudyPlan(study, root=root)
     solve(plan)

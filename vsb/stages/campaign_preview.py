@@ -16,9 +16,7 @@ from vsb.waves.climate import OUTSIDE, Climate, climate_line
 def check_campaign(plan: CampaignPlan) -> None:
     """Raise what would fail later in a campaign: points that are no studies, frequencies that cannot be solved, seas.
 
-    Raises
-    ------
-    ConfigError
+    Raises `ConfigError`.
     """
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     for one in {member.spec.sweep: member for member in plan.members}.values():

@@ -11,12 +11,7 @@ from vsb.study.plans import Plan
 
 
 def check_plan(plan: Plan) -> None:
-    """Raise what would fail later in a run.
-
-    Raises
-    ------
-    ConfigError, DatabaseError
-    """
+    """Raise what would fail later in a run; raises `ConfigError` or `DatabaseError`."""
     if isinstance(plan, CampaignPlan):
         from vsb.stages.campaign_preview import check_campaign
 

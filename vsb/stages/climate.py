@@ -14,10 +14,7 @@ from vsb.waves.spectra import read_spectra
 def read_climate(spec: ClimateSpec, path: str) -> Climate:
     """Read the seas of a year from the file whose contents a specification names.
 
-    Raises
-    ------
-    ConfigError
-        If it holds others, or cannot be read.
+    Raises `ConfigError` if it holds others, or cannot be read.
     """
     try:
         found = sha256_of(path)[:16]

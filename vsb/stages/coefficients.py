@@ -44,10 +44,8 @@ REMEDY = "use smaller panels or other frequencies, keep fewer of them (hydro.ome
 def run_coefficients(spec: BodySpec, out: str, **files: str) -> None:
     """Solve or read the coefficients of a body, check them, and store them with its matrices.
 
-    Raises
-    ------
-    ConfigError, DatabaseError
-        If a file is not what it should be, or a check fails that the study does not accept.
+    Raises `ConfigError` or `DatabaseError` if a file is not what it should be, or a check fails that the study does not
+    accept.
     """
     if isinstance(spec.body.file, BodyFile):
         mesh = build_body(spec.body.file, files)
@@ -70,10 +68,8 @@ class Judged(NamedTuple):
 def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
     """Return a body from coefficients solved or read, judged in the degrees of freedom its designs move in.
 
-    Raises
-    ------
-    ConfigError, DatabaseError
-        If matrices or degrees of freedom are missing, or a check fails that the study does not accept.
+    Raises `ConfigError` or `DatabaseError` if matrices or degrees of freedom are missing, or a check fails that the
+    study does not accept.
     """
     found, conjugated = with_hydrostatics(spec.body, found), list[Check]()
     if "phases" in spec.repair:

@@ -47,6 +47,8 @@ DESCRIPTIONS = {
 def crate(config: str, out: str, licence: str | None = None, author: str | None = None) -> list[str]:
     """Write the results of a study or campaign into an archive; return the lines to print.
 
+    Raises `VsbError` if results are missing, or are not what they should be, or the name is none of an archive.
+
     Parameters
     ----------
     config : str
@@ -57,11 +59,6 @@ def crate(config: str, out: str, licence: str | None = None, author: str | None 
         Address of the licence the results are given under.
     author : str or None
         Who made them.
-
-    Raises
-    ------
-    VsbError
-        If results are missing, or are not what they should be, or the name is none of an archive.
     """
     if Path(out).suffix != ".zip":
         raise VsbError(f"{out}: received a name without .zip, needs one with it")

@@ -15,12 +15,7 @@ EVALUATION_SECONDS, EVALUATIONS = 0.3, 6
 
 
 def check_design(plan: DesignPlan) -> None:
-    """Raise what would fail later in a design problem.
-
-    Raises
-    ------
-    ConfigError
-    """
+    """Raise what would fail later in a design problem; raises `ConfigError`."""
     source, loaded = plan.loaded.source, plan.loaded
     seas = read_climate(plan.climate, loaded.climate_path)
     study = study_at(plan.flexible.base, {})

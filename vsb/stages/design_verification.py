@@ -58,10 +58,7 @@ def run_design_verification(spec: DesignVerificationSpec, climate: str, starts: 
 def simulated(one: Buoy, spec: DesignVerificationSpec) -> Study:
     """Return the study of a buoy with the model of the runs, its own design alone.
 
-    Raises
-    ------
-    ConfigError
-        If the study cannot be followed by the model.
+    Raises `ConfigError` if the study cannot be followed by the model.
     """
     raw = one.with_damper().study.model_dump(exclude_none=True)
     raw |= {"simulation": spec.simulation, "hydro": {**raw["hydro"], "model": spec.verify.model}}

@@ -32,10 +32,7 @@ NUMBER = r"-?\d+\.?\d*(?:e[-+]?\d+)?"
 def init(path: str, radius: float | None = None) -> None:
     """Write a commented study that is named after its file: the shipped one, or that scaled by Froude to a radius [m].
 
-    Raises
-    ------
-    ConfigError
-        If the file exists, its name cannot be a study's, or no such buoy can be computed.
+    Raises `ConfigError` if the file exists, its name cannot be a study's, or no such buoy can be computed.
     """
     target = _new(path)
     text = EXAMPLE.read_text(encoding="utf-8").replace("study: buoy", f"study: {target.stem}")
@@ -59,15 +56,12 @@ def init_body(path: str) -> None:
 def init_campaign(path: str, study: str) -> str:
     """Write a commented campaign of a study, named after its file, and a table of occurrences beside it.
 
+    Raises `ConfigError` as `init`, if the study is none of a buoy, or the table exists.
+
     Returns
     -------
     str
         Path of the table.
-
-    Raises
-    ------
-    ConfigError
-        As `init`, if the study is none of a buoy, or the table exists.
     """
     target, base = _new(path), os.path.relpath(study, Path(path).parent)
     site = target.with_name(f"{target.stem}_site.csv")
@@ -88,15 +82,12 @@ def init_campaign(path: str, study: str) -> str:
 def init_design(path: str) -> str:
     """Write a commented design problem, named after its file, and the study it varies beside it.
 
+    Raises `ConfigError` as `init`, of either file.
+
     Returns
     -------
     str
         Path of the study.
-
-    Raises
-    ------
-    ConfigError
-        As `init`, of either file.
     """
     target = _new(path)
     study = target.with_name(f"{target.stem}_study.yaml")

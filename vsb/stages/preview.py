@@ -35,9 +35,7 @@ FROM_REST = 8.0
 def check_before_run(study: Study, plan: StudyPlan) -> None:
     """Raise what would fail later: shells that give way, clamps that leave nothing free, unreadable or foreign files.
 
-    Raises
-    ------
-    ConfigError, DatabaseError
+    Raises `ConfigError` or `DatabaseError`.
     """
     reference = reference_shell(study)
     check_stable(study, seen_by_take_off(study, reference)[0])

@@ -118,9 +118,7 @@ MARKS = {"study": ("study.json", "modes.nc"), "campaign": ("campaign.nc", "membe
 def check_name(plan: Plan) -> None:
     """Check that a study, a campaign or a design has not the name of another kind whose results are there.
 
-    Raises
-    ------
-    ConfigError
+    Raises `ConfigError`.
     """
     folder = Path(plan.folder)
     own = "campaign" if isinstance(plan, CampaignPlan) else "design" if isinstance(plan, DesignPlan) else "study"
@@ -173,10 +171,7 @@ TARGETS = {"all", *(stage.name for stage in STAGES if stage.name not in (*OF_MAN
 def check_options(options: Sequence[str], plan: Plan) -> None:
     """Check what is handed on to snakemake, which would answer a mistake with pages.
 
-    Raises
-    ------
-    VsbError
-        If it is no option of snakemake, no rule, and no file among the results.
+    Raises `VsbError` if it is no option of snakemake, no rule, and no file among the results.
     """
     if not set(options) - {"-n", "--dry-run", "--dryrun"}:
         return

@@ -20,12 +20,8 @@ from vsb.tools.stamps import read_text
 def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
     """Return the lines of studies and campaigns that were run, in their order.
 
-    Raises
-    ------
-    ConfigError
-        If one is named twice, or two share a name.
-    DatabaseError
-        If results are missing, damaged, or of another state of their file.
+    Raises `ConfigError` if one is named twice, or two share a name; `DatabaseError` if results are missing, damaged, or
+    of another state of their file.
     """
     names = [plan.name if isinstance(plan, CampaignPlan) else plan.study.study for plan in plans]
     if twice := [name for name in names if names.count(name) > 1]:

@@ -33,7 +33,7 @@ def single_job(plan: Plan, profile: Mapping[str, Any]) -> list[str]:
     """Return the command by which Slurm runs another one, of all of a short study or campaign, on one node.
 
     A job of each rule waits in the queue, starts snakemake twice and is asked for at growing intervals, which takes
-    longer than what is short.
+    longer than what is short. Raises `VsbError` if this machine hands no jobs to Slurm.
 
     Parameters
     ----------
@@ -45,11 +45,6 @@ def single_job(plan: Plan, profile: Mapping[str, Any]) -> list[str]:
     list of str
         Empty where rules are better jobs of their own: if the plan is long, if the profile asks for more than account
         and partition, or in a job of Slurm's.
-
-    Raises
-    ------
-    VsbError
-        If this machine hands no jobs to Slurm.
     """
     if shutil.which("srun") is None:
         raise VsbError("--profile: received one for Slurm, whose srun is not found; needs a machine of the cluster")

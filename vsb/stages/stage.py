@@ -40,12 +40,7 @@ class Stage:
         run(*([self.read(text)] if self.spec else []), **named)
 
     def read(self, text: str) -> Any:
-        """Return the specification of a text.
-
-        Raises
-        ------
-        ConfigError
-        """
+        """Return the specification of a text; raises `ConfigError`."""
         source = "standard input"
         try:
             raw = json.loads(text)

@@ -18,10 +18,7 @@ from vsb.tools.files import attributes, check_stamp, load
 class StoredRuns(Mapping[tuple[str, str], xr.Dataset]):
     """Trajectories of a study in a folder, by design and sea: read when asked for, those of one sea kept at a time.
 
-    Raises
-    ------
-    DatabaseError
-        By every run that is missing, damaged, or of another specification.
+    Raises `DatabaseError` by every run that is missing, damaged, or of another specification.
     """
 
     study: AnyStudy
@@ -64,10 +61,7 @@ class StoredRuns(Mapping[tuple[str, str], xr.Dataset]):
 class Inputs:
     """Results of a study, each read when asked for; empty where the study has none.
 
-    Raises
-    ------
-    DatabaseError
-        By everything here: if a file is missing, damaged, or of another specification.
+    Raises `DatabaseError` by everything here: if a file is missing, damaged, or of another specification.
     """
 
     study: AnyStudy

@@ -110,6 +110,8 @@ def powers_in_time(
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean powers of the better model and of linear theory in the drawn seas, each shape (design, draw) [W].
 
+    Raises `ConvergenceError` or `StabilityError` if a run fails, with its sea.
+
     Parameters
     ----------
     year : Year
@@ -118,11 +120,6 @@ def powers_in_time(
     given : Simulation
         Tolerance and method.
     model : {'body_exact', 'linear'}
-
-    Raises
-    ------
-    ConvergenceError, StabilityError
-        If a run fails, with its sea.
     """
     climate, highest = year.climate, float(year.climate.edges[-1])
     found = np.empty((2, len(designs), len(sample.sea)))

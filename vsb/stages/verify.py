@@ -32,6 +32,8 @@ TRASH = "trash"
 def verify(target: str, *, heal: bool, agreed: Callable[[Sequence[str]], bool] | None = None) -> list[str]:
     """Check the results of a study file or of a folder, contents included; return the lines to print.
 
+    Raises `VsbError` if something is not what it should be, or missing, and is not to be healed.
+
     Parameters
     ----------
     target : str
@@ -41,11 +43,6 @@ def verify(target: str, *, heal: bool, agreed: Callable[[Sequence[str]], bool] |
         manifest names, or that carry a stamp themselves.
     agreed : callable, optional
         Whether files may be moved, given a line for each; called once, and not if there are none. Without, they may.
-
-    Raises
-    ------
-    VsbError
-        If something is not what it should be, or missing, and is not to be healed.
     """
     plans = _plans(target)
     root = Path(plans[0].root if plans else target)
@@ -213,11 +210,8 @@ def differences(plan: Plan) -> str:
 def stale_products(plan: Plan, *, dry: bool) -> list[str]:
     """Return the products a run must make anew, and say so.
 
-    Raises
-    ------
-    DatabaseError
-        If a file that studies share is damaged or foreign: other results rest on it and it may have taken hours, so it
-        is for the user to remove.
+    Raises `DatabaseError` if a file that studies share is damaged or foreign: other results rest on it and it may have
+    taken hours, so it is for the user to remove.
     """
     if changes := differences(plan):
         print(f"vsb: {plan.folder} {'holds' if dry else 'held'} another study of this name: {changes}", flush=True)

@@ -53,10 +53,7 @@ def spectral_problem(spec: SpectralSpec) -> SpectralProblem:
 def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:
     """Merge the blocks in a folder, express them in the modes, check them, and store them with their verdict.
 
-    Raises
-    ------
-    DatabaseError
-        If a block is missing or foreign, or a check fails that the study does not accept.
+    Raises `DatabaseError` if a block is missing or foreign, or a check fails that the study does not accept.
     """
     water = spec.water
     found = {name: _block(f"{blocks}/{name}.nc", name) for name in (*spec.sweep, *spec.tabulated)}

@@ -100,10 +100,8 @@ class HydroPlan:
     def resolution(self, omega: float) -> Rows:
         """Panel rows, azimuthal panels and lid rows for frequencies up to omega [rad/s].
 
-        Raises
-        ------
-        ConfigError
-            If the wave is too short for any mesh of at most `MAX_ROWS` rows, or for the rows asked for.
+        Raises `ConfigError` if the wave is too short for any mesh of at most `MAX_ROWS` rows, or for the rows asked
+        for.
         """
         study, radius = self.study, self.study.device.radius
         most = study.hydro.rows or MAX_ROWS
@@ -221,9 +219,7 @@ class HydroPlan:
     def check_waves(self) -> None:
         """Check that no wave is longer than the lowest frequency solved, nor the band too wide for the solver.
 
-        Raises
-        ------
-        ConfigError
+        Raises `ConfigError`.
         """
         largest = math.sqrt(LARGEST_KA * self.study.water.gravity / self.study.device.radius)
         if not self.study.uses_panels and self.study.hydro.omega_max > largest:

@@ -537,10 +537,7 @@ def is_body(raw: object) -> TypeGuard[dict[str, Any]]:
 def located(raw: object, source: str) -> LocatedBody:
     """Return the study of a body in nested mappings, its files found from the folder of the source.
 
-    Raises
-    ------
-    ConfigError
-        One line with the file, the key, the value received and the value needed.
+    Raises `ConfigError`: one line with the file, the key, the value received and the value needed.
     """
     study = validated(BodyStudy, with_records(raw, source), source)
     body, folder = study.body, Path(source).parent

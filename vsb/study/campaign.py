@@ -294,9 +294,7 @@ class LoadedCampaign(Section):
     def check_take_off(self, study: AnyStudy, where: str) -> None:
         """Check that a take-off that switches is not judged by linear theory alone, which does not see it.
 
-        Raises
-        ------
-        ConfigError
+        Raises `ConfigError`.
         """
         checked = (leading_tuning(self.tuning), "constrained") if self.campaign.verify else ("constrained",)
         blind = [tuning for tuning in self.tuning if tuning not in checked]
@@ -331,10 +329,7 @@ def study_at(base: Mapping[str, Any], point: Point) -> Study:
 def any_study_at(base: Mapping[str, Any], point: Point) -> AnyStudy:
     """Return a study with values of a point: scaled first, then each key set; linear, in no sea of its own.
 
-    Raises
-    ------
-    ConfigError
-        If it has no such key, or no study has such a value.
+    Raises `ConfigError` if it has no such key, or no study has such a value.
     """
     raw = dict(base)
     if SCALE in point:

@@ -159,10 +159,7 @@ class CampaignPlan(ResultsFolder):
     def members(self) -> list[Member]:
         """Members in the order of the points.
 
-        Raises
-        ------
-        ConfigError
-            If a point has no study; in one line with its values.
+        Raises `ConfigError` if a point has no study; in one line with its values.
         """
         loaded = self.loaded
         try:
@@ -211,10 +208,7 @@ class CampaignPlan(ResultsFolder):
     def verifications(self) -> dict[str, VerificationSpec]:
         """Specs of the runs in time of every member by id, in the order of the members; none without `verify`.
 
-        Raises
-        ------
-        ConfigError
-            If the study's `simulation` cannot follow the model.
+        Raises `ConfigError` if the study's `simulation` cannot follow the model.
         """
         found = [self._verification(one) for one in self.members] if self.loaded.campaign.verify else []
         return {content_id(spec): spec for spec in found}

@@ -55,10 +55,7 @@ class Shape(Section):
     def meridian(self, radius: float) -> RestMeridian:
         """Return the meridian of a largest radius [m].
 
-        Raises
-        ------
-        ValueError
-            If it bounds no body, or is too slender or too flat.
+        Raises `ValueError` if it bounds no body, or is too slender or too flat.
         """
         if self.spheroid:
             key, found = "spheroid", spheroid(radius, self.spheroid.height)
@@ -81,15 +78,12 @@ class Shape(Section):
 def with_points(raw: Any, source: str) -> Any:
     """Return a study as nested mappings with the points of its shape's profile in place of the file that holds them.
 
+    Raises `ConfigError` if the file cannot be read, or holds no rows of two numbers.
+
     Parameters
     ----------
     source : str
         File of the study, which the profile's name is relative to.
-
-    Raises
-    ------
-    ConfigError
-        If the file cannot be read, or holds no rows of two numbers.
     """
     try:
         name = raw["device"]["shape"]["profile"]
@@ -133,10 +127,7 @@ def shell_mass(meridian: RestMeridian | None, radius: float, thickness: float, d
 def check_shape(study: Any) -> None:
     """Check that a study, of `vsb.study.study`, asks of another shape than the sphere what is known of it.
 
-    Raises
-    ------
-    ValueError
-        One line with the key, what was received and what is needed.
+    Raises `ValueError`: one line with the key, what was received and what is needed.
     """
     device, hydro = study.device, study.hydro
     if hydro.model not in ("linear", "body_exact"):
@@ -375,12 +366,8 @@ BAND = 5.4
 def resolved(raw: Mapping[str, Any]) -> dict[str, Any]:
     """Return a study as nested mappings with what it leaves to its size: mass by draft or half immersion, omega_max.
 
-    What is needed for it and wrong, or missing, is left to be found by its own check.
-
-    Raises
-    ------
-    ValueError
-        If mass and draft are both given, or the draft is none of this sphere.
+    What is needed for it and wrong, or missing, is left to be found by its own check. Raises `ValueError` if mass and
+    draft are both given, or the draft is none of this sphere.
     """
     try:
         radius = _number(raw["device"], "radius", None)

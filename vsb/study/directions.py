@@ -51,9 +51,7 @@ class Drag(Section):
 def check_followed(model: str, method: str, pto: Pto) -> None:
     """Check that the hydrodynamic model, the method in time and the take-off of a study can follow a drag.
 
-    Raises
-    ------
-    ValueError
+    Raises `ValueError`.
     """
     if model not in ("linear", "body_exact"):
         raise ValueError(f"drag: hydro.model {model!r} knows none; needs linear or body_exact")
@@ -101,10 +99,7 @@ Mooring = Annotated[_Rows, BeforeValidator(_rows, json_schema_input_type=_Rows |
 def check_directions(study: Any) -> None:
     """Check that the motion of a study, of `vsb.study.study`, suits its device, its shell and its model.
 
-    Raises
-    ------
-    ValueError
-        One line with the key, what was received and what is needed.
+    Raises `ValueError`: one line with the key, what was received and what is needed.
     """
     _check_drag(study)
     if study.motion == "heave":
@@ -141,12 +136,7 @@ def check_directions(study: Any) -> None:
 
 
 def check_heading(study: Any, direction: float, where: str) -> None:
-    """Check that a buoy of a study knows waves going to a direction [degrees].
-
-    Raises
-    ------
-    ValueError
-    """
+    """Check that a buoy of a study knows waves going to a direction [degrees]; raises `ValueError`."""
     received = f"{where}.direction {direction:g} degrees"
     if study.motion == "heave" and direction:
         raise ValueError(
@@ -160,9 +150,7 @@ def check_heading(study: Any, direction: float, where: str) -> None:
 def check_spreading(study: Any, where: str) -> None:
     """Check that a buoy of a study feels waves from several directions, and that its forces know them.
 
-    Raises
-    ------
-    ValueError
+    Raises `ValueError`.
     """
     if study.motion == "heave":
         raise ValueError(

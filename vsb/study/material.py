@@ -64,10 +64,7 @@ Material = Annotated[Hookean | Rubber, Field(discriminator="law")]
 def with_moduli(device: Any) -> Any:
     """Return the section `device` as nested mappings with the moduli that rubber implies.
 
-    Raises
-    ------
-    ValueError
-        If it has moduli beside those.
+    Raises `ValueError` if it has moduli beside those.
     """
     if not isinstance(device, dict) or (law := _law(device.get("material"))) in (None, "hookean"):
         return device
@@ -95,9 +92,7 @@ def _young_modulus(material: Any) -> float:
 def check_rubber(model: str, method: str, pto: Pto) -> None:
     """Check that the hydrodynamic model, the method in time and the take-off of a study can follow a shell of rubber.
 
-    Raises
-    ------
-    ValueError
+    Raises `ValueError`.
     """
     if model == "assumed_pressure":
         raise ValueError(f"hydro.model {model!r}: knows no rubber; needs linear, body_exact or auto")

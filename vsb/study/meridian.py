@@ -255,8 +255,6 @@ def capsule(radius: float, length: float) -> RestMeridian:
     Of the plain one the curvature 1/r jumps to 0; here it passes smoothly (a Gaussian of `JUNCTION` radii), so that
     the meridian is smooth to all orders. Its angle phi goes with the length of the arc.
 
-    Notes
-    -----
     The tangent turns by psi' = 1 + sum c_k cos k phi, c_k = 4 P/(2 pi^2 r) sin(k w)/k exp(-(k s)^2/2) of even k, with
     P the perimeter, w = pi^2 r/P half of a cap and s = 2 pi `JUNCTION` r/P; then x' = cos psi, z' = -sin psi.
     Radius and length may be complex, for derivatives by a complex step.
@@ -292,17 +290,14 @@ def _terms(even: Sequence[float], odd: Sequence[float], small: float) -> tuple[l
 def through(points: tuple[tuple[float, float], ...], radius: float) -> RestMeridian:
     """Return a smooth meridian through points (x, z) from the top to the keel, scaled to a largest radius [m].
 
+    Raises `ValueError` if the points are fewer than five or no numbers, do not end on the axis, meet it or each other
+    before, turn more sharply than a smooth meridian can follow, or bound no body.
+
     Parameters
     ----------
     points : tuple of (x, z)
         The first and the last on the axis; in any unit. Height zero becomes the middle between top and keel.
     radius : float [m]
-
-    Raises
-    ------
-    ValueError
-        If the points are fewer than five or no numbers, do not end on the axis, meet it or each other before, turn
-        more sharply than a smooth meridian can follow, or bound no body.
 
     Notes
     -----

@@ -215,15 +215,13 @@ def _below(node: yaml.Node, part: str | int) -> tuple[yaml.Node, yaml.Node] | No
 def read_yaml(path: str | Path, wanted: str) -> object:
     """Return what a YAML file holds; a mapping at its top knows the lines of the file.
 
+    Raises `ConfigError` if it cannot be read, is not YAML, gives a key twice, or a number of more digits than can be
+    printed.
+
     Parameters
     ----------
     wanted : str
         What kind of file is needed, in words.
-
-    Raises
-    ------
-    ConfigError
-        If it cannot be read, is not YAML, gives a key twice, or a number of more digits than can be printed.
     """
     try:
         data = _loaded(read_bounded(path, LARGEST_STUDY).decode())
@@ -272,11 +270,8 @@ def _yaml_words(error: Exception) -> tuple[str, str]:
 def validated(model: type[Model], raw: object, source: str) -> Model:
     """Return a model from nested mappings.
 
-    Raises
-    ------
-    ConfigError
-        One line with the source, its line if it is a YAML file, the key, the value received and the value needed; all
-        mistakes there are as `mistakes`.
+    Raises `ConfigError`: one line with the source, its line if it is a YAML file, the key, the value received and the
+    value needed; all mistakes there are as `mistakes`.
     """
     if not isinstance(raw, dict):
         raise ConfigError(

@@ -116,15 +116,12 @@ class Samples(Section):
 def with_records(raw: Any, source: str) -> Any:
     """Return a study as nested mappings with the samples of its records in place of the files that hold them.
 
+    Raises `ConfigError` as of `read_record`.
+
     Parameters
     ----------
     source : str
         File of the study, which names of records are relative to.
-
-    Raises
-    ------
-    ConfigError
-        As of `read_record`.
     """
     waves = raw.get("waves") if isinstance(raw, dict) else None
     found = raw
@@ -141,17 +138,13 @@ def read_record(path: Path, where: str) -> dict[str, Any]:
     """Return step [s] and elevations [m] of a file of two columns, time [s] and elevation [m].
 
     Columns are separated by commas, semicolons or blanks; a line of their names may stand first, and lines that begin
-    with # are left out. The file may be packed with gzip.
+    with # are left out. The file may be packed with gzip. Raises `ConfigError` if it cannot be read, a row is not two
+    numbers, or the instants are not equally spaced.
 
     Parameters
     ----------
     where : str
         Place in the study, for messages about the file as a whole.
-
-    Raises
-    ------
-    ConfigError
-        If it cannot be read, a row is not two numbers, or the instants are not equally spaced.
     """
     try:
         lines = read_unpacked(path).decode("utf-8-sig").splitlines()

@@ -180,12 +180,7 @@ class BaseStudy(Section):
         return "fixed" if alone else self.pto.tuning
 
     def check_dampers(self) -> None:
-        """Check that every run has a damper.
-
-        Raises
-        ------
-        ConfigError
-        """
+        """Check that every run has a damper; raises `ConfigError`."""
         for i, wave in enumerate(self.waves):
             if self.tuning(wave) == "fixed" and not self.pto.has_damper:
                 raise ConfigError(

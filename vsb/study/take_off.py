@@ -291,10 +291,7 @@ def port_kind(port: object) -> PortKind:
 def entry_point(law: str) -> EntryPoint:
     """Return the entry point that declares a law `my_package:law`.
 
-    Raises
-    ------
-    ValueError
-        If no installed package does.
+    Raises `ValueError` if no installed package does.
     """
     known = {one.value.replace(" ", ""): one for one in entry_points(group=LAWS_OF_PACKAGES)}
     if law not in known:

@@ -206,10 +206,7 @@ class Vary(Section):
 def read_vary(raw: object) -> Vary:
     """Return what is varied from the section of a campaign file.
 
-    Raises
-    ------
-    ValueError
-        One line with the key, what was received and what is needed.
+    Raises `ValueError`: one line with the key, what was received and what is needed.
     """
     if isinstance(raw, Vary):
         return raw

@@ -350,12 +350,7 @@ class RecordedSea(IrregularSea):
         return self.file.fastest
 
     def check_band(self, low: float, high: float, where: str) -> None:
-        """Check that a band [rad/s] holds the record, but for little of its variance.
-
-        Raises
-        ------
-        ConfigError
-        """
+        """Check that a band [rad/s] holds the record, but for little of its variance; raises `ConfigError`."""
         if (share := self.file.share_outside(low, high)) > LEFT_OUT:
             raise ConfigError(
                 f"{where}: received a record with {100 * share:.3g} % of its variance outside the band solved, needs "

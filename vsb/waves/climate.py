@@ -40,10 +40,7 @@ LARGEST_TAIL = 0.05
 class Climate:
     """All seas of a site's year.
 
-    Raises
-    ------
-    ConfigError
-        If shapes, signs or shares are wrong, or heights and spectra contradict each other.
+    Raises `ConfigError` if shapes, signs or shares are wrong, or heights and spectra contradict each other.
     """
 
     omega: FloatArray  # centres of the bands, ascending (omega,) [rad/s]
@@ -171,6 +168,8 @@ def height_and_period(omega: FloatArray, density: FloatArray) -> tuple[FloatArra
 def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Sequence[str] = ()) -> Climate:
     """Return the climate of measured records of equal shares; unusable ones are left out and counted.
 
+    Raises `ConfigError` if no record is left, or more than `FAULTY` are physically impossible.
+
     Parameters
     ----------
     omega : ndarray, shape (omega,) [rad/s]
@@ -178,11 +177,6 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
         NaN for missing values; bands at the ends without any value are left out.
     source : str
         File name.
-
-    Raises
-    ------
-    ConfigError
-        If no record is left, or more than `FAULTY` are physically impossible.
     """
     (measured,) = np.nonzero(~np.isnan(density).all(axis=0))
     first, last = (measured[0], measured[-1] + 1) if len(measured) > 1 else (0, len(omega))

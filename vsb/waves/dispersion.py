@@ -59,8 +59,6 @@ def horizontal_velocity(omega: FloatArray, height: float, depth: float, gravity:
 def power_limit(omega: float, depth: float, density: float, gravity: float) -> float:
     """Return the largest mean power an axisymmetric heaving body can absorb, per squared wave amplitude [W/m^2].
 
-    Notes
-    -----
     Capture width 1/k = wavelength/(2 pi) times the energy flux rho g v_g/2 (Budal & Falnes; Evans).
     """
     flux = 0.5 * density * gravity * group_velocity(omega, depth, gravity)

@@ -24,16 +24,13 @@ METEOROLOGICAL = {"WVHT", "SWVHT", "WSPD"}
 def read_ndbc(path: str | Path) -> Climate:
     """Return the climate of a text file of spectral densities, packed with gzip or not.
 
+    Raises `ConfigError` with file, line, value received and value needed.
+
     Parameters
     ----------
     path : path
         Header `YY MM DD hh [mm]` and the frequencies [Hz]; rows of a date and densities [m^2/Hz], 999 or MM for none.
         Or `.data_spec`: rows of a date, a separation frequency and densities each with its frequency in brackets.
-
-    Raises
-    ------
-    ConfigError
-        With file, line, value received and value needed.
     """
     lines = [(i, line.split()) for i, line in enumerate(read_text(path).splitlines(), 1) if line.strip()]
     head = lines[0][1] if lines else []

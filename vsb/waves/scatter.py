@@ -52,6 +52,8 @@ class Table(NamedTuple):
 def read_scatter(path: str | Path, spectrum: Spectrum = "jonswap", gamma: float = 3.3) -> Climate:
     """Return the climate of a scatter table, one sea for each occupied cell.
 
+    Raises `ConfigError` with file, line, value received and value needed.
+
     Parameters
     ----------
     path : path
@@ -60,11 +62,6 @@ def read_scatter(path: str | Path, spectrum: Spectrum = "jonswap", gamma: float 
     spectrum : {'jonswap', 'pierson_moskowitz'}
     gamma : float
         Peakedness of JONSWAP.
-
-    Raises
-    ------
-    ConfigError
-        With file, line, value received and value needed.
     """
     table = read_table(path)
     share, total = _shares(path, table)

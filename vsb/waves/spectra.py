@@ -46,16 +46,13 @@ _DENSITY = re.compile(r"m2(?:s|/hz|hz-1)(?:/(deg|rad)|(deg|rad)-1)?")
 def read_spectra(path: str | Path) -> Climate:
     """Return the climate of a file of spectra of one site: netCDF, SWAN's text, or else the text of `read_ndbc`.
 
+    Raises `ConfigError` with file, name, value received and value needed.
+
     Parameters
     ----------
     path : path
         Density over time, frequency [Hz] and perhaps direction, by one of `NAMES`, in m^2/Hz, m^2/Hz/degree or
         m^2/Hz/radian as its units say; by wavespectra, netCDF of ERA5 and two-dimensional spectra in SWAN's text.
-
-    Raises
-    ------
-    ConfigError
-        With file, name, value received and value needed.
     """
     try:
         with open_regular(path) as file:

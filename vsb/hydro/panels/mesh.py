@@ -41,17 +41,14 @@ def mean_mesh(radius: float, centre_height: float, rows: int, azimuth: int, lid_
 def deformed_mesh(shell: DeformedShell, rows: int, azimuth: int, lid_rows: int) -> xr.Dataset:
     """Return the meridian of a wetted deformed shell and of the interior lid, to be revolved in `azimuth` panels.
 
+    Raises `ConfigError` if the shell at rest does not cross the water exactly once, or its meridian the axis or itself.
+
     Returns
     -------
     xarray.Dataset
         meridian_radius, meridian_height (node) and lid_radius (lid_node) [m], from waterline to keel and from axis to
         waterline; the corner radii keep the area of every circle. Per row of panels the colatitude of its middle on
         the undeformed sphere [rad] and the shell's unit normal there, normal_radius and normal_height (row).
-
-    Raises
-    ------
-    ConfigError
-        If the shell at rest does not cross the water exactly once, or its meridian the axis or itself.
     """
     phi = graded_colatitudes(shell.waterline, rows)
     middle = (phi[1:] + phi[:-1]) / 2

@@ -42,15 +42,9 @@ _LARGEST_DEPTH_IN_WAVENUMBERS = 9e4  # the finite-depth Green function has no in
 def green_function(folder: str | Path) -> cpt.Delhommeau:
     """Return capytaine's Green function; its table (16 s to compute) is read from or written to `folder`.
 
-    A manifest in the folder holds the table's checksum; a readable table without an entry is added to it.
+    A manifest in the folder holds the table's checksum; a readable table without an entry is added to it. Raises
+    `DatabaseError` if the table has changed since it was written.
 
-    Raises
-    ------
-    DatabaseError
-        If the table has changed since it was written.
-
-    Notes
-    -----
     In finite depth the older Prony decomposition is used: at kd = 50, without influence of the bottom, it gives the
     damping of deep water to 0.3 %, while capytaine 3.0's default is 15 % off and makes heave damping negative.
     """
@@ -204,8 +198,6 @@ def ring_matrices(
 def flux_correction(green: cpt.Delhommeau, rings: RingMesh) -> FloatArray:
     """Return the correction of the diagonal of D for the flatness of a body's panels, without lid, shape (row,).
 
-    Notes
-    -----
     A flat panel induces no normal velocity on itself; a piece of the curved surface does, by an amount proportional to
     its size, which makes plain panel methods first order. Gauss' theorem says how much: through the closed surface made
     of body and mirror image, the flux of any source on it is half its strength, so sum_i a_i D_ij = a_j for

@@ -28,8 +28,6 @@ class TwoMeshes:
 
     Errors are relative to the largest entry of those solved and of those at `STRONGEST_KA`.
 
-    Notes
-    -----
     Panels are of an order between one and two, so the error on the fine mesh is at most the change by half the rows.
     Errors common to both meshes, of a lid near resonance and of the Green function of finite depth, show in Haskind's
     relation. The estimate is the sum of both. Measured against the spectral solver (docs/decisions/0001).

@@ -63,6 +63,8 @@ def slope_matrix(nodes: int) -> FloatArray:
 def shape_derivative(problem: SpectralProblem, omegas: list[float], directions: Directions) -> ShapeDerivative:
     """Return added mass, damping and excitation at frequencies and their derivatives by changes of the wetted shape.
 
+    Raises `ConfigError` if the displacements are of another azimuthal order than 0.
+
     Parameters
     ----------
     problem : SpectralProblem
@@ -70,11 +72,6 @@ def shape_derivative(problem: SpectralProblem, omegas: list[float], directions: 
     omegas : list of float [rad/s]
     directions : callable
         How the points move; the amplitude of `Radial0` of unit radial displacement is the radius of a sphere.
-
-    Raises
-    ------
-    ConfigError
-        If the displacements are of another azimuthal order than 0.
     """
     if problem.order:
         raise ConfigError(f"displacements: received azimuthal order {problem.order}; shape derivatives need order 0")

@@ -211,10 +211,7 @@ def _limit_difference(swept: AdaptiveSweep, limits: dict[str, xr.Variable]) -> f
 def resolved(problem: SpectralProblem, omegas: list[float], tolerance: float) -> tuple[SpectralProblem, float]:
     """Return the problem with as many points as the frequencies need, by doubling, and its estimated error.
 
-    Raises
-    ------
-    ConvergenceError
-        If `MOST_NODES` points do not reach the tolerance.
+    Raises `ConvergenceError` if `MOST_NODES` points do not reach the tolerance.
     """
     while problem.nodes <= MOST_NODES:
         error = _error(problem, omegas)
@@ -230,12 +227,7 @@ def resolved(problem: SpectralProblem, omegas: list[float], tolerance: float) ->
 def converged(problem: SpectralProblem, omegas: list[float], tolerance: float) -> xr.Dataset:
     """Return coefficients solved at these frequencies and at infinity, with as few points as a tolerance needs.
 
-    Parameters and attributes as of `converged_on_grid`.
-
-    Raises
-    ------
-    ConvergenceError
-        As of `resolved`.
+    Parameters and attributes as of `converged_on_grid`. Raises `ConvergenceError` as of `resolved`.
     """
     problem, error = resolved(problem, omegas, tolerance)
     ds = problem.solve(omegas).assign(_limits(problem))
@@ -246,6 +238,8 @@ def converged_on_grid(
     problem: SpectralProblem, frequencies: list[float], tolerance: float, interpolation: float
 ) -> xr.Dataset:
     """Return coefficients on a grid of frequencies and at infinity, from as few points and solves as tolerances need.
+
+    Raises `ConvergenceError` as of `resolved`.
 
     Parameters
     ----------
@@ -263,11 +257,6 @@ def converged_on_grid(
         splines through these frequencies; `limit_difference` of added mass extrapolated by the sweep to infinite
         frequency, and in deep water to zero, from that solved there, relative to its largest entry; `solves` and
         `frequencies`, their numbers.
-
-    Raises
-    ------
-    ConvergenceError
-        As of `resolved`.
     """
     omegas, error = [frequencies[i] for i in crowded(len(frequencies))], np.inf
     while error > tolerance:
