@@ -5,6 +5,7 @@ Workers take whole files (--dist loadfile), the longest first, and share the tab
 
 import fcntl
 import json
+import shutil
 from contextlib import chdir, contextmanager
 from pathlib import Path
 
@@ -169,8 +170,14 @@ def shared_by_workers(tmp_path_factory, worker_id, name):
 
 @pytest.fixture(scope="session")
 def green_folder(tmp_path_factory, worker_id) -> Path:
-    """The Green-function table, computed by whichever worker asks first."""
+    """The Green-function table, copied from capytaine's own, which this machine keeps once it was computed."""
+    import capytaine as cpt  # a second, which other tests do not wait for
+    from capytaine.tools.cache_on_disk import cache_directory
+
     with shared_by_workers(tmp_path_factory, worker_id, "green") as folder:
+        if not folder.exists():
+            cpt.Delhommeau()
+            shutil.copytree(cache_directory(), folder)
         bem.green_function(folder)
     return folder
 

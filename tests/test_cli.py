@@ -15,9 +15,8 @@ from stages.test_members import planned, with_seas
 
 from vsb import __version__
 from vsb.cli import main, parser
-from vsb.stages.stage import STAGES
 from vsb.study.plan import StudyPlan
-from vsb.study.study import canonical, load
+from vsb.study.study import load
 from vsb.tools.completion import commands
 
 
@@ -120,16 +119,6 @@ def test_error_of_the_plan_names_the_study_file_once(workplace, capsys, changes,
     assert line.count(name) == 1
 
 
-def test_errors_of_other_commands_name_their_file(workplace, capsys):
-    shallow = written("shallow.yaml", water={"depth": 30.0})
-    line = told(["shape-dependence", shallow, "out"], capsys)
-    assert line == "shallow.yaml: water.depth: received 30 m; shape dependence needs deep water, .inf"
-    Path("body.yaml").write_text("{body: b, mesh: none.stl, modes: none.nc, omega: [1.0]}")
-    assert told(["body", "body.yaml", "out"], capsys).startswith("body.yaml: none.stl: mesh not found")
-    assert told(["export", written("study.yaml"), "out"], capsys).startswith("results/hydro/db/")
-    assert not {"out", "out.shapes", "results"} & {path.name for path in workplace.iterdir()}
-
-
 @pytest.mark.parametrize(
     ("arguments", "path"),
     [
@@ -152,12 +141,6 @@ def test_output_that_cannot_be_written_is_reported_before_any_work(workplace, ca
     assert Path("file").read_text() == "kept"
 
 
-def test_results_folder_that_is_a_file(workplace, capsys):
-    (workplace / "results").write_text("kept")
-    assert told(["run", written("study.yaml")], capsys).startswith("results: cannot be written (")
-    assert (workplace / "results").read_text() == "kept"
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -169,23 +152,6 @@ def test_results_folder_that_is_a_file(workplace, capsys):
 def test_wrong_specification_of_a_stage(workplace, capsys, monkeypatch, text, message):
     given(monkeypatch, text)
     assert told(["modes", "--out", "out.nc"], capsys).startswith(message)
-
-
-def test_stages_do_not_wait_for_a_terminal(workplace, capsys, monkeypatch):
-    given(monkeypatch, "{}", terminal=True)
-    for stage in (stage for stage in STAGES if stage.spec):
-        files = [word for name in stage.files for word in (f"--{name}", "some")]
-        line = told([stage.name, *files], capsys)
-        assert line.startswith("standard input: received a terminal, needs the spec")
-
-
-def test_missing_input_or_unwritable_output_of_a_stage(workplace, capsys, monkeypatch):
-    given(monkeypatch, '{"database":"x","tolerance":0.001}')
-    line = told(["radiation", "--database", "no.nc", "--out", "out.nc"], capsys)
-    assert line == "no.nc: file not found; run the rule that makes it (vsb run CONFIG)."
-    given(monkeypatch, canonical(StudyPlan(load(SEED)).modes))
-    assert told(["modes", "--out", "file/modes.nc"], capsys).startswith("file/modes.nc: cannot be written (")
-    assert [path.name for path in workplace.iterdir()] == ["file"]
 
 
 def test_only_the_database_of_the_study_is_exported(finished, workplace, capsys):

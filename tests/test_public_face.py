@@ -108,12 +108,6 @@ def test_file_without_hydro_database_is_refused(results):
         vsb.open_database(results.report.parent / "response.nc")
 
 
-def test_order_of_designs_does_not_matter(results):
-    """Specifications sort them."""
-    turned = results.study.model_copy(update={"designs": dict(reversed(results.study.designs.items()))})
-    assert vsb.Results(turned).plan.ids == results.plan.ids
-
-
 def test_results_are_opened_by_their_folder_alone(example, monkeypatch):
     monkeypatch.chdir(example["place"])
     found, run = vsb.open("results/first_steps"), example["results"]

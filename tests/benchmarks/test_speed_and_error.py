@@ -91,6 +91,7 @@ def test_rows_and_figure_of_a_scene(paper, monkeypatch):
     assert [ax.get_title() for ax in figure.axes if ax.axison] == ["VSWEC0"]
 
 
+@pytest.mark.slow
 def test_right_hand_side_of_the_general_integrators_is_that_of_the_scene(paper):
     scene, n = paper.system.scene, paper.system.scene.motions
     state, free, time = 0.02 * np.random.default_rng(1).normal(size=2 * n.shape[1]), n.shape[1], 0.3

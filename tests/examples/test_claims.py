@@ -21,6 +21,7 @@ def test_every_case_is_on_the_page(name):
     assert surprises.table(name, on_the_page(name)) in PAGE
 
 
+@pytest.mark.slow
 def test_each_azimuthal_order_adds_twice_the_limit_of_heave(tmp_path, monkeypatch):
     monkeypatch.chdir(HERE.parent)
     found = claims.more_orders(tmp_path)

@@ -29,10 +29,9 @@ def at_home(monkeypatch):
     monkeypatch.chdir(HERE.parent)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("at_home")
-@pytest.mark.parametrize(
-    "name", [name if name == "port_within" else pytest.param(name, marks=pytest.mark.slow) for name in CHEAP]
-)
+@pytest.mark.parametrize("name", CHEAP)
 def test_page_gives_what_the_script_finds(name, folder):
     found = surprises.CASES[name](folder)
     said = told_on_the_page(name)

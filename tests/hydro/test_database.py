@@ -1,7 +1,5 @@
 """Coefficients of motions that do not couple through the water, side by side."""
 
-import re
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -57,14 +55,6 @@ def test_modes_are_a_congruence_of_the_normal_velocities(seed):
     assert in_modes(raw, basis).influenced_dof.values.tolist() == list(basis.labels)
 
 
-def test_missing_degrees_are_refused(seed):
-    with pytest.raises(DatabaseError, match=r"displacements \['Radial3'\] of the modes are not among those solved"):
-        in_modes(block([1.0]), mode_basis(seed.device, "membrane", 3))
-    lacking = re.escape(str([f"Radial{n}" for n in range(3, 9)]))
-    with pytest.raises(DatabaseError, match=lacking):
-        in_modes(block([1.0]), mode_basis(seed.device, "membrane", 8))
-
-
 def test_symmetrizing_is_recorded():
     raw = block([1.0, 2.0])
     even = with_symmetrized(raw)
@@ -99,12 +89,6 @@ def test_a_database_under_a_wrong_name_is_refused(tmp_path):
     assert load_database(path, "a" * 16).sizes["omega"] == 2
     with pytest.raises(DatabaseError, match=r"holds the database 'a{16}', needs 'c{16}'; delete or move"):
         load_database(path, "c" * 16)
-
-
-def test_other_files_are_no_database(tmp_path):
-    block([1.0]).to_netcdf(tmp_path / "other.nc")
-    with pytest.raises(DatabaseError, match=r"other.nc: holds no hydro database; needs one of results/hydro/db, or an"):
-        database.open_database(tmp_path / "other.nc")
 
 
 def part(seed, count):

@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.errors import ConfigError
 from vsb.hydro.dofs import (
     Displacement,
     bessel,
@@ -60,15 +59,6 @@ def test_pitch_is_a_rotation_about_y_through_the_origin(height, ratio):
     x, z = position
     expected = (np.cross([0.0, 1.0, 0.0], np.column_stack([x, 0 * x, z])) * np.insert(normal, 1, 0.0, axis=0).T).sum(1)
     assert pitch == pytest.approx(expected, abs=1e-13)
-
-
-@pytest.mark.parametrize(
-    "label", ["Rubbish2", "Membrane2", "Bending3", "radial2", "Radial", "Radial-1", "Radial02", "Sway", "2", ""]
-)
-@pytest.mark.parametrize("order", [0, 1])
-def test_unknown_labels_are_refused(label, order):
-    with pytest.raises(ConfigError, match=rf"^displacements: received {label} of azimuthal order {order}; needs"):
-        displacements([label], order)
 
 
 def test_legendre_functions_of_low_order():

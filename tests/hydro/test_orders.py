@@ -38,30 +38,6 @@ def basis(order, degree=3):
     return order_basis(mode_basis(DEVICE, "membrane", degree), order, Ballast(17170.0, -0.4, 3000.0))
 
 
-HULME = [(0.5, 0.6439, 0.0987), (1.2, 0.4860, 0.3978)]
-"""Surge of the floating hemisphere, Hulme, J. Fluid Mech. 121 (1982), table 2: Ka, A and B/omega over 2/3 pi rho a^3."""
-
-
-@pytest.mark.parametrize(("ka", "mass", "damping"), HULME)
-def test_surge_of_the_hemisphere_after_hulme_1982(ka, mass, damping):
-    omega = np.sqrt(ka * G / 2.0)
-    ds = in_order_modes(solved(1, range(1, 4), [omega]), basis(1))
-    displaced = 2 / 3 * np.pi * RHO * 8
-    surge = {"influenced_dof": "Surge", "radiating_dof": "Surge"}
-    assert ds.added_mass.sel(surge).item() / displaced == pytest.approx(mass, abs=1.5e-4)
-    assert ds.radiation_damping.sel(surge).item() / (displaced * omega) == pytest.approx(damping, abs=1.5e-4)
-
-
-def test_surge_force_in_long_waves_is_displaced_plus_added_mass_times_acceleration():
-    """Excitation nears rho V (1 + C) times the water's acceleration g k."""
-    omega = 0.1
-    ds = solved(1, [1], [omega])
-    mass = 2 / 3 * np.pi * RHO * 8 + ds.added_mass.values[0, 0, 0]
-    force = ds.excitation_force.values[0, 0, 0]
-    assert abs(force) == pytest.approx(mass * omega**2, rel=2e-3)
-    assert np.angle(force) == pytest.approx(-np.pi / 2, abs=5e-3)  # against the slope of the surface, i k
-
-
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_haskind_holds_order_by_order_and_makes_damping_passive(order):
     """To the solver's own error, which the repair takes away."""

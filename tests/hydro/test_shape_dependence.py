@@ -24,7 +24,6 @@ from vsb.hydro.shape_dependence import (
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_sphere
 from vsb.study import study as config
-from vsb.tools import files
 
 HERE = Path(__file__).parents[1]
 OMEGAS = (0.8, 1.6, 3.2, 6.4)
@@ -151,21 +150,6 @@ def test_expansions_have_their_order(order, name, errors):
     assert abs(orders[-1] - order - 1) < 0.05, orders
 
 
-@pytest.mark.parametrize(
-    ("call", "match"),
-    [
-        (lambda f: f.at(np.zeros(3)), r"modal_amplitude: received shape \(3,\); needs \(4,\)"),
-        (lambda f: f.at(np.array([3.0, 0, 0, 0])), "reference_shape: received a shape"),
-        (lambda f: f.expansion(np.zeros(4), 3), "order: received 3; needs 1 or 2"),
-        (lambda f: f.interpolation_error(0.0), "amplitude: received 0 m"),
-        (lambda f: f.interpolation_error(float("nan")), "amplitude: received nan m"),
-    ],
-)
-def test_invalid_amplitudes_and_orders_are_refused(call, match, family):
-    with pytest.raises(ConfigError, match=match):
-        call(family)
-
-
 GRID = np.array(OMEGAS)
 REACH = np.array([0.25, 0.1, 0.1, 0.15])
 
@@ -239,12 +223,6 @@ def test_shape_database_is_stored_and_read_back(database, tmp_path):
     assert back.labels == ["Heave", "Membrane0", "Membrane1", "Membrane2"]
 
 
-def test_a_file_of_another_kind_is_refused(database, tmp_path):
-    files.save(database.dataset[["added_mass"]], tmp_path / "other.nc")
-    with pytest.raises(DatabaseError, match=r"no shape database, without \['added_mass_inf', 'excitation_force', 'ref"):
-        ShapeDatabase.load(tmp_path / "other.nc")
-
-
 @pytest.mark.parametrize(
     ("call", "error", "match"),
     [
@@ -262,9 +240,3 @@ def test_a_file_of_another_kind_is_refused(database, tmp_path):
 def test_amplitudes_and_frequencies_out_of_reach_are_refused(call, error, match, database):
     with pytest.raises(error, match=match):
         call(database)
-
-
-@pytest.mark.parametrize("reach", [np.ones(3), np.array([0.1, 0.1, 0.0, 0.1]), np.array([0.1, 0.1, np.nan, 0.1])])
-def test_a_reach_must_be_positive(reach, family):
-    with pytest.raises(ConfigError, match=r"reach: received .* m; needs 4 positive amplitudes"):
-        shape_database(family, reach)

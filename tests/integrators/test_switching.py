@@ -197,7 +197,7 @@ def test_run_split_into_legs_equals_the_whole_run(name):
     assert parts[-1].balance.residual < 1e-7
 
 
-@settings(max_examples=10)
+@settings(max_examples=6)
 @given(st.floats(0.5, 20.0), st.floats(0.5, 30.0), st.floats(0.2, 1.0), st.integers(0, 2**32 - 1))
 def test_any_law_respects_its_limit_and_conserves_energy(damping, limit, stroke, seed):
     rng = np.random.default_rng(seed)

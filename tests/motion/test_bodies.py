@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from conftest import labelled
 
-from vsb.errors import ConfigError, DatabaseError, StabilityError
+from vsb.errors import ConfigError, StabilityError
 from vsb.hydro.database import Check, as_json
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import simulate
@@ -176,14 +176,6 @@ def test_invalid_bodies_are_refused(changes, message):
     }
     with pytest.raises(ConfigError, match=message):
         linear_body(bare.database, given.pop("dofs", None), **given)
-
-
-def test_waves_that_were_not_solved_are_refused():
-    body = floating_body(("Heave",), [4.0], [9.0])
-    with pytest.raises(DatabaseError, match=r"^frequencies: received 0.3 to 5 rad/s, the database holds 0.5 to 4"):
-        body.coefficients(np.array([0.3, 5.0]))
-    with pytest.raises(DatabaseError, match=r"received 30 degrees, needs one of 0"):
-        replace(body, direction=np.pi / 6).coefficients(np.array([1.0]))
 
 
 def test_unstable_body_is_refused():

@@ -9,7 +9,6 @@ from browser import asked
 
 from vsb.report import html
 from vsb.report.animation import (
-    ACROSS,
     FROM_LEFT,
     PER_PERIOD,
     PERIODS,
@@ -81,17 +80,6 @@ def test_surface_obeys_the_dispersion_relation(depth):
     number = -delay  # later, not earlier: waves go to x > 0
     assert number * np.tanh(number * min(depth, 1e3)) == pytest.approx(omega**2 / 9.81, rel=1e-9)
     assert not surface(NO_WAVES, time, place, water).any()
-
-
-def test_waves_from_the_side_are_level_in_the_plane_drawn():
-    ahead, aside, back = (
-        unpacked(frames_data("", {}, SWELL, (0.0, 8.0), PERIOD, 3.4, Water(), [], towards)["surface"]).reshape(
-            -1, ACROSS
-        )
-        for towards in (0.0, np.pi / 2, np.pi)
-    )
-    np.testing.assert_allclose(back, ahead[:, ::-1], atol=1e-6)
-    np.testing.assert_allclose(aside, np.repeat(ahead[:, ACROSS // 2 : ACROSS // 2 + 1], ACROSS, axis=1), atol=1e-6)
 
 
 @pytest.mark.parametrize("drift", [0.0, 0.2])

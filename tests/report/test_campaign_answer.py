@@ -9,11 +9,9 @@ from vsb.report.campaign_answer import (
     closing_answer,
     leading,
     of_points,
-    second_answer,
     where,
     whole_answer,
 )
-from vsb.report.campaign_page import statements
 
 
 def test_answer_names_the_best_flexible_design_that_does_not_buckle():
@@ -53,15 +51,6 @@ def test_answer_of_time_domain_runs_also_gives_the_linear_gain():
     )
 
 
-def test_answer_without_a_rigid_design():
-    assert answer(campaign(), None, "one").endswith(
-        "VSWEC at young modulus 100 MPa, thickness 0.01 m absorbs most: 94.67 MWh."
-    )
-    lost = campaign()
-    lost["annual_energy"] = lost.annual_energy * np.nan
-    assert answer(lost, None, "one") == "Over a year of a buoy, no design is viable."
-
-
 def test_no_gain_over_a_rigid_design_without_power():
     ds = campaign()
     ds.gain_percent.loc[{"tuning": "one"}] = np.nan
@@ -72,15 +61,6 @@ def test_no_gain_over_a_rigid_design_without_power():
     ds = campaign()
     ds.gain_percent.loc[{"tuning": "fixed"}] = np.nan
     assert leading(ds) == ("one", "FSB")
-
-
-def test_second_sentence_is_of_the_given_damping():
-    ds = by_runs(campaign(), campaign().gain_percent)
-    ds.gain_percent.loc[{"tuning": "fixed", "design": "VSWEC"}] = 20.0
-    text = second_answer(ds, "FSB", "one")
-    assert text.startswith("All at the given damping, the best flexible design, VSWEC at young")
-    assert "absorbs 20.0 % more than the rigid FSB (-8.0 to -2.0 % by linear theory;" in text
-    assert not [line for line in statements(ds, "FSB", "one") if "given damping" in line]
 
 
 def test_points_that_buckle_are_not_counted_as_paying():

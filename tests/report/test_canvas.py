@@ -1,20 +1,15 @@
 """Colours, axes and series that figures share."""
 
-from dataclasses import replace
-
 import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
-from report.test_figures import data
 
 from vsb.report.canvas import (
     force_of,
     grid_of_axes,
     heave_force,
     period_axis,
-    shown_window,
-    style,
 )
 from vsb.report.svg import drawn
 
@@ -29,22 +24,6 @@ def test_axis_of_periods_is_2_pi_over_frequency():
     assert period.get_xlabel() == "wave period [s]"
     assert sorted(period.get_xlim()) == pytest.approx([np.pi / 2, 2e6 * np.pi])
     assert period.get_window_extent().y1 >= axes[0, 0].get_window_extent().y1
-
-
-def test_sixteen_designs_are_distinguishable():
-    names = [f"D{i}" for i in range(16)]
-    assert len({(look["color"], look["linestyle"]) for look in (style(name, names) for name in names)}) == 16
-
-
-@pytest.mark.parametrize(
-    ("wave", "window", "shown"),
-    [("w", (0.0, 100.0), (70.0, 100.0)), ("w", (69.0, 100.0), (70.0, 100.0)), ("w", (71.0, 100.0), (71.0, 100.0)),
-     ("still", (40.0, 100.0), (0.0, 120.0))],
-)  # fmt: skip
-def test_series_show_at_most_fifteen_periods_and_all_of_a_decay(wave, window, shown):
-    run = xr.Dataset(coords={"time": np.linspace(0.0, 120.0, 13)})
-    given = replace(data(), runs={("FSB", wave): run}, periods={wave: 2.0}, window=window)
-    assert shown_window(given, wave) == shown
 
 
 def test_forces_are_kilonewtons():

@@ -33,14 +33,6 @@ def test_failed_checks_head_the_page():
     assert warnings([{**HEAVE, "verdict": "ok"}]) == []
 
 
-def test_worst_is_furthest_beyond_its_own_limit():
-    large, far, none = (
-        {**HEAVE, "verdict": "fail", "value": v, "limit": at} for v, at in ((0.9, 0.6), (0.4, 0.1), (3.0, 0))
-    )
-    assert warnings([large, far])[0].startswith("heave of A in w: 0.4, limit 0.1 (large); 1 more fail")
-    assert warnings([large, none])[0].startswith("heave of A in w: 3, limit 0 (large); 1 more fail")
-
-
 def test_advice_names_keys_that_exist():
     for name, text in ADVICE.items():
         for section, key in re.findall(r"\b([a-z]+)\.(\w+)", text):

@@ -9,13 +9,11 @@ from conftest import varied
 
 from vsb.report.canvas import StudyData
 from vsb.report.figures import (
-    absorbed_power,
     added_mass_damping,
     captions,
     degrees_of_freedom,
     directions,
     port_motion,
-    radiation_kernel,
 )
 from vsb.study.plan import figure_names
 from vsb.tools.ports import FORCE, MOMENT
@@ -31,29 +29,6 @@ def data(**changes):
         "designs": ("FSB", "VSWEC"), "reference": "FSB", "wave_frequencies": (2.5,), "periods": {}, "window": (0.0, 1.0),
         "runs": {}, **given, **changes,
     })  # fmt: skip
-
-
-@pytest.fixture
-def responding():
-    """A bump of power at 2 rad/s; the gain runs away where nothing is absorbed any more."""
-    power = np.exp(-4 * (OMEGA - 2.0) ** 2) * np.array([np.ones_like(OMEGA), 1 + 0.01 * OMEGA**4])
-    pair = (("design", "omega"), 1e3 * power)
-    response = xr.Dataset(
-        {"best_power": pair, "absorbed_power": pair, "power_limit": ("omega", 5e3 / OMEGA)},
-        coords={"design": ["FSB", "VSWEC"], "omega": OMEGA},
-    )
-    return data(response=response)
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("omega", [0.12, 5.8])
-def test_band_shown_includes_the_wave_of_the_study(responding, omega):
-    figure = absorbed_power(data(response=responding.response, wave_frequencies=(omega,)))
-    low, high = figure.axes[0].get_xlim()
-    assert low <= omega <= high
-    assert low <= 0.3 < 2.9 < high
-    figure.draw_without_rendering()
-    assert min(ax.get_position().width for ax in figure.axes[:4]) > 0.2
 
 
 def test_coefficients_are_drawn_on_axes_that_fit_them():
@@ -80,32 +55,6 @@ def test_coefficients_are_drawn_on_axes_that_fit_them():
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["Heave", "Membrane0"]
 
 
-@pytest.mark.parametrize(
-    ("labels", "shown"),
-    [
-        (["Pitch"], ["Pitch\n[10³ kg m²/s²]"]),
-        (["a__Pitch", "Bend", "a__Heave"], ["a__Heave\n[10³ kg/s²]", "Bend\n[10³ kg/s²]"]),
-        (["Mode7", "Heave", "Mode8", "Surge"], ["Heave\n[10³ kg/s²]", "Surge\n[10³ kg/s²]", "Mode7\n[10³ kg/s²]"]),
-    ],
-)
-def test_kernels_are_of_displacements_or_else_of_rotations(labels, shown):
-    """A flap has only pitch; motions of several bodies keep their names."""
-    time, pair = np.linspace(0.0, 5.0, 11), ("influenced_dof", "radiating_dof")
-    values = (("time", *pair), np.exp(-time)[:, None, None] * np.ones((len(labels), len(labels))))
-    kernel = xr.Dataset({"kernel": values, "kernel_state_space": values}, dict.fromkeys(pair, labels) | {"time": time})
-    assert [ax.get_ylabel() for ax in radiation_kernel(data(radiation=kernel)).axes] == shown
-
-
-def test_every_regular_wave_is_marked(responding):
-    for waves, label in (((2.5, 1.0), "study's waves"), ((1.0,), "study's wave"), ((), None)):
-        figure = absorbed_power(data(response=responding.response, wave_frequencies=waves))
-        for ax in figure.axes[:4]:
-            marks = [line for line in ax.get_lines() if str(line.get_label()).startswith("study's")]
-            assert [(line.get_label(), tuple(line.get_xdata())) for line in marks] == (
-                [(label, waves)] if waves else []
-            )
-
-
 def test_rotations_are_drawn_in_degrees_and_displacements_in_metres():
     time, labels = np.linspace(0.0, 1.0, 5), ["Heave", "Pitch", "Surge"]
     position = xr.DataArray(np.outer(time, [1.0, np.pi, -2.0]), {"time": time, "dof": labels}, ("time", "dof"))
@@ -115,17 +64,6 @@ def test_rotations_are_drawn_in_degrees_and_displacements_in_metres():
     for ax, end in zip(figure.axes, (-2.0, 1.0, 180.0), strict=True):
         rigid, shell = (line.get_ydata() for line in ax.get_lines())
         assert (rigid[-1], shell[-1]) == pytest.approx((0.0, end))
-
-
-@pytest.mark.filterwarnings("error")
-def test_no_division_by_zero_power_of_the_rigid_design(responding):
-    given = responding.response.absorbed_power.copy()
-    given[0] = 0.0
-    best, other = absorbed_power(data(response=responding.response.assign(absorbed_power=given))).axes[2:4]
-    assert [text.get_text() for text in other.texts] == ["no absorbed power to compare with"]
-    (gain,) = (line.get_ydata() for line in best.get_lines() if line.get_label() == "VSWEC")
-    assert best.get_ylim() == pytest.approx((-20.0, 1.15 * np.nanmax(gain)))
-    assert np.nanmax(gain) < 100
 
 
 @pytest.fixture
@@ -173,24 +111,6 @@ def test_displacement_and_velocity_of_the_port_within_the_window(body):
         for line, design in zip(ax.get_lines(), body.designs, strict=True):
             expected = body.runs[design, "swell"][name].sel(time=slice(2.0, 9.0))
             np.testing.assert_array_equal(line.get_xydata(), np.stack([expected.time, expected], axis=1))
-
-
-def test_limit_of_axisymmetric_buoys_is_not_claimed_for_bodies():
-    buoy, body = (captions(given=True, body=body) for body in (False, True))
-    assert "axisymmetric" in buoy["absorbed_power"]
-    assert "if and only if it lowers Q" in buoy["reactance"]
-    assert "axisymmetric" not in body["absorbed_power"]
-    assert body["reactance"].endswith("of the most any take-off could.")
-    assert "mode of degree 1" in buoy["added_mass_damping"]
-    assert body["added_mass_damping"].endswith("all degrees of freedom; dotted: heave.")
-
-
-def test_neglected_effects_come_first():
-    limited, plain = captions("without drag", given=True, body=False), captions(given=True, body=False)
-    changed = {name for name in plain if limited[name] != plain[name]}
-    assert changed == {"absorbed_power", "reactance", "rao"}
-    assert all(limited[name] == f"Without drag: {plain[name]}" for name in changed)
-    assert not any("{" in text for text in plain.values())
 
 
 def test_every_figure_of_a_study_has_a_caption(seed):

@@ -1,16 +1,13 @@
 """Figures of seas and of hydrodynamic coefficients."""
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
 from report.test_figures import data
 
 from vsb.report.canvas import StudyData
-from vsb.report.hydro_figures import _draw_powers, spectra, witness, year_spectra
+from vsb.report.hydro_figures import spectra, witness, year_spectra
 from vsb.report.svg import in_words
-from vsb.scenes.shape_dependence import NEGLIGIBLE
 from vsb.waves.climate import Climate, band_edges
 from vsb.waves.seas import jonswap_spectrum
 
@@ -58,31 +55,6 @@ def test_median_mean_and_quantiles_of_a_year(hours, median):
     assert np.all(below <= above)
     assert below[peak] == pytest.approx(climate.density[0, peak])
     assert above[peak] == pytest.approx(climate.density[1, peak])
-
-
-def test_powers_are_drawn_as_changes_in_percent():
-    ds = xr.Dataset(
-        {
-            "power_at_shape": (("wave", "design", "instant"), [[[110.0, 90.0], [50.0, 50.0]]]),
-            "power_at_reference": (("wave", "design"), [[100.0, 50.0]]),
-        },
-        coords={"wave": ["regular"], "design": ["FSB", "VSWEC"]},
-    )
-    with mpl.rc_context():
-        ax = Figure().subplots()
-        _draw_powers(ax, ds)
-    first, second = (line.get_ydata() for line in ax.get_lines())
-    np.testing.assert_allclose(first, [10.0, -10.0])
-    np.testing.assert_allclose(second, [0.0, 0.0])
-    rest = ds.assign(power_at_rest=(("wave", "design"), [[120.0, 40.0]]))
-    with mpl.rc_context():
-        beside = Figure().subplots()
-        _draw_powers(beside, rest)
-    marks = [float(line.get_ydata()[0]) for line in beside.get_lines() if line.get_marker() == "<"]
-    assert marks == pytest.approx([20.0, -20.0]), "each over its own power at the reference"
-    (band,) = ax.patches
-    height = band.get_extents().transformed(ax.transData.inverted()).height
-    assert height == pytest.approx(200 * NEGLIGIBLE)
 
 
 SHAPES = ["mean", "Membrane0_minus", "Membrane0_plus"]

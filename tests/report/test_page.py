@@ -7,7 +7,6 @@ import re
 import urllib.parse
 
 import numpy as np
-import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
@@ -19,7 +18,6 @@ from vsb.report.page import (
     PUBLISHED_HEAD,
     STATISTICS,
     Report,
-    band_statements,
     irregular_statements,
     measures,
     published_table,
@@ -89,29 +87,6 @@ def test_bands_hold_all_gains_above_the_threshold_and_each_its_largest(gain):
     np.testing.assert_array_equal(np.any(held, axis=0) if held else gain > 2.0, gain > 2.0)
 
 
-def test_no_gain_over_a_reference_without_power():
-    """Where the rigid design absorbs nothing in one wave, the others are still compared; if it never absorbs, the page says so."""
-    resting = response(wins=0.3).absorbed_power
-    resting[{"design": 0, "omega": 100}] = 0.0
-    (text,) = band_statements(resting, "FSB")
-    assert text.startswith("wins absorbs more in waves of")
-    resting[{"design": 0}] = 0.0
-    assert band_statements(resting, "FSB") == ["FSB does not move this port, so there is no gain."]
-
-
-def test_band_statement_gives_gain_and_periods():
-    """A gain of 20 % peaks at 2 rad/s, 3.14 s, from 1.6 to 2.4 rad/s, 2.62 to 3.93 s; beyond, a loss."""
-    gain = np.where(np.abs(OMEGA - 2.0) < 0.405, 0.2 - 0.1 * np.abs(OMEGA - 2.0), -0.1 - 0.01 * OMEGA)
-    shown = OMEGA[np.exp(-((OMEGA - 2.0) ** 2)) * np.maximum(1, 1 + gain) >= 0.05 * 1.2]
-    longest, shortest = 2 * np.pi / shown[0], 2 * np.pi / shown[-1]
-    (text,) = band_statements(response(A=gain).absorbed_power, "FSB")
-    assert text == (
-        "A absorbs more in waves of 2.62 to 3.93 s (up to 20 % at 3.14 s); "
-        f"less in waves of 3.95 to {longest:.2f} s (up to 12 % at 3.95 s); "
-        f"less in waves of {shortest:.2f} to 2.61 s (up to 14 % at {shortest:.2f} s) than FSB."
-    )
-
-
 def test_published_values_beside_computed_ones():
     study = {
         "published": {"source": "x", "values": {
@@ -154,25 +129,6 @@ def test_best_design_of_each_sea():
     assert text[2] == "At the given damping, in still water, no design absorbs power on average."
     assert text[3] == "At the given damping, in ripples, A absorbs most: 5 W on average."
     assert text[4] == "At the given damping, in a wake, the rigid FSB absorbs: 70 W on average."
-
-
-def test_still_water_compares_the_energy_of_the_run():
-    """FSB has more power at the end of the decay, A more energy in all."""
-    rows = [
-        row("FSB", 9.0, "still") | {"energy": "4000"},
-        row("A", 1.0, "still") | {"energy": "5000"},
-        row("B", 8.0, "still"),
-    ]
-    assert sea_statements(rows, "FSB", {"still": "still water"}) == [
-        "At the given damping, in still water, A absorbs most: 5 kJ from the start (against FSB: A +25.0 %, B -100.0 %)."
-    ]
-    assert sea_statements(rows[:1], "FSB", {"still": "still water"}) == [
-        "At the given damping, in still water, the rigid FSB absorbs: 4 kJ from the start."
-    ]
-    none = [one | {"energy": "0.0"} for one in rows]
-    assert sea_statements(none, "FSB", {"still": "still water"}) == [
-        "At the given damping, in still water, no design absorbs power on average."
-    ]
 
 
 def test_page_is_self_contained_and_escaped():
@@ -234,33 +190,6 @@ def page_of(rows=BOTH, checks=(), study=STUDY, found=None, figures=(), **more):
     drawn = dict.fromkeys(figures, "<svg>x</svg>")
     seas = {line["wave"]: "a swell" for line in rows}
     return render(Report(study, seas, rows, checks, found, more.pop("reference", "FSB"), drawn, {}, **more))
-
-
-@pytest.mark.parametrize(
-    ("verdicts", "expected"),
-    [
-        ([], None),
-        (["fail"], None),
-        (["fail", "accepted", "fail", "accepted"], "1 more check fails: see"),
-        (["accepted"] * 5 + ["doubt"] * 2 + ["ok"], "2 more checks fail, 2 further points are in doubt: see"),
-    ],
-)
-def test_three_failing_checks_head_the_page_and_the_rest_are_counted(verdicts, expected):
-    """Accepted failures count as failures."""
-    checks = [{**CHECKS[0], "name": f"check {i}", "verdict": verdict} for i, verdict in enumerate(verdicts)]
-    page = page_of(checks=checks)
-    head = page.partition('<section id="doubt">')[0]
-    words = " ".join(re.sub("<[^>]+>", "", head).split())
-    said = re.findall(
-        r"(?:\d+ more checks? fails?(?:, )?)?(?:\d+(?: further)? points? (?:is|are) in doubt)?: see", words
-    )
-    assert [one for one in said if one != ": see"] == ([expected] if expected else [])
-    failing = [one["name"] for one in checks if one["verdict"] in ("fail", "accepted")]
-    assert [one["name"] for one in checks if f"{one['name']}: 66.4" in words] == failing[:3]
-    assert ("Checks that fail:" in words) == bool(failing)
-    held = verdicts.count("ok")
-    assert (f"{held} check{'s hold' * (held > 1) or ' holds'}" in page) == (held > 0)
-    assert ("Every check holds." in page) == (held == len(verdicts))
 
 
 def test_tables_can_be_downloaded_as_they_stand():

@@ -45,12 +45,6 @@ def test_response_has_a_row_for_every_motion_and_the_port_and_a_curve_for_every_
             assert test_curves.curve(axes[2 * row + 1], label)[1][near] == pytest.approx(np.degrees(OMEGA[near]))
 
 
-def test_port_that_moves_as_heave_has_no_row_of_its_own():
-    axes = drawn("rao", raos=raos(headings=(0.0,), port=1.0)).axes
-    assert [ax.get_ylabel() for ax in axes[:6:2]] == ["surge\n[m/m]", "heave\n[m/m]", "pitch\n[degrees/m]"]
-    assert [line.get_label() for line in axes[0].lines] == list(test_curves.DESIGNS)
-
-
 def test_of_many_headings_the_excitation_shows_those_of_the_waves():
     headings = np.radians(np.arange(0, 100, 10))
     size = (1e4 * (1 + np.arange(10)))[:, None, None] * np.exp(-OMEGA)[:, None] * np.array([1.0, 2.0, 1e-6, 3.0])

@@ -108,41 +108,6 @@ def test_mode_of_order_one_moves_both_meridians_the_same_way():
     assert shift[0, 0] > 0.1
 
 
-FINE = np.linspace(0.0, np.pi, 721)
-
-
-@pytest.mark.parametrize(
-    ("degree", "radial", "meridional", "amplitude"),
-    [
-        (0, np.ones_like(FINE), 0 * FINE, 0.25),
-        (1, np.cos(FINE), -np.sin(FINE), 0.25),
-        (8, np.cos(8 * FINE) / 9, 0 * FINE, 0.25 / 4**0.7),
-        (2, 0 * FINE, np.sin(2 * FINE), 0.2),
-        (2, -np.cos(FINE), np.sin(FINE), 0.25),  # as a whole to below
-        (2, -np.cos(FINE), -np.sin(FINE), 0.2),
-    ],
-)
-def test_modes_are_drawn_without_folding(degree, radial, meridional, amplitude):
-    """A quarter of the radius up to degree 2, then degree^-0.7; no piece of a meridian shrinks by more than 0.4."""
-    given = data()
-    shapes = {
-        "radial": (("mode", "colatitude"), radial[None]),
-        "meridional": (("mode", "colatitude"), meridional[None]),
-    }
-    modes = xr.Dataset(
-        shapes | {"degree": ("mode", [degree]), "dry_frequency": ("mode", [51.4])},
-        {"mode": ["M"], "colatitude": FINE}, given.modes.attrs,
-    )  # fmt: skip
-    x, z = figures.mode_shapes(replace(given, modes=modes)).axes[0].get_lines()[1].get_data()
-    half = slice(0, len(FINE))
-    expected = (
-        (1 + amplitude * radial) * np.sin(FINE) + amplitude * meridional * np.cos(FINE),
-        (1 + amplitude * radial) * np.cos(FINE) - amplitude * meridional * np.sin(FINE),
-    )
-    np.testing.assert_allclose((x[half], z[half]), expected, atol=1e-4)  # of a derivative by differences
-    np.testing.assert_allclose((-x[half][::-1], z[half][::-1]), (x[len(FINE) :], z[len(FINE) :]), atol=1e-12)
-
-
 @pytest.mark.parametrize(
     ("largest", "factor"),
     [

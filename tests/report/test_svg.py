@@ -76,14 +76,6 @@ def test_description_has_the_range_of_named_curves(figure):
     assert in_words(figure) == ("heave [m] over time [s]: A -1 to 1. power [W] over time [s]: A 1 to 22030")
 
 
-def test_description_names_the_bars():
-    figure, axes = grid_of_axes(3.0)
-    axes[0, 0].barh([0, 1], [3.0, -4.0], label="stored")
-    axes[0, 0].set_yticks([0, 1], ["A", "B"])
-    axes[0, 0].set_xlabel("energy [kJ]")
-    assert in_words(figure) == "energy [kJ]: stored: A 3, B -4"
-
-
 def test_figure_is_reproducible_to_the_byte():
     first, again = (drawn(DRAWN["power_matrices"](campaign(), "one", "FSB"), "x") for _ in range(2))
     assert "clip-path" in first.svg

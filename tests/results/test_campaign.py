@@ -12,7 +12,6 @@ from vsb.results.campaign import as_csv, damper, gathered, stacked, with_verific
 from vsb.study.campaign import CONSTRAINED
 from vsb.study.campaign_plan import members
 from vsb.study.vary import MEMBER
-from vsb.tools.variables import described
 
 
 @pytest.fixture
@@ -70,21 +69,6 @@ def test_missing_values_are_empty_cells(held):
     }
     assert [row["tuning"] for row in missing] == ["fixed", "one", "each"]
     assert len(rows) == 12
-
-
-@pytest.mark.parametrize(
-    ("port", "unit"),
-    [
-        ("heave", "N s/m"), ("volume", "Pa s/m^3"), ("pitch", "N m s"), ({"between": [0.0, 90.0]}, "N s/m"),
-    ],
-    ids=str,
-)  # fmt: skip
-def test_dampers_have_the_unit_of_the_port(held, port, unit):
-    plan, found = held
-    base = plan.campaign.base | {"pto": plan.campaign.base["pto"] | {"port": port}}
-    spec = plan.campaign.model_copy(update={"base": base})
-    ds = described(gathered(spec, [stacked([made_up(one)], [one.id]) for one in found]))
-    assert ds.damping.attrs["units"] == unit
 
 
 def test_parameters_varied_in_pairs(tmp_path):

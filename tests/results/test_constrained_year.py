@@ -9,7 +9,6 @@ from conftest import varied
 from results.test_year import WATER, climate, port
 from scenes.test_ports import water
 
-from vsb.errors import ConfigError
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.results.constrained_year import ConstrainedYear, Optima, affordable, constrained_year, harmonics_of_year
 from vsb.results.member import member
@@ -77,28 +76,6 @@ def test_seas_in_which_no_force_keeps_the_stroke():
     none = np.array([[optimum is None for optimum in pair] for pair in found.optima])
     assert found.impossible == pytest.approx(float(found.share @ none.mean(axis=1)))
     assert np.all(found.power_matrix.ravel()[found.solved[none.all(axis=1)]] == 0)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            {"port": port(HARMONICS.omega)},
-            r"a port at 23 frequencies up to 2\.4 rad/s, needs the 23 harmonics up to 2\.4 rad/s and those outside",
-        ),
-        (
-            {"port": port(HARMONICS.port_omega + 0.01)},
-            r"up to 9\.91 rad/s, needs the 23 harmonics up to 2\.4 rad/s and",
-        ),
-        (
-            {"harmonics": Harmonics(0.05, 20.0, 29), "port": port(Harmonics(0.05, 20.0, 29).port_omega)},
-            r"harmonics from 0\.975 to 2\.425 rad/s, which leave out .* of the variance of random seas, needs at most 1%",
-        ),
-    ],
-)
-def test_errors_of_the_constrained_year(changes, message):
-    with pytest.raises(ConfigError, match=message):
-        limited(Limits(), **changes)
 
 
 @pytest.mark.slow

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from hydro.formats.test_capytaine import LABELS, dataset
+from hydro.formats.test_capytaine import dataset
 
 from examples.barge import Barge, box
 from vsb.errors import ConfigError
@@ -12,9 +12,8 @@ from vsb.hydro.bodies.body import FlexibleBody
 from vsb.hydro.bodies.mesh import at_centres
 from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.hydro.variables import PAIR
-from vsb.scenes.body import check_water, chosen, complete_body, dry_database, with_entries, within_band
+from vsb.scenes.body import chosen, complete_body, dry_database, with_entries, within_band
 from vsb.study.body import Body, BodyFile
-from vsb.study.sections import Water
 
 BODY = Body(database="sha256:0")
 
@@ -129,41 +128,9 @@ def test_nominal_added_mass_of_two_displacements():
     assert found.values == pytest.approx(1e-6 * 900.0 * np.sqrt(56.0) * expected, rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("given", "labels", "message"),
-    [
-        ({"c": 1.0}, "a b", r"^body.mass: received 'c'; needs one or two of a, b$"),
-        ({"a b a": 1.0}, "a b", r"^body.mass: received 'a b a'; needs one or two of a, b$"),
-        (((1.0, 2.0),), "a b", r"^body.mass: received 1 rows of 2 numbers; needs 2 of 2, for a, b$"),
-        ({"boat": ((1.0,),)}, "float__Heave spar__Heave", r"^body.mass: received rows of 'boat'; needs a body, float or spar"),
-        ({"float": ((1.0,), (1.0,))}, "float__Heave spar__Heave", r"^body.mass.float: received 2 rows of 1, 1 numbers; needs 1 of 1"),
-        ({"": ((1.0,),)}, "Heave Pitch", r"^body.mass: received rows of ''; needs a degree of freedom and a number$"),
-    ],
-)  # fmt: skip
-def test_invalid_matrix_entries_are_refused(given, labels, message):
-    labels = labels.split()
-    with pytest.raises(ConfigError, match=message):
-        with_entries("mass", given, labels, np.eye(len(labels)))
-
-
 def test_missing_or_negative_mass_is_refused(theirs):
     dry = theirs.drop_vars("inertia_matrix")
     with pytest.raises(ConfigError, match=r"body.mass: received none for float__Heave, spar__Heave, nor do the files"):
         complete_body(BODY, None, dry)
     with pytest.raises(ConfigError, match=r"body.mass: received -5 for spar__Heave; needs a mass above 0"):
         complete_body(Body(database="sha256:0", mass={"float__Heave": 3.0, "spar__Heave": -5.0}), None, dry)
-
-
-def test_unknown_degrees_of_freedom_are_refused():
-    with pytest.raises(ConfigError, match=r"designs: received dofs Roof; needs some of float__Heave, spar__Heave"):
-        chosen(["Roof"], LABELS)
-    with pytest.raises(ConfigError, match=r"designs: received dofs rigid, but Mode7 are none"):
-        chosen(["rigid"], ["Mode7"])
-
-
-def test_other_water_than_that_of_the_files_is_refused(theirs):
-    check_water(Water(density=1000.0), theirs)
-    with pytest.raises(ConfigError) as error:
-        check_water(Water(density=1025.0, depth=50.0), theirs)
-    assert [line.split(":")[0] for line in error.value.mistakes] == ["water.density", "water.depth"]
-    assert "received 50, needs inf, as the body's files have" in error.value.mistakes[1]

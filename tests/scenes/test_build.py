@@ -60,15 +60,6 @@ def test_latching_on_an_immobile_port_has_no_effect(small):
     assert found.notes == {"model": "linear"}
 
 
-def test_files_of_another_study_are_refused(small):
-    one = small.simulation("FSB", small.study.waves[0])
-    swapped = {"database": small.radiation_path, "radiation": small.database_path}
-    with pytest.raises(
-        DatabaseError, match=r"radiation/\w+.nc: holds no hydro database; needs one of results/hydro/db"
-    ):
-        SCENES["linear"](one, swapped)
-
-
 def assumed(seed, design="VSWEC", **changes):
     """The scene of one design under an assumed pressure, and of its study."""
     hydro = {"model": "assumed_pressure", "pressure": 1800.0, "omega_max": 12.0}

@@ -17,7 +17,6 @@ from vsb.scenes.drag import LINEARISED
 from vsb.scenes.floating_system import floating_system, port_in_seas, study_sea
 from vsb.scenes.rest import (
     check_moored,
-    check_spring,
     check_stable,
     check_upright,
     reference_shell,
@@ -189,17 +188,6 @@ def test_repelling_mooring_is_refused(place, name):
             continue
         with pytest.raises(ConfigError, match=rf"^mooring: received .* out of its rest, most in {name}; needs one"):
             check_moored(study, reference)
-
-
-def test_stroke_limit_needs_a_restrained_port():
-    study = study_with(pto={"port": "surge", "stroke_limit": 0.5}, mooring=None)
-    with pytest.raises(
-        ConfigError, match=r"pto.stroke_limit: received 0.5 m, but the port of design FSB has no position of rest"
-    ):
-        check_spring(study, reference_shell(study))
-    check_spring(study_with(pto={"port": "surge"}, mooring=None), reference_shell(study))
-    with pytest.raises(ConfigError, match=r"pto.stiffness: received -1 N/m, .*needs more than 0 N/m"):
-        check_spring(study_with(pto={"port": "surge", "stiffness": -1.0}, mooring=None), reference_shell(study))
 
 
 PORTS = {

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.errors import ConfigError
 from vsb.hydro.database import with_structure
 from vsb.hydro.shape_dependence import ShapeDatabase, ShapeFamily, measured_errors
 from vsb.motion.linear import LinearSystem
@@ -166,14 +165,6 @@ def test_verdict_on_shape_dependence(passed, rest, verdict, dataset):
     assert "\n" not in line
 
 
-def test_still_water_has_no_shape_dependence(small, reference, family, dataset):
-    buoy = StudyMotion.of(small, reference, family).buoy
-    motion = StudyMotion(varied(small, waves=[{"kind": "still"}]), reference, buoy)
-    powers = shapedependence.study_powers(motion, family, ShapeDatabase(dataset))
-    assert answer(powers, "seed") == "seed: no power is absorbed, so none depends on the shape"
-    np.testing.assert_array_equal(motion.reach, np.full(4, shapedependence.LEAST_REACH * 2.0))
-
-
 @pytest.fixture
 def coarsely(monkeypatch, seed):
     """The rigid seed whose study's family is coarse; and every shape solved is noted."""
@@ -224,19 +215,3 @@ def test_frequencies_contain_those_of_the_waves(small, reference):
     more = varied(small, waves=[*small.waves, {"kind": "still"}, *others])
     omegas = shapedependence.study_family(more, reference, frequencies=6).omegas
     assert omegas == (*OF_GRID[:4], pytest.approx(7.0), *OF_GRID[4:])
-
-
-def test_finite_depth_is_refused(small, reference):
-    shallow = varied(small, water={"depth": 20.0})
-    with pytest.raises(ConfigError, match=r"water\.depth: received 20 m"):
-        shapedependence.study_family(shallow, reference)
-
-
-@pytest.mark.parametrize("pto", [{"damping": None, "tuning": "each"}, {"port": "volume"}, {"stiffness": 1.0}], ids=str)
-def test_take_offs_other_than_a_damper_on_heave_are_refused(small, pto):
-    assert shapedependence.given_damper(small) == small.pto.damping
-    other = small.model_copy(update={"pto": small.pto.model_copy(update=pto)})
-    with pytest.raises(
-        ConfigError, match=r"pto: received .*; shape dependence needs one damping, on heave, and no more"
-    ):
-        shapedependence.given_damper(other)

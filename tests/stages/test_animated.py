@@ -1,10 +1,7 @@
 """The animation of a page shows the motion of the runs."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
-from conftest import varied
 
 from vsb.report.animation import PER_PERIOD, PERIODS
 from vsb.report.interactive import packed
@@ -39,26 +36,3 @@ def test_animation_shows_the_motion_of_the_runs(small, moved):
         sea = moved["seas"][0]
         time = sea["start"] + sea["step"] * np.arange(sea["frames"])
         assert frames["heave"] == packed(np.interp(time, run.time.values, run.position.values[:, 0]))
-
-
-def test_magnification_is_that_of_the_largest_motion_in_the_window(small):
-    """A sea with ten times the motion is magnified ten times less; motion before the window does not count."""
-    study = varied(
-        small.study, waves=[{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.5, 3.0)]
-    )
-    first, modes = small.study.waves[0].label, load(f"{small.folder}/modes.nc")
-    loaded = {design: load(small.trajectory_path(design, first)) for design in study.designs}
-    start = study.simulation.window[0]
-
-    def factor(*sizes, before=1):
-        runs = {
-            (design, wave.label): run.assign(position=run.position * size * (1 + (before - 1) * (run.time < start)))
-            for wave, size in zip(study.waves, sizes, strict=True)
-            for design, run in loaded.items()
-        }
-        stored = SimpleNamespace(study=study, runs=runs, database=load(small.database_path))
-        return animated_study(stored, modes, words(study))["factor"]
-
-    alike = factor(1.0, 1.0)
-    assert factor(1.0, 10.0) == pytest.approx(alike / 10)
-    assert factor(1.0, 1.0, before=100) == alike

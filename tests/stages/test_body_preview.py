@@ -62,15 +62,6 @@ def test_errors_of_a_body_study_are_reported_by_check(finished, workplace, capsy
     assert {path.name for path in Path().iterdir()} == {"file", "a.yaml"}
 
 
-def test_damaged_stored_result_is_reported_by_check(finished, workplace, capsys):
-    Path("a.yaml").write_text(yaml.safe_dump(as_body(finished)))
-    found = located(as_body(finished), "a.yaml")
-    path = Path(BodyPlan(found.study, files=found.files).radiation_path)
-    path.parent.mkdir(parents=True)
-    path.write_bytes(b"half")
-    assert told(["check", "a.yaml"], capsys).startswith(f"{path}: ")
-
-
 KNOWN = xr.Dataset(coords={"omega": [0.5, 1.0, 2.0], "wave_direction": [0.0, np.pi / 2]})
 
 

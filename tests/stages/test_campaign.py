@@ -63,30 +63,3 @@ def test_table_is_stamped_and_equals_the_data(plan):
         factor = {"FSB": 0, "VSWEC": 3}[row["design"]] + 1 + ["fixed", "one", "each"].index(row["tuning"])
         product = float(row["device.young_modulus"]) * float(row["device.thickness"])
         assert float(row["annual_mean_power"]) == pytest.approx(factor * product, rel=1e-11)
-
-
-UNITS = {"damping": ("N s/m", "Pa s/m^3"), "force_rms": ("N", "Pa"), "tried_damping": ("N s/m", "Pa s/m^3"),
-         "force_of_damping": ("N", "Pa"), "stiffness": ("N/m", "Pa/m^3"),
-         "pto_damping": ("N s/m", "Pa s/m^3"), "thickness": ("m", "m"), "annual_mean_power": ("W", "W")}  # fmt: skip
-
-
-@pytest.mark.parametrize("port", ["heave", "volume"])
-def test_units_of_a_volume_take_off(tmp_path, port):
-    varied = {"pto.stiffness": [0.0, 100.0], "pto.damping": [4e2], "device.thickness": [0.1]}
-    pto = {"port": port, "damping": 400.0}
-    one = planned(with_seas(tmp_path, (1.0, 6.0)), varied, tuning=["fixed", "one", "each"], pto=pto)
-    for batch, spec in one.batches.items():
-        held = members(spec.base, spec.points, spec.climate, spec.tuning)
-        parts = [made_up(each) for each in held]
-        parts = [
-            ds.assign(
-                force_rms=ds.annual_mean_power, tried_damping=(("design", "damper"), np.ones((2, 3))),
-                force_of_damping=(("design", "damper"), np.ones((2, 3))),
-            )
-            for ds in parts
-        ]  # fmt: skip
-        save(stacked(parts, [each.id for each in held]).assign_attrs(spec_id=batch), one.batch_path(batch))
-    gather(one)
-    found = load(one.data_path, expected=one.campaign_id)
-    assert {name: found[name].attrs["units"] for name in UNITS} == {n: u[port == "volume"] for n, u in UNITS.items()}
-    assert found.attrs["port_kind"] == ("pressure" if port == "volume" else "force")

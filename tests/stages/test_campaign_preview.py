@@ -64,14 +64,3 @@ def test_check_counts_points_batches_and_shapes(folder, monkeypatch):
         "points       4 of device.young_modulus x device.density, 1 done",
         "jobs         0 of 1 batches to do, 1 shapes of the water",
     ]
-
-
-def test_angles_that_look_like_radians_are_doubted(folder, monkeypatch):
-    """Of the study and among the points, each once."""
-    monkeypatch.chdir(folder)
-    designs = {"FSB": {"flexible": False}, "VSWEC": {"clamp": 1.5708}}
-    lines = campaign_summary(planned(folder, {"device.thickness": [0.01, 0.02]}, name="turned", designs=designs))
-    assert [line for line in lines if "angles" in line] == [
-        "doubt        angles = 1 (limit 0): angles are taken as degrees: designs.VSWEC.clamp.0 1.5708 (90 degrees are "
-        "1.5708 rad)"
-    ]

@@ -197,24 +197,6 @@ def test_a_climate_beyond_the_frequencies_solved_is_refused(folder):
         check_design(planned(folder, "beyond", study="low.yaml"))
 
 
-def test_a_study_and_a_design_may_not_share_a_folder(folder, monkeypatch, capsys):
-    monkeypatch.chdir(folder)
-    planned(folder, "shared")
-    (folder / "results" / "shared").mkdir(parents=True, exist_ok=True)
-    (folder / "results" / "shared" / "study.json").write_text("{}")
-    assert main(["check", "shared.yaml"]) == 2
-    assert "design: received shared, the name of a study with results in results/shared" in capsys.readouterr().err
-
-
-def test_a_design_is_not_compared_nor_exported(folder, monkeypatch, capsys):
-    monkeypatch.chdir(folder)
-    planned(folder, "alone")
-    assert main(["compare", "alone.yaml"]) == 2
-    assert "received a design problem, needs a study or campaign" in capsys.readouterr().err
-    assert main(["export", "alone.yaml", "out"]) == 2
-    assert "received a design problem, needs a study" in capsys.readouterr().err
-
-
 def test_starts_none_of_which_rests_are_named(folder):
     """No mass from 60 to 70 t floats a sphere of radius 2 m."""
     plan = planned(folder, "sunk", {"device.mass": [6e4, 7e4]})

@@ -6,7 +6,6 @@ import pytest
 from study.test_device import raw
 
 from tests.hydro.formats.test_checks import sound
-from vsb.errors import ConfigError
 from vsb.hydro.formats.bemio import bemio_entries, write_h5
 from vsb.hydro.formats.wamit import wamit_texts
 from vsb.stages.coefficients import import_bemio, import_wamit
@@ -35,14 +34,6 @@ def test_wamit_and_bemio_files_are_imported_with_a_verdict(tmp_path):
         assert stored.attrs["spec_id"] == name
         assert {check["verdict"] for check in json.loads(stored.attrs["quality"])} == {"ok"}
     assert load(tmp_path / "a.nc").attrs["history"] == "; ".join(notes)
-
-
-@pytest.mark.parametrize(("option", "unit"), [("density", "kg/m"), ("gravity", "m/s"), ("length", "m"), ("depth", "m")])
-@pytest.mark.parametrize("value", [-1.0, 0.0, float("nan")])
-def test_water_properties_must_be_positive(tmp_path, option, unit, value):
-    facts = {**WATER, option: value}
-    with pytest.raises(ConfigError, match=rf"^--{option}: received {value}, needs a positive number of {unit}"):
-        import_wamit(str(tmp_path), "none", str(tmp_path / "a.nc"), axisymmetric=False, **facts)
 
 
 def test_centres_of_a_spheroid_that_floats_high():

@@ -1,16 +1,24 @@
-"""The interactive chart of a campaign's page computes the results of the campaign."""
+"""The interactive chart of a campaign's page computes the results of the campaign; the animation is of linear theory."""
 
 from contextlib import chdir
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from browser import asked, evaluated
+from conftest import varied
+from scenes.test_ports import water
 from stages.test_members import folder, planned, run  # noqa: F401
 
 from vsb.report import html
+from vsb.report.animation import PERIODS
 from vsb.report.campaign_answer import leading
-from vsb.stages.campaign_report import interactive_year
+from vsb.scenes.ports import BuoyOfShape
+from vsb.scenes.rest import reference_shell
+from vsb.stages import campaign_report as module
+from vsb.stages.campaign_report import animated_year, interactive_year
 from vsb.stages.climate import read_climate
+from vsb.waves.seas import Sea
 
 
 @pytest.fixture(scope="module")
@@ -66,3 +74,50 @@ def test_damping_slider_of_the_campaign_page(swept, tmp_path):
     assert all(float(a[2]) < float(b[2]) for a, b in zip(found["dragged"], found["own"], strict=True))
     assert found["bins"] == int((ds["count"] > 0).sum())
     assert found["words"].startswith("gain of ")
+
+
+def moved(swept):
+    plan, ds = swept
+    with chdir(plan.root + "/.."):
+        seas = read_climate(plan.climate, plan.loaded.climate_path)
+        return animated_year(plan.campaign, ds, *leading(ds), seas, plan.root)
+
+
+def test_animation_of_a_campaign_page(swept, tmp_path):
+    plan, ds = swept
+    data = moved(swept)
+    assert [design["name"] for design in data["designs"]] == list(ds.design.values)
+    (sea,) = data["seas"]
+    assert "most energy (Hs 3.1 m, Te 1" in sea["words"]
+    assert sea["step"] * (sea["frames"] - 1) == pytest.approx(
+        PERIODS * read_climate(plan.climate, plan.loaded.climate_path).te.max(), rel=1e-6
+    )
+    assert [design["modes"] for design in sea["designs"]] == [0, 3]
+    with open(f"{plan.folder}/report.html", encoding="utf-8") as file:
+        page = file.read()
+    script = """
+      const text = document.querySelector("#buoys > p:last-child").textContent;
+      return { errors, shown: !document.getElementById("buoys").hidden, text };"""
+    found = asked(page, script, tmp_path)
+    assert (found["errors"], found["shown"]) == ([], True)
+    assert "by linear theory, each design at its optimal damping for the year at thickness 0.0" in found["text"]
+
+
+def test_heave_is_that_of_the_port_with_its_damping(seed):
+    """V = V0/(1 + Y (c + i k/w)) of each component, with damping c and spring k."""
+    spring, dampers = 2e4, {"FSB": 5e3, "VSWEC": 3e4}
+    study = varied(seed, modes={"degree": 2}, pto={"damping": 8e3, "stiffness": spring})
+    reference = reference_shell(study)
+    point = BuoyOfShape(study, reference, SimpleNamespace(at=lambda omega: water(study, omega=omega)))
+    waves = Sea(np.array([1.0, 1.3, 1.7]), np.array([0.3, 0.0, 0.2j]))
+    runs = module._runs(point, dampers, waves, 10.0)
+    inside = point.at(waves.omega).in_waves()
+    for design, damping in dampers.items():
+        port = inside[design].port
+        velocity = port.velocity / (1 + port.admittance * (damping + 1j * spring / waves.omega))
+        time = runs[design].time.values
+        assert (time[0], time[-1]) == (0.0, 10.0)
+        parts = waves.amplitude * velocity / (-1j * waves.omega) * np.exp(-1j * np.outer(time, waves.omega))
+        np.testing.assert_allclose(runs[design].sel(dof="Heave"), parts.sum(axis=1).real, rtol=1e-9, atol=1e-12)
+    assert list(runs["FSB"].dof.values) == ["Heave"]
+    assert runs["VSWEC"].sizes["dof"] > 1

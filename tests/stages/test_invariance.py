@@ -64,7 +64,7 @@ def results(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    "name", [name if name == "gas" else pytest.param(name, marks=pytest.mark.slow) for name in STUDIES]
+    "name", [name if name == "pressure" else pytest.param(name, marks=pytest.mark.slow) for name in STUDIES]
 )
 def test_results_do_not_depend_on_units(results, name):
     assert_same_in_other_units(results(STUDIES[name]), results(restated(STUDIES[name])))

@@ -1,12 +1,11 @@
 """One run at a time in a results folder."""
 
-import fcntl
 import os
 
 import pytest
 
 from vsb.errors import VsbError
-from vsb.stages.locks import all_locked, exclusive_lock, shared_lock
+from vsb.stages.locks import all_locked, exclusive_lock
 
 
 def test_second_run_in_a_folder_is_refused_until_the_first_ends(tmp_path):
@@ -34,18 +33,3 @@ def test_lock_of_all_folders_excludes_every_run(tmp_path):
                 exclusive_lock(tmp_path / name).__enter__()
     with exclusive_lock(tmp_path / "a"), exclusive_lock(tmp_path / "b"):
         pass
-
-
-def test_waiting_for_a_shared_file_is_reported(tmp_path, monkeypatch, capsys):
-    asked = []
-
-    def flock(handle, how):
-        asked.append(how)
-        if how & fcntl.LOCK_NB and len(asked) == 1:
-            raise BlockingIOError
-
-    monkeypatch.setattr("vsb.stages.locks.fcntl.flock", flock)
-    with shared_lock(tmp_path, [f"hydro/{'a' * 16}.nc", f"hydro/{'b' * 16}.nc"]) as handles:
-        assert len(handles) == 2
-    assert asked == [fcntl.LOCK_EX | fcntl.LOCK_NB, fcntl.LOCK_EX, fcntl.LOCK_EX | fcntl.LOCK_NB]
-    assert capsys.readouterr().out == f"vsb: waiting for another run that makes {'a' * 16}\n"

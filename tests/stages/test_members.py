@@ -132,7 +132,8 @@ def test_scatter_figure_shows_the_share_of_hours_of_each_bin(swept):
 
 
 PLANAR = {
-    "motion": "planar", "mooring": [2e4, 0, 0, 0, 0, 0], "modes": {"basis": "membrane", "degree": 2, "order": 2},
+    "motion": "planar", "mooring": [2e4, 0, 0, 0, 0, 0], "modes": {"basis": "membrane", "degree": 1, "order": 1},
+    "designs": {"FSB": {"flexible": False}}, "hydro": {"omega_max": 4.0, "tolerance": 1e-2},
     "device": BASE["device"] | {"centre_of_mass": -0.6, "ballast_inertia": 9e3},
     "pto": {"damping": 8000.0, "port": {"line_to": [12.0, -9.0]}},
 }  # fmt: skip

@@ -5,13 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import SMALL_PLAN, varied
+from conftest import varied
 
-from vsb.errors import ConfigError, DatabaseError
+from vsb.errors import DatabaseError
 from vsb.shell.modes import mode_basis
 from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages import preview
-from vsb.study.plan import StudyPlan
 
 
 def test_check_counts_finished_work(small, tmp_path, monkeypatch):
@@ -35,12 +34,6 @@ def test_unreadable_stored_files_are_reported_before_any_job(small, finished, tm
         Path(path).write_bytes(b"none")
         with pytest.raises(DatabaseError, match=f"{path}: cannot be read as netCDF"):
             preview.check_before_run(small.study, small)
-
-
-def test_design_without_free_modes_is_reported_before_any_job():
-    study = varied(SMALL_PLAN.study, designs={"A": {"clamp": list(range(0, 181, 30))}})
-    with pytest.raises(ConfigError, match="clamp"):
-        preview.check_before_run(study, StudyPlan(study))
 
 
 def test_natural_frequencies_are_those_of_the_closed_form(seed):

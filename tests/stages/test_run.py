@@ -1,6 +1,5 @@
 """Command run: errors before the run, child processes, and how a failed run is reported."""
 
-import shutil
 import signal
 import subprocess
 import sys
@@ -10,23 +9,13 @@ import psutil
 import pytest
 import yaml
 from conftest import SEED, told
-from snakemake.cli import get_argument_parser
 from stages.test_coefficients import SWELL, as_body
 from stages.test_members import planned, with_seas
 from test_cli import written
 
-from vsb.cli import main
 from vsb.stages import run as launcher
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load
-
-
-@pytest.mark.parametrize("cores", ["0", "1.5", "x"])
-def test_cores_must_be_a_positive_integer_or_all(workplace, capsys, cores):
-    with pytest.raises(SystemExit) as stop:
-        main(["run", written("study.yaml"), f"--cores={cores}"])
-    assert stop.value.code == 2
-    assert f"argument --cores/-c: received {cores}, needs a whole number above 0, or all" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["mine", "./nowhere"])
@@ -118,37 +107,3 @@ def test_errors_of_later_stages_are_reported_before_the_run(finished, workplace,
         written(name, pto={"damping": 1.0, "stiffness": -1e6})
     assert message in told(["run", name], capsys)
     assert not Path("results").exists()
-
-
-def test_missing_executor_plugin_is_reported_with_its_pip_package(workplace, capsys):
-    Path("mine").mkdir()
-    Path("mine/config.yaml").write_text("executor: cluster-nowhere")
-    line = told(["run", written("study.yaml"), "--profile", "./mine"], capsys)
-    needed = "which is not installed; needs pip install snakemake-executor-plugin-cluster-nowhere"
-    assert line.removeprefix("vsb: ").strip() == f"mine/config.yaml: executor: received cluster-nowhere, {needed}"
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        ["-R", "a", "-R", "b"], ["--forcerun=b"], ["-Rb"], ["--forceru", "a", "b"], ["-n"], ["--force", "b"],
-    ],
-)  # fmt: skip
-def test_stale_files_are_added_to_any_forcerun_option(options):
-    """As Snakemake's own parser reads them; its other options stay."""
-    parser = get_argument_parser()
-    asked, given = (parser.parse_args(launcher._forced(options, stale)) for stale in ([], ["old.csv", "x.nc"]))
-    assert given.forcerun == {*asked.forcerun, "old.csv", "x.nc"}
-    told = [[vars(one)[name] for name in ("targets", "dryrun", "force", "forceall", "cores")] for one in (asked, given)]
-    assert told[0] == told[1]
-
-
-def test_lost_table_is_remade_by_the_workflow(finished, tmp_path, monkeypatch):
-    """Through Snakemake, from results that Snakemake did not make; nothing else is computed again."""
-    shutil.copytree(finished, tmp_path, dirs_exist_ok=True)
-    monkeypatch.chdir(tmp_path)
-    lost, kept = (Path("results", "small", name) for name in ("statistics.csv", "response.nc"))
-    text, before = lost.read_text(), kept.stat().st_mtime_ns
-    lost.unlink()
-    assert main(["run", "small.yaml", "--cores", "1"]) == 0
-    assert (lost.read_text(), kept.stat().st_mtime_ns) == (text, before)

@@ -2,14 +2,10 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 from conftest import varied
 
 from vsb.api.results import Results
 from vsb.errors import ConfigError, DatabaseError
-from vsb.stages.stored import StoredRuns
-from vsb.study.plan import StudyPlan, trajectory_name
-from vsb.tools.files import save
 
 
 @pytest.fixture
@@ -51,29 +47,3 @@ def test_results_of_another_study_in_the_folder_are_refused(results):
             getattr(other, name)
     with pytest.raises(DatabaseError, match=r"small/trajectories/FSB-regular_A0.179_T2.5.nc: holds .*, needs "):
         other.trajectory("FSB")
-
-
-@pytest.fixture
-def runs(seed, tmp_path):
-    """Runs of two designs in three seas, each with its own heave."""
-    seas = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.0, 3.0, 4.0)]
-    study = varied(seed, designs={"FSB": {"flexible": False}, "VSWEC": {}}, waves=seas)
-    plan, heave = StudyPlan(study), 0.0
-    for wave in study.waves:
-        for design in study.designs:
-            run = xr.Dataset(
-                {"position": (("time", "dof"), np.full((3, 1), heave))},
-                coords={"time": [0.0, 1.0, 2.0], "dof": ["Heave"]},
-                attrs={"design": design, "spec_id": plan.trajectory_id(design, wave)},
-            )
-            save(run, tmp_path / trajectory_name(design, wave.label))
-            heave += 1.0
-    return StoredRuns(study, str(tmp_path))
-
-
-@pytest.mark.parametrize("place", [0, 3])
-def test_run_stored_under_another_name_is_refused(runs, tmp_path, place):
-    names = [trajectory_name(*run) for run in runs]
-    (tmp_path / names[place]).write_bytes((tmp_path / names[place - 1]).read_bytes())
-    with pytest.raises(DatabaseError, match=rf"{names[place]}: holds '\w+', needs '\w+': stale or foreign"):
-        runs.attributes()

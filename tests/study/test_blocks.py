@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-import xarray as xr
-from conftest import shipped, varied
+from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from study.test_plan import block_ids
@@ -14,12 +13,11 @@ from vsb.errors import ConfigError
 from vsb.hydro.database import displacements_of, in_modes
 from vsb.hydro.quality import added_mass_difference
 from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.results.ledger import witness_checks
 from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
-from vsb.study.blocks import frequency_step, no_witness, tolerance_rows
-from vsb.study.plan import StudyPlan, figure_names
-from vsb.study.study import content_id, load
+from vsb.study.blocks import frequency_step, tolerance_rows
+from vsb.study.plan import StudyPlan
+from vsb.study.study import content_id
 from vsb.waves.dispersion import wavenumber
 
 
@@ -131,16 +129,6 @@ def test_a_sea_below_the_lowest_frequency_solved_is_refused(seed, wave):
         StudyPlan(varied(seed, waves=[wave])).check_waves()
 
 
-def test_longest_period_of_a_regular_wave(seed):
-    regular = {"kind": "regular", "amplitude": 0.1}
-    expected = 2 * math.pi / 0.1
-    for period in (0.999 * expected, expected):
-        StudyPlan(varied(seed, waves=[{**regular, "period": period}])).check_waves()
-    longer = StudyPlan(varied(seed, waves=[{**regular, "period": 1.001 * expected}]))
-    with pytest.raises(ConfigError, match=rf"waves.0.period: received .* s, needs at most {expected:.4g} s, the"):
-        longer.check_waves()
-
-
 @pytest.mark.parametrize(
     ("changes", "order", "solved"),
     [
@@ -177,25 +165,3 @@ def test_rows_give_second_order_error_below_the_tolerance(tolerance):
     assert rows % 2 == 0
     assert 1e-3 * (40 / rows) ** 2 <= tolerance * (1 + 1e-12)  # second order: the error is met
     assert rows == 2 or 1e-3 * (40 / (rows - 2)) ** 2 > tolerance * (1 - 1e-12)  # and by no fewer
-
-
-@pytest.mark.parametrize(
-    ("name", "change", "reason", "checks"),
-    [
-        ("seed", {"hydro": {"witness": "none"}}, "hydro.witness: none", 0),
-        ("paper", {}, "an assumed pressure has no coefficients", None),
-        ("seed", {"water": {"depth": 2.02}}, "the spectral solver needs a water.depth of 1.02 drafts", 1),
-    ],
-)
-def test_reason_for_no_cross_check(name, change, reason, checks):
-    study = varied(load(shipped(name)), **change)
-    plan = StudyPlan(study)
-    assert no_witness(study) == reason
-    assert plan.witness is None
-    assert plan.deformed_paths == []
-    assert plan.witness_files == {}
-    assert "witness" not in figure_names(study)
-    if checks is not None:
-        found = witness_checks(study, xr.Dataset(), xr.Dataset())
-        assert [check.verdict for check in found] == ["doubt"] * checks
-        assert all(reason in check.explanation for check in found)

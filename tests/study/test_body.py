@@ -98,19 +98,6 @@ def test_body_file_within_a_study(tmp_path):
         assert located(found.study.model_dump(), "elsewhere/raft.yaml") == (found.study, {})
 
 
-@pytest.mark.parametrize(
-    ("mesh", "message"),
-    [
-        ({"kind": "sphere", "radius": 1.0, "panel": 0.1}, "mesh.*draft: missing"),
-        ({"kind": "cone", "radius": 1.0}, "mesh.*kind 'cone': needs one of 'sphere', 'cylinder', 'capsule', 'box'"),
-        ({"kind": "capsule", "radius": 2.0, "height": 3.0, "draft": 1.0, "panel": 1.0}, "height 3 m: needs at least"),
-    ],
-)
-def test_plain_hulls_that_are_none_are_refused(mesh, message):
-    with pytest.raises(ConfigError, match=message):
-        validated(BodyFile, {**RAFT, "mesh": mesh, "modes": "rigid"}, "raft.yaml")
-
-
 def test_body_study_is_not_a_buoy_study():
     assert is_body(RAW)
     assert not is_body({"body": "raft", "mesh": "m.nc"})
@@ -118,36 +105,7 @@ def test_body_study_is_not_a_buoy_study():
         parse(RAW)
 
 
-def test_mesh_and_modes_are_part_of_the_study(tmp_path):
-    body = {"body": "raft", "mesh": "m.nc", "modes": "d.nc", "omega": [0.6, 0.9]}
-    (tmp_path / "file.yaml").write_text(yaml.safe_dump(body))
-    found = []
-    for mesh, modes in (("one", "two"), ("one", "three"), ("four", "two"), ("two", "one"), ("one", "two")):
-        (tmp_path / "m.nc").write_text(mesh)
-        (tmp_path / "d.nc").write_text(modes)
-        found.append(located({**RAW, "body": {"file": "file.yaml"}}, str(tmp_path / "raft.yaml")).study)
-    assert [found.index(one) for one in found] == [0, 1, 2, 3, 0]
-    (tmp_path / "d.nc").unlink()
-    with pytest.raises(ConfigError, match=r"file.yaml: modes: .*d.nc cannot be read \(No such file or directory\)"):
-        located({**RAW, "body": "file.yaml"}, str(tmp_path / "raft.yaml"))
-
-
 RAFT = {"body": "raft", "mesh": "raft.nc", "modes": "raft.nc", "omega": [0.6, 0.9]}
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"omega": [0.9, 0.6]}, r"omega \[0.9, 0.6\]: needs at least one value, ascending without repetition"),
-        ({"omega": [0.6, 0.6]}, r"omega \[0.6, 0.6\]: needs at least one value, ascending without repetition"),
-        ({"wave_direction": [0.0, 90.0, 0.0]}, r"wave_direction \[0.0, 90.0, 0.0\]: needs at least one value, asc"),
-        ({"wave_direction": []}, r"wave_direction \[\]: needs at least one value"),
-        ({"water": {"depth": 10.0}, "omega": [0.1]}, "omega 0.1 rad/s: in 10 m of water needs at least"),
-    ],
-)
-def test_unsolvable_frequencies_are_refused(changes, message):
-    with pytest.raises(ConfigError, match=message):
-        validated(BodyFile, {**RAFT, **changes}, "raft.yaml")
 
 
 @pytest.mark.parametrize(("gravity", "depth"), [(9.81, 10.0), (3.7, 2.0)])

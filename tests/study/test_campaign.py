@@ -117,25 +117,6 @@ def test_froude_scaling_keeps_water_and_density():
     assert study_at(sections(seed), {"scale": 4.0, "device.mass": 2e6}).device.mass == 2e6
 
 
-@pytest.mark.parametrize("device", [{"mass": 17170.0}, {"draft": 1.8}, {}], ids=str)
-@pytest.mark.parametrize("vary", [("device.radius",), ("device.radius", "scale")], ids=str)
-@pytest.mark.parametrize("beside", [None, "device.mass"])
-def test_radius_cannot_vary_at_fixed_mass(folder, device, vary, beside):
-    """A fixed draft does not follow a scaled radius either."""
-    raw = yaml.safe_load(SEED.read_text())
-    raw["device"] = {key: value for key, value in raw["device"].items() if key != "mass"} | device
-    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
-    varied = {"device.radius": [2.0, 2.5], "scale": [1.0, 2.0], "device.mass": [1.7e4], "device.draft": [1.7]}
-    asked = written(folder, vary={key: varied[key] for key in (*vary, beside) if key})
-    stays = {"mass"} if "scale" not in vary else {"mass", "draft"}
-    if "device.radius" in vary and stays & set(device) and beside is None:
-        (key,) = device
-        with pytest.raises(ConfigError, match=rf"vary: device.radius: received with device.{key} {device[key]:g} as"):
-            load(asked)
-    else:
-        assert load(asked).floats_by == pytest.approx(device)
-
-
 def test_switching_take_off_needs_time_domain_or_constrained_optimum(folder):
     switching = varied(load_study(SEED), pto={"force_limit": 2e3})
     for tuning, blind in ((["fixed"], "fixed"), (["one", "constrained"], "one"), (["constrained"], "")):

@@ -164,26 +164,10 @@ def test_a_clamp_and_structural_damping_may_be_varied(folder):
         load(written(folder, variables={"device.material.mu": [1e5, 1e6]}))
 
 
-def test_a_radius_without_its_mass_is_refused_where_the_draft_is_given(folder):
-    raw = yaml.safe_load(SEED.read_text())
-    del raw["device"]["mass"]
-    (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
-    with pytest.raises(ConfigError, match=r"design.yaml:6: variables.device.radius: received with the draft"):
-        load(written(folder, variables={"device.radius": [1.4, 2.6]}))
-    assert load(written(folder)).problem.variables
-
-
 def test_a_study_of_a_body_is_refused(folder):
     (folder / "seed.yaml").write_text("study: raft\nbody: raft.nc\n")
     with pytest.raises(ConfigError, match=r"study: received seed.yaml, a study of a body; needs a buoy"):
         load(written(folder))
-
-
-def test_all_mistakes_are_reported_together(folder):
-    with pytest.raises(ConfigError) as error:
-        load(written(folder, optimise="FSB", pareto={"x": [1.0]}))
-    assert len(error.value.mistakes) == 2
-    assert str(error.value).endswith("(and 1 more)")
 
 
 def test_the_shipped_example_is_valid():

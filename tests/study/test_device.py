@@ -98,25 +98,6 @@ def test_profile_in_a_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (None, r"device.shape.profile: received hull.csv, which cannot be read \(No such file"),
-        ("x,z\n0,1\nup,0.5\n", "received 'up,0.5' in hull.csv, needs two numbers x,z"),
-        ("0,1\n1,0,3\n", "received '1,0,3' in hull.csv, needs two numbers x,z"),
-        (f"0,1\n{50 * 'u'},0.5\n", f"received '{40 * 'u'}' in hull.csv, needs two numbers x,z"),
-        ("0,1\n1,0\n0,-1\n", "shape.profile: received 3 points; needs at least five"),
-    ],
-)
-def test_errors_of_a_profile_file(tmp_path, text, message):
-    if text is not None:
-        (tmp_path / "hull.csv").write_text(text)
-    with pytest.raises(ConfigError, match=message) as refused:
-        parse(raw({"profile": "hull.csv"}), source=str(tmp_path / "study.yaml"))
-    assert "\n" not in str(refused.value)
-    assert str(refused.value).startswith(str(tmp_path / "study.yaml"))
-
-
-@pytest.mark.parametrize(
     ("shape", "changes", "message"),
     [({}, {}, "received none: needs one of spheroid, capsule and profile"),
         ({**OBLATE, "capsule": {"length": 1.0}}, {}, "received spheroid and capsule: needs one of"),
@@ -252,28 +233,3 @@ def test_hookes_law_is_the_default_and_changes_no_id():
 def test_what_a_material_may_not_be(changes, message):
     with pytest.raises(ConfigError, match=message):
         validated(Device, {**RUBBER, **changes}, "device")
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            {
-                "hydro": {"model": "body_exact"},
-                "simulation": {"duration": 60, "window": [40, 60], "method": "exponential"},
-            },
-            "simulation.method 'exponential': cannot follow a shell of rubber",
-        ),
-        (
-            {"hydro": {"model": "body_exact"}, "pto": {"damping": 8e3, "force_limit": 1e3}},
-            "with hydro.model 'body_exact' rubber cannot be followed beside a take-off that switches",
-        ),
-    ],
-    ids=["method", "switches"],
-)
-def test_what_cannot_follow_rubber(changes, message):
-    device = {**RUBBER, "material": {"law": "neo_hookean", "mu": 1e6}}
-    study = {"study": "rubber", "device": device, "designs": {"VSWEC": {}}, "waves": [{"kind": "still"}]}
-    with pytest.raises(ConfigError, match=message):
-        parse({**study, **changes})
-    parse({**study, **changes, "designs": {"FSB": {"flexible": False}}})  # does not stretch

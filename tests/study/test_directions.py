@@ -77,20 +77,6 @@ def test_errors_of_planar_and_free_motion(changes, match):
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize(
-    ("changes", "match"),
-    [({"motion": "sideways"}, r"motion: received 'sideways'; .*'heave', 'planar' or 'free'"),
-        ({"modes": {"order": 2}}, r"modes.order 2: motion 'heave' has axisymmetric modes; needs motion: planar"),
-        ({"mooring": [1.0] * 6}, r"mooring: motion 'heave' has none; needs motion: planar, or pto.stiffness"),
-        ({"drag": {"surge": PLATE}}, r"drag.surge: motion 'heave' has none; needs drag of heave"),
-        ({"pto": {"port": "surge"}}, r"pto.port: motion 'heave' moves it in no other direction; needs motion: planar")],
-    ids=str,
-)  # fmt: skip
-def test_errors_of_heave(changes, match):
-    with pytest.raises(ConfigError, match=match):
-        parse(raw(**changes))
-
-
 def test_free_buoy_has_every_order_twice_and_yaw():
     """The water is solved once per order."""
     study = parse(

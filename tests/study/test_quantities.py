@@ -49,22 +49,6 @@ def test_band_below_the_peak_of_damping_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "key", "line"),
-    [
-        ("radius: 2.0", "radius: {}", "device.radius", 4),
-        ("clamp: 90", "clamp: [0, {}]", "designs.VSWEC90.clamp.1", 17),
-        ("FSB: {", "? {}\n  : {", "designs.a key", 13),
-    ],
-)
-def test_integer_of_too_many_digits_is_refused(tmp_path, old, new, key, line):
-    file = tmp_path / "digits.yaml"
-    file.write_text(SEED.read_text().replace(old, new.replace("{}", f"0x{'f' * 20_000}")))
-    expected = rf"^{file}:{line}: {key}: received a number of too many digits; needs at most 4300$"
-    with pytest.raises(ConfigError, match=expected):
-        config.load(file)
-
-
-@pytest.mark.parametrize(
     ("label", "body", "motion", "rigid"),
     [("Heave", "", "Heave", True), ("float__Heave", "float", "Heave", True), ("Mode7", "", "Mode7", False),
      ("left__float__Pitch", "left__float", "Pitch", True), ("Heave__Mode7", "Heave", "Mode7", False)],

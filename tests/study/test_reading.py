@@ -72,24 +72,6 @@ def test_missing_file():
         config.load("nowhere.yaml")
 
 
-def test_misspelt_key_comes_before_the_missing_one(seed):
-    data = seed.model_dump()
-    data["device"]["youngs_modulus"] = data["device"].pop("young_modulus")
-    with pytest.raises(ConfigError, match=r"device.youngs_modulus: received 10000000.0; unknown key; .*\(and 1 more\)"):
-        config.parse(data)
-
-
-@pytest.mark.parametrize(("count", "last"), [(20, "unknown key"), (25, "and 5 more mistakes like these")])
-def test_at_most_twenty_errors_are_listed(count, last):
-    raw = changed(("device", "thickness"), 0.01)
-    raw["device"] |= {f"wrong{i:02}": 1.0 for i in range(count)}
-    with pytest.raises(ConfigError) as error:
-        config.parse(raw)
-    assert len(error.value.mistakes) == min(count, 20) + (count > 20)
-    assert last in error.value.mistakes[-1]
-    assert str(error.value) == f"{error.value.mistakes[0]} (and {count - 1} more)"
-
-
 WAVE = {"kind": "regular", "amplitude": 0.1}
 
 
@@ -126,19 +108,6 @@ def test_suggestion_for_a_misspelt_kind(kind, meant):
     asked = f"; did you mean {meant}?" if meant else ""
     assert str(error.value).endswith(f"kind '{kind}': needs one of 'still', 'regular', 'jonswap', 'pierson_moskowitz', "
                                      f"'white_noise', 'record'{asked}")  # fmt: skip
-
-
-def test_several_checks_across_sections_are_reported_together():
-    """A buoy that sinks in waves too short for the band."""
-    raw = changed(("device", "mass"), 1e5)
-    raw["waves"] = [{"kind": "regular", "amplitude": 0.1, "period": 0.3}]
-    with pytest.raises(ConfigError) as error:
-        config.parse(raw, source="a.yaml")
-    first, second = error.value.mistakes
-    assert first.startswith("a.yaml: study: device.mass 100000 kg: the buoy would sink; needs less than ")
-    assert second.startswith("a.yaml: study: waves.0 regular_A0.1_T0.3: the wave is too short ")
-    assert str(error.value) == f"{first} (and 1 more)"
-    assert "\n" not in f"{first}{second}"
 
 
 MODELS = {"campaign": Campaign, "design": Optimisation, "study": Study, "body-study": BodyStudy, "body": BodyFile}

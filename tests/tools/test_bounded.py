@@ -40,23 +40,6 @@ def test_time_beyond_the_bound_raises():
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 
 
-@linux
-def test_nested_memory_bounds_are_restored():
-    """After an error inside, too."""
-    import resource
-
-    with bounded_memory(2**32):
-        outer = resource.getrlimit(resource.RLIMIT_AS)
-        with bounded_memory(2**28):
-            inner = resource.getrlimit(resource.RLIMIT_AS)
-        assert resource.getrlimit(resource.RLIMIT_AS) == outer
-        with pytest.raises(KeyError), bounded_memory(2**28):
-            raise KeyError
-        assert resource.getrlimit(resource.RLIMIT_AS) == outer
-    assert inner[0] < outer[0] < 2**48
-    assert inner[1] == outer[1]
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pipes with names")
 @pytest.mark.parametrize("command", ["check", "import-wamit", "export"])
 def test_a_pipe_or_a_device_in_the_place_of_a_file_is_refused_and_not_waited_for(

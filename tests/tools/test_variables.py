@@ -156,16 +156,6 @@ def test_units_of_annual_results_are_consistent(left, right):
     assert np.array_equal(*both)
 
 
-def test_practice_may_be_missing_for_constrained_optima_only():
-    coordinates = {"design": ["FSB", "VSWEC"], "tuning": ["fixed", "constrained"]}
-    by, values = ("design", "tuning"), np.array([[1.0, np.nan], [2.0, np.nan]])
-    check_finite(xr.Dataset({"practice_power": (by, values)}, coordinates), "x")
-    with pytest.raises(DatabaseError, match="x: variable practice_power holds NaN"):
-        check_finite(xr.Dataset({"practice_power": (by, values[:, ::-1])}, coordinates), "x")
-    with pytest.raises(DatabaseError, match="x: variable capture_width holds NaN"):
-        check_finite(xr.Dataset({"capture_width": (by, values)}, coordinates), "x")
-
-
 def test_varied_keys_keep_their_units():
     coordinates = {"device.radius": [1.0, 2.0], "hs": [3.0, 4.0, 5.0], "design": ["A"], "tuning": ["one"]}
     dims = ("tuning", "hs", "design", "device.radius")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from vsb.tools.words import against_rigid, multiple, plain, power, short, watts
+from vsb.tools.words import against_rigid, plain, power, short, watts
 
 
 @pytest.mark.parametrize(
@@ -21,15 +21,6 @@ def test_powers_that_are_compared_have_one_unit():
     assert watts([380.0, 18720.0, -5.0]) == (["0.38", "18.72", "-0.005"], "kW")
     assert watts([380.0, -18720.0]) == (["0.38", "-18.72"], "kW")
     assert (power(1e4), power(9999999.0), power(1e7)) == ("10 kW", "10000 kW", "10 MW")
-
-
-def test_gain_of_tenfold_is_a_multiple():
-    assert [multiple(gain) for gain in (-100.0, 899.0, 900.0, 19799.0)] == [
-        "",
-        "",
-        "10 times as much",
-        "199 times as much",
-    ]
 
 
 def test_gain_that_rounds_to_zero():

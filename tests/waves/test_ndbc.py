@@ -14,7 +14,6 @@ SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spe
 HEADER = "YY MM DD hh   .050   .100   .150\n"
 ROWS = "96 01 01 00   1.00   2.00   0.50\n96 01 01 01   1.50   2.50   0.25\n"
 TEXT = HEADER + ROWS
-BANDS = 0.05 * np.array([1.0, 2.0, 3.0])
 DENSITY = np.array([[1.0, 2.0, 0.5], [1.5, 2.5, 0.25]])
 """Of the two records, per hertz [m^2/Hz]."""
 
@@ -90,8 +89,3 @@ def test_text_errors_are_one_line(written, text, message):
         read_ndbc(written(text))
     assert "\n" not in str(caught.value)
     assert "given.txt" in str(caught.value)
-
-
-def test_missing_file():
-    with pytest.raises(ConfigError, match=r"nowhere\.txt: cannot be read"):
-        read_ndbc("nowhere.txt")

@@ -9,7 +9,6 @@ from examples import barge
 from vsb.errors import ConfigError
 from vsb.hydro.bodies import body as bodies
 from vsb.hydro.bodies.body import FlexibleBody
-from vsb.hydro.bodies.coarsening import CoarserBody
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.bodies.mesh import at_centres
 from vsb.hydro.panels.mesh import graded_colatitudes, polygon_radius, revolved
@@ -199,16 +198,6 @@ def test_wrong_bodies_are_refused_by_name(box, change, message):
         FlexibleBody(**fields)
 
 
-def test_round_off_of_a_fit_is_not_a_rotation(box):
-    """Heave alone, on a box off the axis: no centre of mass is asked for."""
-    vertices, faces = box
-    moved = vertices + np.array([3.7, 1.3, 0.0])
-    body = made(moved, faces, rigid(moved)[2:3], centre_of_mass=None)
-    assert np.all(body.rigid[0][1] == 0.0)
-    with pytest.raises(ConfigError, match="centre_of_mass is missing"):
-        made(moved, faces, rigid(moved)[4:5], centre_of_mass=None)
-
-
 RIGID = ("Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw")
 
 
@@ -227,25 +216,6 @@ def test_named_motion_of_another_size_or_sign_is_a_misfit(box, named, is_, misfi
     vertices, faces = box
     shape = is_ * rigid(vertices)[RIGID.index(named)][None]
     assert bodies.rigid_misfit(made(vertices, faces, shape, (named,))) == pytest.approx(misfit)
-
-
-def two_panels(left, right):
-    """Panels on both sides of the plane y = 0, of equal area and mirrored centres; they bound nothing."""
-    vertices = np.array([[x, y - 2.0, -1.0] for x, y in left] + [[x, y + 2.0, -1.0] for x, y in right])
-    faces, shapes = np.arange(8).reshape(2, 4), np.ones((1, 8, 3))
-    return CoarserBody(vertices, faces, ("Dof",), at_centres(vertices, faces, shapes), shapes)
-
-
-SQUARE = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
-
-
-def test_wall_in_the_plane_of_symmetry_is_not_its_own_mirror_image():
-    """Solved by halves, it would count twice."""
-    both = two_panels(SQUARE, SQUARE)
-    wall = np.array([[-1.0, 0.0, -3.0], [1.0, 0.0, -3.0], [1.0, 0.0, -1.0], [-1.0, 0.0, -1.0]])
-    vertices, faces = np.concatenate([both.vertices, wall]), np.arange(12).reshape(3, 4)
-    body = CoarserBody(vertices, faces, ("Dof",), np.ones((1, 3, 3)), np.ones((1, 12, 3)))
-    assert bodies.detected_symmetry(body) == "none"
 
 
 @pytest.mark.parametrize(("degree", "rows"), [(0, 20), (6, 40)])

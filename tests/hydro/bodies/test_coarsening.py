@@ -73,14 +73,6 @@ def test_fewer_panels_of_a_sphere_keep_orientation_and_symmetry(rows, azimuth):
         assert cKDTree(x).query(x * sign)[0].max() < 1e-9
 
 
-def test_panels_without_partners_stay():
-    corners = np.array([[x, y, z] for z in (-1.0, 0.0) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], dtype=float)
-    faces = np.array([[3, 2, 1, 0], *([i, (i + 1) % 4, (i + 1) % 4 + 4, i + 4] for i in range(4))])
-    found = coarser_panels(corners, faces, ())
-    assert sorted(found.faces.tolist()) == sorted(faces.tolist())
-    assert found.share == 0.0
-
-
 def test_displacements_are_those_of_the_corners():
     vertices, faces = barge.box(6.0, 4.0, 2.0, 2)
     body = made(vertices, faces, rigid(vertices))
@@ -88,25 +80,3 @@ def test_displacements_are_those_of_the_corners():
     assert fewer.labels == body.labels
     assert fewer.modes == pytest.approx(rigid(fewer.centres), abs=1e-12)
     assert fewer.volumes == pytest.approx(body.volumes)
-
-
-def test_share_counts_only_panels_larger_both_ways():
-    """Sides of one row of panels: joined along the waterline, not over the draught."""
-    vertices, faces = barge.box(6.0, 4.0, 2.0, 1)
-    found = coarser_panels(vertices, faces, ())
-    assert len(found.faces) < len(faces)
-    assert found.share == pytest.approx(6 * 4 / (6 * 4 + 2 * 2 * (6 + 4)))
-
-
-def test_panels_are_not_joined_across_the_edges_of_a_hexagon():
-    angle = np.pi / 3 * np.arange(7)
-    ring = np.column_stack([np.cos(angle), np.sin(angle)])
-    z = np.linspace(0.0, -2.0, 5)
-    vertices = np.array([[*ring[i], height] for height in z for i in range(6)])
-    faces = np.array(
-        [[6 * k + i, 6 * k + 6 + i, 6 * k + 6 + (i + 1) % 6, 6 * k + (i + 1) % 6] for k in range(4) for i in range(6)]
-    )
-    found = coarser_panels(vertices, faces, ())
-    a = areas(vertices, found.faces)
-    assert np.linalg.norm(a, axis=1).sum() == pytest.approx(12.0, rel=1e-12)  # cut corners would be less
-    assert found.share == 0.0

@@ -1,6 +1,5 @@
 """Mesh and modes files from anywhere: read, or refused in one line."""
 
-import importlib.util
 import random
 import re
 import warnings
@@ -66,14 +65,6 @@ def test_mesh_files_of_other_programs_give_the_same_body(tmp_path, body, kind):
     again = made(vertices, faces, rigid(vertices)[[2, 4]], LABELS)
     assert again.volumes == pytest.approx(body.volumes, rel=1e-6)
     assert again.triangles.area.sum(axis=0) == pytest.approx(body.triangles.area.sum(axis=0), abs=1e-4)
-
-
-def test_dat_of_tecplot_is_read(tmp_path):
-    mesh_file(tmp_path, "box.tec").rename(tmp_path / "box.dat")
-    assert files.read_mesh(tmp_path / "box.dat")[0] == pytest.approx(BOX[0])
-    first, rest = (tmp_path / "box.dat").read_bytes().split(b"\n", 1)
-    (tmp_path / "box.dat").write_bytes(b'TITLE = "K\xf6rper"\n' + first + b"\n" + rest)  # of whatever alphabet
-    assert not files._is_nemoh(tmp_path / "box.dat")
 
 
 def test_modes_may_be_given_at_panels(tmp_path, body):
@@ -154,48 +145,6 @@ def test_panels_of_every_kind_are_read_in_the_order_of_the_file(tmp_path):
     vertices, faces = files.read_mesh(tmp_path / "mixed.vtk")
     assert vertices == pytest.approx(points)
     assert faces.tolist() == [[0, 3, 4, 1], [1, 4, 5, 5], [1, 5, 2, 2], [3, 6, 7, 4]]
-
-
-@pytest.mark.parametrize(
-    ("variables", "message"),
-    [
-        ({"faces": (("panel", "corner"), [[0.0, 1.0, 2.5, 3.0]])}, "corners of panels that are no whole numbers"),
-        ({"faces": (("panel", "corner"), [[0, 1, 4, 3]])}, r"panel 0 has corners \[0, 1, 4, 3\]; needs numbers from 0"),
-        ({"faces": (("panel", "corner"), [[0, -1, 2]])}, r"panel 0 has corners \[0, -1, 2\]; needs numbers"),
-        ({"faces": ("panel", [0, 1, 2])}, r"vertices \(4, 3\) and faces \(3,\); needs \(vertex, xyz\)"),
-        ({"vertices": (("vertex", "xy"), np.zeros((4, 2)))}, r"vertices \(4, 2\) and faces \(1, 4\); needs"),
-        ({"faces": (("panel", "corner"), [[0, 1]])}, r"faces \(1, 2\); needs .* 3 or 4 corners"),
-        ({"faces": (("panel", "corner"), np.zeros((0, 4), dtype=int))}, "holds no panel; needs quadrilaterals"),
-        ({"vertices": (("vertex", "xyz"), np.full((4, 3), np.nan))}, "a vertex is NaN or infinite"),
-        ({"vertices": (("vertex", "xyz"), np.full((4, 3), 1e300))}, r"reaches 1e\+300 m; needs at most 100000 m"),
-    ],
-)
-def test_a_mesh_of_other_shape_is_refused(tmp_path, variables, message):
-    usual = {"vertices": (("vertex", "xyz"), np.eye(4, 3)), "faces": (("panel", "corner"), [[0, 1, 2, 3]])}
-    xr.Dataset(usual | variables).to_netcdf(tmp_path / "mesh.nc")
-    with pytest.raises(ConfigError, match=rf"mesh.nc: .*{message}"):
-        files.read_mesh(tmp_path / "mesh.nc")
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"mode_shape": (("dof", "vertex", "xyz"), 1e300 * rigid(BOX[0])[[2, 4]])}, "mode_shape reaches 3e[+]300;"),
-        ({"centre_of_mass": ("xyz", [0.0, 0.0, -1e300])}, "centre_of_mass reaches 1e[+]300; needs at most 1e[+]06"),
-        ({"inertia_matrix": (("influenced_dof", "radiating_dof"), 1e300 * np.eye(2))}, "inertia_matrix reaches 1e"),
-    ],
-)
-def test_numbers_no_body_has_are_refused(tmp_path, body, changes, message):
-    with pytest.raises(ConfigError, match=rf"modes.nc: {message}"):
-        files.read_body(*written(tmp_path, body, **changes))
-
-
-def test_reader_of_a_cut_file_is_stopped(tmp_path, monkeypatch):
-    monkeypatch.setattr(bounded, "SECONDS", (0.3, 0.0))
-    whole = mesh_file(tmp_path, "box.tec").read_bytes()
-    (tmp_path / "cut.tec").write_bytes(whole[:200])  # of 75 vertices two
-    with pytest.raises(ConfigError, match=r"cut.tec: cannot be read as a mesh \(it takes more than 0.3 s\)"):
-        files.read_mesh(tmp_path / "cut.tec")
 
 
 def damaged(data, chance):
@@ -284,13 +233,3 @@ def test_gdf_in_feet_is_scaled_where_its_displacements_are_made(tmp_path):
         ConfigError, match=r"feet.gdf:2: GRAV: received 3.7; needs water.gravity, 9.81 m/s\^2, or that in"
     ):
         build_body(file, {"mesh": tmp_path / "feet.gdf"})
-
-
-def test_files_of_salome_are_refused(tmp_path):
-    (tmp_path / "a.dat").write_text("8 17\n1 0.0 0.0 0.0\n")
-    with pytest.raises(ConfigError, match=r"a.dat:1: received '8 17', as SALOME's .dat begins; needs NEMOH's"):
-        files.read_mesh(tmp_path / "a.dat")
-    (tmp_path / "a.med").write_bytes(b"\x89HDF")
-    if importlib.util.find_spec("h5py") is None:
-        with pytest.raises(ConfigError, match=r"a.med: the Python package h5py, which reads such files, is missing"):
-            files.read_mesh(tmp_path / "a.med")

@@ -10,9 +10,7 @@ from examples.barge import box
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, check_apart
 from vsb.hydro.bodies.files import read_body, write_body
-from vsb.hydro.bodies.mesh import at_centres, at_vertices, joined, parts, rigid_motion
-from vsb.hydro.bodies.verdict import mesh_checks
-from vsb.study.body import BodyFile
+from vsb.hydro.bodies.mesh import at_centres, at_vertices, joined, rigid_motion
 
 LINEAR = np.array([[1.0, 0.2, 0.3], [0.0, 1.0, 0.5], [0.4, 0.0, 1.0]])
 
@@ -51,13 +49,6 @@ def test_rigid_motions_are_recognised_at_every_size(scale, kind):
 # Edges
 
 
-def test_parts_are_numbered_by_their_first_panels():
-    faces = np.array(
-        [[4, 5, 6, 7], [12, 13, 14, 15], [0, 1, 2, 3], [6, 7, 20, 20], [8, 9, 10, 10], [15, 16, 12, 12], [3, 2, 17, 17]]
-    )
-    assert parts(faces, np.empty((0, 2), dtype=int)).tolist() == [0, 1, 2, 0, 3, 1, 2]
-
-
 @pytest.mark.parametrize(("cut", "where"), [((1,), "y = 0"), ((0, 1), "x = 0 and y = 0")])
 def test_half_or_quarter_of_a_body_is_refused(cut, where):
     """A face missing in a plane through the origin adds nothing to the three volumes."""
@@ -65,35 +56,6 @@ def test_half_or_quarter_of_a_body_is_refused(cut, where):
     kept = (vertices[faces][..., list(cut)] >= -1e-9).all(axis=(1, 2))
     with pytest.raises(ConfigError, match=f"^mesh: open along {where}, where .* symmetry flags of its file"):
         heaving(vertices, faces[kept])
-
-
-def cylinder(around_side, around_bottom):
-    """Radius and draught 1 m; patches that do not meet corner by corner."""
-    meshes = []
-    for count, loops in ((around_side, [(1, 0), (1, -1)]), (around_bottom, [(1, -1), (0.5, -1), (1e-3, -1)])):
-        theta, i = 2 * np.pi * np.arange(count) / count, np.arange(count)
-        points = np.vstack([np.column_stack([r * np.cos(theta), r * np.sin(theta), 0 * theta + z]) for r, z in loops])
-        ring = np.column_stack([i, i + count, np.roll(i, -1) + count, np.roll(i, -1)])
-        meshes.append((points, np.concatenate([ring + count * k for k in range(len(loops) - 1)])))
-    points, faces = joined(meshes)
-    i = len(points) - around_bottom + np.arange(around_bottom)
-    middle = np.column_stack([i, 0 * i + len(points), np.roll(i, -1), np.roll(i, -1)])
-    return np.vstack([points, [0.0, 0.0, -1.0]]), np.concatenate([faces, middle])
-
-
-def test_slivers_between_patches_are_accepted_and_reported(tmp_path):
-    """72 panels around the side and 36 around the bottom: the circle's chords lie 3.8 mm apart."""
-    write_body(heaving(*cylinder(72, 36)), tmp_path / "a.nc")
-    body = read_body(tmp_path / "a.nc", tmp_path / "a.nc")
-    assert body.part.max() == 0
-    side, bottom = (n / 2 * np.sin(2 * np.pi / n) for n in (72, 36))
-    file = BodyFile(body="a", mesh="a.nc", modes="a.nc", omega=[1.0])
-    (check,) = (check for check in mesh_checks(file, body) if check.name == "closure")
-    assert (check.value, check.verdict) == (pytest.approx(1 - bottom / side, rel=1e-6), "doubt")
-    assert "up to 0.0038 m wide at (" in body.history
-    assert "closure" not in {check.name for check in mesh_checks(file, heaving(*cylinder(36, 36)))}
-    with pytest.raises(ConfigError, match=r"^mesh: encloses 3.10583, 3.10583 and 3 m\^3 by the normals' x, y and z"):
-        heaving(*cylinder(24, 12))  # 3.4 %
 
 
 # Clipping

@@ -1,8 +1,6 @@
 """Whole runs of a body file."""
 
 import json
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +15,6 @@ from vsb.hydro.bodies import study as bodystudy
 from vsb.hydro.bodies.coarsening import CoarserBody
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.study import blocks
-from vsb.study.body import BodyFile
 from vsb.study.quantities import content_id
 from vsb.tools.files import load
 
@@ -99,28 +96,6 @@ def test_body_file_gives_a_database_with_its_verdict(tmp_path, body, green_folde
     assert ds.attrs["spec_id"] == content_id(spec)
 
 
-def test_id_of_a_block_covers_its_inputs(body, monkeypatch):
-    """Another of these is another block; symmetry is not among them, nor waves and lid at infinite frequency."""
-    given = {"body": "box", "mesh": "-", "modes": "-", "omega": (1.0,), "wave_direction": (0.0,), "lid": 1}
-
-    def ids(body=body, **changes):
-        file = BodyFile(**given | changes)
-        return [content_id(bodystudy._spec(file, body, omega, file.lid)) for omega in (np.inf, 1.0)]
-
-    before = ids()
-    assert ids(symmetry="none", tolerance=0.01, omega=(1.0, 2.0), body=body) == before
-    for waves in ({"lid": 2}, {"wave_direction": (0.0, 30.0)}):
-        assert [a == b for a, b in zip(ids(**waves), before, strict=True)] == [True, False]
-    moved = replace(body, vertices=body.vertices * [1.0, 1.0, 0.9])
-    other = replace(body, modes=1.1 * body.modes)
-    named = replace(body, labels=("Heave", "Pitch", "Bow"))
-    turned = replace(body, faces=body.faces[:, [1, 2, 3, 0]])
-    for found in (ids(water={"density": 1000.0}), *(ids(body=one) for one in (moved, other, named, turned))):
-        assert not {*found} & {*before}
-    monkeypatch.setattr(blocks, "version", lambda package: f"{package} of tomorrow")
-    assert not {*ids()} & {*before}
-
-
 def test_interrupted_run_continues_without_solving_twice(tmp_path, body, green_folder, calls, monkeypatch):
     config, out = files(tmp_path, body), tmp_path / "out"
     save = bodystudy.save
@@ -145,42 +120,6 @@ def test_interrupted_run_continues_without_solving_twice(tmp_path, body, green_f
     assert list(load(out / "box.nc").omega.values) == [1.0, 1.15, 1.3]
 
 
-@pytest.mark.slow
-def test_interrupted_sweep_continues_and_solves_few_frequencies(tmp_path, body, green_folder, calls, monkeypatch):
-    omega = np.linspace(0.6, 1.8, 20).round(3).tolist()
-    config, out = files(tmp_path, body, omega=omega, tolerance=0.01), tmp_path / "out"
-    save, saved = bodystudy.save, []
-
-    def killed(ds, *args):
-        if len(saved) == 9:
-            raise KeyboardInterrupt
-        saved.append(ds)
-        save(ds, *args)
-
-    monkeypatch.setattr(bodystudy, "save", killed)
-    with pytest.raises(KeyboardInterrupt):
-        bodystudy.run(config, out, green_folder)
-    monkeypatch.setattr(bodystudy, "save", save)
-    calls.clear()
-    checks = {check.name: check for check in bodystudy.run(config, out, green_folder)}
-    ds, solves = load(out / "box.nc"), 8 + len(calls)
-    assert ds.omega.values.tolist() == omega
-    assert (ds.attrs["solves"], ds.attrs["frequencies"]) == (solves, 20)
-    assert solves < 17
-    assert len(list((out / "blocks").glob("*.nc"))) == solves + 1
-    assert checks["interpolation_error"].explanation.startswith(f"{solves} solves for 20 frequencies")
-    assert 0 < checks["interpolation_error"].value <= 0.01
-    calls.clear()
-    bodystudy.run(files(tmp_path, body, omega=omega), out, green_folder)
-    assert len(calls) == 20 - solves
-    true = load(out / "box.nc")
-    root = np.sqrt(np.diag(true.added_mass_inf))
-    for name in ("added_mass", "radiation_damping", "excitation_force"):
-        units = root if name == "excitation_force" else np.outer(root, root)
-        missed = np.abs(ds[name].values - true[name].values) / units
-        assert missed.max() < 0.01 * (np.abs(true[name].values) / units).max(), name
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -203,25 +142,6 @@ def test_wrong_body_files_are_refused_in_one_line(tmp_path, body, changes, messa
         bodystudy.run(files(tmp_path, body, **changes), tmp_path / "out")
     assert "\n" not in str(error.value)
     assert not (tmp_path / "out").exists()
-
-
-def test_table_of_the_green_function_is_complete_or_absent(tmp_path, monkeypatch):
-    made_at = []
-
-    def table(folder):
-        made_at.append(Path(folder))
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        if len(made_at) == 1:
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(bodystudy.bem, "green_function", table)
-    with pytest.raises(KeyboardInterrupt):
-        bodystudy.bem.stored_green_function(tmp_path / "green")
-    assert not (tmp_path / "green").exists()
-    bodystudy.bem.stored_green_function(tmp_path / "green")
-    assert made_at[1].parent == tmp_path
-    assert made_at[2:] == [tmp_path / "green"]
-    assert (tmp_path / "green").stat().st_mode & 0o777 == 0o755  # a temporary folder is its owner's alone
 
 
 def test_centre_of_buoyancy_of_a_sheared_body_off_the_origin(body):

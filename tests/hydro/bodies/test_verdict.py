@@ -101,13 +101,6 @@ def test_estimate_does_not_depend_on_the_unit_of_a_displacement(green, box):
     assert found == pytest.approx([found[0]] * 2, rel=1e-9)
 
 
-def test_estimate_is_one_if_no_panels_can_be_joined(green):
-    corners = np.array([[x, y, z] for z in (-1.0, 0.0) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))], dtype=float)
-    faces = np.array([[3, 2, 1, 0], *([i, (i + 1) % 4, (i + 1) % 4 + 4, i + 4] for i in range(4))])
-    problem = BodyProblem(green, made(corners, faces, rigid(corners)[2:3], ("Heave",)), SEA)
-    assert error_estimate([block(problem, 1.2)], block(problem, np.inf), size_of(problem)) == 1.0
-
-
 def test_yaw_of_a_round_body_does_not_spoil_the_verdict(green):
     """Its added mass is the round-off of triangles: an error in terms of it says nothing."""
     sphere = revolved_body(shell_with(0.0), 6, (0,), 14)

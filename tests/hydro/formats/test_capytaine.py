@@ -46,14 +46,6 @@ def test_file_of_two_bodies_is_read(tmp_path):
     assert found.attrs["history"] == "read from rm3.nc"
 
 
-def test_unknown_matrices_are_left_out(tmp_path):
-    unknown = dataset().assign(inertia_matrix=(("influenced_dof", "radiating_dof"), np.full((2, 2), np.nan)))
-    unknown.to_netcdf(tmp_path / "a.nc")
-    found = read_capytaine(tmp_path / "a.nc")
-    assert "inertia_matrix" not in found
-    assert found.attrs["history"] == "read from a.nc; left out: inertia_matrix, which holds NaN"
-
-
 SOLVED = ("added_mass", "radiation_damping", "diffraction_force")
 
 
@@ -128,12 +120,3 @@ def test_single_cases_and_radiation_by_wave_direction(ball):
     by_direction.assign(added_mass=uneven).to_netcdf(ball.with_name("cases.nc"))
     with pytest.raises(DatabaseError, match="added_mass depends on wave_direction; needs coefficients in still water"):
         read_capytaine(ball.with_name("cases.nc"))
-
-
-def test_motions_that_did_not_radiate_are_left_out(ball):
-    with xr.open_dataset(ball) as ds:
-        ds.load().isel(radiating_dof=[2]).to_netcdf(ball.with_name("heave.nc"))
-    found, whole = read_capytaine(ball.with_name("heave.nc")), read_capytaine(ball)
-    heave = whole.sel(influenced_dof=["Heave"], radiating_dof=["Heave"])
-    assert found.added_mass.identical(heave.added_mass)
-    assert found.attrs["history"].endswith("left out: Surge, Sway, Roll, Pitch, Yaw, which did not radiate")

@@ -8,7 +8,7 @@ from capytaine.io.xarray import merge_complex_values
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.formats.capytaine import read_capytaine
-from vsb.hydro.formats.checks import BEMIO_WORDS, WAMIT_WORDS, causes, coefficient_checks, sizes
+from vsb.hydro.formats.checks import coefficient_checks, sizes
 from vsb.hydro.formats.wamit import import_wamit
 from vsb.tools import variables
 from vsb.waves.dispersion import group_velocity, wavenumber
@@ -261,34 +261,7 @@ def test_periods_read_as_frequencies_are_found_with_one_heading():
     assert (checks["long_waves"], checks["kramers_kronig"]) == ("fail", "fail")
 
 
-def test_added_mass_at_infinity_may_be_missing():
-    ds = sound().drop_vars("added_mass_inf")
-    assert verdicts(ds)["kramers_kronig"] == "ok"
-    assert verdicts(_spiky_alone(ds, 0.5))["kramers_kronig"] == "fail"
-
-
-def test_notes_on_modes_kramers_kronig_cannot_check():
-    ends = "not checked: kramers_kronig of Surge, Heave, Pitch, Bend, whose damping lasts beyond the band"
-    assert coefficient_checks(sound(omega=np.linspace(0.1, 1.3, 30)))[1] == [ends]
-    assert ends in coefficient_checks(sound(omega=np.linspace(0.8, 8.0, 75)))[1], "nor one that begins before the band"
-    steps = "not checked: kramers_kronig of Surge, Heave, Pitch, Bend, whose damping needs smaller steps of frequency"
-    assert coefficient_checks(sound(omega=[*np.linspace(0.1, 8.0, 10)]))[1] == [steps]
-    few = coefficient_checks(sound(omega=[0.1, 1.0, 2.0]))[1]
-    assert few == [
-        "not checked: irregular_frequencies, which needs five frequencies; received 3",
-        "not checked: kramers_kronig, which needs ten frequencies; received 3",
-    ]
-
-
 # --- Haskind
-
-
-@pytest.mark.parametrize("headings", [(0.0,), CIRCLE[:-1], (*CIRCLE[:-1], 345.0), CIRCLE[::3]])
-def test_note_on_too_few_headings(headings):
-    checks, missing = coefficient_checks(sound(headings=headings))
-    assert {check.name for check in checks} == ALL
-    assert missing[-1].startswith("not checked: haskind, the only check that sees a wrong length, gravity or depth")
-    assert missing[-1].endswith(f"received {len(headings)}")
 
 
 def test_haskind_is_checked_where_headings_resolve_the_waves():
@@ -393,30 +366,7 @@ def test_motions_without_waves_are_accepted():
 # --- causes
 
 
-def test_likely_causes_name_depth_and_density_where_they_can_be():
-    """Depth, the commonest, wherever it can be one; nothing of units where damping is negative."""
-    ds = sound(["Heave", "Bend"], CIRCLE)
-    for check in [*coefficient_checks(ds)[0], *coefficient_checks(ds, axisymmetric=True)[0]]:
-        for words in (WAMIT_WORDS, BEMIO_WORDS):
-            line = causes(check, words)
-            assert line.startswith(f"{check.name}: ")
-            assert (words["depth"] in line) == (check.name in ("haskind", "haskind_long_waves"))
-            assert (words["density"] in line) == (check.name == "afloat")
-            if check.name in ("positive_damping", "symmetry", "rank_one"):
-                assert not any(words[key] in line for key in ("length", "gravity", "period"))
-
-
 # --- several bodies, still modes, pairs
-
-
-def bare(labels, added, damping, omega=(0.5, 1.0, 2.0), **facts):
-    """Uncoupled coefficients over frequencies (omega, dof), and nothing else."""
-    eye = np.eye(len(labels))
-    data = {"added_mass": (("omega", *PAIR), np.asarray(added)[:, :, None] * eye)}
-    data["radiation_damping"] = (("omega", *PAIR), np.asarray(damping)[:, :, None] * eye)
-    return xr.Dataset(
-        data, {"omega": list(omega), **{dof: list(labels) for dof in PAIR}}, {"water_density": RHO, **facts}
-    )
 
 
 def test_kramers_kronig_of_coupled_motions():

@@ -14,7 +14,6 @@ from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
 from vsb.hydro.formats.common import (
     RIGID,
     body_names,
-    checked,
     floating,
     mode_labels,
     mode_numbers,
@@ -96,23 +95,6 @@ def test_mode_numbers_and_labels():
     for labels in ([], ["Heave", "Bend", "Bend"]):
         with pytest.raises(DatabaseError, match="needs at least one, and none twice"):
             mode_numbers(labels)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda ds: ds.assign_coords(omega=[0.0, 0.9e-6, 1.0]), r"frequencies .*; needs them from 1e-06 to 1e\+06"),
-        (lambda ds: ds.assign_coords(omega=[0.5, 1.0, 1.1e6]), r"frequencies .*; needs them from 1e-06 to 1e\+06"),
-        (lambda ds: ds.isel(wave_direction=[]), r"wave directions \[\] degrees; needs finite ones, none twice"),
-        (lambda ds: ds.assign_attrs(displaced_volume=-1.0), "displaced_volume -1.0 m.3; needs a finite one, not neg"),
-        (lambda ds: ds.assign_attrs(centre_of_mass=[0.0, 1.0]), "centre_of_mass .* m; needs three finite numbers"),
-        (lambda ds: ds.assign(added_mass=-2e40 * ds.added_mass / ds.added_mass), r"added_mass holds 2e\+40; no body"),
-    ],
-)
-def test_implausible_databases_are_refused(change, message):
-    checked(flexible(), "memory")
-    with pytest.raises(DatabaseError, match=f"^memory: {message}"):
-        checked(change(flexible()), "memory")
 
 
 def test_ulen_enters_once_more_for_every_rotation():
@@ -202,13 +184,6 @@ def test_mmx_file_of_wamit_is_read(foreign):
     assert bemio_entries(ds, "memory")["/body1/properties/stiffness"][6, 6] == 6.077064e6
 
 
-def test_mmx_with_a_mass_matrix_alone_gives_volume_and_centres(foreign):
-    (foreign / "barge.mmx").write_text(MMX.replace(" External force matrices:", " Normalized mass matrix:"))
-    ds = read(foreign)
-    assert "inertia_matrix" not in ds
-    assert ds.attrs["displaced_volume"] == 4000.0
-
-
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -227,27 +202,6 @@ def test_broken_mmx_file_is_refused(foreign, old, new, message):
     with pytest.raises(DatabaseError, match=message) as error:
         read(foreign)
     assert "\n" not in str(error.value)
-
-
-def test_body_at_rest_from_attributes_or_from_a_sphere():
-    ds = flexible()
-    bare = ds.drop_attrs().assign_attrs({name: ds.attrs[name] for name in ("water_density", "gravity", "water_depth")})
-    with pytest.raises(DatabaseError, match="memory: holds no displaced_volume, centre_of_buoyancy, centre_of_mass;"):
-        floating(bare, "memory")
-    known = {name: value for name, value in ds.attrs.items() if name != "centre_of_mass"}
-    with pytest.raises(DatabaseError, match="memory: holds no centre_of_mass; needs"):
-        bemio_entries(ds.drop_attrs().assign_attrs(known), "memory")
-    round_body = bare.assign_attrs(radius=2.0, centre_height=0.0)
-    for lacking in (
-        bare.assign_attrs(radius=2.0),
-        round_body.drop_vars("inertia_matrix"),
-        round_body.isel(influenced_dof=[0, 2, 3], radiating_dof=[0, 2, 3]),  # no heave
-    ):
-        with pytest.raises(DatabaseError, match=r"memory: holds no displaced_volume, .*; needs them in its attributes"):
-            floating(lacking, "memory")
-    sphere = floating(round_body, "memory")
-    assert sphere.volume == 2000.0  # heave is the second degree of freedom, 2e6 kg
-    assert sphere.centre_of_buoyancy == pytest.approx([0.0, 0.0, -0.75])
 
 
 # --- commands

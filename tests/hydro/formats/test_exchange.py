@@ -26,9 +26,6 @@ PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "i
 HALF_DIGIT = 5e-7  # of seven significant digits
 
 
-DAMPING = "structural_damping_matrix"
-
-
 WATER = {"water_density": 1000.0, "gravity": 10.0, "water_depth": "inf"}
 
 
@@ -227,10 +224,3 @@ def test_netcdf_files_of_capytaine_are_recognised(small, tmp_path):
     assert read_source("database", str(tmp_path / "theirs.nc"), Water()).attrs["source"] == "capytaine"
     with pytest.raises(DatabaseError, match="cannot be read"):
         is_own(str(tmp_path / "nothing.nc"))
-
-
-def test_files_that_are_no_database_are_refused(tmp_path):
-    (tmp_path / "text.nc").write_text("no netCDF")
-    for name in ("text.nc", "gone.nc"):
-        with pytest.raises(DatabaseError, match=rf"{name}: cannot be read: .*; needs a hydro database as netCDF\.$"):
-            read_source("database", str(tmp_path / name), Water())

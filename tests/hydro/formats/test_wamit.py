@@ -18,8 +18,8 @@ from hydro.formats.test_exchange import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.formats.wamit import _check_one_body, import_wamit, wamit_texts
+from vsb.errors import DatabaseError
+from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.tools import files
 
 
@@ -187,14 +187,6 @@ def test_output_of_wamit_with_generalized_modes(tmp_path):
     assert files.load(tmp_path / "imported.nc").equals(ds)
 
 
-@pytest.mark.parametrize("change", [str.lower, str.upper, lambda text: text.lower().replace("e", "d")])
-def test_exponents_of_fortran(tmp_path, change):
-    """1.0e3, 1.0E3, 1.0d3 and 1.0D3."""
-    expected = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0)
-    other = {name: "\n".join(["header", *map(change, text.splitlines()[1:])]) for name, text in FOREIGN.items()}
-    assert import_wamit(written(tmp_path, other), "buoy", density=1000.0, gravity=10.0).equals(expected)
-
-
 def test_header_and_infinite_frequency_may_be_missing(tmp_path):
     bare = {extension: text.partition("\n")[2] for extension, text in FOREIGN.items()}
     bare[".1"] = "".join(line + "\n" for line in bare[".1"].splitlines() if not line.startswith("  0.0"))
@@ -264,45 +256,6 @@ def test_broken_files_are_refused_by_name_and_line(tmp_path, case):
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("extension", [".1", ".3", ".hst"])
-def test_missing_files_are_refused(tmp_path, extension):
-    written(tmp_path, {name: text for name, text in FOREIGN.items() if name != extension})
-    with pytest.raises(DatabaseError, match=rf"buoy\{extension}: cannot be read \(No such file or directory\); needs"):
-        import_wamit(tmp_path, "buoy", density=1000.0, gravity=10.0)
-
-
-@pytest.mark.parametrize(
-    ("facts", "message"),
-    [
-        ({"density": 0.0}, "density: received 0.0, needs a positive number"),
-        ({"gravity": -9.81}, "gravity: received -9.81, needs a positive number"),
-        ({"length": np.nan}, "length: received nan, needs a positive number"),
-        ({"depth": 0.0}, "depth: received 0.0, needs a positive number of m, or inf"),
-        ({"depth": np.nan}, "depth: received nan, needs"),
-        ({"labels": ["Heave"]}, r"holds modes \[1, 3, 9\]; needs as many labels of these, received \['Heave'\]"),
-        ({"labels": ["Surge", "Membrane0", "Heave"]}, "needs as many labels of these, received"),
-        ({"labels": ["Heave", "Heave"]}, "needs at least one, and none twice"),
-    ],
-)
-def test_wrong_facts_of_the_run_are_refused(tmp_path, facts, message):
-    with pytest.raises((ConfigError, DatabaseError), match=message):
-        import_wamit(written(tmp_path, FOREIGN), "buoy", **{"density": 1000.0, "gravity": 10.0, **facts})
-
-
-def test_incomplete_databases_are_not_written():
-    ds = random_database()
-    bare = ds.drop_vars("excitation_force").drop_attrs()
-    with pytest.raises(DatabaseError, match="memory: holds no gravity, excitation_force; needs a complete hydro"):
-        wamit_texts(bare.assign_attrs(water_density=1.0, water_depth=2.0), "memory")
-    with pytest.raises(DatabaseError, match="memory: variable added_mass holds NaN"):
-        wamit_texts(ds.assign(added_mass=ds.added_mass * np.nan).assign_attrs(WATER), "memory")
-    for omega in ([1.0, 2.0, np.nan, 4.0], [1.0, 2.0, 3.0, np.inf], [-1.0, 2.0, 3.0, 4.0], [1.0, 3.0, 2.0, 4.0]):
-        with pytest.raises(DatabaseError, match=r"memory: frequencies \[.*\] rad/s; needs finite, ascending ones"):
-            wamit_texts(ds.assign_coords(omega=omega), "memory")
-    with pytest.raises(DatabaseError, match="memory: periods equal to seven digits"):
-        wamit_texts(ds.assign_coords(omega=[1.0, 1.0 + 1e-9, 2.0, 3.0]), "memory")
-
-
 RM3 = Path(__file__).parents[2] / "data" / "rm3"
 
 
@@ -369,29 +322,3 @@ def test_failed_periods_are_left_out(tmp_path):
     assert found.added_mass.values.tolist() == np.delete(sound.added_mass.values, [3, 7], axis=0).tolist()
     assert "left out: 2 periods, from " in found.attrs["history"]
     assert found.attrs["history"].endswith(" s, of which A and B are NaN")
-
-
-@pytest.mark.parametrize(
-    ("modes", "restores", "refused"),
-    [
-        (range(1, 13), (3, 4, 5, 9, 10, 11), True),
-        (range(1, 13), (3, 4, 5, 9, 10, 12), False),
-        (range(1, 13), (3, 4, 5), False),
-        (range(1, 12), (3, 4, 5, 9, 10, 11), False),
-        ((3, 9), (3, 9), True),
-        ((3, 7), (3, 7), False),
-    ],
-    ids=str,
-)
-def test_second_rigid_body_is_recognised_by_its_stiffness(modes, restores, refused):
-    """Heave, roll and pitch of another six, and nothing else of it; eleven modes in a row are six and five of a shell."""
-    numbers = list(modes)
-    stiffness = np.diag([1.0 if mode in restores else 0.0 for mode in numbers])
-    if not refused:
-        _check_one_body("raft", numbers, stiffness)
-        return
-    count = sum(mode > 6 for mode in numbers)
-    with pytest.raises(DatabaseError, match=rf"raft\.hst: modes {numbers[-count]} to {numbers[-1]} restore in heave"):
-        _check_one_body("raft", numbers, stiffness)
-    coupled = stiffness + np.where(np.add.outer(numbers, numbers) == 12, 0.1, 0.0)  # 3 with 9
-    _check_one_body("raft", numbers, coupled)

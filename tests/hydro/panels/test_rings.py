@@ -1,8 +1,5 @@
 import io
-import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import capytaine as cpt
@@ -242,15 +239,3 @@ def test_every_order_converges_to_the_solver_without_panels(green, order, names)
     slopes = np.log(np.array(errors[0]) / errors[-1]) / np.log(2.8)
     assert np.all((slopes > 1.5) & (slopes < 2.2)), slopes
     assert np.max(errors[-1]) < 6e-3, errors
-
-
-def test_no_home_folder_is_needed():
-    """Capytaine makes a folder for its tables there when it is imported; ours lie with the results."""
-    environment = {
-        **os.environ,
-        "HOME": "/dev/null/none",
-        "XDG_CACHE_HOME": "",
-        "CAPYTAINE_CACHE_DIR": "/dev/null/none",
-    }
-    command = [sys.executable, "-c", "import vsb.hydro.panels.rings"]
-    assert subprocess.run(command, env=environment, check=False, capture_output=True).returncode == 0
