@@ -2,7 +2,6 @@
 
 import argparse
 import contextlib
-import importlib
 import io
 import json
 import os
@@ -78,8 +77,7 @@ def run(args: argparse.Namespace) -> int:
             else contextlib.nullcontext()
         ):
             line = _line(args.snakemake, plan, lines)
-            fds, answering = [*own, *shared], partial(_prepare_answer, plan)
-            code = finished(command, env=environment, pass_fds=fds, line=line, meanwhile=answering)
+            code = finished(command, env=environment, pass_fds=[*own, *shared], line=line)
     if code:
         return _failed(plan, begun, lines)
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
@@ -135,13 +133,6 @@ def unmade(plan: Plan) -> list[str]:
         return []
     made = [path for job in make.due(jobs(plan), plan.products) for path in job.makes]
     return [path for path in made if plan.is_shared(path) and not Path(path).exists()]
-
-
-def _prepare_answer(plan: Plan) -> None:
-    """Import what the answer of a campaign is read with."""
-    if isinstance(plan, CampaignPlan):
-        importlib.import_module("vsb.report.campaign_answer")
-        importlib.import_module("netCDF4")
 
 
 def _answer(plan: Plan) -> str:
@@ -277,11 +268,10 @@ def finished(
     env: Mapping[str, str],
     pass_fds: Sequence[int] = (),
     line: Follow | None = None,
-    meanwhile: Callable[[], None] | None = None,
 ) -> int:
     """Return the exit code of a command; if terminated or interrupted, first end all processes it started.
 
-    Its output goes to `line`, if given; `meanwhile` is called while it starts.
+    Its output goes to `line`, if given.
     """
     heard = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
     early: list[int] = []  # signals received while the command starts: handled once its process is known
@@ -298,8 +288,6 @@ def finished(
             for received in early:
                 _ask_to_end(received, None)
             signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-            if meanwhile:
-                meanwhile()
             if line and process.stdout:
                 line(process.stdout)
             return process.wait()

@@ -162,24 +162,11 @@ class _UniqueKeyLoader(yaml.SafeLoader):
             seen.add(key)
         return super().construct_mapping(node, deep)
 
-    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
-        """Build an integer; one too long for Python becomes the least unprintable one, whose key is reported."""
-        try:
-            return int(super().construct_yaml_int(node))
-        except ValueError:
-            return _UNPRINTABLE
-
-
-_UniqueKeyLoader.add_constructor("tag:yaml.org,2002:int", _UniqueKeyLoader.construct_yaml_int)
-
 
 Place = Sequence[str | int]
 """Keys and indices from the top of a file to something in it."""
 MOST_REPORTED = 20
 """Most errors of one file that are listed."""
-DIGITS = 4300
-"""Digits of an integer, more of which Python does not print."""
-_UNPRINTABLE: int = 10**DIGITS
 MOST_NODES = 100_000
 """Values of a file with its aliases written out; a few lines of aliases within aliases stand for any number."""
 
@@ -232,7 +219,6 @@ def read_yaml(path: str | Path, wanted: str) -> object:
     except (yaml.YAMLError, TypeError, ValueError) as error:
         line, words = _yaml_words(error)
         raise ConfigError(f"{path}{line}: not valid YAML ({words})") from None
-    _check_digits(data, str(path))
     return data
 
 
@@ -277,7 +263,6 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
         raise ConfigError(
             f"{source}: received {type(raw).__name__}, needs a mapping with keys {', '.join(model.model_fields)}"
         )
-    _check_digits(raw, source)
     try:
         return model.model_validate(raw)
     except ValidationError as error:
@@ -288,30 +273,6 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
         rest = len(found) - len(lines)
         last = [f"{source}: and {rest} more mistakes like these"] if rest else []
         raise ConfigError(lines[0] + _more(found), [*lines, *last]) from None
-
-
-def _check_digits(raw: object, source: str) -> None:
-    """Check that Python prints every integer there is: libraries that word a mistake would fail in doing so."""
-    if place := _unprintable(raw):
-        line = raw.line(place) if isinstance(raw, Located) else None
-        where = source if line is None else f"{source}:{line}"
-        key = ".".join(map(str, place))
-        raise ConfigError(f"{where}: {key}: received a number of too many digits; needs at most {DIGITS}")
-
-
-def _unprintable(raw: object) -> Place:
-    """Where the first integer is that Python does not print; nowhere if there is none."""
-    items = (
-        list(raw.items()) if isinstance(raw, dict) else list(enumerate(raw)) if isinstance(raw, list | tuple) else []
-    )
-    for key, value in items:
-        if isinstance(key, int) and abs(key) >= _UNPRINTABLE:
-            return ("a key",)
-        if isinstance(value, int) and abs(value) >= _UNPRINTABLE:
-            return (key,)
-        if below := _unprintable(value):
-            return (key, *below)
-    return ()
 
 
 def one_line(error: ValidationError, raw: object) -> str:
