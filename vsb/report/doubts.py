@@ -57,7 +57,8 @@ ADVICE = {
         "lower hydro.tolerance, or finer panels",
     ),
     **dict.fromkeys(
-        ("phases", "displaced_volume", "parts", "trim", "added_mass_limits"),
+        ("phases", "displaced_volume", "parts", "trim", "added_mass_limits", "tilt", "rotation_centre", "waterplane",
+         "centre_of_buoyancy", "mass_coupling", "places"),
         "the coefficient file, as the check explains",
     ),
     **dict.fromkeys(

@@ -68,7 +68,7 @@ def test_body_file_gives_a_database_with_its_verdict(tmp_path, body, green_folde
     water = {"density": 1000.0, "gravity": 9.8}
     checks = bodystudy.run(files(tmp_path, body, water=water), tmp_path / "out", green_folder)
     names = {"error_estimate", "symmetry", "far_field", "haskind", "positive_damping", "panels", "corners"}
-    names |= {"rigid_names", "one_resolution", "second_order", "afloat", "modes", "trim"}
+    names |= {"rigid_names", "one_resolution", "second_order", "afloat", "modes", "trim", "mass_coupling"}
     assert {check.name for check in checks} == names
     ds = load(tmp_path / "out/box.nc")
     assert database.stored_checks(ds) == checks

@@ -213,9 +213,14 @@ def wave(body, k):
     return shape
 
 
+AHEAD = 1025.0 * 48.0 * np.array([[1.0, -0.5], [-0.5, 3.0]])  # the centre of mass is at x = 0.5 m
 CASES = [  # check, body as a function of the box (coarse, heave and pitch), verdict
     ("afloat", lambda b: replace(b, mass=np.diag([1025.0 * 48.0 * 1.009, 1.0])), "ok"),
     ("afloat", lambda b: replace(b, mass=np.diag([1025.0 * 48.0 * 0.9, 1.0])), "fail"),
+    *(
+        ("mass_coupling", lambda b, x=x: replace(b, mass=AHEAD, centre_of_mass=np.array([x, 0.0, 0.3])), verdict)
+        for x, verdict in ((0.5, "ok"), (0.7, "doubt"), (-0.5, "fail"))
+    ),
     ("rigid_names", lambda b: made(b.vertices, b.faces, 1.04 * b.shapes, b.labels), "doubt"),
     ("rigid_names", lambda b: made(b.vertices, b.faces, b.shapes, b.labels[::-1]), "fail"),
     ("corners", lambda b: replace(b, modes=b.modes * np.array([1.0, 0.8])[:, None, None]), "doubt"),

@@ -88,7 +88,7 @@ def test_flipped_bits_end_in_a_database_or_in_one_line(h5, tmp_path, capsys):
     assert codes.count(2) > 0
 
 
-@pytest.mark.parametrize("part", [0.0, 0.3, 0.9, 0.999])
+@pytest.mark.parametrize("part", [0.0, 0.3, 0.9, 0.99])
 def test_cut_h5_file_is_refused_in_one_line(h5, tmp_path, part, capsys):
     data = h5.read_bytes()
     (tmp_path / "cut.h5").write_bytes(data[: int(part * len(data))])

@@ -6,6 +6,7 @@ frequency, relative to the largest added mass, damping and excitation of the ban
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -58,6 +59,8 @@ RULES = {
     "afloat": Rule(0.01, "mass in heave is that of the water displaced", doubt=1.0),
     "trim": Rule(0.01, "the centres of mass and buoyancy of a body that rotates lie on one vertical, in terms of the "
         "cube root of the displaced volume", doubt=np.inf),
+    "mass_coupling": Rule(0.02, "the mass matrix couples shifts and rotations as the centre of mass says, in terms of "
+        "the cube root of the displaced volume"),
 }  # fmt: skip
 """Limits of the checks and their meaning."""
 WAYS = ("fewer panels", "waves radiated")
@@ -254,4 +257,17 @@ def mesh_checks(study: BodyFile, body: FlexibleBody) -> list[Check]:
     if turning and (centre := body.centre_of_mass) is not None and centre.ndim == 1:
         apart = (centre - body.centre_of_buoyancy)[:2]
         checks.append(_check("trim", float(np.hypot(*apart) / body.volume ** (1 / 3))))
+        if body.mass is not None and (errors := _mass_coupling(body, body.mass, centre)):
+            checks.append(_check("mass_coupling", max(errors) / body.volume ** (1 / 3)))
     return checks
+
+
+def _mass_coupling(body: FlexibleBody, mass: FloatArray, centre: FloatArray) -> list[float]:
+    """Distances [m] between the centre of mass and where each shift and rotation puts it: M_ij = m t_i . (a_j x r)."""
+    shifts = [(i, one) for i, one in body.rigid.items() if not np.any(one.rotation) and mass[i, i] > 0]
+    turns = [(j, one) for j, one in body.rigid.items() if np.any(one.rotation)]
+    return [
+        abs(mass[i, j] / mass[i, i] - shift.translation @ turn.at(centre) / np.sum(shift.translation**2))
+        / float(np.linalg.norm(turn.rotation))
+        for (i, shift), (j, turn) in product(shifts, turns)
+    ]

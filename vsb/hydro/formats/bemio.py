@@ -24,6 +24,7 @@ from scipy.linalg import block_diag
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.common import (
     GENERALIZED,
+    POINTS,
     WATER,
     assembled,
     body_names,
@@ -31,6 +32,7 @@ from vsb.hydro.formats.common import (
     floating,
     mode_labels,
     mode_numbers,
+    point_of,
     readable,
     structure,
     turned_about,
@@ -364,15 +366,15 @@ def _forces(found: _Entries, parts: list[_Part], inside: str, shape: tuple[int, 
 
 
 def _facts(found: _Entries, parts: list[_Part]) -> dict[str, Any]:
-    """Displaced volume of each body; of a single body the centres as well."""
-    names = [body_of(part.labels[0]) for part in parts]
-    volumes = {
-        volume_of(name): found.number(f"/{p.group}/properties/disp_vol") for name, p in zip(names, parts, strict=True)
-    }
-    if len(parts) > 1:
-        return volumes
-    centres = {key: found.numbers(f"{_BODY}{name}", 3) for key, name in list(_FACTS.items())[1:]}
-    return volumes | centres | {"rotation_centre": centres["centre_of_mass"]}
+    """Displaced volume of each body, and centres, which of several bodies are not needed."""
+    facts: dict[str, Any] = {}
+    for part in parts:
+        name, place = body_of(part.labels[0]), f"/{part.group}/properties/"
+        facts[volume_of(name)] = found.number(f"{place}disp_vol")
+        for point, key in zip(POINTS, ("cb", "cg", "cg"), strict=True):
+            if not name or found.find(f"{place}{key}") is not None:
+                facts[point_of(point, name)] = found.numbers(f"{place}{key}", 3)
+    return facts
 
 
 def _labels(found: _Entries, group: str, dof: float) -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.common import WATER, assembled, readable, volume_of
+from vsb.hydro.formats.common import WATER, assembled, point_of, readable, volume_of
 from vsb.tools.arrays import BoolArray, FloatArray
 from vsb.tools.files import merged
 from vsb.tools.variables import VARIABLES
@@ -146,16 +146,16 @@ def _from_capytaine(ds: xr.Dataset, source: str) -> xr.Dataset:
 
 
 def _facts(ds: xr.Dataset) -> dict[str, Any]:
-    """Displaced volumes, and of a single body its centres and the point it turns about, as far as they are known."""
+    """Displaced volume, centres and the point of rotation of each body, as far as they are known."""
+    names = list(map(str, ds["body"].values)) if ds.sizes.get("body", 1) > 1 else [""]
+    points = {name: ds[theirs] for theirs, name in _POINTS.items() if theirs in ds}
     facts: dict[str, Any] = {
-        name: np.asarray(ds[theirs].values, dtype=float).ravel()
-        for theirs, name in _POINTS.items()
-        if theirs in ds and ds[theirs].size == 3
+        point_of(name, body): point
+        for name, values in points.items()
+        if values.size == 3 * len(names)
+        for body, point in zip(names, np.asarray(values.values, dtype=float).reshape(-1, 3), strict=True)
     }
     if "disp_mass" in ds:
         volumes = np.atleast_1d(ds.disp_mass.values / float(ds.rho))
-        names = list(map(str, np.atleast_1d(ds["body"].values))) if volumes.size > 1 else [""]
         facts |= {volume_of(name): float(volume) for name, volume in zip(names, volumes, strict=True)}
-    return {
-        name: np.ravel(value) if np.ndim(value) else value for name, value in facts.items() if np.isfinite(value).all()
-    }
+    return {name: value for name, value in facts.items() if np.isfinite(value).all()}

@@ -28,9 +28,10 @@ import xarray as xr
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import quality
 from vsb.hydro.database import Check, Rule
+from vsb.hydro.formats import points
 from vsb.hydro.formats.common import rotation_centre, volume_of
 from vsb.hydro.retardation import DampingSpectrum
-from vsb.study.quantities import RIGID, body_of, motion_of, of_bodies
+from vsb.study.quantities import RIGID, ROTATIONS, body_of, motion_of, of_bodies
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 from vsb.waves.dispersion import group_velocity, wavenumber
 
@@ -72,6 +73,7 @@ RULES = {
         causes="{depth}; {length}; {gravity}"),
     "hydrostatic_symmetry": Rule(np.nan, "",  # of `hydro.repairs`
         causes="rows and columns exchanged; a body that does not float upright"),
+    **points.RULES,
 }  # fmt: skip
 """Limits of the checks, their meaning, and likely causes in the words of a file's format."""
 WAMIT_WORDS = {
@@ -213,9 +215,17 @@ def coefficient_checks(
         checks.append(_check("rank_one", quality.second_channel(part, np.sqrt(np.outer(its.damping, its.damping)))))
     found = [_smooth(wet, among), _causal(wet, among), _limits(ds, size), lift_check(ds, size.added_mass)]
     found += [phase_check(whole, of_all), _tilt(whole, of_all), _haskind(part, its, axisymmetric)]
+    found.append((_points(whole, ds, [check for check in found[4][0] if check.verdict != "ok"]), []))
     notes = [line for _, lines in found for line in lines]
     notes += [] if any(check.name == "afloat" for check in checks) else [_DENSITY]
     return [*checks, *(check for some, _ in found for check in some)], notes
+
+
+def _points(whole: xr.Dataset, ds: xr.Dataset, wrong_phases: list[Check]) -> list[Check]:
+    """Points the file states; those that forces say only if their phases are right, those of rotations if it turns."""
+    turning = any(motion_of(str(label)) in ROTATIONS for label in ds.influenced_dof.values)
+    left_out = {*([] if turning else points.OF_ROTATIONS), *(points.BY_WAVES if wrong_phases else [])}
+    return [check for check in points.point_checks(whole) if check.name not in left_out]
 
 
 def _where(ds: xr.Dataset, error: FloatArray) -> str:

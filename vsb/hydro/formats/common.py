@@ -28,6 +28,8 @@ GENERALIZED = 7
 """Number of the first generalized mode."""
 WATER = ("water_density", "gravity", "water_depth")
 """Facts every database holds."""
+POINTS = ("centre_of_buoyancy", "centre_of_mass", "rotation_centre")
+"""Points of a body that a database may state."""
 RANGE = (1e-6, 1e6)
 """Of density, gravity, length, depth and frequency in SI units: beyond, products of coefficients may overflow."""
 LARGEST = 1e40
@@ -95,6 +97,11 @@ def volume_of(body: str) -> str:
     return f"displaced_volume_{body}" if body else "displaced_volume"
 
 
+def point_of(name: str, body: str) -> str:
+    """Return the attribute with a point of a body, (xyz,) [m], such as `centre_of_mass`; a single body has no name."""
+    return f"{name}_{body}" if body else name
+
+
 def rotations(modes: Sequence[int]) -> FloatArray:
     """Return 1 for rotations, modes 4 to 6, and 0 for the others: the additional lengths of a coefficient."""
     return np.array([float(4 <= mode < GENERALIZED) for mode in modes])
@@ -143,11 +150,12 @@ def _check_facts(ds: xr.Dataset, source: str) -> None:
             check_positive(name, float(ds.attrs[name]), unit, infinite=name == "water_depth")
         except (ConfigError, TypeError, ValueError) as error:
             raise DatabaseError(f"{source}: {error}") from None
-    for name in {volume_of(body) for body in of_bodies(map(str, ds.influenced_dof.values))}:
+    bodies = list(of_bodies(map(str, ds.influenced_dof.values)))
+    for name in map(volume_of, bodies):
         volume = np.asarray(ds.attrs.get(name, 0.0), dtype=float)
         if volume.shape or not 0 <= volume <= LARGEST:
             raise DatabaseError(f"{source}: {name} {volume} m^3; needs a finite one, not negative.")
-    for name in ("centre_of_buoyancy", "centre_of_mass", "rotation_centre"):
+    for name in (point_of(name, body) for name in POINTS for body in {"", *bodies}):
         centre = np.asarray(ds.attrs.get(name, np.zeros(3)), dtype=float)
         if centre.shape != (3,) or not np.all(np.abs(centre) <= LARGEST):
             raise DatabaseError(f"{source}: {name} {centre} m; needs three finite numbers.")
