@@ -31,6 +31,7 @@ from vsb.report.campaign_figures import is_mapped
 from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
 from vsb.report.page import STILL as STILL_BODY
+from vsb.results.campaign import matrix_text
 from vsb.study.campaign import CONSTRAINED
 from vsb.tools.ports import kind_of
 from vsb.tools.words import plain
@@ -58,7 +59,7 @@ BEYOND = {
 BUCKLING = ". Black line: the shell buckles under its static load"
 MAPPED = "; hatched: the interval of the gain includes zero; grey: not viable"
 MOST_ROWS = 24
-STILL = "No animation: no design is viable at the point of the answer, or its take-off is not linear."
+STILL = "No animation: no design is viable at the point of the answer, or its take-off is not one damper."
 
 
 @dataclass(frozen=True)
@@ -221,7 +222,8 @@ def _shares(ds: xr.Dataset, limit: str, tuning: str) -> str:
 def head(ds: xr.Dataset) -> list[str]:
     """Return the head of the table."""
     known, kind = ["point", "design", "tuning", "energy [MWh/year]", "capture width [m]", "gain [%]"], kind_of(ds)
-    return [*known, f"rms {kind.load} [k{kind.load_unit}]", *(["margin [-]"] if of_shells(ds) else [])]
+    force = [f"rms {kind.load} [k{kind.load_unit}]"] if "force_rms" in ds else ["damper matrix"]
+    return [*known, *force, *(["margin [-]"] if of_shells(ds) else [])]
 
 
 def rows(ds: xr.Dataset) -> list[list[str]]:
@@ -242,11 +244,11 @@ def rows(ds: xr.Dataset) -> list[list[str]]:
 def _row(one: xr.Dataset, design: str, tuning: str) -> list[str]:
     """Cells of one design under one tuning."""
     gain = float(one.gain_percent) if "gain_percent" in one else np.nan
-    numbers = [
-        (float(one.annual_energy), ""), (float(one.capture_width), ".3g"), (gain, "+.1f"),
-        (float(one.force_rms) / 1e3, ""), *([(float(one.margin), "")] if of_shells(one) else []),
-    ]  # fmt: skip
+    numbers = [(float(one.annual_energy), ""), (float(one.capture_width), ".3g"), (gain, "+.1f")]
+    numbers += [(float(one.force_rms) / 1e3, "")] if "force_rms" in one else []
     cells = ["-" if np.isnan(value) else format(value, form) if form else plain(value) for value, form in numbers]
+    cells += [matrix_text(one.damper_matrix.values, 3) or "-"] if "damper_matrix" in one else []
+    cells += [plain(float(one.margin))] if of_shells(one) else []
     if _has_runs(one):
         low, high = (float(end) for end in reported_bounds(one, one.attrs["verified_tuning"]))
         known = tuning == one.attrs["verified_tuning"] and not np.isnan(low)

@@ -144,7 +144,8 @@ def as_csv(spec: CampaignSpec, ds: xr.Dataset) -> str:
     """Return a row for each point, design and tuning; an empty cell is a result that does not exist (not viable)."""
     points = [str(dim) for dim in ds.margin.dims]
     verified = ds.tuning == ds.attrs.get("verified_tuning")
-    columns = {name: ds[name] for name in TABLE if name in ds} | {"damping": damper(ds), "reason": ds.reason}
+    damping = {"damper_matrix": _matrices(ds)} if "damper_matrix" in ds else {"damping": damper(ds)}
+    columns = {name: ds[name] for name in TABLE if name in ds} | {**damping, "reason": ds.reason}
     if "verified_model" in ds.attrs:
         said = [in_time(ds.attrs["verified_model"], name) for name in (*POWER, *GAIN)]
         columns |= {name: ds[name].where(verified) for name in said if name in ds}
@@ -162,6 +163,21 @@ def damper(ds: xr.Dataset) -> xr.DataArray:
     occupied = ds["damping"].where((ds["count"] > 0) & (ds.tuning != CONSTRAINED))
     lowest, highest = occupied.min(("hs", "te")), occupied.max(("hs", "te"))
     return highest.where(highest - lowest <= 1e-9 * highest)
+
+
+def matrix_text(matrix: FloatArray, digits: int = 12) -> str:
+    """Return a damper matrix as text, in SI units of its ports; nothing if it is missing."""
+    if np.isnan(matrix).any():
+        return ""
+    return str([[float(f"{entry:.{digits}g}") for entry in row] for row in np.asarray(matrix).tolist()])
+
+
+def _matrices(ds: xr.Dataset) -> xr.DataArray:
+    """Damper matrices as text by point, design and tuning."""
+    stacked = ds.damper_matrix.transpose(..., "port", "port_")
+    flat = stacked.values.reshape(-1, *stacked.shape[-2:])
+    texts = np.array([matrix_text(one) for one in flat], dtype=object).reshape(stacked.shape[:-2])
+    return xr.DataArray(texts, {name: ds[name] for name in BY}, stacked.dims[:-2])
 
 
 def _cell(value: object) -> object:

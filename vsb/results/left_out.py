@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.results.year import band_weights
-from vsb.scenes.floating_system import AnyBody, Floating, InWaves
+from vsb.scenes.floating_system import AnyBody, Floating, InWaves, SeveralInWaves
 from vsb.scenes.mode_convergence import (
     JUDGED,
     SAMPLED,
@@ -77,7 +77,10 @@ def modes_left_out(
 
 
 def gain_of_year(
-    study: Study | AnyBody, floating: Floating, climate: Climate, waves: Mapping[str, InWaves]
+    study: Study | AnyBody,
+    floating: Floating,
+    climate: Climate,
+    waves: Mapping[str, InWaves] | Mapping[str, SeveralInWaves],
 ) -> FloatArray:
     """Return how far gains of a year's mean power may lie from those of a shell with all its modes.
 
@@ -87,7 +90,7 @@ def gain_of_year(
         Of viable designs, among them a rigid one that they are compared with.
     floating : Floating
         What floats in it; a body has the modes of its files, and leaves out no others that are known.
-    waves : mapping design -> InWaves
+    waves : mapping design -> InWaves or SeveralInWaves
         Of all its modes, at frequencies of the climate.
 
     Returns

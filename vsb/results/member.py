@@ -13,17 +13,17 @@ import xarray as xr
 from vsb.motion.coefficient_errors import CoefficientError, sensitivity
 from vsb.motion.port import Port
 from vsb.results.left_out import gain_of_year
-from vsb.results.validity import beyond_validity, limits_of
-from vsb.results.year import DesignYear, Tuning, Year, best_for_all, bins_of, frequencies, gain_percent, year
+from vsb.results.matrix_year import MatrixYears
+from vsb.results.validity import beyond_validity, limits_of, motion_rms
+from vsb.results.year import DesignYear, Tuning, Values, Year, best_for_all, bins_of, frequencies, gains_within, year
 from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.scenes.viability import Viability, with_designs
 from vsb.study.campaign import CONSTRAINED, Tunings
 from vsb.study.study import Study
+from vsb.study.take_off import named_ports
 from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.waves.climate import Climate
 
-Values = Mapping[str, tuple[tuple[str, ...], AnyArray]]
-"""Dimensions and values by name; a dataset is made of them only at the end, which takes as long as computing them."""
 Labels = dict[str, list[str]]
 YearsWithin = Callable[[Study | AnyBody, Floating, Climate, FloatArray | None], xr.Dataset]
 """Study of viable designs, what floats in it, climate, `gain_of_year` -> their years within limits."""
@@ -36,6 +36,9 @@ OF_DESIGNS = (
 MATRICES = (
     "damping", "power_matrix", "power_deviation", "capture_width_matrix", "capture_width_deviation", "beyond_validity",
 )  # fmt: skip
+MATRIX = "damper_matrix"
+OF_DAMPERS = ("force_rms", "damping")
+"""Variables that a take-off of one damper has alone; of several ports there is a matrix."""
 CURVES = ("tried_damping", "power_of_damping", "force_of_damping")
 OF_LIMITS = ("power_bound", "optimum_gap", "optimum_share", "optimum_excess", "impossible_share")
 """Variables of designs that only optima within limits have."""
@@ -74,7 +77,8 @@ def member(
     """
     study = rest.study
     limits, compared = limits_of(radius_of(study)), study.reference_design is not None
-    blank = _blank(tuple(study.designs), tuple(tunings), climate, limits, compared)
+    names = (*(named_ports(study.pto) or ("shell",)),) if study.pto.several else ()
+    blank = _blank(tuple(study.designs), tuple(tunings), climate, limits, compared, names)
     found = {name: (dims, values.copy()) for name, (dims, values) in _values(blank).items()}
     at: Labels = {"design": list(study.designs), "tuning": list(tunings)}
     if rest.designs:
@@ -83,10 +87,16 @@ def member(
         omega = frequencies(climate, *system.band)
         damped = DampedYears(climate, [one for one in tunings if one != CONSTRAINED], {} if known is None else known)
         here: Labels = {"design": list(some.designs), "tuning": [*damped.tunings]}
-        errors, waves, left_out = system.errors(omega), system.at(omega).in_waves(), None
+        errors, moving = system.errors(omega), system.at(omega)
+        ports = moving.several_in_waves() if some.pto.several else {}
+        waves, left_out = {} if ports else moving.in_waves(), None
         if some.reference_design is not None:
-            left_out = gain_of_year(some, system, climate, waves)
-        _fill(found, at, damped(some, waves, errors, left_out), here)
+            left_out = gain_of_year(some, system, climate, ports or waves)
+        if ports:
+            own = MatrixYears(climate, damped.tunings)(some, ports, errors, left_out)
+        else:
+            own = damped(some, waves, errors, left_out)
+        _fill(found, at, own, here)
         if optima:
             within = optima(some, system, climate, left_out)
             _fill(found, at, _values(within), here | {"tuning": [CONSTRAINED]})
@@ -112,7 +122,12 @@ def radius_of(study: Study | AnyBody) -> float | None:
 
 @lru_cache(maxsize=4)
 def _blank(
-    designs: tuple[str, ...], tunings: tuple[str, ...], climate: Climate, limits: tuple[str, ...], compared: bool
+    designs: tuple[str, ...],
+    tunings: tuple[str, ...],
+    climate: Climate,
+    limits: tuple[str, ...],
+    compared: bool,
+    ports: tuple[str, ...],
 ) -> xr.Dataset:
     """All variables without values, and how many seas a bin holds; made once, for it takes as long as to fill it."""
     bins = bins_of(climate)
@@ -120,12 +135,18 @@ def _blank(
     sizes |= dict(zip(BINS, bins.shape, strict=True))
     names = [name for name in OF_DESIGNS if compared or not name.startswith("gain")]
     dims: dict[str, tuple[str, ...]] = dict.fromkeys(names, BY) | dict.fromkeys(MATRICES, (*BY, *BINS))
-    dims |= dict.fromkeys(CURVES, ("design", "damper")) | {"energy_beyond": (*BY, "limit")}
+    dims |= {"energy_beyond": (*BY, "limit")}
+    if ports:
+        sizes |= {"port": len(ports), "port_": len(ports)}
+        dims = {name: of for name, of in dims.items() if name not in OF_DAMPERS} | {MATRIX: (*BY, "port", "port_")}
+    else:
+        dims |= dict.fromkeys(CURVES, ("design", "damper"))
     dims |= dict.fromkeys(OF_LIMITS if CONSTRAINED in tunings else (), ("design",))
     values: dict[str, tuple[tuple[str, ...], AnyArray]]
     values = {name: (of, np.full([sizes[dim] for dim in of], np.nan)) for name, of in dims.items()}
     of_all = {name: (of, np.zeros([sizes[dim] for dim in of])) for name, of in OF_ALL.items()}
     at = {"design": list(designs), "tuning": list(tunings), "limit": list(limits)}
+    at |= {"port": list(ports), "port_": list(ports)} if ports else {}
     of_bins = {"hs": bins.hs_centres, "te": bins.te_centres}
     of_year = {"count": (BINS, bins.count), "occurrence": (BINS, bins.share)}
     return xr.Dataset({**values, **of_year, **of_all}, coords=at | of_bins)
@@ -205,13 +226,17 @@ class DampedYears:
         if not self.tunings:
             return self._curves(ports, None)
         of = ports_year(study, ports, self.climate, self.tunings)
-        beyond = beyond_validity(of, waves, study.pto.stiffness, radius_of(study))
-        return {**of.values, **beyond, **self._curves(ports, of)}
+
+        def motions(design: str, tuning: str) -> dict[str, FloatArray]:
+            damping = of.dampers[of.designs.index(design), of.tunings.index(tuning)]
+            return motion_rms(waves[design], self.climate, damping, study.pto.stiffness)
+
+        return {**of.values, **beyond_validity(of, motions, radius_of(study)), **self._curves(ports, of)}
 
     def _curves(self, ports: Mapping[str, Port], of: Year | None) -> Values:
         """Mean power of the year and rms force of dampers that stay the same, each shape (design, damper)."""
         years = [DesignYear(port, self.climate) for port in ports.values()]
-        known = of.damping[:, of.tunings.index("one"), 0] if of and "one" in of.tunings else None
+        known = of.dampers[:, of.tunings.index("one"), 0] if of and "one" in of.tunings else None
         tried = np.outer(best_for_all(years) if known is None else known, TRIED)
         power = np.array([one.annual(dampers) for one, dampers in zip(years, tried, strict=True)])
         found = (tried, power, np.sqrt(tried * power))
@@ -232,8 +257,6 @@ class DampedYears:
         """
         reference = list(waves).index(study.reference_design or "")
         power, error = (np.asarray(found[name][1], dtype=float) for name in ("annual_mean_power", "quadrature_error"))
-        if (gain := gain_percent(power, reference)) is None:
-            return {}
         best, by_coefficients = np.asarray(found["tried_damping"][1])[:, len(TRIED) // 2], np.zeros(power.shape)
         for j, tuning in enumerate(self.tunings):
             slopes = []
@@ -242,12 +265,4 @@ class DampedYears:
                 squares, load = DesignYear(one.port, self.climate).squares, one.port.load(damper, study.pto.stiffness)
                 slopes.append(sensitivity(one.port.omega, one.moved, one.port, load, squares))
             by_coefficients[:, j] = [sum((one - slopes[reference]).to(each) for each in errors) for one in slopes]
-        quadrature = np.divide(error, power, out=np.zeros_like(power), where=power > 0)
-        width = (quadrature + quadrature[reference] + by_coefficients) * (100 + gain)
-        width[reference] *= 0.0
-        low, high = (np.zeros((len(waves), 2)) if left_out is None else left_out).T[:, :, None]
-        return {
-            "gain_percent": (BY, gain),
-            "gain_low": (BY, gain - width + low),
-            "gain_high": (BY, gain + width + high),
-        }
+        return gains_within(power, error, by_coefficients, reference, left_out)

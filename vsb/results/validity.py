@@ -1,15 +1,15 @@
 """Seas of a climate beyond the validity of linear waves and small motions, and their share of the energy."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from vsb.results.year import Year, band_weights
-from vsb.scenes.floating_system import InWaves
+from vsb.scenes.floating_system import InWaves, SeveralInWaves
 from vsb.study.study import Water
-from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
+from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from vsb.waves.climate import Climate
 from vsb.waves.dispersion import wavenumber
 
@@ -111,6 +111,29 @@ def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness:
     return {"heave": np.sqrt(variance[0]), "deformation": np.sqrt(variance[1:].max(axis=0, initial=0.0))}
 
 
+def rms_of_motions(
+    waves: SeveralInWaves, climate: Climate, matrices: FloatArray, chosen: IntArray
+) -> dict[str, FloatArray]:
+    """Return `motion_rms` of damper matrices.
+
+    Parameters
+    ----------
+    waves : SeveralInWaves
+    climate : Climate
+    matrices : ndarray, shape (matrix, port, port)
+    chosen : ndarray, shape (sea,)
+        The matrix of each sea.
+    """
+    weights, found = band_weights(waves.port.omega, climate), np.zeros((2, len(chosen)))
+    for one in np.unique(chosen):
+        heave, shell = waves.motion(matrices[one])
+        squares = np.concatenate([_square(heave)[None], _square(shell).sum(axis=0)])
+        seas = chosen == one
+        variance = (squares / 2 @ weights.T) @ climate.density[seas].T
+        found[:, seas] = np.sqrt(np.stack([variance[0], variance[1:].max(axis=0, initial=0.0)]))
+    return {"heave": found[0], "deformation": found[1]}
+
+
 def _undominated(rows: FloatArray) -> FloatArray:
     """The rows no other exceeds in every band, (row, band): in any sea the largest is one of them."""
     below = (rows[:, None] <= rows).all(axis=2)
@@ -136,14 +159,13 @@ def _nodes(damping: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.exp(middle + half * nodes), np.array(shares)
 
 
-def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, radius: float | None) -> Marks:
+def beyond_validity(year: Year, motions: Callable[[str, str], Mapping[str, FloatArray]], radius: float | None) -> Marks:
     """Return which part of the seas of each bin lies beyond validity, and their shares of the energy.
 
     Parameters
     ----------
-    waves : mapping design -> InWaves
-    stiffness : float [N/m]
-        Of the take-off's spring.
+    motions : callable
+        Design, tuning -> root mean squares of its motions in each sea, as of `motion_rms`.
     radius : float or None [m]
         Of a buoy; of a body only the waves are judged.
     """
@@ -152,10 +174,10 @@ def beyond_validity(year: Year, waves: Mapping[str, InWaves], stiffness: float, 
     marked, energy = np.zeros((*sizes, *year.bins.shape)), np.zeros((*sizes, len(known)))
     together = np.zeros(sizes)
     for i, design in enumerate(year.designs):
-        for j in range(sizes[1]):
+        for j, tuning in enumerate(year.tunings):
             limits = list(of_waves)
             if radius is not None:
-                limits += motion_limits(motion_rms(waves[design], year.climate, year.damping[i, j], stiffness), radius)
+                limits += motion_limits(motions(design, tuning), radius)
             limits.sort(key=lambda one: known.index(one.name))
             power, beyond = year.power[i, j], np.any([one.seas for one in limits if one.name in MARKED], axis=0)
             marked[i, j] = year.bins.mean(beyond.astype(float))

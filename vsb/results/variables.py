@@ -87,6 +87,9 @@ register(
         "damping": Variable(
             (*_YEAR, *_BINS), at_port("damping_unit"), "mean damping of the seas of a bin, 0 where there is none"
         ),
+        "damper_matrix": Variable(
+            (*_YEAR, "port", "port_"), at_port("damping_unit"), "mean damper matrix of the year at several ports"
+        ),
         "power_matrix": Variable((*_YEAR, *_BINS), "W", "mean power in a bin, 0 where there is no sea"),
         "power_deviation": Variable((*_YEAR, *_BINS), "W", "standard deviation of mean power within a bin"),
         "capture_width_matrix": Variable((*_YEAR, *_BINS), "m", "mean capture width in a bin, 0 where there is no sea"),

@@ -19,7 +19,7 @@ from vsb.errors import ConfigError
 from vsb.motion.port import Port
 from vsb.motion.tuning import Load, best_damper_of_each, best_of_table, dampers
 from vsb.study.study import Water
-from vsb.tools.arrays import FloatArray, IntArray
+from vsb.tools.arrays import AnyArray, FloatArray, IntArray
 from vsb.tools.variables import described
 from vsb.waves.climate import OUTSIDE, YEAR_HOURS, Climate
 from vsb.waves.scatter import climate_of_cells
@@ -27,6 +27,8 @@ from vsb.waves.scatter import climate_of_cells
 Tuning = Literal["fixed", "one", "each"]
 TUNINGS: tuple[Tuning, ...] = ("fixed", "one", "each")
 """Given damper; one best damper for the year; the best in each sea."""
+Values = Mapping[str, tuple[tuple[str, ...], AnyArray]]
+"""Dimensions and values by name; a dataset is made of them only at the end, which takes as long as computing them."""
 PART = 0.005
 """Distance of the frequencies of a port, as a part of them: every band of a climate is cut evenly into such parts."""
 PRACTICE_GAMMA = 3.3
@@ -214,6 +216,36 @@ def gain_percent(power: FloatArray, reference: int) -> FloatArray | None:
     return None if np.isnan(base).all() else np.asarray(100 * (power / base - 1))
 
 
+def gains_within(
+    power: FloatArray,
+    quadrature_error: FloatArray,
+    by_coefficients: FloatArray,
+    reference: int,
+    left_out: FloatArray | None,
+) -> Values:
+    """Return gains of mean powers and their intervals by all known errors.
+
+    Parameters
+    ----------
+    power, quadrature_error : ndarray, shape (design, tuning) [W]
+    by_coefficients : ndarray, shape (design, tuning)
+        What errors of the coefficients do to the ratio of powers, relative to it [-].
+    reference : int
+        The design gains are over.
+    left_out : ndarray, shape (design, end) [percentage points], optional
+        As of `vsb.results.left_out.gain_of_year`.
+    """
+    gain = gain_percent(power, reference)
+    if gain is None:
+        return {}
+    quadrature = np.divide(quadrature_error, power, out=np.zeros_like(power), where=power > 0)
+    width = (quadrature + quadrature[reference] + by_coefficients) * (100 + gain)
+    width[reference] *= 0.0
+    low, high = (np.zeros((len(power), 2)) if left_out is None else left_out).T[:, :, None]
+    ends = {"gain_percent": gain, "gain_low": gain - width + low, "gain_high": gain + width + high}
+    return {name: (("design", "tuning"), values) for name, values in ends.items()}
+
+
 def best_for_all(years: Sequence[DesignYear]) -> FloatArray:
     """Return the one damper that absorbs most over the year for each design, shape (design,) [N s/m]."""
     shared = all(np.array_equal(one.port.omega, years[0].port.omega) for one in years)
@@ -229,7 +261,7 @@ class Year:
     water: Water
     designs: tuple[str, ...]
     tunings: tuple[str, ...]
-    damping: FloatArray  # (design, tuning, sea) [N s/m]
+    damping: FloatArray | None  # (design, tuning, sea) [N s/m]; None of damper matrices
     power: FloatArray  # (design, tuning, sea) [W]
     practice: FloatArray  # mean power of JONSWAP seas at the centres of the occupied bins (design, tuning) [W]
     quadrature_error: FloatArray  # of the mean power (design, tuning) [W]
@@ -262,9 +294,15 @@ class Year:
         return np.asarray(self.annual_mean_power / float(self.flux @ self.climate.hours))
 
     @property
+    def dampers(self) -> FloatArray:
+        """Dampers, shape (design, tuning, sea) [N s/m]."""
+        assert self.damping is not None
+        return self.damping
+
+    @property
     def force_rms(self) -> FloatArray:
         """Root mean square of the take-off's force over the year, sqrt(mean of c P), shape (design, tuning) [N]."""
-        return np.sqrt((self.damping * self.power) @ self.climate.hours)
+        return np.sqrt((self.dampers * self.power) @ self.climate.hours)
 
     @property
     def gain_percent(self) -> FloatArray | None:
@@ -282,15 +320,15 @@ class Year:
         by = ("design", "tuning")
         matrices = (*by, "hs", "te")
         width = self.power / self.flux
-        gain = self.gain_percent
+        gain, of_dampers = self.gain_percent, dict[str, tuple[tuple[str, ...], FloatArray]]()
+        if self.damping is not None:
+            of_dampers = {"force_rms": (by, self.force_rms), "damping": (matrices, self.matrices(self.damping))}
         return {
             "annual_mean_power": (by, self.annual_mean_power),
             "annual_energy": (by, self.annual_energy),
             "capture_width": (by, self.capture_width),
-            "force_rms": (by, self.force_rms),
             "practice_power": (by, self.practice),
             "quadrature_error": (by, self.quadrature_error),
-            "damping": (matrices, self.matrices(self.damping)),
             "power_matrix": (matrices, self.matrices(self.power)),
             "capture_width_matrix": (matrices, self.matrices(width)),
             "power_deviation": (matrices, self.matrices(self.power, "deviation")),
@@ -298,6 +336,7 @@ class Year:
             "count": (("hs", "te"), self.bins.count),
             "occurrence": (("hs", "te"), self.bins.share),
             "flux_matrix": (("hs", "te"), self.bins.mean(self.flux)),
+            **of_dampers,
             **({} if gain is None else {"gain_percent": (by, gain)}),
         }
 
@@ -338,33 +377,27 @@ def year(
         raise ConfigError(f"tuning: received {unknown[0]!r}, needs one of {', '.join(TUNINGS)}")
     if lacking := [design for design in ports if "fixed" in tunings and design not in given]:
         raise ConfigError(f"tuning: received fixed without a damping of {lacking[0]}, needs pto.damping")
-    outside = max(climate.variance_outside(port.omega[0], port.omega[-1]) for port in ports.values())
-    if outside > OUTSIDE:
-        low, high = (f(p.omega[k] for p in ports.values()) for f, k in ((max, 0), (min, -1)))
-        raise ConfigError(
-            f"climate {climate.name}: received {outside:.2%} of its variance outside {low:.4g} to {high:.4g} rad/s, "
-            f"the band of the hydrodynamics, needs at most {OUTSIDE:.0%}; raise hydro.omega_max"
-        )
+    outside = variance_outside({design: port.omega for design, port in ports.items()}, climate)
     here = [DesignYear(port, climate) for port in ports.values()]
     fine, coarse = (_absorbed(ports, years, tunings, given) for years in (here, [one.coarser() for one in here]))
     errors = [
         [abs(float((take.power - rough.power) @ climate.hours)) / 3 for take, rough in zip(*rows, strict=True)]
         for rows in zip(fine, coarse, strict=True)
     ]
-    practice = []
+    usual = []
     for port, takes in zip(ports.values(), fine, strict=True):
-        there = DesignYear(port, _practice(climate, PRACTICE_GAMMA))
+        there = DesignYear(port, practice(climate, PRACTICE_GAMMA))
         powers = []
         for tuning, take in zip(tunings, takes, strict=True):  # the same damper, or the best in each sea
             absorbed = there.absorbed("each" if tuning == "each" else "fixed", float(take.damping[0])).power
             powers.append(float(absorbed @ there.climate.hours))
-        practice.append(powers)
+        usual.append(powers)
     damping, power = (
         np.array([[getattr(take, name) for take in takes] for takes in fine]) for name in ("damping", "power")
     )
-    notes = (*climate.notes, f"{outside:.3%} of the variance lies outside the frequencies solved and is not counted")
+    notes = (*climate.notes, outside)
     names = (tuple(ports), tuple(tunings))
-    return Year(climate, water, *names, damping, power, np.array(practice), np.array(errors), reference, notes)
+    return Year(climate, water, *names, damping, power, np.array(usual), np.array(errors), reference, notes)
 
 
 def _absorbed(
@@ -379,9 +412,27 @@ def _absorbed(
     return found
 
 
+def variance_outside(omega: Mapping[str, FloatArray], climate: Climate) -> str:
+    """Return in words how much of the variance of a climate lies beyond the frequencies of designs [rad/s].
+
+    Raises
+    ------
+    ConfigError
+        If it is more than a hundredth.
+    """
+    low, high = (f(float(one[k]) for one in omega.values()) for f, k in ((max, 0), (min, -1)))
+    outside = climate.variance_outside(low, high)
+    if outside > OUTSIDE:
+        raise ConfigError(
+            f"climate {climate.name}: received {outside:.2%} of its variance outside {low:.4g} to {high:.4g} rad/s, "
+            f"the band of the hydrodynamics, needs at most {OUTSIDE:.0%}; raise hydro.omega_max"
+        )
+    return f"{outside:.3%} of the variance lies outside the frequencies solved and is not counted"
+
+
 @lru_cache(maxsize=2)
-def _practice(climate: Climate, gamma: float) -> Climate:
-    """JONSWAP seas at the centres of the occupied bins, as usual practice computes a year."""
+def practice(climate: Climate, gamma: float) -> Climate:
+    """Return JONSWAP seas at the centres of the occupied bins, as usual practice computes a year."""
     bins = bins_of(climate)
     share = bins.share.ravel()[bins.occupied]
     return climate_of_cells(*bins.centres, share, gamma, f"{climate.name}, JONSWAP at bin centres")

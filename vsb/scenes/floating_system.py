@@ -58,13 +58,27 @@ class InWaves(NamedTuple):
         return self.moved[0] - (load * self.port.velocity_under(load))[:, None] * self.moved[1]
 
 
+class SeveralInWaves(NamedTuple):
+    """One design in waves of unit amplitude at several ports; see `InWaves`."""
+
+    port: Ports
+    moved: tuple[ComplexArray, ComplexArray]  # free (omega, dof) [m/m], forced (omega, dof, port) [m/N]
+    at: "AtFrequencies"
+
+    def motion(self, damping: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return heave (omega,) and shell (2, point, omega) per wave amplitude under a damper matrix [m/m]."""
+        force = self.port.velocity_under(damping) @ damping
+        moved = self.moved[0] - (self.moved[1] @ force[..., None])[..., 0]
+        return moved[:, 0], self.at.of_shell(moved)
+
+
 @dataclass(frozen=True)
 class AtFrequencies:
     """A floating system at some frequencies, without take-off: its equation of motion, its designs, its port."""
 
     equation: LinearEquation
     motions: Mapping[str, FloatArray]  # design -> N (dof, free)
-    port: FloatArray  # b (dof,)
+    port: FloatArray  # b (dof,); of several ports at once B (dof, port)
     shapes: FloatArray | None = None  # displacements of points of a shell (dof, 2, point) [-]; a body has none
 
     def ports(self, stiffness: float = 0.0) -> dict[str, Port]:
@@ -76,15 +90,24 @@ class AtFrequencies:
         """Return every design in waves of unit amplitude."""
         return {design: self._of_design(motions) for design, motions in self.motions.items()}
 
+    def several_in_waves(self) -> dict[str, SeveralInWaves]:
+        """Return the same at several ports."""
+        return {
+            design: SeveralInWaves(
+                self.equation.ports(motions, self.port), self.equation.motion_of_ports(motions, self.port), self
+            )
+            for design, motions in self.motions.items()
+        }
+
     def _of_design(self, motions: FloatArray) -> InWaves:
         """One design."""
         moved = self.equation.free_motion(motions, self.port)
-        heave, shell = zip(*((one[:, 0], self._of_shell(one)) for one in moved), strict=True)
+        heave, shell = zip(*((one[:, 0], self.of_shell(one)) for one in moved), strict=True)
         port = self.equation.port_of_motion(*moved, motions, self.port)
         return InWaves(port, PortMotion(heave, shell), moved)
 
-    def _of_shell(self, amplitude: ComplexArray) -> ComplexArray:
-        """Displacements of points of the shell, heave left out, (2, point, omega) [-], of amplitudes (omega, dof)."""
+    def of_shell(self, amplitude: ComplexArray) -> ComplexArray:
+        """Return displacements of points of the shell, heave left out, (2, point, omega) [-], of amplitudes (omega, dof)."""
         if self.shapes is None:
             return np.zeros((2, 0, len(amplitude)), dtype=complex)
         count, *places = self.shapes[1:].shape

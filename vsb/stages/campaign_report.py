@@ -47,10 +47,10 @@ class Point(NamedTuple):
 
 
 def sweep_point(spec: CampaignSpec, index: int, root: str) -> Point | None:
-    """Return a point of a campaign; none if no design is viable, or its take-off switches."""
+    """Return a point of a campaign; none if no design is viable, its take-off switches or has several ports."""
     (one,) = members(spec.base, [spec.vary.points[index]], spec.climate, spec.tuning)
-    if one.study.pto.switches:
-        return None  # a damper of the page knows no limits
+    if one.study.pto.switches or one.study.pto.several:
+        return None  # a damper of the page knows no limits, and is of one port
     rest, floating = at_rest(one.study, one.spec, root)
     return Point(with_designs(one.study, rest.designs), floating()) if rest.designs else None
 

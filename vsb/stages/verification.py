@@ -129,7 +129,7 @@ def powers_in_time(
         return designs[name].with_damping(damping).decay_time(highest)
 
     for j, (index, seed) in enumerate(zip(sample.sea, sample.seed, strict=True)):
-        dampers = {name: float(year.damping[i, 0, index]) for i, name in enumerate(designs)}
+        dampers = {name: float(year.dampers[i, 0, index]) for i, name in enumerate(designs)}
         slowest = max(decay_time(*one) for one in dampers.items())
         settings = record_of(float(climate.te[index]), slowest, given)  # all designs meet the same waves
         for i, (name, design) in enumerate(designs.items()):

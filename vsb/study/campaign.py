@@ -162,16 +162,13 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"{source}: study: {campaign.study} has hydro.model 'assumed_pressure', which knows no waves; needs a "
             "study with coefficients"
         )
-    if study.pto.several:
-        raise ConfigError(
-            f"{source}: study: {campaign.study} has several ports, or a damper spread over the shell, whose year a "
-            "campaign does not compute; needs one port"
-        )
-    if study.pto.damping is None and "fixed" in (campaign.tuning or ()):
+    if not study.pto.has_damper and "fixed" in (campaign.tuning or ()):
         raise ConfigError(
             f"{source}: tuning: received fixed, but {campaign.study} has no pto.damping; needs one in "
             f"{port_kind(study.pto.port).damping_unit}"
         )
+    if study.pto.several:
+        _check_matrix(campaign, source)
     ports = {*campaign.vary.values.get(PORT, ())}
     if len({port_kind(port).load for port in ports}) > 1:
         alone = next(name for name in ("volume", "pitch") if name in ports)
@@ -254,6 +251,17 @@ def _check_buoy(campaign: Campaign, study: Study, floats_by: Mapping[str, float]
         )
 
 
+def _check_matrix(campaign: Campaign, source: str) -> None:
+    """Refuse what a damper matrix, at several ports or spread over the shell, does not have in a year."""
+    why = "which is of one port; the study has several, or a damper spread over the shell"
+    if PORT in campaign.vary.keys:
+        raise ConfigError(f"{source}: vary.{PORT}: received several ports in the study; needs a study with one")
+    if campaign.verify:
+        raise ConfigError(f"{source}: verify: received runs in time, {why}; remove it")
+    if "constrained" in (campaign.tuning or ()):
+        raise ConfigError(f"{source}: tuning: received constrained, {why}; needs fixed, one or each")
+
+
 def check_no_direction(climate: YearOfSeas, source: str) -> None:
     """Refuse a direction of the seas of a buoy, which answers all alike."""
     if climate.direction:
@@ -284,7 +292,7 @@ class LoadedCampaign(Section):
     @property
     def tuning(self) -> tuple[Tunings, ...]:
         """Tunings asked for; if none are, those for which the study says enough."""
-        return self.campaign.tuning or (*(() if self.base.pto.damping is None else ("fixed",)), "one", "each")
+        return self.campaign.tuning or (*(("fixed",) if self.base.pto.has_damper else ()), "one", "each")
 
     @property
     def constrained(self) -> Constrained | None:

@@ -40,7 +40,9 @@ from vsb.study.specs import (
     VerificationSpec,
 )
 from vsb.study.study import Simulation, canonical, content_id, parse
+from vsb.study.take_off import port_kind
 from vsb.study.vary import Point
+from vsb.tools.ports import MEMBRANE, SEVERAL
 
 MOST_BATCHES = 32
 BATCH_SECONDS = 8.0
@@ -51,7 +53,7 @@ VARIABLES = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "damping",
     "force_rms", "viable", "margin", "reason", "practice_power", "quadrature_error", "power_matrix", "power_deviation",
     "capture_width_matrix", "capture_width_deviation", "count", "tried_damping", "power_of_damping",
-    "force_of_damping", "damper", "design", "tuning", "hs", "te", "energy_beyond", "limit",
+    "force_of_damping", "damper_matrix", "damper", "design", "tuning", "hs", "te", "energy_beyond", "limit",
     "energy_beyond_validity", "beyond_validity", "power_bound", "optimum_gap", "optimum_share", "optimum_excess",
     "impossible_share", "occurrence", "flux_matrix",
     *(f"{model}_{name}" for model in IN_TIME.values() for name in (*POWER_IN_TIME, *GAIN_IN_TIME)),
@@ -312,8 +314,13 @@ class CampaignPlan(ResultsFolder):
 
 
 def figure_names(spec: CampaignSpec) -> list[str]:
-    """Return the names of the figures of a campaign: one over what is varied, if anything is; over dampers, if free."""
+    """Return the names of the figures of a campaign: one over what is varied, if anything is; over dampers, if free.
+
+    A damper matrix is no axis.
+    """
     varied = any(len(values) > 1 for values in spec.vary.values.values())
     switching = {"law", "force_limit", "stroke_limit"}
+    if port_kind(spec.base["pto"].get("port")) in (SEVERAL, MEMBRANE):
+        return [*(["sweep"] if varied else []), "spectra", "power_matrices"]
     free = not switching & {*spec.base["pto"], *(key.removeprefix("pto.") for key in spec.vary.keys)}
     return [*(["sweep"] if varied else []), "spectra", "power_matrices", *(["tuned_power"] if free else []), "pareto"]

@@ -1,0 +1,161 @@
+"""A site's year of a damper matrix, at several ports or spread over the shell: see `vsb.results.year`.
+
+The best matrix depends on the form of a spectrum, not on its height. So that of each sea is the best of those that are
+optimal for the year and for the mean spectrum of every bin of energy period; none of them is worse than that of the
+year, and all are matrices the take-off may have.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from vsb.motion.coefficient_errors import CoefficientError, sensitivity_at_ports
+from vsb.motion.damper_matrix import Kind, Ports, best_matrix
+from vsb.results.validity import beyond_validity, rms_of_motions
+from vsb.results.year import (
+    PRACTICE_GAMMA,
+    Tuning,
+    Values,
+    Year,
+    band_weights,
+    bins_of,
+    gains_within,
+    practice,
+    variance_outside,
+)
+from vsb.scenes.floating_system import AnyBody, SeveralInWaves
+from vsb.scenes.take_off import given_matrix, matrix_kind
+from vsb.study.study import Study
+from vsb.tools.arrays import FloatArray, IntArray
+from vsb.waves.climate import Climate
+
+
+class Absorbed(NamedTuple):
+    """Damper matrices, which of them every sea has, and its mean power."""
+
+    matrices: FloatArray  # (matrix, port, port)
+    chosen: IntArray  # (sea,)
+    power: FloatArray  # (sea,) [W]
+
+    def mean_matrix(self, hours: FloatArray) -> FloatArray:
+        """Return the mean matrix of the year, shape (port, port)."""
+        share = np.bincount(self.chosen, hours, minlength=len(self.matrices))
+        return np.asarray(np.tensordot(share, self.matrices, axes=1))
+
+
+@dataclass(frozen=True)
+class MatrixYear:
+    """One design at several ports over a climate."""
+
+    ports: Ports
+    climate: Climate
+    kind: Kind
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """See `vsb.results.year.band_weights`."""
+        return band_weights(self.ports.omega, self.climate)
+
+    @cached_property
+    def squares(self) -> FloatArray:
+        """Squared amplitudes of the year's mean spectrum at the frequencies of the ports, shape (omega,) [m^2]."""
+        return np.asarray(self.climate.mean_density @ self.weights)
+
+    @cached_property
+    def best(self) -> FloatArray:
+        """The matrix that absorbs most over the year, shape (port, port)."""
+        return best_matrix(self.ports, self.squares, self.kind).damping
+
+    @cached_property
+    def tried(self) -> FloatArray:
+        """The best of the year, and of the mean spectrum of every bin of energy period, shape (matrix, port, port)."""
+        _, column = np.unravel_index(bins_of(self.climate).index, bins_of(self.climate).shape)
+        energy = [self.climate.hours * (column == one) @ self.climate.density for one in np.unique(column)]
+        return np.array([self.best, *(best_matrix(self.ports, one @ self.weights, self.kind).damping for one in energy)])
+
+    def with_matrices(self, matrices: FloatArray) -> Absorbed:
+        """Return for every sea the best of some matrices (matrix, port, port)."""
+        power = np.array([self.ports.power(one) for one in matrices])
+        table = (power @ self.weights.T) @ self.climate.density.T
+        chosen = table.argmax(axis=0)
+        return Absorbed(matrices, chosen, table[chosen, np.arange(len(chosen))])
+
+    def absorbed(self, tuning: Tuning, given: FloatArray | None) -> Absorbed:
+        """Return matrices and power of each sea under a tuning; `fixed` with a matrix given."""
+        if tuning == "fixed":
+            assert given is not None  # a campaign's own check
+            return self.with_matrices(given[None])
+        return self.with_matrices(self.tried if tuning == "each" else self.best[None])
+
+    def coarser(self) -> "MatrixYear":
+        """Return the same with every other frequency of the ports."""
+        kept = np.unique(np.append(np.arange(0, len(self.ports.omega), 2), len(self.ports.omega) - 1))
+        return replace(self, ports=self.ports.at(kept))
+
+
+@dataclass(frozen=True)
+class MatrixYears:
+    """Years of designs under damper matrices; see `vsb.results.member.DampedYears`."""
+
+    climate: Climate
+    tunings: Sequence[Tuning]
+
+    def __call__(
+        self,
+        study: Study | AnyBody,
+        waves: Mapping[str, SeveralInWaves],
+        errors: Sequence[CoefficientError] = (),
+        left_out: FloatArray | None = None,
+    ) -> Values:
+        """Return the results of some designs of a study in waves, each shape (design, ...), and their gains.
+
+        Parameters as of `DampedYears`. `damper_matrix(design, tuning, port, port_)` is the mean over the year; of a
+        damper spread over the shell it is its one damper.
+        """
+        kind, hours = matrix_kind(study.pto), self.climate.hours
+        as_given = study.pto.model_copy(update={"tuning": "fixed"})
+        years = {design: MatrixYear(one.port, self.climate, kind) for design, one in waves.items()}
+        found: dict[tuple[str, str], Absorbed] = {}
+        for (design, one), tuning in product(years.items(), self.tunings):
+            given = given_matrix(as_given, design, one.ports.velocity.shape[1])
+            found[design, tuning] = one.absorbed(tuning, given)
+
+        def of_all(value: Callable[[str, str], FloatArray | float]) -> FloatArray:
+            return np.array([[value(design, tuning) for tuning in self.tunings] for design in waves])
+
+        def elsewhere(year: MatrixYear, taken: Absorbed) -> float:
+            return float(year.with_matrices(taken.matrices).power @ year.climate.hours)
+
+        usual, power = practice(self.climate, PRACTICE_GAMMA), of_all(lambda *by: found[by].power)
+        there = of_all(lambda *by: elsewhere(replace(years[by[0]], climate=usual), found[by]))
+        rough = of_all(lambda *by: elsewhere(years[by[0]].coarser(), found[by]))
+        outside = variance_outside({design: one.port.omega for design, one in waves.items()}, self.climate)
+        names, errors_of_quadrature = (tuple(waves), tuple(self.tunings)), np.abs(power @ hours - rough) / 3
+        notes = (*self.climate.notes, outside)
+        of = Year(
+            self.climate, study.water, *names, None, power, there, errors_of_quadrature, study.reference_design, notes
+        )
+        beyond = beyond_validity(
+            of,
+            lambda *by: rms_of_motions(waves[by[0]], self.climate, found[by].matrices, found[by].chosen),
+            study.buoy.device.radius if study.buoy else None,
+        )
+        matrices = of_all(lambda *by: found[by].mean_matrix(hours))
+        one_damper = matrices[..., :1, :1] if kind == "uniform" else matrices
+        values: Values = {**of.values, **beyond, "damper_matrix": (("design", "tuning", "port", "port_"), one_damper)}
+        if of.reference is None:
+            return values
+        by_coefficients = np.zeros(power.shape[:2])
+        for j in range(len(self.tunings)):
+            slopes = [
+                sensitivity_at_ports(waves[design].moved, one.ports, matrices[i, j], one.squares)
+                for i, (design, one) in enumerate(years.items())
+            ]
+            base = slopes[of.designs.index(of.reference)]
+            by_coefficients[:, j] = [sum((one - base).to(each) for each in errors) for one in slopes]
+        at = of.designs.index(of.reference)
+        return {**values, **gains_within(of.annual_mean_power, of.quadrature_error, by_coefficients, at, left_out)}
