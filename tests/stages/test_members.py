@@ -1,6 +1,7 @@
 """Campaigns in one process: members against their studies, sweeps, damage and resume, designs that are not viable."""
 
 import csv
+import io
 import time
 from multiprocessing import get_context
 from pathlib import Path
@@ -12,7 +13,8 @@ from conftest import SEED
 
 from vsb.api.campaign import Campaign
 from vsb.errors import VsbError
-from vsb.results.year import frequencies, year
+from vsb.motion.damper_matrix import best_matrix
+from vsb.results.year import band_weights, frequencies, year
 from vsb.scenes.floating_system import floating_system
 from vsb.stages import campaign, campaign_report
 from vsb.stages.climate import read_climate
@@ -256,3 +258,63 @@ def test_no_gain_is_given_where_the_rigid_design_absorbs_nothing(folder, pto, mi
         name not in missing for name in ("fixed", "one")
     ]
     assert float(found.annual_mean_power.sel(design="VSWEC", tuning="one")) > 0
+
+
+TWO = {"ports": {"a": "heave", "b": "volume"}, "damping": [[8e3, 0.0], [0.0, 0.0]]}
+
+
+def test_year_of_a_damper_matrix_that_acts_on_heave_alone_is_that_of_a_damper(folder):
+    alike = {"tuning": ["fixed"], "designs": {"VSWEC": {}}}
+    plan = planned(folder, name="matrix", pto=TWO, **alike)
+    found, alone = run(plan), computed(planned(folder, name="damper", pto={"damping": 8e3}, **alike))
+    for name in ("annual_mean_power", "power_matrix", "practice_power", "quadrature_error"):
+        np.testing.assert_allclose(found[name], alone[name], rtol=1e-9, atol=1e-9, err_msg=name)
+    for name in ("energy_beyond", "beyond_validity"):
+        np.testing.assert_allclose(found[name], alone[name], rtol=1e-6, err_msg=name)
+    assert found.damper_matrix.sel(design="VSWEC", tuning="fixed").values.tolist() == TWO["damping"]
+    first = next(csv.DictReader(io.StringIO(Path(plan.table_path).read_text())))
+    assert first["damper_matrix"] == "[[8000.0, 0.0], [0.0, 0.0]]"
+    assert "damper matrix" in Path(plan.folder, "report.html").read_text()
+
+
+@pytest.mark.slow
+def test_damper_matrix_of_each_sea_absorbs_within_a_few_thousandths_of_the_optimum_there(folder):
+    """The interval of its gain contains what modes left out and coefficients may change."""
+    plan = planned(folder, name="optimal", pto={"ports": TWO["ports"]})
+    found = computed(plan)
+    power, flexible = found.annual_mean_power, found.sel(design="VSWEC")
+    assert (flexible.gain_low < flexible.gain_percent).all()
+    assert (flexible.gain_percent < flexible.gain_high).all()
+    assert (power.sel(tuning="one") < power.sel(tuning="each")).all()
+    study = StudyPlan(plan.members[0].study, root=plan.root)
+    make(study, [study.database_path])
+    seas, floating = (
+        read_climate(plan.climate, plan.loaded.climate_path),
+        floating_system(study.study, study.database_path),
+    )
+    omega = frequencies(seas, *floating.band)
+    ports, weights = floating.several_ports(omega)["VSWEC"], band_weights(omega, seas)
+    best = np.array([best_matrix(ports, sea @ weights).power for sea in seas.density])
+    assert float(power.sel(design="VSWEC", tuning="each")) == pytest.approx(best @ seas.hours, rel=3e-3)
+
+
+def test_year_of_a_damper_spread_over_the_shell(folder):
+    """Its power at its damper follows from the ports of single waves."""
+    pto = {"port": {"distributed": "membrane"}, "damping": 0.01}
+    plan = planned(folder, name="spread", tuning=["fixed", "one"], pto=pto, designs={"VSWEC": {}})
+    found = computed(plan)
+    power = found.annual_mean_power
+    study = StudyPlan(plan.members[0].study, root=plan.root)
+    make(study, [study.database_path])
+    seas, floating = (
+        read_climate(plan.climate, plan.loaded.climate_path),
+        floating_system(study.study, study.database_path),
+    )
+    omega = frequencies(seas, *floating.band)
+    ports, squares = floating.several_ports(omega)["VSWEC"], seas.mean_density @ band_weights(omega, seas)
+    count = ports.velocity.shape[1]
+    for tuning, beta in zip(found.tuning.values, found.damper_matrix.sel(design="VSWEC").values.ravel(), strict=True):
+        direct = float(squares @ ports.power(beta * np.eye(count)))
+        assert float(power.sel(design="VSWEC", tuning=tuning)) == pytest.approx(direct, rel=2e-3)
+        for other in (0.97, 1.03):
+            assert tuning == "fixed" or squares @ ports.power(other * beta * np.eye(count)) < direct

@@ -117,6 +117,22 @@ def test_froude_scaling_keeps_water_and_density():
     assert study_at(sections(seed), {"scale": 4.0, "device.mass": 2e6}).device.mass == 2e6
 
 
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"verify": {}}, "verify: received runs in time, which is of one port; the study has several"),
+        ({"tuning": ["constrained"]}, "tuning: received constrained, which is of one port"),
+        ({"tuning": ["fixed"]}, "tuning: received fixed, but seed.yaml has no pto.damping"),
+        ({"vary": {"pto.port": ["heave", "volume"]}}, "vary.pto.port: received several ports in the study"),
+    ],
+)
+def test_damper_matrices_of_a_year_are_linear_and_unlimited(folder, changes, message):
+    pto = {"ports": {"a": "heave", "b": "volume"}}
+    (folder / "seed.yaml").write_text(yaml.safe_dump({**yaml.safe_load(SEED.read_text()), "pto": pto}))
+    with pytest.raises(ConfigError, match=message):
+        load(written(folder, **changes))
+
+
 def test_switching_take_off_needs_time_domain_or_constrained_optimum(folder):
     switching = varied(load_study(SEED), pto={"force_limit": 2e3})
     for tuning, blind in ((["fixed"], "fixed"), (["one", "constrained"], "one"), (["constrained"], "")):

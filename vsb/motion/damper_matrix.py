@@ -164,6 +164,13 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full") -> Dampe
     return DamperMatrix(damping, float(weights @ seen.power(damping)))
 
 
+def matrix_text(matrix: FloatArray, digits: int) -> str:
+    """Return a damper matrix as text, in SI units of its ports; nothing if it is missing."""
+    if np.isnan(matrix).any():
+        return ""
+    return str([[float(f"{entry:.{digits}g}") for entry in row] for row in matrix.tolist()])
+
+
 class _Full:
     """C = S L L^T S of a lower triangular L, S the ports' units."""
 

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from vsb import __version__
+from vsb.motion.damper_matrix import matrix_text
 from vsb.report.animation import in_motion
 from vsb.report.campaign_answer import (
     MODELS,
@@ -31,7 +32,6 @@ from vsb.report.campaign_figures import is_mapped
 from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
 from vsb.report.page import STILL as STILL_BODY
-from vsb.results.campaign import matrix_text
 from vsb.study.campaign import CONSTRAINED
 from vsb.tools.ports import kind_of
 from vsb.tools.words import plain

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from vsb.motion.damper_matrix import matrix_text
 from vsb.results.member import SAME_FOR_ALL
 from vsb.study.body import BodyDesign
 from vsb.study.campaign import CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
@@ -165,18 +166,11 @@ def damper(ds: xr.Dataset) -> xr.DataArray:
     return highest.where(highest - lowest <= 1e-9 * highest)
 
 
-def matrix_text(matrix: FloatArray, digits: int = 12) -> str:
-    """Return a damper matrix as text, in SI units of its ports; nothing if it is missing."""
-    if np.isnan(matrix).any():
-        return ""
-    return str([[float(f"{entry:.{digits}g}") for entry in row] for row in np.asarray(matrix).tolist()])
-
-
 def _matrices(ds: xr.Dataset) -> xr.DataArray:
     """Damper matrices as text by point, design and tuning."""
     stacked = ds.damper_matrix.transpose(..., "port", "port_")
     flat = stacked.values.reshape(-1, *stacked.shape[-2:])
-    texts = np.array([matrix_text(one) for one in flat], dtype=object).reshape(stacked.shape[:-2])
+    texts = np.array([matrix_text(one, 12) for one in flat], dtype=object).reshape(stacked.shape[:-2])
     return xr.DataArray(texts, {name: ds[name] for name in BY}, stacked.dims[:-2])
 
 

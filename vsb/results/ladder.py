@@ -22,7 +22,7 @@ from vsb.motion.coefficient_errors import (
     sensitivity_at_ports,
 )
 from vsb.motion.constrained import optimum_in_sea
-from vsb.motion.damper_matrix import best_matrix
+from vsb.motion.damper_matrix import best_matrix, matrix_text
 from vsb.motion.drag import DraggedPort, best_damper, best_pair, with_load
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
@@ -64,8 +64,8 @@ INSTANTS = 8
 """Instants at which peaks are looked for, per shortest period of a sea."""
 MOST_HARMONICS = 1024
 """Of the force of an optimum within limits: seconds of work and a tenth of a gigabyte."""
-NAMED = range(6)
-"""Ports that have names: of up to so many the damper matrix is reported."""
+NAMED = 6
+"""Ports up to which the damper matrix is reported."""
 STILL = "waves do not move this port"
 GAP = 0.005
 """Of the best force found within limits, as a part of the bound of all forces [-]."""
@@ -286,7 +286,7 @@ def several_rungs(floating: FloatingSystem, seas: Mapping[str, Sea], levels: Lev
                 power = matched if matrix is None else float(sea @ ports.power(matrix))
                 damper, note = None, ""
                 if matrix is not None and ports.moves:
-                    note = matrix_text(matrix)
+                    note = f"damper matrix {matrix_text(matrix, 6)}" if len(matrix) <= NAMED else ""
                     damper = None if note else float(matrix[0, 0])  # spread over the shell
                 share = power / matched if matched > 0 else None
                 found.append(Rung(design, label, rung, damper, None, power, share, None, None, None, None, note))
@@ -334,13 +334,6 @@ def material_checks(pto: Pto, rungs: Sequence[Rung]) -> list[Check]:
         where, taken = {"design": rung.design, "wave": rung.wave}, limit * power / allowed
         checks.append(check_at_most("specific_energy", taken, limit, "J/kg", text, doubt=True, **where))
     return checks
-
-
-def matrix_text(matrix: FloatArray) -> str:
-    """Return a damper matrix in words, in SI units of its ports."""
-    if len(matrix) > len(NAMED):
-        return ""
-    return f"damper matrix {[[float(f'{entry:.6g}') for entry in row] for row in matrix.tolist()]}"
 
 
 def _peaks(sea: Sea, force: ComplexArray, stroke: ComplexArray, time: float) -> FloatArray:

@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from vsb.motion.damper_matrix import Ports
+from vsb.motion.port import Port
 from vsb.results.year import band_weights
 from vsb.scenes.floating_system import AnyBody, Floating, InWaves, SeveralInWaves
 from vsb.scenes.mode_convergence import (
@@ -116,8 +118,10 @@ def gain_of_year(
     if nested and not buoy.at_equilibrium and motion_of_port(buoy) == "heave":
         omega = waves[designs[at]].port.omega
         squares, water = (climate.mean_density @ band_weights(omega, climate))[None], floating.swept.at(omega)
-        seen = [buoy_at(heaving, floating.reference, water, n).ports() for n in lower]
-        seen.append({design: one.port for design, one in waves.items()})
+        seen: list[Mapping[str, Port | Ports]] = [{design: one.port for design, one in waves.items()}]
+        for n in reversed(lower):
+            at_degree = buoy_at(heaving, floating.reference, water, n)
+            seen.insert(0, at_degree.several_ports() if study.pto.several else at_degree.ports())
         tried = [powers_of_ports(ports, study.pto, squares) for ports in seen]
         before = tried[-1]
     else:

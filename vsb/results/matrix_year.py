@@ -75,7 +75,9 @@ class MatrixYear:
         """The best of the year, and of the mean spectrum of every bin of energy period, shape (matrix, port, port)."""
         _, column = np.unravel_index(bins_of(self.climate).index, bins_of(self.climate).shape)
         energy = [self.climate.hours * (column == one) @ self.climate.density for one in np.unique(column)]
-        return np.array([self.best, *(best_matrix(self.ports, one @ self.weights, self.kind).damping for one in energy)])
+        return np.array(
+            [self.best, *(best_matrix(self.ports, one @ self.weights, self.kind).damping for one in energy)]
+        )
 
     def with_matrices(self, matrices: FloatArray) -> Absorbed:
         """Return for every sea the best of some matrices (matrix, port, port)."""

@@ -90,13 +90,15 @@ class AtFrequencies:
         """Return every design in waves of unit amplitude."""
         return {design: self._of_design(motions) for design, motions in self.motions.items()}
 
+    def several_ports(self) -> dict[str, Ports]:
+        """Return what a damper matrix at several ports sees of every design."""
+        return {design: self.equation.ports(motions, self.port) for design, motions in self.motions.items()}
+
     def several_in_waves(self) -> dict[str, SeveralInWaves]:
-        """Return the same at several ports."""
+        """Return every design at several ports in waves of unit amplitude."""
         return {
-            design: SeveralInWaves(
-                self.equation.ports(motions, self.port), self.equation.motion_of_ports(motions, self.port), self
-            )
-            for design, motions in self.motions.items()
+            design: SeveralInWaves(port, self.equation.motion_of_ports(self.motions[design], self.port), self)
+            for design, port in self.several_ports().items()
         }
 
     def _of_design(self, motions: FloatArray) -> InWaves:
@@ -107,7 +109,7 @@ class AtFrequencies:
         return InWaves(port, PortMotion(heave, shell), moved)
 
     def of_shell(self, amplitude: ComplexArray) -> ComplexArray:
-        """Return displacements of points of the shell, heave left out, (2, point, omega) [-], of amplitudes (omega, dof)."""
+        """Return displacements of points of the shell without heave, (2, point, omega), of amplitudes (omega, dof)."""
         if self.shapes is None:
             return np.zeros((2, 0, len(amplitude)), dtype=complex)
         count, *places = self.shapes[1:].shape
@@ -171,8 +173,7 @@ class FloatingSystem:
 
     def several_ports(self, omega: FloatArray) -> dict[str, Ports]:
         """Return what a damper matrix at several ports sees of all designs."""
-        equation = self.linear.equation(omega)
-        return {design: equation.ports(motions, self.port) for design, motions in self.motions.items()}
+        return AtFrequencies(self.linear.equation(omega), self.motions, self.port).several_ports()
 
     def extended_port(self, design: str, omega: FloatArray, direction: Heading = 0.0) -> Port:
         """Return what the take-off sees of a design, also outside the band of the database."""

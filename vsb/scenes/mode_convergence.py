@@ -186,7 +186,7 @@ class ModeConvergence:
         buoy = buoy_at(study, reference, water)
         omega, directions, _ = self._sampled
         if study.pto.several:
-            return {design: buoy.equation.ports(motions, buoy.port) for design, motions in buoy.motions.items()}
+            return buoy.several_ports()
         if self._motion != "free" and not directions.any():
             return buoy.ports()
         families, found = order_bases(study, reference.basis), dict[str, Port | Ports]()
