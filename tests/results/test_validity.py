@@ -70,7 +70,8 @@ def test_seas_beyond_validity_are_marked_in_their_bins(shells):
     study, waves, seas = shells
     found = year({d: w.port.beside(2e4) for d, w in waves.items()}, seas, study.water, ("one",))
     radius = float(np.median(by_the_sea(waves["VSWEC"], seas, found.damping[1, 0], 2e4)[1])) * 3.72 / 0.1
-    ds = xr.Dataset(beyond_validity(found, waves, 2e4, radius))
+    rms = {name: motion_rms(one, seas, found.damping[i, 0], 2e4) for i, (name, one) in enumerate(waves.items())}
+    ds = xr.Dataset(beyond_validity(found, lambda design, _: rms[design], radius))
     steep, breaking = wave_limits(seas, study.water)
     for i, design in enumerate(waves):
         heave, deformation = by_the_sea(waves[design], seas, found.damping[i, 0], 2e4) * 3.72 / radius
