@@ -73,7 +73,7 @@ def scene_of(model, design, pto, chamber=0.0, *, drag=False, port=None):
     else:
         scene = body_exact_scene(replace(buoy, pto=linear), reference.shape, radiation, SEA, motions)
     scene = with_take_off(scene, pto, linear)
-    if pto.pauses:
+    if pto.has_latching_time:
         scene = with_latching_time(scene, 0.4)
     if drag:
         heave = np.eye(len(scene.labels))[:1]
@@ -151,7 +151,7 @@ def test_work_of_every_force_equals_force_times_velocity(model, design, name, me
         energy = scene.forces[key].potential_energy(q)
         return energy - energy[0]
 
-    if not pto.pauses and "chamber" not in more:
+    if not pto.has_latching_time and "chamber" not in more:
         law = integral(time, taken_by_law(pto, scene, motion, q, v, b))
         assert found["pto"] == pytest.approx(law, abs=close * largest)
     kept = stored("pto")

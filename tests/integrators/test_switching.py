@@ -35,10 +35,10 @@ LAWS = {
     "negative spring": (TakeOff(B, 4.0, -20.0, 12.0), None),
     "coulomb": (TakeOff(B, np.inf, limit=8.0), None),
     "end stop": (TakeOff(B, 4.0), EndStop(B, 0.4, 5e3, 200.0)),
-    "latching": (TakeOff(B, 4.0, pause=0.3), None),
-    "latching within a force": (TakeOff(B, 4.0, limit=15.0, pause=0.3), EndStop(B, 0.8, 5e3, 200.0)),
-    "declutching": (TakeOff(B, 4.0, limit=8.0, pause=0.3, paused_damping=0.0), None),
-    "hydraulic, declutched": (TakeOff(B, np.inf, limit=9.0, pause=0.3, paused_damping=0.0), None),
+    "latching": (TakeOff(B, 4.0, latching_time=0.3), None),
+    "latching within a force": (TakeOff(B, 4.0, limit=15.0, latching_time=0.3), EndStop(B, 0.8, 5e3, 200.0)),
+    "declutching": (TakeOff(B, 4.0, limit=8.0, latching_time=0.3, latching_damping=0.0), None),
+    "hydraulic, declutched": (TakeOff(B, np.inf, limit=9.0, latching_time=0.3, latching_damping=0.0), None),
 }
 
 
@@ -83,17 +83,17 @@ def reference(law, stop, time, rtol=1e-12):
 
     out, t, until, way = np.full(len(time), np.nan), float(time[0]), -1.0, int(np.sign(velocity))
     while t < time[-1]:
-        paused = until > t + 1e-12
-        friction = np.isinf(law.paused_damping if paused else law.damping)
+        in_latching_time = until > t + 1e-12
+        friction = np.isinf(law.latching_damping if in_latching_time else law.damping)
 
-        def rates(s, z, paused=paused, friction=friction, way=way):
+        def rates(s, z, in_latching_time=in_latching_time, friction=friction, way=way):
             if friction and way == 0:
                 return [0.0, 0.0]
-            c, k = (law.paused_damping, 0.0) if paused else (law.damping, law.stiffness)
+            c, k = (law.latching_damping, 0.0) if in_latching_time else (law.damping, law.stiffness)
             taken = law.limit * way if friction else np.clip(c * z[1] + k * z[0], -law.limit, law.limit)
             return [z[1], (wave(s) - SPRING * z[0] - DRAG * z[1] - taken + stopped(z[0], z[1])) / MASS]
 
-        events = [lambda s, z, until=until, paused=paused: until - s if paused else 1.0]
+        events = [lambda s, z, until=until, in_latching_time=in_latching_time: until - s if in_latching_time else 1.0]
         if friction and way == 0:
             events.append(lambda s, z: law.limit - abs(net(s, z[0])) if np.isfinite(law.limit) else 1.0)
         else:
@@ -116,9 +116,9 @@ def reference(law, stop, time, rtol=1e-12):
         if len(found.t_events[0]):  # the pause is over
             until, way = -1.0, way or int(np.sign(net(t, position)))
         else:
-            if law.pause and until < 0 and way:
-                until = t + law.pause
-            friction = np.isinf(law.paused_damping if until > t + 1e-12 else law.damping)
+            if law.latching_time and until < 0 and way:
+                until = t + law.latching_time
+            friction = np.isinf(law.latching_damping if until > t + 1e-12 else law.damping)
             push = net(t, position)
             if way == 0:
                 way = int(np.sign(push))
@@ -239,7 +239,10 @@ def test_steady_power_in_an_irregular_sea_is_refused():
 
 def test_trials_of_latching_times_find_the_power_of_a_run_from_rest():
     """Each trial starts from the end of the best one so far."""
-    plants = [in_regular_wave(TakeOff(B, 4.0, pause=pause), omega=2.0, drag=3.0) for pause in (0.8, 0.85, 0.82)]
+    plants = [
+        in_regular_wave(TakeOff(B, 4.0, latching_time=latching_time), omega=2.0, drag=3.0)
+        for latching_time in (0.8, 0.85, 0.82)
+    ]
     trials = Trials(1e-3)
     powers = [trials.power(plant) for plant in plants]
     assert powers == pytest.approx([periodic_power(plant, 1e-6)[0] for plant in plants], rel=2e-3)
@@ -280,7 +283,9 @@ def test_methods_for_smooth_forces_refuse_a_switching_take_off():
     with pytest.raises(ValueError, match=r"received a take-off that switches, needs smooth forces; use .switched."):
         structure_preserving(system, TIME, START, 1e-6)
     with pytest.raises(ValueError, match="harmonic balance: received a latching or declutching take-off; needs"):
-        harmonic_balance(oscillator(TakeOff(B, 4.0, pause=0.3), waves=Excitation(np.ones(1), np.ones((1, 1)) + 0j)))
+        harmonic_balance(
+            oscillator(TakeOff(B, 4.0, latching_time=0.3), waves=Excitation(np.ones(1), np.ones((1, 1)) + 0j))
+        )
     with pytest.raises(ValueError, match="switching: received the nonlinear forces none, needs a linear or body-exact"):
         Switching(oscillator(Damper(np.eye(1))))
 

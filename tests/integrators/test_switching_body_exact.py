@@ -21,8 +21,8 @@ B, START, DURATION = np.ones(1), (0.1, 0.2), 5.0
 LAWS = {
     "saturated": (TakeOff(B, 8e3, 2e4, 4e3), None),
     "coulomb": (TakeOff(B, np.inf, limit=4e3), None),
-    "latching": (TakeOff(B, 8e3, pause=0.4), None),
-    "declutching": (TakeOff(B, 3e4, pause=0.4, paused_damping=0.0), None),
+    "latching": (TakeOff(B, 8e3, latching_time=0.4), None),
+    "declutching": (TakeOff(B, 3e4, latching_time=0.4, latching_damping=0.0), None),
     "end stop": (TakeOff(B, 8e3), EndStop(B, 0.3, 1e6, 1e4)),
 }
 
@@ -79,7 +79,7 @@ def test_energy_audit_closes_and_forces_balance(seed, name):
 @pytest.mark.parametrize("name", ["coulomb", pytest.param("latching", marks=pytest.mark.slow)])
 def test_energy_audit_closes_at_a_port_of_strain(seed, name):
     """Tension against the change of area, of friction [N/m] or latched: the shell strains in steps."""
-    law = {"coulomb": TakeOff(B, np.inf, limit=100.0), "latching": TakeOff(B, 2e3, pause=0.1)}[name]
+    law = {"coulomb": TakeOff(B, np.inf, limit=100.0), "latching": TakeOff(B, 2e3, latching_time=0.1)}[name]
     one = scene(seed, 2, law)
     shape = one.water.shell
     area = port_direction(StrainPort(strain="area"), DeformedShell(shape.basis, shape.centre_height, one.water.rest))

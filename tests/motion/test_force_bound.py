@@ -100,14 +100,14 @@ def random_waves(rng):
 
 
 def laws(rng, damper, limit, period):
-    pause = period * rng.uniform(0.05, 0.3)
+    latching_time = period * rng.uniform(0.05, 0.3)
     return {
         "saturated": TakeOff(B, damper, limit=limit),
         "with a spring": TakeOff(B, damper, -rng.uniform(0.0, 1.0), limit),
         "coulomb": TakeOff(B, np.inf, limit=limit),
-        "latching": TakeOff(B, damper, limit=limit, pause=pause),
-        "declutching": TakeOff(B, damper, limit=limit, pause=pause, paused_damping=0.0),
-        "hydraulic, declutched": TakeOff(B, np.inf, limit=limit, pause=pause, paused_damping=0.0),
+        "latching": TakeOff(B, damper, limit=limit, latching_time=latching_time),
+        "declutching": TakeOff(B, damper, limit=limit, latching_time=latching_time, latching_damping=0.0),
+        "hydraulic, declutched": TakeOff(B, np.inf, limit=limit, latching_time=latching_time, latching_damping=0.0),
     }
 
 

@@ -76,7 +76,7 @@ def coarse():
 @pytest.fixture(scope="module")
 def latched(coarse):
     """Latching in a regular wave far below resonance, its best latching time."""
-    law, sea = TakeOff(B, 2.0, pause=0.0, paused_damping=np.inf), regular(2.0)
+    law, sea = TakeOff(B, 2.0, latching_time=0.0, latching_damping=np.inf), regular(2.0)
     return scene(law, sea), sea, linear_latching_time(scene(law, sea), sea, SETTINGS)
 
 
@@ -99,13 +99,15 @@ def test_latching_beats_the_optimal_damper_and_stays_below_the_force_bound(latch
 
 def test_no_other_latching_time_absorbs_more(latched):
     held, _, best = latched
-    for pause in (0.5, 0.9, 0.98):
-        assert periodic_power(System.of(with_latching_time(held, pause)), STEADY)[0] <= best.power * (1 + 2 * STEADY)
+    for latching_time in (0.5, 0.9, 0.98):
+        assert periodic_power(System.of(with_latching_time(held, latching_time)), STEADY)[0] <= best.power * (
+            1 + 2 * STEADY
+        )
 
 
 @pytest.mark.slow
 def test_latching_in_an_irregular_sea_beats_every_damper():
-    law = TakeOff(B, 2.0, pause=0.0)
+    law = TakeOff(B, 2.0, latching_time=0.0)
     best = linear_latching_time(scene(law, IRREGULAR), IRREGULAR, SETTINGS)
     assert 1.5 * passive(IRREGULAR, np.geomspace(0.1, 100.0, 200)).max() < best.power < matched(IRREGULAR)
     system = System.of(with_latching_time(scene(law, IRREGULAR), best.time))
@@ -152,8 +154,8 @@ def test_latching_buoy_is_between_its_optimal_damper_and_the_constrained_optimum
 def test_optimal_damper_and_latching_time_on_a_tilted_ridge(top):
     tried = []
 
-    def power(damper, pause):
-        u, v = np.log(damper / top[0]), pause - top[1]
+    def power(damper, latching_time):
+        u, v = np.log(damper / top[0]), latching_time - top[1]
         tried.append(9.0 - u**2 - 40 * v**2 - 4 * u * v)
         return tried[-1]
 
@@ -175,16 +177,16 @@ def test_latching_time_is_refined(latched):
 
 
 def test_declutching_helps_a_damper_that_is_too_strong():
-    law, sea = TakeOff(B, 60.0, pause=1.1, paused_damping=0.0), regular(2.0)
+    law, sea = TakeOff(B, 60.0, latching_time=1.1, latching_damping=0.0), regular(2.0)
     assert periodic_power(System.of(scene(law, sea)), STEADY)[0] > 1.4 * passive(sea, np.array([60.0]))[0]
 
 
 @pytest.mark.parametrize("top", [0.0, 0.37, 0.7311, 1.0])
 def test_maximum_is_found_within_the_stated_tolerance(top):
-    best = best_latching_time(lambda pause: 5.0 - (pause - top) ** 2, 1.0)
+    best = best_latching_time(lambda latching_time: 5.0 - (latching_time - top) ** 2, 1.0)
     assert best.time == pytest.approx(top, abs=0.01)
     assert best.within == 0.01
-    steps = best_latching_time(lambda pause: float(pause >= 0.95), 1.0)
+    steps = best_latching_time(lambda latching_time: float(latching_time >= 0.95), 1.0)
     assert (steps.time, steps.power) == (1.0, 1.0)
 
 
@@ -205,7 +207,7 @@ def test_study_with_latching_reports_its_optimal_time(tmp_path_factory, monkeypa
     files = hydro_files(study, tmp_path_factory.getbasetemp() / "pause")
     design = SCENES["body_exact"](only_run(study), files)
     assert 0.5 < design.notes["pause"] < 1.5
-    assert design.scene.forces["pto"].pause == design.notes["pause"]
+    assert design.scene.forces["pto"].latching_time == design.notes["pause"]
     assert design.notes["pause_within"] == pytest.approx(0.075)
     assert design.notes["pause_tried"] == 2.5 * NEAR
     assert abs(design.notes["pause"] - design.notes["linear_pause"]) < 2.5 * NEAR
@@ -232,7 +234,7 @@ def test_tuned_damper_is_found_together_with_its_latching_time(tmp_path_factory,
     law = design.scene.forces["pto"]
     alone = SCENES["linear"](only_run(varied(study, pto={"law": "linear"})), files).notes["tuned_damping"]
     assert law.damping == design.notes["tuned_damping"] < 0.5 * alone
-    assert law.pause == design.notes["pause"] > 0.5
+    assert law.latching_time == design.notes["pause"] > 0.5
     assert (
         design.notes["pause_power"] > 1.5 * periodic_power(System.of(with_latching_time(design.scene, 0.0, alone)))[0]
     )

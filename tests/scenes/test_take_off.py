@@ -44,7 +44,7 @@ def test_every_law_acts_on_heave_within_its_limit(plant, law):
     scene = with_take_off(plant, Pto(law=law, damping=4.0, force_limit=3.0), DAMPER)
     force = scene.forces["pto"]
     assert isinstance(force, TakeOff)
-    assert (force.paused_damping == 0.0) == (law == "declutching")
+    assert (force.latching_damping == 0.0) == (law == "declutching")
     assert force.direction.tolist() == [1.0, 0.0]
     assert "end_stop" not in scene.forces
     motion, _ = switched(System.of(scene), np.linspace(0.0, 10.0, 501), (np.zeros(2), np.zeros(2)))

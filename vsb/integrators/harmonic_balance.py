@@ -393,7 +393,7 @@ def harmonic_balance(system: System, tolerance: float = 1e-8, transfer: Transfer
     pole; in waves as its sixth power, for the forces of crest and trough join with two derivatives only.
     """
     omega, rest, memory = regular_frequency(system), system.scene.rest, system.scene.radiation
-    if system.pauses:
+    if system.has_latching_time:
         raise ValueError(
             "harmonic balance: received a latching or declutching take-off; needs another, or time domain."
         )

@@ -36,8 +36,8 @@ class Mode(NamedTuple):
     way: int  # sign of V; 0: the port is held at rest
     limited: int = 0  # sign of the spring-damper's force where it is at its limit; else 0
     contact: int = 0  # side of the stop that is pressed, or 0
-    paused: bool = False
-    until: float = np.inf  # end of the pause [s]
+    in_latching_time: bool = False
+    until: float = np.inf  # end of the latching time [s]
 
 
 class Lookout(NamedTuple):
@@ -188,7 +188,7 @@ class Switching:
     def rate(self, stop: EndStop | None) -> float:
         """Return the fastest rate at the port [rad/s]: of modes under each spring, of the laws' dampers."""
         springs = {0.0, self.law.stiffness, stop.stiffness if stop else 0.0}
-        dampers = (self.law.damping, self.law.paused_damping, stop.damping if stop else 0.0)
+        dampers = (self.law.damping, self.law.latching_damping, stop.damping if stop else 0.0)
         return port_rate(self.system, self.port, springs, [c for c in dampers if np.isfinite(c)])
 
     def finer(self, dt: float) -> int:
@@ -209,11 +209,11 @@ class Switching:
 
     def friction(self, mode: Mode) -> bool:
         """Whether the take-off is friction now."""
-        return bool(np.isinf(self.law.coefficients(mode.paused)[0]))
+        return bool(np.isinf(self.law.coefficients(mode.in_latching_time)[0]))
 
     def taken(self, mode: Mode) -> Load:
         """Force of the take-off, except that which holds the port."""
-        c, k = self.law.coefficients(mode.paused)
+        c, k = self.law.coefficients(mode.in_latching_time)
         if np.isinf(c):
             return Load(0.0, 0.0, -mode.way * self.law.limit if mode.way else 0.0)
         return Load(0.0, 0.0, -mode.limited * self.law.limit) if mode.limited else Load(c, k, k * self.law.rest)
@@ -243,7 +243,7 @@ class Switching:
 
     def guards(self, mode: Mode, at: Signals, time: FloatArray) -> dict[str, FloatArray]:
         """Return the guards by event: an event occurs where its guard becomes negative."""
-        out, law = {"resume": mode.until - time} if mode.paused else {}, self.law
+        out, law = {"resume": mode.until - time} if mode.in_latching_time else {}, self.law
         if mode.way:
             out["turn"] = mode.way * at.velocity
         if np.isfinite(law.limit):
@@ -258,20 +258,20 @@ class Switching:
 
     def _within(self, mode: Mode, at: Signals) -> FloatArray:
         """Distance of the spring-damper's force below its limit [N]; of a limited one on its side."""
-        c, k = self.law.coefficients(mode.paused)
+        c, k = self.law.coefficients(mode.in_latching_time)
         wanted = c * at.velocity + k * at.stroke
         return self.law.limit - (mode.limited * wanted if mode.limited else np.abs(wanted))
 
     def after(self, event: str, mode: Mode, t: float, at: Signals) -> Mode:
         """Return the mode after an event."""
         if event == "turn":
-            pauses = self.law.pause > 0 and not mode.paused
-            mode = mode._replace(paused=True, until=t + self.law.pause, limited=0) if pauses else mode
+            begins = self.law.latching_time > 0 and not mode.in_latching_time
+            mode = mode._replace(in_latching_time=True, until=t + self.law.latching_time, limited=0) if begins else mode
             return self.stuck(mode, at) if self.friction(mode) else mode._replace(way=-mode.way)
         if event == "slip":
             return mode._replace(way=sign(at.push))
         if event == "resume":
-            engaged = mode._replace(paused=False, until=np.inf, way=mode.way or sign(at.push))
+            engaged = mode._replace(in_latching_time=False, until=np.inf, way=mode.way or sign(at.push))
             return self.limited(engaged, at)
         if event == "limit":
             return mode._replace(limited=0) if mode.limited else self.limited(mode, at, crossed=True)
@@ -279,7 +279,7 @@ class Switching:
 
     def limited(self, mode: Mode, at: Signals, crossed: bool = False) -> Mode:
         """Return the mode with the piece of the spring-damper for its force."""
-        c, k = self.law.coefficients(mode.paused)
+        c, k = self.law.coefficients(mode.in_latching_time)
         if np.isinf(c):
             return mode._replace(limited=0)
         wanted = float(c * at.velocity + k * at.stroke)
@@ -291,7 +291,7 @@ class Switching:
 
     def signals_if_held(self, mode: Mode, t: float, state: FloatArray, lookout: Lookout) -> Signals:
         """Return the signals of the port if friction held it."""
-        phase, f = self.phase(mode._replace(way=0, limited=0, paused=True) if mode.way else mode, lookout)
+        phase, f = self.phase(mode._replace(way=0, limited=0, in_latching_time=True) if mode.way else mode, lookout)
         return Signals(*(signal[0] for signal in phase.watched(np.array([t]), self.with_constant(f, state)[None])))
 
     def with_constant(self, constant: float, state: FloatArray) -> FloatArray:
@@ -412,7 +412,7 @@ class Switching:
         if mode.way:
             out["turn"] = mode.way * gained
             if np.isfinite(law.limit) and not self.friction(mode):
-                c, k = law.coefficients(mode.paused)
+                c, k = law.coefficients(mode.in_latching_time)
                 sign = mode.limited or -np.sign(c * at.velocity + k * at.stroke)
                 out["limit"] = sign * (c * gained + k * at.velocity)
         if self.stop:

@@ -325,9 +325,9 @@ class WaterPressure(Force):
 
 @dataclass(frozen=True)
 class TakeOff(Force):
-    """f = -b clip(c V + k S, -limit, limit); for a time `pause` after each reversal of V, c differs and k is 0.
+    """f = -b clip(c V + k S, -limit, limit); for a time `latching_time` after each reversal of V, c differs and k is 0.
 
-    The force of friction at rest and the pauses are part of the motion, which gives this force.
+    The force of friction at rest and the latching times are part of the motion, which gives this force.
 
     Raises
     ------
@@ -339,8 +339,8 @@ class TakeOff(Force):
     damping: float  # c [N s/m]; infinite: friction
     stiffness: float = 0.0  # k [N/m]
     limit: float = np.inf  # [N]
-    pause: float = 0.0  # latching or declutching time [s]
-    paused_damping: float = np.inf  # c in the pause [N s/m]; infinite: latched, 0: declutched
+    latching_time: float = 0.0  # latching or declutching time [s]
+    latching_damping: float = np.inf  # c in that time [N s/m]; infinite: latched, 0: declutched
     rest: float = 0.0  # S at rest, from where the spring counts [m]
 
     def __post_init__(self) -> None:
@@ -352,12 +352,12 @@ class TakeOff(Force):
         """Nothing: its linear part changes along the motion."""
         return Linear(fully_linear=False)
 
-    def coefficients(self, paused: bool) -> tuple[float, float]:
-        """Return c and k, in a pause or out of it."""
-        return (self.paused_damping, 0.0) if paused else (self.damping, self.stiffness)
+    def coefficients(self, in_latching_time: bool) -> tuple[float, float]:
+        """Return c and k, within the latching time or out of it."""
+        return (self.latching_damping, 0.0) if in_latching_time else (self.damping, self.stiffness)
 
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Return the law outside its pauses; zero for friction at rest."""
+        """Return the law outside its latching times; zero for friction at rest."""
         speed = v @ self.direction
         if np.isinf(self.damping):
             wanted = self.limit * np.sign(speed)

@@ -191,9 +191,9 @@ class System:
         return bool(self.scene.laws)
 
     @property
-    def pauses(self) -> bool:
-        """Whether a take-off pauses: its force is then none of position and velocity."""
-        return self.scene.law is not None and self.scene.law.pause > 0
+    def has_latching_time(self) -> bool:
+        """Whether a take-off latches or declutches: its force is then none of position and velocity."""
+        return self.scene.law is not None and self.scene.law.latching_time > 0
 
     @property
     def jumps(self) -> bool:

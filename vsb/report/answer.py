@@ -8,7 +8,7 @@ import xarray as xr
 
 from vsb.report.band import gain_band, useful_band
 from vsb.report.doubts import no_answer, reasons
-from vsb.study.take_off import PAUSE, WITHOUT_DAMPING, port_kind
+from vsb.study.take_off import WITH_LATCHING_TIME, WITHOUT_DAMPING, port_kind
 from vsb.tools.words import SAME, against_rigid, multiple, plain, power, short, the_rigid, watts
 
 Lines = Sequence[dict[str, Any]]
@@ -168,7 +168,7 @@ def damping_in_words(pto: dict[str, Any]) -> str:
     if pto.get("distribution"):
         return f"With the take-off law {pto['law']} of {pto['distribution']}"
     words = DAMPINGS[pto.get("tuning", "fixed")]
-    if pto.get("law") in PAUSE:
+    if pto.get("law") in WITH_LATCHING_TIME:
         return f"{words}, {pto['law']}" if words == GIVEN else f"In the time domain, {pto['law']} at its best damping"
     return f"{GIVEN} of each" if isinstance(pto.get("damping"), dict) and words == GIVEN else words
 

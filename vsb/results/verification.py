@@ -207,7 +207,7 @@ class DesignInTime:
             assert self.shape is not None
             scene = body_exact_scene(buoy, self.shape, memory, sea, self.motions, self.rubber)
         scene = with_take_off(scene, self.pto, self.take_off)
-        if self.pto.pauses and scene.law:  # or nothing there moves
+        if self.pto.has_latching_time and scene.law:  # or nothing there moves
             best = linear_latching_time(with_take_off(linear, self.pto, self.take_off), sea, settings)
             best = best if model == "linear" else body_exact_latching_time(scene, best, sea, settings)
             scene = with_latching_time(scene, best.time)

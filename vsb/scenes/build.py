@@ -159,7 +159,7 @@ def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dic
     A damper tuned to its sea is found together with the latching time by linear hydrodynamics; where the water's force
     is not linear the time is refined on the scene itself.
     """
-    if not (run.pto.pauses and scene.law):  # or nothing there moves
+    if not (run.pto.has_latching_time and scene.law):  # or nothing there moves
         return scene, {}
     damper, best, notes = _latched(_linear(run, at), run, at.sea, at.buoy, at.motions)
     if scene.water is not None and at.sea.omega.size:
@@ -239,7 +239,7 @@ def body_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     check_followed(memory, waves, wave.label)
     scene = linear_scene(equipped, memory.model, waves, motions, memory.added_mass_inf)
     scene = with_take_off(scene, run.pto, pto)
-    if run.pto.pauses and scene.law:
+    if run.pto.has_latching_time and scene.law:
         damper, best, tuned = _latched(scene, run, waves, equipped, motions)
         scene = with_latching_time(scene, best.time, damper)
         notes |= tuned | _noted(best)

@@ -119,7 +119,7 @@ def with_latching_time(scene: Scene, time: float, damping: float | None = None) 
     law = scene.law
     assert law is not None
     damper = law.damping if damping is None else damping
-    return replace(scene, forces={**scene.forces, scene.take_off: replace(law, pause=time, damping=damper)})
+    return replace(scene, forces={**scene.forces, scene.take_off: replace(law, latching_time=time, damping=damper)})
 
 
 def linear_latching_time(scene: Scene, sea: Sea, settings: Simulation) -> LatchingTime:

@@ -36,7 +36,7 @@ LAWS: Mapping[Law, Callable[[Pto, FloatArray, float, float], Force]] = {
     "saturated": _limited,
     "coulomb": lambda pto, port, _, rest: TakeOff(port, np.inf, limit=pto.force_limit, rest=rest),
     "latching": _limited,
-    "declutching": lambda pto, port, damper, rest: replace(_limited(pto, port, damper, rest), paused_damping=0.0),
+    "declutching": lambda pto, port, damper, rest: replace(_limited(pto, port, damper, rest), latching_damping=0.0),
 }
 """`pto.law`, at a port, with a damper [N s/m] and the stroke at rest [m] -> its force.
 

@@ -91,7 +91,7 @@ def _bem_lines(study: Study, plan: StudyPlan) -> list[str]:
 
 def _latching_lines(study: Study) -> list[str]:
     """How long the search for latching times would take."""
-    if not study.pto.pauses:
+    if not study.pto.has_latching_time:
         return []
     seconds = len(study.designs) * sum(_latching_seconds(study, wave) for wave in study.waves)
     return [

@@ -79,7 +79,7 @@ def _steady(system: System) -> dict[str, float | str]:
     if system.linear and system.scene.unrestrained:  # what nothing holds has no mean place
         return {"steady_power": _swinging_power(system), "steady_decay": 1.0}
     try:
-        if system.pauses or system.jumps:
+        if system.has_latching_time or system.jumps:
             return _settled(system)
         found = harmonic_balance(system, 1e-6)
     except (ConvergenceError, StabilityError) as error:

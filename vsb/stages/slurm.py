@@ -84,7 +84,7 @@ def is_short(plan: Plan) -> bool:
     study = plan.study
     runs = len(study.designs) * len(study.waves)
     motion = runs * study.simulation.duration
-    return runs <= MOST_RUNS and motion <= SHORT and not plan.solves_panels and not study.pto.pauses
+    return runs <= MOST_RUNS and motion <= SHORT and not plan.solves_panels and not study.pto.has_latching_time
 
 
 def job_name(name: str) -> str:

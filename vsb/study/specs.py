@@ -23,7 +23,7 @@ from vsb.study.device import Device, Shape, centre_height
 from vsb.study.directions import Drag, Mooring, Motion
 from vsb.study.quantities import Name, Section
 from vsb.study.sections import Basis, Design, Hydro, Modes, RestShape, Simulation, Water
-from vsb.study.study import Buoy, Study, first_rigid
+from vsb.study.study import Buoy, Study, WithDesigns, first_rigid
 from vsb.study.take_off import Pto
 from vsb.study.vary import Vary
 from vsb.study.waves import StillWater, Wave
@@ -126,7 +126,7 @@ class BuoySystem(Sparse, Buoy):
     drag: Drag | None = None
 
 
-class BodySystem(Section):
+class BodySystem(WithDesigns):
     """A body as a stage after its database reads it, which knows all else."""
 
     designs: dict[Name, BodyDesign]
@@ -136,11 +136,6 @@ class BodySystem(Section):
     @property
     def buoy(self) -> None:
         """There is none."""
-
-    @property
-    def reference_design(self) -> str | None:
-        """The first rigid design by name: gains are relative to it."""
-        return first_rigid(self.designs)
 
 
 AnySystem = Annotated[
@@ -268,17 +263,12 @@ class DisplaySpec(RestSpec):
     TAG = "mesh"
 
 
-class ModesSpec(RestSpec):
+class ModesSpec(WithDesigns, RestSpec):
     """Shell modes of a study."""
 
     TAG = "mesh"
     modes: Modes
     designs: dict[Name, Design]
-
-    @property
-    def flexible(self) -> bool:
-        """Whether any design needs shell modes."""
-        return any(design.flexible for design in self.designs.values())
 
 
 AnyBuoy = Study | BuoySystem

@@ -79,12 +79,28 @@ def first_rigid(designs: Mapping[str, Any]) -> str | None:
     return next((name for name, design in sorted(designs.items()) if not design.flexible), None)
 
 
-class BaseStudy(Section):
+class WithDesigns(Section):
+    """What has designs by name."""
+
+    if TYPE_CHECKING:
+        designs: Mapping[str, Any]  # each knows whether it is flexible
+
+    @property
+    def flexible(self) -> bool:
+        """Whether any design moves in more than rigid motions."""
+        return any(design.flexible for design in self.designs.values())
+
+    @property
+    def reference_design(self) -> str | None:
+        """The first rigid design by name, the order of results: gains are relative to it."""
+        return first_rigid(self.designs)
+
+
+class BaseStudy(WithDesigns):
     """Designs compared in seas: the keys that studies of a buoy and of a body share are declared by each of them."""
 
     if TYPE_CHECKING:
         study: str
-        designs: Mapping[str, Any]  # each knows whether it is flexible
         water: Water
         pto: Pto
         waves: tuple[Wave, ...]
@@ -160,16 +176,6 @@ class BaseStudy(Section):
         """The viscous drag; a body has none."""
         return self.buoy.drag if self.buoy else None
 
-    @property
-    def flexible(self) -> bool:
-        """Whether any design moves in more than rigid motions."""
-        return any(design.flexible for design in self.designs.values())
-
-    @property
-    def reference_design(self) -> str | None:
-        """The first rigid design by name, the order of results: gains are relative to it."""
-        return first_rigid(self.designs)
-
     @abstractmethod
     def fastest(self, wave: Wave) -> float:
         """Frequency of the fastest motion a run in a sea must show [rad/s]."""
@@ -218,33 +224,10 @@ def check_all(*checks: Callable[[], None]) -> None:
 
 
 __all__ = [
-    "Design",
-    "Device",
-    "Gas",
-    "Hydro",
-    "Irregular",
-    "IrregularSea",
-    "Jonswap",
-    "Modes",
-    "PiersonMoskowitz",
-    "Pto",
-    "Published",
-    "RecordedSea",
-    "RegularWave",
-    "Simulation",
-    "SpectralSea",
-    "StillWater",
-    "StructuralDamping",
-    "Study",
-    "Water",
-    "Wave",
-    "WhiteNoise",
-    "canonical",
-    "content_id",
-    "load",
-    "parse",
-    "result_id",
-]
+    "Design", "Device", "Gas", "Hydro", "Irregular", "IrregularSea", "Jonswap", "Modes", "PiersonMoskowitz", "Pto",
+    "Published", "RecordedSea", "RegularWave", "Simulation", "SpectralSea", "StillWater", "StructuralDamping",
+    "Study", "Water", "Wave", "WhiteNoise", "canonical", "content_id", "load", "parse", "result_id",
+]  # fmt: skip
 CLEARANCE = 1.02
 """Least depth the spectral solver is given, in drafts."""
 LEAST_WINDOW = 0.02
@@ -260,7 +243,7 @@ CHECKS = (
 """Names of the checks on a hydro database, as `vsb.hydro.quality` gives them; a study may accept their failures."""
 
 
-class Buoy(Section):
+class Buoy(WithDesigns):
     """What follows from the sections of a buoy, in a study or in the specification of a stage."""
 
     if TYPE_CHECKING:
@@ -281,11 +264,6 @@ class Buoy(Section):
         return keel_depth(self.device, self.centre_height)
 
     @property
-    def flexible(self) -> bool:
-        """Whether any design needs shell modes."""
-        return any(design.flexible for design in self.designs.values())
-
-    @property
     def at_equilibrium(self) -> bool:
         """Whether it is about the shape the loaded shell takes at rest; a rigid buoy has no other shape."""
         return self.flexible and self.reference_shape == "equilibrium"
@@ -294,11 +272,6 @@ class Buoy(Section):
     def opens_chamber(self) -> bool:
         """Whether the take-off lets trapped gas in and out: the gas is then a chamber before it, and no spring."""
         return self.device.gas is not None and self.pto.port == "volume"
-
-    @property
-    def reference_design(self) -> str | None:
-        """The first rigid design by name: gains are relative to it."""
-        return first_rigid(self.designs)
 
 
 class Study(Buoy, BaseStudy):
@@ -474,7 +447,7 @@ class Study(Buoy, BaseStudy):
                 f"{pto.stroke_limit:g} m, for which hydro.model 'auto' cannot choose; needs hydro.model: "
                 "linear or body_exact, or law: linear without limits"
             )
-        if pto.pauses and model == "assumed_pressure":
+        if pto.has_latching_time and model == "assumed_pressure":
             raise ValueError(
                 f"pto.law {pto.law!r}: its latching time is found in waves, which hydro.model {model!r} does not "
                 "have; needs hydro.model: linear or body_exact"

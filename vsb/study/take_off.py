@@ -257,7 +257,7 @@ LawChoice = Annotated[
 ]
 """A law by its name, or a function of an installed package, `my_package:law`."""
 NEED_A_LIMIT = ("saturated", "coulomb")
-PAUSE = ("latching", "declutching")
+WITH_LATCHING_TIME = ("latching", "declutching")
 WITHOUT_DAMPING = {"coulomb": "Coulomb friction of {force_limit:g} {load_unit}"}
 """Laws whose parameter is no damping, and their words on a page, of keys of `pto` and the port's unit of load."""
 Tuning = Literal["fixed", "each", "one"]
@@ -367,9 +367,9 @@ class Pto(Section):
         return ":" in self.law
 
     @property
-    def pauses(self) -> bool:
+    def has_latching_time(self) -> bool:
         """Whether its law is latching or declutching."""
-        return self.law in PAUSE
+        return self.law in WITH_LATCHING_TIME
 
     @property
     def spring_costs(self) -> bool:
