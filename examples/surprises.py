@@ -19,7 +19,7 @@ import numpy as np
 from examples import command
 from examples.paper_at_optimal_damping import rows_of
 from vsb.errors import ConfigError
-from vsb.results.ladder import Rung, study_ladder
+from vsb.results.ladder import ControlLevel, study_ladder
 from vsb.scenes.build import linear_design
 from vsb.scenes.floating_system import floating_system
 from vsb.stages.make import hydro_files
@@ -67,19 +67,19 @@ class Ladder:
         """Compute all levels."""
         self.waves = [wave.label for wave in study.waves]
         found = study_ladder(StudyPlan(study).ladder, hydro_files(study, folder)["database"])
-        self.rungs = {(rung.design, rung.wave, rung.rung): rung for rung in found}
+        self.levels = {(level.design, level.wave, level.rung): level for level in found}
 
-    def at(self, design: str, rung: str, wave: int = 0) -> Rung:
+    def at(self, design: str, level: str, wave: int = 0) -> ControlLevel:
         """Return a control level in a sea."""
-        return self.rungs[design, self.waves[wave], rung]
+        return self.levels[design, self.waves[wave], level]
 
-    def power(self, design: str, rung: str, wave: int = 0) -> float:
+    def power(self, design: str, level: str, wave: int = 0) -> float:
         """Return its mean power [W]."""
-        return self.at(design, rung, wave).power_mean or 0.0
+        return self.at(design, level, wave).power_mean or 0.0
 
-    def gain(self, rung: str, wave: int = 0) -> float:
+    def gain(self, level: str, wave: int = 0) -> float:
         """Return the gain of the flexible over the rigid design [%]."""
-        return 100 * (self.power(FLEXIBLE, rung, wave) / self.power(RIGID, rung, wave) - 1)
+        return 100 * (self.power(FLEXIBLE, level, wave) / self.power(RIGID, level, wave) - 1)
 
     def reactance_ratio(self, design: str, wave: int = 0) -> float:
         """Return Q = |X|/R in a regular wave, from P(best damper)/P(limit) = 2/(1 + sqrt(1 + Q^2))."""
@@ -147,8 +147,8 @@ def one_for_all(folder: Path) -> Figures:
     figures = {}
     for name, design in (("rigid", RIGID), ("flexible", FLEXIBLE)):
         each, one = (
-            np.array([found.power(design, rung, i) for i in range(len(found.waves))])
-            for rung in ("best_damper", "best_damper_all_seas")
+            np.array([found.power(design, level, i) for i in range(len(found.waves))])
+            for level in ("best_damper", "best_damper_all_seas")
         )
         dampers = [found.at(design, "best_damper", i).damping or 0.0 for i in range(len(found.waves))]
         figures[f"{name}, largest optimal damper over the smallest"] = max(dampers) / min(dampers)
@@ -212,9 +212,9 @@ def drag(folder: Path) -> Figures:
     seas, figures = [regular(4.0, 0.5)], {}
     without = Ladder(study_of(seas), folder)
     braked = Ladder(study_of(seas, drag={"heave": {"coefficient": 1.0, "area": 12.57}}), folder)
-    for name, rung in (("optimal damper", "best_damper"), ("optimal spring and damper", "best_spring_damper")):
+    for name, level in (("optimal damper", "best_damper"), ("optimal spring and damper", "best_spring_damper")):
         for kind, design in (("rigid", RIGID), ("flexible", FLEXIBLE)):
-            lost = 100 * (1 - braked.power(design, rung) / without.power(design, rung))
+            lost = 100 * (1 - braked.power(design, level) / without.power(design, level))
             figures[f"{kind}: loss with {name} [%]"] = lost
     return figures
 

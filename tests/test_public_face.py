@@ -73,14 +73,14 @@ def test_results_are_tables_series_and_scenes(results):
     assert {"buckling", "power_limit", "hydro haskind"} <= {
         check["name"] for check in results.checks.to_dict("records")
     }
-    rungs = {(row["design"], row["rung"]): row for row in results.ladder.to_dict("records")}
-    assert {rung for _, rung in rungs} == {"best_damper", "best_damper_all_seas", "best_spring_damper", "matched"}
+    levels = {(row["design"], row["rung"]): row for row in results.ladder.to_dict("records")}
+    assert {level for _, level in levels} == {"best_damper", "best_damper_all_seas", "best_spring_damper", "matched"}
     for design, row in by_design.items():  # no damper is given: every run has its own best one, of linear theory
-        assert row["damping"] == pytest.approx(rungs[design, "best_damper"]["damping"], rel=1e-9)
-        assert row["power_mean"] == pytest.approx(rungs[design, "best_damper"]["power_mean"], rel=5e-3)
+        assert row["damping"] == pytest.approx(levels[design, "best_damper"]["damping"], rel=1e-9)
+        assert row["power_mean"] == pytest.approx(levels[design, "best_damper"]["power_mean"], rel=5e-3)
         assert row["stiffness"] == 0.0
     assert results.response.attrs["take_off"] == "best_damping at each frequency"
-    assert np.isnan(rungs["rigid", "best_damper"]["gap"])
+    assert np.isnan(levels["rigid", "best_damper"]["gap"])
     assert results.report.is_file()
     assert vsb.open_database(results.plan.database_path).identical(results.database)
 

@@ -18,7 +18,7 @@ from vsb.results.gains import (
     with_intervals,
     within_limits,
 )
-from vsb.results.ladder import Rung
+from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import Line
 from vsb.study.take_off import Pto
 
@@ -64,8 +64,8 @@ def test_bounds_stay_and_statistics_average_over_realisations():
 # equal tuning -------------------------------------------------------------------------------------------------------
 
 
-def rung(design, wave, name, damping, power):
-    return Rung(design, wave, name, damping, 0.0, power, None, 0.0, 0.0, 0.0, None)
+def level(design, wave, name, damping, power):
+    return ControlLevel(design, wave, name, damping, 0.0, power, None, 0.0, 0.0, 0.0, None)
 
 
 @pytest.fixture
@@ -74,61 +74,61 @@ def seas(seed):
 
 
 @pytest.fixture
-def rungs(seas):
+def levels(seas):
     """Powers in the regular wave, and in two realisations of a sea."""
     best = {"FSB": (800.0, 100.0, 300.0), "VSWEC": (720.0, 150.0, 250.0)}
     fixed = {"FSB": (200.0, 96.0, 290.0), "VSWEC": (240.0, 140.0, 250.0)}
     rows = []
     for i, wave in enumerate(seas.waves):
         for design in seas.designs:
-            rows.append(rung(design, wave.label, "fixed", 8000.0, fixed[design][i]))
-            rows.append(rung(design, wave.label, "best_damper", 1e4 * (i + 1), best[design][i]))
-            rows.append(rung(design, wave.label, "matched", None, 1e3))
+            rows.append(level(design, wave.label, "fixed", 8000.0, fixed[design][i]))
+            rows.append(level(design, wave.label, "best_damper", 1e4 * (i + 1), best[design][i]))
+            rows.append(level(design, wave.label, "matched", None, 1e3))
     return rows
 
 
-def test_gains_are_between_optimal_powers_of_all_realisations(seas, rungs):
-    rigid, shell, rigid_sea, shell_sea = equal_tuning(seas, rungs)
+def test_gains_are_between_optimal_powers_of_all_realisations(seas, levels):
+    rigid, shell, rigid_sea, shell_sea = equal_tuning(seas, levels)
     assert (rigid.best_gain_percent, rigid.share) == (0.0, 0.25)
     assert (shell.best_gain_percent, shell.gain_percent) == (pytest.approx(-10.0), pytest.approx(20.0))
     assert rigid_sea.sea == seas.waves[1].family
     assert (rigid_sea.best_power, rigid_sea.power, rigid_sea.best_damping) == (200.0, 193.0, 2.5e4)
     assert (shell_sea.best_gain_percent, shell_sea.damping) == (0.0, 8000.0)
-    tuned = equal_tuning(seas, [rung for rung in rungs if rung.rung != "fixed"])
+    tuned = equal_tuning(seas, [level for level in levels if level.rung != "fixed"])
     assert {(line.power, line.gain_percent, line.share) for line in tuned} == {(None, None, None)}
 
 
-def test_power_lost_at_the_given_damper_is_reported(seas, rungs):
+def test_power_lost_at_the_given_damper_is_reported(seas, levels):
     """Of dampers, not of take-offs that latch."""
-    lines = equal_tuning(seas, rungs)
+    lines = equal_tuning(seas, levels)
     checks = fair_damping_checks(lines, Pto(damping=8e3))
     assert [check.verdict for check in checks] == ["doubt", "doubt", "ok", "ok"]
     assert checks[0].value == 0.75
     assert fair_damping_checks(lines, Pto(damping=8e3, law="latching", force_limit=300.0)) == []
 
 
-def test_constrained_optima_are_compared_where_known(seas, rungs):
+def test_constrained_optima_are_compared_where_known(seas, levels):
     swell, first, second = (wave.label for wave in seas.waves)
     powers = {"FSB": (100.0, 50.0, 70.0), "VSWEC": (110.0, 66.0, 66.0)}
     best = [
-        rung(design, wave, "constrained", None, power)
+        level(design, wave, "constrained", None, power)
         for design, all_powers in powers.items()
         for wave, power in zip((swell, first, second), all_powers, strict=True)
     ]
-    assert [(line.design, line.power, line.gain_percent) for line in within_limits(seas, rungs + best)] == [
+    assert [(line.design, line.power, line.gain_percent) for line in within_limits(seas, levels + best)] == [
         ("FSB", 100.0, 0.0), ("VSWEC", 110.0, pytest.approx(10.0)), ("FSB", 60.0, 0.0), ("VSWEC", 66.0, pytest.approx(10.0)),
     ]  # fmt: skip
     unknown = [one._replace(power_mean=None) if (one.design, one.wave) == ("FSB", second) else one for one in best]
     assert [(line.design, line.gain_percent) for line in within_limits(seas, unknown)][2:] == [("VSWEC", None)]
 
 
-def test_gain_over_a_negligible_reference_power_is_in_doubt(seas, rungs):
-    swell, sea = reference_power_checks(seas, rungs)
+def test_gain_over_a_negligible_reference_power_is_in_doubt(seas, levels):
+    swell, sea = reference_power_checks(seas, levels)
     assert (swell.value, sea.value) == (1e3 / 800.0, 1e3 / 200.0)
     assert (swell.wave, sea.wave, sea.verdict) == (seas.waves[0].label, seas.waves[1].family, "ok")
-    weak = [row._replace(power_mean=0.5) if row.rung == "best_damper" else row for row in rungs]
+    weak = [row._replace(power_mean=0.5) if row.rung == "best_damper" else row for row in levels]
     assert reference_power_checks(seas, weak)[0].verdict == "doubt"
-    assert reference_power_checks(varied(seas, designs={"A": {}, "B": {}}), rungs) == []
+    assert reference_power_checks(varied(seas, designs={"A": {}, "B": {}}), levels) == []
 
 
 # in runs ------------------------------------------------------------------------------------------------------------
@@ -158,18 +158,18 @@ def runs(study, model, **more):
     return {(d, study.waves[0].label): {"model": model, "energy_residual": 1e-9, **more} for d in study.designs}
 
 
-def levels(study, *sources):
+def levels_with(study, *sources):
     label, at_best = study.waves[0].label, Budget((Source.within("c", 99.0),)).rows
-    given = rung("A", label, "fixed", 8e3, 80.0)._replace(gain_error=Budget(sources).rows)
-    best = rung("A", label, "best_damper", 8e3, 80.0)._replace(gain_error=at_best)
-    return [rung("FSB", label, "fixed", 8e3, 80.0), given, best]
+    given = level("A", label, "fixed", 8e3, 80.0)._replace(gain_error=Budget(sources).rows)
+    best = level("A", label, "best_damper", 8e3, 80.0)._replace(gain_error=at_best)
+    return [level("FSB", label, "fixed", 8e3, 80.0), given, best]
 
 
 def test_interval_of_a_gain_adds_the_errors_of_both_runs(study, frequency):
     """Runs that differ by 1 % and 2 % from the frequency domain: 3 % of the ratio."""
     sources = Source.within("coefficients", 0.5), Source("modes left out", -3.0, 0.0)
     powers, attrs = rows(study, {"FSB": 101.0, "A": 81.6}), runs(study, "linear")
-    rigid, shell = with_intervals(study, powers, attrs, levels(study, *sources), frequency)
+    rigid, shell = with_intervals(study, powers, attrs, levels_with(study, *sources), frequency)
     assert (rigid["low"], rigid["high"]) == (0.0, 0.0)
     gain = shell["power_gain_percent"]
     assert gain - shell["low"] == pytest.approx(3.5 + 0.03 * (100 + gain))
@@ -179,7 +179,7 @@ def test_interval_of_a_gain_adds_the_errors_of_both_runs(study, frequency):
 def test_interval_of_a_nonlinear_run_includes_its_energy_residual(study, frequency):
     attrs = runs(study, "body_exact", power_error=0.01)
     attrs["A", study.waves[0].label]["energy_residual"] = 0.02
-    _, shell = with_intervals(study, rows(study, {"FSB": 100.0, "A": 60.0}), attrs, levels(study), frequency)
+    _, shell = with_intervals(study, rows(study, {"FSB": 100.0, "A": 60.0}), attrs, levels_with(study), frequency)
     assert shell["high"] - shell["power_gain_percent"] == pytest.approx((0.02 + 0.02) * 60, rel=1e-6)
 
 

@@ -23,12 +23,12 @@ from vsb.results.ladder import (
     Given,
     as_csv,
     constrained_checks,
-    constrained_rung,
+    constrained_level,
+    levels_of,
     material_checks,
-    material_rungs,
-    rungs_of,
+    material_levels,
     several_levels,
-    several_rungs,
+    several_matrices,
 )
 from vsb.scenes.floating_system import FloatingSystem, PortInSeas
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
@@ -45,7 +45,7 @@ def ladder(ports, seas, families, given, time, dragged=None):
         design: PortInSeas(port, squares(waves, port.omega), [np.searchsorted(port.omega, one.omega) for one in waves])
         for design, port in ports.items()
     }
-    return rungs_of(met, seas, families, given, time, dragged)
+    return levels_of(met, seas, families, given, time, dragged)
 
 
 def random_port(rng, omega):
@@ -66,11 +66,11 @@ def test_power_does_not_decrease_along_the_control_levels():
         ports = {"A": random_port(rng, omega), "B": random_port(rng, omega)}
         spring = rng.uniform(-0.9, 2.0) / max(port.compliance for port in ports.values())
         given = dict.fromkeys(ports, Given(10 ** rng.uniform(-2, 2), spring, 0.8 if number % 10 == 0 else 1.0))
-        rungs = {(r.design, r.wave, r.rung): r for r in ladder(ports, seas, [0, 1, 3], given, 30.0)}
-        assert len(rungs) == 2 * 4 * 5
+        levels = {(r.design, r.wave, r.rung): r for r in ladder(ports, seas, [0, 1, 3], given, 30.0)}
+        assert len(levels) == 2 * 4 * 5
         for design in ports:
             for wave in seas:
-                power = {rung: r.power_mean for (d, w, rung), r in rungs.items() if (d, w) == (design, wave)}
+                power = {level: r.power_mean for (d, w, level), r in levels.items() if (d, w) == (design, wave)}
                 up = [power[name] for name in ("fixed", "best_damper", "best_spring_damper", "matched")]
                 assert all(a <= b * (1 + 1e-9) + 1e-12 for a, b in itertools.pairwise(up)), (number, up)
                 assert power["best_damper_all_seas"] <= power["best_damper"] * (1 + 1e-9) + 1e-12
@@ -123,7 +123,7 @@ def test_matched_force_has_its_closed_form():
     found = ladder(
         {"A": Port(omega, y, v, 1.0)}, {"w": Sea(omega, np.array([0.5 + 0j]))}, [0], {"A": Given(None)}, 10.0
     )
-    (best,) = (rung for rung in found if rung.rung == "matched")
+    (best,) = (level for level in found if level.rung == "matched")
     assert best.force_peak == pytest.approx(0.5 * abs(v[0]) / 0.8, rel=1e-12)
     assert best.stroke_peak == pytest.approx(0.5 * abs(v[0] * y[0]) / 0.8 / 1.7, rel=1e-12)
     assert best.power_mean == pytest.approx(0.25 * abs(v[0]) ** 2 / 8 / 0.4, rel=1e-12)
@@ -150,17 +150,17 @@ def test_constrained_optimum_absorbs_at_least_as_much_as_any_damper_within_the_l
         port, within, turning = oscillator(waves.omega), [], np.exp(-1j * np.outer(time, waves.omega))
         free = np.abs((turning @ (port.velocity * waves.amplitude / (-1j * waves.omega))).real).max()
         limits = Limits(0.3 * rng.uniform(0.5, 2.0), 1.02 * free)
-        rung = constrained_rung("A", "w", waves, oscillator, limits, (0.05, 3.0))
+        level = constrained_level("A", "w", waves, oscillator, limits, (0.05, 3.0))
         for damper in np.geomspace(1e-3, 1e2, 60):
             velocity = port.velocity_under(port.load(damper)) * waves.amplitude
             force, stroke = (turning @ (damper * velocity)).real, (turning @ (velocity / (-1j * waves.omega))).real
             if np.abs(force).max() <= limits.force and np.abs(stroke).max() <= limits.stroke:
                 within.append(waves.mean_of(port.power(damper)))
         assert len(within) > 5
-        bound = rung.power_mean / (1 - rung.gap)
-        assert rung.power_mean >= max(within) * (1 - REFINED)
+        bound = level.power_mean / (1 - level.gap)
+        assert level.power_mean >= max(within) * (1 - REFINED)
         assert max(within) <= bound < waves.mean_of(port.matched_power)
-        assert rung.force_peak <= limits.force * (1 + 1e-8)
+        assert level.force_peak <= limits.force * (1 + 1e-8)
 
 
 @pytest.mark.parametrize(
@@ -173,13 +173,13 @@ def test_constrained_optimum_absorbs_at_least_as_much_as_any_damper_within_the_l
 )
 def test_unsolved_optimum_reports_its_reason(limit, omega, wrong):
     sea, of_force = Sea(omega, np.ones(len(omega), dtype=complex)), (min(0.05, omega[1] - omega[0]), 3.0)
-    rung = constrained_rung("A", "w", sea, oscillator, Limits(limit, limit), of_force)
-    assert re.search(wrong, rung.note)
-    assert rung[3:11] == (None,) * 8
-    (check,) = constrained_checks([rung])
+    level = constrained_level("A", "w", sea, oscillator, Limits(limit, limit), of_force)
+    assert re.search(wrong, level.note)
+    assert level[3:11] == (None,) * 8
+    (check,) = constrained_checks([level])
     assert (check.verdict, check.design, check.wave) == ("doubt", "A", "w")
-    assert check.explanation == f"no optimum: {rung.note}"
-    assert as_csv([rung]).splitlines()[1] == "A,w,constrained,,,,,,,,,,"
+    assert check.explanation == f"no optimum: {level.note}"
+    assert as_csv([level]).splitlines()[1] == "A,w,constrained,,,,,,,,,,"
 
 
 STUDIES = {
@@ -233,9 +233,9 @@ def test_control_levels_agree_with_dense_solves_and_a_general_optimiser(seed, na
     sea = Sea(omega, 0.1 * rng.rayleigh(size=len(omega)) + 0j)
     port = buoy.port(omega, motions, np.eye(len(buoy.mass))[0])
     given = float(3 * np.median(port.best_damping))
-    rungs = {r.rung: r for r in ladder({"D": port}, {"sea": sea}, [0], {"D": Given(given)}, 60.0)}
+    levels = {r.rung: r for r in ladder({"D": port}, {"sea": sea}, [0], {"D": Given(given)}, 60.0)}
     power = dense_power(buoy, motions, kept, np.abs(sea.amplitude) ** 2)
-    assert rungs["fixed"].power_mean == pytest.approx(power(given, 0.0), rel=1e-4)
+    assert levels["fixed"].power_mean == pytest.approx(power(given, 0.0), rel=1e-4)
 
     def searched(x):
         return -power(np.exp(x[0]), port.softest_spring + np.exp(x[1]))
@@ -243,11 +243,11 @@ def test_control_levels_agree_with_dense_solves_and_a_general_optimiser(seed, na
     dampers = np.log(given) + np.linspace(-5, 3, 33)
     near = max(dampers, key=lambda u: power(np.exp(u), 0.0))
     fine = minimize_scalar(lambda u: -power(np.exp(u), 0.0), bounds=(near - 0.25, near + 0.25), method="bounded")
-    assert rungs["best_damper"].power_mean == pytest.approx(-fine.fun, rel=1e-4)
+    assert levels["best_damper"].power_mean == pytest.approx(-fine.fun, rel=1e-4)
     springs = np.log(-port.softest_spring) + np.linspace(-5, 2, 29)
     first = max((-searched((u, v)), u, v) for u in dampers for v in springs)
     pair = minimize(searched, first[1:], method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-12})
-    assert rungs["best_spring_damper"].power_mean == pytest.approx(-pair.fun, rel=1e-4)
+    assert levels["best_spring_damper"].power_mean == pytest.approx(-pair.fun, rel=1e-4)
 
 
 def test_realisations_do_not_change_the_damper_of_all_seas():
@@ -258,7 +258,7 @@ def test_realisations_do_not_change_the_damper_of_all_seas():
     seas |= {f"sea{k}": Sea(omega, sizes[1] * np.exp(1j * rng.uniform(0, 6, 8))) for k in range(3)}
     once = ladder({"A": port}, dict(list(seas.items())[:2]), [0, 1], {"A": Given(None)}, 10.0)
     often = ladder({"A": port}, seas, [0, 1], {"A": Given(None)}, 10.0)
-    dampers = [{r.damping for r in rungs if r.rung == "best_damper_all_seas"} for rungs in (once, often)]
+    dampers = [{r.damping for r in levels if r.rung == "best_damper_all_seas"} for levels in (once, often)]
     assert dampers[0] == dampers[1]
     assert len(dampers[0]) == 1
 
@@ -269,23 +269,23 @@ def test_forces_with_drag_use_the_equivalent_damping_of_each_sea():
     omega = dragged.port.omega
     seas = {"wave": Sea(omega[[9]], np.array([1.0 + 0j])), "sea": Sea(omega, 0.4 * rng.rayleigh(size=len(omega)) + 0j)}
     met = {"A": PortInSeas(dragged.port, squares(list(seas.values()), omega), [np.array([9]), np.arange(len(omega))])}
-    for rung in rungs_of(met, seas, [0, 1], {"A": Given(2.0, 0.1)}, 60.0, {"A": dragged}):
-        at, here = met["A"][2][list(seas).index(rung.wave)], seas[rung.wave]
-        if rung.rung == "matched":
+    for level in levels_of(met, seas, [0, 1], {"A": Given(2.0, 0.1)}, 60.0, {"A": dragged}):
+        at, here = met["A"][2][list(seas).index(level.wave)], seas[level.wave]
+        if level.rung == "matched":
             port, force = dragged.port, dragged.port.matched_force
             velocity = port.velocity - port.admittance * force
         else:
             spectrum = squares([here], omega)
-            load = np.array([rung.damping]), np.array([rung.stiffness])
+            load = np.array([level.damping]), np.array([level.stiffness])
             port = dragged.beside(dragged.equivalent(spectrum, *load)[0, 0])
-            impedance = rung.damping + 1j * rung.stiffness / omega
+            impedance = level.damping + 1j * level.stiffness / omega
             velocity = port.velocity / (1 + port.admittance * impedance)
             force = impedance * velocity
-            assert rung.power_mean == pytest.approx(dragged.powers(spectrum, *load)[0, 0], rel=1e-6)
+            assert level.power_mean == pytest.approx(dragged.powers(spectrum, *load)[0, 0], rel=1e-6)
         amplitude = np.abs(here.amplitude)
-        assert rung.force_rms == pytest.approx(np.sqrt(0.5 * np.sum(np.abs(force[at] * amplitude) ** 2)), rel=1e-6)
-        if rung.wave == "wave":
-            assert rung.stroke_peak == pytest.approx(abs(velocity[9]) / omega[9], rel=1e-6), rung.rung
+        assert level.force_rms == pytest.approx(np.sqrt(0.5 * np.sum(np.abs(force[at] * amplitude) ** 2)), rel=1e-6)
+        if level.wave == "wave":
+            assert level.stroke_peak == pytest.approx(abs(velocity[9]) / omega[9], rel=1e-6), level.rung
 
 
 def test_every_level_has_the_power_and_force_of_its_own_load():
@@ -295,20 +295,22 @@ def test_every_level_has_the_power_and_force_of_its_own_load():
     seas = {name: Sea(omega[i:k], rng.rayleigh(size=k - i) + 0j) for name, (i, k) in amplitudes.items()}
     ports = {"A": random_port(rng, omega), "B": random_port(rng, omega)}
     found = ladder(ports, seas, [0, 1, 2], {"A": Given(2.0, 0.1), "B": Given(0.5, 0.1)}, 30.0)
-    matched = {(rung.design, rung.wave): rung.power_mean for rung in found if rung.rung == "matched"}
+    matched = {(level.design, level.wave): level.power_mean for level in found if level.rung == "matched"}
     assert len(set(matched.values())) == 6
-    for rung in found:
-        waves = squares([seas[rung.wave]], omega)
-        own = matched[rung.design, rung.wave]
-        assert own == pytest.approx(float(waves[0] @ ports[rung.design].matched_power), rel=1e-12)
-        assert rung.limit_fraction == pytest.approx(rung.power_mean / own, rel=1e-12)
-        if rung.rung != "matched":
-            load = np.array([rung.damping]), np.array([rung.stiffness])
-            assert rung.power_mean == pytest.approx(mean_power(ports[rung.design], waves, *load, 1.0)[0], rel=1e-9)
-            spring = rung.stiffness / omega
-            velocity = ports[rung.design].velocity / (1 + ports[rung.design].admittance * (rung.damping + 1j * spring))
-            force = np.abs((rung.damping + 1j * spring) * velocity) ** 2
-            assert rung.force_rms == pytest.approx(np.sqrt(0.5 * float(waves[0] @ force)), rel=1e-9)
+    for level in found:
+        waves = squares([seas[level.wave]], omega)
+        own = matched[level.design, level.wave]
+        assert own == pytest.approx(float(waves[0] @ ports[level.design].matched_power), rel=1e-12)
+        assert level.limit_fraction == pytest.approx(level.power_mean / own, rel=1e-12)
+        if level.rung != "matched":
+            load = np.array([level.damping]), np.array([level.stiffness])
+            assert level.power_mean == pytest.approx(mean_power(ports[level.design], waves, *load, 1.0)[0], rel=1e-9)
+            spring = level.stiffness / omega
+            velocity = ports[level.design].velocity / (
+                1 + ports[level.design].admittance * (level.damping + 1j * spring)
+            )
+            force = np.abs((level.damping + 1j * spring) * velocity) ** 2
+            assert level.force_rms == pytest.approx(np.sqrt(0.5 * float(waves[0] @ force)), rel=1e-9)
 
 
 def test_levels_of_a_damper_spread_over_the_shell_and_of_its_material(seed, spectral_seed):
@@ -321,12 +323,12 @@ def test_levels_of_a_damper_spread_over_the_shell_and_of_its_material(seed, spec
     motions = {design: design_motions(study, basis, design) for design in ("FSB", "VSWEC")}
     floating = FloatingSystem(spectral_seed, motions, port)
     seas = {"wave": Sea(omega, np.array([0.2 + 0j]))}
-    rungs = several_rungs(floating, seas, several_levels(spec, floating, seas, [0]))
-    levels = {rung.rung: rung.power_mean for rung in rungs if rung.design == "VSWEC"}
-    assert levels["best_damper"] == pytest.approx(levels["best_damper_all_seas"], rel=1e-9)
-    assert 0 < levels["best_damper"] < levels["matched"]
-    (material,) = material_rungs(spec, floating, seas, rungs)
+    levels = several_levels(floating, seas, several_matrices(spec, floating, seas, [0]))
+    powers = {level.rung: level.power_mean for level in levels if level.design == "VSWEC"}
+    assert powers["best_damper"] == pytest.approx(powers["best_damper_all_seas"], rel=1e-9)
+    assert 0 < powers["best_damper"] < powers["matched"]
+    (material,) = material_levels(spec, floating, seas, levels)
     allowed = energy * study.device.shell_mass * omega[0] / (2 * np.pi)
     assert (material.design, material.power_mean) == ("VSWEC", pytest.approx(allowed, rel=1e-9))
-    (check,) = material_checks(study.pto, [*rungs, material])
-    assert check.value == pytest.approx(energy * levels["best_damper"] / allowed, rel=1e-12)
+    (check,) = material_checks(study.pto, [*levels, material])
+    assert check.value == pytest.approx(energy * powers["best_damper"] / allowed, rel=1e-12)

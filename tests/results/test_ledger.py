@@ -12,7 +12,7 @@ from vsb.hydro.database import INVALIDATING, Check
 from vsb.report.doubts import ADVICE, REASONS
 from vsb.results import ledger
 from vsb.results.budget import MODES, Source
-from vsb.results.ladder import Rung
+from vsb.results.ladder import ControlLevel
 from vsb.results.ledger import Invalid, flexible_designs, invalid_designs
 from vsb.scenes.rest import reference_shell, study_basis
 from vsb.scenes.viability import static_modal_amplitude
@@ -196,8 +196,8 @@ def of_modes(study, x):
     """Change of the power by the shell modes left out, at the optimal damping."""
     one = varied(study, designs={"VSWEC": {}}, waves=[WAVE.model_dump()])
     left = [asdict(Source(MODES, -4.0 * x, 0.0))]
-    rung = Rung("VSWEC", one.waves[0].label, "best_damper", 1e4, 0.0, 4.0, *[None] * 5, power_error=left)
-    return ledger.mode_checks(one, [rung])
+    level = ControlLevel("VSWEC", one.waves[0].label, "best_damper", 1e4, 0.0, 4.0, *[None] * 5, power_error=left)
+    return ledger.mode_checks(one, [level])
 
 
 @pytest.mark.parametrize(

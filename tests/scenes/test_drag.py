@@ -91,7 +91,7 @@ def test_control_levels_are_ordered_beside_drag(small):
     power = {(r.wave, r.rung): r.power_mean for r in dragged}
     for wave in {r.wave for r in dragged}:
         fixed, common, best, pair = (
-            power[wave, rung] for rung in ("fixed", "best_damper_all_seas", "best_damper", "best_spring_damper")
+            power[wave, level] for level in ("fixed", "best_damper_all_seas", "best_damper", "best_spring_damper")
         )
         assert max(fixed, common) <= best * (1 + 1e-9)
         assert best <= pair * (1 + 1e-9)

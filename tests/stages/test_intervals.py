@@ -48,7 +48,7 @@ def climbed(study, root):
     """Control levels of a study by design, sea and name."""
     plan = StudyPlan(study, root=str(root))
     make(plan, [plan.database_path])
-    return {(rung.design, rung.wave, rung.rung): rung for rung in study_ladder(plan.ladder, plan.database_path)}
+    return {(level.design, level.wave, level.rung): level for level in study_ladder(plan.ladder, plan.database_path)}
 
 
 def half(errors):
@@ -61,22 +61,22 @@ def test_error_intervals_hold_results_of_a_tenth_of_the_tolerance(tmp_path):
     widths = []
     for i in range(2):
         rough, fine = (climbed(buoy(i, tolerance), tmp_path) for tolerance in (1e-3, 1e-4))
-        for key, rung in rough.items():
-            assert rung.low < rung.power_mean < rung.high
-            assert abs(fine[key].power_mean - rung.power_mean) <= half(rung.power_error), (i, key)
-            if rung.gain_error is None or key[2] not in ("fixed", "best_damper"):
+        for key, level in rough.items():
+            assert level.low < level.power_mean < level.high
+            assert abs(fine[key].power_mean - level.power_mean) <= half(level.power_error), (i, key)
+            if level.gain_error is None or key[2] not in ("fixed", "best_damper"):
                 continue
             was, now = (100 * found[key].power_mean / found["FSB", *key[1:]].power_mean for found in (rough, fine))
-            assert abs(now - was) <= half(rung.gain_error), (i, key)
-            widths.append(half(rung.gain_error))
+            assert abs(now - was) <= half(level.gain_error), (i, key)
+            widths.append(half(level.gain_error))
     assert np.median(widths) < 5e-3  # percentage points; twice a tolerance of 1e-3 of both powers was 0.2
 
 
 def test_common_errors_cancel_in_the_gain(tmp_path, seed):
     """A very stiff shell is nearly rigid: its power is as uncertain as that of the rigid design, its gain is not."""
     stiff = varied(seed, device={"young_modulus": 1e12}, modes={"basis": "full", "degree": 3}, hydro={"omega_max": 5.0})
-    rung = climbed(stiff, tmp_path)["VSWEC", stiff.waves[0].label, "best_damper"]
-    of_power, of_gain = half(rung.power_error) / rung.power_mean, half(rung.gain_error) / 100
+    level = climbed(stiff, tmp_path)["VSWEC", stiff.waves[0].label, "best_damper"]
+    of_power, of_gain = half(level.power_error) / level.power_mean, half(level.gain_error) / 100
     assert of_gain < 1e-3 * of_power
 
 
@@ -121,9 +121,9 @@ def meshes(tmp_path_factory, green_folder):
         plan = BodyPlan(located.study, root=str(root / "results"), files=located.files)
         make(plan, [plan.database_path])
         found[panels] = {
-            (rung.design, rung.wave): rung
-            for rung in study_ladder(plan.ladder, plan.database_path)
-            if rung.rung == "best_damper"
+            (level.design, level.wave): level
+            for level in study_ladder(plan.ladder, plan.database_path)
+            if level.rung == "best_damper"
         }
     return found
 
@@ -142,7 +142,7 @@ def test_intervals_of_different_meshes_overlap(meshes):
             )
             assert abs(now - was) <= half(one.gain_error) + half(other.gain_error), (design, wave)
     widths = [
-        np.median([half(rung.gain_error) for (d, _), rung in of.items() if d != "rigid"]) for of in meshes.values()
+        np.median([half(level.gain_error) for (d, _), level in of.items() if d != "rigid"]) for of in meshes.values()
     ]
     assert widths == sorted(widths, reverse=True)
     assert widths[-1] < 1.0  # percentage points

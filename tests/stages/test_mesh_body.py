@@ -84,9 +84,9 @@ def test_study_of_a_mesh_from_panels_to_page(found):
     response = found.response
     for name in ("rao", "port_impedance", "port_velocity", "best_power", "matched_power", "best_damping"):
         assert np.isfinite(response[name].sel(design="hinged").values).all()
-    rungs = {(row["design"], row["rung"]): row["power_mean"] for row in found.ladder.to_dict("records")}
+    levels = {(row["design"], row["rung"]): row["power_mean"] for row in found.ladder.to_dict("records")}
     for design in ("rigid", "flexible", "hinged"):
-        powers = [rungs[design, rung] for rung in ("best_damper", "best_spring_damper", "matched")]
+        powers = [levels[design, level] for level in ("best_damper", "best_spring_damper", "matched")]
         assert 0 < powers[0] <= powers[1] * (1 + 1e-9) <= powers[2] * (1 + 2e-9)
     for check in found.checks.to_dict("records"):
         assert np.isfinite(check["value"])
@@ -118,7 +118,7 @@ def test_stiff_body_absorbs_the_power_of_the_rigid_one(folder, found):
         matrix = {"file": "body.yaml", "stiffness": {"Bending1": k, "Hinge": k}}
         rows = ladder(folder, f"stiff{factor:.0e}".replace("+", ""), body=matrix, designs={"hinged": {}})
         stiff = {row["rung"]: row["power_mean"] for row in rows if row["design"] == "hinged"}
-        worst = max(abs(stiff[rung] / power - 1) for rung, power in rigid.items())
+        worst = max(abs(stiff[level] / power - 1) for level, power in rigid.items())
         assert worst < apart
         assert worst < 2e-3 * before
         before = worst

@@ -79,8 +79,8 @@ def test_bending_changes_the_power_at_the_bow(response):
     ladder = response(pto={"port": {"dofs": bow}}).ladder.to_dict("records")
     powers = {(row["design"], row["rung"]): row["power_mean"] for row in ladder}
     for design in ("rigid", "flexible"):
-        rungs = [powers[design, rung] for rung in ("best_damper", "best_spring_damper", "matched")]
-        assert 0 < rungs[0] <= rungs[1] * (1 + 1e-9) <= rungs[2] * (1 + 2e-9)
+        levels = [powers[design, level] for level in ("best_damper", "best_spring_damper", "matched")]
+        assert 0 < levels[0] <= levels[1] * (1 + 1e-9) <= levels[2] * (1 + 2e-9)
     assert abs(powers["flexible", "best_damper"] / powers["rigid", "best_damper"] - 1) > 0.02
 
 

@@ -63,7 +63,7 @@ def test_errors_are_one_line(tmp_path, capsys):
     assert "absent.yaml: cannot be read" in capsys.readouterr().err
     for words, expected in (
         (["compare"], "needs studies, or as a rule of the workflow --trajectories"),
-        (["compare", "a.yaml", "--rungs", "x"], "--rungs is of the rule compare, which takes no studies"),
+        (["compare", "a.yaml", "--levels", "x"], "--levels is of the rule compare, which takes no studies"),
     ):
         with pytest.raises(SystemExit) as stopped:
             main(words)

@@ -77,14 +77,14 @@ def power(heaves):
     return 0.5 * DAMPER * (2 * np.pi / PERIOD * np.abs(heaves[0] - heaves[1])) ** 2
 
 
-def rung(found, design, name):
+def level(found, design, name):
     """Mean power of a control level [W]."""
     return next(r["power_mean"] for r in found.ladder.to_dict("records") if (r["design"], r["rung"]) == (design, name))
 
 
 def test_power_is_that_of_the_equation_of_motion(rm3, theirs):
     """Repairs change it by 5e-4."""
-    assert rung(rm3, "rm3", "fixed") == pytest.approx(power(solved(theirs)), rel=2e-3)
+    assert level(rm3, "rm3", "fixed") == pytest.approx(power(solved(theirs)), rel=2e-3)
 
 
 def test_page_computes_the_power_of_two_bodies(rm3, tmp_path):
@@ -97,7 +97,7 @@ def test_page_computes_the_power_of_two_bodies(rm3, tmp_path):
       return grid.ports.map((port) => [{DAMPER}, bestDamper(port, squares)].map((c) => power(port, squares, c)));
     }})"""
     ((locked, free),) = evaluated([html.text_of("algebra.js")], expression, data, tmp_path)
-    assert free == pytest.approx([rung(rm3, "rm3", name) for name in ("fixed", "best_damper")], rel=1e-6)
+    assert free == pytest.approx([level(rm3, "rm3", name) for name in ("fixed", "best_damper")], rel=1e-6)
     assert locked == [0.0, 0.0]
     assert STILL in page
     assert "How much power does the rigid body absorb?" in page
@@ -132,7 +132,7 @@ def test_locked_bodies_absorb_nothing(rm3):
 
 def test_time_and_frequency_domain_agree_and_energy_is_conserved(rm3):
     row = next(row for row in rm3.comparison.to_dict("records") if row["design"] == "rm3")
-    assert row["power_mean"] == pytest.approx(rung(rm3, "rm3", "fixed"), rel=5e-3)
+    assert row["power_mean"] == pytest.approx(level(rm3, "rm3", "fixed"), rel=5e-3)
     assert row["energy_residual"] < 1e-9
     run = rm3.trajectory("rm3", "regular_A1.25_T8")
     assert list(map(str, run.dof.values)) == HEAVES
@@ -145,7 +145,7 @@ def test_repaired_capytaine_file_gives_the_power_of_wamits(tmp_path, monkeypatch
     plan = BodyPlan(located.study, files=located.files)
     make(plan, [plan.database_path, plan.radiation_path, f"{plan.folder}/ladder.csv"])
     found = Results(plan.study)
-    assert rung(found, "rm3", "fixed") == pytest.approx(rung(rm3, "rm3", "fixed"), rel=0.05)
+    assert level(found, "rm3", "fixed") == pytest.approx(level(rm3, "rm3", "fixed"), rel=0.05)
     checks = {check["name"]: check for check in json.loads(found.database.attrs["quality"])}
     assert checks["positive_damping"]["verdict"] == "doubt"
     assert checks["positive_damping"]["explanation"].endswith("; repaired")

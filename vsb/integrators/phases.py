@@ -156,8 +156,8 @@ class Phase:
     def ladder(self) -> list[FloatArray]:
         """exp(A step/2^j), j = 0, 1, ..., down to where the series needs no scaling."""
         size = np.abs(self.flow).sum(axis=0).max() * self.step
-        rungs = max(1, int(np.ceil(np.log2(max(2 * size, 1.0)))) + 1)
-        return [transition(self.flow * (self.step / 2**j)) for j in range(rungs)]
+        count = max(1, int(np.ceil(np.log2(max(2 * size, 1.0)))) + 1)
+        return [transition(self.flow * (self.step / 2**j)) for j in range(count)]
 
     @cached_property
     def ahead(self) -> FloatArray:
@@ -170,9 +170,9 @@ class Phase:
     def later(self, transient: FloatArray, span: float) -> FloatArray:
         """Return a transient after any span up to a step: by halved steps, and a series for the rest."""
         part = self.step
-        for rung in self.ladder:
+        for halved in self.ladder:
             if span >= part:
-                transient, span = rung @ transient, span - part
+                transient, span = halved @ transient, span - part
             part /= 2
         term = out = transient
         for k in range(1, SERIES + 2):

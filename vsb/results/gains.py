@@ -9,7 +9,7 @@ import xarray as xr
 from vsb.hydro.database import Check, Verdict
 from vsb.results.budget import Budget, Rows, Source, mean_budget
 from vsb.results.comparison import Attributes, Row, gains, linear_mean, relative_difference
-from vsb.results.ladder import Rung
+from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import Line
 from vsb.scenes.drag import LINEARISED
 from vsb.study.study import BaseStudy, IrregularSea
@@ -65,7 +65,7 @@ class Limited(NamedTuple):
     high: float | None = None
 
 
-def equal_tuning(study: BaseStudy, rungs: Sequence[Rung], beyond: Beyond | None = None) -> list[Tuned]:
+def equal_tuning(study: BaseStudy, levels: Sequence[ControlLevel], beyond: Beyond | None = None) -> list[Tuned]:
     """Return one line per sea and design, from the control levels of a study.
 
     Parameters
@@ -74,7 +74,7 @@ def equal_tuning(study: BaseStudy, rungs: Sequence[Rung], beyond: Beyond | None 
         See `linearisation`.
     """
     found: list[Tuned] = []
-    for sea, here in _by_sea(study, rungs).items():
+    for sea, here in _by_sea(study, levels).items():
         best, fixed = _means(here, "best_damper"), _means(here, "fixed")
         best_gains = gains({d: power for d, (_, power) in best.items()}, study.reference_design)
         fixed_gains = gains({d: power for d, (_, power) in fixed.items()}, study.reference_design) if fixed else {}
@@ -89,11 +89,11 @@ def equal_tuning(study: BaseStudy, rungs: Sequence[Rung], beyond: Beyond | None 
     return found
 
 
-def within_limits(study: BaseStudy, rungs: Sequence[Rung]) -> list[Limited]:
+def within_limits(study: BaseStudy, levels: Sequence[ControlLevel]) -> list[Limited]:
     """Return one line per sea and design whose optimum within limits is known in all realisations."""
     found = []
-    for sea, here in _by_sea(study, rungs).items():
-        unknown = {rung.design for rung in here if rung.rung == "constrained" and rung.power_mean is None}
+    for sea, here in _by_sea(study, levels).items():
+        unknown = {one.design for one in here if one.rung == "constrained" and one.power_mean is None}
         powers = {d: p for d, (_, p) in _means(here, "constrained").items() if d not in unknown}
         over = gains(powers, study.reference_design if study.reference_design in powers else None)
         for design, power in powers.items():
@@ -102,9 +102,9 @@ def within_limits(study: BaseStudy, rungs: Sequence[Rung]) -> list[Limited]:
     return found
 
 
-def gain_budget(rungs: Sequence[Rung], design: str, level: str) -> Budget:
+def gain_budget(levels: Sequence[ControlLevel], design: str, level: str) -> Budget:
     """Return the error budget of the gain of a design at a level, realisations together; the reference has none."""
-    rows = [rung.gain_error for rung in rungs if rung.rung == level and rung.design == design]
+    rows = [one.gain_error for one in levels if one.rung == level and one.design == design]
     return mean_budget([Budget.of(each) for each in rows if each is not None])
 
 
@@ -113,25 +113,25 @@ def _interval(gain: float | None, errors: Budget) -> tuple[float | None, float |
     return (None, None) if gain is None else errors.interval(gain)
 
 
-def _by_sea(study: BaseStudy, rungs: Sequence[Rung]) -> dict[str, list[Rung]]:
+def _by_sea(study: BaseStudy, levels: Sequence[ControlLevel]) -> dict[str, list[ControlLevel]]:
     """Levels by the name of their sea, one for all realisations."""
     seas = {wave.label: wave.family if isinstance(wave, IrregularSea) else wave.label for wave in study.waves}
-    found: dict[str, list[Rung]] = {}
-    for rung in rungs:
-        found.setdefault(seas[rung.wave], []).append(rung)
+    found: dict[str, list[ControlLevel]] = {}
+    for one in levels:
+        found.setdefault(seas[one.wave], []).append(one)
     return found
 
 
-def _means(rungs: Sequence[Rung], level: str) -> dict[str, tuple[float | None, float]]:
+def _means(levels: Sequence[ControlLevel], level: str) -> dict[str, tuple[float | None, float]]:
     """Damper and power at a level by design, means over the realisations of a sea."""
-    of_design: dict[str, list[Rung]] = {}
-    for rung in rungs:
-        if rung.rung == level and rung.power_mean is not None:
-            of_design.setdefault(rung.design, []).append(rung)
+    of_design: dict[str, list[ControlLevel]] = {}
+    for one in levels:
+        if one.rung == level and one.power_mean is not None:
+            of_design.setdefault(one.design, []).append(one)
     found: dict[str, tuple[float | None, float]] = {}
     for design, some in of_design.items():
-        dampers = [rung.damping for rung in some if rung.damping is not None]
-        power = float(np.mean([rung.power_mean or 0.0 for rung in some]))
+        dampers = [one.damping for one in some if one.damping is not None]
+        power = float(np.mean([one.power_mean or 0.0 for one in some]))
         found[design] = (float(np.mean(dampers)) if dampers else None, power)
     return found
 
@@ -155,10 +155,10 @@ def fair_damping_checks(lines: Sequence[Tuned], pto: Pto) -> list[Check]:
     return checks
 
 
-def reference_power_checks(study: BaseStudy, rungs: Sequence[Rung]) -> list[Check]:
+def reference_power_checks(study: BaseStudy, levels: Sequence[ControlLevel]) -> list[Check]:
     """Return the matched over the best-damper power of the rigid design: a gain over next to nothing means nothing."""
     reference, checks = study.reference_design or "", []
-    for sea, here in _by_sea(study, rungs).items():
+    for sea, here in _by_sea(study, levels).items():
         matched, best = (_means(here, name).get(reference, (None, 0.0))[1] for name in ("matched", "best_damper"))
         if best > 0 and matched > 0:
             ratio = matched / best
@@ -173,7 +173,11 @@ def reference_power_checks(study: BaseStudy, rungs: Sequence[Rung]) -> list[Chec
 
 
 def with_intervals(
-    study: BaseStudy, rows: Sequence[Row], runs: Attributes, rungs: Sequence[Rung], frequency: xr.Dataset | None
+    study: BaseStudy,
+    rows: Sequence[Row],
+    runs: Attributes,
+    levels: Sequence[ControlLevel],
+    frequency: xr.Dataset | None,
 ) -> list[Row]:
     """Return the rows of a comparison with the intervals of their gains of mean power.
 
@@ -182,7 +186,7 @@ def with_intervals(
     rows : sequence of Row
         See `vsb.results.comparison.comparison`.
     runs : mapping (design, label) -> attributes of the run
-    rungs : sequence of Rung
+    levels : sequence of ControlLevel
         The control levels; empty without linear hydrodynamics.
     frequency : xarray.Dataset or None
         The frequency response, likewise.
@@ -196,9 +200,9 @@ def with_intervals(
     reference, found = study.reference_design, []
     waves = {wave.label: wave for wave in study.waves}
     power = {(row["design"], row["wave"]): float(row["power_mean"]) for row in rows}
-    by_sea: dict[str, list[Rung]] = {}
-    for rung in rungs:
-        by_sea.setdefault(rung.wave, []).append(rung)
+    by_sea: dict[str, list[ControlLevel]] = {}
+    for one in levels:
+        by_sea.setdefault(one.wave, []).append(one)
 
     def error_in_time(design: str, label: str) -> float:
         """Relative error of the mean power of a run [-]."""

@@ -54,7 +54,7 @@ BEST_DIAGONAL = "best_diagonal"
 """Of several ports whose damper matrix may be full: the best damper at each port alone."""
 MATERIAL = "material"
 """What the energy per cycle of the shell's material would allow, beside what the take-off finds in the waves."""
-RUNGS = (
+CONTROL_LEVELS = (
     "fixed", BEST_DIAGONAL, "best_damper", "best_damper_all_seas", "best_spring_damper", CONSTRAINED, "matched",
     MATERIAL,
 )  # fmt: skip
@@ -71,12 +71,12 @@ GAP = 0.005
 """Of the best force found within limits, as a part of the bound of all forces [-]."""
 
 
-class Rung(NamedTuple):
+class ControlLevel(NamedTuple):
     """One control level of one design in one sea; what a level does not have is None."""
 
     design: str
     wave: str
-    rung: str
+    rung: str  # the level, as the column of `ladder.csv` is named
     damping: float | None  # [N s/m]
     stiffness: float | None  # [N/m]
     power_mean: float | None  # [W]; this and the next are None where an optimum within limits is not known
@@ -92,11 +92,11 @@ class Rung(NamedTuple):
     gain_error: Rows | None = None  # of its gain over the reference [percentage points]; None of the reference
 
 
-COLUMNS = (*Rung._fields[: Rung._fields.index("note")], "low", "high")
+COLUMNS = (*ControlLevel._fields[: ControlLevel._fields.index("note")], "low", "high")
 """Of `ladder.csv`."""
 
 
-Levels = dict[tuple[str, str, str], FloatArray]
+Matrices = dict[tuple[str, str, str], FloatArray]
 """Damper matrices by design, sea and level."""
 
 
@@ -108,7 +108,7 @@ class Given(NamedTuple):
     efficiency: float = 1.0
 
 
-def study_ladder(study: LadderSpec, database: str) -> list[Rung]:
+def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
     """Return the levels of every design of a study in every sea, with expected amplitudes; still water has none.
 
     Parameters
@@ -127,28 +127,28 @@ def study_ladder(study: LadderSpec, database: str) -> list[Rung]:
     pairs = list(zip(waves, seas.values(), strict=True))
     left_out = modes_left_out(study.buoy, pairs, families) if study.buoy else xr.Dataset()
     if pto.several:
-        levels = several_levels(study, floating, seas, families)
-        rungs = several_rungs(floating, seas, levels)
-        rungs = with_errors(rungs, floating, pairs, study.reference_design, left_out, levels)
-        return [*rungs, *material_rungs(study, floating, seas, rungs)]
+        matrices = several_matrices(study, floating, seas, families)
+        levels = several_levels(floating, seas, matrices)
+        levels = with_errors(levels, floating, pairs, study.reference_design, left_out, matrices)
+        return [*levels, *material_levels(study, floating, seas, levels)]
     ports = {design: port_in_seas(floating, design, pairs) for design in study.designs}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
     buoy, dragged = study.buoy, None
     if buoy and buoy.drag:
         dragged = {design: dragged_port(buoy, floating, design, headings(pairs)) for design in study.designs}
-    rungs = rungs_of(ports, seas, families, given, study.simulation.duration, dragged)
+    levels = levels_of(ports, seas, families, given, study.simulation.duration, dragged)
     if pto.limited:
-        rungs += constrained_rungs(study, floating, seas)
+        levels += constrained_levels(study, floating, seas)
         designs, labels = list(study.designs), list(seas)
-        rungs.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), RUNGS.index(r.rung)))
-    rungs = with_errors(rungs, floating, pairs, study.reference_design, left_out)
-    return [*rungs, *material_rungs(study, floating, seas, rungs)]
+        levels.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), CONTROL_LEVELS.index(r.rung)))
+    levels = with_errors(levels, floating, pairs, study.reference_design, left_out)
+    return [*levels, *material_levels(study, floating, seas, levels)]
 
 
 # dampers, springs and the matched force -----------------------------------------------------------------------------
 
 
-def linear_rungs(port: Port, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
+def linear_levels(port: Port, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
     """Return dampers and springs of one design by control level.
 
     Parameters
@@ -167,39 +167,39 @@ def linear_rungs(port: Port, waves: FloatArray, families: Sequence[int], given: 
     together = waves[list(families)].sum(axis=0, keepdims=True)
     one = with_damper(float(best_dampers(port, together, given.stiffness, given.efficiency).damping[0]))
     best = best_dampers(port, waves, given.stiffness, given.efficiency).elementwise_best(one)
-    rungs = {} if given.damping is None else {"fixed": with_damper(given.damping)}
-    best = best.elementwise_best(rungs["fixed"]) if rungs else best
+    levels = {} if given.damping is None else {"fixed": with_damper(given.damping)}
+    best = best.elementwise_best(levels["fixed"]) if levels else best
     pairs = best_pairs(port, waves, best, given.efficiency)
-    return rungs | {"best_damper": best, "best_damper_all_seas": one, "best_spring_damper": pairs}
+    return levels | {"best_damper": best, "best_damper_all_seas": one, "best_spring_damper": pairs}
 
 
-def dragged_rungs(port: DraggedPort, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
-    """Return the same with quadratic drag, whose equivalent damper depends on the sea; see `linear_rungs`."""
+def dragged_levels(port: DraggedPort, waves: FloatArray, families: Sequence[int], given: Given) -> dict[str, Load]:
+    """Return the same with quadratic drag, whose equivalent damper depends on the sea; see `linear_levels`."""
     spring, efficiency = given.stiffness, given.efficiency
     one = with_load(port, waves, best_damper(port, waves[list(families)], spring, efficiency), spring, efficiency)
-    rungs = {} if given.damping is None else {"fixed": with_load(port, waves, given.damping, spring, efficiency)}
+    levels = {} if given.damping is None else {"fixed": with_load(port, waves, given.damping, spring, efficiency)}
     best, pairs = [], []
     for i, here in enumerate(waves[:, None]):
-        known = [Load(*(v[[i]] for v in load)) for load in (one, *rungs.values())]
+        known = [Load(*(v[[i]] for v in load)) for load in (one, *levels.values())]
         found = with_load(port, here, best_damper(port, here, spring, efficiency), spring, efficiency)
         best.append(reduce(Load.elementwise_best, known, found))
         pairs.append(best_pair(port, here, best[-1], efficiency))
     best_of_each, best_pairs_of_each = (Load(*map(np.concatenate, zip(*some, strict=True))) for some in (best, pairs))
-    return rungs | {
+    return levels | {
         "best_damper": best_of_each,
         "best_damper_all_seas": one,
         "best_spring_damper": best_pairs_of_each,
     }
 
 
-def rungs_of(
+def levels_of(
     ports: Mapping[str, PortInSeas],
     seas: Mapping[str, Sea],
     families: Sequence[int],
     given: Mapping[str, Given],
     time: float,
     dragged: Mapping[str, DraggedPort] | None = None,
-) -> list[Rung]:
+) -> list[ControlLevel]:
     """Return the levels of every design in every sea, all but that within limits.
 
     Parameters
@@ -209,20 +209,20 @@ def rungs_of(
     seas : mapping wave label -> Sea
         Without still water.
     families : sequence of int
-        See `linear_rungs`.
+        See `linear_levels`.
     given : mapping design -> Given
     time : float
         Length of the realisations whose peaks are reported [s].
     dragged : mapping design -> DraggedPort, optional
         Where there is drag; the matched power is without it.
     """
-    found: list[Rung] = []
+    found: list[ControlLevel] = []
     for design, (port, waves, places) in ports.items():
         matched, drag = waves @ port.matched_power, dragged[design] if dragged else None
         if drag is None:
-            loads = linear_rungs(port, waves, families, given[design])
+            loads = linear_levels(port, waves, families, given[design])
         else:
-            loads = dragged_rungs(drag, waves, families, given[design])
+            loads = dragged_levels(drag, waves, families, given[design])
         for i, (label, sea) in enumerate(seas.items()):
             forces: list[ComplexArray] = []
             strokes: list[ComplexArray] = []
@@ -243,13 +243,13 @@ def rungs_of(
                 share = power / float(matched[i]) if matched[i] > 0 else None
                 c, k = (float(load.damping[i]), float(load.stiffness[i])) if load and port.moves else (None, None)
                 sizes = (float(rms[j]), float(peaks[0, j]), float(peaks[1, j]))
-                found.append(Rung(design, label, name, c, k, power, share, *sizes, None))
+                found.append(ControlLevel(design, label, name, c, k, power, share, *sizes, None))
     return found
 
 
-def several_levels(
+def several_matrices(
     study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea], families: Sequence[int]
-) -> Levels:
+) -> Matrices:
     """Return the damper matrices of every design at several ports, or spread over the shell, in every sea, by level.
 
     `best_damper` and `best_damper_all_seas` are of the matrices the study allows.
@@ -269,7 +269,7 @@ def several_levels(
     return found
 
 
-def several_rungs(floating: FloatingSystem, seas: Mapping[str, Sea], levels: Levels) -> list[Rung]:
+def several_levels(floating: FloatingSystem, seas: Mapping[str, Sea], matrices: Matrices) -> list[ControlLevel]:
     """Return the levels of damper matrices, and the matched one, of every design in every sea.
 
     Matrices stand in the notes. Peaks are not known, which several ports do not have in common.
@@ -279,9 +279,9 @@ def several_rungs(floating: FloatingSystem, seas: Mapping[str, Sea], levels: Lev
     for design, ports in floating.several_ports(omega).items():
         for label, sea in zip(seas, rows, strict=True):
             matched = float(sea @ ports.matched_power)
-            for rung in RUNGS:
-                matrix = levels.get((design, label, rung))
-                if matrix is None and rung != "matched":
+            for level in CONTROL_LEVELS:
+                matrix = matrices.get((design, label, level))
+                if matrix is None and level != "matched":
                     continue
                 power = matched if matrix is None else float(sea @ ports.power(matrix))
                 damper, note = None, ""
@@ -289,13 +289,15 @@ def several_rungs(floating: FloatingSystem, seas: Mapping[str, Sea], levels: Lev
                     note = f"damper matrix {matrix_text(matrix, 6)}" if len(matrix) <= NAMED else ""
                     damper = None if note else float(matrix[0, 0])  # spread over the shell
                 share = power / matched if matched > 0 else None
-                found.append(Rung(design, label, rung, damper, None, power, share, None, None, None, None, note))
+                found.append(
+                    ControlLevel(design, label, level, damper, None, power, share, None, None, None, None, note)
+                )
     return found
 
 
-def material_rungs(
-    study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea], rungs: Sequence[Rung]
-) -> list[Rung]:
+def material_levels(
+    study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea], levels: Sequence[ControlLevel]
+) -> list[ControlLevel]:
     """Return the mean power that the material of the shell would allow at ports of strain, by design and sea.
 
     Of `pto.energy_per_cycle` e [J/kg], the mass m of the shell and the mean frequency f of the strain's cycles under
@@ -306,7 +308,7 @@ def material_rungs(
     omega, found, mass = frequencies(list(seas.values())), [], study.buoy.device.shell_mass
     rows = dict(zip(seas, squares(list(seas.values()), omega), strict=True))
     linear = floating.linear.equation(omega)
-    by = {(rung.design, rung.wave, rung.rung): rung for rung in rungs}
+    by = {(level.design, level.wave, level.rung): level for level in levels}
     for design, motions in floating.motions.items():
         ports = linear.ports(motions, floating.port.reshape(len(motions), -1))
         for label, sea in rows.items():
@@ -319,19 +321,21 @@ def material_rungs(
             allowed = study.pto.energy_per_cycle * mass * frequency
             share = allowed / matched if matched else None
             note = f"cycles of {1 / frequency:.4g} s, {mass:.6g} kg of shell"
-            found.append(Rung(design, label, MATERIAL, None, None, allowed, share, None, None, None, None, note))
+            found.append(
+                ControlLevel(design, label, MATERIAL, None, None, allowed, share, None, None, None, None, note)
+            )
     return found
 
 
-def material_checks(pto: Pto, rungs: Sequence[Rung]) -> list[Check]:
+def material_checks(pto: Pto, levels: Sequence[ControlLevel]) -> list[Check]:
     """Return the energy that the optimal damper takes from a kilogram of shell in a cycle, against the material's."""
-    by = {(rung.design, rung.wave, rung.rung): rung for rung in rungs}
+    by = {(level.design, level.wave, level.rung): level for level in levels}
     checks, limit = [], pto.energy_per_cycle or 0.0
-    for rung in (rung for rung in rungs if rung.rung == MATERIAL):
-        power, allowed = by[rung.design, rung.wave, "best_damper"].power_mean or 0.0, rung.power_mean or 1.0
+    for level in (level for level in levels if level.rung == MATERIAL):
+        power, allowed = by[level.design, level.wave, "best_damper"].power_mean or 0.0, level.power_mean or 1.0
         text = f"energy per cycle that the optimal damper takes from the shell at {power:.4g} W, where its material "
-        text += f"would allow {allowed:.4g} W ({rung.note})"
-        where, taken = {"design": rung.design, "wave": rung.wave}, limit * power / allowed
+        text += f"would allow {allowed:.4g} W ({level.note})"
+        where, taken = {"design": level.design, "wave": level.wave}, limit * power / allowed
         checks.append(check_at_most("specific_energy", taken, limit, "J/kg", text, doubt=True, **where))
     return checks
 
@@ -350,25 +354,25 @@ def _peaks(sea: Sea, force: ComplexArray, stroke: ComplexArray, time: float) -> 
 # optima within limits -----------------------------------------------------------------------------------------------
 
 
-def constrained_rungs(study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea]) -> list[Rung]:
+def constrained_levels(study: LadderSpec, floating: FloatingSystem, seas: Mapping[str, Sea]) -> list[ControlLevel]:
     """Return the level within the limits of the take-off of every design in every sea."""
     ds, limits = floating.linear.database, Limits(study.pto.force_limit, study.pto.stroke_limit)
-    of_force, rungs = (float(ds.omega[0]), band(study, ds)[1]), []
+    of_force, levels = (float(ds.omega[0]), band(study, ds)[1]), []
     for design, wave in product(study.designs, study.waves):
         if wave.label in seas:
             port_at = partial(floating.extended_port, design, direction=heading_in(wave, seas[wave.label]))
-            rungs.append(constrained_rung(design, wave.label, seas[wave.label], port_at, limits, of_force))
-    return rungs
+            levels.append(constrained_level(design, wave.label, seas[wave.label], port_at, limits, of_force))
+    return levels
 
 
-def constrained_rung(
+def constrained_level(
     design: str,
     label: str,
     sea: Sea,
     port_at: Callable[[FloatArray], Port],
     limits: Limits,
     of_force: tuple[float, float],
-) -> Rung:
+) -> ControlLevel:
     """Return the best force found within limits in a sea and how near it is to the bound of all forces, or why not.
 
     Parameters
@@ -388,29 +392,29 @@ def constrained_rung(
             )
         port = port_at(harmonics.port_omega)
         if not port.moves:
-            return Rung(*named, 0.0, None, 0.0, 0.0, 0.0, 0.0, STILL)
+            return ControlLevel(*named, 0.0, None, 0.0, 0.0, 0.0, 0.0, STILL)
         best = optimum_in_sea(port, sea, harmonics, limits)
     except VsbError as error:
-        return Rung(*named, None, None, None, None, None, None, str(error))
+        return ControlLevel(*named, None, None, None, None, None, None, str(error))
     at = np.rint(sea.omega / harmonics.spacing - harmonics.first).astype(int)
     matched = sea.mean_of(port.matched_power[at])
     note = f"{best.power:.4g} W found; no force within the limits, of any harmonics, absorbs more than "
     note += f"{best.bound:.4g} W"
     if best.excess:
         note += f"; between the instants limits are exceeded by up to {100 * best.excess:.2g} %"
-    return Rung(*named, best.power, best.power / matched, *best[4:7], best.gap, note)
+    return ControlLevel(*named, best.power, best.power / matched, *best[4:7], best.gap, note)
 
 
-def constrained_checks(rungs: Sequence[Rung]) -> list[Check]:
+def constrained_checks(levels: Sequence[ControlLevel]) -> list[Check]:
     """Return how far each optimum within limits is from its proof; a doubt where there is none."""
     checks = []
-    for rung in (rung for rung in rungs if rung.rung == CONSTRAINED):
-        where = {"design": rung.design, "wave": rung.wave}
-        if rung.gap is None:
-            checks.append(Check("constrained", 1.0, GAP, "-", "doubt", f"no optimum: {rung.note}", **where))
+    for level in (level for level in levels if level.rung == CONSTRAINED):
+        where = {"design": level.design, "wave": level.wave}
+        if level.gap is None:
+            checks.append(Check("constrained", 1.0, GAP, "-", "doubt", f"no optimum: {level.note}", **where))
         else:
-            text = f"distance of the best force found from the bound of every force within the limits: {rung.note}"
-            checks.append(check_at_most("constrained", rung.gap, GAP, "-", text, doubt=True, **where))
+            text = f"distance of the best force found from the bound of every force within the limits: {level.note}"
+            checks.append(check_at_most("constrained", level.gap, GAP, "-", text, doubt=True, **where))
     return checks
 
 
@@ -425,13 +429,13 @@ class _Slopes(NamedTuple):
 
 
 def with_errors(
-    rungs: Sequence[Rung],
+    levels: Sequence[ControlLevel],
     floating: FloatingSystem,
     seas: Sequence[tuple[Wave, Sea]],
     reference: str | None,
     left_out: xr.Dataset,
-    levels: Levels | None = None,
-) -> list[Rung]:
+    matrices: Matrices | None = None,
+) -> list[ControlLevel]:
     """Return levels with the error budgets of power and gain; those of an unknown power have none.
 
     Parameters
@@ -441,7 +445,7 @@ def with_errors(
         is left.
     left_out : xarray.Dataset
         See `vsb.results.left_out.modes_left_out`.
-    levels : mapping, optional
+    matrices : mapping, optional
         Of several ports; their matched level has no budget.
 
     Notes
@@ -450,82 +454,86 @@ def with_errors(
     """
     budgets: dict[tuple[str, str, str], tuple[Budget, Budget | None]] = {}
     known: dict[bytes, _Slopes] = {}
-    by_sea: dict[str, dict[tuple[str, str], Rung]] = {wave.label: {} for wave, _ in seas}
-    for rung in rungs:
-        if rung.power_mean is not None:
-            by_sea[rung.wave][rung.design, rung.rung] = rung
+    by_sea: dict[str, dict[tuple[str, str], ControlLevel]] = {wave.label: {} for wave, _ in seas}
+    for level in levels:
+        if level.power_mean is not None:
+            by_sea[level.wave][level.design, level.rung] = level
     for wave, sea in seas:
         here = by_sea[wave.label]
-        linear = {key: rung for key, rung in here.items() if rung.rung != CONSTRAINED}
-        loads = [(key, rung.damping, rung.stiffness) for key, rung in linear.items()]
+        linear = {key: level for key, level in here.items() if level.rung != CONSTRAINED}
+        loads = [(key, level.damping, level.stiffness) for key, level in linear.items()]
         key = repr((heading(wave), loads)).encode() + sea.omega.tobytes() + np.abs(sea.amplitude).tobytes()
         key += b"" if sea.heading is None else sea.heading.tobytes()
         if key not in known:  # realisations of a sea with the same amplitudes share them
-            known[key] = _slopes(floating, wave, sea, list(linear.values()), levels)
+            known[key] = _slopes(floating, wave, sea, list(linear.values()), matrices)
         slopes, errors = known[key]
-        for (design, name), rung in linear.items():
+        for (design, name), level in linear.items():
             if (design, name) not in slopes:
                 continue
-            power, own = rung.power_mean or 0.0, slopes[design, name]
+            power, own = level.power_mean or 0.0, slopes[design, name]
             numbers = [Source.within(e.name, power * own.to(e), shared=True) for e in errors]
-            of_power = Budget((*numbers, *_by_modes(left_out, rung, "power", power)))
+            of_power = Budget((*numbers, *_by_modes(left_out, level, "power", power)))
             of_gain, base = None, linear.get((reference or "", name))
             if base is not None and design != reference:
                 ratio = 100 * power / base.power_mean if base.power_mean else 0.0
                 difference = own - slopes[base.design, name]
                 numbers = [Source.within(e.name, ratio * difference.to(e), shared=True) for e in errors]
-                of_gain = Budget((*numbers, *_by_modes(left_out, rung, "gain", 1.0)))
+                of_gain = Budget((*numbers, *_by_modes(left_out, level, "gain", 1.0)))
             budgets[design, wave.label, name] = (of_power, of_gain)
-        for (design, name), rung in here.items():
+        for (design, name), level in here.items():
             ends = [linear[end] for end in ((design, "best_damper"), (design, "matched")) if end in linear]
             if name == CONSTRAINED and (ends := [end for end in ends if end.power_mean]):
-                budgets[design, wave.label, name] = _within_limits(rung, ends, budgets)
+                budgets[design, wave.label, name] = _within_limits(level, ends, budgets)
     found = []
-    for rung in rungs:
-        if rung.power_mean is None:
-            found.append(rung)
+    for level in levels:
+        if level.power_mean is None:
+            found.append(level)
             continue
-        of_power, of_gain = budgets.get((rung.design, rung.wave, rung.rung), (Budget(), None))
-        if rung.gap:
-            of_power += Budget((Source("optimum not proven", 0.0, rung.power_mean * rung.gap / (1 - rung.gap)),))
-        low, high = of_power.interval(rung.power_mean)
+        of_power, of_gain = budgets.get((level.design, level.wave, level.rung), (Budget(), None))
+        if level.gap:
+            of_power += Budget((Source("optimum not proven", 0.0, level.power_mean * level.gap / (1 - level.gap)),))
+        low, high = of_power.interval(level.power_mean)
         gain_rows = None if of_gain is None else of_gain.rows
-        found.append(rung._replace(low=low, high=high, power_error=of_power.rows, gain_error=gain_rows))
+        found.append(level._replace(low=low, high=high, power_error=of_power.rows, gain_error=gain_rows))
     return found
 
 
-def _slopes(floating: FloatingSystem, wave: Wave, sea: Sea, rungs: Sequence[Rung], levels: Levels | None) -> _Slopes:
+def _slopes(
+    floating: FloatingSystem, wave: Wave, sea: Sea, levels: Sequence[ControlLevel], matrices: Matrices | None
+) -> _Slopes:
     """Derivatives of the powers of levels in a sea; the matched force is that of the conjugate impedance."""
     linear, squares, found = floating.towards(heading_in(wave, sea)), np.abs(sea.amplitude) ** 2, {}
     equation = linear.equation(sea.omega)
     for design, motions in floating.motions.items():
-        if levels is not None:
+        if matrices is not None:
             both, ports = equation.motion_of_ports(motions, floating.port), equation.ports(motions, floating.port)
-            own = {name: matrix for (of, at, name), matrix in levels.items() if (of, at) == (design, wave.label)}
+            own = {name: matrix for (of, at, name), matrix in matrices.items() if (of, at) == (design, wave.label)}
             for name, matrix in own.items():
                 found[design, name] = sensitivity_at_ports(both, ports, matrix, squares)
             continue
         moved = equation.free_motion(motions, floating.port)
         port = equation.port_of_motion(*moved, motions, floating.port)
-        for rung in (rung for rung in rungs if rung.design == design):
+        for level in (level for level in levels if level.design == design):
             load = np.conj(port.impedance)
-            if rung.damping is not None and rung.stiffness is not None:
-                load = port.load(rung.damping, rung.stiffness)
-            found[design, rung.rung] = sensitivity(sea.omega, moved, port, load, squares)
+            if level.damping is not None and level.stiffness is not None:
+                load = port.load(level.damping, level.stiffness)
+            found[design, level.rung] = sensitivity(sea.omega, moved, port, load, squares)
     return _Slopes(found, coefficient_errors(linear, sea.omega))
 
 
-def _by_modes(left_out: xr.Dataset, rung: Rung, name: str, size: float) -> list[Source]:
+def _by_modes(left_out: xr.Dataset, level: ControlLevel, name: str, size: float) -> list[Source]:
     """What modes left out may change of a `power` or a `gain`; nothing where it is not known, or zero."""
     if name not in left_out:
         return []
-    ends = left_out[name].sel(design=rung.design, wave=rung.wave, take_off=rung.rung)
+    ends = left_out[name].sel(design=level.design, wave=level.wave, take_off=level.rung)
     low, high = (size * float(end) for end in ends)
     return [Source(MODES, low, high)] if low or high else []
 
 
 def _within_limits(
-    rung: Rung, ends: Sequence[Rung], budgets: Mapping[tuple[str, str, str], tuple[Budget, Budget | None]]
+    level: ControlLevel,
+    ends: Sequence[ControlLevel],
+    budgets: Mapping[tuple[str, str, str], tuple[Budget, Budget | None]],
 ) -> tuple[Budget, Budget | None]:
     """Budgets of an optimum within limits: relative to power the larger of those at the best damper and matched.
 
@@ -536,9 +544,9 @@ def _within_limits(
     power, of_power, _ = max(known, key=lambda one: (one[1].high - one[1].low) / one[0])
     gains = [of_gain for _, _, of_gain in known if of_gain is not None]
     of_gain = max(gains, key=lambda budget: budget.high - budget.low) if gains else None
-    return of_power.scaled((rung.power_mean or 0.0) / power), of_gain
+    return of_power.scaled((level.power_mean or 0.0) / power), of_gain
 
 
-def as_csv(rungs: Sequence[Rung]) -> str:
+def as_csv(levels: Sequence[ControlLevel]) -> str:
     """Return the levels as CSV; an empty cell is a quantity that does not exist, as of a port that cannot move."""
-    return csv_text(COLUMNS, ([getattr(rung, name) for name in COLUMNS] for rung in rungs), 12)
+    return csv_text(COLUMNS, ([getattr(level, name) for name in COLUMNS] for level in levels), 12)

@@ -18,7 +18,7 @@ from vsb.hydro import witness
 from vsb.hydro.database import Check, Verdict, check_at_most, stored_checks
 from vsb.results.budget import MODES
 from vsb.results.comparison import Row
-from vsb.results.ladder import Rung
+from vsb.results.ladder import ControlLevel
 from vsb.scenes.floating_system import band
 from vsb.scenes.rest import carries_load, complete_at_rest, complete_loaded_shell, computed_buckling, loaded_shell
 from vsb.scenes.viability import MOST_LOAD, rubber_load_factor, static_modal_amplitude, static_strain
@@ -246,18 +246,18 @@ def witness_checks(study: Study, database: xr.Dataset, found: xr.Dataset) -> lis
     return [*witness.witness_checks(found), *witness.database_checks(found, database, own)]
 
 
-def mode_checks(study: Study, rungs: Sequence[Rung]) -> list[Check]:
+def mode_checks(study: Study, levels: Sequence[ControlLevel]) -> list[Check]:
     """Return by how much shell modes that the basis leaves out may change the mean power, at any damper computed."""
     checks, tolerance = [], study.modes.tolerance
     for wave, design in product(study.waves, study.designs):
-        found = [r for r in rungs if (r.design, r.wave) == (design, wave.label) and r.rung in ("fixed", "best_damper")]
+        found = [r for r in levels if (r.design, r.wave) == (design, wave.label) and r.rung in ("fixed", "best_damper")]
         if not study.designs[design].flexible or not found:
             continue
         shares = [
-            max(-source["low"], source["high"]) / rung.power_mean
-            for rung in found
-            for source in rung.power_error or ()
-            if source["name"] == MODES and rung.power_mean
+            max(-source["low"], source["high"]) / level.power_mean
+            for level in found
+            for source in level.power_error or ()
+            if source["name"] == MODES and level.power_mean
         ]
         text = f"mean power may change with more shell modes than {study.modes.basis} to degree "
         text += f"{study.modes.max_degree}"

@@ -248,13 +248,13 @@ def _chosen(scenes: Scenes, share: float) -> Choice:
         orders = range(least, full.memory, 2)
         return next((m for m in orders if memory_lost(m, body_exact) <= share), full.memory)
 
-    rungs = sorted(scenes.ladder)
-    degree = next(d for d in rungs if modes_lost(d, False) <= share)  # the last one loses nothing
+    degrees = sorted(scenes.ladder)
+    degree = next(d for d in degrees if modes_lost(d, False) <= share)  # the last one loses nothing
     order = fewest_states(2, False)
     nonlinear = max(scenes.nonlinear_part(Description(d, order, False)) for d in {degree, full.degree})
     body_exact = nonlinear > share
     if body_exact:
-        degree = next(d for d in rungs if d >= degree and modes_lost(d, True) <= share)
+        degree = next(d for d in degrees if d >= degree and modes_lost(d, True) <= share)
         order = fewest_states(order, True)
     left_out = [LeftOut(f"memory_beyond_{order}_states", memory_lost(order, body_exact))]
     if degree < full.degree:

@@ -17,7 +17,7 @@ from vsb.results.gains import (
     with_intervals,
     within_limits,
 )
-from vsb.results.ladder import Rung, constrained_checks, material_checks
+from vsb.results.ladder import ControlLevel, constrained_checks, material_checks
 from vsb.results.run_checks import agreement_checks, latching_checks, sea_checks, transient_checks
 from vsb.scenes.floating_system import study_sea
 from vsb.scenes.rest import reference_shell
@@ -53,7 +53,10 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
         lines = irregular.statistics(compared, {run: kept for one in met for run, kept in one.samples.items()})
         checks += of_the_water(found, rows, runs)
         checks += irregular.statistical_checks(compared, lines)
-        ladder = [Rung(**row) for row in json.loads(read_text(files["rungs"], files["manifest"], found.plan.ladder_id))]
+        ladder = [
+            ControlLevel(**row)
+            for row in json.loads(read_text(files["levels"], files["manifest"], found.plan.ladder_id))
+        ]
         beyond = linearisation(compared, rows, runs, found.response, lines)
         tuned, limited = equal_tuning(compared, ladder, beyond), within_limits(compared, ladder)
         rows = with_intervals(compared, rows, runs, ladder, found.response)

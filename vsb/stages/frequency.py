@@ -285,9 +285,9 @@ def natural(spec: ResponseSpec, floating: FloatingSystem) -> xr.Dataset:
     )
 
 
-def run_ladder(spec: LadderSpec, database: str, out: str, rungs: str, manifest: str) -> None:
+def run_ladder(spec: LadderSpec, database: str, out: str, levels: str, manifest: str) -> None:
     """Write the ladder of a study for people, and all its digits, with notes, for the stages after it."""
     found = study_ladder(spec, database)
     write_text(out, as_csv(found))
-    write_text(rungs, json.dumps([rung._asdict() for rung in found], indent=1, allow_nan=False) + "\n")
-    record(manifest, stamp(spec, database)["spec_id"], [out, rungs])
+    write_text(levels, json.dumps([level._asdict() for level in found], indent=1, allow_nan=False) + "\n")
+    record(manifest, stamp(spec, database)["spec_id"], [out, levels])

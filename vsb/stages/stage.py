@@ -69,7 +69,7 @@ _ROWS: tuple[tuple[str, str, str, Any, str, str], ...] = (
     ("response", "frequency", "frequency response", specs.ResponseSpec, "database out", ""),
     (
         "ladder", "frequency", "power at every control level", specs.LadderSpec,
-        "database out rungs manifest", "",
+        "database out levels manifest", "",
     ),
     (
         "simulate", "simulate", "one design in one sea", specs.SimulateSpec,
@@ -77,7 +77,7 @@ _ROWS: tuple[tuple[str, str, str, Any, str, str], ...] = (
     ),
     (
         "compare", "compare", "comparison and validity", specs.CompareSpec,
-        "trajectories out statistics validity study tables manifest", f"{BEM_FILES} rungs",
+        "trajectories out statistics validity study tables manifest", f"{BEM_FILES} levels",
     ),
     ("figures", "report", "all figures", AnyStudy, "trajectories out manifest", f"modes {BEM_FILES}"),
     (

@@ -205,12 +205,12 @@ def _coefficients(plan: AnyPlan) -> Iterator[Job]:
     """What follows from the hydro database alone."""
     stored = plan.database_path
     response, ladder = plan.response_files["response"], f"{plan.folder}/ladder.csv"
-    rungs = plan.ladder_files["rungs"]
+    levels = plan.ladder_files["levels"]
     read = {"database": stored}
     yield _radiation(plan)
     yield Job("response", plan.response, {**read, "out": response}, (response,), (stored,))
-    climbed = {**read, "out": ladder, "rungs": rungs, "manifest": plan.manifest}
-    yield Job("ladder", plan.ladder, climbed, (ladder, rungs), (stored,))
+    climbed = {**read, "out": ladder, "levels": levels, "manifest": plan.manifest}
+    yield Job("ladder", plan.ladder, climbed, (ladder, levels), (stored,))
 
 
 def _runs(plan: AnyPlan) -> Iterator[Job]:
@@ -238,9 +238,9 @@ def _answers(plan: AnyPlan) -> Iterator[Job]:
         "study": f"{folder}/study.json",
         "tables": f"{folder}/tables.json",
     }
-    rungs = plan.ladder_files
-    needs = (*read, *rungs.values())
-    yield Job("compare", plan.comparison, files | rungs | tables, tuple(tables.values()), needs, megabytes=memory)
+    levels = plan.ladder_files
+    needs = (*read, *levels.values())
+    yield Job("compare", plan.comparison, files | levels | tables, tuple(tables.values()), needs, megabytes=memory)
     figures = tuple(figure_paths(folder, plan.figures))
     needs = (*read, *plan.modes_files.values())
     drawn = {**files, **plan.modes_files, "out": f"{folder}/figures"}

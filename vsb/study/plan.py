@@ -333,7 +333,7 @@ class ResultsPlan(ResultsFolder):
     @property
     def ladder_files(self) -> dict[str, str]:
         """The control levels with all digits, by the option that names it; none without BEM."""
-        return {"rungs": f"{self.folder}/ladder.json"} if self.study.needs_bem else {}
+        return {"levels": f"{self.folder}/ladder.json"} if self.study.needs_bem else {}
 
 
 FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
