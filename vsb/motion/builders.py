@@ -46,9 +46,10 @@ def linear_scene(
 ) -> Scene:
     """Return the linear scene of a buoy or body in waves, with only the forces that exist.
 
+    Raises `StabilityError` if a body is unstable at rest.
+
     Parameters
     ----------
-    system : LinearSystem
     radiation : RadiationModel or None
         None: it radiates no waves.
     waves : Sea or mapping of float to Sea
@@ -57,11 +58,6 @@ def linear_scene(
         Those allowed; all.
     added_mass_inf : ndarray, shape (dof, dof), optional
         Of a radiation memory fitted with its own [kg]; of the database.
-
-    Raises
-    ------
-    StabilityError
-        If a body is unstable at rest.
     """
     dof, labels = len(system.labels), system.labels
     free = np.eye(dof) if motions is None else motions
@@ -146,11 +142,8 @@ def body_exact_scene(
 
     Parameters
     ----------
-    buoy : LinearSystem
     shape : DeformedShell
         The reference shape of its database.
-    radiation : RadiationModel
-    sea : Sea
     motions : ndarray, shape (dof, free)
     rubber : LoadedShell, optional
         The shell, if it is of rubber: its elastic force and that of the pressure inside are then exact.
@@ -193,19 +186,15 @@ def still_scene(
 ) -> Scene:
     """Return the body-exact scene of one design in still water, without what moving water does: all that rest needs.
 
+    Raises `ConvergenceError` if the shell gives way under its static load.
+
     Parameters
     ----------
-    reference : ReferenceShell
     density, gravity : float
         Of the water [kg/m^3], [m/s^2].
     motions : ndarray, shape (dof, free)
     rubber : LoadedShell, optional
         See `body_exact_scene`.
-
-    Raises
-    ------
-    ConvergenceError
-        If the shell gives way under its static load.
     """
     basis = reference.basis
     springs = _elastic_forces(reference.stiffness, basis.damping) if flexible(basis.labels, motions) else {}
@@ -240,20 +229,16 @@ def assumed_pressure_scene(
 ) -> Scene:
     """Return the paper's scene of one design: static and assumed pressure on the instantaneous wet shell, no radiation.
 
+    Raises `ConvergenceError` if the shell gives way under its static load. The motion itself starts undeformed, as the
+    paper's.
+
     Parameters
     ----------
     shell : DeformedShell
         The shell about which stiff forces are linearised; undeformed.
-    pto : LinearPto
-    load : AssumedPressure
     density, gravity : float
         Of the water [kg/m^3], [m/s^2].
     motions : ndarray, shape (dof, free)
-
-    Raises
-    ------
-    ConvergenceError
-        If the shell gives way under its static load. The motion itself starts undeformed, as the paper's.
     """
     basis = shell.basis
     tangent = shell.hydrostatic_stiffness(density, gravity)

@@ -241,6 +241,10 @@ def constrained_optimum(
 ) -> ConstrainedOptimum:
     """Return the best force found at a port within limits, and the bound of every force within them.
 
+    Raises `ValueError` if the port is not passive at one of the frequencies; `StabilityError` if it is proved that no
+    force within its limit keeps the stroke limit; `NoForceFoundError` if no force with harmonics of the band does, but
+    another force might; `ConvergenceError`.
+
     Parameters
     ----------
     harmonics : Harmonics
@@ -250,19 +254,8 @@ def constrained_optimum(
         Its real part is positive.
     amplitude : ndarray, shape (harmonic,) [m]
         Of the waves.
-    limits : Limits
     tolerance : float [-]
         Relative tolerance on the power of the best force with harmonics of the band.
-
-    Raises
-    ------
-    ValueError
-        If the port is not passive at one of the frequencies.
-    StabilityError
-        If it is proved that no force within its limit keeps the stroke limit.
-    NoForceFoundError
-        If no force with harmonics of the band does, but another force might.
-    ConvergenceError
     """
     if not np.all(port.admittance.real > 0):
         worst = int(np.argmin(port.admittance.real))

@@ -62,8 +62,6 @@ class Ports:
     def matched_power(self) -> FloatArray:
         """Mean power under the optimal forces, V0^H (Re Y)^-1 V0/8 per squared amplitude, shape (omega,) [W/m^2].
 
-        Notes
-        -----
         Where ports radiate through fewer channels than there are ports and lose nothing else, Re Y is singular, and V0
         in its range.
         """
@@ -119,7 +117,6 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full") -> Dampe
 
     Parameters
     ----------
-    ports : Ports
     squares : ndarray, shape (omega,)
         Squared amplitudes [m^2]: of one sea, of several together, or of a year.
     kind : {'full', 'diagonal', 'uniform'}

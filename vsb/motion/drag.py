@@ -134,15 +134,12 @@ class DraggedPort:
     def equivalent(self, squares: FloatArray, damping: FloatArray, stiffness: FloatArray) -> FloatArray:
         """Return D of every load in every sea, shape (load, sea, dragged) [N s/m].
 
+        Raises `ConvergenceError` if the dampers of several directions do not converge.
+
         Parameters
         ----------
         squares : ndarray, shape (sea, omega) [m^2]
         damping, stiffness : ndarray, shape (load,) [N s/m], [N/m]
-
-        Raises
-        ------
-        ConvergenceError
-            If the dampers of several directions do not converge.
         """
         seen, single = self.seen(damping, stiffness), (squares > 0).sum(axis=1) == 1
         factor = np.where(single, REGULAR, GAUSSIAN * np.sqrt(0.5))
@@ -215,10 +212,8 @@ def best_damper(port: DraggedPort, squares: FloatArray, stiffness: float, effici
 
     Parameters
     ----------
-    port : DraggedPort
     squares : ndarray, shape (sea, omega) [m^2]
     stiffness : float [N/m]
-    efficiency : float
     """
     free = best_dampers(port.port, squares.sum(axis=0, keepdims=True), stiffness, efficiency).damping[0]
     if free == 0.0:
@@ -238,11 +233,9 @@ def best_pair(port: DraggedPort, squares: FloatArray, given: Load, efficiency: f
 
     Parameters
     ----------
-    port : DraggedPort
     squares : ndarray, shape (1, omega) [m^2]
     given : Load
         An optimal damper beside the given spring: the result absorbs no less.
-    efficiency : float
     """
     if not port.port.moves:
         return given

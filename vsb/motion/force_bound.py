@@ -43,10 +43,7 @@ SPACING = 1e-6
 class Harmonics:
     """Equally spaced frequencies (first + k) spacing and the instants of collocation in 2 pi/spacing.
 
-    Raises
-    ------
-    ValueError
-        If twice the first order is no whole number above 0: a signal and its limits would not repeat.
+    Raises `ValueError` if twice the first order is no whole number above 0: a signal and its limits would not repeat.
     """
 
     spacing: float  # [rad/s]
@@ -65,17 +62,14 @@ class Harmonics:
     def of_sea(cls, omega: FloatArray, lowest: float, highest: float) -> Self:
         """Return the harmonics of a sea's components in a band: of a regular wave its own, of others their grid.
 
+        Raises `ConfigError` if the components are no multiples of half their spacing: the sea does not repeat.
+
         Parameters
         ----------
         omega : ndarray, shape (component,) [rad/s]
             Ascending.
         lowest, highest : float [rad/s]
             The band, the sea within it.
-
-        Raises
-        ------
-        ConfigError
-            If the components are no multiples of half their spacing: the sea does not repeat.
         """
         spacing = float(np.diff(omega).min()) if len(omega) > 1 else float(omega[0])
         orders = omega / spacing
@@ -174,7 +168,6 @@ def mean_magnitude(harmonics: Harmonics, phasors: ComplexArray, cells: int = CEL
 
     Parameters
     ----------
-    harmonics : Harmonics
     phasors : ndarray, shape (harmonic,)
         c.
     cells : int
@@ -390,7 +383,6 @@ def force_bound(
         Free velocity V0 of the port in this sea.
     admittance : ndarray, shape (harmonic,) [m/(N s)]
         Y of the port, with a positive real part.
-    limits : Limits
     least : float [W]
         Lower bound of what any force within its limit absorbs in the band. Iteration stops once the bound is below:
         then no force keeps both limits.

@@ -327,12 +327,8 @@ class WaterPressure(Force):
 class TakeOff(Force):
     """f = -b clip(c V + k S, -limit, limit); for a time `latching_time` after each reversal of V, c differs and k is 0.
 
-    The force of friction at rest and the latching times are part of the motion, which gives this force.
-
-    Raises
-    ------
-    ValueError
-        Of friction without a limit: it would never move.
+    The force of friction at rest and the latching times are part of the motion, which gives this force. Raises
+    `ValueError` of friction without a limit: it would never move.
     """
 
     direction: FloatArray  # b (dof,) [-]
@@ -372,10 +368,7 @@ class TakeOff(Force):
 class PortForce(Force):
     """f = b F(S, V, t), F any smooth function of the port's motion and time: a take-off law of one's own.
 
-    Raises
-    ------
-    ConfigError
-        Where F is no finite number at every instant.
+    Raises `ConfigError` where F is no finite number at every instant.
     """
 
     direction: FloatArray  # b (dof,) [-]

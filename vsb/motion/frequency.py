@@ -113,8 +113,6 @@ class LinearEquation:
     ) -> Port:
         """Return `port` from the motions of `free_motion`.
 
-        Notes
-        -----
         Re Y is what a unit force loses, w^2 q^H (B + D) q: of a port that is nearly all spring, Re Y/|Y| down to
         1e-13, the real part of b.q is round-off.
         """

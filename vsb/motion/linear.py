@@ -138,10 +138,7 @@ class LinearSystem:
     def heading_index(self) -> int:
         """Place of the waves' direction among those of the database; 0 of a shell, whose orders answer all alike.
 
-        Raises
-        ------
-        DatabaseError
-            If it is not there.
+        Raises `DatabaseError` if it is not there.
         """
         if self.axisymmetric:
             return 0
@@ -173,12 +170,7 @@ class LinearSystem:
         return self._spline("added_mass"), damping, self._spline("excitation_force")
 
     def check_band(self, omega: FloatArray) -> None:
-        """Check that frequencies lie in the band solved.
-
-        Raises
-        ------
-        DatabaseError
-        """
+        """Check that frequencies lie in the band solved; raises `DatabaseError`."""
         first, last = self.database.omega.values[[0, -1]]
         if omega.size and (omega.min() < first - 1e-9 or omega.max() > last + 1e-9):
             received, holds = f"{omega.min():.4g} to {omega.max():.4g} rad/s", f"{first:g} to {last:g} rad/s"
@@ -193,13 +185,9 @@ class LinearSystem:
     def coefficients(self, omega: FloatArray) -> Coefficients:
         """Return the coefficients by cubic splines between solved frequencies.
 
-        Raises
-        ------
-        DatabaseError
-            Outside the band solved, or if a body's database does not hold the direction of the waves.
+        Raises `DatabaseError`: outside the band solved, or if a body's database does not hold the direction of the
+        waves.
 
-        Notes
-        -----
         Motions of one azimuthal order of a shell radiate through one channel, B = h X X^H (Haskind). With the damping
         computed this way the largest power, |V0|^2/(8 Re Y), is the same at every port, as exactly as h. The rest of
         the solver's damping is its error, which the check `rank_one` of the database judges, and which would exceed
@@ -302,17 +290,13 @@ class LinearSystem:
     def unrestrained(self, stiffness: FloatArray, motions: FloatArray) -> FloatArray:
         """Return the motions without restoring force, in those a design allows, shape (free, unrestrained).
 
-        Of a shell these can be surge, sway and yaw without mooring; water and elasticity hold the others.
+        Of a shell these can be surge, sway and yaw without mooring; water and elasticity hold the others. Raises
+        `StabilityError` if the system is unstable at rest.
 
         Parameters
         ----------
         stiffness : ndarray, shape (free, free) [N/m]
         motions : ndarray, shape (dof, free)
-
-        Raises
-        ------
-        StabilityError
-            If the system is unstable at rest.
         """
         if self.axisymmetric:
             loose = unrestrained_motions(stiffness, self.labels, motions)
@@ -337,13 +321,8 @@ class LinearSystem:
     def natural_modes(self, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return wet natural frequencies [rad/s] and damping ratios [-] with the take-off, ascending.
 
-        Raises
-        ------
-        StabilityError
-            If the system is unstable at rest.
+        Raises `StabilityError` if the system is unstable at rest.
 
-        Notes
-        -----
         w_i solves 1 = w^2 mu_i(w), the i-th eigenvalue, largest first, of M + A(w) against K + C. The stiffness is
         positive definite; inertia need not be, as the added mass of a nearly immersed buoy is negative at some
         frequencies. Unrestrained motions have no frequency; the others carry them along without force. The ratio counts
@@ -439,7 +418,6 @@ def with_open_chamber(buoy: LinearSystem, direction: FloatArray) -> LinearSystem
 
     Parameters
     ----------
-    buoy : LinearSystem
     direction : ndarray, shape (dof,)
         b of the volume port [m^2].
 
@@ -470,20 +448,16 @@ def linear_body(
 ) -> LinearSystem:
     """Return a body of any shape from a hydro database.
 
+    Raises `ConfigError` or `DatabaseError` if something is missing or makes no sense.
+
     Parameters
     ----------
-    database : xarray.Dataset
     dofs : sequence of str, optional
         Degrees of freedom in the order wanted, the others held; all of them.
     mass, damping, stiffness : ndarray, shape (dof, dof), optional
         Of the dry body, in the degrees of freedom wanted; of the database. Without structure: no damping, no stiffness.
     pto : LinearPto
         With its port over the degrees of freedom wanted; see `combination`.
-
-    Raises
-    ------
-    ConfigError, DatabaseError
-        If something is missing or makes no sense.
     """
     labels = [str(label) for label in database.influenced_dof.values]
     wanted = labels if dofs is None else [str(label) for label in dofs]

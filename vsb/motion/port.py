@@ -39,12 +39,8 @@ _ROUND_OFF = 1e-6
 class Port:
     """Thevenin's equivalent of one design at its port, over frequency.
 
-    Units are those of a force port; of a volume port, pressure and volume flow take their place.
-
-    Raises
-    ------
-    DatabaseError
-        If the port is not passive, because its coefficients are not.
+    Units are those of a force port; of a volume port, pressure and volume flow take their place. Raises `DatabaseError`
+    if the port is not passive, because its coefficients are not.
 
     Examples
     --------
@@ -99,8 +95,6 @@ class Port:
     def matched_power(self) -> FloatArray:
         """Mean power under the optimal force, |V0|^2/(8 Re Y) per squared amplitude, shape (omega,) [W/m^2].
 
-        Notes
-        -----
         Of axisymmetric motion without structural loss J lambda/(2 pi), J the energy flux, whatever port and shell:
         there is one radiation channel, so |V0|^2 and Re Y are the same square of one radiated amplitude.
         """
@@ -222,7 +216,6 @@ def port_direction(choice: PortChoice, shape: DeformedShell, orders: Sequence[Or
 
     Parameters
     ----------
-    choice : "heave", "surge", "pitch", "volume" or a section of `vsb.study.take_off.PortChoice`
     shape : DeformedShell
         The shape at rest.
     orders : sequence of OrderBasis
@@ -322,10 +315,7 @@ def _axisymmetric_port(
 def combination(labels: Sequence[str], shares: Mapping[str, float]) -> FloatArray:
     """Return b of a port that moves with a combination of degrees of freedom, b.q = sum of share times amplitude.
 
-    Raises
-    ------
-    ConfigError
-        If a degree of freedom is not there, or the combination is none.
+    Raises `ConfigError` if a degree of freedom is not there, or the combination is none.
     """
     if unknown := sorted(set(shares) - set(labels)):
         raise ConfigError(f"pto.port: received {', '.join(unknown)}; needs some of {', '.join(labels)}.")
@@ -367,6 +357,8 @@ class LinearPto:
     def relaxed(self, compliance: float) -> tuple["LinearPto", float]:
         """Return the spring beside a damper behind a compliance that does what damper and spring do behind another.
 
+        Raises `ConfigError` if a negative spring makes the chamber statically unstable.
+
         Parameters
         ----------
         compliance : float
@@ -378,11 +370,6 @@ class LinearPto:
             k/(1 + k C) and c/(1 + k C)^2.
         float
             C (1 + k C), in series with that damper alone.
-
-        Raises
-        ------
-        ConfigError
-            If a negative spring makes the chamber statically unstable.
 
         Notes
         -----

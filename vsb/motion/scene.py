@@ -167,10 +167,7 @@ class Scene:
 def resting(scene: Scene) -> FloatArray:
     """Return y of a body-exact scene at rest in still water, shape (free,) [m], by Newton's method.
 
-    Raises
-    ------
-    ConvergenceError
-        If the scene does not come to rest.
+    Raises `ConvergenceError` if the scene does not come to rest.
     """
     water, y = scene.water, np.zeros(scene.motions.shape[1])
     assert water is not None

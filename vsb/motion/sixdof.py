@@ -113,8 +113,6 @@ class Elastic:
 class Body:
     """Inertia of shell and ballast: constant, linear and quadratic in the modal amplitudes, exactly.
 
-    Notes
-    -----
     T = 1/2 m v.v + 1/2 w.J(eta) w + 1/2 eta'.M eta' + v.R (S w x e3 + S' e3), with S(eta) = sum eta_j a_j and
     a_j e3 = int psi_j dm. Eq. 17 drops every product of two different velocities. Of these,
 
@@ -180,8 +178,6 @@ class Body:
     def velocity_terms(self, state: State) -> FloatArray:
         """Return the terms quadratic in the velocities: M V' + these = forces; shape (6 + mode,) [N, N m, N].
 
-        Notes
-        -----
         Force R (2 S' w x e3 + S w x (w x e3)); torque J' w + w x J w; modal -1/2 w.(dJ/deta) w. Eq. 33 has J' w only:
         w x J w comes of the body axes. Eq. 69 has no centrifugal force on the modes, without which energy is not
         conserved. Modal Coriolis forces vanish: int psi_j.(w x psi_k) dm = 0.
@@ -356,10 +352,8 @@ def integrate(
 ) -> FloatArray:
     """Return the motion of a scene from `start` at time[0], shape (time, state), by DOP853 with step control.
 
-    Raises
-    ------
-    StabilityError
-        If the attitude coordinates fail, at any step and not only at recorded times, or no step is small enough.
+    Raises `StabilityError` if the attitude coordinates fail, at any step and not only at recorded times, or no step is
+    small enough.
     """
     if scene.margin(time[0], start) <= 0.0:
         raise scene.failure(time[0], start)
@@ -420,8 +414,6 @@ def _wet_cosines(a: FloatArray, b: FloatArray) -> FloatArray:
 class Hydrostatic:
     """Pressure -rho g Z on the wet part of the tilted, deformed shell.
 
-    Notes
-    -----
     Q = -int p n.(dr/dq) dS = rho g int Z n.(dr/dq) dS with n dS = x (-zeta' e_x + x' e_3) dphi dtheta in body axes.
     Where a circle of colatitude touches the water's plane the integrand is as smooth as a power 3/2; the points crowd
     there like a sine, which makes it analytic: convergence is spectral at every tilt. No tilt, no azimuth: the force

@@ -215,22 +215,12 @@ class System:
         return [name for name in self.foreign if not isinstance(self.scene.forces[name], ShellForce)]
 
     def check_smooth(self) -> None:
-        """Check that no force switches: compiled steps know smooth forces only.
-
-        Raises
-        ------
-        ValueError
-        """
+        """Check that no force switches: compiled steps know smooth forces only; raises `ValueError`."""
         if self.switching:
             raise ValueError("received a take-off that switches, needs smooth forces; use `switched`.")
 
     def check_compiled(self) -> None:
-        """Check that the compiled n holds all nonlinear forces.
-
-        Raises
-        ------
-        ValueError
-        """
+        """Check that the compiled n holds all nonlinear forces; raises `ValueError`."""
         self.check_smooth()
         if self.foreign:
             raise ValueError(

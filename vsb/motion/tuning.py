@@ -74,7 +74,6 @@ def electrical_power(
     damping, stiffness : ndarray [N s/m], [N/m]
     speed, stroke : ndarray
         Mean squares of velocity and displacement [m^2/s^2], [m^2].
-    efficiency : float
 
     Notes
     -----
@@ -98,10 +97,8 @@ def mean_power(
 
     Parameters
     ----------
-    port : Port
     squares : ndarray, shape (sea, omega) [m^2]
     damping, stiffness : ndarray, shape (sea,) [N s/m], [N/m]
-    efficiency : float
     """
     square = 0.5 * squares * port.speed_under(damping, stiffness)
     return electrical_power(damping, stiffness, square.sum(axis=1), (square / port.omega**2).sum(axis=1), efficiency)
@@ -209,11 +206,9 @@ def best_pairs(port: Port, squares: FloatArray, given: Load, efficiency: float =
 
     Parameters
     ----------
-    port : Port
     squares : ndarray, shape (sea, omega) [m^2]
     given : Load
         Lower bound: an optimal damper beside the given spring.
-    efficiency : float
     """
     if not port.moves or not squares.any():
         return given
@@ -379,8 +374,6 @@ FLAT = 1e-9
 def dampers(port: Port) -> FloatArray:
     """Return dampers among which the optimum of any sea lies, evenly spread in logarithm, shape (damper,) [N s/m].
 
-    Notes
-    -----
     No sea's optimal damper is outside the range of |Z|; the table extends beyond for the polynomials.
     """
     sizes = np.log(port.best_damping)

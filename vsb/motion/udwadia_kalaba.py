@@ -52,17 +52,14 @@ class Constraint:
 def udwadia_kalaba(mass: FloatArray, rows: FloatArray) -> Constraint:
     """Return the constraint Phi q = 0 in Udwadia and Kalaba's form.
 
+    Raises `ConfigError` if the rank of the rows cannot be decided.
+
     Parameters
     ----------
     mass : ndarray, shape (dof, dof) [kg]
         M, with the added mass at infinite frequency; positive definite.
     rows : ndarray, shape (constraint, dof) [-]
         Phi, from `ModeBasis.clamp_rows`; repeated and zero rows are harmless.
-
-    Raises
-    ------
-    ConfigError
-        If the rank of the rows cannot be decided.
 
     Notes
     -----
@@ -80,6 +77,8 @@ def udwadia_kalaba(mass: FloatArray, rows: FloatArray) -> Constraint:
 def constrained(scene: Scene, rows: FloatArray, rate: float = 0.0) -> System:
     """Return a scene with all coordinates free but for the rows, Phi q = 0, enforced by Eq. 90.
 
+    Raises `ValueError` if the scene is not linear: what is not would push at the clamps.
+
     Parameters
     ----------
     scene : Scene
@@ -88,11 +87,6 @@ def constrained(scene: Scene, rows: FloatArray, rate: float = 0.0) -> System:
         Phi, from `ModeBasis.clamp_rows`.
     rate : float
         Rate gamma of Baumgarte's stabilisation [1/s]; 0 is the paper's b = 0.
-
-    Raises
-    ------
-    ValueError
-        If the scene is not linear: what is not would push at the clamps.
 
     Notes
     -----

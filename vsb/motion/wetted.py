@@ -172,7 +172,6 @@ def wet_force(shape: Shape, q: FloatArray, static: FloatArray, uniform: FloatArr
 
     Parameters
     ----------
-    shape : Shape
     q : ndarray, shape (dof,) [m]
     static, uniform : ndarray, shape (dof,)
         Filled with the forces [m^3] and [m^2].

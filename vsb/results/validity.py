@@ -118,8 +118,6 @@ def rms_of_motions(
 
     Parameters
     ----------
-    waves : SeveralInWaves
-    climate : Climate
     matrices : ndarray, shape (matrix, port, port)
     chosen : ndarray, shape (sea,)
         The matrix of each sea.

@@ -415,10 +415,7 @@ def _absorbed(
 def variance_outside(omega: Mapping[str, FloatArray], climate: Climate) -> str:
     """Return in words how much of the variance of a climate lies beyond the frequencies of designs [rad/s].
 
-    Raises
-    ------
-    ConfigError
-        If it is more than a hundredth.
+    Raises `ConfigError` if it is more than a hundredth.
     """
     low, high = (f(float(one[k]) for one in omega.values()) for f, k in ((max, 0), (min, -1)))
     outside = climate.variance_outside(low, high)

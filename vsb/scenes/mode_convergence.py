@@ -286,7 +286,6 @@ def powers_of_ports(
     ----------
     ports : mapping design -> Port or Ports
         The latter of a damper matrix.
-    pto : Pto
     squares : ndarray, shape (sea, omega) [m^2]
         Squared amplitudes.
     families : sequence of int, optional
@@ -355,7 +354,6 @@ def converged_degree(spec: DegreeSpec, climate: Climate | None = None) -> int:
 
     Parameters
     ----------
-    spec : DegreeSpec
     climate : Climate, optional
         The seas of a year: its mean spectrum, from which its mean power follows, takes the place of the waves.
     """

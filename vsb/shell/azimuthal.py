@@ -29,7 +29,6 @@ def azimuthal_stiffness(basis: OrderBasis, loaded: LoadedShell, q: FloatArray) -
     ----------
     basis : OrderBasis
         Of the sphere.
-    loaded : LoadedShell
     q : ndarray, shape (dof,) [m]
         Its heave and axisymmetric modes at rest.
     """

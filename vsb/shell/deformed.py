@@ -289,7 +289,6 @@ def enclosed(basis: ModeBasis, modal_amplitude: FloatArray, points: int = 0) -> 
 
     Parameters
     ----------
-    basis : ModeBasis
     modal_amplitude : ndarray, shape (time, dof) [m]
         Heave and modal amplitudes; heave is without effect.
     points : int

@@ -217,12 +217,7 @@ def equilibrium(loaded: LoadedShell, motions: FloatArray | None = None) -> Float
     """Return the static equilibrium reached from the undeformed shell as the load grows, shape (dof,) [m].
 
     Trapped gas loses pressure as the shell expands, and so leads a shell of rubber past the limit point it would burst
-    at under constant pressure.
-
-    Raises
-    ------
-    ConvergenceError
-        If `stable_path` ends before the whole load is reached.
+    at under constant pressure. Raises `ConvergenceError` if `stable_path` ends before the whole load is reached.
     """
     path = stable_path(loaded, motions)
     if path.reached < 1.0:

@@ -94,8 +94,6 @@ DISTINCT = 1e-8
 def membrane_block(shell: Shell, degree: int) -> FloatArray:
     """Return the membrane stiffness of (V, U) of one degree, shape (2, 2) [N/m].
 
-    Notes
-    -----
     From U_m = pi E h/(1-nu^2) int (ef^2 + et^2 + 2 nu ef et) r^2 sin phi dphi, Eqs. 21-23, with
     ef = (u' + v)/r, et = (u cot phi + v)/r and int P_n^2 sin phi dphi = 2/(2n+1). The cross term of Eq. 61 is kept;
     Eq. 63 prints squares in its place, which does not give Table I.
@@ -108,8 +106,6 @@ def membrane_block(shell: Shell, degree: int) -> FloatArray:
 def bending_block(shell: Shell, degree: int) -> FloatArray:
     """Return the bending stiffness of (V, U) of one degree, shape (2, 2) [N/m].
 
-    Notes
-    -----
     From U_b = pi D int (kf^2 + kt^2 + 2 nu kf kt) r^2 sin phi dphi with kf = -(v'' - u')/r^2,
     kt = -cot phi (v' - u)/r^2. The paper's stiffness (Eq. 63) has no bending.
     """
@@ -302,16 +298,13 @@ def _allowed(basis: ModeBasis, colatitudes: tuple[float, ...]) -> FloatArray:
 def check_rank(rows: FloatArray) -> int:
     """Return the number of independent constraints among the rows.
 
+    Raises `ConfigError` if a singular value lies between `SAME` and `DISTINCT` of the largest: clamps so close that
+    round-off decides whether they are one or two.
+
     Parameters
     ----------
     rows : ndarray, shape (constraint, dof) [-]
         Phi, from `ModeBasis.clamp_rows`; repeated and zero rows are harmless.
-
-    Raises
-    ------
-    ConfigError
-        If a singular value lies between `SAME` and `DISTINCT` of the largest: clamps so close that round-off decides
-        whether they are one or two.
 
     Notes
     -----
@@ -339,8 +332,6 @@ def _branches(shell: Shell, degree: int) -> FloatArray:
 def paper_ratio(shell: Shell, degree: int) -> float:
     """Return the paper's amplitude ratio V/U, C_n = (1 + (1+nu) Omega^4)/(1 - Omega^4).
 
-    Notes
-    -----
     The right ratio is (1 + (1+nu) Omega^2)/(1 - Omega^2): Omega^2 was squared once too often. With the slip, and
     Omega that of the membrane alone (h -> 0), the Rayleigh quotient gives the paper's Table I, "Rayleigh-Ritz" column,
     to 7e-12; with Omega of the bending shell to 4e-8 only; without the slip the true frequency.
@@ -369,7 +360,6 @@ def mode_basis(device: Device, basis: Basis, degree: int) -> ModeBasis:
 
     Parameters
     ----------
-    device : Device
     basis : {"paper", "membrane", "full"}
         One slipped shape per degree and membrane energy (the publication); the upper branch; both branches.
     degree : int

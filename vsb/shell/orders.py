@@ -98,10 +98,7 @@ class Ballast(NamedTuple):
 def ballast_of(device: Device) -> Ballast:
     """Return mass and balance of a device.
 
-    Raises
-    ------
-    ConfigError
-        If the device does not give them.
+    Raises `ConfigError` if the device does not give them.
     """
     if device.centre_of_mass is None or device.ballast_inertia is None:
         raise ConfigError("device: received no centre_of_mass or no ballast_inertia; pitch needs both.")
@@ -223,7 +220,6 @@ class OrderBasis:
         Parameters
         ----------
         colatitude : ndarray, shape (point,) [rad]
-        derivative : int
         """
         m, sin, cos = self.order, np.sin(colatitude), np.cos(colatitude)
         rows = []
@@ -405,7 +401,6 @@ def geometric_stiffness(
 
     Parameters
     ----------
-    basis : OrderBasis
     colatitude, area : ndarray, shape (point,)
         Quadrature points [rad], and the area of the ring of each [m^2].
     meridional, hoop : ndarray, shape (point,)

@@ -50,8 +50,6 @@ def strains(meridian: RestMeridian, degree: int, phi: FloatArray) -> Strains:
 
     Parameters
     ----------
-    meridian : RestMeridian
-    degree : int
     phi : ndarray, shape (point,) [rad]
         Between the poles.
     """
@@ -93,12 +91,8 @@ class Matrices(NamedTuple):
 def matrices(shell: Shell, degree: int) -> Matrices:
     """Return mass and stiffness over radial displacements of degrees 0..degree and meridional ones of 1..degree.
 
-    The points of the quadrature are doubled until nothing changes.
-
-    Raises
-    ------
-    ConvergenceError
-        If `MOST_POINTS` do not suffice.
+    The points of the quadrature are doubled until nothing changes. Raises `ConvergenceError` if `MOST_POINTS` do not
+    suffice.
     """
     points = 32 + 2 * (degree + len(shell.meridian.axial))
     coarse = _integrated(shell, degree, points)
@@ -161,7 +155,6 @@ def natural_modes(shell: Shell, degree: int) -> NaturalModes:
 
     Parameters
     ----------
-    shell : Shell
     degree : int
         Highest degree of the displacements; at least 1. There are 2 * degree modes.
 

@@ -72,7 +72,6 @@ def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArra
 
     Parameters
     ----------
-    degree : int
     colatitude : ndarray, shape (point,) [rad]
 
     Returns
@@ -217,7 +216,6 @@ def frequency_parameter(shell: Shell, degree: int) -> tuple[float, float]:
 
     Parameters
     ----------
-    shell : Shell
     degree : int
         Legendre degree n >= 0. The lower value is 0 for n = 0 (no such mode) and n = 1 (rigid heave).
 
@@ -246,8 +244,6 @@ def frequency_parameter(shell: Shell, degree: int) -> tuple[float, float]:
 def natural_frequencies(shell: Shell, degree: int) -> FloatArray:
     """Return the closed-form dry natural frequencies (lower, upper) of one degree, shape (2,) [rad/s].
 
-    Notes
-    -----
     omega = sqrt(E/rho)/r Omega. Eq. 56 of the paper prints Omega^2 in the denominator; Table I is met with
     it in the numerator, E = 10 MPa, r = 2 m and rho = 2700 kg/m^3 (the paper states no density).
     """

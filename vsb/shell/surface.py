@@ -28,8 +28,6 @@ def enclosed_in_orders(
 
     Parameters
     ----------
-    basis : ModeBasis
-    orders : sequence of OrderBasis
     amplitudes : ndarray, shape (time, dof) [m]
         Of all degrees of freedom, axisymmetric ones first; rigid ones are without effect.
 
@@ -96,8 +94,6 @@ def largest_deformation(basis: ModeBasis, orders: Sequence[OrderBasis], amplitud
 
     Parameters
     ----------
-    basis : ModeBasis
-    orders : sequence of OrderBasis
     amplitudes : ndarray, shape (dof,) [m]
         Of all degrees of freedom, axisymmetric ones first; rigid ones are without effect.
     """

@@ -42,13 +42,9 @@ def with_degree(plan: Plan) -> Plan: ...
 def with_degree(plan: Plan) -> Plan:
     """Return a plan whose shell modes have a degree: the one given, or the least that meets `modes.tolerance`.
 
-    Of a campaign it is the largest of those of its study and of the points with the least and the largest value of
-    each key.
-
-    Raises
-    ------
-    ConfigError
-        If the shell of a study does not carry its load, so that it has no modes about its equilibrium.
+    Of a campaign it is the largest of those of its study and of the points with the least and the largest value of each
+    key. Raises `ConfigError` if the shell of a study does not carry its load, so that it has no modes about its
+    equilibrium.
     """
     if isinstance(plan, BodyPlan | DesignPlan):  # an optimum has modes of its own
         return plan
@@ -65,10 +61,7 @@ def with_degree(plan: Plan) -> Plan:
 def degree_needed(plan: StudyPlan | CampaignPlan) -> int:
     """Return the least degree of the full basis that meets `modes.tolerance`, whatever degree is given.
 
-    Raises
-    ------
-    ConfigError
-        If the shell of a study does not carry its load, so that it has no modes about its equilibrium.
+    Raises `ConfigError` if the shell of a study does not carry its load, so that it has no modes about its equilibrium.
     """
     if isinstance(plan, StudyPlan):
         return _degree(degree_spec(_converged(plan.study)), plan.root)

@@ -26,10 +26,7 @@ SECONDS = (20.0, 2e-5)
 def open_regular(path: str | Path) -> io.BufferedReader:
     """Open a file to read its bytes.
 
-    Raises
-    ------
-    OSError
-        If it cannot be opened, or is a pipe or a device, which may have no end.
+    Raises `OSError` if it cannot be opened, or is a pipe or a device, which may have no end.
     """
     if not stat.S_ISREG(os.stat(path).st_mode):
         raise OSError(errno.EINVAL, "it is no regular file", str(path))
@@ -45,12 +42,8 @@ def read_bounded(path: str | Path, largest: int = LARGEST) -> bytes:
 def read_unpacked(path: str | Path) -> bytes:
     """Return what a file holds, unpacked if it is packed with gzip.
 
-    Raises
-    ------
-    OSError
-        As of `read_bounded`, of what is unpacked as well.
-    gzip.BadGzipFile, EOFError, zlib.error
-        If it is packed, and cut or damaged.
+    Raises `OSError` as of `read_bounded`, of what is unpacked as well; `gzip.BadGzipFile`, `EOFError` or `zlib.error`
+    if it is packed, and cut or damaged.
     """
     data = read_bounded(path)
     if not data.startswith(b"\x1f\x8b"):
@@ -77,10 +70,7 @@ def sha256_of(path: str | Path) -> str:
 def bounded_reading(path: str | Path) -> Iterator[None]:
     """Bound memory and time by the size of a file while a library reads it.
 
-    Raises
-    ------
-    OSError, MemoryError, TimeoutError
-        See `open_regular`; if it takes more.
+    Raises `OSError`, `MemoryError` or `TimeoutError` see `open_regular`; if it takes more.
     """
     with open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size

@@ -50,12 +50,7 @@ def _obstacle(folder: Path) -> str:
 
 
 def check_folder(folder: str | Path) -> None:
-    """Check that files can be written into a folder, existing or not, before hours of work.
-
-    Raises
-    ------
-    DatabaseError
-    """
+    """Check that files can be written into a folder, existing or not, before hours of work; raises `DatabaseError`."""
     if reason := _obstacle(Path(folder)):
         raise DatabaseError(f"{folder}: cannot be written ({reason}); needs a folder you may write to")
 
@@ -63,9 +58,7 @@ def check_folder(folder: str | Path) -> None:
 def check_file(path: str | Path) -> None:
     """Check that a file can be written, see `check_folder`; folders and devices are never replaced.
 
-    Raises
-    ------
-    DatabaseError
+    Raises `DatabaseError`.
     """
     reason = _obstacle(Path(path).absolute().parent)
     if not reason and os.path.exists(path) and not os.path.isfile(path):
@@ -78,10 +71,7 @@ def check_file(path: str | Path) -> None:
 def atomic_write(path: str | Path) -> Iterator[Path]:
     """Yield a temporary file to write, which replaces `path` when it is complete; after an error nothing is left.
 
-    Raises
-    ------
-    DatabaseError
-        If it cannot be written: no permission, no space left, no such place.
+    Raises `DatabaseError` if it cannot be written: no permission, no space left, no such place.
     """
     check_file(path)
     target = Path(path)
@@ -129,10 +119,7 @@ def write_text(path: str | Path, text: str) -> None:
 def read_text(path: str | Path) -> str:
     """Read a text file, packed with gzip or not, in UTF-8 or UTF-16, with or without byte-order mark.
 
-    Raises
-    ------
-    ConfigError
-        If it cannot be read or is no text.
+    Raises `ConfigError` if it cannot be read or is no text.
     """
     try:
         data = read_unpacked(path)
@@ -175,10 +162,7 @@ def separated(ds: "xr.Dataset") -> "xr.Dataset":
 def merged(ds: "xr.Dataset") -> "xr.Dataset":
     """Return the dataset with complex variables put together again: the inverse of `separated`.
 
-    Raises
-    ------
-    DatabaseError
-        If a dimension of that name holds anything but real and imaginary parts.
+    Raises `DatabaseError` if a dimension of that name holds anything but real and imaginary parts.
     """
     if "complex" not in ds.dims:
         return ds
@@ -256,10 +240,8 @@ def _plain(data: object) -> bytes:
 def read_groups(path: str | Path) -> "dict[str, xr.Dataset]":
     """Read all groups of a netCDF file as they are stored.
 
-    Raises
-    ------
-    DatabaseError
-        If the file is missing, not netCDF, or its contents are not those its `checksum` was taken of.
+    Raises `DatabaseError` if the file is missing, not netCDF, or its contents are not those its `checksum` was taken
+    of.
     """
     if not Path(path).is_file():
         raise DatabaseError(f"{path}: file not found; run the rule that makes it (vsb run CONFIG).")
@@ -281,13 +263,7 @@ def read_groups(path: str | Path) -> "dict[str, xr.Dataset]":
 
 
 def attributes(path: str | Path) -> dict[str, Any]:
-    """Return the attributes of a netCDF file after checking its contents.
-
-    Raises
-    ------
-    DatabaseError
-        See `read_groups`.
-    """
+    """Return the attributes of a netCDF file after checking its contents; raises `DatabaseError` see `read_groups`."""
     if not sealed(path):
         return read_groups(path)[ROOT].attrs
     import netCDF4
@@ -316,8 +292,6 @@ def load(path: str | Path, group: str = ROOT, *, expected: str | None = None) ->
 
     Parameters
     ----------
-    path : str or Path
-    group : str
     expected : str, optional
         Content id the file must carry.
 
@@ -338,12 +312,7 @@ def load(path: str | Path, group: str = ROOT, *, expected: str | None = None) ->
 
 
 def check_stamp(attrs: Mapping[str, Any], expected: str, path: str | Path) -> None:
-    """Check that a file carries the content id expected, and a checksum.
-
-    Raises
-    ------
-    DatabaseError
-    """
+    """Check that a file carries the content id expected, and a checksum; raises `DatabaseError`."""
     found = attrs.get("spec_id")
     if found != expected:
         raise DatabaseError(f"{path}: holds {found!r}, needs {expected!r}: stale or foreign; {DELETE}.")

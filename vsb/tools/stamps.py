@@ -80,10 +80,7 @@ Manifest = dict[str, Stamp]
 def read_manifest(path: str | Path) -> Manifest:
     """Return the stamps of a manifest by path; none if there is no manifest.
 
-    Raises
-    ------
-    DatabaseError
-        If it is no manifest, or names files outside the results, which healing would move.
+    Raises `DatabaseError` if it is no manifest, or names files outside the results, which healing would move.
     """
     folder = Path(path).parent
     try:
@@ -107,17 +104,15 @@ def _inside(folder: Path, name: str) -> str:
 def check_output(path: str | Path, inputs: Iterable[str | Path]) -> None:
     """Check that an output file named by a user can be written and replaces at most earlier output.
 
+    Raises `DatabaseError` if it cannot be written, or is an input, a study file, a product of a run or a file of the
+    user.
+
     Parameters
     ----------
     path : str or Path
         File to write.
     inputs : iterable of paths
         Files that are read.
-
-    Raises
-    ------
-    DatabaseError
-        If it cannot be written, or is an input, a study file, a product of a run or a file of the user.
     """
     check_file(path)
     if not os.path.exists(path):
@@ -174,10 +169,7 @@ def record(manifest: str | Path, spec_id: str, paths: Iterable[str | Path]) -> N
 def read_text(path: str | Path, manifest: str | Path, expected: str) -> str:
     """Read a text product after comparing it with its stamp.
 
-    Raises
-    ------
-    DatabaseError
-        If the file is missing, not the one expected, or damaged.
+    Raises `DatabaseError` if the file is missing, not the one expected, or damaged.
     """
     if not Path(path).is_file():
         raise DatabaseError(f"{path}: file not found; run the rule that makes it (vsb run CONFIG).")

@@ -49,12 +49,7 @@ def described(ds: "xr.Dataset") -> "xr.Dataset":
     """Return the dataset with dimensions in order and units on everything but labels.
 
     Coordinates listed in the attribute `varied`, keys of a study, keep their own units. The attribute `port_kind` says
-    what the take-off acts with.
-
-    Raises
-    ------
-    DatabaseError
-        If a variable is not registered.
+    what the take-off acts with. Raises `DatabaseError` if a variable is not registered.
     """
     varied = set(str(ds.attrs.get("varied", "")).split())
     numbers = {name: variable for name, variable in ds.variables.items() if variable.dtype.kind not in "OSU"}

@@ -271,10 +271,7 @@ def _check_centre_of_mass(body: FlexibleBody) -> None:
 def check_apart(body: FlexibleBody) -> None:
     """Check that the separate parts of a mesh lie outside each other and share no panel.
 
-    Raises
-    ------
-    ConfigError
-        If two of them overlap or touch, or a panel occurs twice.
+    Raises `ConfigError` if two of them overlap or touch, or a panel occurs twice.
     """
     corners = np.sort(owners(body.vertices)[body.faces], axis=1)
     _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
@@ -371,8 +368,6 @@ def panel_diameters(body: FlexibleBody) -> FloatArray:
 def panels_per_lobe(body: FlexibleBody) -> float:
     """Return the panels in half a wavelength of the shortest of the displacements, infinite if all are rigid [-].
 
-    Notes
-    -----
     The wavenumber of a displacement psi is k, k^2 = int |grad psi|^2 dS/int |psi|^2 dS, over the surface, psi linear in
     every half of a panel: sqrt(n(n + 1) + 2)/r of P_n e_r on a sphere. Rigid motions are exact on any panels.
     """

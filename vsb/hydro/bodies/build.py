@@ -33,12 +33,8 @@ class Solid(NamedTuple):
 def build_body(file: BodyFile, paths: Mapping[str, str | Path]) -> FlexibleBody:
     """Return the body of a body file, its files found at `paths`, by key.
 
-    Panels above the water are cut off, those without area dropped: the body's `history` records it.
-
-    Raises
-    ------
-    ConfigError
-        In one line, whatever is wrong with the files, or missing of the dry body.
+    Panels above the water are cut off, those without area dropped: the body's `history` records it. Raises
+    `ConfigError`: in one line, whatever is wrong with the files, or missing of the dry body.
     """
     if file.rigid_motions is None:
         return read_body(paths["mesh"], paths["modes"], file.water.gravity)

@@ -35,8 +35,6 @@ def free_free_root(n: int) -> float:
 def free_free_shape(n: int, s: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the n-th bending mode of a free beam on -1 <= s <= 1, one at s = 1, and its derivative by s.
 
-    Notes
-    -----
     (cos ks/cos k + cosh ks/cosh k)/2 for odd n, likewise with sines for even n, the hyperbolic part as
     e^{k(|s| - 1)} (1 +- e^{-2k|s|})/(1 +- e^{-2k}): no difference of large numbers in modes of any order.
     """
@@ -102,13 +100,7 @@ class Hull(NamedTuple):
 
     @property
     def mass_height(self) -> float:
-        """Height of the centre of mass [m].
-
-        Raises
-        ------
-        ConfigError
-            If it is not known.
-        """
+        """Height of the centre of mass [m]; raises `ConfigError` if it is not known."""
         if self.centre_of_mass is None:
             raise ConfigError(
                 "centre_of_mass: received none, and the mesh is not closed above the water; needs it, because sections "
@@ -127,10 +119,7 @@ class Hull(NamedTuple):
 def line_modes(families: ModeFamilies, hull: Hull) -> list[LineMode]:
     """Return the modes of a hull: bending or polynomials first, then hinges; none of them carries vertical momentum.
 
-    Raises
-    ------
-    ConfigError
-        If a hinge lies outside the hull, or the centre of mass is not known.
+    Raises `ConfigError` if a hinge lies outside the hull, or the centre of mass is not known.
     """
     found = []
     if line := families.bending or families.polynomial:

@@ -70,12 +70,8 @@ def read_mesh(path: str | Path) -> tuple[FloatArray, IntArray]:
     """Return vertices (vertex, xyz) [m] and panels (panel, 4) of a mesh file.
 
     Quadrilaterals and triangles of any format meshio reads, in the order of the file; WAMIT, NEMOH, Hydrostar and HAMS
-    panels; or netCDF with `vertices` (vertex, xyz) and `faces` (panel, corner). Extensions may be capitals.
-
-    Raises
-    ------
-    ConfigError
-        In one line, whatever is wrong with the file.
+    panels; or netCDF with `vertices` (vertex, xyz) and `faces` (panel, corner). Extensions may be capitals. Raises
+    `ConfigError`: in one line, whatever is wrong with the file.
     """
     if not Path(path).is_file():
         raise ConfigError(f"{path}: mesh not found; needs the path of a mesh file, from the folder of the body file")
@@ -164,10 +160,7 @@ def read_gdf(path: Path) -> Gdf:
 def length_unit(mesh: str | Path, gravity: float) -> float:
     """Return the unit of length of a mesh [m]: that of a GDF whose GRAV is in feet/s^2 is 0.3048, all others are 1.
 
-    Raises
-    ------
-    ConfigError
-        If GRAV is that of water of a gravity [m/s^2] in neither unit.
+    Raises `ConfigError` if GRAV is that of water of a gravity [m/s^2] in neither unit.
     """
     path = Path(mesh)
     if path.suffix.lower() != ".gdf":
@@ -189,12 +182,7 @@ def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None)
     `structural_stiffness` (influenced_dof, radiating_dof), `centre_of_mass` (xyz), or (part, xyz) where separate parts
     do not all turn alike, and `second_order` (influenced_dof, radiating_dof, vertex, xyz), the second derivatives
     d2x/dq_i dq_j of the corners' positions [1/m]. Panels above the water are cut off and those without area dropped,
-    which the body's `history` records.
-
-    Raises
-    ------
-    ConfigError
-        In one line, whatever is wrong with the files.
+    which the body's `history` records. Raises `ConfigError`: in one line, whatever is wrong with the files.
     """
     vertices, faces = read_mesh(mesh)
     labels, values, by_vertex, known = _displacements(modes, (len(vertices), len(faces)), mesh)

@@ -19,11 +19,7 @@ def hull_panels(hull: SphereHull | CylinderHull | CapsuleHull | BoxHull) -> tupl
     """Return vertices (vertex, xyz) [m] and panels (panel, 4) of a plain hull on the z axis, normals outward.
 
     Round waterlines are polygons of the circle's area, their corners in multiples of four: both planes are symmetric.
-
-    Raises
-    ------
-    ConfigError
-        If the panels are too many.
+    Raises `ConfigError` if the panels are too many.
     """
     if isinstance(hull, BoxHull):
         return _box(hull)

@@ -13,8 +13,6 @@ from vsb.tools.arrays import FloatArray
 def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) -> FloatArray:
     """Return the stiffness of still water (and of weight, for rotations), shape (dof, dof) [N/m].
 
-    Notes
-    -----
     The displaced volume V has the energy U = -rho g int_V z dV = -(rho g/2) int_S z^2 n_z dS. C is the second
     derivative of U and of the weight's energy along x = x_0 + sum q_i psi_i + sum q_i q_j chi_ij/2. The second-order
     part chi depends on the displacements:
@@ -59,8 +57,6 @@ def hydrostatic_stiffness(body: FlexibleBody, density: float, gravity: float) ->
 def hinge_gap(body: FlexibleBody) -> float | None:
     """Return the largest relative change of a hinge's stiffness if its gap is sealed against water; None without one.
 
-    Notes
-    -----
     The gap opens by psi.n between the walls that close the pieces; as part of the body it adds 2 int_walls w psi.n dS.
     With the wetted surface S, on which waves are solved as if the gap were sealed, and the waterplane these walls
     close every piece: int_walls w psi.n dS = int_V psi.grad w dV - int_S w psi.n dS - int_waterplane w^2 dA.

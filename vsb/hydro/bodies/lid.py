@@ -42,8 +42,6 @@ def waterlines(body: FlexibleBody) -> list[FloatArray]:
 def first_irregular_frequency(body: FlexibleBody, gravity: float) -> float:
     """Return a lower bound of the irregular frequencies of a body [rad/s], infinite without a waterline.
 
-    Notes
-    -----
     They are the eigenfrequencies of the water inside with its walls at zero potential, which rise as the space shrinks:
     those of the box around each part, omega^2 = pi g p/tanh(pi p d), p^2 = 1/L^2 + 1/B^2, lie below them.
     """
@@ -68,8 +66,6 @@ class Resonance(NamedTuple):
 def gap_resonance(body: FlexibleBody, gravity: float) -> Resonance | None:
     """Return the first resonance of the narrowest gap between parts at the water's surface, None without one.
 
-    Notes
-    -----
     As of a gap of width b between barges of width B and draught d (Molin 2001):
     omega^2 = g/(d + (b/pi) (3/2 + ln(B/2b))). It is no irregular frequency: such water does move, in linear theory more
     than in the sea, since only radiation damps it.

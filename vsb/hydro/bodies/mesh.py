@@ -281,10 +281,7 @@ class Wetted(NamedTuple):
 def wetted(vertices: FloatArray, faces: IntArray) -> Wetted | None:
     """Return the part of a mesh below z = 0, cut by capytaine, without a deck or lid; None if that is all of it.
 
-    Raises
-    ------
-    ConfigError
-        If no panel is below the surface.
+    Raises `ConfigError` if no panel is below the surface.
     """
     tolerance = AT_SURFACE * float(np.linalg.norm(np.ptp(vertices[np.unique(faces)], axis=0)))
     height = np.where(np.abs(vertices[:, 2]) <= tolerance, 0.0, vertices[:, 2])

@@ -91,8 +91,6 @@ class SymmetricPanels:
     def potentials(self, k: float, velocities: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
         """Return strengths and potentials of the sources that make given normal velocities, each shape (n, panel).
 
-        Notes
-        -----
         The characters (+1, -1) of the group of reflections are the rows of Hadamard's matrix: in sums and differences
         of images every parity has a system of its own, of a half or quarter of the unknowns.
         """

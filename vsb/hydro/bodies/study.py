@@ -118,11 +118,8 @@ def solved(
 def check_solvable(study: BodyFile, body: FlexibleBody) -> None:
     """Check a body file against its body, before anything is solved.
 
-    Raises
-    ------
-    ConfigError
-        If the symmetry declared is not the body's, the water is no deeper than its draught, waves are shorter than its
-        panels, or there are too many of them.
+    Raises `ConfigError` if the symmetry declared is not the body's, the water is no deeper than its draught, waves are
+    shorter than its panels, or there are too many of them.
     """
     if study.symmetry != "auto":
         check_symmetry(body, study.symmetry)
@@ -293,7 +290,6 @@ def swept(
         Ascending.
     tolerance : float [-] or None
         Of the interpolation, as `error`.
-    measure : Measure
     """
     if tolerance is None:
         blocks = [solve(w) for w in omega]

@@ -139,8 +139,6 @@ def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
 def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -> float:
     """Return the estimated error of coefficients, relative to the band's largest entry of each [-].
 
-    Notes
-    -----
     With panels r times as large, in the mean over the surface, the error of a method of order p grows by r^p: the
     change is r^p - 1 >= r - 1 times the error for p >= 1, the order of flat panels at worst. Errors common to both
     meshes are added for damping and excitation: the distances from the energy of the far field and from Haskind's

@@ -73,8 +73,6 @@ _NODE, _WEIGHT = np.polynomial.legendre.leggauss(8)
 def bemio_entries(ds: xr.Dataset, source: str) -> dict[str, Any]:
     """Return the datasets of BEMIO's .h5 file by path, dimensions in the order of HDF5, which MATLAB shows reversed.
 
-    Notes
-    -----
     `mass`, `damping` and `stiffness` are those of `common.structure`; a database in which they couple a rigid mode to a
     generalized one, which WEC-Sim drops, is refused. Times of the impulse responses: `impulse_times`.
     """
@@ -135,7 +133,6 @@ def impulse_times(radius: float, gravity: float) -> FloatArray:
     ----------
     radius : float
         Of a floating hemisphere of the body's displacement [m], the length scale of its waves and decay.
-    gravity : float
 
     Notes
     -----
@@ -219,12 +216,7 @@ def read_bemio(path: str | Path) -> xr.Dataset:
     Parts of the excitation with NaN, BEMIO's mark of values not computed, are left out; `structural_stiffness` is all
     stiffness but the water's; labels are those of the file, else Surge, ..., Yaw, Mode7, ..., of several bodies with
     the name of the body: float__Heave. Only known datasets are read, and only of the shapes that follow from the
-    numbers of modes, frequencies and headings.
-
-    Raises
-    ------
-    DatabaseError
-        If the file cannot be read, or is damaged.
+    numbers of modes, frequencies and headings. Raises `DatabaseError` if the file cannot be read, or is damaged.
     """
     with readable(path, "BEMIO's .h5 file with all its datasets"), netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)

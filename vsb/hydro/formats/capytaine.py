@@ -35,12 +35,8 @@ def read_capytaine(path: str | Path) -> xr.Dataset:
     Added mass at zero and infinite frequency is taken from these rows, where they are; motions that did not radiate are
     left out, and so are matrices at rest that hold NaN, capytaine's mark of unknown values, and frequencies at which
     every coefficient is NaN, its mark of a solution that failed. The history records all three. A file without
-    hydrostatics gives a database without `hydrostatic_stiffness`.
-
-    Raises
-    ------
-    DatabaseError
-        If the file cannot be read, or lacks what a database needs.
+    hydrostatics gives a database without `hydrostatic_stiffness`. Raises `DatabaseError` if the file cannot be read, or
+    lacks what a database needs.
     """
     with readable(path, "a hydro database of capytaine's"):
         with xr.open_dataset(path, engine="netcdf4") as opened:
@@ -82,10 +78,7 @@ def _omega(name: str, values: FloatArray, gravity: float, depth: float) -> Float
 def _of_one_case(ds: xr.Dataset, source: str) -> xr.Dataset:
     """The dataset without other dimensions of one entry, and with radiation that does not depend on wave direction.
 
-    Raises
-    ------
-    DatabaseError
-        If there are several cases, or radiation depends on the direction of waves.
+    Raises `DatabaseError` if there are several cases, or radiation depends on the direction of waves.
     """
     kept = {*_FREQUENCIES, "wave_direction", "influenced_dof", "radiating_dof"}
     used = {str(dim) for name in (*_NEEDED, *_WATER) for dim in ds[name].dims} - kept

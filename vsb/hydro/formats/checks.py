@@ -175,21 +175,14 @@ def coefficient_checks(
 
     Damping follows from excitation (Haskind) by an integral over all wave directions; for an `axisymmetric` body with
     axisymmetric generalized modes one direction is enough, and damping of heave and these, one radiation channel, then
-    also has rank one. Added mass follows from damping (Kramers and Kronig), as far as the band holds it.
+    also has rank one. Added mass follows from damping (Kramers and Kronig), as far as the band holds it. Raises
+    `ConfigError` if the motions are said to be axisymmetric, and none can be; `DatabaseError` if nothing makes waves or
+    moves water.
 
     Parameters
     ----------
-    ds : xarray.Dataset
-    axisymmetric : bool
     dofs : sequence of str, optional
         Degrees of freedom that are judged; the others only show the conventions of the file. Default: all.
-
-    Raises
-    ------
-    ConfigError
-        If the motions are said to be axisymmetric, and none can be.
-    DatabaseError
-        If nothing makes waves or moves water.
     """
     whole = ds.sel(omega=ds.omega > 0)
     ds = whole if dofs is None else whole.sel(influenced_dof=list(dofs), radiating_dof=list(dofs))
@@ -584,8 +577,6 @@ def haskind_damping(ds: xr.Dataset, size: FloatArray, axisymmetric: bool) -> tup
     From headings all around, or from the first one alone for motions that send out ring waves. None if the headings are
     not in equal steps. `size`, shape (dof,) [N s/m], is that of `sizes`.
 
-    Notes
-    -----
     B = k/(8 pi rho g v_g) int X X^H d beta (Newman, Marine Hydrodynamics, ch. 6), by the trapezoidal rule, which is
     exact for Fourier series over beta that end below half the number of headings. A mode is resolved up to the
     frequency at which the last two orders hold more than 2.5 % of its largest power in the band, or of its size: above

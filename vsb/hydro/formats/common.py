@@ -207,12 +207,8 @@ def rotation_centre(ds: xr.Dataset) -> FloatArray | None:
 def turned_about(ds: xr.Dataset, point: FloatArray, source: str) -> xr.Dataset:
     """Return matrices and forces with rotations about another point.
 
-    A rotation a about the point is one about the database's own centre and a translation a x (own - point).
-
-    Raises
-    ------
-    DatabaseError
-        If the centre of rotations is unknown, or the translations this takes are not in the database.
+    A rotation a about the point is one about the database's own centre and a translation a x (own - point). Raises
+    `DatabaseError` if the centre of rotations is unknown, or the translations this takes are not in the database.
     """
     labels = [str(label) for label in ds.influenced_dof.values]
     turning = [label for label in labels if label in ROTATIONS]

@@ -24,6 +24,8 @@ FORMATS = ("wamit", "bemio")
 def read_source(kind: str, path: str, water: Water, length: float = 1.0) -> xr.Dataset:
     """Return a hydro database: this project's, or one of another code, which is not yet checked.
 
+    Raises `DatabaseError` if the file is none of its kind.
+
     Parameters
     ----------
     kind : "database", "wamit" or "bemio"
@@ -34,11 +36,6 @@ def read_source(kind: str, path: str, water: Water, length: float = 1.0) -> xr.D
         Of WAMIT's run, whose files do not state it.
     length : float
         WAMIT's ULEN [m].
-
-    Raises
-    ------
-    DatabaseError
-        If the file is none of its kind.
     """
     if kind == "wamit":
         folder, name = Path(path).parent, Path(path).name
@@ -112,10 +109,7 @@ def exported(
 ) -> list[str]:
     """Write a database in every format that it is complete enough for; return the files, and lines on what is left out.
 
-    Raises
-    ------
-    DatabaseError
-        If it is complete enough for none.
+    Raises `DatabaseError` if it is complete enough for none.
     """
     ds = _opened(path, expected_id)
     contents: dict[Path, Any] = {}

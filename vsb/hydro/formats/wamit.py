@@ -159,7 +159,6 @@ def import_wamit(
 
     Parameters
     ----------
-    folder, name : path, str
     density, gravity, length, depth : float
         Of the WAMIT run (rho, GRAV, ULEN, HBOT), which are in its control files only.
     labels : sequence of str, optional
