@@ -1,7 +1,6 @@
 """The command line: one line and exit code 2 for every error of a user, before any work and without half-written files."""
 
 import io
-import json
 import re
 import shutil
 import subprocess
@@ -188,18 +187,6 @@ def test_study_and_campaign_may_not_share_a_results_folder(workplace, capsys):
     assert "campaign: received year, the name of a study with results in results/year" in line
     line = told(["check", str(SEED)], capsys)
     assert "study: received seed, the name of a campaign with results in results/seed" in line
-
-
-@pytest.mark.parametrize(
-    ("kind", "title"),
-    [
-        ("study", "Study"), ("body-study", "BodyStudy"), ("body", "BodyFile"), ("campaign", "Campaign"),
-        ("design", "Optimisation"),
-    ],
-)  # fmt: skip
-def test_schema_of_every_kind_of_file(capsys, kind, title):
-    assert main(["schema", kind]) == 0
-    assert json.loads(capsys.readouterr().out)["title"] == title
 
 
 @pytest.mark.parametrize(

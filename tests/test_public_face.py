@@ -185,7 +185,7 @@ def test_table_of_gains_holds_those_of_the_comparison(results):
     assert found["rigid"] == 0.0
 
 
-def test_figures_take_and_return_axes(results, tmp_path):
+def test_figures_take_and_return_axes(results, tmp_path, monkeypatch):
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
@@ -208,6 +208,7 @@ def test_figures_take_and_return_axes(results, tmp_path):
     run = results.trajectory("rigid").sel(time=slice(*results.study.simulation.window))
     drawn = {line.get_label(): line.get_ydata() for line in results.plot.motion().lines}
     assert drawn["rigid"] == pytest.approx(run.position.sel(dof="Heave").values)
+    monkeypatch.setattr("vsb.api.plots.PERIODS_SHOWN", 0.2)  # a frame takes a tenth of a second
     results.plot.animate("flexible").save(tmp_path / "heave.gif", writer="pillow", dpi=20)
     assert (tmp_path / "heave.gif").stat().st_size > 1000
     plt.close("all")

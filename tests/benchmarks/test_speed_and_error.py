@@ -54,17 +54,6 @@ def test_spectral_error_falls_faster_than_any_power():
     assert found[2] < found[1] / 1000
 
 
-def test_times_faster_are_interpolated_between_runs_and_never_beyond():
-    rows = [{"method": hp.PLAIN, "setting": 1, "error": 0.01, "seconds": 10.0}]
-    rows += [{"method": "rings", "setting": n, "error": 0.1**n, "seconds": 10.0 ** (n - 2)} for n in (1, 3)]
-    rows += [{"method": hp.SPECTRAL, "setting": 9, "error": 1e-9, "seconds": 0.5}]
-    rows += [{"method": "slow", "setting": 1, "error": 0.5, "seconds": 1.0}]
-    found = {row["method"]: (row["times_faster"], row["at_least"]) for row in hp.ratios(rows)}
-    assert found["rings"] == (pytest.approx(10.0), False)  # 1 s at an error of 0.01
-    assert found[hp.SPECTRAL] == (pytest.approx(20.0), True)
-    assert found["slow"] == (0.0, False)
-
-
 @pytest.mark.slow
 def test_errors_of_integrators_fall_with_their_setting_and_the_reference_is_confirmed(paper):
     runs = {

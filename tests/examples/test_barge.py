@@ -8,7 +8,6 @@ from scipy.integrate import quad
 from scipy.special import roots_legendre
 
 from examples import barge
-from vsb.errors import ConfigError
 from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.families import free_free_root, free_free_shape
 from vsb.hydro.bodies.files import read_body
@@ -145,29 +144,6 @@ def test_study_converges_at_second_order_and_draws(tmp_path, green_folder):
     for panels, _, quantity, error, _ in rows:
         assert quantity == "error_estimate" or float(error) < estimate[panels], (panels, quantity)
     assert (tmp_path / "out/barge.svg").read_text().lstrip().startswith("<?xml")
-
-
-def test_irregular_frequencies_are_refused(tmp_path):
-    short = barge.Barge(length=20.0, beam=6.0, draught=2.0, bending_stiffness=1e8)
-    k = np.pi * np.hypot(1 / 20, 1 / 6)
-    assert barge.first_irregular_frequency(short, 9.81) ** 2 == pytest.approx(9.81 * k / np.tanh(2 * k))
-    with pytest.raises(ConfigError, match="omega: received 9 rad/s, needs less than"):
-        barge.study(study(tmp_path, omega=[9.0]), tmp_path / "out")
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"water": {"depth": 1.5}}, "needs more than the draught"),
-        ({"beams": 3}, "unknown key"),
-    ],
-)
-def test_errors_of_a_barge_study(tmp_path, changes, message):
-    with pytest.raises(ConfigError, match=message) as error:
-        barge.study(study(tmp_path, **changes), tmp_path / "out")
-    assert "\n" not in str(error.value)
-    assert not (tmp_path / "out").exists()
 
 
 def test_shipped_body_is_what_the_script_writes():

@@ -11,7 +11,6 @@ from vsb.hydro.database import (
     Coefficients,
     in_modes,
     load_database,
-    merged_blocks,
     save_database,
     with_symmetrized,
 )
@@ -30,15 +29,6 @@ def block(omega, degrees=(0, 1, 2), seed=0):
         },
         coords={"omega": list(omega), "influenced_dof": labels, "radiating_dof": labels},
     )
-
-
-def test_repeated_frequencies_and_mixed_blocks_are_refused():
-    with pytest.raises(DatabaseError, match=r"frequencies \[2.0\] rad/s occur in more than one block"):
-        merged_blocks([block([1.0, 2.0]), block([2.0, 3.0])])
-    with pytest.raises(DatabaseError, match="blocks with different degrees of freedom"):
-        merged_blocks([block([1.0]), block([2.0], degrees=(0, 1))])
-    with pytest.raises(DatabaseError, match=r"different degrees of freedom \[\('Radial0', 'Radial1'\), \('Radial1',"):
-        merged_blocks([block([1.0], degrees=(0, 1)), block([2.0], degrees=(0, 1)), block([3.0], degrees=(1, 0))])
 
 
 def test_modes_are_a_congruence_of_the_normal_velocities(seed):

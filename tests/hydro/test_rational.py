@@ -78,20 +78,6 @@ def test_convergence_is_root_exponential_at_a_branch_point():
     assert np.all(slopes > -20.0), (errors, slopes)
 
 
-@pytest.mark.parametrize("noise", [1e-2, 1e-4, 1e-6])
-def test_noise_is_neither_fitted_nor_hidden(noise):
-    rng = np.random.default_rng(1)
-    omega = samples(25)
-    poles, residues, limit = body(3, 10, 1)
-    exact = resonances(GRID, poles, residues, limit)
-    size = noise * np.abs(exact).max()
-    values = resonances(omega, poles, residues, limit) + size * rng.uniform(-1, 1, (25, 10))
-    found = selected(omega, values, np.ones(25), GRID, ONE)
-    assert 0.2 * size < found.error < 20 * size
-    assert np.abs(found.rational(GRID) - exact).max() < 20 * size
-    assert not found.rational.spurious(GRID)
-
-
 @pytest.mark.parametrize(("depth", "hidden"), [(1e-3, True), (1e-2, True), (0.2, False), (1.0, False)])
 def test_pole_between_grid_and_axis_is_found(depth, hidden):
     omega = samples(6)

@@ -59,21 +59,6 @@ def test_repaired_damping_is_positive_between_frequencies():
     assert "rad/s" in check.explanation
 
 
-@pytest.mark.parametrize("at", [0, 1])
-def test_repair_leaves_motions_without_damping_unchanged(at):
-    ds = noisy(two_channels(), 0.05)
-    for name in ("radiation_damping", "added_mass"):
-        still = ds[name].values.copy()
-        still[:, at, :] = still[:, :, at] = 0.0
-        ds = ds.assign({name: (("omega", *PAIR), still)})
-    mended = with_passive_damping(ds).radiation_damping.values
-    assert not mended[:, at].any()
-    assert not mended[:, :, at].any()
-    assert (mended[:, 1 - at, 1 - at] > 0).all()
-    given = ds.radiation_damping.values[:, 1 - at, 1 - at]
-    assert mended[9:, 1 - at, 1 - at].tolist() == given[9:].tolist()
-
-
 def test_repaired_added_mass_follows_from_damping():
     ds = two_channels(np.arange(1, 201) * 0.1)
     rng = np.random.default_rng(1)

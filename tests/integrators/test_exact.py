@@ -1,7 +1,6 @@
 """Exact propagation of linear scenes and Cummins' convolution: closed forms, superposition, frequency domain, chambers."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -200,16 +199,3 @@ def test_convolution_of_coupled_motions_in_waves_is_of_second_order(motions):
         assert found.memory.shape == (count + 1, 0)
     slopes = np.diff(np.log(errors), axis=0) / np.log(0.5)
     assert np.all(np.abs(slopes - 2.0) < 0.15), slopes
-
-
-def test_nonlinear_forces_and_other_memories_are_refused():
-    memory = RadiationMemory(COUPLED)
-    forces = {"hydrostatic": Spring(np.diag([50.0, 20.0])), "radiation": memory}
-    scene = Scene(("Heave", "Pitch"), np.diag([2.0, 1.5]), forces, np.eye(2))
-    time, start = np.linspace(0.0, 1.0, 11), (np.zeros(2), np.zeros(2))
-    assert not convolve(System.of(scene), COUPLED, time, start).position.any()
-    twice = replace(scene, forces={**forces, "chamber": memory})
-    with pytest.raises(ValueError, match=r"^convolution: received forces that remember besides radiation, needs none;"):
-        convolve(System.of(twice), COUPLED, time, start)
-    with pytest.raises(ValueError, match=r"^convolution: received nonlinear forces, needs a linear scene; use"):
-        convolve(SimpleNamespace(linear=False, scene=scene), COUPLED, time, start)

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from conftest import labelled
 
-from vsb.errors import ConfigError, StabilityError
+from vsb.errors import StabilityError
 from vsb.hydro.database import Check, as_json
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import simulate
@@ -151,31 +151,6 @@ def floating_body(labels, mass, stiffness, direction=0.0, directions=(0.0,)):
 def test_wave_directions_are_periodic(turns, degrees, force):
     body = floating_body(("Heave",), [2.0], [3.0], np.deg2rad(degrees + 360.0 * turns), np.deg2rad([0.0, 180.0, 270.0]))
     assert body.coefficients(np.array([1.0, 2.0])).excitation == pytest.approx(np.full((2, 1), force))
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"dofs": ["Heave", "Roof"]}, r"^degrees of freedom: received Heave, Roof; needs some of Heave, Pitch\.$"),
-        ({"mass": np.eye(3)}, r"^mass: received shape \(3, 3\), needs finite numbers, shape \(2, 2\)\.$"),
-        ({"mass": np.diag([1.0, np.nan])}, r"^mass: received shape \(2, 2\), needs finite numbers, shape \(2, 2\)"),
-        ({"stiffness": np.array([[1.0, 2.0], [0.0, 1.0]])}, "^stiffness: received a matrix that is not symmetric"),
-        ({"mass": np.diag([1.0, -1.0])}, "^mass: received Pitch without inertia, the water's at infinite"),
-        ({"damping": np.diag([1.0, -2.0])}, "^damping: received a matrix that gives energy to Pitch, by 0.4/s; needs"),
-        ({"damping": [[1.0, 3.0], [3.0, 4.0]]}, "^damping: received a matrix that gives energy to Heave, by 0.2/s"),
-        ({"pto": LinearPto(1.0)}, "^pto: received no port, needs the motion it takes off"),
-        ({"pto": LinearPto(1.0, 0.0, np.ones(3))}, r"^pto: received a port of \(3,\), needs \(2,\)"),
-    ],
-)
-def test_invalid_bodies_are_refused(changes, message):
-    bare = floating_body(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
-    given = {"mass": bare.mass, "damping": np.zeros((2, 2)), "stiffness": np.zeros((2, 2))} | changes
-    given = {
-        name: np.asarray(value) if isinstance(value, list) and name != "dofs" else value
-        for name, value in given.items()
-    }
-    with pytest.raises(ConfigError, match=message):
-        linear_body(bare.database, given.pop("dofs", None), **given)
 
 
 def test_unstable_body_is_refused():

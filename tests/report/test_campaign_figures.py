@@ -133,20 +133,3 @@ def test_one_key_is_drawn_as_a_line_with_its_interval():
 def over(values, gains, **attrs):
     """A campaign over values of the thickness alone."""
     return campaign(gains=np.atleast_2d(gains), modulus=(1e6,), thickness=values, **attrs)
-
-
-def test_map_is_hatched_where_the_interval_holds_zero_and_lined_where_the_margin_vanishes():
-    gains = np.array([[-5.0, 3.0], [8.0, 4.0], [-3.0, 9.0]])
-    margin = np.array([[-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0]])
-    ds = campaign(gains=gains, margin=margin, modulus=(1e6, 2e6, 4e6), thickness=(0.01, 0.03))
-    ax = sweep(ds, "one", "FSB").axes[0]
-    _, hatched, line = ax.collections
-    cells = sorted(tuple(path.vertices[:-1].mean(axis=0)) for path in hatched.get_paths())
-    np.testing.assert_allclose(cells, [(0.01, 4e6), (0.03, 1e6)])
-    sizes = sorted((box.width, box.height) for box in (path.get_extents() for path in hatched.get_paths()))
-    np.testing.assert_allclose(sizes, [(0.02, 1e6), (0.02, 2e6)])
-    share = np.log10(2.0) / (np.log10(2.0) + 6)  # of a margin of one, whose logarithm is cut
-    assert len(line.get_paths()[0]) > 2
-    np.testing.assert_allclose(line.get_paths()[0].vertices[:, 0], 0.01 + 0.02 * share, rtol=1e-9)
-    for none in (0.5, -0.5):
-        assert len(sweep(campaign(margin=none), "one", "FSB").axes[0].collections) == 2

@@ -3,8 +3,7 @@
 import pytest
 from report.test_campaign_figures import by_runs, campaign
 
-from vsb.report.campaign_answer import TUNED
-from vsb.report.campaign_page import STILL, CampaignReport, render, statements, warnings
+from vsb.report.campaign_page import CampaignReport, render, statements, warnings
 
 
 def test_further_statements():
@@ -39,18 +38,3 @@ def test_warnings_of_a_campaign():
 def test_units_of_the_page_follow_the_port(port, unit):
     text = render(CampaignReport(campaign(port_kind=port, study="a.yaml", campaign="c", spec_id="1"), {}))
     assert ("rms pressure [kPa]" in text, "rms force [kN]" in text) == (port == "pressure", port == "force")
-
-
-def test_page_names_campaign_tunings_study_and_id():
-    ds = campaign(study="a.yaml", campaign="a_year", spec_id="0123")
-    text = render(CampaignReport(ds, {"sweep": "<svg>drawn</svg>"}))
-    expected = [f"{name}, {TUNED[name]}" for name in ("fixed", "one", "each")]
-    assert f"Tunings: {'; '.join(expected)}." in text
-    for part in ("a_year", "a.yaml", "0123", "<svg>drawn</svg>", STILL, "VSWEC absorbs", "All at the given damping"):
-        assert part in text.replace("VSWEC at young modulus 100 MPa, thickness 0.01 m, absorbs", "VSWEC absorbs"), part
-    moving = {"designs": [{"name": "FSB"}], "factor": 1.0, "seas": [{"calm": True, "designs": []}]}
-    sketch = {"name": "soft one", "words": "elastic shell, free", "svg": "<svg>sketched</svg>"}
-    more = render(CampaignReport(ds, {}, {"kind": "year", "here": 1}, [sketch], moving))
-    assert STILL not in more
-    for part in ("FSB side by side; all is to scale.", '"here":1', "elastic shell, free"):
-        assert part in more, part

@@ -118,14 +118,6 @@ CASES = {
 }
 
 
-WITHOUT_POINTS = {("witness False", "panels"), ("witness True", "panels")}
-"""Names in a legend of what another panel shows."""
-ZOOMED = {"year_spectra", "absorbed_power"}
-"""Figures that show the band in which there is something."""
-MOST, CUT = 0.55, 0.2
-SPARSE = {"energy_audit-w", "witness False", "witness True"}
-"""Bars and single points, whose limits make room for what is no line."""
-SPREAD = 0.4
 DRAWN_ONCE = {}
 
 
@@ -141,23 +133,6 @@ def axes_of(name):
     return [ax for ax in figure_of(name).axes if ax.axison and ax.get_visible() and not hasattr(ax, "get_zlim")]
 
 
-def lines_of(ax):
-    """Lines over the values of both axes, not those across all of an axis."""
-    return [line for line in ax.lines if line.get_transform() == ax.transData and line.get_visible()]
-
-
-def inside(values, limits):
-    low, high = sorted(limits)
-    slack = 1e-9 * (high - low)
-    return (values >= low - slack) & (values <= high + slack)
-
-
-def parts_of_axis(values, axis, limits):
-    """Values as parts of an axis, 0 at one end and 1 at the other."""
-    turned = axis.get_transform().transform(np.array([*values, *limits], dtype=float))
-    return (turned[:-2] - turned[-2]) / (turned[-1] - turned[-2])
-
-
 def is_number(text):
     return re.fullmatch(r"[\d.,\s-]+(e-?\d+)?|\$.*\$", text.replace("\N{MINUS SIGN}", "-")) is not None
 
@@ -171,25 +146,6 @@ def test_axes_with_numbers_are_labelled(name):
             words = [getattr(one, f"{axis.axis_name}axis").get_label_text() for one in shared.get_siblings(ax)]
             assert not numbers or any(words), (axis.axis_name, labels)
             assert len(set(labels)) == len(labels), "two ticks with one text"
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_curves_lie_within_their_axes_and_fill_them(name):
-    for k, ax in enumerate(axes_of(name)):
-        places = []
-        for line in lines_of(ax):
-            x, y = (np.ma.filled(np.ma.asarray(values, dtype=float), np.nan) for values in line.get_data(orig=False))
-            known = np.isfinite(x) & np.isfinite(y)
-            seen = inside(x[known], ax.get_xlim()) & inside(y[known], ax.get_ylim())
-            if (name, line.get_label()) not in WITHOUT_POINTS:
-                assert seen.mean() > (CUT if name in ZOOMED else MOST), line.get_label()
-            places.append(np.stack([x, y])[:, known][:, seen])
-        if places and name not in SPARSE:
-            for values, axis in zip(np.concatenate(places, axis=1), (ax.xaxis, ax.yaxis), strict=True):
-                limits = axis.get_view_interval()
-                assert (
-                    np.ptp(values) < 1e-9 * np.abs(values).max() or np.ptp(parts_of_axis(values, axis, limits)) > SPREAD
-                ), (k, axis.axis_name)
 
 
 @pytest.mark.parametrize("name", CASES)

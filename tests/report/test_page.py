@@ -22,7 +22,6 @@ from vsb.report.page import (
     measures,
     published_table,
     render,
-    sea_statements,
     statistics_table,
     table,
     winning_bands,
@@ -104,31 +103,6 @@ def test_published_values_beside_computed_ones():
         ["B", "w", "mean power [W]", "-4", "1", "-125.0 %"],
     ]
     assert published_table({**study, "published": None}, rows) == []
-
-
-def test_best_design_of_each_sea():
-    rows = [
-        row("FSB", 100),
-        row("A", 120),
-        row("FSB", 50, "v"),
-        row("A", 40, "v"),
-        row("FSB", 0, "z"),
-        row("A", 0, "z"),
-        row("FSB", 0, "n"),
-        row("A", 5, "n"),
-        row("FSB", 70, "u"),
-    ]
-    text = sea_statements(
-        rows, "FSB", {"w": "a swell", "v": "a chop", "z": "still water", "n": "ripples", "u": "a wake"}
-    )
-    assert text[0] == "At the given damping, in a swell, A absorbs most: 120 W on average (against FSB: A +20.0 %)."
-    assert (
-        text[1]
-        == "At the given damping, in a chop, the rigid FSB absorbs most: 50 W on average (against FSB: A -20.0 %)."
-    )
-    assert text[2] == "At the given damping, in still water, no design absorbs power on average."
-    assert text[3] == "At the given damping, in ripples, A absorbs most: 5 W on average."
-    assert text[4] == "At the given damping, in a wake, the rigid FSB absorbs: 70 W on average."
 
 
 def test_page_is_self_contained_and_escaped():

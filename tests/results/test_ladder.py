@@ -3,7 +3,6 @@
 import csv
 import io
 import itertools
-import re
 
 import numpy as np
 import pytest
@@ -22,7 +21,6 @@ from vsb.motion.tuning import frequencies, mean_power, squares
 from vsb.results.ladder import (
     Given,
     as_csv,
-    constrained_checks,
     constrained_level,
     levels_of,
     material_checks,
@@ -161,25 +159,6 @@ def test_constrained_optimum_absorbs_at_least_as_much_as_any_damper_within_the_l
         assert level.power_mean >= max(within) * (1 - REFINED)
         assert max(within) <= bound < waves.mean_of(port.matched_power)
         assert level.force_peak <= limits.force * (1 + 1e-8)
-
-
-@pytest.mark.parametrize(
-    ("limit", "omega", "wrong"),
-    [
-        (1e-6, 0.05 * np.arange(12, 30), r"no force within force_limit keeps stroke_limit in "),
-        (1.0, np.array([1.0, 1.013, 1.1]), r"which never repeat"),
-        (1.0, 0.001 * np.arange(500, 502), r"a force of 3000 harmonics has no optimum in .* 1024"),
-    ],
-)
-def test_unsolved_optimum_reports_its_reason(limit, omega, wrong):
-    sea, of_force = Sea(omega, np.ones(len(omega), dtype=complex)), (min(0.05, omega[1] - omega[0]), 3.0)
-    level = constrained_level("A", "w", sea, oscillator, Limits(limit, limit), of_force)
-    assert re.search(wrong, level.note)
-    assert level[3:11] == (None,) * 8
-    (check,) = constrained_checks([level])
-    assert (check.verdict, check.design, check.wave) == ("doubt", "A", "w")
-    assert check.explanation == f"no optimum: {level.note}"
-    assert as_csv([level]).splitlines()[1] == "A,w,constrained,,,,,,,,,,"
 
 
 STUDIES = {

@@ -81,14 +81,3 @@ def test_command_writes_what_python_returns(results, name, tmp_path, capsys):
             float(found.bodies_position[7, 0]), rel=1e-9
         )
     assert "instants of" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("source", "out", "message"),
-    [("run", "run.txt", "received a name without .csv or .nc"), ("database", "out.csv", "holds no results")],
-)
-def test_what_is_no_run_is_refused(results, source, out, message, tmp_path, capsys):
-    (wave,) = results.study.waves
-    paths = {"run": results.plan.trajectory_path("FSB", wave.label), "database": results.plan.database_path}
-    assert main(["series", paths[source], str(tmp_path / out)]) == 2
-    assert message in capsys.readouterr().err

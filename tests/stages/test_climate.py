@@ -4,9 +4,7 @@ import gzip
 import hashlib
 from pathlib import Path
 
-import numpy as np
 import pytest
-import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.stages.climate import read_climate
@@ -27,18 +25,6 @@ def short(tmp_path_factory):
     path = tmp_path_factory.mktemp("climate") / "short.txt"
     path.write_text("".join(gzip.decompress(BUOY.read_bytes()).decode().splitlines(keepends=True)[:49]))
     return path
-
-
-@pytest.mark.parametrize("form", ["NETCDF3_CLASSIC", "NETCDF4"])
-def test_netcdf_spectra_are_recognised_by_content(tmp_path, form):
-    """Triangles of 2 and 8 m^2/Hz from 0.1 to 0.2 Hz have areas of 0.1 and 0.4 m^2."""
-    path, hertz = tmp_path / "seas.txt", np.linspace(0.1, 0.2, 21)
-    density = np.outer([2.0, 8.0], 1 - np.abs(np.linspace(-1, 1, 21)))
-    times = np.array(["1996-01-01T00", "1996-01-01T01"], "datetime64[ns]")
-    ds = xr.Dataset({"efth": (("time", "freq"), density, {"units": "m2/Hz"})}, {"time": times, "freq": hertz})
-    ds.to_netcdf(path, engine="netcdf4", format=form)
-    climate = read_climate(spec(path, "spectra"), str(path))
-    assert sorted(climate.hs) == pytest.approx([4 * np.sqrt(0.1), 4 * np.sqrt(0.4)])
 
 
 def test_changed_or_missing_climate_file_is_refused(short, tmp_path):

@@ -9,18 +9,16 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from conftest import SMALL, SMALL_PLAN, told, varied
+from conftest import SMALL, SMALL_PLAN, told
 
 import vsb
 from vsb.api.results import Results
 from vsb.cli import main
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.exchange import read_source
-from vsb.scenes.build import TUNED, design_in_sea
 from vsb.stages.coefficients import judged
 from vsb.stages.planning import plan_of
 from vsb.study.body import load_body
-from vsb.study.plan import plan_for
 
 SWELL = {"kind": "regular", "amplitude": 0.1, "period": 2.5}
 
@@ -77,31 +75,6 @@ def test_motion_in_time_equals_that_of_the_axisymmetric_chain(both):
         for name in ("displacement_pp", "velocity_pp", "power_mean", "energy"):
             assert body[name] == pytest.approx(own[name], rel=5e-3), (own["design"], name)
         assert body["energy_residual"] < 1e-9
-
-
-@pytest.mark.slow
-def test_latching_equals_that_of_the_axisymmetric_chain(finished, general, both):
-    """Damping and latching time optimised together; the damping is far below the optimum without latching."""
-    pto, wave = {"law": "latching", "tuning": "each"}, {"kind": "regular", "amplitude": 0.1, "period": 5.0}
-    scenes, kept = [], {"duration": 12.0, "window": [6.0, 12.0]}
-    for folder, study in (
-        (finished, varied(SMALL_PLAN.study, pto=pto, waves=[wave], simulation=kept)),
-        (general, None),
-    ):
-        with chdir(folder):
-            if study is None:
-                raw = as_body(finished, pto=pto, waves=[wave], simulation={**SMALL["simulation"], **kept})
-                Path("latching.yaml").write_text(yaml.safe_dump(raw))
-                study = load_body("latching.yaml").study
-            plan = plan_for(study)
-            paths = {"database": plan.database_path, "radiation": plan.radiation_path}
-            scenes.append(design_in_sea(plan.simulation("FSB", study.waves[0]), paths))
-    own, body = (scene.notes for scene in scenes)
-    assert body["pause"] == pytest.approx(own["pause"], abs=2 * own["pause_within"])
-    assert body[TUNED] == pytest.approx(own[TUNED], rel=0.05)
-    assert body["pause_power"] == pytest.approx(own["pause_power"], rel=5e-3)
-    alone = float(both[1].response.best_damping.sel(design="FSB").interp(omega=2 * np.pi / 5))
-    assert scenes[1].scene.law.damping == body[TUNED] < 0.6 * alone
 
 
 def test_checks_of_a_body(both):

@@ -3,27 +3,19 @@
 Every number of every file is compared, from the study to its tables and figures.
 """
 
-import csv
 import json
-import re
-from collections import Counter
 from functools import cache
-from html.parser import HTMLParser
-from pathlib import Path
 
-import numpy as np
 import pytest
 from invariance import (
     HEAVE,
     JONSWAP,
     REGULAR,
     SEED,
-    assert_close,
     assert_same_in_another_order,
     assert_same_in_other_units,
     renamed,
     restated,
-    usual,
 )
 
 from vsb.stages.make import make
@@ -75,54 +67,3 @@ def test_results_do_not_depend_on_units(results, name):
 def test_results_do_not_depend_on_the_order_of_designs_and_seas(results, name):
     raw = STUDIES[name]
     assert_same_in_another_order(results(raw), results(renamed(raw) | {"waves": raw["waves"][::-1]}))
-
-
-class Words(HTMLParser):
-    """Words of a page, without those of figures and scripts, files, seconds and the study's own text."""
-
-    LEFT_OUT = frozenset({"svg", "script", "style", "pre"})
-
-    def __init__(self):
-        super().__init__()
-        self.inside, self.found = [], []
-
-    def handle_starttag(self, tag, attrs):
-        if tag in self.LEFT_OUT or (tag == "td" and "id" in (dict(attrs).get("class") or "").split()):
-            self.inside.append(tag)
-
-    def handle_endtag(self, tag):
-        if self.inside and self.inside[-1] == tag:
-            self.inside.pop()
-
-    def handle_data(self, data):
-        if not self.inside:
-            self.found += re.findall(r"[^\s,;:()]+", usual(data))
-
-
-def curves(plan):
-    """Points of every named curve, by figure, axes and name."""
-    found = {}
-    for path in Path(plan.folder).glob("figures/*.csv"):
-        for row in csv.DictReader(usual(path.read_text()).splitlines()):
-            if not row["series"].startswith("line "):
-                found.setdefault((path.name, row["axes"], row["series"]), []).append((float(row["x"]), float(row["y"])))
-    return found
-
-
-@pytest.mark.slow
-def test_figures_and_page_do_not_depend_on_the_order(results):
-    """The same curves and bars, and the same words equally often."""
-    raw = STUDIES["drag"]
-    own, other = results(raw, True), results(renamed(raw) | {"waves": raw["waves"][::-1]}, True)
-    found = curves(other)
-    shown = curves(own)
-    assert shown.keys() == found.keys()
-    for name, points in shown.items():
-        for there, here in zip(np.sort(found[name], axis=0).T, np.sort(points, axis=0).T, strict=True):
-            assert_close(there, here, name, 1e-4)
-    pages = []
-    for plan in (own, other):
-        words = Words()
-        words.feed(Path(plan.folder, "report.html").read_text())
-        pages.append(Counter(words.found))
-    assert (pages[0] - pages[1], pages[1] - pages[0]) == (Counter(), Counter())

@@ -37,19 +37,6 @@ def test_degree_is_found_from_the_tolerance_and_stored(asked, planned):
     assert json.loads(kept(planned).read_text())["degree"] == planned.study.modes.degree
 
 
-def test_damaged_stored_degree_is_recomputed(asked, planned):
-    path, right = kept(planned), kept(planned).read_text()
-    again = StudyPlan(asked, root=planned.root)
-    for damaged in (
-        right[:20],
-        json.dumps({**json.loads(right), "degree": 60}),
-        json.dumps({**json.loads(right), "degree": "none"}),
-    ):
-        path.write_text(damaged)
-        assert with_degree(again).study.modes == planned.study.modes
-        assert json.loads(path.read_text()) == json.loads(right)
-
-
 def test_degree_stands_in_the_ids(asked, planned):
     other = varied(asked, waves=[{"kind": "regular", "amplitude": 0.1, "period": 6.0}])
     there = with_degree(StudyPlan(other, root=planned.root))

@@ -31,17 +31,6 @@ def test_study_is_compared_at_its_optimal_damping(small):
         assert one.annual_energy is None
 
 
-def test_capture_width_is_power_over_wave_energy_flux(small):
-    runs = {
-        (row["design"], row["wave"]): row
-        for row in json.loads(Path(f"{small.folder}/tables.json").read_text())["comparison"]
-    }
-    for one in lines([small]):
-        run = runs[one.design, one.sea]
-        flux = run["power_mean"] / run["capture_width"]
-        assert one.capture_width == pytest.approx(one.power_mean / flux, rel=1e-9)
-
-
 def test_campaign_is_compared_over_its_year(year):
     ds = load(year.data_path, expected=year.campaign_id).sel(tuning="one")
     found = lines([year])

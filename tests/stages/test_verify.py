@@ -16,7 +16,7 @@ import vsb
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
 from vsb.stages import report
-from vsb.stages.verify import differences, stale_products, study_faults, verify
+from vsb.stages.verify import stale_products, study_faults, verify
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
 from vsb.tools import packed
@@ -228,25 +228,6 @@ def test_every_flipped_bit_is_detected(place):
         Path(path).write_bytes(good)
     with netCDF4.Dataset(FSB) as file:
         assert file.spec_id == PLAN.ids[FSB]
-
-
-def test_differences_to_the_previous_study_are_listed(tmp_path):
-    def planned(**changes):
-        return StudyPlan(config.parse({**RAW, **changes}), root=str(tmp_path))
-
-    before = planned()
-    assert differences(before) == ""
-    Path(before.folder).mkdir()
-    Path(before.folder, "study.json").write_text(config.canonical(before.study))
-    assert differences(before) == ""
-    assert differences(planned(pto={"damping": 9000.0})) == "pto.damping 8000.0 -> 9000.0"
-    more = differences(planned(waves=[*RAW["waves"], {"kind": "jonswap", "hs": 0.2, "tp": 5.0}]))
-    assert more.startswith("waves.1.direction nothing -> 0.0, waves.1.hs nothing -> 0.2, ")
-    shorter = {"simulation": {"duration": 9.0, "window": [5.0, 9.0], "initial_velocity": 0.1, "tolerance": 1e-5}}
-    many = planned(water={"density": 1020.0, "depth": 90.0, "gravity": 9.8}, **shorter)
-    assert differences(many).endswith(" (and 2 more)")
-    Path(before.folder, "study.json").write_text("{")
-    assert differences(planned(pto={"damping": 9000.0})) == ""
 
 
 def trashed(path):

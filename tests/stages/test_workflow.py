@@ -210,16 +210,6 @@ def test_vsb_run_gives_the_same_files_as_the_workflow(folder, tmp_path, monkeypa
     ]
 
 
-def test_formatting_of_the_study_file_reruns_nothing(folder):
-    text = write(folder, BASE, "spelled").read_text()
-    data = yaml.safe_load(text)
-    data["device"]["young_modulus"] = "1e7"
-    lines = ["# a remark", yaml.safe_dump(dict(reversed(data.items())), sort_keys=False)]
-    (folder / "spelled.yaml").write_text("\n".join(lines))
-    dry = run(folder, folder / "spelled.yaml", "-n")
-    assert "Nothing to be done" in dry.stdout + dry.stderr
-
-
 def test_changes_rerun_only_what_depends_on_them(folder):
     rules = planned(folder, with_(pto={"damping": 5000.0}), "pto")
     assert set(rules) == {"response", "ladder", "simulate", "compare", "figures", "report"}
@@ -230,35 +220,6 @@ def test_changes_rerun_only_what_depends_on_them(folder):
     assert not {"panels", "spectral", "deformed", "witness"} & set(planned(folder, stiff))
     assert not {"panels", "spectral"} & set(planned(folder, with_(study="both", modes={"basis": "full", "degree": 2})))
     assert planned(folder, with_(study="wide", hydro={"omega_max": 7.0}))["panels"] == 1
-
-
-def test_tabulated_frequencies_and_irregular_sea_without_rigid_design(folder):
-    raw = with_(
-        study="table",
-        hydro={"omega": [1.0, 2.0, 2.5132741228718345]},
-        designs={"VSWEC": {}},
-        waves=[{"kind": "jonswap", "hs": 0.5, "tp": 4.0}],
-    )
-    plan = run_in_process(folder, raw).plan
-    database = load(folder / plan.database_path)
-    assert list(database.omega.values) == [1.0, 2.0, 2.5132741228718345]
-    assert not any("nan" in line.lower() for line in (folder / "results/table/comparison.csv").read_text().splitlines())
-    assert "no rigid design to compare with" in (folder / "results/table/report.html").read_text()
-
-
-def test_power_without_panels_is_that_of_panels(folder):
-    """By the spectral solver, which deep water allows; 16 rows of panels are 1 % off."""
-    raw = with_(study="spectral") | {"hydro": {"omega_max": 5.0, "tolerance": 1.0e-3, "witness": "none"}}
-    done = run(folder, write(folder, raw), "database")
-    assert done.returncode == 0, done.stderr
-    plan = run_in_process(folder, raw).plan
-    assert len(plan.bem_blocks) == 1
-    ledger = json.loads((folder / "results/spectral/validity.json").read_text())
-    (estimate,) = [check for check in ledger["checks"] if check["name"] == "hydro error_estimate"]
-    assert estimate["value"] < 1e-3
-    rows = [list(csv.DictReader((folder / f"results/{s}/comparison.csv").open())) for s in ("spectral", "base")]
-    for spectral, panels in zip(*rows, strict=True):
-        assert float(spectral["power_mean"]) == pytest.approx(float(panels["power_mean"]), rel=0.02)
 
 
 def held(lock):
@@ -340,16 +301,3 @@ def test_failed_check_fails_the_run(folder):
     last = failed.stderr.strip().splitlines()[-1]
     assert last.startswith("vsb: error: hydro database: check 'kramers_kronig' failed: ")
     assert "list the name under hydro.accept" in last
-
-
-def test_check_and_shell_commands(folder):
-    summary = run(folder, folder / "base.yaml", command="check")
-    assert summary.returncode == 1  # a check fails: the paper's shell would buckle
-    assert "BEM jobs     0 of 3" in summary.stdout
-    assert "buckling" in summary.stdout
-    table = run(folder, folder / "base.yaml", "--json", command="shell")
-    shell = json.loads(table.stdout)
-    assert [row["degree"] for row in shell["membrane"]] == [0, 1, 2]
-    assert shell["paper_ritz"][1]["omega"] == pytest.approx(62.153777189, rel=4e-8)
-    assert shell["bending"] == [{"degree": 2, "omega": pytest.approx(22.3593100, rel=1e-8)}]
-    assert shell["buckling_pressure"] == pytest.approx(302.6, abs=0.1)

@@ -129,27 +129,6 @@ def test_a_sea_below_the_lowest_frequency_solved_is_refused(seed, wave):
         StudyPlan(varied(seed, waves=[wave])).check_waves()
 
 
-@pytest.mark.parametrize(
-    ("changes", "order", "solved"),
-    [
-        ({"designs": {"FSB": {"flexible": False}}}, 0, "Radial1"),
-        ({"modes": {"degree": 0}}, 0, "Radial0 Radial1"),
-        ({"modes": {"degree": 3}}, 0, "Radial0 Radial1 Radial2 Radial3"),
-        ({"modes": {"degree": 3}}, 2, "Radial2 Radial3"),
-        ({"modes": {"degree": 2}, "reference_shape": "equilibrium"}, 0,
-         "Radial0 Radial1 Radial2 Meridional1 Meridional2"),
-        ({"modes": {"degree": 2, "basis": "full"}, "device": {"shape": {"spheroid": {"height": 3.0}}, "mass": 9e3}}, 0,
-         "Radial0 Radial1 Radial2 Meridional1 Meridional2"),
-        ({"designs": {"FSB": {"flexible": False}}, "device": {"shape": {"spheroid": {"height": 3.0}}, "mass": 9e3}}, 0,
-         "Radial1 Meridional1"),
-    ],
-    ids=str,
-)  # fmt: skip
-def test_radiation_is_solved_for_displacements_that_move_water(seed, changes, order, solved):
-    plan = StudyPlan(varied(seed, **{"hydro": {"solver": "auto"}, **changes}))
-    assert " ".join(plan.displacements(order)) == solved
-
-
 @given(st.floats(0.01, 1000.0), st.floats(1.0, 30.0))
 def test_step_is_the_largest_round_number_below_its_bound(radius, gravity):
     step, bound = frequency_step(radius, gravity), 0.05 * math.sqrt(gravity / radius)

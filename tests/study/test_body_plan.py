@@ -60,17 +60,3 @@ def test_mesh_is_solved_with_a_green_function_table(tmp_path):
     assert read.root == "out"
     assert [name.endswith("raft.nc") for name in read.inputs] == [True]
     assert read.inputs == list(read.sources.values())
-
-
-def test_damping_of_a_run():
-    """In still water the given damping holds."""
-    waves = [RAW["waves"][0], {"kind": "still"}]
-    for tuning in ("fixed", "each", "one"):
-        own = plan(pto={"damping": {"flexible": 3.0, "rigid": 5.0}, "tuning": tuning}, waves=waves)
-        sea, still = own.study.waves
-        for design, damping in (("flexible", 3.0), ("rigid", 5.0)):
-            asked = own.simulation(design, sea)
-            assert (asked.pto.damping, asked.pto.tuning) == (damping if tuning == "fixed" else None, tuning)
-            assert list(asked.designs) == [design]
-        found = own.simulation("rigid", still).pto
-        assert (found.damping, found.tuning) == ((5.0, "fixed") if tuning != "one" else (None, "one"))

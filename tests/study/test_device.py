@@ -148,26 +148,6 @@ def test_mass_is_that_of_the_displaced_water(raw_of_floating, draft):
     assert "draft" not in canonical(study)
 
 
-@pytest.mark.parametrize(
-    ("device", "wrong"),
-    [
-        ({"mass": 1e4, "draft": 1.0}, r"device: received mass and draft, needs one of them"),
-        ({"draft": 4.0}, r"device.draft: received 4.0, needs more than 0 and less than two radii, 4 m"),
-        ({"draft": -1}, r"device.draft: received -1, needs more than 0"),
-        ({"draft": "deep"}, r"device.draft: received 'deep', needs more than 0"),
-        ({"draft": True}, r"device.draft: received True, needs more than 0"),
-        ({"mass": 1e4, "radius": "x"}, r"device.radius: received 'x'; needs a number$"),
-        ({"mass": 1e4, "radius": True}, r"device.radius: received True; a number is needed, not true/false$"),
-    ],
-)
-def test_errors_of_mass_and_draft(raw_of_floating, device, wrong):
-    with pytest.raises(ConfigError, match=wrong):
-        parse(
-            raw_of_floating
-            | {"device": without(raw_of_floating["device"], "mass") | device, "hydro": {"omega_max": "auto"}}
-        )
-
-
 def test_volume_of_spherical_caps():
     assert cap_volume(2.0, 0.0) == 0.0
     assert cap_volume(2.0, 1.0) == pytest.approx(2 / 3 * math.pi * 8)

@@ -7,7 +7,6 @@ import jsonschema
 import pytest
 import yaml
 from conftest import EXAMPLE, SEED
-from study.test_sections import changed
 
 from vsb.errors import ConfigError
 from vsb.study import reading
@@ -97,17 +96,6 @@ def test_keys_are_named_as_in_the_file(model, name, section, value, expected):
     with pytest.raises(ConfigError) as error:
         reading.validated(model, raw, "file.yaml")
     assert re.match(f"file.yaml: {expected}", error.value.mistakes[0])
-
-
-@pytest.mark.parametrize(
-    ("kind", "meant"), [("regulr", "regular"), ("pierson_moskovitz", "pierson_moskowitz"), ("tsunami", "")]
-)
-def test_suggestion_for_a_misspelt_kind(kind, meant):
-    with pytest.raises(ConfigError) as error:
-        config.parse(changed(("waves",), [{"kind": kind, "amplitude": 0.1, "period": 3.0}]))
-    asked = f"; did you mean {meant}?" if meant else ""
-    assert str(error.value).endswith(f"kind '{kind}': needs one of 'still', 'regular', 'jonswap', 'pierson_moskowitz', "
-                                     f"'white_noise', 'record'{asked}")  # fmt: skip
 
 
 MODELS = {"campaign": Campaign, "design": Optimisation, "study": Study, "body-study": BodyStudy, "body": BodyFile}

@@ -109,22 +109,6 @@ def test_methods_of_each_model(seed):
                     varied(seed, **asked)
 
 
-@pytest.mark.parametrize("law", ["latching", "declutching", "coulomb"])
-def test_switching_laws_need_method_auto_and_no_chamber(seed, law):
-    pto = {"law": law} | ({"force_limit": 1e3} if law == "coulomb" else {})
-    with pytest.raises(ConfigError, match=r"simulation.method 'exact': cannot follow a take-off that switches; needs"):
-        varied(seed, pto=pto, simulation={"method": "exact"})
-    with pytest.raises(
-        ConfigError, match=r"pto.port 'volume': with device.gas the take-off drives gas without inertia"
-    ):
-        varied(seed, pto={**pto, "port": "volume"}, device={"gas": {}})
-    assert varied(seed, pto={**pto, "port": "volume"}).pto.law == law
-    chamber = {"pto": {"port": "volume", "damping": 1e4}, "device": {"gas": {}}}
-    assert varied(seed, **chamber).opens_chamber
-    with pytest.raises(ConfigError, match=r"simulation.method 'convolution': has neither trapped gas"):
-        varied(seed, **chamber, simulation={"method": "convolution"})
-
-
 def test_waves_and_frequencies_must_lie_within_the_band(seed):
     """The second sea and the last frequency as well."""
     noise = {"kind": "white_noise", "hs": 0.1}

@@ -153,14 +153,3 @@ def test_damping_of_a_run(seed):
     one = StudyPlan(varied(study, pto={"tuning": "one"})).simulation("A", again)
     assert one.seas == (sea, swell)
     assert StudyPlan(varied(study, pto={"tuning": "each"})).simulation("A", again).seas == ()
-
-
-@pytest.mark.parametrize(
-    ("port", "unit"),
-    [("heave", "N s/m"), ("surge", "N s/m"), ({"strain": "area"}, "N s/m^3"), ({"strain": "hoop"}, "N m s"), ("pitch", "N m s"), ("volume", "Pa s/m^3"), ({"colatitude": 90.0}, "N s/m"),
-     ({"dofs": {"Pitch": 1.0}}, "N m s"), ({"dofs": {"float__Roll": 1.0, "spar__Pitch": -1.0}}, "N m s"),
-     ({"dofs": {"float__Pitch": 1.0, "float__Heave": 2.0}}, "N s/m")],
-    ids=str,
-)  # fmt: skip
-def test_unit_of_damping_follows_the_port(port, unit):
-    assert port_kind(port).damping_unit == port_kind(Pto(port=port).port).damping_unit == unit

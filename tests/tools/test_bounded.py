@@ -3,16 +3,12 @@
 import gzip
 import itertools
 import os
-import re
-import shutil
 import signal
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
-from conftest import SEED
 
 from vsb.cli import main
 from vsb.tools.bounded import LARGEST, bounded_memory, bounded_time, read_bounded, read_unpacked
@@ -54,23 +50,6 @@ def test_a_pipe_or_a_device_in_the_place_of_a_file_is_refused_and_not_waited_for
         given = {"check": [str(link)], "import-bemio": [str(link), "o.nc"], "import-wamit": [".", "in", "o.nc"]}
         assert main([command, *given.get(command, [str(link), "out"])]) == 2
         assert capsys.readouterr().err.count("\n") == 1
-
-
-@pytest.mark.parametrize("part", ["study", "climate", "profile", "mesh"])
-def test_every_file_that_a_study_names_is_a_regular_one(tmp_path, monkeypatch, capsys, part):
-    monkeypatch.chdir(tmp_path)
-    shutil.copy(SEED, "seed.yaml")
-    os.mkfifo("pipe")
-    device = {**yaml.safe_load(SEED.read_text())["device"], "shape": {"profile": "pipe"}}
-    files = {
-        "study": "{campaign: a, study: pipe, climate: {spectra: pipe}}",
-        "climate": "{campaign: a, study: seed.yaml, climate: {spectra: pipe}}",
-        "profile": yaml.safe_dump({**yaml.safe_load(SEED.read_text()), "device": device}),
-        "mesh": "{body: a, mesh: pipe, modes: pipe, omega: [1.0]}",
-    }
-    Path("a.yaml").write_text(files[part])
-    assert main(["body", "a.yaml", "out"] if part == "mesh" else ["check", "a.yaml"]) == 2
-    assert re.search("no regular file|mesh not found", capsys.readouterr().err)
 
 
 def test_a_file_holds_no_more_than_it_may_packed_or_not(tmp_path):

@@ -43,21 +43,6 @@ def test_values_of_designs_that_are_not_viable_may_be_missing():
         check_finite(viable.assign(omega=("sample", [1.0, np.nan])), "x")
 
 
-@pytest.mark.parametrize("power", ["annual_mean_power", "corrected_mean_power"])
-@pytest.mark.parametrize("gain", ["gain_percent", "gain_low", "gain_high", "corrected_gain_percent"])
-def test_gains_over_no_power_may_be_missing(gain, power):
-    by = ("design", "tuning")
-    coordinates = {"design": ["FSB", "VSWEC"], "tuning": ["fixed", "one"]}
-    taken = np.array([[0.0, 2.0], [3.0, 4.0]])
-    found = xr.Dataset({power: (by, taken), gain: (by, [[np.nan, 0.0], [np.nan, 100.0]])}, coordinates)
-    check_finite(found, "x")
-    for lost in (gain, power):
-        worse = found.copy(deep=True)
-        worse[lost].loc[{"design": "VSWEC", "tuning": "one"}] = np.nan
-        with pytest.raises(DatabaseError, match=f"variable {lost} holds NaN"):
-            check_finite(worse, "x")
-
-
 def test_dimensions_are_put_in_order():
     ds = rao(np.arange(6.0).reshape(1, 3, 2)).transpose("dof", "omega", "design")
     out = described(ds)

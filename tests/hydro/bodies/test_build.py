@@ -126,29 +126,6 @@ def test_heave_of_a_hemisphere_from_an_stl(stl, green_folder):
     assert abs(found.haskind_force.item()) == pytest.approx(np.sqrt(2 * damping), rel=0.03)
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"mass": "displaced"}, "hull.stl: centre_of_mass: received none, and the mesh is not closed above the water;"),
-        ({"mass": 1e4, "centre_of_mass": [0, 0, 0]}, "radii_of_gyration: received none, and the mesh is not closed"),
-        ({"modes": ["Heave"], "density": 500.0}, "mass: received none, and the mesh is not closed"),
-        ({}, "centre_of_mass is missing; a body that rotates needs it"),
-        ({"mass": 1.0, "density": 1.0}, "density: received both density and mass; needs one of them"),
-        ({"radii_of_gyration": [1, 1, 1]}, "radii_of_gyration: received no mass; needs mass or density as well"),
-        ({"modes": ["Heave", "Heave"]}, "needs at least one rigid motion, and none twice"),
-        (
-            {"modes": "shapes.nc", "mass": 1.0},
-            "mass: is given by the file of modes; remove it here, or use modes: rigid",
-        ),
-        ({"mass": "heavy"}, "mass: received 'heavy'"),
-    ],
-)
-def test_a_dry_body_that_is_not_known_is_refused(stl, changes, message):
-    vertices, sides = box()
-    with pytest.raises(ConfigError, match=message):
-        described(stl(vertices, sides[:-1]), **changes)
-
-
 def test_sphere_hull_has_no_rotations_about_its_own_centre():
     """They move no water; its panels only nearly leave it at rest, which looks like a soft roll."""
     mesh = {"kind": "sphere", "radius": 2.0, "draft": 2.0, "panel": 1.0}

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import yaml
 
-from vsb.errors import ConfigError
 from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
@@ -89,22 +88,6 @@ def test_rotation_point_is_a_combination_of_motions_about_the_centre_of_mass():
     assert below.mass == pytest.approx(to.T @ about.mass @ to, rel=1e-12, abs=1e-3)
     stiffness = [hydrostatic_stiffness(body, 1025.0, 9.81) for body in (about, below)]
     assert stiffness[1] == pytest.approx(to.T @ stiffness[0] @ to, rel=1e-9, abs=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"modes": {"hinge": {"at": [45.0, 0.0]}}}, "hinge.at: received x = 45 m, needs a place between the ends"),
-        ({"modes": {"bending": {"count": 1}, "polynomial": {"count": 1}}}, "polynomial: received beside bending"),
-        ({"modes": {"rigid": False}}, "rigid: received none, and no other modes"),
-        ({"modes": {"rigid": ["Heave", "Heave"]}}, "needs at least one rigid motion, and none twice"),
-        ({"modes": "rigid.nc", "mesh": "m.stl", "mass": None, "centre_of_mass": None, "radii_of_gyration": None,
-          "rotation_point": [0, 0, 0]}, "rotation_point: is given by the file of modes"),
-    ],
-)  # fmt: skip
-def test_what_is_no_family_is_refused(changes, message):
-    with pytest.raises(ConfigError, match=message):
-        build_body(described(**changes), {})
 
 
 def test_study_of_the_documentation():

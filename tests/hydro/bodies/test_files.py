@@ -14,7 +14,6 @@ from examples import barge
 from vsb.errors import ConfigError
 from vsb.hydro.bodies import files
 from vsb.hydro.bodies.build import build_body
-from vsb.hydro.panels.mesh import revolved
 from vsb.study.body import BodyFile
 from vsb.tools import bounded
 
@@ -115,23 +114,6 @@ def test_a_mesh_that_cannot_be_read_is_refused_in_one_line(tmp_path, name, capsy
     assert "\n" not in str(error.value)
 
 
-def test_triangles_without_area_are_dropped(tmp_path):
-    """Circles that end in a point leave triangles whose corners coincide, in single precision nearly."""
-    radius, height = np.array([0.0, 0.5, 1.0, 1.0, 0.5, 0.0]), np.array([-1.0, -1.0, -1.0, -3.0, -3.0, -3.0])
-    vertices, faces = revolved(radius, height, 12)
-    triangles = np.concatenate([faces[:, :3], faces[:, [0, 2, 3]]])
-    with np.errstate(invalid="ignore"):  # normals of nothing
-        meshio.Mesh(vertices + 0.1, [("triangle", triangles)]).write(tmp_path / "cylinder.stl")
-    own = np.linspace(1.0, 2.0, len(triangles))  # each panel keeps its own displacement
-    modes = xr.Dataset({"mode_shape": (("dof", "panel", "xyz"), own[None, :, None] * [0.0, 0.0, 1.0])})
-    modes.assign_coords(dof=["Stretch"]).to_netcdf(tmp_path / "own.nc")
-    body = files.read_body(tmp_path / "cylinder.stl", tmp_path / "own.nc")
-    assert body.history == f"panels without area dropped: 24 of {len(triangles)}"
-    assert body.volume == pytest.approx(12 / 2 * np.sin(2 * np.pi / 12) * 2.0, rel=1e-5)
-    kept = ~files.without_area(*files.read_mesh(tmp_path / "cylinder.stl"))
-    assert body.modes[0, :, 2].tolist() == own[kept].tolist()
-
-
 def test_panels_of_every_kind_are_read_in_the_order_of_the_file(tmp_path):
     """Triangles between two blocks of quadrilaterals, and lines, which are none."""
     points = np.array([[x, y, -1.0] for x in range(3) for y in range(3)], dtype=float)
@@ -199,26 +181,6 @@ def gdf(gravity=9.81, behind=""):
     vertices, faces = barge.box(4.0, 2.0, 1.0, 1)
     rows = [" ".join(map(repr, point)) for point in vertices[faces].reshape(-1, 3).tolist()]
     return "\n".join(["box", f"1.0 {gravity}", "0 0", str(len(faces)), *rows]) + behind
-
-
-def test_gdf_notes_ignored_lines_and_refuses_feet_and_short_files(tmp_path):
-    (tmp_path / "plain.gdf").write_text(gdf())
-    (tmp_path / "trail.gdf").write_text(gdf(behind="\n0\nend of file\n"))
-    plain, trail = (files.read_mesh(tmp_path / f"{name}.gdf") for name in ("plain", "trail"))
-    assert all(one.tolist() == other.tolist() for one, other in zip(plain, trail, strict=True))
-    modes = xr.Dataset(
-        {"mode_shape": (("dof", "vertex", "xyz"), np.ones((1, len(plain[0]), 3)))}, coords={"dof": ["Drift"]}
-    )
-    modes.to_netcdf(tmp_path / "modes.nc")
-    assert files.read_body(tmp_path / "trail.gdf", tmp_path / "modes.nc", 9.81).history == (
-        "2 lines behind the panels of the GDF ignored"
-    )
-    (tmp_path / "feet.gdf").write_text(gdf(32.174))
-    with pytest.raises(ConfigError, match=r"feet.gdf:2: GRAV: received feet; needs metres here"):
-        files.read_body(tmp_path / "feet.gdf", tmp_path / "modes.nc", 9.81)
-    (tmp_path / "short.gdf").write_text(gdf().rpartition("\n")[0])
-    with pytest.raises(ConfigError, match=r"short.gdf: cannot be read as a mesh \(NPAN is \d+, but \d+ panels follow"):
-        files.read_mesh(tmp_path / "short.gdf")
 
 
 def test_gdf_in_feet_is_scaled_where_its_displacements_are_made(tmp_path):

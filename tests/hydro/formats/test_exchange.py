@@ -13,7 +13,7 @@ from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro import database
 from vsb.hydro.database import load_database
-from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
+from vsb.hydro.formats.bemio import read_bemio, write_h5
 from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.hydro.formats.exchange import export, is_own, read_source, source_checks
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
@@ -180,22 +180,6 @@ def test_rotations_of_the_h5_file_are_about_the_centre_of_mass(ball, tmp_path, c
     assert " rotations about 0 0 -0.5 modes " in (tmp_path / "out" / "ball.1").read_text().splitlines()[0]
     back = import_wamit(tmp_path / "out", "ball", density=1025.0, gravity=9.81)
     assert back.attrs["rotation_centre"] == [0.0, 0.0, -0.5]
-
-
-def test_lines_on_what_an_export_leaves_out(ball, tmp_path, capsys):
-    with xr.open_dataset(ball) as ds:
-        ds = ds.load().isel(omega=slice(1, -1))
-    ds.to_netcdf(tmp_path / "finite.nc")
-    assert main(["export", str(tmp_path / "finite.nc"), str(tmp_path)]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.partition(": ")[2] for line in lines[5:]] == [
-        f"{tmp_path}/finite.nc: holds no added_mass_inf; needs a complete hydro database.",
-        f"without lines PER = -1, whose added mass {tmp_path}/finite.nc does not hold",
-        f"without lines PER = 0, whose added mass {tmp_path}/finite.nc does not hold",
-    ]
-    ds.drop_vars("rotation_center").assign(added_mass=ds.added_mass).to_netcdf(tmp_path / "old.nc")
-    with pytest.raises(DatabaseError, match="holds no rotation_centre, what Roll, Pitch, Yaw turn about"):
-        bemio_entries(read_capytaine(tmp_path / "old.nc").assign(added_mass_inf=(PAIR, np.eye(6))), "old.nc")
 
 
 def test_buoy_is_read_back_from_every_format(small, tmp_path):

@@ -187,26 +187,6 @@ def test_output_of_wamit_with_generalized_modes(tmp_path):
     assert files.load(tmp_path / "imported.nc").equals(ds)
 
 
-def test_header_and_infinite_frequency_may_be_missing(tmp_path):
-    bare = {extension: text.partition("\n")[2] for extension, text in FOREIGN.items()}
-    bare[".1"] = "".join(line + "\n" for line in bare[".1"].splitlines() if not line.startswith("  0.0"))
-    ds = import_wamit(written(tmp_path, bare), "buoy", density=1000.0, gravity=10.0)
-    assert "added_mass_inf" not in ds
-    told = "read from WAMIT's files buoy"
-    assert ds.attrs["history"] == f"{told}; left out: zero frequency, not of all pairs"
-    for kept, of_zero in (("0.0", False), ("-1.0", True), ("2.0", False)):  # infinite frequency, zero, waves alone
-        only = "".join(
-            line + "\n"
-            for line in FOREIGN[".1"].splitlines()[1:]
-            if line.split()[0][:4].startswith((kept, "2.0", "4.0"))
-        )
-        history = import_wamit(written(tmp_path, {**bare, ".1": only}), "buoy", density=1000.0, gravity=10.0).attrs[
-            "history"
-        ]
-        assert history == told + "; left out: zero frequency, not of all pairs" * of_zero
-    assert ds.added_mass.values[1, 1] == pytest.approx([0.0, 2000.0, 400.0])
-
-
 def edited(extension, old, new):
     assert old in FOREIGN[extension]
     return {**FOREIGN, extension: FOREIGN[extension].replace(old, new, 1)}
@@ -277,21 +257,6 @@ def test_rm3_published_numbers_of_two_bodies():
     assert (ds.attrs["displaced_volume_body1"], ds.attrs["displaced_volume_body2"]) == (725.833, 886.687)
     assert ds.added_mass_inf.values[1, 1] == pytest.approx(8.918842e6)
     assert "centre_of_mass" not in ds.attrs
-
-
-def test_incomplete_files_of_two_bodies_are_refused(tmp_path):
-    heads = {"mmx": ("Normalized mass matrix:", "External force matrices:")}
-    with pytest.raises(DatabaseError, match=r"rm3\.mmx: .* of 2 bodies with IALTFRC = 1; needs IALTFRC = 2, one table"):
-        rm3(tmp_path, **heads)
-    more = {"1": ("     9     9", "    13    13")}
-    with pytest.raises(
-        DatabaseError, match=r"rm3\.1: holds modes up to 13 of 2 bodies; needs six of each and no labels"
-    ):
-        rm3(tmp_path, **more)
-    with pytest.raises(
-        DatabaseError, match=r"rm3\.1: holds modes up to 9 of 2 bodies; needs six of each and no labels"
-    ):
-        import_wamit(RM3, "rm3", density=1000.0, gravity=9.81, labels=["a", "b"])
 
 
 def test_masses_of_two_bodies(tmp_path):
