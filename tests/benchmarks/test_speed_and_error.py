@@ -4,10 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import springs, varied
+from conftest import varied
 
 from benchmarks import coefficients as hp
-from benchmarks import time_domain
 from benchmarks.time_domain import STEPS, under_pressure
 from vsb.study import study as config
 
@@ -66,27 +65,3 @@ def test_errors_of_integrators_fall_with_their_setting_and_the_reference_is_conf
         errors = np.array([paper.errors(one, stride)["error"] for one, stride in found])
         assert np.all(errors[1:] < errors[:-1] / 3), (method, errors)
     assert paper.errors(paper.general("DOP853", 1e-12))["error"] < 1e-10
-
-
-@pytest.mark.slow
-def test_rows_and_figure_of_a_scene(paper, monkeypatch):
-    monkeypatch.setattr(time_domain, "SCIPY", ())
-    monkeypatch.setattr(time_domain, "ADAMS", (1e-3, 1e-5))
-    monkeypatch.setattr(time_domain, "STRIDES", (8,))
-    rows = time_domain.integrator_rows(paper, "VSWEC0")
-    assert {row["method"] for row in rows} == {"exponential Adams", STEPS, time_domain.SUNDIALS, "DOP853"}
-    assert {row["status"] for row in rows} <= {"completed", time_domain.NOT_INSTALLED}
-    figure = time_domain.error_figure(rows)
-    assert [ax.get_title() for ax in figure.axes if ax.axison] == ["VSWEC0"]
-
-
-@pytest.mark.slow
-def test_right_hand_side_of_the_general_integrators_is_that_of_the_scene(paper):
-    scene, n = paper.system.scene, paper.system.scene.motions
-    state, free, time = 0.02 * np.random.default_rng(1).normal(size=2 * n.shape[1]), n.shape[1], 0.3
-    static, uniform, _ = scene.water.shell.forces((n @ state[:free])[None])
-    pressure = scene.water.assumed.amplitude * np.cos(scene.water.assumed.omega * time)
-    force = n.T @ (scene.water.specific_weight * static[0] + pressure * uniform[0] + scene.forces["weight"].value)
-    force -= springs(scene) @ state[:free] + scene.damping @ state[free:]
-    expected = np.concatenate([state[free:], np.linalg.solve(n.T @ scene.mass @ n, force)])
-    assert paper.equation.rates(time, state) == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())

@@ -166,9 +166,6 @@ def test_scene_without_water_pressure_is_refused(assumed):
         integrate(System.of(dry), np.linspace(0.0, 1.0, 11), plant.start(0.0, 0.0), 1e-8)
 
 
-START = np.array([0.3, -1.0])
-
-
 def test_response_of_an_oscillator_to_a_polynomial():
     """An oscillator of 1000 rad/s over many periods, forced by (t/unit)^3."""
     w, h, unit = 1000.0, 0.1, 0.02

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 from scipy.special import assoc_legendre_p
 
 from vsb.errors import ConfigError
@@ -90,21 +89,6 @@ def deformed(basis, q, phi, theta):
     shapes = (f.radial[:, None] * e_r + f.meridional[:, None] * e_phi) * np.cos(m * theta)
     shapes = shapes + f.azimuthal[:, None] * e_theta * np.sin(m * theta)
     return basis.shell.radius * e_r + np.tensordot(q, shapes, 1) + np.array([[0], [0], [HEIGHT]]), shapes
-
-
-def force(basis, q):
-    """Generalised force of still water on the deformed shell, meridian by meridian."""
-    node, weight = np.polynomial.legendre.leggauss(36)
-    total, azimuths = np.zeros(len(q)), 2 * np.pi * np.arange(12) / 12
-    for theta in azimuths:
-        low = brentq(lambda phi, t=theta: deformed(basis, q, np.array([phi]), t)[0][2, 0], 0.5, 2.8, xtol=1e-14)
-        phi, h = (low + np.pi) / 2 + (np.pi - low) / 2 * node, 1e-5
-        x, psi = deformed(basis, q, phi, theta)
-        by_phi = (deformed(basis, q, phi + h, theta)[0] - deformed(basis, q, phi - h, theta)[0]) / (2 * h)
-        by_theta = (deformed(basis, q, phi, theta + h)[0] - deformed(basis, q, phi, theta - h)[0]) / (2 * h)
-        normal = np.cross(by_phi, by_theta, axis=0)
-        total += RHO * G * np.einsum("p,ap,jap->j", x[2] * weight, normal, psi) * (np.pi - low) / 2
-    return total * 2 * np.pi / len(azimuths)
 
 
 @pytest.mark.parametrize("order", [1, 2])

@@ -7,7 +7,6 @@ import socket
 import subprocess
 import sys
 import threading
-from pathlib import Path
 
 import netCDF4
 import numpy as np
@@ -168,42 +167,6 @@ def test_flipped_bits_are_detected(tmp_path):
             assert "\n" not in str(error)  # noqa: PT017
             caught += 1
     assert caught >= 59  # the word that begins the seal may be lost: then the checksum decides
-
-
-FULL = """
-import resource, sys
-
-import numpy as np
-from tools.test_files import rao
-from vsb.errors import ConfigError, DatabaseError
-from vsb.tools.files import save, write_text
-resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
-for write in (lambda: write_text("a.txt", "new" * 10**5), lambda: save(rao(np.random.rand(1, 6000, 2)), "a.nc")):
-    try:
-        write()
-    except DatabaseError as error:
-        print(error)
-"""
-
-
-def test_full_disk_keeps_the_old_files(tmp_path):
-    write_text(tmp_path / "a.txt", "old")
-    save(rao(np.ones((1, 3, 2))), tmp_path / "a.nc")
-    path = os.pathsep.join(map(str, Path(__file__).parents[1:3]))
-    done = subprocess.run(
-        [sys.executable, "-c", FULL],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    text, data = done.stdout.splitlines()
-    assert text == "a.txt: cannot be written (File too large); needs space in a folder you may write to"
-    assert data.startswith("a.nc: cannot be written (")
-    assert (tmp_path / "a.txt").read_text() == "old"
-    assert np.all(load(tmp_path / "a.nc").rao.values == 1.0)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.nc", "a.txt"]
 
 
 MARKED = "Höhe [m]\n1.5\n"

@@ -82,6 +82,19 @@ def test_errors_are_one_line(written, text, message):
     assert "given.txt" in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        ("Hs,Te,percent\n0.25,6.5,30\n0.75,7.5,70\n", "100 (percent of 100)"),
+        ("Hs,Te,[h]\n0.25,6.5,2766\n0.75,7.5,6000\n", "8766 (hours of 8766)"),
+        ("Hs,Te,share\n0.25,6.5,0.3\n0.75,7.5,0.719\n", "1.019 (shares of 1)"),
+        ("Hs,Te,n\n0.25,6.5,3\n0.75,7.5,4\n", "7 counts"),
+    ],
+)
+def test_sum_of_occurrences_is_noted(written, text, note):
+    assert read_scatter(written(text)).notes[0] == f"2 occupied cells of Hs and Te, which sum to {note}"
+
+
 @pytest.mark.parametrize("text", ["6-9", "6 \u2013 9", "6 to 9", "6..9", "6.0-9,0", "7,5"])
 def test_bin_is_given_by_its_centre_or_its_ends(written, text):
     assert read_table(written(f"Hs;Te;n\n0.25;{text};1\n")).period.tolist() == [7.5]
