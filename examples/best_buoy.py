@@ -7,8 +7,13 @@ import sys
 
 import vsb
 
-found = vsb.open(sys.argv[1] if len(sys.argv) > 1 else "results/best_buoy")
-assert isinstance(found, vsb.BestBuoy)
+folder = sys.argv[1] if len(sys.argv) > 1 else "results/best_buoy"
+try:
+    found = vsb.open(folder)
+except vsb.VsbError as error:
+    sys.exit(f"{error}; vsb run config/best_buoy.yaml makes results/best_buoy")
+if not isinstance(found, vsb.BestBuoy):
+    sys.exit(f"{folder}: holds a study or campaign; needs the results of a design, as results/best_buoy")
 print(found.answer)
 print(f"gain {found.gain.value:+.2f} % ({found.gain.low:+.2f} to {found.gain.high:+.2f} %)")
 for buoy, power in found.power.items():

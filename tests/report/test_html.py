@@ -18,6 +18,11 @@ def test_table_can_be_downloaded():
     assert list(csv.reader(io.StringIO(urllib.parse.unquote(data)))) == [["x", "y"], *body]
 
 
+def test_sea_is_named_in_a_table_of_several_only():
+    assert html.filled(["design", "sea"], [["A", "T3"], ["B", "T3"]]) == (["design"], [["A"], ["B"]])
+    assert html.filled(["design", "sea"], [["A", "T3"], ["A", "T4"]])[0] == ["design", "sea"]
+
+
 def test_missing_value_of_a_template_raises():
     with pytest.raises(jinja2.UndefinedError, match="is undefined"):
         html.page("campaign.html.j2")

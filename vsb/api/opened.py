@@ -34,7 +34,7 @@ def open(path: str | Path) -> Results | Campaign | BestBuoy:
         return BestBuoy(str(folder))
     text = folder / "study.json"
     if not text.is_file():
-        raise DatabaseError(f"{folder}: holds no results; needs the folder of a study or campaign, as results/buoy")
+        raise DatabaseError(f"{folder}: holds no results; needs what vsb run wrote, such as results/buoy")
     try:
         raw = json.loads(text.read_text(encoding="utf-8"))
     except ValueError:

@@ -230,10 +230,15 @@ def shares_text(lines: Lines, sea: str, unit: str) -> str:
 def parts_table(lines: Lines) -> list[list[str]]:
     """Return which source of error is which part of the interval of every gain at optimal damping."""
     return [
-        [line["design"], line["sea"], source["name"], short(source["low"]), short(source["high"]), source["kind"]]
+        [line["design"], line["sea"], source["name"], _points(source["low"]), _points(source["high"]), source["kind"]]
         for line in lines
         for source in line.get("errors", ())
     ]
+
+
+def _points(value: float) -> str:
+    """Percentage points, to a thousandth: more digits of an error mean nothing."""
+    return f"{value:.3f}".replace("-0.000", "0.000")
 
 
 def tuning_head(unit: str) -> list[str]:

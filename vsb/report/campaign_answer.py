@@ -121,7 +121,7 @@ def of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
     if not bool(carries.any()):
         return f"None of the {ds.margin.size} points carries its static load without buckling."
     carried = f"{int(carries.sum())} of {ds.margin.size} points carry their static load without buckling"
-    return f"{carried}; flexibility pays at {int((pays & carries).sum())} of these."
+    return f"{carried}; flexibility pays at {int((pays & carries).sum()) or 'none'} of these."
 
 
 def of_shells(ds: xr.Dataset) -> bool:

@@ -116,7 +116,7 @@ def budget(facts: Facts, ds: xr.Dataset) -> Figure:
     colour = look(facts, FLEXIBLE)["color"]
     for i, (_, low, high) in enumerate(rows):
         ax.barh(i, high - low, left=low, height=0.6, color=colour if i == len(rows) - 1 else "#999999")
-        ends = f" {low:+.3g} to {high:+.3g}"  # bars of small sources are too narrow to be read
+        ends = f" {low:+.3f} to {high:+.3f}"  # bars of small sources are too narrow to be read
         ax.annotate(ends, (1.0, i), xycoords=("axes fraction", "data"), va="center", fontsize="small")
     ax.set_yticks(range(len(rows)), [name.replace("_", " ") for name, _, _ in rows])
     ax.invert_yaxis()

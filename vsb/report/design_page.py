@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from vsb import __version__
 from vsb.design.compared import COMPETITOR, FLEXIBLE
 from vsb.report.design_answer import NAMES, OBJECTIVES, Facts, answer, grouped, worth
 from vsb.report.design_figures import captions
@@ -41,7 +42,13 @@ def render(facts: Facts, figures: Mapping[str, str], identity: str) -> str:
         starts=starts_table(facts),
         budget=budget_table(facts),
         figures=captioned(figures, captions(facts, list(figures))),
-        facts={"Study": facts["study"], "Climate": facts["climate"], "Content id": identity},
+        facts={
+            "Program": f"vsb {__version__}",
+            "Command": f"vsb run {facts['name']}.yaml",
+            "Study": facts["study"],
+            "Climate": facts["climate"],
+            "Content id": identity,
+        },
     )
 
 
@@ -87,7 +94,8 @@ def variables_table(facts: Facts) -> dict[str, Any]:
     found: dict[str, list[str]] = {}
     for place, name in enumerate((FLEXIBLE, COMPETITOR)):
         for one in facts["found"][name]["variables"]:
-            bounds = f"{plain(one['low'])} to {plain(one['high'])}"
+            unit = "" if one["unit"] == "1" else f" {superscripts(one['unit'])}"
+            bounds = f"{one['low']:g} to {one['high']:g}{unit}"
             row = found.setdefault(one["key"], [one["key"], bounds, "-", "-"])
             row[2 + place] = _cell(one["value"], one["unit"])
     return {"head": ["variable", "bounds", FLEXIBLE, COMPETITOR], "body": list(found.values())}

@@ -56,8 +56,9 @@ def text_of(name: str) -> str:
 
 
 def filled(head: Sequence[str], body: Sequence[Sequence[str]]) -> tuple[list[str], list[list[str]]]:
-    """Return a table without the columns that hold nothing but dashes."""
-    kept = [i for i, column in enumerate(zip(*body, strict=True)) if any(cell != "-" for cell in column)]
+    """Return a table without the columns that hold nothing but dashes, and without the sea if it is the same in all."""
+    columns = [set(column) for column in zip(*body, strict=True)]
+    kept = [i for i, cells in enumerate(columns) if cells != {"-"} and (head[i] != "sea" or len(cells) > 1)]
     return [head[i] for i in kept], [[row[i] for i in kept] for row in body]
 
 

@@ -56,8 +56,8 @@ def run_verification(spec: VerificationSpec, climate: str, root: str, out: str) 
 def in_words(verify: Verify) -> str:
     """Return which runs these are."""
     return (
-        f"{verify.seas} seas, {verify.model}, means over {RECORD:g} energy periods of each after "
-        f"{STARTUP:g} or more of start-up"
+        f"{verify.seas} seas, {verify.model.replace('_', '-')}, means over {RECORD:g} energy periods after a start-up "
+        f"of at least {STARTUP:g}"
     )
 
 

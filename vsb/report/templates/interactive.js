@@ -113,7 +113,7 @@ class InteractiveStudy {
     const found = this.absorbed();
     const shown = this.damping ?? Math.max(...this.own);
     this.part("damper").value = Math.log(shown || 1);
-    this.part("damper-says").textContent = this.damping === null ? "optimal for each" : `${plain(this.damping)} ${this.data.port.damping}`;
+    this.part("damper-says").textContent = this.damping === null ? "its optimum for each design" : `${plain(this.damping)} ${this.data.port.damping}`;
     this.part("period-says").textContent = this.tp === null ? "" : `${this.tp.toFixed(2)} s`;
     this.table(found);
     if (how === "limited") this.overLimit(found);

@@ -70,7 +70,7 @@ class InteractiveYear {
     const means = this.matrices.map((matrix) => matrix && dot(matrix, this.bins.share));
     const shown = this.damping ?? Math.max(...this.own);
     this.part("damper").value = Math.log(shown || 1);
-    this.part("damper-says").textContent = this.damping === null ? "optimal for each" : `${plain(this.damping)} ${this.data.port.damping}`;
+    this.part("damper-says").textContent = this.damping === null ? "its optimum for each design" : `${plain(this.damping)} ${this.data.port.damping}`;
     this.table(used, means);
     this.overDamper(used, means);
     this.matrix();

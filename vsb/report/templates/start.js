@@ -13,4 +13,11 @@
   if (data) globalThis.interactive = data.kind === "study" ? new InteractiveStudy(data, root) : new InteractiveYear(data, root);
   const motion = held("buoys-data");
   if (motion) globalThis.buoys = new Buoys(motion, document.getElementById("buoys"));
+  const contents = document.querySelector("nav");
+  for (const part of [...document.querySelectorAll("section.screen:not([hidden])")].reverse()) {
+    const link = document.createElement("a");
+    link.href = `#${part.id}`;
+    link.textContent = part.querySelector("h2").textContent;
+    contents?.prepend(link, " ");
+  }
 }
