@@ -25,7 +25,7 @@ def test_warnings_of_a_campaign():
     ds = campaign()
     runs, coverage = warnings(by_runs(ds, ds.gain_percent, width=0.1))[:2]
     assert "coverage is 77 to 95 % with 12 seas, 89 to 96 % with 24" in coverage
-    assert runs.startswith("Time-domain runs correct tuning one: 4 seas. Figures")
+    assert runs.startswith("Time-domain runs correct the answer (tuning one: 4 seas). Figures")
     _, few, _ = warnings(by_runs(ds, ds.gain_percent, width=5.1))[:3]
     assert few == "The interval of the gain of VSWEC includes zero: more verify.seas would narrow it."
     lost = campaign()

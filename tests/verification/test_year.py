@@ -41,7 +41,7 @@ def power_of_year(ds, edges, density):
 def test_year_of_a_body(agree, command, tmp_path, monkeypatch):
     """The floating cylinder in heave at NDBC 46042, 1996, under a given damper and spring."""
     study = yaml.safe_load((CONFIG / "float.yaml").read_text())
-    study["body"]["file"]["modes"] = ["Heave"]
+    study["body"] = {"file": {**study["body"]["file"], "modes": ["Heave"]}}
     study["designs"] = {"heave": {}}
     study["pto"] |= {"damping": DAMPING, "stiffness": STIFFNESS}
     (tmp_path / "float.yaml").write_text(yaml.safe_dump(study))

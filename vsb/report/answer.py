@@ -134,7 +134,7 @@ def interval_text(low: float | None, high: float | None) -> str:
     if low is None or high is None or low == high:
         return ""
     for digits in range(1, DIGITS + 1):
-        ends = [f"{end:+.{digits}f}" for end in (low, high)]
+        ends = [f"{round(end, digits) + 0.0:+.{digits}f}" for end in (low, high)]
         if ends[0] != ends[1]:
             return f"{ends[0]} to {ends[1]} %"
     return f"{(low + high) / 2:+.1f} %, exact to 1e-{DIGITS} points"

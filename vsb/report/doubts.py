@@ -41,7 +41,7 @@ ADVICE = {
     "drag": "use the powers in the time domain, or lower waves",
     "pitch": "lower waves",
     "rotation": "lower waves",
-    "translation": "lower waves",
+    "translation": "a mooring (body.stiffness), if the body drifts; lower waves",
     "surge": "a mooring",
     "irregular_frequencies": "a lid, or finer panels",
     "lid": "finer panels, or lid: 0 and frequencies below the first irregular one",

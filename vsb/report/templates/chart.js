@@ -32,7 +32,8 @@ function ticks(low, high, log, wanted = 6) {
     for (let p = Math.floor(Math.log10(low)); p <= Math.log10(high); p++) {
       for (const m of [1, 2, 5]) if (m * 10 ** p >= low * 0.999 && m * 10 ** p <= high * 1.001) found.push(m * 10 ** p);
     }
-    return found.length > wanted + 2 ? found.filter((v) => Number.isInteger(Math.log10(v))) : found;
+    const decades = found.filter((v) => Number.isInteger(Math.log10(v)));
+    return found.length > wanted && decades.length > 1 ? decades : found;
   }
   const raw = (high - low) / wanted || 1;
   const decade = 10 ** Math.floor(Math.log10(raw));
