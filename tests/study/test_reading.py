@@ -86,6 +86,8 @@ WAVE = {"kind": "regular", "amplitude": 0.1}
         (Study, "seed", "designs", {"B b": {}}, "designs.B b: received 'B b'; needs letters"),
         (Campaign, "year", "climate", {"spectra": 3}, "climate.spectra: received 3"),
         (Campaign, "year", "climate", {"scatr": "a"}, r"climate.scatr: .* did you mean scatter\?"),
+        (BodyStudy, "barge", "simulation", {"rampTime": 9}, ".*did you mean window, which begins after the start-up"),
+        (BodyStudy, "barge", "mooring", [1.0], ".*did you mean body.stiffness"),
         (BodyStudy, "barge", "body", {"file": {"mesh": 3}}, "body.file.body: missing"),
         (BodyStudy, "barge", "body", {"bemio": "a", "mass": {"Heave": [["x"]]}}, "body.mass.Heave.0.0: received 'x'"),
         (BodyStudy, "barge", "designs", {"A": {"dofs": "rgid"}}, r"designs.A.dofs: .* did you mean rigid\?"),

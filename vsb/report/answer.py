@@ -9,7 +9,7 @@ import xarray as xr
 from vsb.report.band import gain_band, useful_band
 from vsb.report.doubts import no_answer, reasons
 from vsb.study.take_off import WITH_LATCHING_TIME, WITHOUT_DAMPING, port_kind
-from vsb.tools.words import SAME, against_rigid, multiple, plain, power, short, the_rigid, watts
+from vsb.tools.words import SAME, against_rigid, multiple, plain, power, the_rigid, watts
 
 Lines = Sequence[dict[str, Any]]
 """Rows of `vsb.results.gains`: gains of designs in seas, optima within limits, or designs that are not valid."""

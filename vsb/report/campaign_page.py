@@ -14,8 +14,7 @@ from vsb.report.animation import in_motion
 from vsb.report.campaign_answer import (
     MODELS,
     TUNED,
-    at_point,
-    best_flexible,
+    answer,
     is_verified,
     leading,
     of_points,
@@ -127,12 +126,8 @@ def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
     if not bool(ds.viable.any()):
         return []
     found, second = [], second_tuning(ds, tuning)
-    for other in (name for name in TUNED if name in ds.tuning.values and name not in (tuning, second)):
-        if best := best_flexible(ds, reference, other):
-            one, design = best
-            found.append(
-                f"{TUNED[other].capitalize()}: {design}{at_point(one)} is best with {float(one.gain_percent):+.1f} %."
-            )
+    further = (name for name in TUNED if name in ds.tuning.values and name not in (tuning, second))
+    found += [answer(ds, reference, other) for other in further]
     if ds.margin.size > 1 and reference is not None and second:
         found.append(of_points(ds, reference, tuning))
     marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)

@@ -112,10 +112,33 @@ SAME = {
     "nonlinear": {"body_exact": "body_exact"},
     "irregular": {"jonswap": "jonswap"},
     "height": {"amplitude": "amplitude, half the height", "hs": "hs"},
+    "h": {"amplitude": "amplitude, half the height", "hs": "hs"},
+    "t": {"period": "period", "tp": "tp"},
     "significant_wave_height": {"hs": "hs"},
     "peak_period": {"tp": "tp"},
+    "te": {"tp": "tp, the peak period"},
+    "nowave": {"still": "still"},
+    "pm": {"pierson_moskowitz": "pierson_moskowitz"},
+    "elevationimport": {"record": "record"},
+    "endtime": {"duration": "duration"},
+    "ramptime": {"window": "window, which begins after the start-up"},
+    "dt": {"tolerance": "tolerance, from which the steps follow"},
+    "c": {"damping": "damping"},
+    "k": {"stiffness": "stiffness"},
+    "hardstops": {"stroke_limit": "stroke_limit"},
+    "equilibrium": {"displaced": "displaced"},
+    "inertia": {"radii_of_gyration": "radii_of_gyration", "mass": "mass, with rotations in kg m^2"},
+    "mooring": {"body": "body.stiffness"},
+    "h5": {"bemio": "bemio"},
+    "period": {"omega": "omega = 2 pi/period"},
+    "omega": {"period": "period = 2 pi/omega"},
+    "dofs": {"modes": "modes"},
+    "water_depth": {"water": "water.depth"},
+    "rho": {"water": "water.density", "density": "density"},
+    "g": {"water": "water.gravity", "gravity": "gravity"},
+    "diameter": {"radius": "radius, half the diameter"},
 }
-"""Words of other programs -> words here that mean the same -> how they are suggested."""
+"""Words of other programs, in small letters -> words here that mean the same -> how they are suggested."""
 
 
 def same(word: str, words: Iterable[str]) -> str:
