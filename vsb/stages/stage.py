@@ -67,44 +67,28 @@ _ROWS: tuple[tuple[str, str, str, Any, str, str], ...] = (
     ("database", "water", "hydro database from blocks", specs.DatabaseSpec, "blocks out", ""),
     ("radiation", "frequency", "radiation model", specs.RadiationSpec, "database out", ""),
     ("response", "frequency", "frequency response", specs.ResponseSpec, "database out", ""),
-    (
-        "ladder", "frequency", "power at every control level", specs.LadderSpec,
-        "database out levels manifest", "",
-    ),
-    (
-        "simulate", "simulate", "one design in one sea", specs.SimulateSpec,
-        "out", "database radiation",
-    ),
-    (
-        "compare", "compare", "comparison and validity", specs.CompareSpec,
-        "trajectories out statistics validity study tables manifest", f"{BEM_FILES} levels",
-    ),
+    ("ladder", "frequency", "power at every control level", specs.LadderSpec,
+     "database out levels manifest", ""),
+    ("simulate", "simulate", "one design in one sea", specs.SimulateSpec,
+     "out", "database radiation"),
+    ("compare", "compare", "comparison and validity", specs.CompareSpec,
+     "trajectories out statistics validity study tables manifest", f"{BEM_FILES} levels"),
     ("figures", "report", "all figures", AnyStudy, "trajectories out manifest", f"modes {BEM_FILES}"),
-    (
-        "report", "report", "HTML report", AnyStudy,
-        "tables trajectories figures out manifest", f"modes {BEM_FILES}",
-    ),
+    ("report", "report", "HTML report", AnyStudy,
+     "tables trajectories figures out manifest", f"modes {BEM_FILES}"),
     ("members", "campaign", "points of a campaign over the year", specs.MembersSpec, "climate folder root out", ""),
     ("verification", "verification", "seas of the year in time", specs.VerificationSpec, "climate root out", ""),
     ("campaign", "campaign", "a whole campaign", specs.CampaignSpec, "batches verifications out table manifest", ""),
-    (
-        "campaign_report", "campaign_report", "figures and report of a campaign", specs.CampaignSpec,
-        "data climate root figures out manifest", "",
-    ),
+    ("campaign_report", "campaign_report", "figures and report of a campaign", specs.CampaignSpec,
+     "data climate root figures out manifest", ""),
     ("design_start", "design", "the best buoy from one start", specs.DesignStartSpec, "climate out", ""),
     ("design_front", "design", "the best buoys over one limit", specs.DesignFrontSpec, "climate starts out", ""),
-    (
-        "design_verification", "design_verification", "the best buoys in time", specs.DesignVerificationSpec,
-        "climate starts root out", "",
-    ),
-    (
-        "design_results", "design_results", "a whole design problem", specs.DesignSpec,
-        "climate starts fronts verifications folder manifest", "",
-    ),
-    (
-        "design_report", "design_report", "figures and report of a design", specs.DesignSpec,
-        "data figures out manifest", "",
-    ),
+    ("design_verification", "design_verification", "the best buoys in time", specs.DesignVerificationSpec,
+     "climate starts root out", ""),
+    ("design_results", "design_results", "a whole design problem", specs.DesignSpec,
+     "climate starts fronts verifications folder manifest", ""),
+    ("design_report", "design_report", "figures and report of a design", specs.DesignSpec,
+     "data figures out manifest", ""),
 )  # fmt: skip
 """Name, module, what it makes, specification, files and optional files of each stage, in the order of the workflow."""
 STAGES = tuple(
