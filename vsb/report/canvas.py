@@ -139,13 +139,13 @@ def plain_numbers(axis: Axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def number_cells(ax: Axes, x: FloatArray, y: FloatArray, values: FloatArray, largest: float, size: float = 6.0) -> None:
+def number_cells(ax: Axes, x: FloatArray, y: FloatArray, values: FloatArray, largest: float) -> None:
     """Write the values (y, x) of a map in the colours viridis into its cells, to two digits; none where unknown."""
     for (i, j), value in np.ndenumerate(values):
         if np.isfinite(value):
             colour = "black" if value > LIGHT * largest else "white"
             text = f"{value:.0f}" if abs(value) >= FEW_DIGITS else plain(float(value), 2)
-            ax.text(float(x[j]), float(y[i]), text, ha="center", va="center", fontsize=size, color=colour)
+            ax.text(float(x[j]), float(y[i]), text, ha="center", va="center", fontsize=6.0, color=colour)
 
 
 def folded(name: str, width: int = 16) -> str:

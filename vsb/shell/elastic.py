@@ -74,14 +74,13 @@ class ElasticShell:
         meridional, hoop, rotation = (q @ shape for shape in shapes)
         return meridional + (meridional**2 + rotation**2) / 2, hoop + hoop**2 / 2
 
-    def deformation(self, q: FloatArray, colatitude: FloatArray | None = None) -> FloatArray:
+    def deformation(self, q: FloatArray) -> FloatArray:
         """Return strains and changes of curvature E_phi, E_theta, kappa_phi, kappa_theta, shape (4, point)."""
-        shapes = self._tables.curvatures if colatitude is None else curvature_shapes(self.basis, colatitude)
-        return np.array([*self.strains(q, colatitude), *(q @ shape for shape in shapes)])
+        return np.array([*self.strains(q), *(q @ shape for shape in self._tables.curvatures)])
 
-    def resultants(self, q: FloatArray, colatitude: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+    def resultants(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the membrane forces N_phi = dPsi/dE_phi, N_theta, each (point,) [N per metre undeformed]."""
-        meridional, hoop, *_ = self.basis.shell.wall.resultants(self.deformation(q, colatitude))
+        meridional, hoop, *_ = self.basis.shell.wall.resultants(self.deformation(q))
         return meridional, hoop
 
     def linear_resultants(self, q: FloatArray, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
