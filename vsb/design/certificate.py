@@ -55,7 +55,6 @@ def multipliers(point: Point, active: float = ACTIVE) -> Multipliers:
 
     Parameters
     ----------
-    point : Point
     active : float
         Distance from a limit or bound within which it counts.
     """

@@ -143,7 +143,6 @@ def gain_of_years(flexible: FloatArray, rigid: FloatArray, hours: FloatArray, se
         Mean power of both in each sea [W].
     hours : ndarray, shape (sea,)
         Share of the year of each.
-    seed : int
     """
     seas = len(hours)
     length = max(1, min(seas, round(BLOCK_DAYS / 365.25 * seas)))
@@ -171,8 +170,6 @@ def numerical_errors(
 
     Parameters
     ----------
-    climate : Climate
-    flexible, rigid : Buoy
     truncation : (float, float), optional
         Changes of the power by all further degrees of shell modes, relative (`vsb.design.optimise.left_out`).
     """

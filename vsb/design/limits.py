@@ -94,8 +94,6 @@ def static_strain(buoy: RestingBuoy, stepped: Sequence[Stepped]) -> Slopes:
 def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:
     """Return the largest inverse load factors of linear buckling [-], descending, with derivatives by keys of a device.
 
-    Notes
-    -----
     Eigenvalues kappa of -K_1 x = kappa K_0 x (`vsb.shell.loaded.buckling_pencil`): 1 buckles under its load, 0 and less
     under no load. They are smooth where load factors leap to infinity. With x^T K_0 x = 1
     dkappa = -x^T (dK_1 + kappa dK_0) x.

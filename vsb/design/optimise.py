@@ -77,13 +77,7 @@ def start_places(count: int, variables: int, seed: int, given: FloatArray | None
 
 
 def first_possible(problem: Problem, places: Sequence[FloatArray]) -> tuple[Point, list[str]]:
-    """Return the first buoy that rests, and why those before it do not.
-
-    Raises
-    ------
-    ConvergenceError
-        If none does.
-    """
+    """Return the first buoy that rests, and why those before it do not; raises `ConvergenceError` if none does."""
     reasons: list[str] = []
     for place in places:
         try:
@@ -98,7 +92,6 @@ def optimised(problem: Problem, start: Point, seen: Progress | None = None) -> O
 
     Parameters
     ----------
-    problem : Problem
     start : Point
         Of this problem or of one with the same variables; its objective is the scale of this run.
     seen : callable, optional
@@ -279,7 +272,7 @@ def converged(
     """Return the best buoy from one start, solved again with more shell modes until they change little.
 
     An optimiser exploits what a basis leaves out, so that the modes a study converged with are not enough. Within each
-    run the degree is fixed: the objective stays smooth.
+    run the degree is fixed: the objective stays smooth. Raises `ConvergenceError` if no buoy rests.
 
     Parameters
     ----------
@@ -293,11 +286,6 @@ def converged(
         Tried in turn until a buoy rests.
     seen : callable, optional
         Is called with every buoy evaluated.
-
-    Raises
-    ------
-    ConvergenceError
-        If no buoy rests.
     """
     problems: dict[int | None, Problem] = {}
 

@@ -61,10 +61,7 @@ class RestingBuoy:
     def of(cls, study: Study, degree: int) -> "RestingBuoy":
         """Return the buoy of a study at rest, its shell in functions to a degree.
 
-        Raises
-        ------
-        ConvergenceError
-            If the shell buckles before it carries its load.
+        Raises `ConvergenceError` if the shell buckles before it carries its load.
         """
         device = study.device
         basis = complete_basis(Shell.of(device), degree, device.mass) if study.flexible else rigid_basis(device)
@@ -158,13 +155,7 @@ def step_of(study: Study, key: str) -> float:
 
 
 def value_of(study: Study, key: str) -> float:
-    """Return the value of a key of a study, such as device.damping.beta.
-
-    Raises
-    ------
-    ConfigError
-        If it has none.
-    """
+    """Return the value of a key of a study, such as device.damping.beta; raises `ConfigError` if it has none."""
     found: Any = study
     for word in key.split("."):
         if (found := getattr(found, word, None)) is None:
@@ -188,10 +179,7 @@ def _reshaped(device: Device, name: str, step: complex) -> RestMeridian:
 def with_variable(loaded: LoadedShell, key: str, step: complex, device: Device) -> LoadedShell:
     """Return a loaded shell with a step of a variable of its device, at the same height of the centre.
 
-    Raises
-    ------
-    ConfigError
-        If it is not a variable of the shell.
+    Raises `ConfigError` if it is not a variable of the shell.
     """
     name, basis = key.removeprefix("device."), loaded.basis
     changed: dict[str, Any]

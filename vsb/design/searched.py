@@ -69,10 +69,7 @@ def own_place(search: Search, climate: Climate) -> FloatArray:
 def from_start(search: Search, climate: Climate, starts: int, seed: int, start: int, seen: Progress) -> Converged:
     """Return where one of several starts ended.
 
-    Raises
-    ------
-    ConvergenceError
-        If no buoy rests among the places it tried.
+    Raises `ConvergenceError` if no buoy rests among the places it tried.
     """
     place = own_place(search, climate)
     places = [*start_places(starts, len(search.variables), seed, place)][start] if search.variables else [place]
@@ -210,10 +207,7 @@ def failed(reason: str) -> xr.Dataset:
 def best(found: Sequence[Outcome | str]) -> Outcome:
     """Return the best of some starts: of those accepted, else of those within all limits.
 
-    Raises
-    ------
-    ConvergenceError
-        If none is within all limits.
+    Raises `ConvergenceError` if none is within all limits.
     """
     ended = [one for one in found if isinstance(one, Outcome)]
     chosen = [one for one in ended if one.accepted] or [one for one in ended if one.feasible]
