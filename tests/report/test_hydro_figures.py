@@ -9,7 +9,7 @@ from vsb.report.canvas import StudyData
 from vsb.report.hydro_figures import spectra, witness, year_spectra
 from vsb.report.svg import in_words
 from vsb.waves.climate import Climate, band_edges
-from vsb.waves.seas import jonswap_spectrum
+from vsb.waves.spectra import jonswap_spectrum
 
 OMEGA = np.geomspace(0.2, 8.0, 400)
 SEAS = {"calm": (0.5, 4.0), "storm": (3.0, 10.0)}

@@ -24,7 +24,8 @@ from vsb.results.force_steps import ForceSteps
 from vsb.results.year import frequencies, year
 from vsb.study.study import Jonswap, PiersonMoskowitz, Water
 from vsb.tools.ports import FORCE
-from vsb.waves.seas import components, jonswap_spectrum
+from vsb.waves.seas import components
+from vsb.waves.spectra import jonswap_spectrum
 
 TEMPLATES = Path(html.__file__).parent / "templates"
 ALGEBRA = (TEMPLATES / "algebra.js").read_text(encoding="utf-8")

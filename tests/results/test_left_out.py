@@ -28,7 +28,8 @@ from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.sections import Modes
 from vsb.waves.climate import Climate
-from vsb.waves.seas import Sea, jonswap_spectrum, sea
+from vsb.waves.seas import Sea, sea
+from vsb.waves.spectra import jonswap_spectrum
 
 PERIODS = (2.5, 3.0, 3.06, 3.3, 5.0, 8.0)
 MULTIPOLES = {  # degree of the full basis: gains over the rigid buoy [%]; 3.06 s of the clamped shell is not known

@@ -25,7 +25,7 @@ from vsb.study.plan import StudyPlan
 from vsb.study.plans import plan_of
 from vsb.study.study import canonical
 from vsb.tools.files import load
-from vsb.waves.seas import jonswap_spectrum
+from vsb.waves.spectra import jonswap_spectrum
 
 BASE = yaml.safe_load(SEED.read_text())
 BASE["modes"]["degree"] = 2

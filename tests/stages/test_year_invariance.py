@@ -10,7 +10,7 @@ from vsb.stages.stage import STAGES
 from vsb.study.plans import plan_of
 from vsb.study.study import canonical
 from vsb.tools.files import load
-from vsb.waves.seas import jonswap_spectrum
+from vsb.waves.spectra import jonswap_spectrum
 
 pytestmark = pytest.mark.slow
 

@@ -107,7 +107,7 @@ KEPT = {
     "poisson_ratio", "density", "adiabatic_index", "atmospheric_pressure", "degree", "clamp", "depth",
     "gravity", "power_tolerance", "tolerance", "rows", "efficiency", "colatitude", "between", "seed", "realisations",
     "gamma", "values", "coefficient", "jm", "order", "direction", "dofs", "profile", "belt", "parameters",
-    "ratio",
+    "ratio", "peakedness",
 }  # fmt: skip
 """Numbers without dimension, angles, and what stays as it is: material, water, air, figures published elsewhere;
 a profile has the radius of its buoy."""

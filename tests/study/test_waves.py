@@ -6,12 +6,13 @@ import pytest
 
 from vsb.errors import ConfigError
 from vsb.study.study import canonical
-from vsb.study.waves import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
+from vsb.study.waves import Jonswap, OchiHubble, PiersonMoskowitz, RegularWave, WhiteNoise
 
 SEAS = [
     RegularWave(kind="regular", amplitude=0.5, period=7.0),
     Jonswap(kind="jonswap", hs=1.0, tp=7.0),
     PiersonMoskowitz(kind="pierson_moskowitz", hs=1.0, tp=7.0),
+    OchiHubble(kind="ochi_hubble", swell={"hs": 0.8, "tp": 7.0, "peakedness": 3.0}, wind_sea={"hs": 0.6, "tp": 3.0}),
     WhiteNoise(kind="white_noise", hs=1.0, band=(0.5, 1.5)),
 ]
 
@@ -34,10 +35,15 @@ def test_memory_is_ten_periods_or_two_beats_of_the_band(band):
     noise = WhiteNoise(kind="white_noise", hs=1.0, band=band)
     period, beat = 2 * math.pi / noise.omega, 2 * math.pi / (band[1] - band[0])
     assert noise.memory == pytest.approx(max(10 * period, 2 * beat))
-    assert [wave.memory for wave in SEAS[1:3]] == pytest.approx([70.0, 70.0])
+    assert [wave.memory for wave in SEAS[1:4]] == pytest.approx([70.0, 70.0, 70.0])
 
 
 def test_seeds_of_all_realisations_have_32_bits():
     assert Jonswap(kind="jonswap", hs=1.0, tp=7.0, seed=2**32 - 3, realisations=3).seed == 2**32 - 3
     with pytest.raises(ConfigError, match=r"seed of 10 digits: needs at most 2\^32 - realisations"):
         Jonswap(kind="jonswap", hs=1.0, tp=7.0, seed=2**32 - 2, realisations=3)
+
+
+def test_swell_is_longer_than_the_wind_sea():
+    with pytest.raises(ConfigError, match=r"swell.tp 4 s: needs more than that of the wind sea, 5 s"):
+        OchiHubble(kind="ochi_hubble", swell={"hs": 1.0, "tp": 4.0}, wind_sea={"hs": 1.0, "tp": 5.0})

@@ -14,7 +14,8 @@ from vsb.study.plan import StudyPlan, plan_for
 from vsb.study.records import read_record
 from vsb.study.study import RecordedSea, load, parse
 from vsb.tools.files import load as stored
-from vsb.waves.seas import components, sea, share_above, share_below, spectrum
+from vsb.waves.seas import components, sea
+from vsb.waves.spectra import share_above, share_below, spectrum
 
 STEP = 0.25
 

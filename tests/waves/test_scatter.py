@@ -8,7 +8,7 @@ from scipy.special import gamma as gamma_function
 
 from vsb.errors import ConfigError
 from vsb.waves.scatter import climate_of_cells, energy_over_peak_period, jonswap_bands, read_scatter, read_table
-from vsb.waves.seas import jonswap_spectrum
+from vsb.waves.spectra import jonswap_spectrum
 
 SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "PacWave-South_Oregon_Wave-Resource.csv"
 FULL = "Hs/Te,6.5,7.5\n0.25,10,20\n0.75,0,70\n"

@@ -3,19 +3,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.study.study import Jonswap, PiersonMoskowitz, RegularWave, StillWater, WhiteNoise
-from vsb.waves.seas import (
-    FEW,
-    Sea,
-    components,
-    irregular,
-    jonswap_spectrum,
-    sea,
-    share_above,
-    share_below,
-    spectrum,
-    superposed,
-)
+from vsb.study.study import Jonswap, OchiHubble, PiersonMoskowitz, RegularWave, StillWater, WhiteNoise
+from vsb.waves.seas import FEW, Sea, components, irregular, sea, superposed
+from vsb.waves.spectra import jonswap_spectrum, share_above, share_below, spectrum
 
 
 def test_realisations_differ_by_phase_only_and_repeat_by_seed():
@@ -89,6 +79,33 @@ def test_white_noise_has_one_density_in_its_band():
     count = int(np.ceil(2.5 * 1.1 * 300.0 / (2 * np.pi)))
     assert omega == pytest.approx(1.0 + 2.5 * (np.arange(count) + 0.5) / count, rel=1e-12)
     assert amplitude == pytest.approx(np.full(count, np.sqrt(2 * level * 2.5 / count)), rel=1e-9)
+
+
+def two_peaks(swell=3.0, wind_sea=1.0, **more):
+    parts = {"hs": 1.5, "tp": 12.0, "peakedness": swell}, {"hs": 2.0, "tp": 5.0, "peakedness": wind_sea}
+    return OchiHubble(kind="ochi_hubble", swell=parts[0], wind_sea=parts[1], **more)
+
+
+@pytest.mark.parametrize(("swell", "wind_sea"), [(3.0, 1.0), (0.6, 0.6), (10.0, 2.5)])
+def test_two_peaks_carry_the_energy_of_both_at_their_periods(swell, wind_sea):
+    """Variance, energy period and peaks by quadrature; nothing below the reach, little above the fastest."""
+    wave, omega = two_peaks(swell, wind_sea), np.geomspace(0.05, 2e4, 200_001)
+    density = spectrum(wave, omega)
+    assert 4 * np.sqrt(np.trapezoid(density * omega, np.log(omega))) == pytest.approx(2.5, rel=1e-5)
+    assert wave.hs == 2.5
+    period = np.trapezoid(density, np.log(omega)) / np.trapezoid(density * omega, np.log(omega))
+    assert wave.omega == pytest.approx(1 / period, rel=1e-5)
+    assert share_below(wave, wave.reach[0]) < 1e-10
+    assert density[omega > wave.fastest].max() <= density.max() / 400
+    for tp, one in ((12.0, two_peaks(swell).swell), (5.0, two_peaks(1.0, wind_sea).wind_sea)):
+        alone = two_peaks(swell, wind_sea).model_copy(update={"swell": one, "wind_sea": one})
+        assert omega[spectrum(alone, omega).argmax()] == pytest.approx(2 * np.pi / tp, rel=1e-4)
+
+
+def test_two_peaks_of_peakedness_one_are_pierson_moskowitz():
+    wave, omega = two_peaks(1.0, 1.0), np.linspace(0.2, 6.0, 57)
+    alone = [PiersonMoskowitz(kind="pierson_moskowitz", hs=hs, tp=tp) for hs, tp in ((1.5, 12.0), (2.0, 5.0))]
+    assert spectrum(wave, omega) == pytest.approx(sum(spectrum(one, omega) for one in alone), rel=2e-6)
 
 
 @pytest.mark.parametrize("relative", [0.8, 1.0, 1.5, 3.0])

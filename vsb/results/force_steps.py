@@ -17,7 +17,8 @@ from vsb.motion.tuning import best_dampers
 from vsb.results.constrained_year import SECONDS_AT_LEAST, SECONDS_PER_CUBE
 from vsb.study.study import Irregular, IrregularSea, RecordedSea, RegularWave, SpectralSea
 from vsb.tools.arrays import FloatArray
-from vsb.waves.seas import Sea, band_variances, regular, spectrum
+from vsb.waves.seas import Sea, regular
+from vsb.waves.spectra import band_variances, spectrum
 
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
 """Limits of force, over the largest force of the reference's best damper [-]."""

@@ -35,7 +35,7 @@ from vsb.study.quantities import leaves
 from vsb.study.study import BaseStudy, IrregularSea, RegularWave, StillWater, Study, Water, Wave
 from vsb.tools.words import plain
 from vsb.waves.dispersion import power_limit, wavenumber
-from vsb.waves.seas import share_above, share_below
+from vsb.waves.spectra import share_above, share_below
 
 HEAVING = "an axisymmetric heaving body"
 DEGREES = {name for keys in KEYS.values() for name, key in keys.items() if key.unit == "degrees"}

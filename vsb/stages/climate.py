@@ -7,8 +7,8 @@ from vsb.errors import ConfigError
 from vsb.study.specs import ClimateSpec
 from vsb.tools.bounded import sha256_of
 from vsb.waves.climate import Climate
+from vsb.waves.measured_spectra import read_spectra
 from vsb.waves.scatter import Spectrum, read_scatter
-from vsb.waves.spectra import read_spectra
 
 
 def read_climate(spec: ClimateSpec, path: str) -> Climate:

@@ -49,7 +49,8 @@ from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 from vsb.waves.dispersion import group_velocity
-from vsb.waves.seas import NO_WAVES, Sea, components, jonswap_spectrum, spectrum
+from vsb.waves.seas import NO_WAVES, Sea, components
+from vsb.waves.spectra import jonswap_spectrum, spectrum
 
 FREQUENCIES = 2000
 """At which spectra are drawn."""

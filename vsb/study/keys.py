@@ -11,8 +11,8 @@ class Key(NamedTuple):
     meaning: str
 
 
-_SEA = {
-    "hs": Key("m", "1.0", "significant wave height, four times the root of the spectrum's area"),
+_HS = {"hs": Key("m", "1.0", "significant wave height, four times the root of the spectrum's area")}
+_DRAWN = {
     "amplitudes": Key(
         "", "random", "fixed: those of the spectrum; random: Rayleigh-distributed about it, as in records of a real sea"
     ),
@@ -20,7 +20,8 @@ _SEA = {
     "realisations": Key("-", "8", "how many seas of this spectrum are followed, seeds one after the other"),
     "spreading": Key("", "{s: 10.0}", "short-crested waves, spread about the direction; of a buoy that surges"),
 }
-"""Of every irregular sea."""
+"""Of every sea of a spectrum, whose phases are drawn."""
+_SEA = _HS | _DRAWN
 _GOING = {
     "direction": Key(
         "degrees", "45.0", "direction the waves go to, from the x axis; of a body, or where the buoy surges"
@@ -362,6 +363,18 @@ KEYS: dict[str, dict[str, Key]] = {
         **_SEA,
         "kind": Key("", "pierson_moskowitz", "a fully developed sea"),
         "tp": Key("s", "8.0", "period at the spectrum's peak"),
+    },
+    "OchiHubble": {
+        **_GOING,
+        **_DRAWN,
+        "kind": Key("", "ochi_hubble", "a sea of two peaks: swell and the wind sea beside it"),
+        "swell": Key("", "{hs: 1.5, tp: 12.0, peakedness: 3.0}", "the longer waves"),
+        "wind_sea": Key("", "{hs: 1.0, tp: 5.0}", "the shorter waves; the energies of both add up"),
+    },
+    "SeaPart": {
+        **_HS,
+        "tp": Key("s", "12.0", "period at its peak"),
+        "peakedness": Key("-", "3.0", "Ochi and Hubble's lambda: 1 is Pierson and Moskowitz's form; larger: narrower"),
     },
     "WhiteNoise": {
         **_GOING,

@@ -53,6 +53,7 @@ from vsb.study.waves import (
     Irregular,
     IrregularSea,
     Jonswap,
+    OchiHubble,
     PiersonMoskowitz,
     RecordedSea,
     RegularWave,
@@ -224,7 +225,7 @@ def check_all(*checks: Callable[[], None]) -> None:
 
 
 __all__ = [
-    "Design", "Device", "Gas", "Hydro", "Irregular", "IrregularSea", "Jonswap", "Modes", "PiersonMoskowitz", "Pto",
+    "Design", "Device", "Gas", "Hydro", "Irregular", "IrregularSea", "Jonswap", "Modes", "OchiHubble", "PiersonMoskowitz", "Pto",
     "Published", "RecordedSea", "RegularWave", "Simulation", "SpectralSea", "StillWater", "StructuralDamping",
     "Study", "Water", "Wave", "WhiteNoise", "canonical", "content_id", "load", "parse", "result_id",
 ]  # fmt: skip

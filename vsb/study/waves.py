@@ -148,14 +148,13 @@ class Spreading(Section):
 
 
 class SpectralSea(IrregularSea):
-    """A sea of a spectrum: significant height [m], seed, number of realisations, amplitudes.
+    """A sea of a spectrum: seed, number of realisations, amplitudes; its height [m] is `hs`, a key or a property.
 
     Phases are random. `fixed` amplitudes follow the spectrum, so that every realisation carries the energy of the sea;
     `random` ones are Rayleigh-distributed about it, as in records of a Gaussian sea. Realisations have seeds one after
     the other; a study lists each as a sea of its own and takes statistics over all.
     """
 
-    hs: Height
     amplitudes: Literal["fixed", "random"] = "fixed"
     seed: Annotated[Count, Field(ge=0)] = 1
     realisations: Annotated[Count, Field(ge=1, le=1000)] = 1
@@ -210,6 +209,7 @@ class Jonswap(SpectralSea):
     """JONSWAP sea: significant height [m], peak period [s], peakedness [-], random seed."""
 
     kind: Literal["jonswap"]
+    hs: Height
     tp: Period
     gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
 
@@ -233,6 +233,7 @@ class PiersonMoskowitz(SpectralSea):
     """Fully developed sea of Pierson and Moskowitz: significant height [m], peak period [s], random seed."""
 
     kind: Literal["pierson_moskowitz"]
+    hs: Height
     tp: Period
 
     @property
@@ -255,6 +256,7 @@ class WhiteNoise(SpectralSea):
     """Sea of constant spectral density over a band [rad/s]: significant height [m], random seed."""
 
     kind: Literal["white_noise"]
+    hs: Height
     band: tuple[Positive, Positive]
 
     @field_validator("band")
@@ -294,6 +296,97 @@ class WhiteNoise(SpectralSea):
     def omega(self) -> float:
         """Frequency in the middle of the band [rad/s]."""
         return 0.5 * (self.band[0] + self.band[1])
+
+
+class SeaPart(Section):
+    """One peak of a sea: significant height [m], peak period [s], peakedness lambda [-] of Ochi and Hubble."""
+
+    hs: Height
+    tp: Period
+    peakedness: Annotated[Number, Field(ge=0.6, le=10)] = 1.0
+
+    @property
+    def omega(self) -> float:
+        """Peak angular frequency [rad/s]."""
+        return 2 * math.pi / self.tp
+
+    @property
+    def exponent(self) -> float:
+        """Power of 1/omega that the density falls with, 4 lambda + 1."""
+        return 4 * self.peakedness + 1
+
+    @property
+    def inverse_frequency(self) -> float:
+        """Mean of 1/omega over the energy, m_-1/m_0 [s]."""
+        share = math.gamma(self.peakedness + 0.25) / math.gamma(self.peakedness)
+        return float((self.exponent / 4) ** -0.25 * share / self.omega)
+
+    @property
+    def fastest(self) -> float:
+        """Frequency above which the density is less than an 800th of that at the peak [rad/s]."""
+        return float(self.omega * math.exp(0.25) * 800 ** (1 / self.exponent))
+
+    @property
+    def name(self) -> str:
+        """What it adds to the name of a sea."""
+        return f"Hs{self.hs:g}_Tp{self.tp:g}_l{self.peakedness:g}"
+
+
+class OchiHubble(SpectralSea):
+    """Sea of two peaks by Ochi and Hubble (1976), swell and the wind sea beside it: their energies add up."""
+
+    kind: Literal["ochi_hubble"]
+    swell: SeaPart
+    wind_sea: SeaPart
+
+    @model_validator(mode="after")
+    def _swell_is_longer(self) -> Self:
+        if self.swell.tp <= self.wind_sea.tp:
+            raise ValueError(
+                f"swell.tp {self.swell.tp:g} s: needs more than that of the wind sea, {self.wind_sea.tp:g} s"
+            )
+        return self
+
+    @property
+    def parts(self) -> tuple[SeaPart, SeaPart]:
+        """Swell and wind sea."""
+        return self.swell, self.wind_sea
+
+    @property
+    def hs(self) -> float:  # type: ignore[override]
+        """Significant height of both together [m]."""
+        return math.hypot(self.swell.hs, self.wind_sea.hs)
+
+    @property
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+        return f"ochi_hubble_{self.swell.name}_{self.wind_sea.name}{self._towards}{self._drawn}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        swell, wind = (f"Hs = {part.hs:g} m and Tp = {part.tp:g} s" for part in self.parts)
+        return f"swell of {swell} with a wind sea of {wind}{self._varying}{self._going}"
+
+    @property
+    def omega(self) -> float:
+        """Frequency of the energy period [rad/s]."""
+        return self.hs**2 / sum(part.hs**2 * part.inverse_frequency for part in self.parts)
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Frequencies the sea must find solved [rad/s]: from 0.4 times the swell's peak to the wind sea's."""
+        return 0.4 * self.swell.omega, self.wind_sea.omega
+
+    @property
+    def fastest(self) -> float:
+        """Frequency above which no component has a twentieth of the largest amplitude [rad/s]."""
+        return max(part.fastest for part in self.parts)
+
+    @property
+    def memory(self) -> float:
+        """Time after which the waves have forgotten what they were [s]: ten peak periods of the swell."""
+        return 10 * self.swell.tp
 
 
 class RecordedSea(IrregularSea):
@@ -363,5 +456,7 @@ def directions_of(wave: Travelling) -> tuple[float, ...]:
     return wave.directions if isinstance(wave, SpectralSea) else (wave.direction,)
 
 
-Irregular = Jonswap | PiersonMoskowitz | WhiteNoise | RecordedSea
+Spectral = Jonswap | PiersonMoskowitz | OchiHubble | WhiteNoise
+"""Seas of a spectrum: what `vsb.waves.spectra.spectrum` has a density for."""
+Irregular = Spectral | RecordedSea
 Wave = Annotated[StillWater | RegularWave | Irregular, Field(discriminator="kind")]

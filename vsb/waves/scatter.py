@@ -17,7 +17,7 @@ from vsb.tools.arrays import FloatArray
 from vsb.tools.files import read_text
 from vsb.tools.words import LONGEST, shortened
 from vsb.waves.climate import FAULTY, YEAR_HOURS, Climate, band_edges, impossible
-from vsb.waves.seas import jonswap_spectrum
+from vsb.waves.spectra import jonswap_spectrum
 
 Spectrum = Literal["jonswap", "pierson_moskowitz"]
 BAND = 0.02

@@ -4,25 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vsb.study.study import (
-    Irregular,
-    Jonswap,
-    PiersonMoskowitz,
-    RecordedSea,
-    RegularWave,
-    SpectralSea,
-    Wave,
-    WhiteNoise,
-)
+from vsb.study.waves import Irregular, RecordedSea, RegularWave, Spectral, SpectralSea, Wave, WhiteNoise
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
+from vsb.waves.spectra import band_variances, spectrum
 
 FEW = 32
 """Up to this number components are summed directly."""
 _TABLE = 2**14  # cosines at a time: they fit the cache
 _AT_ONCE = 2**21  # complex numbers of a transform, for as many signals as fit
 _SAME = 4e-15  # round-off, relative to the highest frequency
-SMOOTHED = 0.05
-"""Of the frequency of the energy period: width of the bands a record's spectrum is averaged over."""
 
 
 def superposed(omega: FloatArray, phasors: ComplexArray, time: FloatArray) -> FloatArray:
@@ -84,30 +74,6 @@ def _chirped(phasors: ComplexArray, first: float, ratio: float, count: int) -> F
     return out
 
 
-def jonswap_spectrum(omega: FloatArray, hs: float, tp: float, gamma: float) -> FloatArray:
-    """Return the JONSWAP spectral density, shape (omega,) [m^2 s/rad], scaled to 16 m0 = hs^2 exactly.
-
-    Parameters
-    ----------
-    omega : ndarray, shape (omega,) [rad/s]
-    hs, tp : float
-        Significant wave height [m], peak period [s].
-    gamma : float
-        Peakedness; 1 gives Pierson-Moskowitz.
-    """
-
-    def shape(w: FloatArray) -> FloatArray:
-        peak = 2 * np.pi / tp
-        sigma = np.where(w <= peak, 0.07, 0.09)
-        bump: FloatArray = gamma ** np.exp(-((w / peak - 1) ** 2) / (2 * sigma**2))
-        return np.asarray(w**-5.0 * np.exp(-1.25 * (peak / w) ** 4) * bump)
-
-    fine = np.linspace(0.02, 40.0, 40001) * 2 * np.pi / tp
-    m0 = float(np.trapezoid(shape(fine), fine))
-    density: FloatArray = hs**2 / 16 / m0 * shape(omega)
-    return density
-
-
 @dataclass(frozen=True)
 class Sea:
     """A sum of regular components: elevation Re sum a_j exp(-i omega_j t) at the buoy's axis (C1)."""
@@ -139,53 +105,6 @@ def regular(wave: RegularWave) -> Sea:
     return Sea(np.array([wave.omega]), np.array([complex(wave.amplitude)]))
 
 
-def spectrum(wave: Irregular, omega: FloatArray) -> FloatArray:
-    """Return the spectral density of an irregular sea, shape (omega,) [m^2 s/rad], 16 m0 = hs^2.
-
-    That of a record is averaged over bands of a twentieth of the frequency of its energy period.
-    """
-    if isinstance(wave, RecordedSea):
-        width = SMOOTHED * wave.omega
-        return band_variances(wave, omega - width / 2, omega + width / 2) / width
-    if isinstance(wave, WhiteNoise):
-        low, high = wave.band
-        return np.where((omega >= low) & (omega <= high), wave.hs**2 / 16 / (high - low), 0.0)
-    return jonswap_spectrum(omega, wave.hs, wave.tp, wave.gamma if isinstance(wave, Jonswap) else 1.0)
-
-
-def band_variances(wave: RecordedSea, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Return the variance of a record between frequencies [rad/s], (band,) [m^2].
-
-    Each of its harmonics stands for the band of frequencies nearest to it, and is cut with it.
-    """
-    spacing = 2 * np.pi / wave.file.length
-    edges = spacing * (np.arange(len(wave.file.omega) + 1) + 0.5)
-    below = np.concatenate([[0.0], np.cumsum(wave.file.variances)])
-    return np.asarray(np.interp(high, edges, below) - np.interp(low, edges, below))
-
-
-def share_above(wave: Irregular, omega: float) -> float:
-    """Return the share of an irregular sea's energy above a frequency [rad/s]."""
-    if isinstance(wave, RecordedSea):
-        return wave.file.share_outside(0.0, omega)
-    if isinstance(wave, WhiteNoise):
-        low, high = wave.band
-        return min(1.0, max(0.0, (high - omega) / (high - low)))
-    beyond = np.linspace(omega, 20 * omega, 4001)
-    return float(np.trapezoid(spectrum(wave, beyond), beyond)) * 16 / wave.hs**2
-
-
-def share_below(wave: Irregular, omega: float) -> float:
-    """Return the share of an irregular sea's energy below a frequency [rad/s]."""
-    if isinstance(wave, RecordedSea):
-        return wave.file.share_outside(omega, np.inf)
-    if isinstance(wave, WhiteNoise):
-        low, high = wave.band
-        return min(1.0, max(0.0, (omega - low) / (high - low)))
-    below = np.linspace(0.0, omega, 4001)[1:]
-    return float(np.trapezoid(spectrum(wave, below), below)) * 16 / wave.hs**2
-
-
 def components(wave: Irregular, omega_max: float, duration: float) -> tuple[FloatArray, FloatArray]:
     """Return frequencies and amplitudes of components of a sea that does not repeat within a run, each (component,).
 
@@ -209,7 +128,7 @@ def recorded(wave: RecordedSea, omega_max: float) -> Sea:
     return Sea(wave.file.omega[kept], wave.file.phasors[kept])
 
 
-def irregular(wave: Jonswap | PiersonMoskowitz | WhiteNoise, omega_max: float, duration: float) -> Sea:
+def irregular(wave: Spectral, omega_max: float, duration: float) -> Sea:
     """Return a realisation that does not repeat within the run: random phases, amplitudes of `components`.
 
     Random amplitudes are Rayleigh-distributed about those, |a_j|^2 exponential of that mean: real and imaginary parts
