@@ -1,6 +1,8 @@
 """The recipes of `docs/extending.md`, executed."""
 
+import re
 import sys
+import textwrap
 import time as clock
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -28,7 +30,7 @@ from vsb.shell.modes import Mode, ModeBasis
 from vsb.shell.ritz import natural_modes
 from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages.stage import Stage
-from vsb.study import specs
+from vsb.study import keys, specs, waves
 from vsb.study.meridian import RestMeridian
 from vsb.study.study import canonical, content_id
 from vsb.tools.files import write_text
@@ -42,6 +44,21 @@ def recipe(title, number=1, **names):
     assert len(code.strip().splitlines()) <= 15
     exec(code, names)
     return names
+
+
+def test_first_change_of_contributing():
+    """Its sea, its density under its own test, and a described key for every field."""
+    text = (HERE.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    blocks = [textwrap.dedent(block) for block in re.findall(r"```python\n(.*?) *```", text, re.S)]
+    sea, density, described, test = blocks
+    exec(sea, names := vars(waves) | {"__name__": "swell"})
+    names |= {"np": np, "pytest": pytest} | {name: vars(keys)[name] for name in ("Key", "_GOING", "_SEA")}
+    exec(f"def spectrum(wave, omega):\n{textwrap.indent(density, '    ')}", names)
+    exec(test, names)
+    names["test_swell_has_the_energy_of_its_height_about_its_peak"]()
+    (section,) = eval(f"{{{described}}}", names).values()
+    assert section.keys() == names["Swell"].model_fields.keys()
+    assert names["Swell"](kind="swell", hs=2.0, tp=12.0, width=0.05).memory == pytest.approx(4 * np.pi / 0.05)
 
 
 def test_recipe_of_a_take_off_law():

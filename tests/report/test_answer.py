@@ -5,9 +5,11 @@ import xarray as xr
 
 from vsb.report.answer import (
     closing_line,
+    damping_in_words,
     interval_text,
 )
 from vsb.report.answer import headline as answered
+from vsb.study.take_off import WITHOUT_DAMPING
 
 OMEGA = np.linspace(0.5, 4.0, 351)
 SEAS = {"w": "a swell", "v": "a chop"}
@@ -131,3 +133,9 @@ def test_closing_line_of_a_run():
     assert closing_line(SWELL, None) == ""
     even = closing_line([SWELL[0], line("A", 781.1, 0.0, 207.0, given_gain=0.0)], "FSB")
     assert even == "mean power against the rigid FSB +0.0 % at optimal damping, +0.0 % at the given damping; "
+
+
+def test_words_of_a_law_may_name_keys_at_their_default(monkeypatch):
+    """A canonical take-off leaves those out."""
+    monkeypatch.setitem(WITHOUT_DAMPING, "coulomb", "{force_limit:g} {load_unit} at {efficiency:g}")
+    assert damping_in_words({"law": "coulomb", "force_limit": 5.0}) == "With 5 N at 1"

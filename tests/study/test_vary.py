@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from vsb.shell.modes import mode_basis
 from vsb.study import study as config
+from vsb.study.study import Irregular
 from vsb.study.vary import FROUDE, Vary, read_vary, scaled, unit
 from vsb.tools.ports import MOMENT, PRESSURE
 
@@ -107,14 +108,10 @@ KEPT = {
     "poisson_ratio", "density", "adiabatic_index", "atmospheric_pressure", "degree", "clamp", "depth",
     "gravity", "power_tolerance", "tolerance", "rows", "efficiency", "colatitude", "between", "seed", "realisations",
     "gamma", "values", "coefficient", "jm", "order", "direction", "dofs", "profile", "belt", "parameters",
-    "ratio", "peakedness",
+    "ratio",
 }  # fmt: skip
 """Numbers without dimension, angles, and what stays as it is: material, water, air, figures published elsewhere;
 a profile has the radius of its buoy."""
-
-
-NOWHERE = {"hs", "tp", "band", "step", "elevation", "s", "directions"}
-"""Irregular seas: a campaign's are the climate's, and the study that is begun with has none."""
 
 
 def numbers(model):
@@ -139,7 +136,8 @@ def test_every_number_scales_or_is_known_to_stay():
     """A key added later would otherwise silently not scale."""
     found = numbers(config.Study)
     assert found > {"radius", "damping", "stroke_limit"}
-    assert found - set(FROUDE) == KEPT | NOWHERE | {"mooring"}
+    nowhere = set().union(*map(numbers, typing.get_args(Irregular)))  # a campaign's seas are its climate's
+    assert found - set(FROUDE) - nowhere == (KEPT | {"mooring"}) - nowhere
 
 
 def test_mooring_scales_by_force_and_moment_per_length_and_angle():
@@ -168,6 +166,19 @@ TAKE_OFF = {"damping": 1.0, "stiffness": 1.0, "force_limit": 1.0, "stroke_limit"
 def test_take_off_scales_with_the_units_of_its_port(port, expected):
     found = scaled({"pto": {"port": port, **TAKE_OFF}}, 4.0)["pto"]
     assert tuple(found[key] for key in TAKE_OFF) == (*expected, 1.0)
+
+
+def test_parameters_of_a_package_stay():
+    """Whatever they are called: only the package knows what they mean."""
+    pto = {"law": "my_package:law", "parameters": {"damping": 2.0, "length": 3.0}}
+    assert scaled({"pto": pto}, 4.0)["pto"] == pto
+
+
+def test_energy_of_a_material_scales_at_one_port_and_at_several():
+    """J/kg, as stress over density."""
+    one, several = {"port": {"strain": "area"}}, {"ports": {"a": {"strain": "area"}, "b": {"strain": "hoop"}}}
+    for port in (one, several):
+        assert scaled({"pto": port | {"energy_per_cycle": 2.0}}, 4.0)["pto"]["energy_per_cycle"] == 8.0
 
 
 def test_damper_matrix_scales_with_the_units_of_its_ports():

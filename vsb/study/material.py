@@ -3,7 +3,7 @@
 Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import Field
 
@@ -81,9 +81,9 @@ def _law(material: Any) -> Any:
 
 def _young_modulus(material: Any) -> float:
     """Young's modulus of rubber; 1 where what is wrong with it is left to be found by its own check."""
-    for rubber in (NeoHookean, MooneyRivlin, Gent):
+    for rubber in get_args(Rubber):
         try:
-            return rubber.model_validate(material).young_modulus
+            return float(rubber.model_validate(material).young_modulus)
         except ValueError:
             continue
     return 1.0

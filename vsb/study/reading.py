@@ -111,6 +111,9 @@ def dotted(schema: Schema, node: Schema | None = None, prefix: str = "") -> Iter
 SAME = {
     "nonlinear": {"body_exact": "body_exact"},
     "irregular": {"jonswap": "jonswap"},
+    "bretschneider": {"pierson_moskowitz": "pierson_moskowitz"},
+    "pm": {"pierson_moskowitz": "pierson_moskowitz"},
+    "lambda": {"peakedness": "peakedness"},
     "height": {"amplitude": "amplitude, half the height", "hs": "hs"},
     "h": {"amplitude": "amplitude, half the height", "hs": "hs"},
     "t": {"period": "period", "tp": "tp"},

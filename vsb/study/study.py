@@ -225,9 +225,10 @@ def check_all(*checks: Callable[[], None]) -> None:
 
 
 __all__ = [
-    "Design", "Device", "Gas", "Hydro", "Irregular", "IrregularSea", "Jonswap", "Modes", "OchiHubble", "PiersonMoskowitz", "Pto",
-    "Published", "RecordedSea", "RegularWave", "Simulation", "SpectralSea", "StillWater", "StructuralDamping",
-    "Study", "Water", "Wave", "WhiteNoise", "canonical", "content_id", "load", "parse", "result_id",
+    "Design", "Device", "Gas", "Hydro", "Irregular", "IrregularSea", "Jonswap", "Modes", "OchiHubble",
+    "PiersonMoskowitz", "Pto", "Published", "RecordedSea", "RegularWave", "Simulation", "SpectralSea", "StillWater",
+    "StructuralDamping", "Study", "Water", "Wave", "WhiteNoise", "canonical", "content_id", "load", "parse",
+    "result_id",
 ]  # fmt: skip
 CLEARANCE = 1.02
 """Least depth the spectral solver is given, in drafts."""

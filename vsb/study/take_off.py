@@ -259,7 +259,8 @@ LawChoice = Annotated[
 NEED_A_LIMIT = ("saturated", "coulomb")
 WITH_LATCHING_TIME = ("latching", "declutching")
 WITHOUT_DAMPING = {"coulomb": "Coulomb friction of {force_limit:g} {load_unit}"}
-"""Laws whose parameter is no damping, and their words on a page, of keys of `pto` and the port's unit of load."""
+"""Laws whose parameter is no damping, and their words on a page, of keys of `pto`, at its default or not, and of the
+port's unit of load."""
 Tuning = Literal["fixed", "each", "one"]
 Limit = Annotated[Number, Field(gt=0)]
 STIFFEST = 1e12
@@ -493,7 +494,8 @@ class Pto(Section):
     def _without_defaults(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Leave out what a take-off of before did not have: results of before keep their names."""
         said: dict[str, Any] = handler(self)
-        return {key: value for key, value in said.items() if value != _DEFAULTS[key]}
+        return {key: value for key, value in said.items() if value != DEFAULTS[key]}
 
 
-_DEFAULTS = {name: field.get_default(call_default_factory=True) for name, field in Pto.model_fields.items()}
+DEFAULTS = {name: field.get_default(call_default_factory=True) for name, field in Pto.model_fields.items()}
+"""Values of the keys a canonical take-off leaves out."""

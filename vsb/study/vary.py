@@ -23,7 +23,7 @@ FROUDE = {
     "force_limit": 3.0, "stroke_limit": 1.0, "amplitude": 1.0, "period": 0.5, "duration": 0.5, "window": 0.5,
     "initial_position": 1.0, "initial_velocity": 0.5, "area": 2.0, "lever": 1.0,
     "centre_of_mass": 1.0, "ballast_inertia": 5.0, "ballast_yaw_inertia": 5.0, "line_to": 1.0, "line_from": 1.0,
-    "height": 1.0, "length": 1.0, "time": 0.5, "energy_per_cycle": 1.0,
+    "height": 1.0, "length": 1.0, "time": 0.5, "energy_per_cycle": 1.0,  # of stress over density
 }  # fmt: skip
 """Power of the length scale each quantity goes with, at the same water and gravity."""
 
@@ -63,34 +63,39 @@ def scaled_mooring(raw: Any, scale: float) -> Any:
 
 
 def scaled_take_off(raw: Any, scale: float) -> Any:
-    """Return a take-off scaled by Froude: its force times what its port moves by is a work, of the fourth power."""
+    """Return a take-off scaled by Froude: its force times what its port moves by is a work, of the fourth power.
+
+    Parameters of a law of a package stay as they are: only the package knows what they mean.
+    """
     if not isinstance(raw, dict):
         return raw
     port = raw.get("port")
     several = raw if "ports" in raw else port
     if isinstance(several, dict) and "ports" in several:
         own = {key: value for key, value in raw.items() if key not in ("ports", "damping", "matrix", "port")}
-        return own | _scaled_matrix(several, scale)
+        return scaled(own, scale) | _scaled_matrix(several, scale)
     stroke = port_kind(port).stroke
     powers = {
         "damping": 4.5 - 2 * stroke,
         "stiffness": 4 - 2 * stroke,
         "force_limit": 4 - stroke,
         "stroke_limit": stroke,
-        "energy_per_cycle": FROUDE["energy_per_cycle"],  # of stress over density
     }
-    return {key: scaled(value, scale, powers.get(key, 0.0)) for key, value in raw.items()}
+    return {
+        key: value if key == "parameters" else scaled(value, scale, powers.get(key, FROUDE.get(key, 0.0)))
+        for key, value in raw.items()
+    }
 
 
 def _scaled_matrix(raw: dict[str, Any], scale: float) -> dict[str, Any]:
     """Several ports and their damper matrix scaled by Froude."""
-    strokes = [port_kind(port).stroke for port in raw["ports"].values()]
-    rows = raw.get("damping")
+    own: dict[str, Any] = {key: raw[key] for key in ("ports", "damping", "matrix") if key in raw}
+    strokes, rows = [port_kind(port).stroke for port in raw["ports"].values()], raw.get("damping")
     if rows is None:
-        return raw
+        return own
     pairs = zip(rows, strokes, strict=True)
     matrix = [[scaled(x, scale, 4.5 - s - t) for x, t in zip(row, strokes, strict=True)] for row, s in pairs]
-    return {**raw, "damping": matrix}
+    return {**own, "damping": matrix}
 
 
 _SCALED_APART = {"mooring": scaled_mooring, "pto": scaled_take_off}
