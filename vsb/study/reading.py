@@ -112,7 +112,6 @@ SAME = {
     "nonlinear": {"body_exact": "body_exact"},
     "irregular": {"jonswap": "jonswap"},
     "bretschneider": {"pierson_moskowitz": "pierson_moskowitz"},
-    "pm": {"pierson_moskowitz": "pierson_moskowitz"},
     "lambda": {"peakedness": "peakedness"},
     "height": {"amplitude": "amplitude, half the height", "hs": "hs"},
     "h": {"amplitude": "amplitude, half the height", "hs": "hs"},
