@@ -107,6 +107,17 @@ def test_copied_results_are_continued(place):
     assert made.isdisjoint({VSWEC, RESPONSE, PLAN.database_path, PLAN.radiation_path})
 
 
+def test_run_keeps_what_a_user_put_in_the_place_of_a_product(place):
+    """Dry runs move nothing."""
+    table = Path(f"{PLAN.folder}/comparison.csv")
+    table.write_text("hers")
+    for dry, there in ((True, True), (False, False)):
+        assert str(table) in stale_products(PLAN, dry=dry)
+        assert table.exists() == there
+    (kept,) = Path(PLAN.root, "trash").rglob("comparison.csv")
+    assert kept.read_text() == "hers"
+
+
 @pytest.mark.parametrize(("path", "damage"), DAMAGE)
 def test_damaged_results_are_recomputed(place, path, damage, capsys):
     with_old_time(path, damage)

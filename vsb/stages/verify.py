@@ -151,21 +151,24 @@ def _index_faults(root: Path) -> list[Fault]:
 
 def _healed(root: Path, found: Sequence[Fault]) -> list[str]:
     """Write the index again, move other files to the trash; say so."""
-    lines = []
-    trash = root / TRASH / time.strftime("%Y%m%d-%H%M%S")
-    for fault in found:
-        if fault.kind == "derived":
-            lines.append(f"wrote {fault.path} again: {fault.reason}")
-        else:
-            parts = os.path.relpath(fault.path, root).split(os.sep)
-            place = trash.joinpath(*(part for part in parts if part != os.pardir))
-            place.parent.mkdir(parents=True, exist_ok=True)
-            os.replace(fault.path, place)
-            lines.append(f"moved {fault.path} to {place}: {fault.reason}")
+    lines = [f"wrote {fault.path} again: {fault.reason}" for fault in found if fault.kind == "derived"]
+    lines += _moved(root, [fault for fault in found if fault.kind != "derived"])
     if (root / "hydro" / "db").is_dir():
         from vsb.hydro.database import write_index
 
         write_index(root / "hydro" / "db")
+    return lines
+
+
+def _moved(root: Path, found: Sequence[Fault]) -> list[str]:
+    """Move files to the trash; say so."""
+    trash, lines = root / TRASH / time.strftime("%Y%m%d-%H%M%S"), []
+    for fault in found:
+        parts = os.path.relpath(fault.path, root).split(os.sep)
+        place = trash.joinpath(*(part for part in parts if part != os.pardir))
+        place.parent.mkdir(parents=True, exist_ok=True)
+        os.replace(fault.path, place)
+        lines.append(f"moved {fault.path} to {place}: {fault.reason}")
     return lines
 
 
@@ -208,7 +211,9 @@ def differences(plan: Plan) -> str:
 
 
 def stale_products(plan: Plan, *, dry: bool) -> list[str]:
-    """Return the products a run must make anew, and say so.
+    """Return the products a run must make anew, and say so; a file in the place of one goes to the trash.
+
+    It may be one that a user wrote or changed. Nothing is moved if the run is `dry`.
 
     Raises `DatabaseError` if a file that studies share is damaged or foreign: other results rest on it and it may have
     taken hours, so it is for the user to remove.
@@ -221,5 +226,7 @@ def stale_products(plan: Plan, *, dry: bool) -> list[str]:
             raise DatabaseError(f"{fault.path}: {fault.reason}; {DELETE}")
         stale.append(fault)
     if stale:
-        print(f"vsb: {stale[0].path}: {stale[0].reason}{_more(stale)}; computed anew", flush=True)
+        moved = [] if dry else _moved(Path(plan.root), [one for one in stale if one.kind in ("nameless", "damaged")])
+        kept = f", what was there is in {Path(plan.root, TRASH)}" if moved else ""
+        print(f"vsb: {stale[0].path}: {stale[0].reason}{_more(stale)}; computed anew{kept}", flush=True)
     return [fault.path for fault in stale]
