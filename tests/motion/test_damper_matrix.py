@@ -45,6 +45,16 @@ def test_matrix_reaches_the_matched_power_where_the_reactance_is_indefinite(coun
         assert full == pytest.approx(matched, rel=1e-5)
 
 
+def test_a_port_that_cannot_move_has_no_damper():
+    """As a port of strain in a rigid design; the other has the damper of one port, |Z| in a regular wave."""
+    ports = Ports(np.ones(1), np.zeros((1, 2, 2), dtype=complex), np.zeros((1, 2), dtype=complex))
+    ports.admittance[0, 0, 0], ports.velocity[0, 0] = 1 / (3 + 4j), 2.0
+    for kind in ("full", "diagonal"):
+        found = best_matrix(ports, np.ones(1), kind)
+        np.testing.assert_allclose(found.damping, [[5.0, 0.0], [0.0, 0.0]], rtol=1e-5)
+        assert found.power == pytest.approx(3.125, rel=1e-9)
+
+
 def test_slope_of_the_power_is_that_of_differences():
     rng = np.random.default_rng(3)
     x, reactance = rng.normal(size=(5, 3)), rng.normal(size=(5, 3, 3))

@@ -120,8 +120,8 @@ def test_froude_scaling_keeps_water_and_density():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"verify": {}}, "verify: received runs in time, which is of one port; the study has several"),
-        ({"tuning": ["constrained"]}, "tuning: received constrained, which is of one port"),
+        ({"verify": {}}, "verify: runs in time are of one port; received a study with several"),
+        ({"tuning": ["constrained"]}, "tuning: optima of constrained are of one port"),
         ({"tuning": ["fixed"]}, "tuning: received fixed, but seed.yaml has no pto.damping"),
         ({"vary": {"pto.port": ["heave", "volume"]}}, "vary.pto.port: received several ports in the study"),
     ],

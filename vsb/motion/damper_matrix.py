@@ -125,12 +125,19 @@ def best_matrix(ports: Ports, squares: FloatArray, kind: Kind = "full") -> Dampe
     -----
     Over the Cholesky factor, or the logarithms of the dampers, of ports in terms of their own impedances: quasi-Newton
     with the exact slope from the best of `DRAWN` matrices. A full matrix also starts from the best diagonal one: it
-    absorbs no less. One damper for all ports has one variable: from every local maximum along it.
+    absorbs no less. A port that cannot move has no damper. One damper for all ports has one variable: from every local
+    maximum along it.
     """
     used = (squares > 0) & (np.abs(ports.velocity).max(axis=1) > 0)
     count = ports.velocity.shape[1]
     if not used.any():
         return DamperMatrix(np.zeros((count, count)), 0.0)
+    moving = ports.admittance.any(axis=(0, 2))
+    if kind != "uniform" and not moving.all():  # as in a rigid design, which a port of strain does not move with
+        part = Ports(ports.omega, ports.admittance[:, moving][:, :, moving], ports.velocity[:, moving])
+        some, whole = best_matrix(part, squares, kind), np.zeros((count, count))
+        whole[np.ix_(moving, moving)] = some.damping
+        return DamperMatrix(whole, some.power)
     seen, weights, unit = ports.at(used), squares[used], 1 / np.sqrt(ports.size)
     if kind == "uniform":  # of ports that have one unit
         unit = np.full(count, np.exp(np.log(unit).mean()))

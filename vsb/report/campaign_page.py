@@ -220,8 +220,10 @@ def head(ds: xr.Dataset) -> list[str]:
     """Return the head of the table; gains first, because the right of a table lies off a narrow screen."""
     kind, runs = kind_of(ds), [f"gain by {MODELS[ds.attrs['verified_model']]} [%]"] if _has_runs(ds) else []
     known = ["point", "design", "tuning", "gain [%]", *runs, "energy [MWh/year]", "capture width [m]"]
-    force = [f"rms {kind.load} [k{kind.load_unit}]"] if "force_rms" in ds else ["damper matrix"]
-    return [*known, *force, *(["margin [-]"] if of_shells(ds) else [])]
+    force = f"rms {kind.load} [k{kind.load_unit}]"
+    if "force_rms" not in ds:
+        force = f"damper matrix of {', '.join(ds.port.values)} [SI]"
+    return [*known, force, *(["margin [-]"] if of_shells(ds) else [])]
 
 
 def rows(ds: xr.Dataset) -> list[list[str]]:
