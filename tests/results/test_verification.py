@@ -88,6 +88,8 @@ def test_loss_that_starts_in_few_seas_is_covered(measured):
     """A loss beyond a height above which seas have 7 % of the energy; drawing by energy alone covers 57 to 60 %."""
     found, _ = measured
     linear, hours, energy = found.power[:, 0], found.climate.hours, contributions(found, "one")
+    assert chances(found, "one").sum() == pytest.approx(1.0)
+    assert (chances(found, "one") >= energy / 2).all()
     by = found.climate.hs
     falling = np.argsort(-by)
     threshold = by[falling[np.searchsorted(np.cumsum(energy[falling]), 0.07)]]
