@@ -10,7 +10,7 @@ from vsb.design.evaluation import DesignModel
 from vsb.design.linearised import displacements
 from vsb.design.resting import RestingBuoy
 from vsb.design.year import FrequencyGrid
-from vsb.errors import ConfigError, ConvergenceError
+from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.hydro.database import Coefficients, with_excitation
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.scenes.ports import ShapeWater, buoy_at
@@ -175,6 +175,18 @@ def test_what_cannot_be_evaluated_is_named(climate):
         model.at([-3.0e4])
     with pytest.raises(ConfigError, match=r"device\.thickness"):
         model_of(study_of(), "VSWEC", climate, ["device.thickness"]).at([0.3])
+
+
+def test_a_buoy_that_does_not_rest_stably_has_no_power(climate):
+    """The hydrostatic stiffness of a half-immersed sphere is rho g pi r^2; a thin soft spheroid buckles."""
+    half, water = 2 / 3 * np.pi * 2.0**3 * 1025, 1025 * 9.81 * np.pi * 2.0**2
+    model = model_of(study_of(reference_shape="undeformed", device={"mass": half}), "FSB", climate, ["pto.stiffness"])
+    assert model.at([-0.99 * water])["annual_mean_power"].value > 0
+    with pytest.raises(StabilityError, match=r"design FSB .* its least stiffness"):
+        model.at([-1.01 * water])
+    soft = SPHEROID | {"device": SPHEROID["device"] | {"thickness": 0.005, "young_modulus": 1e6}}
+    with pytest.raises(StabilityError, match=r"design VSWEC .* its least stiffness"):
+        model_of(study_of(**soft), "VSWEC", climate, []).at([])
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ import numpy as np
 import xarray as xr
 
 from vsb.design.evaluation import DAMPER, DesignModel, Quantity
-from vsb.design.uncertainty import relative_gain, standard_deviation
 from vsb.errors import ConfigError
 from vsb.stages.planning import with_degree
 from vsb.study.plan import StudyPlan
@@ -77,6 +76,8 @@ def gradient(
         If the study has no such keys, or its year depends on more than axisymmetric motion.
     ConvergenceError
         If the shell buckles before it carries its load.
+    StabilityError
+        If a design does not rest stably.
     """
     given = dict(uncertain or {})
     if unknown := [key for key in given if key not in variables]:
@@ -91,7 +92,7 @@ def gradient(
     if (reference := study.reference_design) is not None:
         power = found[reference][POWER]
         for quantities in found.values():
-            quantities[GAIN] = relative_gain(quantities[POWER], power)
+            quantities[GAIN] = quantities[POWER].gain(power)
     point = np.array(model.point)
     deviations = np.abs(point) * [given.get(key, 0.0) for key in variables]
     kind, names = port_kind(study.pto.port), list(next(iter(found.values())))
@@ -109,7 +110,7 @@ def gradient(
         if given:
             data[f"{name}_deviation"] = xr.Variable(
                 "design",
-                [standard_deviation(one, deviations) for one in each],
+                [one.deviation(deviations) for one in each],
                 {"units": of, "long_name": f"standard deviation of the {meaning}, to first order"},
             )
     coords = {

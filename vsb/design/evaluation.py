@@ -10,7 +10,7 @@ from vsb.design.limits import hull, inverse_load_factors, static_strain
 from vsb.design.linearised import Linearised, displacements, linearised, of_all
 from vsb.design.resting import OF_DEVICE, RestingBuoy, value_of
 from vsb.design.year import FrequencyGrid, PortYear, band, chebyshev, interpolation
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, StabilityError
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import rigid_basis
@@ -38,6 +38,23 @@ class Quantity:
 
     value: float
     gradient: FloatArray  # (variable,)
+
+    def __truediv__(self, other: "Quantity") -> "Quantity":
+        """Return the ratio to another quantity of the same variables."""
+        ratio = self.value / other.value
+        return Quantity(ratio, (self.gradient - ratio * other.gradient) / other.value)
+
+    def gain(self, reference: "Quantity") -> "Quantity":
+        """Return the gain over a quantity of the same variables [%]."""
+        ratio = self / reference
+        return Quantity(100 * (ratio.value - 1), 100 * ratio.gradient)
+
+    def deviation(self, deviations: Sequence[float]) -> float:
+        """Return the standard deviation by those of the variables, which are independent of each other.
+
+        sqrt(sum (dq/dx s)^2): right as long as the quantity is nearly linear within the deviations.
+        """
+        return float(np.linalg.norm(self.gradient * np.asarray(deviations, dtype=float)))
 
 
 @dataclass(frozen=True)
@@ -146,6 +163,8 @@ class DesignModel:
             If no study has such values.
         ConvergenceError
             If the shell buckles before it carries its load.
+        StabilityError
+            If the buoy does not rest stably beside the spring of its take-off.
         """
         study = self.study_at(values)
         buoy = RestingBuoy.of(study, self.degree)
@@ -154,8 +173,9 @@ class DesignModel:
         stepped = [buoy.with_step(key) for key in keys]
         clamp = [i for i, key in enumerate(self.variables) if key == f"designs.{self.design}.clamp"]
         steps = [*stepped, *(None for _ in clamp)]
-        matrices = linearised(buoy, self.design, steps, self.grid.solved, self.nodes)
-        found = self._year(study, *matrices, of_device + clamp)
+        linear, change = linearised(buoy, self.design, steps, self.grid.solved, self.nodes)
+        _check_stable(linear, study.pto.stiffness, self.design)
+        found = self._year(study, linear, change, of_device + clamp)
         slopes = hull(buoy, stepped)
         if study.flexible:
             slopes["static_strain"] = static_strain(buoy, stepped)
@@ -191,6 +211,13 @@ class DesignModel:
             "force_rms": Quantity(float(force), half / force),
             "stroke_rms": Quantity(float(np.sqrt(stroke)), stroke_change / (2 * np.sqrt(stroke))),
         }
+
+
+def _check_stable(buoy: Linearised, spring: float, design: str) -> None:
+    """Check that a buoy beside a spring at its port [N/m] returns to its rest; its linear motion means nothing else."""
+    least = np.linalg.eigvalsh(buoy.stiffness + spring * np.outer(buoy.port, buoy.port))[0]
+    if least <= 0:
+        raise StabilityError(f"design {design} does not rest stably: its least stiffness is {least:.3g} N/m")
 
 
 def _resolution(study: Study, between: tuple[float, float], degree: int) -> tuple[int, int]:

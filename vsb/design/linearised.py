@@ -143,11 +143,11 @@ def _port(buoy: RestingBuoy) -> FloatArray:
 
 
 def _held(buoy: RestingBuoy, design: str, derivative: bool = False) -> FloatArray:
-    """What clamps and mooring hold at zero, Phi q = 0, (constraint, dof) [-]; or its derivative by the angle."""
+    """What clamps and mooring hold at zero, Phi q = 0, (constraint, dof) [-]; or that of the clamps by the angle."""
     basis, at = buoy.loaded.basis, np.deg2rad(buoy.study.designs[design].clamp)
     radial, meridional, *slopes = basis.displacement_and_slope(at)
     clamps = np.vstack([part.T for part in (slopes if derivative else (radial, meridional))])
-    fixed = mooring_rows(buoy.study, basis) * (not derivative)
+    fixed = mooring_rows(buoy.study, basis)  # whatever the angle: of no effect on motions that these rows allow
     if buoy.frame is not None:
         clamps, fixed = clamps @ buoy.frame, fixed @ buoy.frame
     clamps = clamps * (np.arange(len(basis.labels)) > 0)  # relative to the frame

@@ -47,10 +47,8 @@ def objective(found: Evaluation, maximise: Objective, reference: Evaluation | No
     """
     power = found[POWER]
     if maximise == POWER:
-        return Quantity(power.value, power.gradient)
-    other = reference[POWER] if reference else found[DIVISORS[maximise]]
-    ratio = power.value / other.value
-    return Quantity(ratio, (power.gradient - ratio * other.gradient) / other.value)
+        return power
+    return power / (reference[POWER] if reference else found[DIVISORS[maximise]])
 
 
 @dataclass(frozen=True)
