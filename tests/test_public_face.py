@@ -1,5 +1,6 @@
 """The public names of the package, and the example that uses them."""
 
+import importlib
 import json
 import re
 import runpy
@@ -8,10 +9,12 @@ import sys
 
 import numpy as np
 import pytest
+import xarray as xr
 from conftest import HERE
 
 import vsb
 from vsb.errors import ConfigError, DatabaseError
+from vsb.tools.files import save
 
 HOME = HERE.parent
 
@@ -119,6 +122,15 @@ def test_results_are_opened_by_their_folder_alone(example, monkeypatch):
         vsb.open("results/hydro")
     monkeypatch.chdir("results/first_steps")
     assert vsb.open(".").comparison.equals(run.comparison)
+
+
+def test_best_buoy_is_read_by_a_process_that_imported_nothing_else(tmp_path):
+    importlib.import_module("vsb.design.variables")
+    values = xr.Dataset({"buoy_value": (("buoy", "quantity"), [[8.0]])}, attrs={"answer": "none pays"})
+    save(values, tmp_path / "design.nc")
+    code = "import sys, vsb; print(vsb.open(sys.argv[1]).answer)"
+    done = subprocess.run([sys.executable, "-c", code, tmp_path], capture_output=True, text=True, check=True)
+    assert done.stdout == "none pays\n"
 
 
 def test_optimum_without_limits_is_the_matched_power(results):

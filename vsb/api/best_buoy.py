@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 import xarray as xr
 
+import vsb.design.variables  # noqa: F401  registers them
 from vsb.study.study import Study, load
 from vsb.tools.files import load as load_file
 from vsb.tools.stamps import read_text
