@@ -68,21 +68,16 @@ def linearised(
 ) -> tuple[Linearised, Linearised]:
     """Return the matrices of a design at rest over its free motions, and their derivatives by variables.
 
+    Raises `ConfigError` if the design does not move the port, or the clamp is at a pole or one of several.
+
     Parameters
     ----------
-    buoy : RestingBuoy
-    design : str
     steps : sequence of Stepped
         None stands for the colatitude of the design's clamp [degrees].
     omega : ndarray, shape (omega,) [rad/s]
         Frequencies of radiation and excitation.
     nodes : int
         Of the boundary elements.
-
-    Raises
-    ------
-    ConfigError
-        If the design does not move the port, or the clamp is at a pole or one of several.
     """
     basis, water, count = buoy.loaded.basis, buoy.study.water, len(steps)
     dof, flexible = len(basis.labels), buoy.study.designs[design].flexible

@@ -40,7 +40,6 @@ def objective(found: Evaluation, maximise: Objective, reference: Evaluation | No
 
     Parameters
     ----------
-    found : Evaluation
     maximise : {'annual_mean_power', 'gain', 'power_per_force', 'power_per_mass', 'power_per_surface'}
     reference : Evaluation, optional
         The rigid buoy of the same shape and mass, which `gain` needs: the term is 1 + gain.
@@ -112,10 +111,7 @@ class Problem:
     def at(self, place: FloatArray) -> Point:
         """Return a buoy.
 
-        Raises
-        ------
-        ConvergenceError, ConfigError, StabilityError
-            Where there is no such buoy at rest.
+        Raises `ConvergenceError`, `ConfigError` or `StabilityError` where there is no such buoy at rest.
         """
         place = np.array(place, dtype=float)
         key = place.tobytes()
