@@ -12,7 +12,7 @@ from vsb.hydro.database import Check, as_json
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.simulate import simulate
 from vsb.motion.builders import linear_scene, together
-from vsb.motion.coefficient_errors import INTERPOLATION, OF_OTHERS, RESOLUTION, coefficient_errors
+from vsb.motion.coefficient_errors import INTERPOLATION, OF_OTHERS, RESOLVED, coefficient_errors
 from vsb.motion.linear import linear_body, with_added_mass_inf
 from vsb.motion.port import LinearPto, combination
 from vsb.motion.system import System
@@ -101,7 +101,7 @@ def test_errors_stored_in_a_database(database):
     stored = body.database.assign(errors).assign_coords(error=["fewer panels", "waves radiated"])
     stored = stored.assign_attrs(quality=as_json([]))
     panels, waves = coefficient_errors(replace(body, database=stored), np.array([at.mean()]))
-    assert (panels.name, waves.name) == (f"{RESOLUTION} (fewer panels)", f"{RESOLUTION} (waves radiated)")
+    assert (panels.name, waves.name) == (f"{RESOLVED} (fewer panels)", f"{RESOLVED} (waves radiated)")
     assert panels.signed
     assert panels.error.added_mass[0] == pytest.approx(matrix[0, 2:4].mean(axis=0))
     assert not waves.error.added_mass.any()

@@ -11,7 +11,7 @@ from vsb.design.linearised import Linearised, displacements, linearised, of_all
 from vsb.design.resting import OF_DEVICE, RestingBuoy, value_of
 from vsb.design.year import FrequencyGrid, PortYear, band, chebyshev, interpolation
 from vsb.errors import ConfigError, StabilityError
-from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.spectral.solver import SpectralProblem, largest_error
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import rigid_basis
 from vsb.study.campaign import sections, study_at
@@ -229,7 +229,7 @@ def _resolution(study: Study, between: tuple[float, float], degree: int) -> tupl
     shell, moved = DeformedShell(basis, study.centre_height), displacements(degree if study.flexible else 0)
     problem = SpectralProblem(shell, moved, water.density, water.gravity, NODES, water.depth)
     ends = [between[0], sum(between) / 2, between[1]]
-    while problem.nodes < MOST_NODES and float(max(problem.error_estimate(ends).max().values())) > RESOLVED:
+    while problem.nodes < MOST_NODES and largest_error(problem.error_estimate(ends)) > RESOLVED:
         problem = replace(problem, nodes=problem.nodes * 3 // 2)
     solves, error = SOLVES, np.inf
     while error > RESOLVED and solves < MOST_SOLVES:

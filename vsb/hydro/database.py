@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
 from vsb.hydro.dofs import Displacement, displacements
-from vsb.hydro.variables import PAIR
+from vsb.hydro.variables import PAIR, RESOLUTION
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -188,8 +188,12 @@ def in_modes(raw: xr.Dataset, basis: ModeBasis) -> xr.Dataset:
 
 
 def transformed(raw: xr.Dataset, transform: FloatArray, labels: Sequence[str]) -> xr.Dataset:
-    """Return coefficients of displacements as those of the labelled combinations of them, (dof, displacement) each."""
-    return xr.Dataset({name: _transformed(data, transform, list(labels)) for name, data in raw.items()})
+    """Return coefficients of displacements as those of the labelled combinations of them, (dof, displacement) each.
+
+    Of their errors nothing is known of the signs.
+    """
+    by_name = {name: np.abs(transform) if name == RESOLUTION else transform for name in raw}
+    return xr.Dataset({name: _transformed(data, by_name[name], list(labels)) for name, data in raw.items()})
 
 
 def shares(solved: Sequence[Displacement], basis: ModeBasis) -> FloatArray:

@@ -4,6 +4,8 @@ from vsb.tools.variables import Variable, register
 
 PAIR = ("influenced_dof", "radiating_dof")
 """Dimensions of a matrix over the degrees of freedom."""
+RESOLUTION = "resolution"
+"""Variable with the error of the solver in each degree of freedom, over the root of the largest added mass of it."""
 _EXCITATION = ("omega", "wave_direction", "influenced_dof")
 _SHAPE_PAIR = ("shape_dof", "other_shape_dof")
 _BY_COEFFICIENT = ("coefficient", "shape_dof")
@@ -31,6 +33,9 @@ register(
         "radiation_damping_error": Variable(("error", "omega", *PAIR), "kg/s", "estimated error of radiation damping"),
         "excitation_force_error": Variable(("error", *_EXCITATION), "N/m", "estimated error of the excitation force"),
         "hydrostatic_stiffness_error": Variable(("error", *PAIR), "N/m", "estimated error of hydrostatic stiffness"),
+        RESOLUTION: Variable(
+            ("influenced_dof",), "kg^0.5", "estimated relative error times the root of the largest added mass"
+        ),
         "hydrostatic_stiffness": Variable(PAIR, "N/m", "hydrostatic stiffness"),
         "inertia_matrix": Variable(PAIR, "kg", "inertia of buoy and shell"),
         "mooring_stiffness": Variable(PAIR, "N/m", "stiffness of the mooring"),

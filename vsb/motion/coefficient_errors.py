@@ -9,11 +9,13 @@ P does not change to first order with Z_l (envelope theorem): the same expressio
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 from scipy.interpolate import make_interp_spline
 from scipy.ndimage import maximum_filter1d
 
 from vsb.hydro.database import ESTIMATE, Coefficients, stored_checks
 from vsb.hydro.orders import order_groups
+from vsb.hydro.variables import RESOLUTION
 from vsb.motion.damper_matrix import Ports
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import Port
@@ -179,7 +181,7 @@ def _by_coefficients(omega: FloatArray, towards: ComplexArray, stiffness: Comple
 
 UNSTATED = 0.01
 """Relative error taken of coefficients of another code, whose files state none [-]."""
-RESOLUTION, INTERPOLATION = "resolution of the coefficients", "interpolation between frequencies"
+RESOLVED, INTERPOLATION = "resolution of the coefficients", "interpolation between frequencies"
 OF_OTHERS = f"coefficients read from a file that states no error, taken as {100 * UNSTATED:g} %"
 _NEIGHBOURS = 24
 """Part of the band within which interpolation errors change sign: that between about a dozen frequencies solved."""
@@ -204,14 +206,16 @@ def coefficient_errors(linear: LinearSystem, omega: FloatArray) -> list[Coeffici
     Notes
     -----
     Where a database holds the change of every coefficient by coarser panels and by the energy of the waves radiated,
-    those are taken as they are, frequency by frequency. Else the estimate of the solver is taken as the relative error
-    of every entry by itself, in the worst combination.
+    those are taken as they are, frequency by frequency. Else the estimate of the solver, of each degree of freedom
+    where it is known, is taken as the relative error of every entry by itself, in the worst combination.
     """
     found, stated = linear.coefficients(omega), {check.name: check.value for check in stored_checks(linear.database)}
     if f"added_mass_{ESTIMATE}" in linear.database:
         errors = _stored(linear, omega)
+    elif RESOLUTION in linear.database:
+        errors = [relative_error(RESOLVED, found, _by_motion(linear.database))]
     elif "error_estimate" in stated:
-        errors = [relative_error(RESOLUTION, found, stated["error_estimate"])]
+        errors = [relative_error(RESOLVED, found, stated["error_estimate"])]
     else:
         errors = [relative_error(OF_OTHERS, found, UNSTATED)]
     between = stated.get("interpolation_error", 0.0)
@@ -222,10 +226,17 @@ def coefficient_errors(linear: LinearSystem, omega: FloatArray) -> list[Coeffici
     return errors
 
 
-def relative_error(name: str, found: Coefficients, size: float) -> CoefficientError:
-    """Return errors of every entry by a part of itself."""
-    mass, damping, force = (size * np.abs(values) for values in found)
+def relative_error(name: str, found: Coefficients, size: FloatArray | float) -> CoefficientError:
+    """Return errors of every entry by a part of itself, of coupling by the larger of those of its motions, (dof,)."""
+    both = np.maximum.outer(size, size)
+    mass, damping, force = (part * np.abs(values) for part, values in zip((both, both, size), found, strict=True))
     return CoefficientError(name, Coefficients(mass, damping, force.astype(complex)), signed=False)
+
+
+def _by_motion(ds: xr.Dataset) -> FloatArray:
+    """Relative error of the solver in each degree of freedom, (dof,) [-]; of what moves no water none."""
+    largest = np.sqrt(np.abs(np.einsum("wii->iw", ds.added_mass.values)).max(axis=1))
+    return np.asarray(np.divide(ds[RESOLUTION].values, largest, out=np.zeros_like(largest), where=largest > 0))
 
 
 def _stored(linear: LinearSystem, omega: FloatArray) -> list[CoefficientError]:
@@ -239,7 +250,7 @@ def _stored(linear: LinearSystem, omega: FloatArray) -> list[CoefficientError]:
     stiffness = ds[f"hydrostatic_stiffness_{ESTIMATE}"].values
     return [
         CoefficientError(
-            f"{RESOLUTION} ({source})", Coefficients(mass[:, i], damping[:, i], force[:, i, near]), True, stiffness[i]
+            f"{RESOLVED} ({source})", Coefficients(mass[:, i], damping[:, i], force[:, i, near]), True, stiffness[i]
         )
         for i, source in enumerate(map(str, ds[ESTIMATE].values))
     ]

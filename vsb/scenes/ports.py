@@ -8,7 +8,7 @@ import numpy as np
 from vsb.hydro.database import Coefficients, shares
 from vsb.hydro.dofs import Displacement, displacements
 from vsb.hydro.orders import order_shares
-from vsb.motion.coefficient_errors import INTERPOLATION, RESOLUTION, CoefficientError, haskind_misfits, relative_error
+from vsb.motion.coefficient_errors import INTERPOLATION, RESOLVED, CoefficientError, haskind_misfits, relative_error
 from vsb.motion.frequency import LinearEquation
 from vsb.motion.linear import LinearSystem, channelled
 from vsb.motion.port import port_direction
@@ -80,7 +80,7 @@ class ShapeWater:
         mass[:, :own, :own], damping[:, :own, :own], force[:, :own] = misfits
         between = Coefficients(mass, damping, force.astype(complex))
         return [
-            relative_error(RESOLUTION, found, self.resolution),
+            relative_error(RESOLVED, found, self.resolution),
             CoefficientError(INTERPOLATION, between, signed=False),
         ]
 

@@ -17,6 +17,7 @@ from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.spectral.green import WavePart
 from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.variables import RESOLUTION
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_sphere
 from vsb.study import study as config
@@ -258,6 +259,22 @@ def test_the_estimate_bounds_the_error(oblate, nodes):
         for kind, true in zip(("added_mass", "radiation_damping", "excitation_force"), error, strict=True):
             assert np.all(estimate[kind].values > true), (kind, nodes)
             assert estimate[kind].values.max() < 1e4 * true.max(), (kind, nodes)
+
+
+def test_each_displacement_has_an_error_of_its_own_that_bounds_the_true_one():
+    """Points that hardly resolve degree 16 resolve heave to nearly all digits."""
+    omegas, named = omegas_of([0.1, 1.0, 3.0]), ("Radial1", "Radial6", "Radial16")
+    estimate = sphere(16, 0.3, displacements=named).error_estimate(omegas)[RESOLUTION].values
+    poor, rich = (with_excitation(sphere(nodes, 0.3, displacements=named).solve(omegas)) for nodes in (16, 48))
+    mass, damping = (
+        [np.abs(np.einsum("wii->wi", ds[name].values)) for ds in (poor, rich)]
+        for name in ("added_mass", "radiation_damping")
+    )
+    force = [ds.excitation_force.values[:, 0] for ds in (poor, rich)]
+    true = np.max([np.abs(a - b).max(axis=0) / np.abs(b).max(axis=0) for a, b in (mass, damping, force)], axis=0)
+    relative_estimate = estimate / np.sqrt(mass[1].max(axis=0))
+    assert np.all(true < relative_estimate)
+    assert relative_estimate[0] < 1e-3 * relative_estimate[2]
 
 
 def test_size_density_and_gravity_scale_out():

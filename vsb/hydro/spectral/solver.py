@@ -27,7 +27,7 @@ from vsb.hydro.quality import haskind_damping
 from vsb.hydro.spectral.green import FiniteDepthWavePart, WavePart, wave_profile
 from vsb.hydro.spectral.meridian import WetMeridian
 from vsb.hydro.sweep import AdaptiveSweep, IncidentWave, crowded, on_grid, relative
-from vsb.hydro.variables import PAIR
+from vsb.hydro.variables import PAIR, RESOLUTION
 from vsb.shell.deformed import DeformedShell
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.dispersion import wavenumber
@@ -151,7 +151,9 @@ class SpectralProblem:
         """Return estimates of the errors of a run, relative to the largest entry at each frequency.
 
         Twice the largest difference from a run with three quarters of the points, whose own error is the larger one;
-        for damping and excitation plus the misfit of Haskind's relation, an error common to both runs.
+        for damping and excitation plus the misfit of Haskind's relation, an error common to both runs. `RESOLUTION` is
+        the same of each displacement by itself, relative to its largest over these frequencies: the points that the
+        shortest shapes need resolve the longer ones far better.
         """
         runs = [with_excitation(p.solve(omegas)) for p in (replace(self, nodes=int(_COARSER * self.nodes)), self)]
         forces = [ds.excitation_force.values[:, 0] for ds in runs]
@@ -162,7 +164,14 @@ class SpectralProblem:
             "radiation_damping": _relative(*(ds.radiation_damping.values for ds in runs)) + missed,
             "excitation_force": _relative(*forces) + missed,
         }
-        return xr.Dataset({name: ("omega", 2 * e) for name, e in errors.items()}, coords={"omega": omegas})
+        mass, damping = (
+            [np.einsum("wii->iw", ds[name].values) for ds in runs] for name in ("added_mass", "radiation_damping")
+        )
+        flux = _relative(np.einsum("wii->iw", haskind), damping[1])
+        own = np.maximum(_relative(*mass), flux + np.maximum(_relative(*damping), _relative(*(x.T for x in forces))))
+        found = xr.Dataset({name: ("omega", 2 * e) for name, e in errors.items()}, coords={"omega": omegas})
+        size = np.sqrt(np.abs(mass[1]).max(axis=1))
+        return found.assign({RESOLUTION: xr.DataArray(2 * own * size, runs[1].influenced_dof.coords)})
 
 
 def _relative(other: ComplexArray | FloatArray, value: ComplexArray | FloatArray) -> FloatArray:
@@ -187,9 +196,9 @@ def incident_wave(problem: SpectralProblem) -> IncidentWave:
     return IncidentWave(lambda omega: radius * problem.wavenumbers(list(omega)), froude_krylov, problem.order)
 
 
-def _error(problem: SpectralProblem, omegas: list[float]) -> float:
-    """Largest estimated error of added mass, damping and excitation at frequencies."""
-    return float(max(problem.error_estimate(omegas).max().values()))
+def largest_error(estimate: xr.Dataset) -> float:
+    """Return the largest of the estimated errors of added mass, damping and excitation."""
+    return float(max(estimate.drop_vars(RESOLUTION).max().values()))
 
 
 def _limits(problem: SpectralProblem) -> dict[str, xr.Variable]:
@@ -208,15 +217,15 @@ def _limit_difference(swept: AdaptiveSweep, limits: dict[str, xr.Variable]) -> f
     return max(relative(far[name] - limit.values, limit.values) for name, limit in limits.items())
 
 
-def resolved(problem: SpectralProblem, omegas: list[float], tolerance: float) -> tuple[SpectralProblem, float]:
-    """Return the problem with as many points as the frequencies need, by doubling, and its estimated error.
+def resolved(problem: SpectralProblem, omegas: list[float], tolerance: float) -> tuple[SpectralProblem, xr.Dataset]:
+    """Return the problem with as many points as the frequencies need, by doubling, and its estimated errors.
 
     Raises `ConvergenceError` if `MOST_NODES` points do not reach the tolerance.
     """
     while problem.nodes <= MOST_NODES:
-        error = _error(problem, omegas)
-        if error <= tolerance:
-            return problem, error
+        estimate = problem.error_estimate(omegas)
+        if (error := largest_error(estimate)) <= tolerance:
+            return problem, estimate
         problem = replace(problem, nodes=2 * problem.nodes)
     raise ConvergenceError(
         f"hydro.tolerance: received {tolerance:g}, the spectral solver reaches {error:.1e} with {MOST_NODES} points; "
@@ -229,9 +238,9 @@ def converged(problem: SpectralProblem, omegas: list[float], tolerance: float) -
 
     Parameters and attributes as of `converged_on_grid`. Raises `ConvergenceError` as of `resolved`.
     """
-    problem, error = resolved(problem, omegas, tolerance)
-    ds = problem.solve(omegas).assign(_limits(problem))
-    return ds.assign_attrs(error_estimate=error, solves=len(omegas), frequencies=len(omegas))
+    problem, estimate = resolved(problem, omegas, tolerance)
+    ds = problem.solve(omegas).assign(_limits(problem)).assign({RESOLUTION: estimate[RESOLUTION]})
+    return ds.assign_attrs(error_estimate=largest_error(estimate), solves=len(omegas), frequencies=len(omegas))
 
 
 def converged_on_grid(
@@ -262,7 +271,8 @@ def converged_on_grid(
     while error > tolerance:
         problem, _ = resolved(problem, omegas, tolerance)
         found = on_grid(problem.solve, frequencies, interpolation, incident_wave(problem))
-        omegas, error = found.solved, _error(problem, found.solved)
+        omegas, estimate = found.solved, problem.error_estimate(found.solved)
+        error = largest_error(estimate)
     limits = _limits(problem)
     attrs: dict[str, float] = {"error_estimate": error, "solves": len(omegas), "frequencies": len(frequencies)}
     if found.sweep:
@@ -270,4 +280,4 @@ def converged_on_grid(
         attrs["limit_difference"] = _limit_difference(found.sweep, limits)
     else:
         attrs["interpolation_error"] = found.spline_error(problem.solve)
-    return found.coefficients.assign(limits).assign_attrs(attrs)
+    return found.coefficients.assign(limits).assign({RESOLUTION: estimate[RESOLUTION]}).assign_attrs(attrs)
