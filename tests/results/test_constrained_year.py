@@ -12,8 +12,8 @@ from scenes.test_ports import water
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.results.constrained_year import ConstrainedYear, Optima, affordable, constrained_year, harmonics_of_year
 from vsb.results.member import member
-from vsb.results.validity import LIMITS as WAVE_LIMITS
 from vsb.results.year import Bins
+from vsb.results.year_validity import LIMITS as WAVE_LIMITS
 from vsb.scenes.ports import BuoyOfShape, buoy_at
 from vsb.scenes.rest import reference_shell
 from vsb.scenes.viability import viability

@@ -23,8 +23,8 @@ from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port, PortMotion
 from vsb.results.member import OF_LIMITS, radius_of
 from vsb.results.statistics import stratified_half_width
-from vsb.results.validity import limits_of, motion_limits, wave_limits
 from vsb.results.year import Bins, bins_of
+from vsb.results.year_validity import limits_of, motion_limits, wave_limits
 from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.study.campaign import CONSTRAINED
 from vsb.study.study import Study, Water

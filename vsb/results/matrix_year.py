@@ -15,7 +15,6 @@ import numpy as np
 
 from vsb.motion.coefficient_errors import CoefficientError, sensitivity_at_ports
 from vsb.motion.damper_matrix import Kind, Ports, best_matrix
-from vsb.results.validity import beyond_validity, rms_of_motions
 from vsb.results.year import (
     PRACTICE_GAMMA,
     Tuning,
@@ -27,6 +26,7 @@ from vsb.results.year import (
     practice,
     variance_outside,
 )
+from vsb.results.year_validity import beyond_validity, rms_of_motions
 from vsb.scenes.floating_system import AnyBody, SeveralInWaves
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.study.study import Study

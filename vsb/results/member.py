@@ -14,8 +14,8 @@ from vsb.motion.coefficient_errors import CoefficientError, sensitivity
 from vsb.motion.port import Port
 from vsb.results.left_out import gain_of_year
 from vsb.results.matrix_year import MatrixYears
-from vsb.results.validity import beyond_validity, limits_of, motion_rms
 from vsb.results.year import DesignYear, Tuning, Values, Year, best_for_all, bins_of, frequencies, gains_within, year
+from vsb.results.year_validity import beyond_validity, limits_of, motion_rms
 from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.scenes.viability import Viability, with_designs
 from vsb.study.campaign import CONSTRAINED, Tunings

@@ -29,7 +29,7 @@ from vsb.study.vary import Vary
 from vsb.study.waves import StillWater, Wave
 
 PHYSICS = {
-    "block": 1, "body": 1, "campaign": 1, "compare": 1, "database": 1, "degree": 3, "design_front": 1,
+    "block": 2, "body": 1, "campaign": 1, "compare": 1, "database": 1, "degree": 3, "design_front": 1,
     "design_results": 2, "design_start": 2, "design_verification": 2, "ladder": 3, "member": 3,
     "members": 1, "mesh": 1, "radiation": 1, "response": 1, "simulate": 1, "verification": 2, "witness": 2,
 }  # fmt: skip

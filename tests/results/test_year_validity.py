@@ -7,8 +7,8 @@ from conftest import varied
 from results.test_year import climate
 from scenes.test_ports import water
 
-from vsb.results.validity import LIMITS, beyond_validity, motion_rms, wave_limits
 from vsb.results.year import band_weights, year
+from vsb.results.year_validity import LIMITS, beyond_validity, motion_rms, wave_limits
 from vsb.scenes.ports import buoy_at
 from vsb.scenes.rest import reference_shell
 from vsb.study.study import Water
