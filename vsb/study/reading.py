@@ -187,9 +187,21 @@ class _UniqueKeyLoader(yaml.SafeLoader):
             seen.add(key)
         return super().construct_mapping(node, deep)
 
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
+        """Build an integer that Python can print, since error messages quote it."""
+        if len(node.value) > LONGEST_INTEGER:
+            problem = f"an integer of {len(node.value)} characters"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark)
+        return int(super().construct_yaml_int(node))
+
+
+_UniqueKeyLoader.add_constructor("tag:yaml.org,2002:int", _UniqueKeyLoader.construct_yaml_int)
+
 
 Place = Sequence[str | int]
 """Keys and indices from the top of a file to something in it."""
+LONGEST_INTEGER = 1000
+"""Characters of an integer in a file."""
 MOST_REPORTED = 20
 """Most errors of one file that are listed."""
 MOST_NODES = 100_000
