@@ -100,8 +100,8 @@ def labelled(system, motion, sea, design, wave, stride):
     return recorded(system, leg, sea, (0.0, 0.0)).assign_attrs(attrs)
 
 
-def told(arguments, capsys, run=main) -> str:
-    """The one line a mistake is told in, after nothing was printed."""
+def error_line(arguments, capsys, run=main) -> str:
+    """The one line that reports an error, after nothing was printed."""
     assert run(arguments) == 2
     captured = capsys.readouterr()
     assert captured.out == ""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from conftest import SEED, SMALL, SMALL_PLAN, told
+from conftest import SEED, SMALL, SMALL_PLAN, error_line
 from stages.test_members import planned, with_seas
 
 from vsb import __version__
@@ -68,7 +68,7 @@ def test_misspelt_command_or_option_gets_a_suggestion(capsys, arguments, message
 @pytest.mark.parametrize("command", ["run", "check", "shell", "body", "shape-dependence"])
 def test_missing_file(workplace, capsys, command):
     arguments = [command, "missing.yaml", *["out"] * (command in ("body", "shape-dependence"))]
-    assert told(arguments, capsys).startswith("missing.yaml: cannot be read")
+    assert error_line(arguments, capsys).startswith("missing.yaml: cannot be read")
     assert [path.name for path in workplace.iterdir()] == ["file"]
 
 
@@ -113,7 +113,7 @@ def test_all_errors_of_a_file_are_reported_each_with_its_line(workplace, capsys)
 def test_error_of_the_plan_names_the_study_file_once(workplace, capsys, changes, message, command):
     name = "sp ace/ünï.yaml"
     Path(name).parent.mkdir()
-    line = told([command, written(name, **changes)], capsys)
+    line = error_line([command, written(name, **changes)], capsys)
     assert re.sub(r":\d+", "", line, count=1).startswith(f"{name}: {message}")
     assert line.count(name) == 1
 
@@ -133,7 +133,7 @@ def test_error_of_the_plan_names_the_study_file_once(workplace, capsys, changes,
 )
 def test_output_that_cannot_be_written_is_reported_before_any_work(workplace, capsys, arguments, path):
     Path("folder.nc").mkdir()
-    line = told(arguments, capsys)
+    line = error_line(arguments, capsys)
     assert line.startswith(path)
     assert "cannot be written" in line
     assert {path.name for path in workplace.rglob("*")} == {"file", "folder.nc"}
@@ -150,7 +150,7 @@ def test_output_that_cannot_be_written_is_reported_before_any_work(workplace, ca
 )
 def test_wrong_specification_of_a_stage(workplace, capsys, monkeypatch, text, message):
     given(monkeypatch, text)
-    assert told(["modes", "--out", "out.nc"], capsys).startswith(message)
+    assert error_line(["modes", "--out", "out.nc"], capsys).startswith(message)
 
 
 def test_only_the_database_of_the_study_is_exported(finished, workplace, capsys):
@@ -162,7 +162,7 @@ def test_only_the_database_of_the_study_is_exported(finished, workplace, capsys)
         stored.parent.mkdir(parents=True, exist_ok=True)
         stored.write_bytes((finished / SMALL_PLAN.database_path).read_bytes())
         if refused:
-            line = told(["export", f"{name}.yaml", "out"], capsys)
+            line = error_line(["export", f"{name}.yaml", "out"], capsys)
             assert line.startswith(f"{stored}: ")
             assert re.search(rf"{Path(SMALL_PLAN.database_path).stem}.*needs .*{stored.stem}", line)
         else:
@@ -183,9 +183,9 @@ def test_study_and_campaign_may_not_share_a_results_folder(workplace, capsys):
     planned(with_seas(workplace, (1.0, 6.0)), name="year")
     for folder, mark in (("year", "study.json"), ("seed", "members")):
         (workplace / "results" / folder / mark).mkdir(parents=True)
-    line = told(["check", "year.yaml"], capsys)
+    line = error_line(["check", "year.yaml"], capsys)
     assert "campaign: received year, the name of a study with results in results/year" in line
-    line = told(["check", str(SEED)], capsys)
+    line = error_line(["check", str(SEED)], capsys)
     assert "study: received seed, the name of a campaign with results in results/seed" in line
 
 
@@ -239,7 +239,7 @@ def test_no_output_takes_the_place_of_an_input_a_study_a_product_or_a_file_of_th
     if lost is None:
         assert main(arguments) == 0
     else:
-        assert told(arguments, capsys).startswith(f"{lost}: is {kind}")
+        assert error_line(arguments, capsys).startswith(f"{lost}: is {kind}")
         assert {path: path.read_bytes() for path in Path().rglob("*") if path.is_file()} == before
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import HERE, told
+from conftest import HERE, error_line
 from conftest import SMALL_PLAN as PLAN
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -123,5 +123,7 @@ def test_a_manifest_that_names_a_file_outside_the_results_does_not_have_it_remov
 
 
 def test_a_missing_file_is_one_line_and_writes_nothing(workplace, capsys):
-    assert told(["hard-cases", "missing.yaml", "out.csv"], capsys, main).startswith("missing.yaml: cannot be read")
+    assert error_line(["hard-cases", "missing.yaml", "out.csv"], capsys, main).startswith(
+        "missing.yaml: cannot be read"
+    )
     assert [path.name for path in workplace.iterdir()] == ["file"]

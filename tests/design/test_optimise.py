@@ -116,7 +116,7 @@ def test_a_saddle_is_not_accepted():
 def test_the_line_search_backs_off_where_the_shell_does_not_rest():
     def partly(values):
         if values[0] > 3.2:
-            raise ConvergenceError("the shell does not rest")
+            raise ConvergenceError("the shell has no equilibrium")
         return nearest(values)
 
     of = problem(partly)
@@ -128,7 +128,7 @@ def test_the_line_search_backs_off_where_the_shell_does_not_rest():
 def test_an_optimum_beyond_the_last_shell_that_rests_is_shown_and_not_accepted():
     def partly(values):
         if values[0] > 2.5:
-            raise ConvergenceError("the shell does not rest")
+            raise ConvergenceError("the shell has no equilibrium")
         return nearest(values)
 
     of = problem(partly)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import SEED, told, varied
+from conftest import SEED, error_line, varied
 
 from examples.paper_at_optimal_damping import best_damper, main, power_of
 from vsb.study.study import load
@@ -25,5 +25,5 @@ def test_optimal_damping_in_a_small_pressure_is_the_reactance():
 
 
 def test_linear_study_is_refused(workplace, capsys):
-    text = told([str(SEED), "out.csv"], capsys, main)
+    text = error_line([str(SEED), "out.csv"], capsys, main)
     assert text.endswith("hydro.model: received 'linear', needs 'assumed_pressure', the paper's loading")

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from conftest import HERE, told
+from conftest import HERE, error_line
 
 from examples import surprises
 
@@ -47,5 +47,5 @@ def test_every_case_is_on_the_page(name):
 
 
 def test_unknown_case_is_one_line(tmp_path, capsys):
-    line = told([str(tmp_path / "out"), "drag", "nothing"], capsys, surprises.main)
+    line = error_line([str(tmp_path / "out"), "drag", "nothing"], capsys, surprises.main)
     assert line.startswith("case: received nothing, needs some of one_damper, narrow_band")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from conftest import told
+from conftest import error_line
 from hydro.bodies.test_body import made, rigid
 from stages.test_coefficients import SWELL, as_body
 
@@ -36,7 +36,7 @@ def test_check_summarises_a_body_study(finished, workplace, capsys):
 def checked(finished, capsys, **changes):
     """The line of the error of a study."""
     Path("a.yaml").write_text(yaml.safe_dump(as_body(finished, **changes)))
-    return told(["check", "a.yaml"], capsys)
+    return error_line(["check", "a.yaml"], capsys)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from conftest import SMALL, SMALL_PLAN, told
+from conftest import SMALL, SMALL_PLAN, error_line
 
 import vsb
 from vsb.api.results import Results
@@ -111,7 +111,7 @@ def test_database_with_failed_checks_is_refused(finished, workplace, capsys):
     dull.to_netcdf("dull.nc")
     Path("dull.yaml").write_text(yaml.safe_dump(as_body(finished, body={"database": "dull.nc"})))
     refused = "check 'symmetry' failed: 1, needs at most 0.02 (even); use smaller"
-    assert told(["check", "dull.yaml"], capsys).startswith(f"hydro database: {refused}")
+    assert error_line(["check", "dull.yaml"], capsys).startswith(f"hydro database: {refused}")
     with pytest.raises(DatabaseError, match=re.escape(refused)):
         vsb.run(vsb.load_body("dull.yaml"))
     assert not Path("results").exists()

@@ -277,6 +277,16 @@ def test_year_of_a_damper_matrix_that_acts_on_heave_alone_is_that_of_a_damper(fo
     assert "damper matrix" in Path(plan.folder, "report.html").read_text()
 
 
+def year_at_ports(plan):
+    """Seas of a campaign, several ports of the flexible design of its first member, and weights of their frequencies."""
+    study = StudyPlan(plan.members[0].study, root=plan.root)
+    make(study, [study.database_path])
+    seas = read_climate(plan.climate, plan.loaded.climate_path)
+    floating = floating_system(study.study, study.database_path)
+    omega = frequencies(seas, *floating.band)
+    return seas, floating.several_ports(omega)["VSWEC"], band_weights(omega, seas)
+
+
 @pytest.mark.slow
 def test_damper_matrix_of_each_sea_absorbs_within_a_few_thousandths_of_the_optimum_there(folder):
     """The interval of its gain contains what modes left out and coefficients may change."""
@@ -286,14 +296,7 @@ def test_damper_matrix_of_each_sea_absorbs_within_a_few_thousandths_of_the_optim
     assert (flexible.gain_low < flexible.gain_percent).all()
     assert (flexible.gain_percent < flexible.gain_high).all()
     assert (power.sel(tuning="one") < power.sel(tuning="each")).all()
-    study = StudyPlan(plan.members[0].study, root=plan.root)
-    make(study, [study.database_path])
-    seas, floating = (
-        read_climate(plan.climate, plan.loaded.climate_path),
-        floating_system(study.study, study.database_path),
-    )
-    omega = frequencies(seas, *floating.band)
-    ports, weights = floating.several_ports(omega)["VSWEC"], band_weights(omega, seas)
+    seas, ports, weights = year_at_ports(plan)
     best = np.array([best_matrix(ports, sea @ weights).power for sea in seas.density])
     assert float(power.sel(design="VSWEC", tuning="each")) == pytest.approx(best @ seas.hours, rel=3e-3)
 
@@ -304,14 +307,8 @@ def test_year_of_a_damper_spread_over_the_shell(folder):
     plan = planned(folder, name="spread", tuning=["fixed", "one"], pto=pto, designs={"VSWEC": {}})
     found = computed(plan)
     power = found.annual_mean_power
-    study = StudyPlan(plan.members[0].study, root=plan.root)
-    make(study, [study.database_path])
-    seas, floating = (
-        read_climate(plan.climate, plan.loaded.climate_path),
-        floating_system(study.study, study.database_path),
-    )
-    omega = frequencies(seas, *floating.band)
-    ports, squares = floating.several_ports(omega)["VSWEC"], seas.mean_density @ band_weights(omega, seas)
+    seas, ports, weights = year_at_ports(plan)
+    squares = seas.mean_density @ weights
     count = ports.velocity.shape[1]
     for tuning, beta in zip(found.tuning.values, found.damper_matrix.sel(design="VSWEC").values.ravel(), strict=True):
         direct = float(squares @ ports.power(beta * np.eye(count)))

@@ -8,7 +8,7 @@ from pathlib import Path
 import psutil
 import pytest
 import yaml
-from conftest import SEED, told
+from conftest import SEED, error_line
 from stages.test_coefficients import SWELL, as_body
 from stages.test_members import planned, with_seas
 from test_cli import written
@@ -23,7 +23,7 @@ def test_unknown_profile_is_reported_before_the_run(workplace, capsys, name):
     for folder in (Path("mine"), Path("profiles/mine")):  # of the current folder only if told so
         folder.mkdir(parents=True)
         (folder / "config.yaml").write_text("cores: 1")
-    line = told(["run", written("study.yaml"), "--profile", name], capsys)
+    line = error_line(["run", written("study.yaml"), "--profile", name], capsys)
     assert line.startswith(f"--profile: received {name}, needs default, slurm, or the path of a folder of your own (./")
     assert not Path("results").exists()
 
@@ -39,7 +39,7 @@ def test_unknown_profile_is_reported_before_the_run(workplace, capsys, name):
     ],
 )
 def test_wrong_snakemake_options_give_one_line_with_a_suggestion(workplace, capsys, options, message):
-    assert told(["run", written("study.yaml"), *options], capsys).startswith(message)
+    assert error_line(["run", written("study.yaml"), *options], capsys).startswith(message)
     assert not Path("results").exists()
 
 
@@ -105,5 +105,5 @@ def test_errors_of_later_stages_are_reported_before_the_run(finished, workplace,
         Path(name).write_text(yaml.safe_dump(as_body(finished, waves=[{**SWELL, "direction": 30.0}])))
     else:
         written(name, pto={"damping": 1.0, "stiffness": -1e6})
-    assert message in told(["run", name], capsys)
+    assert message in error_line(["run", name], capsys)
     assert not Path("results").exists()

@@ -26,8 +26,8 @@ def database(command, folder: Path, name: str, vertices, faces, shapes: dict, ce
         },
         coords={"dof": list(shapes)},
     ).to_netcdf(folder / f"{name}.nc")
-    told = {"body": name, "mesh": f"{name}.nc", "modes": f"{name}.nc", "wave_direction": [0.0], **body}
-    (folder / f"{name}.yaml").write_text(yaml.safe_dump(told), encoding="utf-8")
+    raw = {"body": name, "mesh": f"{name}.nc", "modes": f"{name}.nc", "wave_direction": [0.0], **body}
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump(raw), encoding="utf-8")
     command("body", folder / f"{name}.yaml", folder / name)
     with xr.open_dataset(folder / name / f"{name}.nc") as found:
         return found.load()
@@ -105,12 +105,12 @@ def box(start: float, length: float, counts: tuple[int, int, int]) -> tuple[np.n
 def test_bending(fields, agree, command, tmp_path):
     """The shipped barge of 80 x 10 x 5 m: four bending modes and a hinge along the inextensible path."""
     barge = Path(__file__).parents[2] / "config" / "barge" / "barge.nc"
-    told = {"body": "barge", "mesh": str(barge), "modes": str(barge), "omega": [0.8], "wave_direction": [0.0], "lid": 0}
+    raw = {"body": "barge", "mesh": str(barge), "modes": str(barge), "omega": [0.8], "wave_direction": [0.0], "lid": 0}
     if fields == "by name":
-        told["modes"] = {"rigid": ["Heave", "Pitch"], "bending": {"count": 4}, "hinge": {"at": [0.0, 0.0]}}
-        told |= {"mass": "displaced", "centre_of_mass": [0.0, 0.0, 0.0], "radii_of_gyration": [3.0, 23.1, 23.1]}
-    told["water"] = {"density": RHO, "depth": float("inf"), "gravity": G}
-    (tmp_path / "barge.yaml").write_text(yaml.safe_dump(told), encoding="utf-8")
+        raw["modes"] = {"rigid": ["Heave", "Pitch"], "bending": {"count": 4}, "hinge": {"at": [0.0, 0.0]}}
+        raw |= {"mass": "displaced", "centre_of_mass": [0.0, 0.0, 0.0], "radii_of_gyration": [3.0, 23.1, 23.1]}
+    raw["water"] = {"density": RHO, "depth": float("inf"), "gravity": G}
+    (tmp_path / "barge.yaml").write_text(yaml.safe_dump(raw), encoding="utf-8")
     command("body", tmp_path / "barge.yaml", tmp_path / "barge")
     with xr.open_dataset(tmp_path / "barge" / "barge.nc") as found:
         stiff = found["hydrostatic_stiffness"].load()
@@ -194,9 +194,9 @@ def rigid_database(command, folder: Path, name: str, mesh: tuple, **body) -> xr.
     xr.Dataset({"vertices": (("vertex", "xyz"), vertices), "faces": (("panel", "corner"), faces)}).to_netcdf(
         folder / f"{name}.nc"
     )
-    told = {"body": name, "mesh": f"{name}.nc", "modes": "rigid", "mass": "displaced", **body}
-    told["water"] = {"density": RHO, "depth": float("inf"), "gravity": G}
-    (folder / f"{name}.yaml").write_text(yaml.safe_dump(told), encoding="utf-8")
+    raw = {"body": name, "mesh": f"{name}.nc", "modes": "rigid", "mass": "displaced", **body}
+    raw["water"] = {"density": RHO, "depth": float("inf"), "gravity": G}
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump(raw), encoding="utf-8")
     command("body", folder / f"{name}.yaml", folder / name)
     with xr.open_dataset(folder / name / f"{name}.nc") as found:
         return found.load()

@@ -56,7 +56,7 @@ def test_natural_frequencies(agree, command, tmp_path):
     path = tmp_path / "shell.yaml"
     waves = {"waves": [{"kind": "still"}], "pto": {"damping": 8000.0}}
     path.write_text(yaml.safe_dump({**SEED, **waves}), encoding="utf-8")
-    told = json.loads(command("shell", path, "--json")[0])
+    printed = json.loads(command("shell", path, "--json")[0])
     e, nu, rho, r, h = 1e7, 0.3, 2700.0, 2.0, 0.01
     n, k = np.arange(7), (h / r) ** 2 / 12
     m = n * (n + 1) - 2.0  # degree 0: the upper root alone; degree 1: the lower is rigid heave
@@ -65,11 +65,11 @@ def test_natural_frequencies(agree, command, tmp_path):
     root = np.sqrt(a**2 - 4 * m * b)
     unit = e / (2 * (1 - nu**2) * rho * r**2)
     upper, lower = np.sqrt(unit * (a + root)), np.sqrt(unit * (a - root)[2:])
-    at = {key: {row["degree"]: row["omega"] for row in told[key]} for key in ("membrane", "bending")}
+    at = {key: {row["degree"]: row["omega"] for row in printed[key]} for key in ("membrane", "bending")}
     agree("shell", "upper branch, degrees 0 to 6", [at["membrane"][i] for i in n], upper, 1e-9)
     agree("shell", "lower branch, degrees 2 to 6", [at["bending"][i] for i in n[2:]], lower, 1e-9)
     zoelly = 2 * e * (h / r) ** 2 / np.sqrt(3 * (1 - nu**2))
-    agree("buckling", "uniform external pressure, Zoelly", told["buckling_pressure"], zoelly, 1e-12)
+    agree("buckling", "uniform external pressure, Zoelly", printed["buckling_pressure"], zoelly, 1e-12)
 
 
 @pytest.mark.parametrize(("basis", "degree"), [("membrane", 6), ("full", 6), ("full", 30)])

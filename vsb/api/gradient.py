@@ -77,7 +77,7 @@ def gradient(
     ConvergenceError
         If the shell buckles before it carries its load.
     StabilityError
-        If a design does not rest stably.
+        If a design is not stable at rest.
     """
     given = dict(uncertain or {})
     if unknown := [key for key in given if key not in variables]:

@@ -164,7 +164,7 @@ class DesignModel:
         ConvergenceError
             If the shell buckles before it carries its load.
         StabilityError
-            If the buoy does not rest stably beside the spring of its take-off.
+            If the buoy is not stable at rest beside the spring of its take-off.
         """
         study = self.study_at(values)
         buoy = RestingBuoy.of(study, self.degree)
@@ -217,7 +217,7 @@ def _check_stable(buoy: Linearised, spring: float, design: str) -> None:
     """Check that a buoy beside a spring at its port [N/m] returns to its rest; its linear motion means nothing else."""
     least = np.linalg.eigvalsh(buoy.stiffness + spring * np.outer(buoy.port, buoy.port))[0]
     if least <= 0:
-        raise StabilityError(f"design {design} does not rest stably: its least stiffness is {least:.3g} N/m")
+        raise StabilityError(f"design {design} is not stable at rest: its least stiffness is {least:.3g} N/m")
 
 
 def _resolution(study: Study, between: tuple[float, float], degree: int) -> tuple[int, int]:
