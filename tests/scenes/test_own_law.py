@@ -123,6 +123,7 @@ def test_laws_that_give_no_force_are_refused_before_a_run(code, message, install
             {"law": "other:law"},
             r"law 'other:law': no installed package declares it; needs an entry point .*my_take_off:law",
         ),
+        ({"law": "my_takeoff:lw"}, "did you mean my_take_off:law?"),
         ({"law": "my_take_off:law", "force_limit": 10.0}, "is the whole force; needs no force_limit"),
         ({"law": "coulomb", "force_limit": 10.0, "parameters": {"c": 1.0}}, "parameters: are of a law of a package"),
         ({"law": "a:b:c"}, "law 'a:b:c': no installed package declares it"),

@@ -30,6 +30,7 @@ from vsb.study.quantities import (
     motion_of,
     within,
 )
+from vsb.study.reading import nearest
 from vsb.tools.ports import FORCE, MEMBRANE, MOMENT, PRESSURE, SEVERAL, TENSION, WORK, PortKind
 from vsb.tools.words import shortened
 
@@ -296,10 +297,10 @@ def entry_point(law: str) -> EntryPoint:
     """
     known = {one.value.replace(" ", ""): one for one in entry_points(group=LAWS_OF_PACKAGES)}
     if law not in known:
-        there = ", ".join(sorted(known)) or "there are none"
+        there, near = ", ".join(sorted(known)) or "there are none", nearest(law, known)
         raise ValueError(
             f"law {law!r}: no installed package declares it; needs an entry point of the group {LAWS_OF_PACKAGES} "
-            f"({there})"
+            f"({there})" + (f"; did you mean {near}?" if near else "")
         )
     return known[law]
 

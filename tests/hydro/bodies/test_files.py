@@ -34,9 +34,9 @@ def numbered(rows):
     return text_of([[i + 1, *row] for i, row in enumerate(rows)])
 
 
-def mesh_file(folder, name):
-    """The box in a format of any program, by the name's end."""
-    (vertices, faces), path, kind = BOX, folder / name, name.split(".")[-1].lower()
+def mesh_file(folder, name, panels=BOX):
+    """Panels, those of the box by default, in a format of any program, by the name's end."""
+    (vertices, faces), path, kind = panels, folder / name, name.split(".")[-1].lower()
     if kind == "gdf":
         path.write_text(f"box\n1.0 9.81\n0 0\n{len(faces)}\n{text_of(vertices[faces].reshape(-1, 3))}\n")
     elif kind in ("dat", "mar"):
@@ -195,3 +195,17 @@ def test_gdf_in_feet_is_scaled_where_its_displacements_are_made(tmp_path):
         ConfigError, match=r"feet.gdf:2: GRAV: received 3.7; needs water.gravity, 9.81 m/s\^2, or that in"
     ):
         build_body(file, {"mesh": tmp_path / "feet.gdf"})
+
+
+@pytest.mark.parametrize("kind", ["gdf", "mar", "hst", "vtu"])
+def test_a_panel_given_twice_is_dropped_and_noted(tmp_path, kind):
+    """In either direction, if the first is the right one."""
+    vertices, faces = BOX
+    for again in (np.roll(faces[:1], 1, axis=1), faces[:1, ::-1]):
+        path = mesh_file(tmp_path, f"twice.{kind}", (vertices, np.concatenate([faces, again])))
+        file = BodyFile(body="twice", mesh=path.name, modes=["Heave"], mass="displaced", omega=[1.0])
+        made = build_body(file, {"mesh": path})
+        assert f"panels without area or given twice dropped: 1 of {len(faces) + 1}" in made.history
+        assert made.volume == pytest.approx(48.0)
+    file = BodyFile(body="once", mesh=f"once.{kind}", modes=["Heave"], mass="displaced", omega=[1.0])
+    assert "dropped" not in build_body(file, {"mesh": mesh_file(tmp_path, f"once.{kind}")}).history

@@ -10,7 +10,7 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, Triangles, check_apart
 from vsb.hydro.bodies.families import Hull, LineMode, line_modes, structural_stiffness
-from vsb.hydro.bodies.files import length_unit, panels_with_area, read_body, read_mesh, with_gaps_noted
+from vsb.hydro.bodies.files import length_unit, read_body, read_mesh, usable_panels, with_gaps_noted
 from vsb.hydro.bodies.hulls import hull_panels
 from vsb.hydro.bodies.hydrostatics import columns_of
 from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, gaps, owners, wetted
@@ -33,8 +33,8 @@ class Solid(NamedTuple):
 def build_body(file: BodyFile, paths: Mapping[str, str | Path]) -> FlexibleBody:
     """Return the body of a body file, its files found at `paths`, by key.
 
-    Panels above the water are cut off, those without area dropped: the body's `history` records it. Raises
-    `ConfigError`: in one line, whatever is wrong with the files, or missing of the dry body.
+    Panels above the water are cut off, those without area or given twice dropped: the body's `history` records it.
+    Raises `ConfigError`: in one line, whatever is wrong with the files, or missing of the dry body.
     """
     if file.rigid_motions is None:
         return read_body(paths["mesh"], paths["modes"], file.water.gravity)
@@ -42,7 +42,7 @@ def build_body(file: BodyFile, paths: Mapping[str, str | Path]) -> FlexibleBody:
         return _made_body(file, *hull_panels(file.mesh), [])
     mesh = paths["mesh"]
     vertices, faces = read_mesh(mesh)
-    kept, notes = panels_with_area(mesh, vertices, faces)
+    kept, notes = usable_panels(mesh, vertices, faces)
     if (unit := length_unit(mesh, file.water.gravity)) != 1:
         vertices, notes = unit * vertices, [*notes, f"GRAV is in feet: lengths of the mesh multiplied by {unit:g}"]
     try:

@@ -5,6 +5,7 @@ Files may be cut, damaged or of another kind: whatever error a library raises be
 
 import contextlib
 import io
+import re
 import warnings
 from collections.abc import Iterator
 from dataclasses import replace
@@ -17,7 +18,16 @@ import xarray as xr
 
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, check_apart
-from vsb.hydro.bodies.mesh import FLAT, at_centres, at_vertices, check_vertices, text_of, wetted, without_area
+from vsb.hydro.bodies.mesh import (
+    FLAT,
+    at_centres,
+    at_vertices,
+    check_vertices,
+    repeated,
+    text_of,
+    wetted,
+    without_area,
+)
 from vsb.hydro.panels import rings as bem
 from vsb.hydro.variables import PAIR
 from vsb.tools.arrays import FloatArray, IntArray
@@ -105,8 +115,8 @@ def _panels(path: Path) -> tuple[FloatArray, IntArray]:
             return np.array(ds.vertices.values, dtype=float), whole_numbers
     if suffix == ".gdf":
         return bem.read_panels(io.StringIO(read_gdf(path).panels), "gdf")
-    if suffix in PANEL_FILES or (suffix == ".dat" and _is_nemoh(path)):
-        return bem.read_panels(path, PANEL_FILES.get(suffix, "mar"))
+    if form := _capytaine_format(path):
+        return bem.read_panels(path, form)
     with np.errstate(all="ignore"):  # the first bytes of an STL in plain text are taken for a huge count
         mesh = meshio.read(path)
     cells = [block.data for block in mesh.cells if block.type in ("quad", "triangle")]
@@ -115,6 +125,12 @@ def _panels(path: Path) -> tuple[FloatArray, IntArray]:
     panels = [np.column_stack([c, c[:, 2]]) if c.shape[1] == 3 else c for c in cells]
     points = np.asarray(mesh.points, dtype=float)
     return np.pad(points, ((0, 0), (0, 3 - points.shape[1]))), np.concatenate(panels).astype(int)
+
+
+def _capytaine_format(path: Path) -> str | None:
+    """Name of the format of a file that capytaine reads, None for other formats."""
+    suffix = path.suffix.lower()
+    return "mar" if suffix == ".dat" and _is_nemoh(path) else PANEL_FILES.get(suffix)
 
 
 def _is_nemoh(path: Path) -> bool:
@@ -181,8 +197,8 @@ def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None)
     The latter holds `mode_shape` (dof, vertex or panel, xyz) with names on `dof`, and optionally `inertia_matrix` and
     `structural_stiffness` (influenced_dof, radiating_dof), `centre_of_mass` (xyz), or (part, xyz) where separate parts
     do not all turn alike, and `second_order` (influenced_dof, radiating_dof, vertex, xyz), the second derivatives
-    d2x/dq_i dq_j of the corners' positions [1/m]. Panels above the water are cut off and those without area dropped,
-    which the body's `history` records. Raises `ConfigError`: in one line, whatever is wrong with the files.
+    d2x/dq_i dq_j of the corners' positions [1/m]. Panels above the water are cut off, those without area or given twice
+    dropped, which the body's `history` records. Raises `ConfigError`: in one line, whatever is wrong with the files.
     """
     vertices, faces = read_mesh(mesh)
     labels, values, by_vertex, known = _displacements(modes, (len(vertices), len(faces)), mesh)
@@ -190,7 +206,7 @@ def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None)
         raise ConfigError(
             f"{mesh}:2: GRAV: received feet; needs metres here, as the unit of the displacements is unknown"
         )
-    kept, notes = panels_with_area(mesh, vertices, faces)
+    kept, notes = usable_panels(mesh, vertices, faces)
     faces, values = faces[kept], values if by_vertex else values[:, kept]
     try:
         if wet := wetted(vertices, faces):
@@ -215,14 +231,39 @@ def read_body(mesh: str | Path, modes: str | Path, gravity: float | None = None)
     return with_gaps_noted(body)
 
 
-def panels_with_area(mesh: str | Path, vertices: FloatArray, faces: IntArray) -> tuple[IntArray, list[str]]:
-    """Return which panels of a mesh file have an area, shape (panel,), and notes on what is dropped or ignored."""
-    kept, notes = np.flatnonzero(~without_area(vertices, faces)), list[str]()
-    if (path := Path(mesh)).suffix.lower() == ".gdf":
+def usable_panels(mesh: str | Path, vertices: FloatArray, faces: IntArray) -> tuple[IntArray, list[str]]:
+    """Return the panels of a mesh file with an area and given once, shape (panel,), and notes on all others."""
+    path, notes = Path(mesh), list[str]()
+    usable = np.flatnonzero(~(without_area(vertices, faces) | repeated(vertices, faces)))
+    if path.suffix.lower() == ".gdf":
         notes.append(read_gdf(path).note)
-    if dropped := len(faces) - len(kept):
-        notes.append(f"panels without area dropped: {dropped} of {len(faces)}")
-    return kept, notes
+    with _one_line(path, "a mesh", "a format of meshio or netCDF"):
+        stated = _stated_panels(path) or len(faces)
+    if dropped := stated - len(usable):
+        notes.append(f"panels without area or given twice dropped: {dropped} of {stated}")
+    return usable, notes
+
+
+def _stated_panels(path: Path) -> int:
+    """Number of panels in a file that capytaine reads, with their images: it drops some; 0 for other formats."""
+    if (form := _capytaine_format(path)) is None:
+        return 0
+    text = path.read_text(encoding="utf-8", errors="replace")
+    lines = text.splitlines()
+    if form == "gdf":
+        count, mirrors = int(lines[_HEADER - 1].split()[0]), sum(int(flag) == 1 for flag in lines[2].split()[:2])
+    elif form == "pnl":
+        count, _, *flags = map(int, lines[3].split())
+        mirrors = sum(flags)
+    elif form == "mar":
+        begin, end = [i for i, line in enumerate(lines) if line.split()[:1] == ["0"]][:2]
+        count, mirrors = end - begin - 1, int(lines[0].split()[1:2] == ["1"])
+    else:
+        blocks = re.findall(r"^\s*PANEL.*?\n(.*?)^\s*ENDPANEL", text, re.MULTILINE | re.DOTALL)
+        count = sum(bool(line.strip()) for block in blocks for line in block.splitlines())
+        symmetry = re.search(r"^\s*SYMMETRY.?:*\s*([12])\s*$", text, re.MULTILINE)
+        mirrors = int(symmetry[1]) if symmetry else 0
+    return int(count * 2**mirrors)
 
 
 def with_gaps_noted(body: FlexibleBody) -> FlexibleBody:

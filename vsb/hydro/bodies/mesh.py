@@ -74,6 +74,16 @@ def without_area(vertices: FloatArray, faces: IntArray) -> BoolArray:
     return np.asarray(area <= FLAT * longest * np.linalg.norm(np.ptp(vertices, axis=0)))
 
 
+def repeated(vertices: FloatArray, faces: IntArray) -> BoolArray:
+    """Return which panels have the corners of an earlier one, in whatever order, shape (panel,)."""
+    corners = np.sort(owners(vertices)[faces], axis=1)
+    corners[:, 1:][np.diff(corners, axis=1) == 0] = -1  # triangles repeat one of theirs
+    _, first = np.unique(np.sort(corners, axis=1), axis=0, return_index=True)
+    later = np.ones(len(faces), dtype=bool)
+    later[first] = False
+    return later
+
+
 def joined(meshes: Sequence[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntArray]:
     """Return the vertices and panels of several meshes as one, panels in order."""
     offsets = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
