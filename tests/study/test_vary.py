@@ -12,8 +12,8 @@ from pydantic import BaseModel
 
 from vsb.shell.modes import mode_basis
 from vsb.study import study as config
-from vsb.study.study import Irregular
-from vsb.study.vary import FROUDE, Vary, read_vary, scaled, unit
+from vsb.study.keys import KEYS
+from vsb.study.vary import Vary, length_power, powers, read_vary, scaled, unit
 from vsb.tools.ports import MOMENT, PRESSURE
 
 TAKEN = ("damping", "hs")
@@ -104,14 +104,6 @@ def test_units_of_the_take_off_follow_the_port(key, force, pressure, moment):
 
 
 SEED = Path(__file__).parents[1] / "data" / "seed.yaml"
-KEPT = {
-    "poisson_ratio", "density", "adiabatic_index", "atmospheric_pressure", "degree", "clamp", "depth",
-    "gravity", "power_tolerance", "tolerance", "rows", "efficiency", "colatitude", "between", "seed", "realisations",
-    "gamma", "values", "coefficient", "jm", "order", "direction", "dofs", "profile", "belt", "parameters",
-    "ratio",
-}  # fmt: skip
-"""Numbers without dimension, angles, and what stays as it is: material, water, air, figures published elsewhere;
-a profile has the radius of its buoy."""
 
 
 def numbers(model):
@@ -132,12 +124,21 @@ def numbers(model):
     return found
 
 
-def test_every_number_scales_or_is_known_to_stay():
+def test_every_number_has_a_unit_by_which_it_scales():
     """A key added later would otherwise silently not scale."""
-    found = numbers(config.Study)
-    assert found > {"radius", "damping", "stroke_limit"}
-    nowhere = set().union(*map(numbers, typing.get_args(Irregular)))  # a campaign's seas are its climate's
-    assert found - set(FROUDE) - nowhere == (KEPT | {"mooring"}) - nowhere
+    pure = {name for section in KEYS.values() for name, key in section.items() if key.unit == "-"}
+    by_themselves = {"mooring", "atmospheric_pressure", "depth"}
+    in_sections = {"profile", "parameters", "values"}  # scaled to the radius, or not at all
+    assert numbers(config.Study) - pure - powers().keys() == by_themselves | in_sections
+
+
+@pytest.mark.parametrize(
+    ("unit", "power"),
+    [("J", 4.0), ("N m s", 4.5), ("m/s^2", 0.0), ("rad/(m s)", -1.5), ("J^0.5/s", 1.5), ("J/kg", 1.0)],
+)
+def test_units_scale_by_froude(unit, power):
+    """Masses with lengths cubed, times with their root, so that gravity and densities stay."""
+    assert length_power(unit) == power
 
 
 def test_mooring_scales_by_force_and_moment_per_length_and_angle():

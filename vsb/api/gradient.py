@@ -9,6 +9,7 @@ import xarray as xr
 from vsb.design.evaluation import DAMPER, DesignModel, Quantity
 from vsb.errors import ConfigError
 from vsb.stages.planning import with_degree
+from vsb.study.design import QUANTITIES, unit_of
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study
 from vsb.study.take_off import port_kind
@@ -16,27 +17,6 @@ from vsb.study.vary import unit
 from vsb.waves.climate import Climate
 
 POWER, GAIN = "annual_mean_power", "gain_percent"
-MEANINGS = {
-    POWER: "mean power of the year under one damper",
-    "damping": "that damper, the optimal one unless it is a variable",
-    "force_rms": "root mean square of the take-off's force over the year",
-    "stroke_rms": "root mean square of the stroke over the year",
-    "beam": "largest diameter of the hull at rest",
-    "draft": "depth of the hull at rest",
-    "surface": "area of the hull at rest",
-    "volume": "volume of the hull at rest",
-    "mass": "mass of the buoy",
-    "static_strain": "largest membrane strain at rest",
-    GAIN: "gain of mean power over the reference design",
-    **{
-        f"load_factor_inverse_{i}": f"load over buckling load, mode {i + 1} of those that buckle first"
-        for i in range(4)
-    },
-}
-UNITS = {
-    POWER: "W", "beam": "m", "draft": "m", "surface": "m^2", "volume": "m^3", "mass": "kg", GAIN: "%",
-}  # fmt: skip
-"""Units of quantities; none of the others but of those at the port."""
 
 
 def gradient(
@@ -55,7 +35,7 @@ def gradient(
     climate : Climate
         See `read_seas`.
     variables : sequence of str
-        Keys, such as `device.radius`; `vsb.design.evaluation.VARIABLES`, or `designs.NAME.clamp`.
+        Keys, such as `device.radius`; `vsb.study.design.VARIABLES`, or `designs.NAME.clamp`.
     uncertain : mapping key -> float, optional
         Relative standard deviations of some of the variables; the others are known.
     degree : int, optional
@@ -96,11 +76,10 @@ def gradient(
     point = np.array(model.point)
     deviations = np.abs(point) * [given.get(key, 0.0) for key in variables]
     kind, names = port_kind(study.pto.port), list(next(iter(found.values())))
-    units = UNITS | {"force_rms": kind.load_unit, "stroke_rms": kind.motion_unit, "damping": kind.damping_unit}
     data: dict[str, xr.Variable] = {}
     for name in names:
         each: list[Quantity] = [quantities[name] for quantities in found.values()]
-        meaning, of = MEANINGS[name], units.get(name, "1")
+        meaning, of = QUANTITIES[name].meaning, unit_of(name, kind)
         data[name] = xr.Variable("design", [one.value for one in each], {"units": of, "long_name": meaning})
         data[f"{name}_gradient"] = xr.Variable(
             ("design", "variable"),

@@ -8,20 +8,19 @@ import numpy as np
 
 from vsb.design.limits import hull, inverse_load_factors, static_strain
 from vsb.design.linearised import Linearised, displacements, linearised, of_all
-from vsb.design.resting import OF_DEVICE, RestingBuoy, value_of
+from vsb.design.resting import RestingBuoy, value_of
 from vsb.design.year import FrequencyGrid, PortYear, band, chebyshev, interpolation
 from vsb.errors import ConfigError, StabilityError
 from vsb.hydro.spectral.solver import SpectralProblem, largest_error
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import rigid_basis
 from vsb.study.campaign import sections, study_at
+from vsb.study.design import VARIABLES
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
 
 DAMPER, SPRING = "pto.damping", "pto.stiffness"
-VARIABLES = (*(f"device.{name}" for name in OF_DEVICE), DAMPER, SPRING)
-"""Keys of a study that derivatives are taken by, beside the clamp of a design, designs.NAME.clamp [degrees]."""
 NODES, MOST_NODES = 32, 128
 """Nodes of the boundary elements: derivatives by shape are then right to 1e-8 where the shape itself is resolved."""
 SOLVES, FURTHER, MOST_SOLVES = 16, 4, 64

@@ -34,8 +34,6 @@ OF_DAMPING = ("damping.alpha", "damping.beta")
 HEIGHT, LENGTH = "shape.spheroid.height", "shape.capsule.length"
 OF_SHAPE = ("radius", HEIGHT, LENGTH)
 """Those that a meridian other than the sphere's depends on."""
-OF_DEVICE = (*OF_SHELL, HEIGHT, LENGTH, *OF_MATERIAL, "internal_pressure", "mass", *OF_DAMPING)
-"""Variables of a device."""
 
 
 class Matrices(NamedTuple):
@@ -202,5 +200,5 @@ def with_variable(loaded: LoadedShell, key: str, step: complex, device: Device) 
             changed["rest"] = _reshaped(device, name, step)
         changed = {"shell": replace(basis.shell, **changed)}
     else:
-        raise ConfigError(f"variables: received {key}; needs one of {', '.join(OF_DEVICE)} of the device")
+        raise ConfigError(f"variables: received {key}; this shell has no such quantity")
     return replace(loaded, elastic=replace(loaded.elastic, basis=replace(basis, **changed)))

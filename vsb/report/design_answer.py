@@ -5,16 +5,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
-from vsb.study.design import LIMIT_UNITS
+from vsb.study.design import Limits, unit_of
 from vsb.tools.words import plain, power, superscripts, watts
 
 Facts = Mapping[str, Any]
 """What is known of a design problem, as `vsb.stages.design_results` keeps it."""
-NAMES = {
-    "load_factor": "load factor", "static_strain": "strain at rest", "beam": "beam", "draft": "draft", "mass": "mass",
-    "surface": "surface", "volume": "volume", "force_rms": "rms force", "stroke_rms": "rms stroke",
-    "thin_shell": "thickness over radius",
-}  # fmt: skip
 OBJECTIVES = {
     "annual_mean_power": "annual mean power",
     "gain": "gain over the rigid buoy of the same shape and mass",
@@ -37,6 +32,16 @@ class Answer:
     def line(self) -> str:
         """The headline as one line."""
         return " ".join(self.stands)
+
+
+def in_full(name: str) -> str:
+    """Return the name of a quantity in words."""
+    return name.replace("_", " ")
+
+
+def with_unit(value: float | None, unit: str = "1") -> str:
+    """Return a number with its unit; a dash for none."""
+    return "-" if value is None else f"{plain(value)} {superscripts(unit)}".removesuffix(" 1")
 
 
 def answer(facts: Facts) -> Answer:
@@ -128,14 +133,13 @@ def grouped(multipliers: Mapping[str, float]) -> dict[str, float]:
 
 def worth(facts: Facts, name: str, multiplier: float) -> str:
     """Return what a wider limit would bring, by its multiplier: 0.1 m more beam: +2.1 %."""
-    if name not in LIMIT_UNITS:
+    if name not in Limits.model_fields:
         if name == "thin_shell":
             return f"thickness of a tenth of the radius (10 % more: {10 * multiplier:+.2g} %)"
         return f"the {name} (a tenth of its range beyond: {10 * multiplier:+.2g} %)"
-    limit, unit = facts["limits"][name], LIMIT_UNITS[name]
+    limit, unit = facts["limits"][name], unit_of(name)
     step = WIDENED.get(name)
     share = 0.1 if step is None else abs(step) / limit
-    size = "10 %" if step is None else f"{plain(abs(step))}{'' if unit == '1' else ' ' + superscripts(unit)}"
+    size = "10 %" if step is None else with_unit(abs(step), unit)
     more = "less" if step is not None and step < 0 else "more"
-    value = f"{plain(limit)}{'' if unit == '1' else ' ' + superscripts(unit)}"
-    return f"{NAMES[name]} of {value} ({size} {more}: {100 * multiplier * share:+.2g} %)"
+    return f"{in_full(name)} of {with_unit(limit, unit)} ({size} {more}: {100 * multiplier * share:+.2g} %)"

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
 from vsb.report.canvas import SPARE, grid_of_axes, legend_above, style
-from vsb.report.design_answer import NAMES, OBJECTIVES, Facts
-from vsb.study.design import LIMIT_UNITS
+from vsb.report.design_answer import OBJECTIVES, Facts, in_full
+from vsb.study.design import unit_of
 from vsb.tools.words import superscripts
 
 FARTHEST = 1.5
@@ -69,7 +69,7 @@ def starts(facts: Facts, ds: xr.Dataset) -> Figure:
 def pareto(facts: Facts, limit: str) -> Figure:
     """Draw the objective over the values of one limit."""
     figure, axes = grid_of_axes(3.2)
-    ax, unit = axes[0, 0], LIMIT_UNITS[limit]
+    ax, unit = axes[0, 0], unit_of(limit)
     factor, prefix = (1e-3, "k") if limit in THOUSANDS and unit == "N" else (1.0, "")
     of_power = facts["maximise"] == "annual_mean_power"
     for name, some in facts["fronts"][limit].items():
@@ -80,7 +80,7 @@ def pareto(facts: Facts, limit: str) -> Figure:
         for x, y, one in zip(limits, values, some, strict=True):
             ax.plot(x, y, "o", color=line["color"], markerfacecolor=line["color"] if one["accepted"] else "white")
     bracket = "" if unit == "1" else f" [{prefix}{superscripts(unit)}]"
-    ax.set(xlabel=f"limit of the {NAMES[limit]}{bracket}")
+    ax.set(xlabel=f"limit of the {in_full(limit)}{bracket}")
     ax.set(ylabel="mean power of the year [kW]" if of_power else OBJECTIVES[facts["maximise"]])
     legend_above(figure, ax)
     return figure
@@ -156,7 +156,7 @@ def captions(facts: Facts, names: Sequence[str]) -> dict[str, str]:
     }
     for name in names:
         if name.startswith("pareto_"):
-            limit = NAMES[name.removeprefix("pareto_")]
+            limit = in_full(name.removeprefix("pareto_"))
             found[name] = (
                 f"The best buoys over the limit of the {limit}, each begun at its neighbour; filled: a certified "
                 "optimum, open: not."

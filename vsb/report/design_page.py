@@ -5,19 +5,17 @@ from typing import Any
 
 from vsb import __version__
 from vsb.design.compared import COMPETITOR, FLEXIBLE
-from vsb.report.design_answer import NAMES, OBJECTIVES, Facts, answer, grouped, worth
+from vsb.report.design_answer import OBJECTIVES, Facts, answer, grouped, in_full, with_unit, worth
 from vsb.report.design_figures import captions
 from vsb.report.html import captioned, page
-from vsb.study.design import LIMIT_UNITS
-from vsb.tools.words import plain, superscripts
+from vsb.study.design import unit_of
+from vsb.tools.words import superscripts
 
-QUANTITIES = (
-    ("annual_mean_power", "mean power of the year", "W"), ("damping", "damping", "N s/m"),
-    ("force_rms", "rms force", "N"), ("stroke_rms", "rms stroke", "m"), ("beam", "beam", "m"), ("draft", "draft", "m"),
-    ("mass", "mass", "kg"), ("surface", "surface", "m^2"), ("volume", "volume", "m^3"),
-    ("static_strain", "strain at rest", "1"), ("load_factor_inverse_0", "load factor", "1"),
+BUOYS = (
+    "annual_mean_power", "damping", "force_rms", "stroke_rms", "beam", "draft", "mass", "surface", "volume",
+    "static_strain", "load_factor",
 )  # fmt: skip
-"""Rows of the table of buoys: quantity, words, unit."""
+"""Rows of the table of buoys."""
 
 
 def render(facts: Facts, figures: Mapping[str, str], identity: str) -> str:
@@ -73,19 +71,15 @@ def warnings(facts: Facts) -> list[str]:
     return found
 
 
-def _cell(value: float | None, unit: str = "1") -> str:
-    """A number with its unit."""
-    return "-" if value is None else f"{plain(value)}{'' if unit == '1' else ' ' + superscripts(unit)}"
-
-
 def buoys_table(facts: Facts) -> dict[str, Any]:
     """Return the buoys side by side."""
     names, rows = list(facts["power"]), []
-    for key, words, unit in QUANTITIES:
+    for key in BUOYS:
         known = [facts["quantities"][name].get(key) for name in names]
-        if key == "load_factor_inverse_0":
-            known = [None if value is None or value <= 0 else 1 / value for value in known]
-        rows.append([words, *(_cell(value, unit) for value in known)])
+        if key == "load_factor":
+            loads = [facts["quantities"][name].get("load_factor_inverse_0") or 0.0 for name in names]
+            known = [1 / load if load > 0 else None for load in loads]
+        rows.append([in_full(key), *(with_unit(value, unit_of(key)) for value in known)])
     return {"head": ["", *names], "body": rows}
 
 
@@ -97,7 +91,7 @@ def variables_table(facts: Facts) -> dict[str, Any]:
             unit = "" if one["unit"] == "1" else f" {superscripts(one['unit'])}"
             bounds = f"{one['low']:g} to {one['high']:g}{unit}"
             row = found.setdefault(one["key"], [one["key"], bounds, "-", "-"])
-            row[2 + place] = _cell(one["value"], one["unit"])
+            row[2 + place] = with_unit(one["value"], one["unit"])
     return {"head": ["variable", "bounds", FLEXIBLE, COMPETITOR], "body": list(found.values())}
 
 
@@ -106,7 +100,7 @@ def limits_table(facts: Facts) -> dict[str, Any]:
     rows = []
     held = {name: grouped(facts["found"][name]["multipliers"]) for name in (FLEXIBLE, COMPETITOR)}
     for limit, value in facts["limits"].items():
-        cells = [NAMES[limit], _cell(value, LIMIT_UNITS[limit])]
+        cells = [in_full(limit), with_unit(value, unit_of(limit))]
         for name in (FLEXIBLE, COMPETITOR):
             multiplier = held[name].pop(limit, None)
             cells.append("-" if multiplier is None else worth(facts, limit, multiplier).partition("(")[2].rstrip(")"))
@@ -125,7 +119,9 @@ def starts_table(facts: Facts) -> dict[str, Any]:
     for name, some in facts["starts"].items():
         for i, one in enumerate(some):
             known = one["objective"] is not None
-            numbers = [_cell(one["power"], "W"), f"{one['kkt']:.1e}", f"{one['violation']:.1e}"] if known else ["-"] * 3
+            numbers = (
+                [with_unit(one["power"], "W"), f"{one['kkt']:.1e}", f"{one['violation']:.1e}"] if known else ["-"] * 3
+            )
             verdict = "optimum" if one["accepted"] else one["message"]
             rows.append([name, str(i + 1), verdict, *numbers, str(one["evaluations"])])
     return {"head": ["buoy", "start", "ended at", "power", "KKT", "violation", "evaluations"], "body": rows}

@@ -5,7 +5,7 @@ from pathlib import Path
 from vsb.errors import ConfigError
 from vsb.stages.climate import read_climate
 from vsb.study.campaign import study_at
-from vsb.study.design import LIMIT_UNITS, Variable
+from vsb.study.design import Variable, unit_of
 from vsb.study.design_plan import DesignPlan
 from vsb.study.vary import unit
 from vsb.waves.climate import OUTSIDE, climate_line
@@ -46,10 +46,7 @@ def design_summary(plan: DesignPlan) -> list[str]:
     check_design(plan)
     problem, search = plan.loaded.problem, plan.flexible
     seas = read_climate(plan.climate, plan.loaded.climate_path)
-    limits = ", ".join(
-        f"{name} {value:g}{'' if LIMIT_UNITS[name] == '1' else ' ' + LIMIT_UNITS[name]}"
-        for name, value in search.limits.items()
-    )
+    limits = ", ".join(f"{name} {value:g} {unit_of(name)}".removesuffix(" 1") for name, value in search.limits.items())
     left = sum(not Path(path).exists() for path in plan.start_paths)
     points, kept = sum(map(len, problem.pareto.values())), ", ".join(one.key for one in plan.rigid.variables)
     evaluations = EVALUATIONS * (len(search.variables) + 1) * (left + 2 * points)

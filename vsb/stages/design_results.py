@@ -29,7 +29,7 @@ from vsb.results.budget import Budget, Source
 from vsb.scenes.viability import viability
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
-from vsb.study.design import LIMIT_UNITS
+from vsb.study.design import Limits, unit_of
 from vsb.study.design_plan import TABLES
 from vsb.study.specs import DesignSpec, Search
 from vsb.study.study import Study, canonical, content_id
@@ -221,10 +221,10 @@ def sensitivity_table(spec: DesignSpec, found: Mapping[str, Outcome]) -> Table:
         for limit, value in one.multipliers.items():
             known = limit.partition("_factor")[0] == "load"
             base = "load_factor" if known else limit
-            per = "limit" if base in LIMIT_UNITS or base == "thin_shell" else "bound"
+            per = "limit" if base in Limits.model_fields or base == "thin_shell" else "bound"
             given = search.limits.get(base, math.nan)
             shown: object = given if math.isfinite(given) else ""
-            rows.append([name, limit, LIMIT_UNITS.get(base, "1"), shown, per, value])
+            rows.append([name, limit, unit_of(base) if base in Limits.model_fields else "1", shown, per, value])
     return list(SENSITIVITY), rows
 
 

@@ -11,7 +11,7 @@ from vsb.study.body import located
 from vsb.study.campaign import read
 from vsb.study.design import read as read_design
 from vsb.study.study import load, parse
-from vsb.study.vary import FROUDE
+from vsb.study.vary import powers
 from vsb.tools.files import write_text
 from vsb.tools.shipped import HOME
 
@@ -121,12 +121,13 @@ def _titled(shipped: Path, target: Path) -> str:
 
 def scaled(text: str, scale: float) -> str:
     """Return a study's text with every quantity scaled by Froude: lengths by `scale`, times by its root."""
+    known = {key: power for key, power in powers().items() if power}
 
     def at_scale(found: re.Match[str]) -> str:
-        factor = scale ** FROUDE[found["key"]]
+        factor = scale ** known[found["key"]]
         return re.sub(NUMBER, lambda one: _number(factor * float(one[0])), found[0])
 
-    return re.sub(rf"\b(?P<key>{'|'.join(FROUDE)}): (?:{NUMBER}|\[.*?\])", at_scale, text)
+    return re.sub(rf"\b(?P<key>{'|'.join(known)}): (?:{NUMBER}|\[.*?\])", at_scale, text)
 
 
 def _number(value: float) -> str:

@@ -13,34 +13,22 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
 
 from vsb.errors import ConfigError
 from vsb.study.campaign import ClimateFile, Verify, check_no_direction, sections, study_at
+from vsb.study.keys import KEYS, Key
 from vsb.study.quantities import Count, Name, NonNegative, Positive, Section
-from vsb.study.reading import Located, nearest, read_yaml, validated
+from vsb.study.reading import Located, nearest, range_at, read_yaml, schema_of, validated
 from vsb.study.study import Study, not_reserved
 from vsb.study.study import load as load_study
 from vsb.tools.bounded import sha256_of
+from vsb.tools.ports import FORCE, PortKind
 
-RANGES: dict[str, tuple[float, float]] = {
-    "device.radius": (0.0, math.inf),
-    "device.shape.spheroid.height": (0.0, math.inf),
-    "device.shape.capsule.length": (0.0, math.inf),
-    "device.thickness": (0.0, math.inf),
-    "device.young_modulus": (0.0, math.inf),
-    "device.poisson_ratio": (-1.0, 0.5),
-    "device.density": (0.0, math.inf),
-    "device.internal_pressure": (-math.inf, math.inf),
-    "device.mass": (0.0, math.inf),
-    "device.damping.alpha": (0.0, math.inf),
-    "device.damping.beta": (0.0, math.inf),
-    "device.material.mu": (0.0, math.inf),
-    "device.material.c1": (0.0, math.inf),
-    "device.material.c2": (0.0, math.inf),
-    "device.material.jm": (0.0, math.inf),
-    "pto.damping": (0.0, math.inf),
-    "pto.stiffness": (-math.inf, math.inf),
-}
-"""Keys a design may vary, and the open interval their values lie in; beside them a clamp's colatitude."""
+VARIABLES = (
+    "device.radius", "device.shape.spheroid.height", "device.shape.capsule.length", "device.thickness",
+    "device.young_modulus", "device.poisson_ratio", "device.density", "device.internal_pressure", "device.mass",
+    "device.damping.alpha", "device.damping.beta", "device.material.mu", "device.material.c1", "device.material.c2",
+    "device.material.jm", "pto.damping", "pto.stiffness",
+)  # fmt: skip
+"""Keys of a study that derivatives are taken by, beside the clamp of a design, designs.NAME.clamp."""
 CLAMP = re.compile(r"designs\.(\w+)\.clamp")
-BETWEEN_POLES = (0.0, 180.0)
 OF_RIGID = (
     "device.radius", "device.shape.spheroid.height", "device.shape.capsule.length", "device.mass", "pto.damping",
     "pto.stiffness",
@@ -53,10 +41,19 @@ AT_LEAST = ("load_factor",)
 """Limits from below; all others are from above."""
 OF_SHELL = ("load_factor", "static_strain")
 """Limits of a flexible shell; a rigid sphere meets them."""
-LIMIT_UNITS = {
-    "load_factor": "1", "static_strain": "1", "beam": "m", "draft": "m", "mass": "kg", "surface": "m^2",
-    "volume": "m^3", "force_rms": "N", "stroke_rms": "m",
-}  # fmt: skip
+QUANTITIES = {
+    "annual_mean_power": Key("W", "", "mean power of the year under one damper"),
+    "gain_percent": Key("%", "", "gain of mean power over the reference design"),
+    "damping": Key("N s/m", "", "that damper, the optimal one unless it is a variable"),
+    **KEYS["Limits"],
+    **{
+        f"load_factor_inverse_{i}": Key("-", "", f"load over buckling load, mode {i + 1} of those that buckle first")
+        for i in range(4)
+    },
+}
+"""What is known of a design; units where its port is heave."""
+AT_PORT = {"damping": "damping_unit", "force_rms": "load_unit", "stroke_rms": "motion_unit"}
+"""Quantities whose units depend on the port: field of `PortKind`."""
 OF_SIZE = ("beam", "surface", "volume", "force_rms")
 """Limits of which one must hold where the radius is free, or power grows with it up to its bound."""
 THINNEST_RATIO = 10.0
@@ -71,6 +68,12 @@ _BOUNDS: dict[str, Any] = {
 }
 """What a file may say of its variables, as JSON schema."""
 _FORMS = "[lowest, highest] or {log: [lowest, highest]}"
+
+
+def unit_of(quantity: str, kind: PortKind = FORCE) -> str:
+    """Return the unit of a quantity of a design, at a kind of port; 1 of one without."""
+    said = getattr(kind, AT_PORT[quantity]) if quantity in AT_PORT else QUANTITIES[quantity].unit
+    return "1" if said == "-" else str(said)
 
 
 class Variable(Section):
@@ -113,9 +116,9 @@ def _read_variables(raw: object) -> object:
 
 def _variable(key: str, given: object) -> Variable:
     """One variable."""
-    if key not in RANGES and not CLAMP.fullmatch(key):
-        near = nearest(key, RANGES)
-        known = f"{', '.join(RANGES)}, or designs.NAME.clamp"
+    if key not in VARIABLES and not CLAMP.fullmatch(key):
+        near = nearest(key, VARIABLES)
+        known = f"{', '.join(VARIABLES)}, or designs.NAME.clamp"
         raise ValueError(f"{key}: needs one of {known}" + (f"; did you mean {near}?" if near else ""))
     ends: Any = given
     log = isinstance(given, Mapping) and set(given) == {"log"}
@@ -127,7 +130,7 @@ def _variable(key: str, given: object) -> Variable:
         low, high = (float(end) for end in ends)
     except (TypeError, ValueError):
         raise ValueError(f"{key}: received {given!r}, needs {_FORMS}") from None
-    least, most = RANGES.get(key, BETWEEN_POLES)
+    least, most = range_at(schema_of(Study), key.split("."))
     if not (math.isfinite(low) and math.isfinite(high)):
         raise ValueError(f"{key}: received {given!r}, needs finite bounds")
     if not low < high:
@@ -434,15 +437,14 @@ def _check_competitor(problem: Optimisation, mistakes: _Mistakes) -> None:
 def _check_others(problem: Optimisation, study: Study, mistakes: _Mistakes) -> None:
     """Check Pareto fronts and uncertain inputs."""
     for name in problem.pareto:
-        if name not in LIMIT_UNITS:
-            near = nearest(name, LIMIT_UNITS)
+        if name not in (known := Limits.model_fields):
+            near = nearest(name, known)
             mistakes.add(
                 ("pareto", name),
-                f"needs one of {', '.join(LIMIT_UNITS)}" + (f"; did you mean {near}?" if near else ""),
+                f"needs one of {', '.join(known)}" + (f"; did you mean {near}?" if near else ""),
             )
     for key in problem.uncertain:
-        if key not in RANGES or not key.startswith("device."):
-            known = [one for one in RANGES if one.startswith("device.")]
-            mistakes.add(("uncertain", key), f"needs one of {', '.join(known)}")
+        if key not in (device := [one for one in VARIABLES if one.startswith("device.")]):
+            mistakes.add(("uncertain", key), f"needs one of {', '.join(device)}")
         elif not _value(study, key):
             mistakes.add(("uncertain", key), f"{problem.study} has no {key}, or 0; a share of it says nothing")

@@ -537,7 +537,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "surface": Key("m^2", "60.0", "area of the shell"),
         "volume": Key("m^3", "40.0", "volume the shell encloses"),
         "force_rms": Key("N", "20000.0", "root mean square of the take-off's force over the year"),
-        "stroke_rms": Key("m", "0.6", "likewise of its motion"),
+        "stroke_rms": Key("m", "0.6", "root mean square of the take-off's motion over the year"),
     },
     "Competitor": {
         "variables": Key(

@@ -98,6 +98,15 @@ def _unnamed(form: Schema) -> list[Schema]:
     return [one for one in inner if isinstance(one, dict)]
 
 
+def range_at(schema: Schema, place: Sequence[str]) -> tuple[float, float]:
+    """Return the least and the largest number a key may have, at a place such as ("device", "mass")."""
+    forms = list(_forms(schema, keys_at(schema, place[:-1])[place[-1]]))
+    while forms and forms[0].get("type") != "number":
+        forms += [inner for one in _unnamed(forms.pop(0)) for inner in _forms(schema, one)]
+    ends = [[end for name, end in forms[0].items() if name.lower().endswith(of)] for of in ("minimum", "maximum")]
+    return max([-math.inf, *ends[0]]), min([math.inf, *ends[1]])
+
+
 def dotted(schema: Schema, node: Schema | None = None, prefix: str = "") -> Iterator[str]:
     """Yield the names of all keys, those of sections within sections with dots; lists and own names are left out."""
     for form in _forms(schema, node or schema):

@@ -7,6 +7,7 @@ import itertools
 import json
 import math
 import random
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Self
 
@@ -16,27 +17,34 @@ from vsb.study.take_off import port_kind
 from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import shortened
 
-FROUDE = {
-    "radius": 1.0, "thickness": 1.0, "young_modulus": 1.0, "mu": 1.0, "c1": 1.0, "c2": 1.0, "mass": 3.0,
-    "internal_pressure": 1.0, "alpha": -0.5,
-    "beta": 0.5, "omega_max": -0.5, "omega": -0.5, "pressure": 1.0, "damping": 2.5, "stiffness": 2.0,
-    "force_limit": 3.0, "stroke_limit": 1.0, "amplitude": 1.0, "period": 0.5, "duration": 0.5, "window": 0.5,
-    "initial_position": 1.0, "initial_velocity": 0.5, "area": 2.0, "lever": 1.0,
-    "centre_of_mass": 1.0, "ballast_inertia": 5.0, "ballast_yaw_inertia": 5.0, "line_to": 1.0, "line_from": 1.0,
-    "height": 1.0, "length": 1.0, "time": 0.5, "energy_per_cycle": 1.0,  # of stress over density
+DIMENSIONS = {
+    "m": 1.0, "s": 0.5, "rad": 0.0, "degrees": 0.0, "kg": 3.0, "N": 3.0, "Pa": 1.0, "J": 4.0, "1": 0.0, "-": 0.0,
 }  # fmt: skip
-"""Power of the length scale each quantity goes with, at the same water and gravity."""
+"""Power of the length scale that each unit goes with at equal Froude number and the same density and gravity."""
+STAYS = ("depth", "atmospheric_pressure")
+"""Keys that are not scaled, whatever their unit: those of water and air."""
+
+
+def length_power(unit: str) -> float:
+    """Return the power of the length scale a unit such as N s/m or rad/(m s) goes with, at equal Froude number."""
+
+    def power(product: str) -> float:
+        factors = (factor.partition("^") for factor in product.strip("()").split())
+        return sum(DIMENSIONS[symbol] * float(exponent or 1) for symbol, _, exponent in factors)
+
+    above, _, below = unit.partition("/")
+    return power(above) - power(below)
 
 
 def scaled(raw: Any, scale: float, power: float = 0.0) -> Any:
-    """Return a study, given as nested mappings, with every quantity scaled by Froude.
+    """Return a buoy's study, given as nested mappings, with every quantity scaled by Froude.
 
     Parameters
     ----------
     scale : float
         Of lengths; times go with its root.
     power : float
-        With which values go that stand under no key of `FROUDE` of their own, as the dampers of designs by name.
+        With which numbers go that stand under no key of a unit.
     """
     if isinstance(raw, dict):
         return {
@@ -63,7 +71,7 @@ def scaled_mooring(raw: Any, scale: float) -> Any:
 
 
 def scaled_take_off(raw: Any, scale: float) -> Any:
-    """Return a take-off scaled by Froude: its force times what its port moves by is a work, of the fourth power.
+    """Return a take-off scaled by Froude, by the units of its port.
 
     Parameters of a law of a package stay as they are: only the package knows what they mean.
     """
@@ -74,28 +82,29 @@ def scaled_take_off(raw: Any, scale: float) -> Any:
     if isinstance(several, dict) and "ports" in several:
         own = {key: value for key, value in raw.items() if key not in ("ports", "damping", "matrix", "port")}
         return scaled(own, scale) | _scaled_matrix(several, scale)
-    stroke = port_kind(port).stroke
-    powers = {
-        "damping": 4.5 - 2 * stroke,
-        "stiffness": 4 - 2 * stroke,
-        "force_limit": 4 - stroke,
-        "stroke_limit": stroke,
-    }
+    known = powers(port_kind(port))
     return {
-        key: value if key == "parameters" else scaled(value, scale, powers.get(key, FROUDE.get(key, 0.0)))
-        for key, value in raw.items()
+        key: value if key == "parameters" else scaled(value, scale, known.get(key, 0.0)) for key, value in raw.items()
     }
 
 
 def _scaled_matrix(raw: dict[str, Any], scale: float) -> dict[str, Any]:
-    """Several ports and their damper matrix scaled by Froude."""
+    """Several ports and their damper matrix scaled by Froude: load of each over rate of each."""
     own: dict[str, Any] = {key: raw[key] for key in ("ports", "damping", "matrix") if key in raw}
-    strokes, rows = [port_kind(port).stroke for port in raw["ports"].values()], raw.get("damping")
+    kinds, rows = [port_kind(port) for port in raw["ports"].values()], raw.get("damping")
     if rows is None:
         return own
-    pairs = zip(rows, strokes, strict=True)
-    matrix = [[scaled(x, scale, 4.5 - s - t) for x, t in zip(row, strokes, strict=True)] for row, s in pairs]
+    loads, rates = ([length_power(getattr(kind, name)) for kind in kinds] for name in ("load_unit", "rate_unit"))
+    matrix = [
+        [scaled(x, scale, load - rate) for x, rate in zip(row, rates, strict=True)]
+        for row, load in zip(rows, loads, strict=True)
+    ]
     return {**own, "damping": matrix}
+
+
+def powers(kind: PortKind = FORCE) -> dict[str, float]:
+    """Return the powers of the length scale that keys go with, by their last word, at a kind of port."""
+    return FROUDE | {key.removeprefix("pto."): length_power(unit(key, kind)) for key in AT_PORT}
 
 
 _SCALED_APART = {"mooring": scaled_mooring, "pto": scaled_take_off}
@@ -113,19 +122,24 @@ MOST_POINTS = 10_000
 """Points of a campaign: each is validated and named by its content whenever the plan is read, 1 ms."""
 SECTIONS = ("device", "body", "reference_shape", "modes", "designs", "water", "hydro", "pto")
 """Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""
-_VARIED_IN = (
-    "Device", "Shape", "Spheroid", "Capsule", "StructuralDamping", "Gas", "NeoHookean", "MooneyRivlin", "Gent", "Drag",
-    "Vane", "Plate", "BodyFile", "SphereHull", "CylinderHull", "BoxHull",
-    "Modes", "Design", "Water", "Hydro", "Pto", "ShellPort", "StrainPort", "LinePort", "BetweenPort",
-)  # fmt: skip
-"""What those sections are made of, as `vsb.study.keys` names it."""
-UNITS = {name: key.unit for section in _VARIED_IN for name, key in KEYS[section].items() if key.unit not in ("", "-")}
-"""Units of varied numbers by the last word of their key; others have none."""
 AT_PORT = {
     "pto.damping": "damping_unit", "pto.stiffness": "stiffness_unit", "pto.force_limit": "load_unit",
     "pto.stroke_limit": "motion_unit",
 }  # fmt: skip
 """Keys of a take-off whose units depend on its port: field of `PortKind`."""
+_UNITS: dict[str, set[str]] = {}
+for _section in KEYS.values():
+    for _name, _key in _section.items():
+        if _key.unit not in ("", "-"):
+            _UNITS.setdefault(_name, set()).add(_key.unit)
+UNITS = {name: units.pop() if len(units) == 1 else "SI" for name, units in _UNITS.items()}
+"""Units of numbers by the last word of their key; others have none."""
+FROUDE = {
+    name: length_power(unit)
+    for name, unit in UNITS.items()
+    if name not in STAYS and not {"SI", "port", ","} & {*re.findall(r"SI|port|,", unit)}
+}
+"""Power of the length scale that a key goes with, by its last word; of the take-off see `powers`."""
 PORT = "pto.port"
 DAMPING = "pto.damping"
 _FORMS = "a list of values, {log: [first, last, count]} or {linear: [first, last, count]}"

@@ -20,22 +20,21 @@ class PortKind:
     damping_unit: str  # load over rate
     stiffness_unit: str  # load over motion
     rate_per_amplitude: str  # rate over wave amplitude
-    stroke: float  # power of the length scale the motion goes with, at equal Froude number
 
 
-FORCE = PortKind("force", "displacement", "velocity", "N", "m", "m/s", "N s/m", "N/m", "1/s", 1.0)
-MOMENT = PortKind("moment", "rotation", "angular velocity", "N m", "rad", "rad/s", "N m s", "N m", "rad/(m s)", 0.0)
-PRESSURE = PortKind("pressure", "volume", "volume flow", "Pa", "m^3", "m^3/s", "Pa s/m^3", "Pa/m^3", "m^2/s", 3.0)
+FORCE = PortKind("force", "displacement", "velocity", "N", "m", "m/s", "N s/m", "N/m", "1/s")
+MOMENT = PortKind("moment", "rotation", "angular velocity", "N m", "rad", "rad/s", "N m s", "N m", "rad/(m s)")
+PRESSURE = PortKind("pressure", "volume", "volume flow", "Pa", "m^3", "m^3/s", "Pa s/m^3", "Pa/m^3", "m^2/s")
 TENSION = PortKind(
-    "surface tension", "change of area", "rate of area", "N/m", "m^2", "m^2/s", "N s/m^3", "N/m^3", "m/s", 2.0
+    "surface tension", "change of area", "rate of area", "N/m", "m^2", "m^2/s", "N s/m^3", "N/m^3", "m/s"
 )
-WORK = PortKind("work per strain", "mean strain", "strain rate", "N m", "1", "1/s", "N m s", "N m", "1/(m s)", 0.0)
+WORK = PortKind("work per strain", "mean strain", "strain rate", "N m", "1", "1/s", "N m s", "N m", "1/(m s)")
 _NORM = ("J^0.5", "J^0.5", "J^0.5/s", "s", "1", "J^0.5/(m s)")  # of elastic energy: L^T q, stiffness L L^T
-MEMBRANE = PortKind("membrane stress", "membrane strain", "membrane strain rate", *_NORM, 2.0)
+MEMBRANE = PortKind("membrane stress", "membrane strain", "membrane strain rate", *_NORM)
 KINDS = {kind.load: kind for kind in (FORCE, MOMENT, PRESSURE, TENSION, WORK, MEMBRANE)}
 
 
-SEVERAL = PortKind("loads of several ports", "motions", "rates", *("SI",) * 6, 1.0)
+SEVERAL = PortKind("loads of several ports", "motions", "rates", *("SI",) * 6)
 """Stands for ports of several kinds, each in SI units of its own."""
 
 
