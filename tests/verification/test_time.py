@@ -128,7 +128,7 @@ def test_record(agree, run, folder):
     agree("records of the sea", "motion over 50 s", np.interp(at, found["time"], moved), position, 1e-2)
 
 
-def test_spreading(agree, run):
+def test_spreading(agree, run, folder):
     """A surging buoy in a short-crested sea over the long-crested one: cos^2 over the energy of all directions.
 
     A damper of any size absorbs S(w) D(b) cos^2 b P(w) of each direction b: the double sum of D(b) cos^2 b, D the
@@ -143,11 +143,22 @@ def test_spreading(agree, run):
         "pto": {"damping": 9000.0, "port": "surge"},
         "simulation": {"duration": 300.0, "window": [100.0, 300.0]},
     }
-    seas = [wave, {**wave, "spreading": {"s": spread, "directions": 15}}]
+    directions, hertz = np.arange(-170, 181, 10), np.linspace(0.15, 0.6, 91)
+    files = {"long": [("f", "S")], "wide": [("f", *directions)]}
+    by_direction = np.cos(np.radians(directions) / 2) ** (2 * spread)
+    for f in hertz:
+        energy = 0.01 * np.exp(-(((f - 0.29) / 0.05) ** 2))
+        files["long"].append((f, energy))
+        files["wide"].append((f, *(energy * by_direction / np.sum(by_direction) / 10)))
+    for name, rows in files.items():
+        (folder / f"{name}.csv").write_text("\n".join(",".join(map(str, row)) for row in rows), encoding="utf-8")
+    measured = [{"kind": "spectrum", "file": str(folder / f"{name}.csv")} for name in files]
+    seas = [wave, {**wave, "spreading": {"s": spread, "directions": 15}}, *measured]
     rows = run("spread", waves=seas, **sections, **RIGID).ladder.query("rung == 'fixed'")
-    long_crested, short_crested = rows.power_mean
+    long_crested, short_crested, along, around = rows.power_mean
     angle = np.linspace(-np.pi, np.pi, 20001)
     density = np.cos(angle / 2) ** (2 * spread)
     share = np.sum(density * np.cos(angle) ** 2) / np.sum(density)
     agree("short-crested seas", "power at a surging port, s = 8", short_crested / long_crested, share, 2e-2)
+    agree("spectra over frequency and direction", "power at a surging port, s = 8", around / along, share, 2e-2)
     assert share < 0.85

@@ -92,7 +92,7 @@ def test_files_are_read_and_known_by_what_they_hold(form, tmp_path):
     [
         (lambda rows: [*rows[:50], *rows[51:]], r"e.csv:51: time: received 12.5 s after 12 s, needs equal steps, here of 0.25 s"),
         (lambda rows: [*rows[:9], "2.001,0.1", *rows[10:]], r"e.csv:10: time: received 2.001 s after 1.75 s"),
-        (lambda rows: [*rows[:9], "2.0,MM", *rows[10:]], r"e.csv:10: received '2.0,MM', needs two numbers"),
+        (lambda rows: [*rows[:9], "2.0,MM", *rows[10:]], r"e.csv:10: received '2.0 MM', needs two numbers"),
         (lambda rows: [*rows[:9], "2.0,99.00", *rows[10:]], r"e.csv:10: elevation: received 99 m at 2 s, needs at most 50 m"),
         (lambda rows: [*rows[:9], "2.0,nan", *rows[10:]], r"e.csv:10: elevation: received nan m at 2 s"),
         (lambda rows: rows[:20], r"s.yaml: waves.0.file: received 19 samples in e.csv, needs 32 to 131072"),

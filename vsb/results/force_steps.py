@@ -15,7 +15,7 @@ from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers
 from vsb.results.constrained_year import SECONDS_AT_LEAST, SECONDS_PER_CUBE
-from vsb.study.study import Irregular, IrregularSea, RecordedSea, RegularWave, SpectralSea
+from vsb.study.study import Irregular, IrregularSea, RegularWave, SeaOfFile, SpectralSea
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea, regular
 from vsb.waves.spectra import band_variances, spectrum
@@ -58,7 +58,7 @@ def repeating(wave: Irregular, harmonics: Harmonics) -> Sea:
     A record's own phases are not of these harmonics: it has random ones, too.
     """
     inside = (np.arange(WITHIN) + 0.5) / WITHIN - 0.5
-    if isinstance(wave, RecordedSea):
+    if isinstance(wave, SeaOfFile):
         low, high = (harmonics.omega + side * harmonics.spacing / 2 for side in (-1, 1))
         amplitude = np.sqrt(2 * band_variances(wave, low, high))
     else:

@@ -30,7 +30,7 @@ from vsb.shell.modes import check_rank, mode_basis, rigid_basis
 from vsb.study.body import BodyDesign, BodyStudy
 from vsb.study.quantities import is_rigid
 from vsb.study.specs import AnyBuoy, BodySystem, LadderSpec, SimulateSpec, SystemSpec
-from vsb.study.study import RecordedSea, StillWater, Study, Wave
+from vsb.study.study import SeaOfFile, StillWater, Study, Wave
 from vsb.study.take_off import DofPort
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.waves.seas import Sea, sea
@@ -271,10 +271,10 @@ def band(study: InSeas, ds: xr.Dataset | None) -> tuple[float, float]:
 def study_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
     """Return a sea of a study, what of it lies in the band of a database.
 
-    Of a spectrum next to nothing lies below the first frequency of a buoy's database, of a record noise may.
+    Of a spectrum next to nothing lies below the first frequency of a buoy's database, of what a file holds there may.
     """
     lowest, highest = band(study, ds)
-    lowest = float(ds.omega[0]) if isinstance(wave, RecordedSea) else lowest
+    lowest = float(ds.omega[0]) if isinstance(wave, SeaOfFile) else lowest
     found = sea(wave, highest, study.simulation.duration)
     kept = (found.omega >= lowest - 1e-9) & (found.omega <= highest + 1e-9)
     return found if kept.all() else found.part(kept)

@@ -26,7 +26,7 @@ from vsb.stages.coefficients import REMEDY, judged, of_own_mass
 from vsb.study.body import BodyFile
 from vsb.study.plan import BodyPlan
 from vsb.study.quantities import content_id
-from vsb.study.waves import IrregularSea, RecordedSea, StillWater, Wave
+from vsb.study.waves import IrregularSea, SeaOfFile, StillWater, Wave
 from vsb.tools.files import load
 
 
@@ -105,7 +105,7 @@ def check_wave(i: int, wave: Wave, body: LinearSystem) -> None:
         return
     first, last = body.database.omega.values[[0, -1]]
     check_direction(wave.direction, body, f"waves.{i}.direction")
-    if isinstance(wave, RecordedSea):
+    if isinstance(wave, SeaOfFile):
         wave.check_band(float(first), float(last), f"waves.{i}.file")
         return
     low, high = wave.reach if isinstance(wave, IrregularSea) else (wave.omega, wave.omega)

@@ -37,8 +37,8 @@ from vsb.study.study import (
     IrregularSea,
     Jonswap,
     PiersonMoskowitz,
-    RecordedSea,
     RegularWave,
+    SeaOfFile,
     SpectralSea,
     StillWater,
     Study,
@@ -174,7 +174,7 @@ SEAS = 24
 
 def no_slider(study: AnyStudy) -> str:
     """Return why a reader cannot move the damping of a study on its page; empty if impedance and sea give its power."""
-    spread = any(isinstance(wave, SpectralSea) and wave.spreading for wave in study.waves)
+    spread = any(isinstance(wave, SpectralSea) and wave.spreads for wave in study.waves)
     reasons = (
         (study.drag_of_buoy, "drag takes power that depends on the amplitude"),
         (study.pto.spring_costs, "the spring loses reactive power"),
@@ -380,11 +380,11 @@ def _facts(stored: Inputs, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
 
 
 def _printed(study: AnyStudy) -> dict[str, Any]:
-    """A study as nested mappings, of records how many samples there are in their place."""
+    """A study as nested mappings, of records and spectra how much they hold in their place."""
     found = study.model_dump(exclude_none=True)
-    for wave in found["waves"]:
-        if wave["kind"] == "record":
-            wave["file"]["elevation"] = f"{len(wave['file']['elevation'])} samples"
+    for wave, sea in zip(found["waves"], study.waves, strict=True):
+        if isinstance(sea, SeaOfFile):
+            wave["file"] = sea.file.size
     return found
 
 
@@ -392,7 +392,7 @@ def _inputs(stored: Inputs) -> str:
     """What the results rest on, each by its content."""
     study, plan = stored.study, stored.plan
     files = [f"study {plan.study_id}", *(f"{name} {Path(path).stem}" for name, path in plan.hydro_files.items())]
-    files += [f"record {wave.file.digest}" for wave in study.waves if isinstance(wave, RecordedSea)]
+    files += [f"{wave.kind} {wave.file.digest}" for wave in study.waves if isinstance(wave, SeaOfFile)]
     if study.buoy is None:
         given = getattr(study.body, study.body.kind)
         named = given.paths if isinstance(given, BodyFile) else {study.body.kind: given}

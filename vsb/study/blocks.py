@@ -20,7 +20,7 @@ from vsb.study.specs import (
     SphereMesh,
     WitnessSpec,
 )
-from vsb.study.study import CLEARANCE, IrregularSea, RecordedSea, RegularWave, Study, content_id
+from vsb.study.study import CLEARANCE, IrregularSea, RegularWave, SeaOfFile, Study, content_id
 
 BlockSpec = PanelsSpec | SpectralSpec
 BLOCK = 32
@@ -240,7 +240,7 @@ class HydroPlan:
                 raise ConfigError(
                     f"waves.{i}.period: received {wave.period:g} s, needs at most {longest:.4g} s, the longest solved"
                 )
-            if isinstance(wave, RecordedSea):
+            if isinstance(wave, SeaOfFile):
                 wave.check_band(self.first_omega, self.study.hydro.omega_max, f"waves.{i}.file")
             elif isinstance(wave, IrregularSea) and wave.reach[0] < self.first_omega:
                 raise ConfigError(

@@ -24,11 +24,10 @@ from pydantic import (
 from vsb.errors import ConfigError
 from vsb.study.quantities import RIGID, Count, Finite, Name, NonNegative, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
-from vsb.study.records import with_records
 from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Published, Simulation, Water
 from vsb.study.study import BaseStudy, Study, check_all
 from vsb.study.take_off import DofPort, Pto
-from vsb.study.waves import SpectralSea, StillWater, Wave
+from vsb.study.waves import SpectralSea, StillWater, Wave, with_files
 from vsb.tools.bounded import open_regular
 
 PHYSICS = 4
@@ -469,9 +468,10 @@ class BodyStudy(BaseStudy):
     def _check_spreading(self) -> None:
         """A body's database holds waves of the directions it was solved in, and no others."""
         for i, wave in enumerate(self.waves):
-            if isinstance(wave, SpectralSea) and wave.spreading:
+            if isinstance(wave, SpectralSea) and wave.spreads:
+                key = "spreading" if wave.spreading else "file"
                 raise ValueError(
-                    f"waves.{i}.spreading: the database of a body holds the directions it was solved in, none between; "
+                    f"waves.{i}.{key}: the database of a body holds the directions it was solved in, none between; "
                     "needs a buoy, or several seas of one direction each"
                 )
 
@@ -540,7 +540,7 @@ def located(raw: object, source: str) -> LocatedBody:
 
     Raises `ConfigError`: one line with the file, the key, the value received and the value needed.
     """
-    study = validated(BodyStudy, with_records(raw, source), source)
+    study = validated(BodyStudy, with_files(raw, source), source)
     body, folder = study.body, Path(source).parent
     given, own_water = getattr(body, body.kind), "water" in raw if isinstance(raw, dict) else False
     if isinstance(given, BodyFile):

@@ -154,11 +154,11 @@ def check_spreading(study: Any, where: str) -> None:
     """
     if study.motion == "heave":
         raise ValueError(
-            f"{where}.spreading: a buoy of revolution that heaves answers waves of all directions alike; remove it, or "
+            f"{where}: a buoy of revolution that heaves answers waves of all directions alike; remove it, or "
             "let the buoy surge: motion: planar or free"
         )
     if study.drag is not None:
-        raise ValueError(f"{where}.spreading: drag is past the flow of waves of one direction; needs no drag")
+        raise ValueError(f"{where}: drag is past the flow of waves of one direction; needs no drag")
 
 
 def _check_heave(study: Any) -> None:

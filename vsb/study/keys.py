@@ -395,6 +395,22 @@ KEYS: dict[str, dict[str, Key]] = {
         "step": Key("s", "0.5", "time between samples"),
         "elevation": Key("m", str([0.1, -0.2] * 16), "elevation at each instant, from the first of the run on"),
     },
+    "TabulatedSea": {
+        **_GOING,
+        **_DRAWN,
+        "kind": Key("", "spectrum", "a sea of a spectrum in a file"),
+        "file": Key(
+            "",
+            "spectrum.csv",
+            "file of two columns, frequency [Hz] and density [m^2/Hz], or of a table over frequency and direction",
+        ),
+    },
+    "SpectrumTable": {
+        "frequency": Key("Hz", "[0.1, 0.15, 0.3]", "frequencies, ascending"),
+        "density": Key("m^2/Hz", "[0.0, 1.5, 0.0]", "density at each, linear between them"),
+        "directions": Key("degrees", "[0.0, 30.0]", "directions the waves go to, from the x axis"),
+        "shares": Key("-", "[[0.5, 0.5], [0.5, 0.5], [0.5, 0.5]]", "of each frequency's energy, by direction"),
+    },
     "Simulation": {
         "duration": Key("s", "60.0", "time followed"),
         "window": Key("s", "[40.0, 60.0]", "part of it that means and extremes are taken from, after the transient"),

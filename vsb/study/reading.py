@@ -131,6 +131,7 @@ SAME = {
     "nowave": {"still": "still"},
     "pm": {"pierson_moskowitz": "pierson_moskowitz"},
     "elevationimport": {"record": "record"},
+    "spectrumimport": {"spectrum": "spectrum"},
     "endtime": {"duration": "duration"},
     "ramptime": {"window": "window, which begins after the start-up"},
     "dt": {"tolerance": "tolerance, from which the steps follow"},

@@ -3,7 +3,6 @@
 Imports nothing heavy unless there is a record: the Snakefile reads a study at every parse.
 """
 
-import copy
 import math
 import re
 import zlib
@@ -16,7 +15,6 @@ from pydantic import Field, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.quantities import Positive, Section, content_id
-from vsb.study.reading import Located
 from vsb.tools.bounded import read_unpacked
 from vsb.tools.words import shortened
 
@@ -82,6 +80,11 @@ class Samples(Section):
         return abs(self.phasors) ** 2 / 2
 
     @property
+    def size(self) -> str:
+        """How much it holds, in words."""
+        return f"{len(self.elevation)} samples, one in {self.step:g} s"
+
+    @property
     def hs(self) -> float:
         """Significant height, four standard deviations [m]."""
         return 4 * math.sqrt(float(self.variances.sum()))
@@ -113,27 +116,6 @@ class Samples(Section):
         return content_id(self)[:8]
 
 
-def with_records(raw: Any, source: str) -> Any:
-    """Return a study as nested mappings with the samples of its records in place of the files that hold them.
-
-    Raises `ConfigError` as of `read_record`.
-
-    Parameters
-    ----------
-    source : str
-        File of the study, which names of records are relative to.
-    """
-    waves = raw.get("waves") if isinstance(raw, dict) else None
-    found = raw
-    for i, wave in enumerate(waves if isinstance(waves, list | tuple) else ()):
-        if isinstance(wave, dict) and wave.get("kind") == "record" and isinstance(name := wave.get("file"), str):
-            line = raw.line(("waves", i, "file")) if isinstance(raw, Located) else None
-            where = f"{source}{'' if line is None else f':{line}'}: waves.{i}.file"
-            found = copy.deepcopy(raw) if found is raw else found
-            found["waves"][i]["file"] = read_record(Path(source).parent / name, where)
-    return found
-
-
 def read_record(path: Path, where: str) -> dict[str, Any]:
     """Return step [s] and elevations [m] of a file of two columns, time [s] and elevation [m].
 
@@ -146,24 +128,17 @@ def read_record(path: Path, where: str) -> dict[str, Any]:
     where : str
         Place in the study, for messages about the file as a whole.
     """
-    try:
-        lines = read_unpacked(path).decode("utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError, EOFError, zlib.error) as error:
-        reason = (isinstance(error, OSError) and error.strerror) or "it is no text"
-        raise ConfigError(
-            f"{where}: received {path.name}, which cannot be read ({reason}); needs a text file of two columns, "
-            "time [s] and elevation [m]"
-        ) from None
-    rows = [(n, line.strip()) for n, line in enumerate(lines, 1) if line.strip() and line.strip()[0] != "#"]
+    rows = text_rows(path, where, "two columns, time [s] and elevation [m]")
     known: list[tuple[int, float, float]] = []
-    for i, (n, line) in enumerate(rows):
+    for i, (n, words) in enumerate(rows):
         try:
-            time, elevation = map(float, re.split(r"\s*[,;]\s*|\s+", line))
+            time, elevation = map(float, words)
         except ValueError:
             if i == 0:
                 continue  # names of the columns
             raise ConfigError(
-                f"{path}:{n}: received {shortened(repr(line))}, needs two numbers, time [s] and elevation [m]"
+                f"{path}:{n}: received {shortened(repr(' '.join(words)))}, needs two numbers, time [s] and "
+                "elevation [m]"
             ) from None
         if not (math.isfinite(time) and abs(elevation) <= HIGHEST):
             raise ConfigError(
@@ -174,6 +149,26 @@ def read_record(path: Path, where: str) -> dict[str, Any]:
     if not FEWEST <= len(known) <= MOST:
         raise ConfigError(f"{where}: received {len(known)} samples in {path.name}, needs {FEWEST} to {MOST}")
     return {"step": _step(path, known), "elevation": [elevation for _, _, elevation in known]}
+
+
+def text_rows(path: Path, where: str, needed: str) -> list[tuple[int, list[str]]]:
+    """Return the lines of a text file, packed with gzip or not, each its number and its words.
+
+    Words are separated by commas, semicolons or blanks; empty lines and those that begin with # are left out.
+    Raises `ConfigError` with the place in a study and what is needed if the file cannot be read.
+    """
+    try:
+        lines = read_unpacked(path).decode("utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError, EOFError, zlib.error) as error:
+        reason = (isinstance(error, OSError) and error.strerror) or "it is no text"
+        raise ConfigError(
+            f"{where}: received {path.name}, which cannot be read ({reason}); needs a text file of {needed}"
+        ) from None
+    return [
+        (n, re.split(r"\s*[,;]\s*|\s+", line.strip()))
+        for n, line in enumerate(lines, 1)
+        if line.strip() and line.strip()[0] != "#"
+    ]
 
 
 def _step(path: Path, known: list[tuple[int, float, float]]) -> float:

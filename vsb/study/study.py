@@ -37,7 +37,6 @@ from vsb.study.directions import (
 from vsb.study.material import Hookean, check_rubber
 from vsb.study.quantities import Name, Section, canonical, content_id, result_id
 from vsb.study.reading import read_yaml, validated
-from vsb.study.records import with_records
 from vsb.study.sections import (
     RECORDS_PER_PERIOD,
     Design,
@@ -57,12 +56,14 @@ from vsb.study.waves import (
     PiersonMoskowitz,
     RecordedSea,
     RegularWave,
+    SeaOfFile,
     SpectralSea,
     StillWater,
     Travelling,
     Wave,
     WhiteNoise,
     directions_of,
+    with_files,
 )
 
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks", "trash")
@@ -226,9 +227,9 @@ def check_all(*checks: Callable[[], None]) -> None:
 
 __all__ = [
     "Design", "Device", "Gas", "Hydro", "Irregular", "IrregularSea", "Jonswap", "Modes", "OchiHubble",
-    "PiersonMoskowitz", "Pto", "Published", "RecordedSea", "RegularWave", "Simulation", "SpectralSea", "StillWater",
-    "StructuralDamping", "Study", "Water", "Wave", "WhiteNoise", "canonical", "content_id", "load", "parse",
-    "result_id",
+    "PiersonMoskowitz", "Pto", "Published", "RecordedSea", "RegularWave", "SeaOfFile", "Simulation", "SpectralSea",
+    "StillWater", "StructuralDamping", "Study", "Water", "Wave", "WhiteNoise", "canonical", "content_id", "load",
+    "parse", "result_id",
 ]  # fmt: skip
 CLEARANCE = 1.02
 """Least depth the spectral solver is given, in drafts."""
@@ -330,8 +331,8 @@ class Study(Buoy, BaseStudy):
         for i, wave in enumerate(self.waves):
             if isinstance(wave, Travelling):
                 check_heading(self, wave.direction, f"waves.{i}")
-            if isinstance(wave, SpectralSea) and wave.spreading:
-                check_spreading(self, f"waves.{i}")
+            if isinstance(wave, SpectralSea) and wave.spreads:
+                check_spreading(self, f"waves.{i}.{'spreading' if wave.spreading else 'file'}")
             if isinstance(wave, WhiteNoise) and wave.band[1] > self.hydro.omega_max:
                 highest = self.hydro.omega_max
                 raise ValueError(f"waves.{i}.band {list(wave.band)} rad/s: needs at most hydro.omega_max = {highest:g}")
@@ -563,7 +564,7 @@ def parse(raw: object, source: str = "study") -> Study:
     """Validate a study given as nested mappings; see `load`."""
     if isinstance(raw, dict) and "body" in raw and "device" not in raw:
         raise ConfigError(f"{source}: body: received a study of a body, needs one of a buoy, with a device")
-    raw = with_records(with_points(raw, source), source)
+    raw = with_files(with_points(raw, source), source)
     try:
         return validated(Study, raw, source)
     except OverflowError:

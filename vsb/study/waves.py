@@ -4,6 +4,7 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
 import bisect
+import copy
 import math
 from abc import abstractmethod
 from itertools import pairwise
@@ -14,7 +15,9 @@ from pydantic import Field, SerializerFunctionWrapHandler, field_validator, mode
 
 from vsb.errors import ConfigError
 from vsb.study.quantities import Count, Number, Positive, Section, within
+from vsb.study.reading import Located
 from vsb.study.records import LEFT_OUT, Samples, read_record
+from vsb.study.spectrum_table import SpectrumTable, read_spectrum
 
 Height = Annotated[Positive, within(1e-9, 100.0, "m", "the highest wave ever measured had 30 m, molecules have 1e-9 m")]
 Period = Annotated[Positive, within(1e-3, 1e7, "s", "waves of gravity take longer than ripples and less than seasons")]
@@ -164,6 +167,11 @@ class SpectralSea(IrregularSea):
     def _long_crested(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Leave out a spreading that is not given."""
         return {key: value for key, value in dump(self).items() if (key, value) != ("spreading", None)}
+
+    @property
+    def spreads(self) -> bool:
+        """Whether its waves go to several directions."""
+        return self.spreading is not None
 
     @property
     def directions(self) -> tuple[float, ...]:
@@ -389,43 +397,17 @@ class OchiHubble(SpectralSea):
         return 10 * self.swell.tp
 
 
-class RecordedSea(IrregularSea):
-    """A sea that was measured: elevations at the buoy's axis, of which a run follows the beginning."""
+class SeaOfFile(IrregularSea):
+    """A sea that was measured or computed elsewhere, of what its file holds."""
 
-    kind: Literal["record"]
-    file: Samples
-
-    @field_validator("file", mode="before", json_schema_input_type=str | Samples)
-    @classmethod
-    def _read(cls, value: Any) -> Any:
-        """A path stands for the file there."""
-        return read_record(Path(value), "file") if isinstance(value, str | Path) else value
+    if TYPE_CHECKING:
+        kind: str
+        file: Samples | SpectrumTable
 
     @property
     def hs(self) -> float:  # type: ignore[override]
-        """Significant height of the record [m]."""
+        """Significant height [m]."""
         return self.file.hs
-
-    @property
-    def amplitudes(self) -> Literal["fixed"]:  # type: ignore[override]
-        """Those of the record: nothing is drawn."""
-        return "fixed"
-
-    @property
-    def family(self) -> str:
-        """Name of the sea: its height, its energy period, and what the record holds."""
-        return f"record_Hs{self.hs:.3g}_Te{2 * math.pi / self.omega:.3g}_{self.file.digest}{self._towards}"
-
-    @property
-    def label(self) -> str:
-        """Name of the sea in tables and file names."""
-        return self.family
-
-    @property
-    def description(self) -> str:
-        """The sea in words."""
-        size = f"Hs = {self.hs:.3g} m and Te = {2 * math.pi / self.omega:.3g} s"
-        return f"a record of {self.file.length:g} s of {size}{self._going}"
 
     @property
     def omega(self) -> float:
@@ -442,21 +424,132 @@ class RecordedSea(IrregularSea):
         """Frequency above which no component has a twentieth of the largest amplitude [rad/s]."""
         return self.file.fastest
 
+    @property
+    def family(self) -> str:
+        """Name of the sea: its height, its energy period, and what the file holds."""
+        return f"{self.kind}_Hs{self.hs:.3g}_Te{2 * math.pi / self.omega:.3g}_{self.file.digest}{self._towards}"
+
+    @property
+    def _size(self) -> str:
+        """Height and period in words."""
+        return f"Hs = {self.hs:.3g} m and Te = {2 * math.pi / self.omega:.3g} s"
+
     def check_band(self, low: float, high: float, where: str) -> None:
-        """Check that a band [rad/s] holds the record, but for little of its variance; raises `ConfigError`."""
+        """Check that a band [rad/s] holds the sea, but for little of its variance; raises `ConfigError`."""
         if (share := self.file.share_outside(low, high)) > LEFT_OUT:
             raise ConfigError(
-                f"{where}: received a record with {100 * share:.3g} % of its variance outside the band solved, needs "
-                f"at most {100 * LEFT_OUT:g} % outside {low:.4g} to {high:.4g} rad/s; filter the record, or solve more"
+                f"{where}: received a {self.kind} with {100 * share:.3g} % of its variance outside the band solved, "
+                f"needs at most {100 * LEFT_OUT:g} % outside {low:.4g} to {high:.4g} rad/s; filter the {self.kind}, or "
+                "solve more"
             )
 
 
+class RecordedSea(SeaOfFile):
+    """A sea that was measured: elevations at the buoy's axis, of which a run follows the beginning."""
+
+    kind: Literal["record"]
+    file: Samples
+
+    @field_validator("file", mode="before", json_schema_input_type=str | Samples)
+    @classmethod
+    def _read(cls, value: Any) -> Any:
+        """A path stands for the file there."""
+        return read_record(Path(value), "file") if isinstance(value, str | Path) else value
+
+    @property
+    def amplitudes(self) -> Literal["fixed"]:  # type: ignore[override]
+        """Those of the record: nothing is drawn."""
+        return "fixed"
+
+    @property
+    def label(self) -> str:
+        """Name of the sea in tables and file names."""
+        return self.family
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        return f"a record of {self.file.length:g} s of {self._size}{self._going}"
+
+
+class TabulatedSea(SeaOfFile, SpectralSea):
+    """A sea of a spectrum in a file, over frequency or over frequency and direction; random seed."""
+
+    kind: Literal["spectrum"]
+    file: SpectrumTable
+
+    @field_validator("file", mode="before", json_schema_input_type=str | SpectrumTable)
+    @classmethod
+    def _read(cls, value: Any) -> Any:
+        """A path stands for the file there."""
+        return read_spectrum(Path(value), "file") if isinstance(value, str | Path) else value
+
+    @model_validator(mode="after")
+    def _spread_once(self) -> Self:
+        if self.spreading and self.file.directions:
+            raise ValueError("spreading: the file holds directions of its own; remove it")
+        return self
+
+    @property
+    def spreads(self) -> bool:
+        """Whether its waves go to several directions."""
+        return bool(self.spreading or self.file.directions)
+
+    @property
+    def directions(self) -> tuple[float, ...]:
+        """Directions its waves go to [degrees]: those of the file, turned by `direction`."""
+        if not self.file.directions:
+            return super().directions
+        return tuple(dict.fromkeys(round(self.direction + one, 6) for one in self.file.directions))
+
+    @property
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+        return f"{super().family}{self._drawn}"
+
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        table = " over direction" if self.file.directions else ""
+        return f"a spectrum{table} of {self._size}{self._varying}{self._going}"
+
+
 def directions_of(wave: Travelling) -> tuple[float, ...]:
-    """Return the directions the waves of a sea go to, the mean one first [degrees]."""
+    """Return the directions the waves of a sea go to, the mean one first where they are spread about it [degrees]."""
     return wave.directions if isinstance(wave, SpectralSea) else (wave.direction,)
 
 
-Spectral = Jonswap | PiersonMoskowitz | OchiHubble | WhiteNoise
+_DIRECTIONAL = {"directions", "shares"}
+_READERS = {"record": read_record, "spectrum": read_spectrum}
+
+
+def with_files(raw: Any, source: str) -> Any:
+    """Return a study as nested mappings with records and spectra of its waves in place of the files that hold them.
+
+    A buoy that heaves answers waves of all directions alike: its spectra are over frequency alone. Raises `ConfigError`
+    as of `read_record` and `read_spectrum`.
+
+    Parameters
+    ----------
+    source : str
+        File of the study, which names of files are relative to.
+    """
+    waves = raw.get("waves") if isinstance(raw, dict) else None
+    heaves = isinstance(raw, dict) and "device" in raw and raw.get("motion", "heave") == "heave"
+    found = raw
+    for i, wave in enumerate(waves if isinstance(waves, list | tuple) else ()):
+        if not isinstance(wave, dict) or not isinstance(name := wave.get("file"), str):
+            continue
+        if isinstance(kind := wave.get("kind"), str) and kind in _READERS:
+            line = raw.line(("waves", i, "file")) if isinstance(raw, Located) else None
+            where = f"{source}{'' if line is None else f':{line}'}: waves.{i}.file"
+            held = _READERS[kind](Path(source).parent / name, where)
+            found = copy.deepcopy(raw) if found is raw else found
+            found["waves"][i]["file"] = {key: held[key] for key in held if not (heaves and key in _DIRECTIONAL)}
+    return found
+
+
+Spectral = Jonswap | PiersonMoskowitz | OchiHubble | WhiteNoise | TabulatedSea
 """Seas of a spectrum: what `vsb.waves.spectra.spectrum` has a density for."""
 Irregular = Spectral | RecordedSea
 Wave = Annotated[StillWater | RegularWave | Irregular, Field(discriminator="kind")]

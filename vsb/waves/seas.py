@@ -4,10 +4,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vsb.study.waves import Irregular, RecordedSea, RegularWave, Spectral, SpectralSea, Wave, WhiteNoise
+from vsb.study.waves import (
+    Irregular,
+    RecordedSea,
+    RegularWave,
+    SeaOfFile,
+    Spectral,
+    SpectralSea,
+    TabulatedSea,
+    Wave,
+    WhiteNoise,
+)
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 from vsb.waves.spectra import band_variances, spectrum
 
+PARTS = 36
+"""Parts of equal energy that the directions at a frequency of a table are drawn from in turn."""
 FEW = 32
 """Up to this number components are summed directly."""
 _TABLE = 2**14  # cosines at a time: they fit the cache
@@ -115,7 +127,7 @@ def components(wave: Irregular, omega_max: float, duration: float) -> tuple[Floa
     count = int(np.ceil((high - low) * 1.1 * duration / (2 * np.pi)))
     width = (high - low) / count
     omega = low + (np.arange(count) + 0.5) * width
-    if isinstance(wave, RecordedSea):
+    if isinstance(wave, SeaOfFile):
         return omega, np.sqrt(2 * band_variances(wave, omega - width / 2, omega + width / 2))
     inside = int(np.ceil(width / (0.02 * wave.omega)))  # the spectrum may peak within a band of a short record
     fine = low + (np.arange(count * inside) + 0.5) * width / inside
@@ -139,21 +151,28 @@ def irregular(wave: Spectral, omega_max: float, duration: float) -> Sea:
     phasor = np.exp(1j * random.uniform(0.0, 2 * np.pi, len(omega)))
     if wave.amplitudes == "random":
         phasor *= np.sqrt(random.exponential(size=len(omega)))
-    return Sea(omega, amplitude * phasor, headings(wave, len(omega))).part(amplitude > 1e-12 * amplitude.max())
+    return Sea(omega, amplitude * phasor, headings(wave, omega)).part(amplitude > 1e-12 * amplitude.max())
 
 
-def headings(wave: SpectralSea, count: int) -> FloatArray | None:
-    """Return the direction of each component of a spread sea, shape (count,) [degrees]; None of a long-crested one.
+def headings(wave: SpectralSea, omega: FloatArray) -> FloatArray | None:
+    """Return the direction of each component of a spread sea, shape (omega,) [degrees]; None of a long-crested one.
 
-    Every component goes to one direction, so that the sea is the same all along a run. Directions of equal energy take
-    turns, in an order drawn anew for every round: each carries the same part of the spectrum.
+    Every component goes to one direction, so that the sea is the same all along a run. Parts of equal energy take
+    turns, in an order drawn anew for every round: each carries the same part of the spectrum. Of a spreading a part is
+    one direction, of a table over direction it is of the energy there at the component's frequency.
     """
-    if not wave.spreading:
+    if not wave.spreads:
         return None
-    angles, random = np.array(wave.spreading.angles), np.random.default_rng([wave.seed, 1])
-    rounds = -(-count // len(angles))
-    order = np.concatenate([random.permutation(len(angles)) for _ in range(rounds)])[:count]
-    return np.asarray(np.round(wave.direction + angles[order], 6))
+    parts = wave.spreading.directions if wave.spreading else PARTS
+    random = np.random.default_rng([wave.seed, 1])
+    rounds = -(-len(omega) // parts)
+    order = np.concatenate([random.permutation(parts) for _ in range(rounds)])[: len(omega)]
+    if isinstance(wave, TabulatedSea) and not wave.spreading:
+        angles = wave.file.direction_at(omega, (order + random.uniform(size=len(omega))) / parts)
+    else:
+        assert wave.spreading is not None
+        angles = np.array(wave.spreading.angles)[order]
+    return np.asarray(np.round(wave.direction + angles, 6))
 
 
 def expected(wave: Wave) -> Wave:

@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from vsb.study.waves import Irregular, Jonswap, OchiHubble, RecordedSea, SeaPart, WhiteNoise
+from vsb.study.spectrum_table import SpectrumTable
+from vsb.study.waves import Irregular, Jonswap, OchiHubble, RecordedSea, SeaOfFile, SeaPart, TabulatedSea, WhiteNoise
 from vsb.tools.arrays import FloatArray
 
 SMOOTHED = 0.05
@@ -52,11 +53,14 @@ def ochi_hubble_part(omega: FloatArray, part: SeaPart) -> FloatArray:
 def spectrum(wave: Irregular, omega: FloatArray) -> FloatArray:
     """Return the spectral density of an irregular sea, shape (omega,) [m^2 s/rad], 16 m0 = hs^2.
 
-    That of a record is averaged over bands of a twentieth of the frequency of its energy period.
+    That of a record is averaged over bands of a twentieth of the frequency of its energy period, that of a file is
+    linear between its frequencies.
     """
     if isinstance(wave, RecordedSea):
         width = SMOOTHED * wave.omega
         return band_variances(wave, omega - width / 2, omega + width / 2) / width
+    if isinstance(wave, TabulatedSea):
+        return wave.file.at(omega)
     if isinstance(wave, OchiHubble):
         return np.asarray(sum(ochi_hubble_part(omega, part) for part in wave.parts))
     if isinstance(wave, WhiteNoise):
@@ -65,11 +69,13 @@ def spectrum(wave: Irregular, omega: FloatArray) -> FloatArray:
     return jonswap_spectrum(omega, wave.hs, wave.tp, wave.gamma if isinstance(wave, Jonswap) else 1.0)
 
 
-def band_variances(wave: RecordedSea, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Return the variance of a record between frequencies [rad/s], (band,) [m^2].
+def band_variances(wave: SeaOfFile, low: FloatArray, high: FloatArray) -> FloatArray:
+    """Return the variance of a record or spectrum of a file between frequencies [rad/s], (band,) [m^2].
 
-    Each of its harmonics stands for the band of frequencies nearest to it, and is cut with it.
+    Each harmonic of a record stands for the band of frequencies nearest to it, and is cut with it.
     """
+    if isinstance(wave.file, SpectrumTable):
+        return wave.file.variance_below(high) - wave.file.variance_below(low)
     spacing = 2 * np.pi / wave.file.length
     edges = spacing * (np.arange(len(wave.file.omega) + 1) + 0.5)
     below = np.concatenate([[0.0], np.cumsum(wave.file.variances)])
@@ -78,7 +84,7 @@ def band_variances(wave: RecordedSea, low: FloatArray, high: FloatArray) -> Floa
 
 def share_above(wave: Irregular, omega: float) -> float:
     """Return the share of an irregular sea's energy above a frequency [rad/s]."""
-    if isinstance(wave, RecordedSea):
+    if isinstance(wave, SeaOfFile):
         return wave.file.share_outside(0.0, omega)
     if isinstance(wave, WhiteNoise):
         low, high = wave.band
@@ -89,7 +95,7 @@ def share_above(wave: Irregular, omega: float) -> float:
 
 def share_below(wave: Irregular, omega: float) -> float:
     """Return the share of an irregular sea's energy below a frequency [rad/s]."""
-    if isinstance(wave, RecordedSea):
+    if isinstance(wave, SeaOfFile):
         return wave.file.share_outside(omega, np.inf)
     if isinstance(wave, WhiteNoise):
         low, high = wave.band
