@@ -9,7 +9,7 @@ from vsb.report.answer import (
     interval_text,
 )
 from vsb.report.answer import headline as answered
-from vsb.study.take_off import WITHOUT_DAMPING
+from vsb.study.take_off import LAWS, Law
 
 OMEGA = np.linspace(0.5, 4.0, 351)
 SEAS = {"w": "a swell", "v": "a chop"}
@@ -137,5 +137,5 @@ def test_closing_line_of_a_run():
 
 def test_words_of_a_law_may_name_keys_at_their_default(monkeypatch):
     """A canonical take-off leaves those out."""
-    monkeypatch.setitem(WITHOUT_DAMPING, "coulomb", "{force_limit:g} {load_unit} at {efficiency:g}")
+    monkeypatch.setitem(LAWS, "coulomb", Law(words="{force_limit:g} {load_unit} at {efficiency:g}"))
     assert damping_in_words({"law": "coulomb", "force_limit": 5.0}) == "With 5 N at 1"

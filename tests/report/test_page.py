@@ -179,7 +179,7 @@ def test_tables_can_be_downloaded_as_they_stand():
         for name, data in re.findall(r'download="(\w+)\.csv" href="data:text/csv;charset=utf-8,([^"]*)"', page)
     }
     tables = {
-        "equal_tuning": (tuning_head("N s/m"), tuning_table(SWELL)), "given_damper": table(rows, measures(FORCE, "buoy", "linear")), "energy": table(rows, DETAILS),
+        "equal_tuning": (tuning_head("N s/m"), tuning_table(SWELL)), "given_damper": table(rows, measures(FORCE, "buoy")), "energy": table(rows, DETAILS),
         "irregular_seas": (STATISTICS, statistics_table(given.statistics)),
         "published": (PUBLISHED_HEAD, published_table(study, rows)),
     }  # fmt: skip

@@ -138,12 +138,12 @@ def test_mean_power_is_compared_with_the_steady_state():
 
 
 def test_latching_time_at_the_border_of_the_search_is_in_doubt():
-    wet = {"model": "body_exact", "linear_pause": 1.0, "pause_tried": 0.25}
+    wet = {"model": "body_exact", "linear_latching_time": 1.0, "latching_time_searched": 0.25}
     runs = {
-        ("A", "w"): {**wet, "pause": 1.05},
-        ("B", "w"): {**wet, "pause": 0.76},
-        ("C", "w"): {"model": "linear", "pause": 1.08},
-        ("D", "w"): {**wet, "linear_pause": 0.2, "pause": 0.0},
+        ("A", "w"): {**wet, "latching_time": 1.05},
+        ("B", "w"): {**wet, "latching_time": 0.76},
+        ("C", "w"): {"model": "linear", "latching_time": 1.08},
+        ("D", "w"): {**wet, "linear_latching_time": 0.2, "latching_time": 0.0},
     }
     near, far = latching_checks(runs)
     assert near.name == far.name == "latching_time"

@@ -146,7 +146,7 @@ def test_latching_buoy_is_between_its_optimal_damper_and_the_constrained_optimum
     force, stroke = (float(np.abs(x[within]).max()) for x in (motion.forces["pto"], motion.position))
     best = optimum_in_sea(port, waves, harmonics, Limits(force, stroke))
     taken = float(np.diff(np.interp(settings.window, motion.time, motion.works["pto"]))[0]) / repeats
-    assert taken == pytest.approx(latched.notes["pause_power"], rel=1e-3)
+    assert taken == pytest.approx(latched.notes["latching_power"], rel=1e-3)
     assert 3.0 * passive < taken < best.bound < waves.mean_of(seen.matched_power)
 
 
@@ -206,15 +206,15 @@ def test_study_with_latching_reports_its_optimal_time(tmp_path_factory, monkeypa
     )
     files = hydro_files(study, tmp_path_factory.getbasetemp() / "pause")
     design = SCENES["body_exact"](only_run(study), files)
-    assert 0.5 < design.notes["pause"] < 1.5
-    assert design.scene.forces["pto"].latching_time == design.notes["pause"]
-    assert design.notes["pause_within"] == pytest.approx(0.075)
-    assert design.notes["pause_tried"] == 2.5 * NEAR
-    assert abs(design.notes["pause"] - design.notes["linear_pause"]) < 2.5 * NEAR
+    assert 0.5 < design.notes["latching_time"] < 1.5
+    assert design.scene.forces["pto"].latching_time == design.notes["latching_time"]
+    assert design.notes["latching_time_within"] == pytest.approx(0.075)
+    assert design.notes["latching_time_searched"] == 2.5 * NEAR
+    assert abs(design.notes["latching_time"] - design.notes["linear_latching_time"]) < 2.5 * NEAR
     parts = list(legs(design.system, design.sea, study.simulation, None))
     assert max(part.balance.residual for part in parts) < 1e-6
     absorbed = np.diff(np.interp([50.0, 60.0], parts[-1].motion.time, parts[-1].energy["pto"]))[0] / 10.0
-    assert absorbed == pytest.approx(design.notes["pause_power"], rel=0.05)
+    assert absorbed == pytest.approx(design.notes["latching_power"], rel=0.05)
 
 
 def test_tuned_damper_is_found_together_with_its_latching_time(tmp_path_factory, monkeypatch):
@@ -234,7 +234,8 @@ def test_tuned_damper_is_found_together_with_its_latching_time(tmp_path_factory,
     law = design.scene.forces["pto"]
     alone = SCENES["linear"](only_run(varied(study, pto={"law": "linear"})), files).notes["tuned_damping"]
     assert law.damping == design.notes["tuned_damping"] < 0.5 * alone
-    assert law.latching_time == design.notes["pause"] > 0.5
+    assert law.latching_time == design.notes["latching_time"] > 0.5
     assert (
-        design.notes["pause_power"] > 1.5 * periodic_power(System.of(with_latching_time(design.scene, 0.0, alone)))[0]
+        design.notes["latching_power"]
+        > 1.5 * periodic_power(System.of(with_latching_time(design.scene, 0.0, alone)))[0]
     )

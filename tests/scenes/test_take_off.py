@@ -19,9 +19,9 @@ from vsb.motion.system import System
 from vsb.motion.tuning import frequencies, squares
 from vsb.scenes.build import SCENES
 from vsb.scenes.floating_system import FloatingSystem, floating_system
-from vsb.scenes.take_off import LAWS, end_stop, given_matrix, matrix_kind, tuned_take_off, with_take_off
+from vsb.scenes.take_off import FORCES, end_stop, given_matrix, matrix_kind, tuned_take_off, with_take_off
 from vsb.study.study import load
-from vsb.study.take_off import Pto
+from vsb.study.take_off import LAWS, Pto
 from vsb.study.waves import RegularWave
 from vsb.waves.seas import NO_WAVES, Sea
 
@@ -41,7 +41,7 @@ def plant():
 
 def piecewise_linear():
     """Laws but the linear one whose force is a `TakeOff`."""
-    built = {law: LAWS[law](Pto(law=law, damping=4.0, force_limit=3.0), np.ones(1), 4.0, 0.0) for law in LAWS}
+    built = {law: FORCES[law](Pto(law=law, damping=4.0, force_limit=3.0), np.ones(1), 4.0, 0.0) for law in LAWS}
     return [law for law, force in built.items() if isinstance(force, TakeOff) and law != "linear"]
 
 

@@ -102,7 +102,7 @@ def seed():
         ({"hydro": {"model": "auto"}}, "drag: hydro.model 'auto' knows none; needs linear or body_exact"),
         (
             {"pto": {"force_limit": 1e3}},
-            "drag: cannot be followed beside a take-off that switches, received law linear with force_limit 1000 N and "
+            "drag: cannot be followed beside a nonlinear take-off, received law linear with force_limit 1000 N and "
             "stroke_limit inf m; needs law: linear without limits",
         ),
         ({"hydro": {"model": "assumed_pressure", "pressure": 9.0}}, "drag: hydro.model 'assumed_pressure' knows none;"),

@@ -8,7 +8,7 @@ import xarray as xr
 
 from vsb.report.band import gain_band, useful_band
 from vsb.report.doubts import no_answer, reasons
-from vsb.study.take_off import DEFAULTS, WITH_LATCHING_TIME, WITHOUT_DAMPING, port_kind
+from vsb.study.take_off import DEFAULTS, LAWS, port_kind
 from vsb.tools.words import SAME, against_rigid, multiple, plain, power, the_rigid, watts
 
 Lines = Sequence[dict[str, Any]]
@@ -163,12 +163,13 @@ def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list
 
 def damping_in_words(pto: dict[str, Any]) -> str:
     """Return which damping, or other law, simulated designs have, from the take-off of a study in canonical form."""
-    if law := WITHOUT_DAMPING.get(pto.get("law", "linear")):
-        return f"With {law.format(load_unit=port_kind(pto.get('port')).load_unit, **DEFAULTS | pto)}"
     if pto.get("distribution"):
         return f"With the take-off law {pto['law']} of {pto['distribution']}"
+    law = LAWS[pto.get("law", "linear")]
+    if law.words:
+        return f"With {law.words.format(load_unit=port_kind(pto.get('port')).load_unit, **DEFAULTS | pto)}"
     words = DAMPINGS[pto.get("tuning", "fixed")]
-    if pto.get("law") in WITH_LATCHING_TIME:
+    if law.has_latching_time:
         return f"{words}, {pto['law']}" if words == GIVEN else f"In the time domain, {pto['law']} at its best damping"
     return f"{GIVEN} of each" if isinstance(pto.get("damping"), dict) and words == GIVEN else words
 

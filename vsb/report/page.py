@@ -28,7 +28,7 @@ from vsb.report.doubts import no_answer, warnings
 from vsb.report.figures import captions
 from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
-from vsb.study.take_off import WITHOUT_DAMPING, port_kind
+from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import multiple, plain, power, superscripts, the_rigid
@@ -220,29 +220,25 @@ def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> s
     return f" (against {base['design']}: {', '.join(gains)})"
 
 
-def measures(kind: PortKind, thing: str, law: str) -> list[Measure]:
-    """Return the columns of the comparison table; of a body, motion is that of the port.
-
-    Of laws without damping, and of packages, the damping given is of the linear response alone.
-    """
+def measures(kind: PortKind, thing: str) -> list[Measure]:
+    """Return the columns of the comparison table; of a body, motion is that of the port."""
     motion = ("heave [m]", "heave velocity [m/s]")
     if thing == "body":
         motion = (f"port {kind.motion} [{kind.motion_unit}]", f"port {kind.rate} [{kind.rate_unit}]")
-    damping = ("damping", f"damping [{kind.damping_unit}]", 1.0, "")
     return [
         ("displacement_pp", superscripts(f"peak-to-peak {motion[0]}"), 1.0, ""),
         ("velocity_pp", superscripts(f"peak-to-peak {motion[1]}"), 1.0, ""),
         ("power_peak", "peak power [W]", 1.0, ""),
         ("power_mean", "mean power [W]", 1.0, ""),
         ("capture_width", "capture width [m]", 1.0, ""),
-        *([] if law in WITHOUT_DAMPING or ":" in law else [damping]),
+        ("damping", f"damping [{kind.damping_unit}]", 1.0, ""),
         ("power_gain_percent", "gain of mean power [%]", 1.0, "+.1f"),
     ]
 
 
 def table(rows: Sequence[dict[str, Any]], measures: Sequence[Measure]) -> tuple[list[str], list[list[str]]]:
-    """Return head and body of the comparison table as text; a quantity that does not exist is a dash."""
-    body = []
+    """Return head and body of the comparison table as text: what does not exist is a dash, or a column less."""
+    body, measures = [], [one for one in measures if any(row[one[0]] not in MISSING for row in rows)]
     for row in rows:
         cells = [_cell(row[key], spec, factor) for key, _, factor, spec in measures]
         body.append([str(row["design"]), str(row["wave"]), *cells])
@@ -286,9 +282,12 @@ def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> li
     lines = []
     published = (study["published"] or {"values": {}})["values"]
     for row in (row for row in rows if row["design"] in published and row["wave"] != "still"):
-        values = {**row, "pto_force_pp": float(row["damping"]) * float(row["velocity_pp"])}
+        values = dict(row)
+        if row["damping"] not in MISSING:
+            values["pto_force_pp"] = float(row["damping"]) * float(row["velocity_pp"])
         for key, (name, unit, factor) in PUBLISHED.items():
-            if (theirs := published[row["design"]].get(key)) is None:
+            theirs = published[row["design"]].get(key)
+            if theirs is None or key not in values:
                 continue
             ours = float(values[key])
             difference = f"{100 * (ours / theirs - 1):+.1f} %" if theirs else "-"
@@ -323,7 +322,7 @@ def render(report: Report) -> str:
     pto = report.study["pto"]
     kind, law = port_kind(pto.get("port")), pto.get("law", "linear")
     unit = superscripts(kind.damping_unit)
-    head, body = table(report.rows, measures(kind, report.thing, law))
+    head, body = table(report.rows, measures(kind, report.thing))
     details_head, details = table(report.rows, DETAILS)
     irregular, tuned, response = report.irregular, report.equal_tuning, report.response
     where, given = damping_in_words(pto), pto.get("damping") is not None

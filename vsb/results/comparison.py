@@ -108,7 +108,8 @@ def comparison(study: BaseStudy, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
         row = {"design": design, "wave": wave.label, **values._asdict(), "energy_gain_percent": energy[design]}
         row["energy_residual"] = float(runs[design].attrs["energy_residual"])
         gain = None if isinstance(wave, StillWater) else power[design]
-        take_off = (damper_of(study, design, runs[design].attrs), study.pto.stiffness, gain)
+        damper = damper_of(study, design, runs[design].attrs) if study.pto.law_has_damping else None
+        take_off = (damper, study.pto.stiffness, gain)
         rows.append({**row, **dict(zip(TAKE_OFF, take_off, strict=True)), **dict.fromkeys(INTERVAL)})
     return rows
 
@@ -213,9 +214,9 @@ def linear_mean(
 ) -> float | None:
     """Return the mean power linear theory expects of a run in a regular wave [W], beside drag with its dampers.
 
-    None in other seas, and of a take-off that switches.
+    None in other seas, and of a nonlinear take-off.
     """
-    if not isinstance(wave, RegularWave) or study.pto.switches:
+    if not isinstance(wave, RegularWave) or study.pto.nonlinear:
         return None
     if LINEARISED in run:
         return float(run[LINEARISED])

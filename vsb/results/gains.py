@@ -238,7 +238,7 @@ def linearisation(
     seas likewise of all realisations, with the statistics of the runs. Nothing where all models are linear.
     """
     reference, found = study.reference_design, {}
-    if reference is None or study.pto.switches or all(_is_linear(run) for run in runs.values()):
+    if reference is None or study.pto.nonlinear or all(_is_linear(run) for run in runs.values()):
         return {}
     means = {(row["design"], row["wave"]): float(row["power_mean"]) for row in rows}
     for wave in study.waves:

@@ -177,9 +177,11 @@ def latching_checks(runs: Attributes) -> list[Check]:
     """Return where the best latching time of each body-exact run lies in the range searched around the linear one."""
     checks = []
     for (design, wave), attrs in runs.items():
-        if "linear_pause" not in attrs or not attrs["pause"]:
+        if "linear_latching_time" not in attrs or not attrs["latching_time"]:
             continue
-        best, linear, searched = (attrs[key] for key in ("pause", "linear_pause", "pause_tried"))
+        best, linear, searched = (
+            attrs[key] for key in ("latching_time", "linear_latching_time", "latching_time_searched")
+        )
         text = f"absorbs most with a latching time of {best:.3g} s body-exact, {linear:.3g} s in the linear scene, "
         text += f"searched within {searched:.2g} s of that: the best one may lie outside"
         share = abs(best - linear) / searched

@@ -163,7 +163,7 @@ def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dic
         return scene, {}
     damper, best, notes = _latched(_linear(run, at), run, at.sea, at.buoy, at.motions)
     if scene.water is not None and at.sea.omega.size:
-        notes |= {"linear_pause": best.time, "pause_tried": NEAR * longest_time(at.sea)}
+        notes |= {"linear_latching_time": best.time, "latching_time_searched": NEAR * longest_time(at.sea)}
         latched = with_latching_time(scene, best.time, damper)
         best = body_exact_latching_time(latched, best, at.sea, run.simulation)
     return with_latching_time(scene, best.time, damper), notes | _noted(best)
@@ -181,7 +181,7 @@ def _latched(
 
 def _noted(best: LatchingTime) -> dict[str, float]:
     """What a run records of its latching time: its length [s], the mean power [W], what it is known to [s]."""
-    return {"pause": best.time, "pause_power": best.power, "pause_within": best.within}
+    return {"latching_time": best.time, "latching_power": best.power, "latching_time_within": best.within}
 
 
 def _dampers(floating: LinearSystem, motions: FloatArray, sea: Sea) -> list[float]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import cast
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from vsb.motion.scene import Scene
 from vsb.motion.tuning import best_dampers, frequencies, squares
 from vsb.scenes.floating_system import FloatingSystem, headings, port_in_seas
 from vsb.study.study import Wave
-from vsb.study.take_off import Law, Pto, SeveralPorts, distribution_of, entry_point, port_kind
+from vsb.study.take_off import Pto, SeveralPorts, distribution_of, entry_point, port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea
 
@@ -31,14 +30,14 @@ def _limited(pto: Pto, port: FloatArray, damper: float, rest: float) -> TakeOff:
     return TakeOff(port, damper, pto.stiffness, pto.force_limit, rest=rest)
 
 
-LAWS: Mapping[Law, Callable[[Pto, FloatArray, float, float], Force]] = {
+FORCES: Mapping[str, Callable[[Pto, FloatArray, float, float], Force]] = {
     "linear": _limited,
     "saturated": _limited,
     "coulomb": lambda pto, port, _, rest: TakeOff(port, np.inf, limit=pto.force_limit, rest=rest),
     "latching": _limited,
     "declutching": lambda pto, port, damper, rest: replace(_limited(pto, port, damper, rest), latching_damping=0.0),
 }
-"""`pto.law`, at a port, with a damper [N s/m] and the stroke at rest [m] -> its force.
+"""Law of `vsb.study.take_off.LAWS`, at a port, with a damper [N s/m] and the stroke at rest [m] -> its force.
 
 Latching times are found in a sea (`vsb.scenes.latching`)."""
 
@@ -138,7 +137,7 @@ def _damper_matrix(pto: Pto, design: str, floating: FloatingSystem, seas: Sequen
 
 
 def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
-    """Return a scene with the take-off of a study, and its end stop, if it switches; else the scene as it is.
+    """Return a scene with the take-off of a study, and its end stop, if it is nonlinear; else the scene as it is.
 
     Spring and stroke count from where the buoy rests.
 
@@ -147,7 +146,7 @@ def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
     linear : LinearPto
         Its damper and its port.
     """
-    if not pto.switches:
+    if not pto.nonlinear:
         return scene
     port = linear.direction(len(scene.labels))
     if not allowed_part(port, scene.motions).any():
@@ -156,7 +155,7 @@ def with_take_off(scene: Scene, pto: Pto, linear: LinearPto) -> Scene:
     if pto.of_package:
         law: Force = law_of_package(pto, port, rest)
     else:
-        law = LAWS[cast(Law, pto.law)](pto, port, float(linear.damping), rest)
+        law = FORCES[pto.law](pto, port, float(linear.damping), rest)
     forces: dict[str, Force] = {**scene.forces, scene.take_off: law}
     if pto.stroke_limit < np.inf:
         forces["end_stop"] = replace(end_stop(scene, port, pto.stroke_limit), rest=rest)

@@ -47,9 +47,9 @@ class Point(NamedTuple):
 
 
 def sweep_point(spec: CampaignSpec, index: int, root: str) -> Point | None:
-    """Return a point of a campaign; none if no design is viable, its take-off switches or has several ports."""
+    """Return a point of a campaign; none if no design is viable, its take-off is nonlinear or has several ports."""
     (one,) = members(spec.base, [spec.vary.points[index]], spec.climate, spec.tuning)
-    if one.study.pto.switches or one.study.pto.several:
+    if one.study.pto.nonlinear or one.study.pto.several:
         return None  # a damper of the page knows no limits, and is of one port
     rest, floating = at_rest(one.study, one.spec, root)
     return Point(with_designs(one.study, rest.designs), floating()) if rest.designs else None
@@ -161,7 +161,7 @@ MOST = 6
 def interactive_year(
     spec: CampaignSpec, ds: xr.Dataset, tuning: str, reference: str | None, seas: Climate, root: str
 ) -> dict[str, Any] | None:
-    """Return the data of a campaign's page; none where no design is viable or the take-off switches.
+    """Return the data of a campaign's page; none where no design is viable or the take-off is nonlinear.
 
     Parameters
     ----------

@@ -101,8 +101,8 @@ def _latching_lines(study: Study) -> list[str]:
 
 
 def _switching_lines(study: Study) -> list[str]:
-    """How long a run under a take-off that switches takes, of a shell so stiff that this matters."""
-    if not (study.pto.switches and study.flexible) or study.pto.of_package:
+    """How long a run under a nonlinear take-off takes, of a shell so stiff that this matters."""
+    if not (study.pto.nonlinear and study.flexible) or study.pto.of_package:
         return []
     from vsb.integrators.switching import RESOLVED  # compiled
 

@@ -480,8 +480,8 @@ class BodyStudy(BaseStudy):
         if self.pto.port != "heave" and not isinstance(self.pto.port, DofPort):
             raise ValueError("pto.port: is of the spherical shell; needs {dof: NAME} or {dofs: {NAME: share, ...}}")
         method = self.simulation.method
-        if method == "exponential" or (self.pto.switches and method != "auto"):
-            suitable = "auto" if self.pto.switches else "auto, exact, convolution or structure_preserving"
+        if method == "exponential" or (self.pto.nonlinear and method != "auto"):
+            suitable = "auto" if self.pto.nonlinear else "auto, exact, convolution or structure_preserving"
             raise ValueError(f"simulation.method {method!r}: cannot follow this body and take-off; needs {suitable}")
 
     @property

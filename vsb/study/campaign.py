@@ -32,7 +32,7 @@ def leading_tuning(tunings: Sequence[str]) -> Tunings:
 
 IN_TIME = {"body_exact": "body_exact", "linear": "in_time"}
 """Model of runs in time -> begin of the names of what they say of a year: linear runs see what linear theory does not,
-as a take-off that switches."""
+as a nonlinear take-off."""
 
 
 POWER_IN_TIME = ("mean_power", "power_low", "power_high")
@@ -300,13 +300,13 @@ class LoadedCampaign(Section):
         return (self.campaign.constrained or Constrained()) if "constrained" in self.tuning else None
 
     def check_take_off(self, study: AnyStudy, where: str) -> None:
-        """Check that a take-off that switches is not judged by linear theory alone, which does not see it.
+        """Check that a nonlinear take-off is not judged by linear theory alone, which does not see it.
 
         Raises `ConfigError`.
         """
         checked = (leading_tuning(self.tuning), "constrained") if self.campaign.verify else ("constrained",)
         blind = [tuning for tuning in self.tuning if tuning not in checked]
-        if study.pto.switches and blind:
+        if study.pto.nonlinear and blind:
             raise ConfigError(
                 f"{where}: pto: received law {study.pto.law}, force_limit {study.pto.force_limit:g} N, stroke_limit "
                 f"{study.pto.stroke_limit:g} m, which linear theory of tuning {blind[0]} does not see; needs tuning: "

@@ -370,9 +370,9 @@ def _check_study(problem: Optimisation, study: Study, mistakes: _Mistakes) -> No
             f"received {problem.limits.load_factor:g}, and buckling is known of the sphere alone, not of device.shape; "
             "needs load_factor: null, and walls that do not buckle by the bounds of device.thickness",
         )
-    if study.pto.switches:
+    if study.pto.nonlinear:
         mistakes.add(
-            "study", f"{problem.study} has a take-off that switches; needs law: linear without force or stroke limit"
+            "study", f"{problem.study} has a nonlinear take-off; needs law: linear without force or stroke limit"
         )
 
 

@@ -55,9 +55,9 @@ def check_followed(model: str, method: str, pto: Pto) -> None:
     """
     if model not in ("linear", "body_exact"):
         raise ValueError(f"drag: hydro.model {model!r} knows none; needs linear or body_exact")
-    if pto.switches:
+    if pto.nonlinear:
         raise ValueError(
-            f"drag: cannot be followed beside a take-off that switches, received law {pto.law} with force_limit "
+            f"drag: cannot be followed beside a nonlinear take-off, received law {pto.law} with force_limit "
             f"{pto.force_limit:g} N and stroke_limit {pto.stroke_limit:g} m; needs law: linear without limits"
         )
     if method != "auto":

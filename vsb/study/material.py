@@ -98,9 +98,9 @@ def check_rubber(model: str, method: str, pto: Pto) -> None:
         raise ValueError(f"hydro.model {model!r}: knows no rubber; needs linear, body_exact or auto")
     if model == "body_exact" and method != "auto":
         raise ValueError(f"simulation.method {method!r}: cannot follow a shell of rubber; needs auto")
-    if model == "body_exact" and pto.switches:
+    if model == "body_exact" and pto.nonlinear:
         raise ValueError(
-            "device.material: with hydro.model 'body_exact' rubber cannot be followed beside a take-off that switches, "
+            "device.material: with hydro.model 'body_exact' rubber cannot be followed beside a nonlinear take-off, "
             f"received law {pto.law} with force_limit {pto.force_limit:g} N and stroke_limit {pto.stroke_limit:g} m; "
             "needs law: linear without limits, or hydro.model: linear"
         )

@@ -434,7 +434,7 @@ class Study(Buoy, BaseStudy):
             raise ValueError(
                 f"pto.port: hydro.model {model!r} has no other port than heave{at_shell}; needs hydro.model: linear"
             )
-        if self.opens_chamber and pto.switches:
+        if self.opens_chamber and pto.nonlinear:
             raise ValueError(
                 "pto.port 'volume': with device.gas the take-off drives gas without inertia, whose flow jumps where "
                 "the force does; needs law: linear without force_limit and stroke_limit, or no device.gas"
@@ -444,7 +444,7 @@ class Study(Buoy, BaseStudy):
                 "simulation.method 'convolution': has neither trapped gas behind a volume port nor a viscous material; "
                 "needs auto"
             )
-        if pto.switches and model == "auto":
+        if pto.nonlinear and model == "auto":
             raise ValueError(
                 f"pto: received law {pto.law} with force_limit {pto.force_limit:g} N and stroke_limit "
                 f"{pto.stroke_limit:g} m, for which hydro.model 'auto' cannot choose; needs hydro.model: "
@@ -455,8 +455,8 @@ class Study(Buoy, BaseStudy):
                 f"pto.law {pto.law!r}: its latching time is found in waves, which hydro.model {model!r} does not "
                 "have; needs hydro.model: linear or body_exact"
             )
-        if pto.switches and method != "auto":
-            raise ValueError(f"simulation.method {method!r}: cannot follow a take-off that switches; needs auto")
+        if pto.nonlinear and method != "auto":
+            raise ValueError(f"simulation.method {method!r}: cannot follow a nonlinear take-off; needs auto")
         if self.drag is not None:
             check_followed(model, method, pto)
         check_directions(self)

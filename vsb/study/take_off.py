@@ -5,7 +5,7 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 
 import math
 from importlib.metadata import EntryPoint, entry_points
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import (
     ConfigDict,
@@ -248,20 +248,33 @@ PortChoice = Annotated[
 """What the take-off acts on."""
 
 
-Law = Literal["linear", "saturated", "coulomb", "latching", "declutching"]
+class Law(NamedTuple):
+    """A law of the take-off in time: what it needs, and how a page names it; its force is in `vsb.scenes.take_off`."""
+
+    needs_limit: bool = False  # of its force
+    has_latching_time: bool = False
+    words: str = ""  # of a law whose parameter is no damping: keys of `pto`, and the port's unit of load
+
+
+LAWS = {
+    "linear": Law(),
+    "saturated": Law(needs_limit=True),
+    "coulomb": Law(needs_limit=True, words="Coulomb friction of {force_limit:g} {load_unit}"),
+    "latching": Law(has_latching_time=True),
+    "declutching": Law(has_latching_time=True),
+}
+if TYPE_CHECKING:
+    LawName = str
+else:
+    LawName = Literal[tuple(LAWS)]
 LAWS_OF_PACKAGES = "vsb.take_off_laws"
 """Group of the entry points by which packages declare laws of their own, functions of the port's motion and time."""
 LawOfPackage = Annotated[str, Field(pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*$")]
 LawChoice = Annotated[
-    Annotated[Law, Tag("name")] | Annotated[LawOfPackage, Tag("package")],
+    Annotated[LawName, Tag("name")] | Annotated[LawOfPackage, Tag("package")],
     Discriminator(lambda value: "package" if isinstance(value, str) and ":" in value else "name"),
 ]
 """A law by its name, or a function of an installed package, `my_package:law`."""
-NEED_A_LIMIT = ("saturated", "coulomb")
-WITH_LATCHING_TIME = ("latching", "declutching")
-WITHOUT_DAMPING = {"coulomb": "Coulomb friction of {force_limit:g} {load_unit}"}
-"""Laws whose parameter is no damping, and their words on a page, of keys of `pto`, at its default or not, and of the
-port's unit of load."""
 Tuning = Literal["fixed", "each", "one"]
 Limit = Annotated[Number, Field(gt=0)]
 STIFFEST = 1e12
@@ -359,8 +372,8 @@ class Pto(Section):
         return self.force_limit < math.inf or self.stroke_limit < math.inf
 
     @property
-    def switches(self) -> bool:
-        """Whether its force in time is not that of a damper alone."""
+    def nonlinear(self) -> bool:
+        """Whether its force in time is not that of damper and spring alone."""
         return self.law != "linear" or self.limited
 
     @property
@@ -369,9 +382,14 @@ class Pto(Section):
         return ":" in self.law
 
     @property
+    def law_has_damping(self) -> bool:
+        """Whether the damping is a parameter of its law; of others it is that of the linear response alone."""
+        return self.law in LAWS and not LAWS[self.law].words
+
+    @property
     def has_latching_time(self) -> bool:
         """Whether its law is latching or declutching."""
-        return self.law in WITH_LATCHING_TIME
+        return self.law in LAWS and LAWS[self.law].has_latching_time
 
     @property
     def spring_costs(self) -> bool:
@@ -470,7 +488,7 @@ class Pto(Section):
 
     @model_validator(mode="after")
     def _linear_at_several(self) -> Self:
-        if self.several and (self.switches or self.stiffness or self.efficiency < 1.0):
+        if self.several and (self.nonlinear or self.stiffness or self.efficiency < 1.0):
             raise ValueError(
                 "port: several ports, or a damper spread over the shell, have a damper matrix alone; needs law: linear "
                 "without limits, stiffness and efficiency"
@@ -487,7 +505,7 @@ class Pto(Section):
 
     @model_validator(mode="after")
     def _limited(self) -> Self:
-        if self.law in NEED_A_LIMIT and math.isinf(self.force_limit):
+        if self.law in LAWS and LAWS[self.law].needs_limit and math.isinf(self.force_limit):
             raise ValueError(f"force_limit: missing; law {self.law} needs one in {port_kind(self.port).load_unit}")
         return self
 
