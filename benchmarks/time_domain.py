@@ -35,7 +35,8 @@ from vsb.scenes.automatic import absorbed
 from vsb.scenes.build import DesignInSea, design_in_sea
 from vsb.stages.make import hydro_files
 from vsb.study.plan import StudyPlan
-from vsb.study.study import RegularWave, Study, parse
+from vsb.study.study import Study, parse
+from vsb.study.waves import RegularWave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.tables import svg_text

@@ -34,8 +34,9 @@ from vsb.stages.panels import mean_mesh
 from vsb.stages.water import spectral_problem
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
+from vsb.study.quantities import canonical
 from vsb.study.specs import SpectralSpec
-from vsb.study.study import Study, canonical
+from vsb.study.study import Study
 
 settings.register_profile("vsb", deadline=None)  # a machine may be busy
 settings.load_profile("vsb")

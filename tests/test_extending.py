@@ -32,7 +32,7 @@ from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages.stage import Stage
 from vsb.study import keys, specs, waves
 from vsb.study.meridian import RestMeridian
-from vsb.study.study import canonical, content_id
+from vsb.study.quantities import canonical, content_id
 from vsb.tools.files import write_text
 from vsb.tools.stamps import faults, read_manifest, record
 

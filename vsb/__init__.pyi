@@ -22,17 +22,17 @@ from vsb.shell.modes import ModeBasis as ModeBasis
 from vsb.shell.shell import Shell as Shell
 from vsb.stages.climate import read_seas as read_seas
 from vsb.study.body import load_body as load_body
-from vsb.study.study import Design as Design
-from vsb.study.study import Device as Device
-from vsb.study.study import Hydro as Hydro
-from vsb.study.study import Jonswap as Jonswap
-from vsb.study.study import Modes as Modes
-from vsb.study.study import Pto as Pto
-from vsb.study.study import RegularWave as RegularWave
-from vsb.study.study import Simulation as Simulation
-from vsb.study.study import StillWater as StillWater
+from vsb.study.device import Device as Device
+from vsb.study.sections import Design as Design
+from vsb.study.sections import Hydro as Hydro
+from vsb.study.sections import Modes as Modes
+from vsb.study.sections import Simulation as Simulation
+from vsb.study.sections import Water as Water
 from vsb.study.study import Study as Study
-from vsb.study.study import Water as Water
 from vsb.study.study import load as load
+from vsb.study.take_off import Pto as Pto
+from vsb.study.waves import Jonswap as Jonswap
+from vsb.study.waves import RegularWave as RegularWave
+from vsb.study.waves import StillWater as StillWater
 
 __version__: str

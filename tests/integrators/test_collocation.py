@@ -13,7 +13,7 @@ from vsb.integrators.simulate import legs, suited
 from vsb.motion.forces import Damper, Excitation, Force, Linear, QuadraticDrag, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.study.study import Simulation
+from vsb.study.sections import Simulation
 from vsb.waves.seas import Sea
 
 OMEGA, PUSH, FLOW, DRAG = 2.5, 30.0 + 5.0j, 0.2 - 0.1j, 3.0

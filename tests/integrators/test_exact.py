@@ -20,7 +20,7 @@ from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.rest import design_motions, study_basis
-from vsb.study.study import Simulation
+from vsb.study.sections import Simulation
 from vsb.waves.seas import Sea, sea
 
 

@@ -20,7 +20,8 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.build import assumed_pressure_design
 from vsb.scenes.rest import reference_shell
-from vsb.study.study import Simulation, load
+from vsb.study.sections import Simulation
+from vsb.study.study import load
 from vsb.waves.seas import NO_WAVES, Sea
 
 SWELL = Sea(np.array([2.5]), np.array([0.1 + 0j]))

@@ -18,7 +18,7 @@ from vsb.motion.port import LinearPto, combination
 from vsb.motion.system import System
 from vsb.scenes.floating_system import body_motions
 from vsb.study.body import BodyDesign
-from vsb.study.study import Simulation
+from vsb.study.sections import Simulation
 from vsb.waves.seas import Sea
 
 PAIR = ("influenced_dof", "radiating_dof")

@@ -19,7 +19,7 @@ from vsb.report.animation import (
     surface,
 )
 from vsb.report.interactive import as_script, designs_data, packed
-from vsb.study.study import Water
+from vsb.study.sections import Water
 from vsb.waves.seas import NO_WAVES, Sea
 
 PERIOD = 4.0

@@ -22,7 +22,8 @@ from vsb.report.interactive import (
 )
 from vsb.results.force_steps import ForceSteps
 from vsb.results.year import frequencies, year
-from vsb.study.study import Jonswap, PiersonMoskowitz, Water
+from vsb.study.sections import Water
+from vsb.study.waves import Jonswap, PiersonMoskowitz
 from vsb.tools.ports import FORCE
 from vsb.waves.seas import components
 from vsb.waves.spectra import jonswap_spectrum

@@ -21,7 +21,8 @@ from vsb.results.comparison import (
     power_response,
 )
 from vsb.scenes.build import TUNED
-from vsb.study.study import RegularWave, StillWater, Water
+from vsb.study.sections import Water
+from vsb.study.waves import RegularWave, StillWater
 from vsb.waves.dispersion import group_velocity, power_limit
 from vsb.waves.seas import NO_WAVES, Sea, regular, sea
 

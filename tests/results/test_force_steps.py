@@ -9,7 +9,7 @@ from report.test_interactive import ports
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers
 from vsb.results.force_steps import SHARES, force_steps, harmonics_within, repeating
-from vsb.study.study import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
+from vsb.study.waves import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
 from vsb.waves.seas import regular
 
 BAND = (0.2, 9.0)

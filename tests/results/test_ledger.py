@@ -22,7 +22,8 @@ from vsb.shell.shell import Shell
 from vsb.study.body import BodyStudy
 from vsb.study.device import Spheroid
 from vsb.study.reading import validated
-from vsb.study.study import Jonswap, PiersonMoskowitz, RegularWave, Water, WhiteNoise
+from vsb.study.sections import Water
+from vsb.study.waves import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
 from vsb.waves.dispersion import power_limit, wavenumber
 
 WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)

@@ -24,7 +24,8 @@ from vsb.scenes.build import TUNED
 from vsb.scenes.rest import study_basis
 from vsb.study.body import BodyStudy
 from vsb.study.reading import validated
-from vsb.study.study import Simulation, load, parse
+from vsb.study.sections import Simulation
+from vsb.study.study import load, parse
 from vsb.waves.dispersion import wavenumber
 
 SWELL = {"kind": "regular", "amplitude": 0.5, "period": 7.0, "direction": 90.0}

@@ -27,7 +27,7 @@ from vsb.results.verification import (
 from vsb.results.year import band_weights, frequencies, year
 from vsb.scenes.build import Memory
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
-from vsb.study.study import Simulation
+from vsb.study.sections import Simulation
 from vsb.study.take_off import Pto
 from vsb.waves.climate import realised
 from vsb.waves.ndbc import read_ndbc

@@ -13,7 +13,7 @@ from vsb.errors import ConfigError
 from vsb.motion.port import Port
 from vsb.results.year import Bins, DesignYear, band_weights, frequencies, gain_percent, year
 from vsb.scenes.rest import design_motions, study_basis
-from vsb.study.study import Water
+from vsb.study.sections import Water
 from vsb.waves.climate import YEAR_HOURS, Climate
 from vsb.waves.ndbc import read_ndbc
 from vsb.waves.scatter import climate_of_cells

@@ -11,7 +11,7 @@ from vsb.results.year import band_weights, year
 from vsb.results.year_validity import LIMITS, beyond_validity, motion_rms, wave_limits
 from vsb.scenes.ports import buoy_at
 from vsb.scenes.rest import reference_shell
-from vsb.study.study import Water
+from vsb.study.sections import Water
 from vsb.waves.dispersion import wavenumber
 from vsb.waves.scatter import climate_of_cells
 

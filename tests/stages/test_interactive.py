@@ -9,7 +9,7 @@ from conftest import varied
 
 from vsb.report import html
 from vsb.stages.report import interactive_study, no_slider
-from vsb.study.study import Jonswap, RegularWave
+from vsb.study.waves import Jonswap, RegularWave
 from vsb.tools.files import load
 
 

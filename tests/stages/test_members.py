@@ -23,7 +23,7 @@ from vsb.stages.stage import STAGES
 from vsb.stages.verify import verify
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import plan_of
-from vsb.study.study import canonical
+from vsb.study.quantities import canonical
 from vsb.tools.files import load
 from vsb.waves.spectra import jonswap_spectrum
 

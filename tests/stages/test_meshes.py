@@ -11,8 +11,9 @@ from vsb.hydro.panels import mesh as meshing
 from vsb.scenes.rest import reference_shell
 from vsb.stages import panels, shell
 from vsb.study.plan import StudyPlan
+from vsb.study.quantities import content_id
 from vsb.study.specs import SphereMesh
-from vsb.study.study import content_id, load
+from vsb.study.study import load
 
 
 @pytest.fixture(scope="module", params=["seed", "pressurised"])

@@ -9,8 +9,9 @@ from conftest import EXAMPLE, varied
 
 from vsb.stages.planning import degree_lines, plan_of, with_degree
 from vsb.study.plan import StudyPlan
+from vsb.study.quantities import content_id
 from vsb.study.sections import DEGREES
-from vsb.study.study import content_id, load
+from vsb.study.study import load
 
 TOLERANT = {"basis": "full", "degree": None, "tolerance": 0.005}
 

@@ -7,7 +7,7 @@ from vsb.hydro.database import load_database
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, fit_radiation
 from vsb.stages import frequency
-from vsb.study.study import content_id
+from vsb.study.quantities import content_id
 from vsb.tools.files import load
 
 

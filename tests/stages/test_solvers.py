@@ -14,8 +14,9 @@ from vsb.stages import water as solving
 from vsb.stages.make import make
 from vsb.stages.water import spectral_problem
 from vsb.study.plan import StudyPlan
+from vsb.study.quantities import content_id
 from vsb.study.specs import DatabaseSpec
-from vsb.study.study import content_id, load
+from vsb.study.study import load
 from vsb.tools import files
 
 

@@ -28,7 +28,7 @@ from vsb.stages.make import make
 from vsb.stages.verify import study_faults
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
-from vsb.study.study import canonical
+from vsb.study.quantities import canonical
 from vsb.tools.files import load, read_groups
 
 pytestmark = pytest.mark.slow

@@ -8,7 +8,7 @@ from invariance import HEAVE, LENGTH, assert_close, factor, renamed, restated, u
 from vsb.stages import campaign
 from vsb.stages.stage import STAGES
 from vsb.study.plans import plan_of
-from vsb.study.study import canonical
+from vsb.study.quantities import canonical
 from vsb.tools.files import load
 from vsb.waves.spectra import jonswap_spectrum
 

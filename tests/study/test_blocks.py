@@ -17,7 +17,7 @@ from vsb.scenes.rest import study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.study.blocks import frequency_step, tolerance_rows
 from vsb.study.plan import StudyPlan
-from vsb.study.study import content_id
+from vsb.study.quantities import content_id
 from vsb.waves.dispersion import wavenumber
 
 

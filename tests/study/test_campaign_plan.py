@@ -10,7 +10,7 @@ from vsb.errors import ConfigError
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import plan_of
-from vsb.study.study import content_id
+from vsb.study.quantities import content_id
 
 
 @pytest.fixture

@@ -18,9 +18,10 @@ from vsb.study.device import (
     waterline_radius,
 )
 from vsb.study.plan import StudyPlan
+from vsb.study.quantities import canonical
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import Water
-from vsb.study.study import canonical, parse
+from vsb.study.study import parse
 
 GIVEN = {
     "radius": 2.0,

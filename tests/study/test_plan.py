@@ -12,9 +12,10 @@ from pydantic import ValidationError
 from vsb.study import specs
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
+from vsb.study.quantities import canonical, content_id
 from vsb.study.sections import Basis
 from vsb.study.specs import PHYSICS
-from vsb.study.study import canonical, content_id, load
+from vsb.study.study import load
 
 
 @pytest.fixture(scope="module")

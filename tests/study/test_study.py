@@ -12,8 +12,8 @@ from study.test_sections import RAW, changed
 from vsb.errors import ConfigError
 from vsb.study import study as config
 from vsb.study.body import BodyStudy
+from vsb.study.quantities import canonical
 from vsb.study.reading import validated
-from vsb.study.study import canonical
 
 
 def shuffled(data, rnd):

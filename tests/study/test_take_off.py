@@ -5,7 +5,8 @@ from conftest import SEED, varied
 
 from vsb.errors import ConfigError
 from vsb.study.plan import StudyPlan
-from vsb.study.study import canonical, load, parse
+from vsb.study.quantities import canonical
+from vsb.study.study import load, parse
 from vsb.study.take_off import Pto, port_kind, positive_semidefinite
 
 

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from vsb.errors import ConfigError
-from vsb.study.study import canonical
+from vsb.study.quantities import canonical
 from vsb.study.waves import Jonswap, OchiHubble, PiersonMoskowitz, RegularWave, WhiteNoise
 
 SEAS = [

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vsb.errors import ConfigError
-from vsb.study.study import Water
+from vsb.study.sections import Water
 from vsb.waves.climate import Climate, height_and_period, impossible, is_doubt, of_records, realised
 from vsb.waves.dispersion import wavenumber
 

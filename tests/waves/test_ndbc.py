@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vsb.errors import ConfigError
-from vsb.study.study import Water
+from vsb.study.sections import Water
 from vsb.waves.ndbc import read_ndbc
 
 SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"

@@ -12,7 +12,8 @@ from vsb.errors import ConfigError
 from vsb.stages.simulate import run_simulate
 from vsb.study.plan import StudyPlan, plan_for
 from vsb.study.records import read_record
-from vsb.study.study import RecordedSea, load, parse
+from vsb.study.study import load, parse
+from vsb.study.waves import RecordedSea
 from vsb.tools.files import load as stored
 from vsb.waves.seas import components, sea
 from vsb.waves.spectra import share_above, share_below, spectrum

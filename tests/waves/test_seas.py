@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.study.study import Jonswap, OchiHubble, PiersonMoskowitz, RegularWave, StillWater, WhiteNoise
+from vsb.study.waves import Jonswap, OchiHubble, PiersonMoskowitz, RegularWave, StillWater, WhiteNoise
 from vsb.waves.seas import FEW, Sea, components, irregular, sea, superposed
 from vsb.waves.spectra import jonswap_spectrum, share_above, share_below, spectrum
 

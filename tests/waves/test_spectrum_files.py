@@ -8,8 +8,8 @@ from conftest import SMALL
 import vsb
 from vsb.errors import ConfigError
 from vsb.study.plan import plan_for
-from vsb.study.study import Jonswap, load, parse
-from vsb.study.waves import TabulatedSea
+from vsb.study.study import load, parse
+from vsb.study.waves import Jonswap, TabulatedSea
 from vsb.waves.seas import components, sea
 from vsb.waves.spectra import share_above, share_below, spectrum
 

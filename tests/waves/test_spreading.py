@@ -10,8 +10,8 @@ from vsb.hydro.orders import Directions, heading_shares
 from vsb.scenes.floating_system import heading_in
 from vsb.study.body import BodyStudy
 from vsb.study.reading import validated
-from vsb.study.study import Jonswap, load, parse
-from vsb.study.waves import Spreading
+from vsb.study.study import load, parse
+from vsb.study.waves import Jonswap, Spreading
 from vsb.waves.seas import irregular
 
 PLANAR = {"motion": "planar", "mooring": [2e4, 0, 0, 0, 0, 0], "modes": {"basis": "membrane", "degree": 2}}

@@ -29,8 +29,9 @@ from vsb.stages import make
 from vsb.stages.planning import with_degree
 from vsb.study.body import AnyStudy, LocatedBody
 from vsb.study.plan import ResultsPlan, plan_for
-from vsb.study.study import Pto, StillWater, Study, Wave
-from vsb.study.take_off import port_kind
+from vsb.study.study import Study
+from vsb.study.take_off import Pto, port_kind
+from vsb.study.waves import StillWater, Wave
 from vsb.tools.files import load
 from vsb.tools.stamps import read_text
 from vsb.waves.climate import Climate

@@ -41,7 +41,7 @@ from vsb.hydro.database import Coefficients, displacements_of, in_modes, with_ex
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.hydro.variables import PAIR
 from vsb.shell.deformed import DeformedShell
-from vsb.study.study import content_id
+from vsb.study.quantities import content_id
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.files import load, save
 

@@ -16,8 +16,7 @@ from vsb.integrators.exact import convolve, propagate, steady_state
 from vsb.integrators.exponential import integrate
 from vsb.integrators.switching import Switching
 from vsb.motion.system import Motion, System
-from vsb.study.sections import LEG, RECORDS_PER_PERIOD, thinning
-from vsb.study.study import Simulation
+from vsb.study.sections import LEG, RECORDS_PER_PERIOD, Simulation, thinning
 from vsb.tools.arrays import BoolArray, FloatArray, IntArray
 from vsb.waves.seas import Sea
 

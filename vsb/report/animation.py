@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.report.interactive import as_script, packed
-from vsb.study.study import Water
+from vsb.study.sections import Water
 from vsb.tools.arrays import FloatArray
 from vsb.waves.dispersion import wavenumber
 from vsb.waves.seas import Sea, superposed

@@ -13,8 +13,10 @@ from vsb.motion.linear import direction_index
 from vsb.scenes.build import TUNED, TUNED_MATRIX
 from vsb.scenes.drag import LINEARISED
 from vsb.scenes.take_off import given_matrix
-from vsb.study.study import BaseStudy, RegularWave, StillWater, Water, Wave
+from vsb.study.sections import Water
+from vsb.study.study import BaseStudy
 from vsb.study.take_off import SeveralPorts
+from vsb.study.waves import RegularWave, StillWater, Wave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.tables import csv_text
 from vsb.waves.dispersion import group_velocity

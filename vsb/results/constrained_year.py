@@ -27,7 +27,8 @@ from vsb.results.year import Bins, bins_of
 from vsb.results.year_validity import limits_of, motion_limits, wave_limits
 from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.study.campaign import CONSTRAINED
-from vsb.study.study import Study, Water
+from vsb.study.sections import Water
+from vsb.study.study import Study
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from vsb.waves.climate import OUTSIDE, YEAR_HOURS, Climate
 

@@ -15,7 +15,7 @@ from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers
 from vsb.results.constrained_year import SECONDS_AT_LEAST, SECONDS_PER_CUBE
-from vsb.study.study import Irregular, IrregularSea, RegularWave, SeaOfFile, SpectralSea
+from vsb.study.waves import Irregular, IrregularSea, RegularWave, SeaOfFile, SpectralSea
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea, regular
 from vsb.waves.spectra import band_variances, spectrum

@@ -12,8 +12,9 @@ from vsb.results.comparison import Attributes, Row, gains, linear_mean, relative
 from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import Line
 from vsb.scenes.drag import LINEARISED
-from vsb.study.study import BaseStudy, IrregularSea
+from vsb.study.study import BaseStudy
 from vsb.study.take_off import Pto, port_kind
+from vsb.study.waves import IrregularSea
 from vsb.tools.words import plain, superscripts
 
 LOST = 0.05

@@ -43,8 +43,8 @@ from vsb.scenes.floating_system import (
 )
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.study.specs import LadderSpec
-from vsb.study.study import IrregularSea, StillWater, Wave
 from vsb.study.take_off import Pto
+from vsb.study.waves import IrregularSea, StillWater, Wave
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.waves.seas import Sea, expected, superposed

@@ -32,7 +32,9 @@ from vsb.study.blocks import no_witness
 from vsb.study.body import BodyStudy
 from vsb.study.keys import KEYS
 from vsb.study.quantities import leaves
-from vsb.study.study import BaseStudy, IrregularSea, RegularWave, StillWater, Study, Water, Wave
+from vsb.study.sections import Water
+from vsb.study.study import BaseStudy, Study
+from vsb.study.waves import IrregularSea, RegularWave, StillWater, Wave
 from vsb.tools.words import plain
 from vsb.waves.dispersion import power_limit, wavenumber
 from vsb.waves.spectra import share_above, share_below

@@ -23,7 +23,8 @@ from vsb.scenes.mode_convergence import (
 from vsb.scenes.ports import BuoyOfShape, buoy_at
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import BuoySystem
-from vsb.study.study import Study, Wave
+from vsb.study.study import Study
+from vsb.study.waves import Wave
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea

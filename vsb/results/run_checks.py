@@ -20,8 +20,9 @@ from vsb.scenes.viability import static_strain
 from vsb.shell.modes import ModeBasis
 from vsb.shell.surface import largest_deformation, largest_displacement, largest_strain
 from vsb.study.quantities import RIGID, ROTATIONS, body_of, motion_of
-from vsb.study.sections import POWER_TOLERANCE
-from vsb.study.study import BaseStudy, RegularWave, Simulation, StillWater, Study, Wave
+from vsb.study.sections import POWER_TOLERANCE, Simulation
+from vsb.study.study import BaseStudy, Study
+from vsb.study.waves import RegularWave, StillWater, Wave
 from vsb.tools.ports import FORCE, MOMENT
 from vsb.tools.words import plain
 from vsb.waves.dispersion import wavenumber

@@ -18,7 +18,8 @@ from scipy.special import stdtrit
 from vsb.hydro.database import Check, check_at_most
 from vsb.results.comparison import in_direction, power_response, power_waves, relative_difference
 from vsb.scenes.drag import LINEARISED
-from vsb.study.study import BaseStudy, Irregular, IrregularSea
+from vsb.study.study import BaseStudy
+from vsb.study.waves import Irregular, IrregularSea
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.tools.words import plain

@@ -37,8 +37,7 @@ from vsb.scenes.latching import body_exact_latching_time, linear_latching_time, 
 from vsb.scenes.take_off import with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import LoadedShell
-from vsb.study.sections import RECORDS_PER_PERIOD
-from vsb.study.study import Simulation
+from vsb.study.sections import RECORDS_PER_PERIOD, Simulation
 from vsb.study.take_off import Pto
 from vsb.tools.arrays import AnyArray, FloatArray, IntArray
 from vsb.waves.seas import Sea

@@ -18,7 +18,7 @@ import xarray as xr
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
 from vsb.motion.tuning import Load, best_damper_of_each, best_of_table, dampers
-from vsb.study.study import Water
+from vsb.study.sections import Water
 from vsb.tools.arrays import AnyArray, FloatArray, IntArray
 from vsb.tools.variables import described
 from vsb.waves.climate import OUTSIDE, YEAR_HOURS, Climate

@@ -8,7 +8,7 @@ import numpy as np
 
 from vsb.results.year import Year, band_weights
 from vsb.scenes.floating_system import InWaves, SeveralInWaves
-from vsb.study.study import Water
+from vsb.study.sections import Water
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from vsb.waves.climate import Climate
 from vsb.waves.dispersion import wavenumber

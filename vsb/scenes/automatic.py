@@ -27,8 +27,8 @@ from vsb.scenes.rest import design_motions, motions_to_degree
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import ModeBasis
+from vsb.study.sections import Simulation
 from vsb.study.specs import Designed
-from vsb.study.study import Simulation
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea
 

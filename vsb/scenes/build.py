@@ -43,8 +43,8 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.orders import OrderBasis, all_clamp_rows
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.specs import BodySystem, BuoySystem, Dynamics, SimulateSpec
-from vsb.study.study import RegularWave
 from vsb.study.take_off import Pto, SeveralPorts
+from vsb.study.waves import RegularWave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 from vsb.waves.seas import NO_WAVES, Sea, expected

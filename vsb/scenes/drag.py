@@ -14,7 +14,7 @@ from vsb.motion.tuning import squares
 from vsb.scenes.floating_system import FloatingSystem, heading
 from vsb.study.directions import Drag, Vane
 from vsb.study.specs import BuoySystem
-from vsb.study.study import Wave
+from vsb.study.waves import Wave
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.dispersion import horizontal_velocity, vertical_velocity
 from vsb.waves.seas import Sea

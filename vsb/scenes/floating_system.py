@@ -30,8 +30,9 @@ from vsb.shell.modes import check_rank, mode_basis, rigid_basis
 from vsb.study.body import BodyDesign, BodyStudy
 from vsb.study.quantities import is_rigid
 from vsb.study.specs import AnyBuoy, BodySystem, LadderSpec, SimulateSpec, SystemSpec
-from vsb.study.study import SeaOfFile, StillWater, Study, Wave
+from vsb.study.study import Study
 from vsb.study.take_off import DofPort
+from vsb.study.waves import SeaOfFile, StillWater, Wave
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.waves.seas import Sea, sea
 

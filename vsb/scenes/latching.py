@@ -25,7 +25,7 @@ from vsb.integrators.periodic import Trials, periodic_power
 from vsb.integrators.simulate import legs
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.study.study import Simulation
+from vsb.study.sections import Simulation
 from vsb.waves.seas import Sea
 
 SCANNED, PAIRED = 16, 8

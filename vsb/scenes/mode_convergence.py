@@ -31,8 +31,8 @@ from vsb.shell.orders import goes_with_sine
 from vsb.study.directions import IN_PLANE, RIGID, Motion
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
-from vsb.study.study import RegularWave, StillWater, Wave
 from vsb.study.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
+from vsb.study.waves import RegularWave, StillWater, Wave
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea, expected, sea

@@ -25,8 +25,9 @@ from vsb.scenes.rest import (
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
+from vsb.study.sections import Water
 from vsb.study.specs import AnyBuoy
-from vsb.study.study import Study, Water
+from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
 POINTS = 13

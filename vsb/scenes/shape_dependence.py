@@ -28,8 +28,10 @@ from vsb.scenes.floating_system import study_sea
 from vsb.scenes.rest import design_motions, loaded_shell, reference_shell
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.loaded import equilibrium
-from vsb.study.study import RegularWave, StillWater, Study, canonical
+from vsb.study.quantities import canonical
+from vsb.study.study import Study
 from vsb.study.take_off import Pto
+from vsb.study.waves import RegularWave, StillWater
 from vsb.tools.arrays import FloatArray
 from vsb.tools.variables import described
 from vsb.waves.seas import Sea, sea

@@ -14,8 +14,8 @@ from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.tuning import best_dampers, frequencies, squares
 from vsb.scenes.floating_system import FloatingSystem, headings, port_in_seas
-from vsb.study.study import Wave
 from vsb.study.take_off import Pto, SeveralPorts, distribution_of, entry_point, port_kind
+from vsb.study.waves import Wave
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import Sea
 

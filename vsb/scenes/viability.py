@@ -28,8 +28,9 @@ from vsb.shell.loaded import LoadedShell, stable_path
 from vsb.shell.modes import ModeBasis
 from vsb.study.body import BodyStudy
 from vsb.study.material import Hookean
+from vsb.study.quantities import canonical
 from vsb.study.specs import BodySystem
-from vsb.study.study import Study, canonical, parse
+from vsb.study.study import Study, parse
 from vsb.tools.arrays import FloatArray
 
 MODULUS = 1e9

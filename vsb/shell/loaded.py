@@ -18,7 +18,8 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell, converged_degree
 from vsb.shell.modes import Mode, ModeBasis
 from vsb.shell.shell import Shell
-from vsb.study.study import Device, Gas, Water
+from vsb.study.device import Device, Gas
+from vsb.study.sections import Water
 from vsb.tools.arrays import FloatArray
 
 

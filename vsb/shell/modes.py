@@ -17,8 +17,8 @@ from scipy.optimize import minimize_scalar
 from vsb.errors import ConfigError
 from vsb.shell.ritz import matrices, natural_modes, strains
 from vsb.shell.shell import Shell, frequency_parameter, legendre
+from vsb.study.device import Device
 from vsb.study.sections import Basis
-from vsb.study.study import Device
 from vsb.tools.arrays import FloatArray
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from scipy.special import legendre_p_all
 
 from vsb.shell.materials import HookeLaw, Incompressible, Law, Wall, law_of
+from vsb.study.device import Device
 from vsb.study.material import Hookean
 from vsb.study.meridian import RestMeridian, spheroid
-from vsb.study.study import Device
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 

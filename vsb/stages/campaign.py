@@ -25,8 +25,9 @@ from vsb.stages.make import solve
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.campaign_plan import Member, members
 from vsb.study.plan import StudyPlan, database_path
+from vsb.study.quantities import canonical, content_id
 from vsb.study.specs import CampaignSpec, MemberSpec, MembersSpec
-from vsb.study.study import Study, canonical, content_id
+from vsb.study.study import Study
 from vsb.tools import packed
 from vsb.tools.files import load, save, write_text
 from vsb.tools.stamps import record

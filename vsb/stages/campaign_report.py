@@ -27,8 +27,10 @@ from vsb.stages.climate import read_climate
 from vsb.stages.shell import shell_modes
 from vsb.study.campaign import CONSTRAINED
 from vsb.study.campaign_plan import figure_names, members
+from vsb.study.quantities import content_id
+from vsb.study.sections import Water
 from vsb.study.specs import CampaignSpec
-from vsb.study.study import Study, Water, content_id
+from vsb.study.study import Study
 from vsb.tools.files import load, write_text
 from vsb.tools.ports import kind_of
 from vsb.tools.stamps import record

@@ -23,8 +23,9 @@ from vsb.scenes.floating_system import study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
 from vsb.stages.stored import Inputs
+from vsb.study.quantities import canonical
 from vsb.study.specs import CompareSpec
-from vsb.study.study import IrregularSea, Wave, canonical
+from vsb.study.waves import IrregularSea, Wave
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 from vsb.waves.seas import NO_WAVES, expected

@@ -8,8 +8,8 @@ from vsb.report.design_figures import figure_of
 from vsb.report.design_page import render
 from vsb.report.svg import drawn
 from vsb.study.design_plan import figure_names
+from vsb.study.quantities import content_id
 from vsb.study.specs import DesignSpec
-from vsb.study.study import content_id
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import record
 

@@ -31,8 +31,9 @@ from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
 from vsb.study.design import Limits, unit_of
 from vsb.study.design_plan import TABLES
+from vsb.study.quantities import canonical, content_id
 from vsb.study.specs import DesignSpec, Search
-from vsb.study.study import Study, canonical, content_id
+from vsb.study.study import Study
 from vsb.study.vary import unit
 from vsb.tools.files import load, save, write_text
 from vsb.tools.stamps import record

@@ -25,8 +25,8 @@ from vsb.results.ladder import as_csv, study_ladder
 from vsb.scenes.floating_system import FloatingSystem, floating_system, stored_body
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.stages.stage import stamp
+from vsb.study.quantities import canonical
 from vsb.study.specs import LadderSpec, RadiationSpec, ResponseSpec
-from vsb.study.study import canonical
 from vsb.study.take_off import SeveralPorts, port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save, write_text

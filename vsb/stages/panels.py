@@ -18,8 +18,8 @@ from vsb.shell.modes import ModeBasis, shell_modes
 from vsb.shell.shell import Shell
 from vsb.stages.stage import stamp
 from vsb.study.blocks import degree
+from vsb.study.quantities import content_id
 from vsb.study.specs import DeformedSpec, LoadedMesh, LoadedShape, PanelsSpec, Shapes, SphereMesh, WitnessSpec
-from vsb.study.study import content_id
 from vsb.tools.files import load, save, write_text
 
 

@@ -17,9 +17,10 @@ from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.plans import Plan
+from vsb.study.quantities import canonical, content_id
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import ClimateSpec, DegreeSpec, Spec
-from vsb.study.study import Study, canonical, content_id
+from vsb.study.study import Study
 from vsb.study.vary import Point
 
 

@@ -12,8 +12,10 @@ from vsb.shell.ritz import natural_modes
 from vsb.shell.shell import Shell, natural_frequencies
 from vsb.study.blocks import BlockSpec, no_witness
 from vsb.study.plan import StudyPlan
+from vsb.study.quantities import content_id
 from vsb.study.specs import PanelsSpec
-from vsb.study.study import RegularWave, StillWater, Study, Wave, content_id
+from vsb.study.study import Study
+from vsb.study.waves import RegularWave, StillWater, Wave
 from vsb.tools.files import load
 
 SECONDS_PER_SPECTRAL_JOB = 2.0

@@ -32,7 +32,9 @@ from vsb.scenes.floating_system import FloatingSystem, band, floating_system, he
 from vsb.stages.stored import Inputs
 from vsb.study.blocks import no_witness
 from vsb.study.body import AnyStudy, BodyFile
-from vsb.study.study import (
+from vsb.study.study import Study
+from vsb.study.take_off import named_ports, port_kind
+from vsb.study.waves import (
     Irregular,
     IrregularSea,
     Jonswap,
@@ -41,10 +43,8 @@ from vsb.study.study import (
     SeaOfFile,
     SpectralSea,
     StillWater,
-    Study,
     Wave,
 )
-from vsb.study.take_off import named_ports, port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record

@@ -13,8 +13,9 @@ from vsb.shell.orders import OrderBasis
 from vsb.shell.shell import curve
 from vsb.stages.stage import stamp
 from vsb.study.meridian import RestMeridian
+from vsb.study.quantities import content_id
 from vsb.study.specs import DisplaySpec, ModesSpec
-from vsb.study.study import Study, content_id
+from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
 from vsb.tools.stamps import record

@@ -19,8 +19,8 @@ from vsb.shell.orders import OrderBasis
 from vsb.shell.surface import enclosed_in_orders
 from vsb.stages.stage import stamp
 from vsb.study.specs import SimulateSpec
-from vsb.study.study import RegularWave, StillWater
 from vsb.study.take_off import port_kind
+from vsb.study.waves import RegularWave, StillWater
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
 

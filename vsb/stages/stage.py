@@ -12,9 +12,9 @@ from pydantic import TypeAdapter, ValidationError
 from vsb.errors import ConfigError
 from vsb.study import specs
 from vsb.study.body import AnyStudy
+from vsb.study.quantities import canonical, result_id
 from vsb.study.reading import one_line
 from vsb.study.specs import Spec
-from vsb.study.study import canonical, result_id
 
 BEM_FILES = "database radiation response witness"
 """What a model without BEM does not have."""

@@ -35,8 +35,10 @@ from vsb.stages.stage import stamp
 from vsb.study.body import BodyHydro
 from vsb.study.campaign import Verify
 from vsb.study.plan import StudyPlan, database_path, radiation_path
+from vsb.study.quantities import content_id
+from vsb.study.sections import Simulation
 from vsb.study.specs import BodySystem, RadiationSpec, VerificationSpec
-from vsb.study.study import Simulation, Study, content_id
+from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
 from vsb.waves.climate import Climate, realised

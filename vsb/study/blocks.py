@@ -7,6 +7,7 @@ from importlib.metadata import version
 from typing import Any
 
 from vsb.errors import ConfigError
+from vsb.study.quantities import content_id
 from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Modes
 from vsb.study.specs import (
     DeformedSpec,
@@ -20,7 +21,8 @@ from vsb.study.specs import (
     SphereMesh,
     WitnessSpec,
 )
-from vsb.study.study import CLEARANCE, IrregularSea, RegularWave, SeaOfFile, Study, content_id
+from vsb.study.study import CLEARANCE, Study
+from vsb.study.waves import IrregularSea, RegularWave, SeaOfFile
 
 BlockSpec = PanelsSpec | SpectralSpec
 BLOCK = 32

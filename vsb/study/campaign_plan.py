@@ -29,6 +29,8 @@ from vsb.study.campaign import (
     where_of,
 )
 from vsb.study.plan import BodyPlan, ResultsFolder, StudyPlan, figure_paths, plan_for
+from vsb.study.quantities import canonical, content_id
+from vsb.study.sections import Simulation
 from vsb.study.specs import (
     BodySystem,
     BuoySystem,
@@ -39,7 +41,7 @@ from vsb.study.specs import (
     Spec,
     VerificationSpec,
 )
-from vsb.study.study import Simulation, canonical, content_id, parse
+from vsb.study.study import parse
 from vsb.study.take_off import port_kind
 from vsb.study.vary import Point
 from vsb.tools.ports import MEMBRANE, SEVERAL

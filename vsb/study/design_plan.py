@@ -9,6 +9,7 @@ from typing import Any
 
 from vsb.study.design import LoadedDesign, read
 from vsb.study.plan import ResultsFolder, figure_paths
+from vsb.study.quantities import content_id
 from vsb.study.sections import DEGREES, Simulation
 from vsb.study.specs import (
     ClimateSpec,
@@ -18,7 +19,6 @@ from vsb.study.specs import (
     DesignVerificationSpec,
     Search,
 )
-from vsb.study.study import content_id
 
 TABLES = ("starts.csv", "optimum.yaml", "competitor.yaml", "pareto.csv", "sensitivity.csv", "budget.csv", "design.nc")
 """Results in the folder of a design problem."""

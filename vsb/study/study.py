@@ -14,8 +14,6 @@ from pydantic import Field, field_validator, model_validator
 from vsb.errors import ConfigError
 from vsb.study.device import (
     Device,
-    Gas,
-    StructuralDamping,
     centre_height,
     check_shape,
     full_volume,
@@ -35,7 +33,7 @@ from vsb.study.directions import (
     check_spreading,
 )
 from vsb.study.material import Hookean, check_rubber
-from vsb.study.quantities import Name, Section, canonical, content_id, result_id
+from vsb.study.quantities import Name, Section
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import (
     RECORDS_PER_PERIOD,
@@ -49,14 +47,8 @@ from vsb.study.sections import (
 )
 from vsb.study.take_off import Pto, SeveralPorts, Tuning, port_kind
 from vsb.study.waves import (
-    Irregular,
     IrregularSea,
-    Jonswap,
-    OchiHubble,
-    PiersonMoskowitz,
     RecordedSea,
-    RegularWave,
-    SeaOfFile,
     SpectralSea,
     StillWater,
     Travelling,
@@ -225,12 +217,6 @@ def check_all(*checks: Callable[[], None]) -> None:
         raise ValueError("\n".join(mistakes))
 
 
-__all__ = [
-    "Design", "Device", "Gas", "Hydro", "Irregular", "IrregularSea", "Jonswap", "Modes", "OchiHubble",
-    "PiersonMoskowitz", "Pto", "Published", "RecordedSea", "RegularWave", "SeaOfFile", "Simulation", "SpectralSea",
-    "StillWater", "StructuralDamping", "Study", "Water", "Wave", "WhiteNoise", "canonical", "content_id", "load",
-    "parse", "result_id",
-]  # fmt: skip
 CLEARANCE = 1.02
 """Least depth the spectral solver is given, in drafts."""
 LEAST_WINDOW = 0.02

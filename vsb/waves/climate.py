@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 
 from vsb.errors import ConfigError
-from vsb.study.study import Water
+from vsb.study.sections import Water
 from vsb.tools.arrays import BoolArray, FloatArray
 from vsb.waves.dispersion import group_velocity
 from vsb.waves.seas import Sea
