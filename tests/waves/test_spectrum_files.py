@@ -99,7 +99,7 @@ def test_a_buoy_that_heaves_takes_all_directions_together(density, tmp_path):
         ("0.2 1\n0.1 1\n", r"sea.csv:2: received 0.1 Hz after 0.2 Hz, needs ascending frequencies"),
         ("0 1\n0.1 1\n", r"frequency.*greater than 0|received 0"),
         ("0.1 1\n", r"received 1 frequencies in sea.csv, needs 2 to 10000"),
-        ("0.1 0\n0.2 0\n", r"density: received 0 throughout, needs waves"),
+        ("0.1 0\n0.2 0\n", r"variance_density: received 0 throughout, needs waves"),
         ("f 0 x 20\n0.1 1 1 1\n0.2 1 1 1\n", r"sea.csv:1: received 'f 0 x 20', needs a word and up to 72 directions"),
         ("f 0 10 30\n0.1 1 1 1\n0.2 1 1 1\n", r"sea.csv:1: received directions 10 to 20 degrees apart, needs equal"),
         ("f 0 10 20\n0.1 1 1 1\n0.2 1 1\n", r"sea.csv:3: received '0.2 1 1', needs 3 numbers|needs 4 numbers"),

@@ -407,7 +407,7 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "SpectrumTable": {
         "frequency": Key("Hz", "[0.1, 0.15, 0.3]", "frequencies, ascending"),
-        "density": Key("m^2/Hz", "[0.0, 1.5, 0.0]", "density at each, linear between them"),
+        "variance_density": Key("m^2/Hz", "[0.0, 1.5, 0.0]", "density at each, linear between them"),
         "directions": Key("degrees", "[0.0, 30.0]", "directions the waves go to, from the x axis"),
         "shares": Key("-", "[[0.5, 0.5], [0.5, 0.5], [0.5, 0.5]]", "of each frequency's energy, by direction"),
     },

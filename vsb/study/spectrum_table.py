@@ -33,7 +33,7 @@ class SpectrumTable(Section):
     """
 
     frequency: Annotated[tuple[Positive, ...], Field(min_length=2, max_length=MOST)]
-    density: tuple[NonNegative, ...]
+    variance_density: tuple[NonNegative, ...]
     directions: Annotated[tuple[Finite, ...], Field(max_length=MOST_DIRECTIONS)] = ()
     shares: tuple[tuple[NonNegative, ...], ...] = ()  # (frequency, direction)
 
@@ -41,10 +41,12 @@ class SpectrumTable(Section):
     def _consistent(self) -> Self:
         if any(later <= earlier for earlier, later in pairwise(self.frequency)):
             raise ValueError("frequency: needs ascending frequencies")
-        if len(self.density) != len(self.frequency):
-            raise ValueError(f"density: received {len(self.density)} numbers, needs one per frequency")
-        if max(self.density) == 0:
-            raise ValueError("density: received 0 throughout, needs waves")
+        if len(self.variance_density) != len(self.frequency):
+            raise ValueError(
+                f"variance_density: received {len(self.variance_density)} numbers, needs one per frequency"
+            )
+        if max(self.variance_density) == 0:
+            raise ValueError("variance_density: received 0 throughout, needs waves")
         rows = len(self.frequency) if self.directions else 0
         if len(self.shares) != rows or any(len(row) != len(self.directions) for row in self.shares):
             raise ValueError("shares: needs a row per frequency, of one number per direction")
@@ -63,7 +65,9 @@ class SpectrumTable(Section):
         """Return the density at some frequencies, of the shape of omega [m^2 s/rad]."""
         import numpy as np
 
-        return np.asarray(np.interp(omega, self.omega, np.asarray(self.density) / (2 * np.pi), left=0.0, right=0.0))
+        return np.asarray(
+            np.interp(omega, self.omega, np.asarray(self.variance_density) / (2 * np.pi), left=0.0, right=0.0)
+        )
 
     def variance_below(self, omega: "FloatArray") -> "FloatArray":
         """Return the variance below some frequencies [rad/s], the exact integral, of the shape of omega [m^2]."""
@@ -130,7 +134,7 @@ class SpectrumTable(Section):
         """Return the directions below which a share of the energy at each frequency lies, shape (omega,) [degrees]."""
         import numpy as np
 
-        energy = np.asarray(self.density)[:, None] * np.asarray(self.shares)
+        energy = np.asarray(self.variance_density)[:, None] * np.asarray(self.shares)
         below = np.cumsum([np.interp(omega, self.omega, one) for one in energy.T], axis=0)  # (direction, omega)
         directions: FloatArray = np.asarray(self.directions)[np.argmax(below >= share * below[-1], axis=0)]
         return directions
@@ -176,7 +180,7 @@ def read_spectrum(path: Path, where: str) -> dict[str, Any]:
     if not 2 <= len(frequency) <= MOST:
         raise ConfigError(f"{where}: received {len(frequency)} frequencies in {path.name}, needs 2 to {MOST}")
     if width == 2:
-        return {"frequency": frequency, "density": [one for (one,) in density]}
+        return {"frequency": frequency, "variance_density": [one for (one,) in density]}
     return {"frequency": frequency} | _by_direction(path, head, density)
 
 
@@ -198,7 +202,7 @@ def _by_direction(path: Path, head: list[str], density: list[list[float]]) -> di
     total = [math.fsum(row) for row in density]
     even = [1 / len(directions)] * len(directions)  # where there is no energy
     return {
-        "density": [step * one for one in total],
+        "variance_density": [step * one for one in total],
         "directions": [directions[i] for i in order],
         "shares": [[row[i] / one for i in order] if one else even for row, one in zip(density, total, strict=True)],
     }
