@@ -22,6 +22,7 @@ from vsb.shell.modes import ModeBasis as ModeBasis
 from vsb.shell.shell import Shell as Shell
 from vsb.stages.climate import read_seas as read_seas
 from vsb.study.body import load_body as load_body
+from vsb.study.design import load_design as load_design
 from vsb.study.device import Device as Device
 from vsb.study.sections import Design as Design
 from vsb.study.sections import Hydro as Hydro

@@ -18,7 +18,7 @@ from vsb.design.evaluation import DesignModel, Quantity
 from vsb.design.optimise import left_out
 from vsb.design.problem import IMPOSSIBLE, POWER
 from vsb.design.year import FrequencyGrid
-from vsb.study.design import load
+from vsb.study.design import load_design
 from vsb.study.sections import DEGREES
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -28,7 +28,7 @@ HOURS = 8766
 def drawn(kind, seed):
     """Sections of a study: the bounds of `config/best_buoy.yaml`; also clamped, undeformed and spheroidal."""
     random = np.random.default_rng(seed)
-    variables = load(CONFIG / "best_buoy.yaml").problem.variables
+    variables = load_design(CONFIG / "best_buoy.yaml").problem.variables
     values = {one.key.partition(".")[2]: one.value(random.uniform()) for one in variables}
     device = {"density": 1100.0, "damping": {"beta": 1e-3}}
     device |= {key: values[key] for key in ("radius", "thickness", "young_modulus", "internal_pressure", "mass")}

@@ -23,7 +23,7 @@ from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
 from vsb.stages.design_preview import check_design
 from vsb.stages.make import work
-from vsb.study.design import load
+from vsb.study.design import load_design
 from vsb.study.design_plan import DesignPlan
 from vsb.study.jobs import jobs, rules
 from vsb.study.plans import plan_of
@@ -143,17 +143,23 @@ def test_results_open_in_python(run):
 
 
 @pytest.mark.slow
-def test_the_example_prints_the_answer(run, capsys, monkeypatch):
-    monkeypatch.setattr(sys, "argv", ["best_buoy.py", run.folder])
-    runpy.run_path(str(HOME / "examples" / "best_buoy.py"))
+def test_the_example_runs_a_design_in_15_lines_and_keeps_what_is_there(run, capsys, monkeypatch):
+    example = HOME / "examples" / "best_buoy.py"
+    code = example.read_text(encoding="utf-8").split("import vsb\n")[1]
+    assert len([line for line in code.splitlines() if line]) <= 15
+    before = {path: Path(path).stat().st_mtime_ns for path in run.products}
+    monkeypatch.chdir(Path(run.root).parent)
+    monkeypatch.setattr(sys, "argv", ["best_buoy.py", "damper.yaml"])
+    runpy.run_path(str(example))
     assert "The best flexible buoy absorbs" in capsys.readouterr().out
+    assert before == {path: Path(path).stat().st_mtime_ns for path in run.products}
 
 
 def test_init_writes_a_design_and_its_study(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     assert main(["init", "mine.yaml", "--design"]) == 0
     assert capsys.readouterr().out.startswith("mine_study.yaml: the study it varies")
-    assert load("mine.yaml").problem.design == "mine"
+    assert load_design("mine.yaml").problem.design == "mine"
     assert main(["init", "mine.yaml", "--design"]) == 2
     assert "mine.yaml: exists already" in capsys.readouterr().err
     with pytest.raises(SystemExit):

@@ -5,7 +5,7 @@ import yaml
 from conftest import SEED
 
 from vsb.errors import ConfigError
-from vsb.study.design import is_design, load
+from vsb.study.design import is_design, load_design
 from vsb.study.design_plan import DesignPlan
 from vsb.study.jobs import jobs
 
@@ -38,7 +38,7 @@ def written(folder, **changes):
 
 
 def test_a_design_file_names_variables_limits_and_a_competitor(folder):
-    loaded = load(written(folder))
+    loaded = load_design(written(folder))
     radius, modulus, _mass = loaded.problem.variables
     assert (radius.key, radius.low, radius.high, radius.log) == ("device.radius", 1.4, 2.6, False)
     assert modulus.log
@@ -61,10 +61,10 @@ def test_a_design_file_names_variables_limits_and_a_competitor(folder):
 
 def test_what_to_know_before_solving(folder):
     """Power grows with size; and a damper that is optimal for power does not give way to a limit of its force."""
-    assert load(written(folder)).notes == []
-    (note,) = load(written(folder, limits={"mass": 2e4})).notes
+    assert load_design(written(folder)).notes == []
+    (note,) = load_design(written(folder, limits={"mass": 2e4})).notes
     assert "the radius will stand at its bound, 2.6 m" in note
-    (note,) = load(written(folder, limits={"force_rms": 2e4})).notes
+    (note,) = load_design(written(folder, limits={"force_rms": 2e4})).notes
     assert note.startswith("limits.force_rms: the damper is the optimal one for power")
 
 
@@ -101,7 +101,7 @@ def test_what_to_know_before_solving(folder):
 )  # fmt: skip
 def test_errors_in_a_design_file(folder, changes, message):
     with pytest.raises(ConfigError, match=message):
-        load(written(folder, **changes))
+        load_design(written(folder, **changes))
 
 
 @pytest.mark.parametrize(
@@ -123,7 +123,7 @@ def test_studies_whose_year_has_no_derivatives_are_refused(folder, changes, mess
     raw = {**yaml.safe_load(SEED.read_text()), **changes}
     (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
     with pytest.raises(ConfigError, match=message):
-        load(written(folder))
+        load_design(written(folder))
 
 
 def test_a_climate_is_known_by_its_contents_wherever_it_lies(folder):
@@ -143,33 +143,35 @@ def test_the_height_of_a_spheroid_may_be_varied_and_its_buckling_is_said_to_be_u
     raw = {**yaml.safe_load(SEED.read_text()), "device": SPHEROID, "modes": {"degree": 4}}
     (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
     variables = {"device.shape.spheroid.height": [2.0, 5.0], "device.thickness": [0.05, 0.1]}
-    loaded = load(written(folder, variables=variables, limits={"load_factor": None, "beam": 4.8}))
+    loaded = load_design(written(folder, variables=variables, limits={"load_factor": None, "beam": 4.8}))
     assert [one.key for one in loaded.competing] == ["device.shape.spheroid.height"]
     assert loaded.notes == [
         "device.shape: buckling is known of the sphere alone and is no limit here; check it otherwise"
     ]
     with pytest.raises(ConfigError, match=r"seed.yaml has no device.shape.capsule.length"):
-        load(written(folder, variables={"device.shape.capsule.length": [1.0, 2.0]}, limits={"load_factor": None}))
+        load_design(
+            written(folder, variables={"device.shape.capsule.length": [1.0, 2.0]}, limits={"load_factor": None})
+        )
 
 
 def test_a_clamp_and_structural_damping_may_be_varied(folder):
     variables = {"designs.VSWEC90.clamp": [60, 120], "device.damping.beta": {"log": [1e-4, 1e-2]}}
-    loaded = load(written(folder, optimise="VSWEC90", variables=variables))
+    loaded = load_design(written(folder, optimise="VSWEC90", variables=variables))
     assert [one.key for one in loaded.problem.variables] == [*variables]
     with pytest.raises(ConfigError, match=r"variables.designs.VSWEC90.clamp: received a clamp that VSWEC, which is"):
-        load(written(folder, variables=variables))
+        load_design(written(folder, variables=variables))
     with pytest.raises(ConfigError, match=r"variables: designs.VSWEC90.clamp: .*needs bounds between 0 and 180"):
-        load(written(folder, optimise="VSWEC90", variables={"designs.VSWEC90.clamp": [0, 90]}))
+        load_design(written(folder, optimise="VSWEC90", variables={"designs.VSWEC90.clamp": [0, 90]}))
     with pytest.raises(ConfigError, match=r"variables.device.material.mu: seed.yaml has no device.material.mu"):
-        load(written(folder, variables={"device.material.mu": [1e5, 1e6]}))
+        load_design(written(folder, variables={"device.material.mu": [1e5, 1e6]}))
 
 
 def test_a_study_of_a_body_is_refused(folder):
     (folder / "seed.yaml").write_text("study: raft\nbody: raft.nc\n")
     with pytest.raises(ConfigError, match=r"study: received seed.yaml, a study of a body; needs a buoy"):
-        load(written(folder))
+        load_design(written(folder))
 
 
 def test_the_shipped_example_is_valid():
-    loaded = load(SEED.parents[2] / "config" / "best_buoy.yaml")
+    loaded = load_design(SEED.parents[2] / "config" / "best_buoy.yaml")
     assert loaded.notes == []

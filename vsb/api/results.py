@@ -6,13 +6,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 import xarray as xr
 
+from vsb.api.best_buoy import BestBuoy
 from vsb.api.plots import StudyPlots
 from vsb.errors import ConfigError
 from vsb.hydro.database import load_database
@@ -28,7 +29,9 @@ from vsb.scenes.floating_system import FloatingSystem, band, floating_system, he
 from vsb.stages import make
 from vsb.stages.planning import with_degree
 from vsb.study.body import AnyStudy, LocatedBody
-from vsb.study.plan import ResultsPlan, plan_for
+from vsb.study.design import LoadedDesign
+from vsb.study.design_plan import DesignPlan
+from vsb.study.plan import AnyPlan, BodyPlan, ResultsPlan, StudyPlan, plan_for
 from vsb.study.study import Study
 from vsb.study.take_off import Pto, port_kind
 from vsb.study.waves import StillWater, Wave
@@ -44,22 +47,35 @@ UNITS = {
 """Units of the columns of tables that do not depend on the port."""
 
 
-def run(study: Study | LocatedBody, folder: str | Path = "results") -> "Results":
-    """Run a whole study in this process: files and numbers are those of `vsb run`, finished ones are kept.
+@overload
+def run(study: Study | LocatedBody, folder: str | Path = "results") -> "Results": ...
+@overload
+def run(study: LoadedDesign, folder: str | Path = "results") -> BestBuoy: ...
+def run(study: Study | LocatedBody | LoadedDesign, folder: str | Path = "results") -> "Results | BestBuoy":
+    """Run a whole study or design problem in this process: files and numbers are those of `vsb run`.
 
     Parameters
     ----------
-    study : Study or LocatedBody
-        See `vsb.load`, `vsb.load_body`.
+    study : Study, LocatedBody or LoadedDesign
+        See `vsb.load`, `vsb.load_body`, `vsb.load_design`.
     folder : str or Path
-        Folder of all results; studies in it share their hydrodynamics.
+        Folder of all results, of which finished ones are kept; studies in it share their hydrodynamics.
 
     Raises
     ------
     VsbError
         If the study cannot be run, a check of its hydrodynamics fails, or another run is at work in the folder.
     """
-    return Results(make.run(study, folder), str(folder))
+    if isinstance(study, LoadedDesign):
+        problem = DesignPlan(study, root=str(folder))
+        make.run(problem)
+        return BestBuoy(problem.folder)
+    if isinstance(study, LocatedBody):
+        plan: AnyPlan = BodyPlan(study.study, root=str(folder), files=study.files)
+    else:
+        plan = with_degree(StudyPlan(study, root=str(folder)))
+    make.run(plan)
+    return Results(plan.study, str(folder))
 
 
 @dataclass(frozen=True, repr=False)

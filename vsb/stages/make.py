@@ -1,38 +1,29 @@
-"""A study in this process: its stages in the order of their inputs, finished files kept, without Snakemake."""
+"""A plan in this process: its stages in the order of their inputs, finished files kept, without Snakemake."""
 
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from vsb.stages.check import check_plan
 from vsb.stages.locks import exclusive_lock, shared_lock
-from vsb.stages.planning import with_degree
 from vsb.stages.stage import STAGES
 from vsb.stages.verify import stale_products
-from vsb.study.body import BodyStudy, LocatedBody
 from vsb.study.jobs import Job, blocks, jobs
-from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
+from vsb.study.plan import StudyPlan
+from vsb.study.plans import Plan
 from vsb.study.study import Study
 from vsb.tools.files import check_folder
 
 
-def run(study: Study | LocatedBody, folder: str | Path = "results") -> Study | BodyStudy:
-    """Run a whole study in this process and return it as it was run: files and numbers are those of `vsb run`.
-
-    `vsb.run` (`vsb.api.results`) opens its results as well.
-    """
-    if isinstance(study, LocatedBody):
-        plan: AnyPlan = BodyPlan(study.study, root=str(folder), files=study.files)
-    else:
-        plan = with_degree(StudyPlan(study, root=str(folder)))
+def run(plan: Plan) -> None:
+    """Make all products of a plan in this process: files and numbers are those of `vsb run`, finished ones are kept."""
     check_plan(plan)
-    check_folder(folder)
+    check_folder(plan.root)
     with exclusive_lock(Path(plan.folder)):
         make(plan, plan.products, stale=stale_products(plan, dry=False))
-    return plan.study
 
 
-def make(plan: AnyPlan, targets: Collection[str], stale: Collection[str] = ()) -> None:
-    """Make files of a study, and what they need; those that are there, and not stale, are kept."""
+def make(plan: Plan, targets: Collection[str], stale: Collection[str] = ()) -> None:
+    """Make files of a plan, and what they need; those that are there, and not stale, are kept."""
     _run(plan, due(jobs(plan), targets, stale), stale)
 
 
@@ -58,7 +49,7 @@ def solve(plan: StudyPlan) -> None:
         _run(plan, due(list(blocks(plan)), targets))
 
 
-def _run(plan: AnyPlan, some: Sequence[Job], stale: Collection[str] = ()) -> None:
+def _run(plan: Plan, some: Sequence[Job], stale: Collection[str] = ()) -> None:
     """Run jobs in their order, each alone at its shared files."""
     for job in some:
         with shared_lock(plan.root, filter(plan.is_shared, job.makes)):

@@ -274,7 +274,7 @@ class LoadedDesign(Section):
         return found
 
 
-def load(path: str | Path) -> LoadedDesign:
+def load_design(path: str | Path) -> LoadedDesign:
     """Read and validate a design file and the study it names.
 
     Raises
@@ -286,7 +286,7 @@ def load(path: str | Path) -> LoadedDesign:
 
 
 def read(raw: object, source: str) -> LoadedDesign:
-    """Validate a design problem given as nested mappings, its files relative to that of its source; see `load`."""
+    """Validate a design problem as nested mappings, its files relative to that of its source; see `load_design`."""
     problem = validated(Optimisation, raw, source)
     folder = Path(source).parent
     given = read_yaml(folder / problem.study, "a study file such as config/buoy.yaml")
