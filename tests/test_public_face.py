@@ -56,6 +56,7 @@ def test_example_gives_the_numbers_of_the_response(example, results):
         stored = results.response.sel(design=design, omega=wave.omega)
         best = results.port(design, [wave.omega]).power(float(stored.best_damping))[0]
         assert best == pytest.approx(float(stored.absorbed_power), rel=1e-9) == pytest.approx(float(stored.best_power))
+        assert float(stored.period) == pytest.approx(wave.period)
         port = results.port(design)
         assert np.array_equal(port.omega, results.database.omega)
         assert np.all(port.power(np.geomspace(1e2, 1e6, 9)) <= port.best_power * (1 + 1e-12))

@@ -105,7 +105,8 @@ def test_control_levels_are_ordered_beside_drag(small):
 def test_drag_coefficients(coefficient, area):
     """rho C A |u| u/2; on a rotation the lever enters cubed."""
     plate = {"coefficient": coefficient, "area": area}
-    found = coefficients(Drag(heave=plate, surge=plate, pitch={**plate, "lever": 2.0}), 1025.0)
+    drag = Drag(heave=plate, surge=plate, pitch={**plate, "lever": 2.0})
+    found = coefficients(drag.plates.values(), 1025.0)
     assert found == pytest.approx(512.5 * coefficient * area * np.array([1.0, 1.0, 8.0]), rel=1e-14)
 
 
@@ -114,7 +115,7 @@ def test_wave_velocity_at_finite_depth(towards):
     """w cosh k(z + d)/sinh kd along the wave, -i w sinh k(z + d)/sinh kd upwards, no rotation."""
     plate, vane = {"coefficient": 1.0, "area": 1.0}, {"coefficient": 1.0, "area": 1.0, "lever": 2.0}
     drag = Drag(surge=plate, sway=plate, heave=plate, roll=vane, pitch=vane, yaw=vane)
-    run = SimpleNamespace(drag=drag, water=Water(depth=10.0, gravity=9.6), draft=3.0)
+    run = SimpleNamespace(plates=drag.plates, water=Water(depth=10.0, gravity=9.6), draft=3.0)
     omega = np.array([0.7, 1.9])
     k = np.array([wavenumber(w, 10.0, 9.6) for w in omega])
     along = omega * np.cosh(k * 8.5) / np.sinh(k * 10.0)

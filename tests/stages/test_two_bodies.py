@@ -11,6 +11,7 @@ from browser import evaluated
 
 import vsb
 from vsb.api.results import Results
+from vsb.errors import ConfigError
 from vsb.hydro.formats.wamit import import_wamit
 from vsb.report import html
 from vsb.report.page import STILL
@@ -61,13 +62,13 @@ def theirs():
     return import_wamit(RM3, "rm3", density=1000.0, gravity=9.81)
 
 
-def solved(ds, coupled=True):
-    """Heaves of float and spar in the regular wave, by the equation of motion alone [m]."""
+def solved(ds, coupled=True, drag=0.0):
+    """Heaves of float and spar in the regular wave, by the equation of motion alone [m]; a damper drags the float."""
     omega, b = 2 * np.pi / PERIOD, np.array([1.0, -1.0])
     kept = np.ones((2, 2)) if coupled else np.eye(2)
     here = ds.interp(omega=omega, method="cubic")
     inertia = np.diag(MASSES) + kept * here.added_mass.values
-    damping = kept * here.radiation_damping.values + DAMPER * np.outer(b, b)
+    damping = kept * here.radiation_damping.values + DAMPER * np.outer(b, b) + np.diag([drag, 0.0])
     impedance = -(omega**2) * inertia - 1j * omega * damping + ds.hydrostatic_stiffness.values
     return AMPLITUDE * np.linalg.solve(impedance, here.excitation_force.values[0])
 
@@ -119,6 +120,24 @@ def test_power_between_two_bodies_reaches_the_limit_of_heave_radiation(rm3):
     share = response.matched_power.sel(design="rm3").values / (flux * 9.81 / omega**2)
     here = (omega > 0.3) & (omega < 1.5)
     assert share[here] == pytest.approx(1.0, abs=0.012)
+
+
+def test_quadratic_drag_of_the_float(theirs, tmp_path):
+    """As WEC-Sim's quadDrag, on the velocity of the float alone: 8/(3 pi) c |U| by iteration, and the run in time."""
+    plate = {"coefficient": 1.0, "area": 314.0}
+    c, drag = 0.5 * 1000.0 * 1.0 * 314.0, 0.0
+    for _ in range(60):
+        drag = 8 / (3 * np.pi) * c * 2 * np.pi / PERIOD * abs(solved(theirs, drag=drag)[0])
+    expected = power(solved(theirs, drag=drag))
+    assert expected != pytest.approx(power(solved(theirs)), rel=0.03)  # else the drag would not have been tested
+    changes = {"designs": {"rm3": {"dofs": HEAVES}}, "drag": {HEAVES[0]: plate}}
+    found = vsb.run(load_body(study(tmp_path, wamit(), **changes)), tmp_path / "results")
+    assert level(found, "rm3", "fixed") == pytest.approx(expected, rel=2e-3)
+    row = found.comparison.to_dict("records")[0]
+    assert row["power_mean"] == pytest.approx(expected, rel=0.01)
+    assert row["energy_residual"] < 1e-6
+    with pytest.raises(ConfigError, match=r"drag.Heave: no such degree of freedom; needs some of body1__Heave"):
+        vsb.run(load_body(study(tmp_path, wamit(), drag={"Heave": plate})), tmp_path / "results")
 
 
 def test_locked_bodies_absorb_nothing(rm3):

@@ -132,9 +132,13 @@ class Results:
 
     @cached_property
     def response(self) -> xr.Dataset:
-        """Response amplitude operators, ports, powers and wet natural frequencies of all designs."""
+        """Response amplitude operators, ports, powers and wet natural frequencies of all designs.
+
+        By `omega` [rad/s], with `period` [s] beside it.
+        """
         path = self._with_bem("frequency response", *self.plan.response_files.values())
-        return load(path, expected=self.plan.response_id)
+        stored = load(path, expected=self.plan.response_id)
+        return stored.assign_coords(period=("omega", 2 * np.pi / stored.omega.values, {"units": "s"}))
 
     @cached_property
     def database(self) -> xr.Dataset:
@@ -237,7 +241,7 @@ class Results:
             If the study has drag or an efficiency below 1, which a year by linear theory does not know.
         """
         pto = self.study.pto
-        if self.study.drag_of_buoy is not None:
+        if self.study.plates:
             raise ConfigError("drag: a year by linear theory does not know it; needs a study without drag")
         if pto.efficiency != 1.0:
             raise ConfigError(f"pto.efficiency: received {pto.efficiency:g}; a year needs 1")

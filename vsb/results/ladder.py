@@ -133,9 +133,10 @@ def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
         return [*levels, *material_levels(study, floating, seas, levels)]
     ports = {design: port_in_seas(floating, design, pairs) for design in study.designs}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
-    buoy, dragged = study.buoy, None
-    if buoy and buoy.drag:
-        dragged = {design: dragged_port(buoy, floating, design, headings(pairs)) for design in study.designs}
+    dragged = None
+    if study.system.plates:
+        going = headings(pairs)
+        dragged = {design: dragged_port(study.system, floating, design, going) for design in study.designs}
     levels = levels_of(ports, seas, families, given, study.simulation.duration, dragged)
     if pto.limited:
         levels += constrained_levels(study, floating, seas)

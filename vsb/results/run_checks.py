@@ -222,9 +222,9 @@ def agreement_checks(study: BaseStudy, frequency: xr.Dataset, rows: Sequence[Row
 
 def _dampers_in_words(study: BaseStudy, run: Any) -> str:
     """Equivalent dampers of a run's drag; of several directions each with its name."""
-    names = list(study.drag_of_buoy.directions) if study.drag_of_buoy else ["heave"]
+    names = [name.lower() if study.buoy else name for name in study.plates] or ["heave"]
     values = [plain(float(damper)) for damper in np.atleast_1d(run[DAMPERS])]
     if names == ["heave"]:
         return f"{values[0]} {FORCE.damping_unit}"
-    units = ((MOMENT if name.capitalize() in ROTATIONS else FORCE).damping_unit for name in names)
+    units = ((MOMENT if name.rpartition("__")[2].capitalize() in ROTATIONS else FORCE).damping_unit for name in names)
     return " and ".join(f"{c} {unit} of {name}" for c, unit, name in zip(values, units, names, strict=True))

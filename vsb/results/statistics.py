@@ -324,7 +324,7 @@ def statistical_checks(study: BaseStudy, lines: Sequence[Line]) -> list[Check]:
             share, text = _sharpness(line, [other for other in lines if other.sea == line.sea])
             checks.append(check_at_most("statistical_error", share, 0.1, "-", text, doubt=True, **where))
         if study.hydro.model == "linear" and not study.pto.nonlinear:
-            limit = AGREEMENT_WITH_DRAG if study.drag_of_buoy else AGREEMENT
+            limit = AGREEMENT_WITH_DRAG if study.plates else AGREEMENT
             expected = line.power_linear_record
             text = f"relative difference of mean power from linear theory in the same waves, {plain(expected)} W"
             difference = relative_difference(line.power_mean, expected)

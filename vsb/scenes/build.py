@@ -203,7 +203,7 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     orders = order_bases(system, shape.basis)
     waves, spectral = (study_sea(run, w, ds) for w in (wave, expected(wave)))
     others = [(w, study_sea(run, expected(w), ds)) for w in run.seas]
-    dragged = None if system.drag is None else partial(dragged_port, system)
+    dragged = partial(dragged_port, system) if system.plates else None
     pto = tuned_take_off(run.pto, design, floating, others or [(wave, spectral)], dragged)
     notes = tuned_notes(run.pto, pto)
     notes |= linearised(system, floating, design, pto, wave, spectral)
@@ -231,14 +231,16 @@ def body_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     body = floating.linear
     waves = study_sea(run, wave, body.database)
     tuned_in = [(one, study_sea(run, expected(one), body.database)) for one in run.seas or (wave,)]
-    pto = tuned_take_off(run.pto, design, floating, tuned_in)
+    dragged = partial(dragged_port, system) if system.plates else None
+    pto = tuned_take_off(run.pto, design, floating, tuned_in, dragged)
     notes = {"model": "linear"} | ({} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)})
+    notes |= linearised(system, floating, design, pto, wave, study_sea(run, expected(wave), body.database))
     motions = floating.motions[design]
     equipped = replace(floating.towards(heading(wave)), pto=pto)
     memory = body_memory(paths["radiation"])
     check_followed(memory, waves, wave.label)
     scene = linear_scene(equipped, memory.model, waves, motions, memory.added_mass_inf)
-    scene = with_take_off(scene, run.pto, pto)
+    scene = with_drag(with_take_off(scene, run.pto, pto), system, wave, waves)
     if run.pto.has_latching_time and scene.law:
         damper, best, tuned = _latched(scene, run, waves, equipped, motions)
         scene = with_latching_time(scene, best.time, damper)

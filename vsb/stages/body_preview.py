@@ -20,6 +20,7 @@ from vsb.motion.frequency import allowed_part, compliance
 from vsb.motion.linear import LinearSystem, direction_index
 from vsb.results import ledger
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
+from vsb.scenes.drag import dragged
 from vsb.scenes.floating_system import floating_body, port_in_seas, study_sea
 from vsb.scenes.take_off import check_law
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
@@ -76,6 +77,7 @@ def checked_body(plan: BodyPlan) -> CheckedBody:
             )
     for i, wave in enumerate(study.waves):
         check_wave(i, wave, body)
+    dragged(study.plates, body.labels)
     study.check_dampers()
     check_law(study.pto)
     check_stored(plan)

@@ -176,7 +176,7 @@ def no_slider(study: AnyStudy) -> str:
     """Return why a reader cannot move the damping of a study on its page; empty if impedance and sea give its power."""
     spread = any(isinstance(wave, SpectralSea) and wave.spreads for wave in study.waves)
     reasons = (
-        (study.drag_of_buoy, "drag takes power that depends on the amplitude"),
+        (study.plates, "drag takes power that depends on the amplitude"),
         (study.pto.spring_costs, "the spring loses reactive power"),
         (spread, "waves of a spread sea come from many directions"),
         (study.pto.several, "the take-off has several ports"),

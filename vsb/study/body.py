@@ -22,6 +22,7 @@ from pydantic import (
 )
 
 from vsb.errors import ConfigError
+from vsb.study.directions import BodyDrag, Plate, check_followed
 from vsb.study.quantities import RIGID, Count, Finite, Name, NonNegative, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Published, Simulation, Water
@@ -289,7 +290,6 @@ REPAIRS = ("positive_damping", "kramers_kronig", "phases")
 NOT_OF_A_BODY = {
     "device": "is the spherical buoy; a study has a device or a body",
     "modes": "are shapes of the spherical shell; those of a body stand in its files",
-    "drag": "brakes the buoy's rigid motions past the water; a body is linear, its dampers are body.damping",
     "reference_shape": "is of the spherical shell; a body is linear about the rest its files are of",
 }
 """Keys of a study of a buoy that make no sense here, and why."""
@@ -424,9 +424,15 @@ class BodyStudy(BaseStudy):
     water: Water = Water()
     hydro: BodyHydro = BodyHydro()
     pto: Pto = Pto()
+    drag: BodyDrag | None = None
     waves: Annotated[tuple[Wave, ...], Field(min_length=1)]
     simulation: Simulation = Simulation()
     published: Published | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_drag(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out a drag that is not given."""
+        return {key: value for key, value in dump(self).items() if (key, value) != ("drag", None)}
 
     @field_validator("body", mode="before", json_schema_input_type=str | Body)
     @classmethod
@@ -480,9 +486,16 @@ class BodyStudy(BaseStudy):
         if self.pto.port != "heave" and not isinstance(self.pto.port, DofPort):
             raise ValueError("pto.port: is of the spherical shell; needs {dof: NAME} or {dofs: {NAME: share, ...}}")
         method = self.simulation.method
+        if self.drag is not None:
+            check_followed("linear", method, self.pto)
         if method == "exponential" or (self.pto.nonlinear and method != "auto"):
             suitable = "auto" if self.pto.nonlinear else "auto, exact, convolution or structure_preserving"
             raise ValueError(f"simulation.method {method!r}: cannot follow this body and take-off; needs {suitable}")
+
+    @property
+    def plates(self) -> Mapping[str, Plate]:
+        """What brakes each degree of freedom that quadratic drag acts on."""
+        return self.drag or {}
 
     @property
     def needs_bem(self) -> bool:

@@ -359,7 +359,7 @@ def _check_linear(study: AnyStudy, where: str) -> None:
         raise ConfigError(
             f"{where}: motion: received 'free'; the seas of a year have no directions: needs motion: heave or planar"
         )
-    if study.drag_of_buoy is not None:
+    if study.plates:
         raise ConfigError(f"{where}: drag: a year is computed by linear theory, which has no drag; remove it")
     if study.pto.efficiency != 1.0:
         raise ConfigError(f"{where}: pto.efficiency: received {study.pto.efficiency:g}; a year needs 1")

@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from vsb.study.quantities import Finite, NonNegative, Positive, Section, within
+from vsb.study.quantities import Finite, Name, NonNegative, Positive, Section, within
 from vsb.study.sections import DEGREES
 from vsb.study.take_off import LinePort, Pto
 
@@ -26,6 +26,10 @@ class Vane(Plate):
     lever: Positive
 
 
+BodyDrag = Annotated[dict[Name, Vane | Plate], Field(min_length=1)]
+"""Quadratic drag on degrees of freedom of a body, by name; of the body's velocity alone, the waves' flow left out."""
+
+
 class Drag(Section):
     """Quadratic drag on the buoy's rigid motion past the water, whose flow is that of the undisturbed waves."""
 
@@ -41,6 +45,11 @@ class Drag(Section):
         if not self.directions:
             raise ValueError(f"needs one of {', '.join(type(self).model_fields)}")
         return self
+
+    @property
+    def plates(self) -> Mapping[str, Plate]:
+        """What brakes each degree of freedom it acts on."""
+        return {name.capitalize(): plate for name, plate in self.directions.items()}
 
     @property
     def directions(self) -> Mapping[str, Plate]:

@@ -299,6 +299,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "water": Key("", "{density: 1000.0}", "the sea without its waves; of a body file its own if it is left out"),
         "hydro": Key("", "{tolerance: 0.01}", "radiation memory and checks of the coefficients"),
         "pto": Key("", "{damping: 1.0e+6, port: {dof: Mode7}}", "power take-off; its port is of degrees of freedom"),
+        "drag": Key("", "{Heave: {coefficient: 1.0, area: 12.0}}", "quadratic drag on the velocity of the body itself"),
         "waves": Key("", "[{kind: jonswap, hs: 1.0, tp: 7.0, direction: 45.0}]", "seas, each with a direction"),
         "simulation": Key("", "{duration: 600.0, window: [100.0, 600.0]}", "runs in time"),
         "published": Key(

@@ -549,7 +549,8 @@ class BodyPlan(ResultsPlan):
 
     def system(self, *names: str, **changed: Any) -> BodySystem:
         """The body, as a stage after its database reads it."""
-        return BodySystem(**{name: getattr(self.study, name) for name in ("designs", "water", "pto")} | changed)
+        study, dragged = self.study, {"drag": self.study.drag} if "drag" in names and self.study.drag else {}
+        return BodySystem(**{"designs": study.designs, "water": study.water, "pto": study.pto} | dragged | changed)
 
     @property
     def _memory(self) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from vsb.study.body import AnyStudy, Body, BodyDesign, BodyHydro
 from vsb.study.campaign import Constrained, Scatter, Spectra, Tunings, Verify
 from vsb.study.design import Objective, Variable
 from vsb.study.device import Device, Shape, centre_height
-from vsb.study.directions import Drag, Mooring, Motion
+from vsb.study.directions import BodyDrag, Drag, Mooring, Motion, Plate
 from vsb.study.quantities import Name, Section
 from vsb.study.sections import Basis, Design, Hydro, Modes, RestShape, Simulation, Water
 from vsb.study.study import Buoy, Study, WithDesigns, first_rigid
@@ -125,13 +125,24 @@ class BuoySystem(Sparse, Buoy):
     reference_shape: RestShape | None = None
     drag: Drag | None = None
 
+    @property
+    def plates(self) -> Mapping[str, Plate]:
+        """What brakes each degree of freedom that quadratic drag acts on."""
+        return self.drag.plates if self.drag else {}
 
-class BodySystem(WithDesigns):
+
+class BodySystem(Sparse, WithDesigns):
     """A body as a stage after its database reads it, which knows all else."""
 
     designs: dict[Name, BodyDesign]
     water: Water
     pto: Pto
+    drag: BodyDrag | None = None
+
+    @property
+    def plates(self) -> Mapping[str, Plate]:
+        """What brakes each degree of freedom that quadratic drag acts on."""
+        return self.drag or {}
 
     @property
     def buoy(self) -> None:

@@ -27,6 +27,7 @@ from vsb.study.directions import (
     Drag,
     Mooring,
     Motion,
+    Plate,
     check_directions,
     check_followed,
     check_heading,
@@ -166,9 +167,9 @@ class BaseStudy(WithDesigns):
         """Directions of its waves [degrees]; none where direction does not matter."""
 
     @property
-    def drag_of_buoy(self) -> Drag | None:
-        """The viscous drag; a body has none."""
-        return self.buoy.drag if self.buoy else None
+    @abstractmethod
+    def plates(self) -> Mapping[str, Plate]:
+        """What brakes each degree of freedom that quadratic drag acts on."""
 
     @abstractmethod
     def fastest(self, wave: Wave) -> float:
@@ -522,6 +523,11 @@ class Study(Buoy, BaseStudy):
     def orders(self) -> tuple[int, ...]:
         """Azimuthal orders of what moves: 0 of heave; 1 of surge and pitch; of shell modes as many as asked for."""
         return tuple(range(1 + (0 if self.motion == "heave" else self.modes.order if self.flexible else 1)))
+
+    @property
+    def plates(self) -> Mapping[str, Plate]:
+        """What brakes each degree of freedom that quadratic drag acts on."""
+        return self.drag.plates if self.drag else {}
 
     @property
     def directions(self) -> tuple[float, ...]:
