@@ -228,8 +228,13 @@ def _resolution(study: Study, between: tuple[float, float], degree: int) -> tupl
     shell, moved = DeformedShell(basis, study.centre_height), displacements(degree if study.flexible else 0)
     problem = SpectralProblem(shell, moved, water.density, water.gravity, NODES, water.depth)
     ends = [between[0], sum(between) / 2, between[1]]
-    while problem.nodes < MOST_NODES and largest_error(problem.error_estimate(ends)) > RESOLVED:
-        problem = replace(problem, nodes=problem.nodes * 3 // 2)
+    error = largest_error(problem.error_estimate(ends))
+    while error > RESOLVED and problem.nodes < MOST_NODES:
+        finer = replace(problem, nodes=problem.nodes * 3 // 2)
+        before, error = error, largest_error(finer.error_estimate(ends))
+        if error > before / 2:  # round-off, which more nodes do not lessen
+            break
+        problem = finer
     solves, error = SOLVES, np.inf
     while error > RESOLVED and solves < MOST_SOLVES:
         coarse, fine = (chebyshev(*between, count) for count in (solves, 2 * solves))

@@ -2,7 +2,8 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -51,19 +52,25 @@ def degrees_of(search: Search) -> Sequence[int | None]:
     return search.degrees or (None,)
 
 
-def own_place(search: Search, climate: Climate) -> FloatArray:
+def own_place(problem: Problem) -> FloatArray:
     """Return the place of the study's own buoy, moved into the bounds; with its optimal damper if it gives none."""
-    degree, keys = degrees_of(search)[0], [one.key for one in search.variables]
-    study = study_of(search, degree)
-    own = dict(zip(keys, DesignModel.of(study, search.design, climate, keys, degree).point, strict=True))
+    model, variables = problem.model, problem.variables
+    assert isinstance(model, DesignModel)
+    keys = model.variables
+    own = dict(zip(keys, model.point, strict=True))
     if own.get(DAMPER) == 0.0:
-        others = [key for key in keys if key != DAMPER]
-        model = DesignModel.of(study, search.design, climate, others, degree)
+        others = tuple(key for key in keys if key != DAMPER)
         try:
-            own[DAMPER] = model.at([own[key] for key in others])["damping"].value
+            own[DAMPER] = replace(model, variables=others).at([own[key] for key in others])["damping"].value
         except IMPOSSIBLE:
-            own[DAMPER] = search.variables[keys.index(DAMPER)].value(0.5)
-    return np.array([one.scaled(one.clipped(own[one.key])) for one in search.variables])
+            own[DAMPER] = variables[keys.index(DAMPER)].value(0.5)
+    return np.array([one.scaled(one.clipped(own[one.key])) for one in variables])
+
+
+def places(problem: Problem, starts: int, seed: int, start: int) -> list[FloatArray]:
+    """Return the places one of several starts tries in turn."""
+    own = own_place(problem)
+    return [*start_places(starts, len(own), seed, own)][start] if own.size else [own]
 
 
 def from_start(search: Search, climate: Climate, starts: int, seed: int, start: int, seen: Progress) -> Converged:
@@ -71,13 +78,13 @@ def from_start(search: Search, climate: Climate, starts: int, seed: int, start: 
 
     Raises `ConvergenceError` if no buoy rests among the places it tried.
     """
-    place = own_place(search, climate)
-    places = [*start_places(starts, len(search.variables), seed, place)][start] if search.variables else [place]
 
+    @cache
     def of(degree: int | None) -> Problem:
         return problem_of(search, climate, degree)
 
-    return converged(of, degrees_of(search), search.tolerance, places, seen)
+    degrees = degrees_of(search)
+    return converged(of, degrees, search.tolerance, places(of(degrees[0]), starts, seed, start), seen)
 
 
 @dataclass(frozen=True)
