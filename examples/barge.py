@@ -172,7 +172,7 @@ class BargeStudy(Section):
     tolerance: Annotated[Number, Field(ge=1e-5, le=0.1)] | None = None
 
     @model_validator(mode="after")
-    def _afloat_above_the_ground(self) -> "BargeStudy":
+    def _floats_above_the_ground(self) -> "BargeStudy":
         if not self.omega or list(self.omega) != sorted(set(self.omega)):
             raise ValueError(f"omega {list(self.omega)}: needs at least one value, ascending without repetition")
         if not self.water.depth > self.barge.draught:

@@ -32,7 +32,7 @@ POWERS = {
 }  # fmt: skip
 """Of length and mass in each quantity of a study."""
 NAMES = {"FSB": "Zeta", "VSWEC": "Mid", "VSWEC90": "Alpha"}
-"""Of designs, which are told in the order of their names."""
+"""Of designs, which are lines in the order of their names."""
 
 
 def assert_close(found, expected, what, rtol=1e-7):
@@ -190,9 +190,9 @@ def by_label(plan):
 
 def rows_by_words(rows):
     """Words and numbers of the rows of a table, sorted by words."""
-    told = [{k: v for k, v in row.items() if k not in MACHINE} for row in rows if row.get("name") not in MACHINE]
-    words = [[usual(str(v)) for v in row.values() if not isinstance(v, float)] for row in told]
-    numbers = [[(v, part(k)) for k, v in row.items() if isinstance(v, float)] for row in told]
+    lines = [{k: v for k, v in row.items() if k not in MACHINE} for row in rows if row.get("name") not in MACHINE]
+    words = [[usual(str(v)) for v in row.values() if not isinstance(v, float)] for row in lines]
+    numbers = [[(v, part(k)) for k, v in row.items() if isinstance(v, float)] for row in lines]
     return sorted(zip(words, numbers, strict=True))
 
 

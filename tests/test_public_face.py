@@ -230,6 +230,6 @@ def test_figures_take_and_return_axes(results, tmp_path, monkeypatch):
 def test_wrong_values_are_errors_of_one_line():
     with pytest.raises(ConfigError) as raised:
         vsb.Device(radius=-2.0, thicknes=0.01, young_modulus=1e7, poisson_ratio=0.3, density=2700.0, mass=17170.0)
-    told = raised.value.mistakes
-    assert any(re.match(r"Device: thicknes: .*thickness", line) for line in told)
-    assert any(re.match(r"Device: radius: received -2", line) for line in told)
+    lines = raised.value.mistakes
+    assert any(re.match(r"Device: thicknes: .*thickness", line) for line in lines)
+    assert any(re.match(r"Device: radius: received -2", line) for line in lines)

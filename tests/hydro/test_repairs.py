@@ -1,4 +1,4 @@
-"""Repairs of coefficients: as little as it takes, bounded, and told with their size."""
+"""Repairs of coefficients: as little as it takes, bounded, and reported with their size."""
 
 import numpy as np
 import pytest
@@ -50,8 +50,8 @@ def test_repaired_damping_is_positive_between_frequencies():
     assert np.array_equal(mended.radiation_damping.values[9:], ds.radiation_damping.values[9:])
     assert np.array_equal(mended.added_mass.values, ds.added_mass.values)
     changed = (mended.radiation_damping.values != ds.radiation_damping.values).any(axis=(1, 2)).sum()
-    told = f"read; damping made positive definite at {changed} of {len(OMEGA)} frequencies"
-    assert mended.attrs["history"].startswith(told)
+    note = f"read; damping made positive definite at {changed} of {len(OMEGA)} frequencies"
+    assert mended.attrs["history"].startswith(note)
     assert 5 <= changed <= 9
     (check,) = checks
     assert (check.name, check.verdict, check.limit) == ("repaired positive_damping", "doubt", 0.2)

@@ -150,13 +150,13 @@ def test_limits_are_solved_where_they_exist(depth, order, names):
 def test_points_and_solves_both_follow_from_the_tolerance(tolerance, step, solves):
     grid = list(np.arange(1, round(12.8 / step) + 1) * step)
     found = converged_on_grid(buoy(nodes=8), grid, tolerance, tolerance / 2)
-    told = found.attrs
-    assert told["error_estimate"] <= tolerance
-    assert told["interpolation_error"] <= tolerance
-    assert told["limit_difference"] <= 1e-3
-    assert told["solves"] <= solves
-    assert told["frequencies"] == len(grid) == found.sizes["omega"]
-    assert largest_error(found, buoy(nodes=32).solve(grid)) <= told["error_estimate"] + told["interpolation_error"]
+    attrs = found.attrs
+    assert attrs["error_estimate"] <= tolerance
+    assert attrs["interpolation_error"] <= tolerance
+    assert attrs["limit_difference"] <= 1e-3
+    assert attrs["solves"] <= solves
+    assert attrs["frequencies"] == len(grid) == found.sizes["omega"]
+    assert largest_error(found, buoy(nodes=32).solve(grid)) <= attrs["error_estimate"] + attrs["interpolation_error"]
 
 
 def test_unreachable_tolerance_is_refused():

@@ -156,8 +156,8 @@ def test_wave_directions_are_periodic(turns, degrees, force):
 def test_unstable_body_is_refused():
     bare = floating_body(("Heave", "Pitch"), [4.0, 5.0], [9.0, 9.0])
     capsizing = linear_body(bare.database, mass=bare.mass, damping=0 * bare.mass, stiffness=np.diag([0.0, -29.0]))
-    told = r"^the body is statically unstable: received a negative stiffness of Pitch, growing by 2/s;"
-    with pytest.raises(StabilityError, match=told):
+    message = r"^the body is statically unstable: received a negative stiffness of Pitch, growing by 2/s;"
+    with pytest.raises(StabilityError, match=message):
         linear_scene(capsizing, None, {})
 
 

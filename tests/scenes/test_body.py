@@ -78,10 +78,10 @@ def test_dry_database_of_a_mesh():
 
 def test_frequencies_outside_the_band_are_left_out(theirs):
     more = theirs.reindex(omega=[0.0, 0.5, 0.7, 0.9, 1.0, 1.2], method="nearest").assign_attrs(history="read")
-    for highest, left, told in ((None, [0.5, 0.7, 0.9, 1.0, 1.2], 1), (1.0 - 5e-10, [0.5, 0.7, 0.9, 1.0], 2)):
+    for highest, left, count in ((None, [0.5, 0.7, 0.9, 1.0, 1.2], 1), (1.0 - 5e-10, [0.5, 0.7, 0.9, 1.0], 2)):
         cut = within_band(more, highest)
         np.testing.assert_array_equal(cut.omega, left)
-        assert cut.attrs["history"] == f"read; left out: {told} frequencies"
+        assert cut.attrs["history"] == f"read; left out: {count} frequencies"
     assert within_band(more.drop_attrs(), None).attrs["history"] == "left out: 1 frequencies"
     with pytest.raises(
         ConfigError,

@@ -81,13 +81,13 @@ def results(tmp_path_factory):
     """Function case, variant -> plan of its results, without pages and figures."""
 
     @cache
-    def run(case, told):
+    def run(case, changed):
         folder = tmp_path_factory.mktemp(case)
-        units = (LENGTH, MASS) if told == "units" else ()
+        units = (LENGTH, MASS) if changed == "units" else ()
         raw = study(case, *units)
-        if told == "order":
+        if changed == "order":
             raw = renamed(raw) | {"waves": raw["waves"][::-1]}
-        save_database(barge(*units, order=NAMES if told == "order" else ()), None, folder / "barge.nc")
+        save_database(barge(*units, order=NAMES if changed == "order" else ()), None, folder / "barge.nc")
         (folder / "barge.yaml").write_text(yaml.safe_dump(raw))
         found = load_body(folder / "barge.yaml")
         plan = BodyPlan(found.study, root=str(folder / "results"), files=found.files)

@@ -132,12 +132,12 @@ SALT = 1025.0 * 30.0 * 10.0 * 2.0
 def test_mass_must_equal_that_of_the_displaced_water(tmp_path, held, own, missed):
     """That of the file, or of the study where it gives its own."""
     plan = of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), held, own=own)
-    refused = (
-        rf"check 'afloat' failed: {missed:g}, needs at most 0.01 \(.*\); correct the mass, or how deep the mesh lies"
-    )
+    refused = rf"check 'displaced_mass' failed: {missed:g}, needs at most 0.01 \(.*\); correct the mass, or how deep the mesh lies"
     with pytest.raises(DatabaseError, match=refused) if missed else nullcontext():
         body_before_run(plan)
-    body_before_run(of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), held, hydro={"accept": ["afloat"]}, own=own))
+    body_before_run(
+        of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), held, hydro={"accept": ["displaced_mass"]}, own=own)
+    )
 
 
 def test_body_whose_mass_lies_beside_its_buoyancy_does_not_rest_upright(tmp_path):

@@ -23,7 +23,7 @@ def folder(tmp_path_factory):
     return place
 
 
-def told(place, *command):
+def output_of(place, *command):
     """Output of a command, which must succeed."""
     environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     done = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True, timeout=300)
@@ -32,7 +32,7 @@ def told(place, *command):
 
 
 def vsb(place, *options):
-    return told(place, sys.executable, "-m", "vsb.cli", "run", "soft.yaml", *options)
+    return output_of(place, sys.executable, "-m", "vsb.cli", "run", "soft.yaml", *options)
 
 
 def jobs(text):
@@ -55,7 +55,7 @@ def test_snakemakes_report_has_captions_and_categories(folder):
     """Of all outputs of a campaign."""
     vsb(folder, "--cores", "2")
     options = ("--snakefile", str(HOME / "workflow" / "Snakefile"), "--configfile", "soft.yaml", "--cores", "1")
-    told(folder, sys.executable, "-m", "snakemake", *options, "--workflow-profile", "none", "--report", "all.html")
+    output_of(folder, sys.executable, "-m", "snakemake", *options, "--workflow-profile", "none", "--report", "all.html")
     text = (folder / "all.html").read_text()
     for part in ("The answer of campaign soft", "A figure of campaign soft", "every point, design and tuning"):
         assert part in text

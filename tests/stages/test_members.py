@@ -60,7 +60,7 @@ def planned(folder, vary=None, name="sweep", tuning=None, **sections):
     return type(plan)(plan.loaded, root=str(folder / "results"))
 
 
-def told(stage, spec):
+def parsed(stage, spec):
     """The specification as the job of a stage reads it."""
     (one,) = (each for each in STAGES if each.name == stage)
     return one.read(canonical(spec))
@@ -69,13 +69,17 @@ def told(stage, spec):
 def batches(plan):
     for name, spec in plan.batches.items():
         campaign.run_members(
-            told("members", spec), plan.loaded.climate_path, f"{plan.folder}/members", plan.root, plan.batch_path(name)
+            parsed("members", spec),
+            plan.loaded.climate_path,
+            f"{plan.folder}/members",
+            plan.root,
+            plan.batch_path(name),
         )
 
 
 def gather(plan):
     folders, files = (f"{plan.folder}/batches", f"{plan.folder}/verification"), (plan.data_path, plan.table_path)
-    campaign.run_campaign(told("campaign", plan.campaign), *folders, *files, plan.manifest)
+    campaign.run_campaign(parsed("campaign", plan.campaign), *folders, *files, plan.manifest)
 
 
 def computed(plan):
@@ -90,7 +94,7 @@ def run(plan):
     found = computed(plan)
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
     campaign_report.run_campaign_report(
-        told("campaign_report", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files
+        parsed("campaign_report", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files
     )
     return found
 

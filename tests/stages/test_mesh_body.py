@@ -91,7 +91,7 @@ def test_study_of_a_mesh_from_panels_to_page(found):
     for check in found.checks.to_dict("records"):
         assert np.isfinite(check["value"])
         assert check["verdict"] != "fail"
-    assert {"hydro error_estimate", "hydro afloat", "rotation", "translation"} <= {
+    assert {"hydro error_estimate", "hydro displaced_mass", "rotation", "translation"} <= {
         c["name"] for c in found.checks.to_dict("records")
     }
     assert "Does the flexible body absorb more power than the rigid one?" in found.report.read_text()

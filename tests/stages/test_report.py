@@ -23,9 +23,9 @@ def test_study_with_assumed_pressure_from_file_to_page(small, tmp_path, monkeypa
     tables = json.loads(Path("results/small/tables.json").read_text())
     assert [row["design"] for row in tables["comparison"]] == ["FSB", "VSWEC"]
     assert (tables["equal_tuning"], tables["within_limits"], tables["statistics"]) == ([], [], [])
-    told = {check["name"] for check in tables["checks"]}
-    assert {check.name for check in assumed_pressure_checks(study, tables["comparison"])} <= told
-    assert not {"radiation_fit", "power_limit"} & told
+    names = {check["name"] for check in tables["checks"]}
+    assert {check.name for check in assumed_pressure_checks(study, tables["comparison"])} <= names
+    assert not {"radiation_fit", "power_limit"} & names
     page = Path("results/small/report.html").read_text()
     assert NO_OPTIMUM in html.unescape(page)
     assert "uniform pressure of 1800 Pa on the instantaneous wet shell" in page

@@ -20,7 +20,7 @@ from vsb.study.study import load
 
 @pytest.mark.parametrize("name", ["mine", "./nowhere"])
 def test_unknown_profile_is_reported_before_the_run(workplace, capsys, name):
-    for folder in (Path("mine"), Path("profiles/mine")):  # of the current folder only if told so
+    for folder in (Path("mine"), Path("profiles/mine")):  # of the current folder only if named by a path
         folder.mkdir(parents=True)
         (folder / "config.yaml").write_text("cores: 1")
     line = error_line(["run", written("study.yaml"), "--profile", name], capsys)
@@ -58,10 +58,10 @@ def test_terminated_run_kills_all_its_child_processes(tmp_path, number, code):
     while not (tmp_path / "job").exists() or not (tmp_path / "job").read_text():
         assert process.poll() is None
     process.send_signal(getattr(signal, f"SIG{number}"))
-    _, told = process.communicate(timeout=20)
+    _, output = process.communicate(timeout=20)
     assert process.returncode == code
-    assert told.count("\n") == 1
-    assert "run the same command again" in told
+    assert output.count("\n") == 1
+    assert "run the same command again" in output
     children = [one for one in psutil.process_iter(["cmdline"]) if str(tmp_path) in " ".join(one.info["cmdline"] or [])]
     assert children == []
 

@@ -5,7 +5,7 @@ from contextlib import chdir
 import numpy as np
 import pytest
 import yaml
-from stages.test_members import BASE, batches, gather, told, with_seas
+from stages.test_members import BASE, batches, gather, parsed, with_seas
 
 from vsb.report.campaign_answer import answer as answer_of
 from vsb.stages import campaign_report, verification
@@ -36,7 +36,7 @@ def planned(folder, name="checked", vary=None, verify=None, tuning=("fixed", "on
 def simulated(plan):
     for name, spec in plan.verifications.items():
         verification.run_verification(
-            told("verification", spec), plan.loaded.climate_path, plan.root, plan.verification_path(name)
+            parsed("verification", spec), plan.loaded.climate_path, plan.root, plan.verification_path(name)
         )  # fmt: skip
     return [load(path, expected=name) for name, path in zip(plan.verifications, plan.verification_paths, strict=True)]
 
@@ -47,7 +47,7 @@ def run(plan):
     gather(plan)
     files = (f"{plan.folder}/figures", f"{plan.folder}/report.html", plan.manifest)
     campaign_report.run_campaign_report(
-        told("campaign_report", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files
+        parsed("campaign_report", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files
     )
     return found, load(plan.data_path, expected=plan.campaign_id)
 

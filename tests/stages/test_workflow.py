@@ -270,14 +270,14 @@ def test_killed_run_resumes_to_identical_numbers(folder):
     assert process.poll() is None
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
-    told = start(folder, "run", folder / "killed.yaml")
-    wait_until(lambda: solvers(told), told)
-    started = psutil.Process(told.pid).children(recursive=True)
-    told.terminate()
-    assert told.communicate(timeout=60)[1].endswith(
-        f"vsb: ended, process {told.pid} by SIGTERM; run the same command again to go on from here\n"
+    process = start(folder, "run", folder / "killed.yaml")
+    wait_until(lambda: solvers(process), process)
+    started = psutil.Process(process.pid).children(recursive=True)
+    process.terminate()
+    assert process.communicate(timeout=60)[1].endswith(
+        f"vsb: ended, process {process.pid} by SIGTERM; run the same command again to go on from here\n"
     )
-    assert told.returncode == 128 + signal.SIGTERM
+    assert process.returncode == 128 + signal.SIGTERM
     assert psutil.wait_procs(started, timeout=5)[1] == []
     assert not held(folder / "results/.lock")
     assert not (folder / "results/killed/report.html").exists()

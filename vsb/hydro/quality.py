@@ -35,7 +35,7 @@ _ADVICE = {
     "mass_coupling": "correct the mass matrix, or the centre of mass",
     "places": "make the file again with phases about one origin",
     "displaced_volume": "correct the volume in the file, or its length scale",
-    "afloat": "correct the mass, or how deep the mesh lies",
+    "displaced_mass": "correct the mass, or how deep the mesh lies",
     "rigid_names": "correct the names of the displacements",
     "lid": "use smaller panels, or lid: 0 and frequencies below the first irregular one",
     "closure": "close the mesh there",

@@ -71,7 +71,7 @@ def deformed_shapes(shell: DeformedShell, modes: Sequence[str], depth: float) ->
     size = DEFORMATION * shell.basis.shell.radius
     while size >= LEAST_DEFORMATION * shell.basis.shell.radius:
         moved = [_deformed(shell, mode, sign * size) for mode in modes for sign in (-1, 1)]
-        if all(_afloat_once(each.shell) and _keel(each.shell) <= lowest for each in moved):
+        if all(_floats_once(each.shell) and _keel(each.shell) <= lowest for each in moved):
             return [Deformed(shell), *moved]
         size /= 2
     raise ConfigError(
@@ -86,7 +86,7 @@ def _deformed(shell: DeformedShell, mode: str, amplitude: float) -> Deformed:
     return Deformed(replace(shell, modal_amplitude=shell.modal_amplitude + amplitude * along), mode, amplitude)
 
 
-def _afloat_once(shell: DeformedShell) -> bool:
+def _floats_once(shell: DeformedShell) -> bool:
     """Whether a shell has one waterline, with the keel below it."""
     wet = shell.wet_segments
     return len(wet) == 1 and wet[0][0] > 0.0 and wet[0][1] == np.pi

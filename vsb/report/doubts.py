@@ -46,7 +46,7 @@ ADVICE = {
     "irregular_frequencies": "a lid, or finer panels",
     "lid": "finer panels, or lid: 0 and frequencies below the first irregular one",
     "closure": "a mesh without the gap",
-    "afloat": "the mass, or the vertical position of the mesh",
+    "displaced_mass": "the mass, or the vertical position of the mesh",
     "rigid_names": "the labels of the displacements",
     "hinge_gap": "a mesh whose parts are closed at the hinge",
     "second_order": "second_order in the file of the displacements",

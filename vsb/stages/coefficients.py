@@ -12,7 +12,7 @@ from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.study import solved
 from vsb.hydro.database import Check
 from vsb.hydro.formats import bemio, checks, wamit
-from vsb.hydro.formats.checks import LARGEST_UNAFLOAT, afloat_checks
+from vsb.hydro.formats.checks import LARGEST_MASS_ERROR, displaced_mass_checks
 from vsb.hydro.formats.common import check_positive, volume_of
 from vsb.hydro.formats.exchange import read_source, source_checks
 from vsb.hydro.repairs import failures_as_doubts, repaired, with_conjugated_forces, with_symmetric_stiffness
@@ -35,7 +35,7 @@ _KEPT = (
     "history",
 )
 """Facts of the database read or solved that stay."""
-_UNAFLOAT = 0.05
+_OWN_MASS_ERROR = 0.05
 """Difference of mass and water displaced beyond which a body does not float, of one that is meshed here."""
 REMEDY = "use smaller panels or other frequencies, keep fewer of them (hydro.omega_max), repair it (hydro.repair)"
 """What helps a body of which a check fails."""
@@ -90,11 +90,14 @@ def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
 
 
 def of_own_mass(checks: Sequence[Check], given: Body, body: LinearSystem) -> list[Check]:
-    """Return checks with that of the body afloat made of the study's own mass, where it gives one."""
+    """Return checks with that of the displaced mass made of the study's own mass, where it gives one."""
     if given.mass is None:
         return list(checks)
-    largest = _UNAFLOAT if given.kind == "file" else LARGEST_UNAFLOAT
-    return [*(check for check in checks if check.name != "afloat"), *afloat_checks(body.database, largest)]
+    largest = _OWN_MASS_ERROR if given.kind == "file" else LARGEST_MASS_ERROR
+    return [
+        *(check for check in checks if check.name != "displaced_mass"),
+        *displaced_mass_checks(body.database, largest),
+    ]
 
 
 def store(spec: BodySpec, found: xr.Dataset, out: str) -> None:

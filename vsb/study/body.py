@@ -280,9 +280,9 @@ KINDS = ("file", "database", "wamit", "bemio")
 _SHORTEST = 1.0  # period a record of still water shows [s]
 CHECKS = (
     "error_estimate", "interpolation_error", "one_resolution", "symmetry", "far_field", "haskind", "positive_damping",
-    "panels", "modes", "corners", "rigid_names", "closure", "lid", "afloat", "irregular_frequencies", "kramers_kronig",
-    "long_waves", "haskind_scale", "haskind_long_waves", "phases", "displaced_volume", "parts", "added_mass_limits",
-    "tilt", "rotation_centre", "waterplane", "mass_coupling", "places",
+    "panels", "modes", "corners", "rigid_names", "closure", "lid", "displaced_mass", "irregular_frequencies",
+    "kramers_kronig", "long_waves", "haskind_scale", "haskind_long_waves", "phases", "displaced_volume", "parts",
+    "added_mass_limits", "tilt", "rotation_centre", "waterplane", "mass_coupling", "places",
 )  # fmt: skip
 """Names of the checks on a body's database, solved or read; a study may accept their failures."""
 REPAIRS = ("positive_damping", "kramers_kronig", "phases")

@@ -290,11 +290,11 @@ class Study(Buoy, BaseStudy):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        of_the_sea = (self._check_afloat, self._check_waves, self.check_records)
+        of_the_sea = (self._check_floats, self._check_waves, self.check_records)
         check_all(*of_the_sea, self._check_model, self._check_take_off, self._check_shape)
         return self
 
-    def _check_afloat(self) -> None:
+    def _check_floats(self) -> None:
         """The buoy must float partly immersed."""
         full = full_volume(self.device) * self.water.density
         if not self.device.mass < full:

@@ -159,8 +159,8 @@ def test_damaged_files_are_read_or_refused_in_one_line(tmp_path, kind, monkeypat
             try:
                 files.read_body(mesh, broken) if kind == "modes.nc" else files.read_mesh(broken)
             except ConfigError as error:
-                told = str(error)
-                assert broken.name in told and len(told) < 700 and "\n" not in told  # noqa: PT018
+                message = str(error)
+                assert broken.name in message and len(message) < 700 and "\n" not in message  # noqa: PT018
 
 
 def test_matrices_and_centres_come_back_from_the_file(tmp_path):

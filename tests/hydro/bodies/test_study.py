@@ -68,7 +68,7 @@ def test_body_file_gives_a_database_with_its_verdict(tmp_path, body, green_folde
     water = {"density": 1000.0, "gravity": 9.8}
     checks = bodystudy.run(files(tmp_path, body, water=water), tmp_path / "out", green_folder)
     names = {"error_estimate", "symmetry", "far_field", "haskind", "positive_damping", "panels", "corners"}
-    names |= {"rigid_names", "one_resolution", "second_order", "afloat", "modes", "trim", "mass_coupling"}
+    names |= {"rigid_names", "one_resolution", "second_order", "displaced_mass", "modes", "trim", "mass_coupling"}
     assert {check.name for check in checks} == names
     ds = load(tmp_path / "out/box.nc")
     assert database.stored_checks(ds) == checks
@@ -79,10 +79,10 @@ def test_body_file_gives_a_database_with_its_verdict(tmp_path, body, green_folde
     for name in ("added_mass", "radiation_damping", "added_mass_inf", "hydrostatic_stiffness", "structural_stiffness"):
         assert ds[name].values == pytest.approx(ds[name].values.swapaxes(-1, -2), rel=1e-12, abs=1e-6), name
     assert ds.inertia_matrix.values == pytest.approx(body.mass)
-    told = {"water_density": 1000.0, "gravity": 9.8, "water_depth": "inf", "symmetry": "xOz+yOz", "separate_sweep": 0}
-    told |= {"solves": 2, "frequencies": 2, "solver": blocks.panel_solver(), "Conventions": "CF-1.8"}
-    told |= {"title": f"hydro database of box: {len(body.faces)} panels, 3 degrees of freedom"}
-    assert {name: ds.attrs[name] for name in told} == told
+    attrs = {"water_density": 1000.0, "gravity": 9.8, "water_depth": "inf", "symmetry": "xOz+yOz", "separate_sweep": 0}
+    attrs |= {"solves": 2, "frequencies": 2, "solver": blocks.panel_solver(), "Conventions": "CF-1.8"}
+    attrs |= {"title": f"hydro database of box: {len(body.faces)} panels, 3 degrees of freedom"}
+    assert {name: ds.attrs[name] for name in attrs} == attrs
     assert ds.attrs["displaced_volume"] == pytest.approx(6.0 * 4.0 * 2.0)
     assert ds.attrs["centre_of_buoyancy"] == pytest.approx([0.0, 0.0, -1.0], abs=1e-9)
     assert float(ds.hydrostatic_stiffness[0, 0]) == pytest.approx(1000.0 * 9.8 * 6.0 * 4.0)

@@ -215,8 +215,8 @@ def wave(body, k):
 
 AHEAD = 1025.0 * 48.0 * np.array([[1.0, -0.5], [-0.5, 3.0]])  # the centre of mass is at x = 0.5 m
 CASES = [  # check, body as a function of the box (coarse, heave and pitch), verdict
-    ("afloat", lambda b: replace(b, mass=np.diag([1025.0 * 48.0 * 1.009, 1.0])), "ok"),
-    ("afloat", lambda b: replace(b, mass=np.diag([1025.0 * 48.0 * 0.9, 1.0])), "fail"),
+    ("displaced_mass", lambda b: replace(b, mass=np.diag([1025.0 * 48.0 * 1.009, 1.0])), "ok"),
+    ("displaced_mass", lambda b: replace(b, mass=np.diag([1025.0 * 48.0 * 0.9, 1.0])), "fail"),
     *(
         ("mass_coupling", lambda b, x=x: replace(b, mass=AHEAD, centre_of_mass=np.array([x, 0.0, 0.3])), verdict)
         for x, verdict in ((0.5, "ok"), (0.7, "doubt"), (-0.5, "fail"))

@@ -95,10 +95,10 @@ def asked_by(path, name, **changes):
 
 
 @pytest.mark.parametrize("name", ["period", "freq", "wavenumber", "wavelength"])
-@pytest.mark.parametrize("told", [True, False])
-def test_frequencies_given_by_another_quantity(ball, name, told):
+@pytest.mark.parametrize("named", [True, False])
+def test_frequencies_given_by_another_quantity(ball, name, named):
     path, expected = asked_by(ball, name), read_capytaine(ball)
-    if not told:
+    if not named:
         with xr.open_dataset(path) as ds:
             ds.load().drop_vars("omega").to_netcdf(path.with_name("bare.nc"))
         path = path.with_name("bare.nc")

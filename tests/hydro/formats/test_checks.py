@@ -72,7 +72,15 @@ def verdicts(ds, **options):
     return {name: check.verdict for name, check in judged(ds, **options).items()}
 
 
-ALL = {"symmetry", "afloat", "positive_damping", "irregular_frequencies", "kramers_kronig", "long_waves", "phases"}
+ALL = {
+    "symmetry",
+    "displaced_mass",
+    "positive_damping",
+    "irregular_frequencies",
+    "kramers_kronig",
+    "long_waves",
+    "phases",
+}
 HASKIND = {"haskind", "haskind_scale", "haskind_long_waves"}
 
 
@@ -110,7 +118,7 @@ def test_checks_of_two_bodies_are_those_of_each():
     )
     heavy = edited(one, "inertia_matrix", lambda m: m.__setitem__((1, 1), 1.1 * m[1, 1]))
     high = edited(one, "hydrostatic_stiffness", lambda c: c.__imul__(1.3))
-    for wrong, name in ((heavy, "afloat"), (high, "long_waves")):
+    for wrong, name in ((heavy, "displaced_mass"), (high, "long_waves")):
         assert judged(of_two(one, wrong))[name].verdict == judged(wrong)[name].verdict != "ok"
 
 
@@ -192,9 +200,9 @@ def _pushed_by_long_waves(ds, size):
 LIMITS = [
     ("symmetry", _asymmetric, 0.0199, 0.0201, "doubt"),
     ("symmetry", _asymmetric, 0.099, 0.101, "fail"),
-    ("afloat", _heavier, 0.0099, 0.0101, "doubt"),
-    ("afloat", _heavier, -0.0099, -0.0101, "doubt"),
-    ("afloat", _heavier, 0.199, 0.201, "fail"),
+    ("displaced_mass", _heavier, 0.0099, 0.0101, "doubt"),
+    ("displaced_mass", _heavier, -0.0099, -0.0101, "doubt"),
+    ("displaced_mass", _heavier, 0.199, 0.201, "fail"),
     ("positive_damping", _lively, 0.0099, 0.0101, "fail"),
     ("irregular_frequencies", _spiky_alone, 0.099, 0.101, "fail"),
     ("irregular_frequencies", _spiky_alone, 0.018, 0.022, "doubt"),
@@ -285,7 +293,7 @@ def test_wrong_length_is_found_and_wrong_density_needs_the_mass():
     assert scale.explanation.endswith("length/gravity is 1.02 times that of the run")
     wrong = ds.assign_attrs(water_density=2 * RHO)
     wrong = wrong.assign({name: 2 * ds[name] for name in ds.data_vars if name != "inertia_matrix"})
-    assert {name for name, verdict in verdicts(wrong).items() if verdict != "ok"} == {"afloat"}
+    assert {name for name, verdict in verdicts(wrong).items() if verdict != "ok"} == {"displaced_mass"}
     unseen = coefficient_checks(wrong.drop_vars("inertia_matrix"))
     assert {check.verdict for check in unseen[0]} == {"ok"}
     assert unseen[1] == [
@@ -293,16 +301,18 @@ def test_wrong_length_is_found_and_wrong_density_needs_the_mass():
     ]
 
 
-@pytest.mark.parametrize(("true", "given", "told"), [(30.0, np.inf, 30.0), (30.0, 60.0, 30.0), (np.inf, 30.0, np.inf)])
-def test_wrong_depth_is_found_and_the_right_one_reported(true, given, told):
+@pytest.mark.parametrize(
+    ("true", "given", "found_depth"), [(30.0, np.inf, 30.0), (30.0, 60.0, 30.0), (np.inf, 30.0, np.inf)]
+)
+def test_wrong_depth_is_found_and_the_right_one_reported(true, given, found_depth):
     ds = sound(depth=true).assign_attrs(water_depth=str(given))
     found = judged(ds)["haskind_long_waves"]
     assert found.verdict in ("doubt", "fail")
-    if np.isinf(told):
+    if np.isinf(found_depth):
         assert found.explanation.endswith("; deep water would fit")
     else:
         metres = float(found.explanation.rpartition("; ")[2].removesuffix(" m would fit"))
-        assert metres == pytest.approx(told, rel=0.1)
+        assert metres == pytest.approx(found_depth, rel=0.1)
 
 
 def test_axisymmetric_identities_apply_to_ring_waves_only():

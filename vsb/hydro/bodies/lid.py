@@ -72,8 +72,8 @@ def gap_resonance(body: FlexibleBody, gravity: float) -> Resonance | None:
     """
     found = []
     corners = [body.vertices[np.unique(body.faces[body.part == p])] for p in range(body.part_count)]
-    afloat = [each for each in corners if each[:, 2].max() > -SAME * body.size]
-    for one, other in combinations(afloat, 2):
+    surface = [each for each in corners if each[:, 2].max() > -SAME * body.size]
+    for one, other in combinations(surface, 2):
         at_surface = [each[np.abs(each[:, 2]) < SAME * body.size, :2] for each in (one, other)]
         width = float(np.min(cKDTree(at_surface[0]).query(at_surface[1])[0]))
         extent = np.min([np.ptp(one, axis=0), np.ptp(other, axis=0)], axis=0)

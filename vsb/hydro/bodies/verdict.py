@@ -56,7 +56,7 @@ RULES = {
     "second_order": Rule(0.02, "share of a displacement's stiffness that its unknown second-order part may have; "
         "second_order states it", doubt=np.inf),
     "closure": Rule(1e-3, "difference of the volumes by the normals' x, y and z, of gaps between panels"),
-    "afloat": Rule(0.01, "mass in heave is that of the water displaced", doubt=1.0),
+    "displaced_mass": Rule(0.01, "mass in heave is that of the water displaced", doubt=1.0),
     "trim": Rule(0.01, "the centres of mass and buoyancy of a body that rotates lie on one vertical, in terms of the "
         "cube root of the displaced volume", doubt=np.inf),
     "mass_coupling": Rule(0.02, "the mass matrix couples shifts and rotations as the centre of mass says, in terms of "
@@ -250,7 +250,7 @@ def mesh_checks(study: BodyFile, body: FlexibleBody) -> list[Check]:
     heave = [i for i, (t, a) in body.rigid.items() if np.allclose([*t, *a], [0, 0, 1, 0, 0, 0], atol=1e-9)]
     if body.mass is not None and heave:
         weight = body.mass[heave[0], heave[0]] / (study.water.density * body.volume)
-        checks.append(_check("afloat", abs(weight - 1)))
+        checks.append(_check("displaced_mass", abs(weight - 1)))
     turning = any(np.any(rotation) for _, rotation in body.rigid.values())
     if turning and (centre := body.centre_of_mass) is not None and centre.ndim == 1:
         apart = (centre - body.centre_of_buoyancy)[:2]

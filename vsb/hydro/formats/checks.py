@@ -38,7 +38,7 @@ from vsb.waves.dispersion import group_velocity, wavenumber
 RULES = {
     "symmetry": Rule(0.02, "added mass and damping are symmetric matrices",
         causes="too few panels; files of two runs; rows and columns of a matrix exchanged"),
-    "afloat": Rule(0.01, "mass in heave is that of the water displaced", doubt=20.0,  # a mooring, coarse panels
+    "displaced_mass": Rule(0.01, "mass in heave is that of the water displaced", doubt=20.0,  # a mooring, coarse panels
         causes="{density}; {length}; a mooring that carries or pulls"),
     "displaced_volume": Rule(0.05, "long waves push with the water displaced",
         causes="{length}; the volume of another body or run"),
@@ -94,7 +94,7 @@ BEMIO_WORDS = {
 }
 LEAST_SIZE = 0.3
 """Of a mode, relative to the displaced water moving with it, as for bodies from meshes."""
-LARGEST_UNAFLOAT = 0.2
+LARGEST_MASS_ERROR = 0.2
 """Relative difference of a body's mass from the displaced water that a mooring or coarse panels may explain."""
 _LEAST_DAMPING = 1e-3  # relative to frequency times added mass: no panels are more accurate
 _HELD, _FALLEN = 0.05, 0.5  # damping at the ends of a band that holds it, and that has seen it fall, over the largest
@@ -193,7 +193,7 @@ def coefficient_checks(
         raise DatabaseError("added mass is zero for all motions; needs coefficients of waves.")
     size, of_all = sizes(ds), sizes(whole).added_mass
     wet, among = ds.isel(influenced_dof=radiating, radiating_dof=radiating), size.of(radiating)
-    checks = [_symmetry(ds, size), *afloat_checks(ds), *_displaced_volume(whole, of_all), *_at_rest(ds)]
+    checks = [_symmetry(ds, size), *displaced_mass_checks(ds), *_displaced_volume(whole, of_all), *_at_rest(ds)]
     lowest = -quality.scaled_eigenvalues(wet, np.sqrt(np.outer(among.damping, among.damping)))[:, 0]
     where = f"; most at {wet.omega.values[lowest.argmax()]:.4g} rad/s"
     checks.append(_check("positive_damping", max(0.0, lowest.max()), where))
@@ -210,7 +210,7 @@ def coefficient_checks(
     found += [phase_check(whole, of_all), _tilt(whole, of_all), _haskind(part, its, axisymmetric)]
     found.append((_points(whole, ds, [check for check in found[4][0] if check.verdict != "ok"]), []))
     notes = [line for _, lines in found for line in lines]
-    notes += [] if any(check.name == "afloat" for check in checks) else [_DENSITY]
+    notes += [] if any(check.name == "displaced_mass" for check in checks) else [_DENSITY]
     return [*checks, *(check for some, _ in found for check in some)], notes
 
 
@@ -247,7 +247,7 @@ def _symmetry(ds: xr.Dataset, size: Sizes) -> Check:
     return _check("symmetry", error.max(), _where(ds, error))
 
 
-def afloat_checks(ds: xr.Dataset, largest: float = LARGEST_UNAFLOAT) -> list[Check]:
+def displaced_mass_checks(ds: xr.Dataset, largest: float = LARGEST_MASS_ERROR) -> list[Check]:
     """Return the check of mass in heave against the displaced water, of bodies of which a database has both.
 
     A moored body may weigh less, and coarse panels displace less than the body: a doubt up to the `largest` difference.
@@ -258,8 +258,8 @@ def afloat_checks(ds: xr.Dataset, largest: float = LARGEST_UNAFLOAT) -> list[Che
         mass = float(ds.inertia_matrix.values[i, i])
         if volume and mass:  # not stated, as in the files of rigid bodies
             errors.append(abs(mass / (float(ds.attrs["water_density"]) * volume) - 1))
-    rule = RULES["afloat"]
-    return [rule._replace(doubt=largest / rule.limit).check("afloat", max(errors))] if errors else []
+    rule = RULES["displaced_mass"]
+    return [rule._replace(doubt=largest / rule.limit).check("displaced_mass", max(errors))] if errors else []
 
 
 def _at_rest(ds: xr.Dataset) -> list[Check]:
