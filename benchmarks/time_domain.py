@@ -23,7 +23,6 @@ from benchmarks.measure import Row, as_csv, say
 from vsb.errors import ConfigError, VsbError
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel, truncated
-from vsb.integrators.energy_preserving import fixed_step
 from vsb.integrators.exact import convolve, propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import steady_power
@@ -45,10 +44,10 @@ COLUMNS = (
     "table", "case", "method", "setting", "error", "error_energy", "seconds", "steps", "evaluations",
     "published_seconds", "ratio", "status",
 )  # fmt: skip
-EXPONENTIAL, CONVOLUTION, STEPS = "exponential Adams", "convolution", "structure-preserving"
+EXPONENTIAL, CONVOLUTION = "exponential Adams", "convolution"
 BALANCE = "harmonic balance"
 STYLES = {
-    EXPONENTIAL: ("#D55E00", "o"), EXACT: ("#D55E00", "d"), CONVOLUTION: ("#56B4E9", "X"), STEPS: ("#8C510A", "h"),
+    EXPONENTIAL: ("#D55E00", "o"), EXACT: ("#D55E00", "d"), CONVOLUTION: ("#56B4E9", "X"),
     BALANCE: ("#117733", "p"), "RK45": ("#000000", "s"), "DOP853": ("#0072B2", "^"), "Radau": ("#009E73", "D"),
     "BDF": ("#CC79A7", "v"), "LSODA": ("#E69F00", "P"), SUNDIALS: ("#882255", "<"),
 }  # fmt: skip
@@ -144,13 +143,11 @@ class Case:
         """Run a general integrator."""
         return solved(self.equation, method, tolerance, self.time, limit)
 
-    def stepped(self, method: str, stride: int) -> Solution:
-        """Run a method of fixed steps."""
+    def convolved(self, stride: int) -> Solution:
+        """Run the convolution, whose steps are fixed."""
         count = (len(self.time) - 1) * max(-stride, 1) // max(stride, 1)
         time = np.linspace(0.0, self.time[-1], count + 1)
-        if method == STEPS:
-            return self.ours(partial(fixed_step, self.system, time, self.start), stride)
-        assert self.spectrum is not None  # of a convolution
+        assert self.spectrum is not None
         return self.ours(partial(convolve, self.system, self.spectrum, time, self.start), stride)
 
     def errors(self, found: Solution, stride: int = 1) -> Row:
@@ -234,10 +231,9 @@ def attempts(case: Case) -> Iterator[tuple[str, float, Callable[[], Solution], i
             forces = {**scene.forces, "radiation": RadiationMemory(truncated(memory, order))}
             exact = partial(propagate, System.of(replace(scene, forces=forces)), case.time, case.start)
             yield EXACT, order, partial(case.ours, exact), 1
-    for method in (STEPS, CONVOLUTION) if system.linear else (STEPS,):
-        for stride in STRIDES:
-            per_period = PER_PERIOD / stride if stride > 0 else -PER_PERIOD * stride
-            yield method, per_period, partial(case.stepped, method, stride), stride
+    for stride in STRIDES if system.linear else ():
+        per_period = PER_PERIOD / stride if stride > 0 else -PER_PERIOD * stride
+        yield CONVOLUTION, per_period, partial(case.convolved, stride), stride
     for method in (*SCIPY, SUNDIALS):
         for tolerance in TOLERANCES:
             yield method, tolerance, partial(case.general, method, tolerance), 1
@@ -245,7 +241,7 @@ def attempts(case: Case) -> Iterator[tuple[str, float, Callable[[], Solution], i
 
 def integrator_rows(case: Case, name: str) -> list[Row]:
     """Return error and seconds of every method on one scene, and the check of its reference by DOP853."""
-    best(partial(case.stepped, STEPS, 1)), case.reference  # compile or load
+    best(partial(case.exponential, ADAMS[0])), case.reference  # compile or load
     rows = [
         row_of("integrators", name, method, setting, found, case.errors(found, stride))
         for method, setting, run, stride in attempts(case)

@@ -116,9 +116,7 @@ def _odd(rng: random.Random) -> Raw:
     slowest = max(2 * math.pi / natural, *periods)
     duration = slowest * 10 ** rng.uniform(-1.0, 1.0 if model == "linear" else 0.3)
     begin, end = sorted(rng.uniform(0.0, duration) for _ in range(2))
-    method = {"linear": ["auto", "exact", "convolution", "structure_preserving"], "auto": ["auto"]}.get(
-        model, ["auto", "exponential", "structure_preserving"]
-    )
+    method = {"linear": ["auto", "exact", "convolution"], "auto": ["auto"]}.get(model, ["auto", "exponential"])
     depth = math.inf if rng.random() < 0.6 else radius * 10 ** rng.uniform(-0.5, 1.5)
     return {
         "study": "odd",

@@ -228,7 +228,7 @@ def latching(folder: Path) -> Figures:
     for name, damping in (("the optimal damper", heavy), ("a fifth of it", heavy / 5)):
         study = study_of([wave], pto={"damping": damping, "law": "latching"}, designs={RIGID: {"flexible": False}})
         notes = linear_design(StudyPlan(study).simulation(RIGID, study.waves[0]), hydro_files(study, folder)).notes
-        figures[f"latching with {name} [W]"] = notes["pause_power"]
+        figures[f"latching with {name} [W]"] = notes["latching_power"]
     figures["matched [W]"] = best.power(RIGID, "matched")
     return figures
 

@@ -7,7 +7,7 @@ import pytest
 from conftest import varied
 
 from benchmarks import coefficients as hp
-from benchmarks.time_domain import STEPS, under_pressure
+from benchmarks.time_domain import under_pressure
 from vsb.study import study as config
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -57,7 +57,6 @@ def test_spectral_error_falls_faster_than_any_power():
 def test_errors_of_integrators_fall_with_their_setting_and_the_reference_is_confirmed(paper):
     runs = {
         "exponential Adams": [(paper.exponential(tolerance), 1) for tolerance in (1e-4, 1e-6, 1e-8)],
-        "structure-preserving": [(paper.stepped(STEPS, stride), stride) for stride in (4, 1, -4)],
         "RK45": [(paper.general("RK45", tolerance), 1) for tolerance in (1e-3, 1e-7)],
         "Radau": [(paper.general("Radau", tolerance), 1) for tolerance in (1e-3, 1e-5)],
     }

@@ -93,7 +93,7 @@ def taken_by_law(pto, scene, motion, q, v, port):
     speed, stroke = v @ port, q @ port - rest
     if pto.law == "coulomb":
         return pto.force_limit * np.abs(speed)
-    if pto.switches:
+    if pto.nonlinear:
         return np.clip(pto.damping * speed + pto.stiffness * stroke, -pto.force_limit, pto.force_limit) * speed
     return pto.damping * speed**2
 
@@ -114,7 +114,7 @@ CASES = [
     ("assumed_pressure", "FSB", "end stop", "switching", {}),
     ("linear", "VSWEC", "damper", "exact", {}), ("linear", "VSWEC", "negative spring", "convolution", {}),
     ("body_exact", "VSWEC", "spring", "exponential", {}), ("assumed_pressure", "VSWEC", "negative spring", "exponential", {}),
-    ("body_exact", "FSB", "spring", "structure_preserving", {}), ("assumed_pressure", "FSB", "spring", "collocation", {}),
+    ("body_exact", "FSB", "spring", "exponential", {}), ("assumed_pressure", "FSB", "spring", "collocation", {}),
     *((model, "VSWEC", "spring", "collocation", {"drag": True}) for model in ("linear", "body_exact")),
     ("body_exact", "VSWEC", "spring", "exponential", {"port": SHELL}),
     *(("linear", "VSWEC", name, "exact", {"port": SHELL, "chamber": 2e-6}) for name in ("spring", "negative spring")),

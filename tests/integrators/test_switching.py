@@ -13,8 +13,8 @@ from scipy.integrate import solve_ivp
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.audit import energies, residual
-from vsb.integrators.energy_preserving import structure_preserving
 from vsb.integrators.exact import propagate
+from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.periodic import Trials, periodic_power
 from vsb.integrators.simulate import legs, simulate
@@ -281,7 +281,7 @@ def test_methods_for_smooth_forces_refuse_a_switching_take_off():
     with pytest.raises(ValueError, match="exact propagation: received nonlinear forces"):
         propagate(system, TIME, START)
     with pytest.raises(ValueError, match=r"received a take-off that switches, needs smooth forces; use .switched."):
-        structure_preserving(system, TIME, START, 1e-6)
+        integrate(system, TIME, START, 1e-6)
     with pytest.raises(ValueError, match="harmonic balance: received a latching or declutching take-off; needs"):
         harmonic_balance(
             oscillator(TakeOff(B, 4.0, latching_time=0.3), waves=Excitation(np.ones(1), np.ones((1, 1)) + 0j))

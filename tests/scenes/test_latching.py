@@ -131,7 +131,7 @@ def test_latching_buoy_is_between_its_optimal_damper_and_the_constrained_optimum
         waves=[{"kind": "regular", "amplitude": 0.1, "period": 5.0}],
         simulation={"duration": 40.0, "window": (20.0, 40.0), "initial_velocity": 0.0},
     )
-    files, (wave,) = hydro_files(study, tmp_path_factory.getbasetemp() / "pause"), study.waves
+    files, (wave,) = hydro_files(study, tmp_path_factory.getbasetemp() / "latching"), study.waves
     floating, waves = floating_system(study, files["database"]), sea(wave, 7.0, 40.0)
     harmonics = Harmonics.of_sea(waves.omega, float(floating.linear.database.omega[0]), 7.0)
     seen, port = (floating.extended_port("FSB", omega) for omega in (waves.omega, harmonics.port_omega))
@@ -204,7 +204,7 @@ def test_study_with_latching_reports_its_optimal_time(tmp_path_factory, monkeypa
         waves=[{"kind": "regular", "amplitude": 0.1, "period": 5.0}],
         simulation={"initial_velocity": 0.0},
     )
-    files = hydro_files(study, tmp_path_factory.getbasetemp() / "pause")
+    files = hydro_files(study, tmp_path_factory.getbasetemp() / "latching")
     design = SCENES["body_exact"](only_run(study), files)
     assert 0.5 < design.notes["latching_time"] < 1.5
     assert design.scene.forces["pto"].latching_time == design.notes["latching_time"]
@@ -229,7 +229,7 @@ def test_tuned_damper_is_found_together_with_its_latching_time(tmp_path_factory,
         pto={"damping": None, "tuning": "each", "law": "latching"},
         waves=[{"kind": "regular", "amplitude": 0.1, "period": 5.0}],
     )
-    files = hydro_files(study, tmp_path_factory.getbasetemp() / "pause")
+    files = hydro_files(study, tmp_path_factory.getbasetemp() / "latching")
     design = SCENES["linear"](only_run(study), files)
     law = design.scene.forces["pto"]
     alone = SCENES["linear"](only_run(varied(study, pto={"law": "linear"})), files).notes["tuned_damping"]

@@ -156,7 +156,7 @@ def test_laws_act_on_ports_of_the_shell(seed, port, tmp_path_factory):
             waves=[{"kind": "regular", "amplitude": 0.1, "period": 5.0}],
             simulation={"duration": 15.0, "window": (5.0, 15.0), "initial_velocity": 0.0},
         )
-        found = SCENES["linear"](only_run(study), hydro_files(study, tmp_path_factory.getbasetemp() / "pause"))
+        found = SCENES["linear"](only_run(study), hydro_files(study, tmp_path_factory.getbasetemp() / "latching"))
         (leg,) = legs(found.system, found.sea, study.simulation, None)
         assert leg.balance.residual < 1e-6
         b = found.scene.forces["pto"].direction

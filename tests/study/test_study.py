@@ -77,7 +77,7 @@ PRESSED = {"hydro": {"model": "assumed_pressure", "pressure": 100.0}, "waves": [
         ({"pto": {"damping": 5.0, "tuning": "each"}}, "pto.tuning 'each': an assumed pressure has no optimal"),
         ({"pto": {"law": "declutching"}}, "pto.law 'declutching': its latching time is found in waves"),
         ({"pto": {"port": {"colatitude": 90.0}}}, "has no other port than heave; needs hydro.model: linear"),
-        ({"simulation": {"method": "exact"}}, "needs one of auto, exponential, structure_preserving"),
+        ({"simulation": {"method": "exact"}}, "needs one of auto, exponential"),
     ],
     ids=str,
 )
@@ -88,7 +88,7 @@ def test_limits_of_the_assumed_pressure(seed, changes, message):
 
 
 def test_methods_of_each_model(seed):
-    every = {"auto", "exact", "convolution", "exponential", "structure_preserving"}
+    every = {"auto", "exact", "convolution", "exponential"}
     followed = {
         "linear": every - {"exponential"},
         "body_exact": every - {"exact", "convolution"},
@@ -102,7 +102,7 @@ def test_methods_of_each_model(seed):
             if method in known:
                 assert varied(seed, **asked).simulation.method == method
             else:
-                order = ("auto", "exact", "convolution", "exponential", "structure_preserving")
+                order = ("auto", "exact", "convolution", "exponential")
                 suitable = ", ".join(each for each in order if each in known)
                 expected = rf"simulation.method '{method}': hydro.model '{model}' needs one of {suitable}( \(|$)"
                 with pytest.raises(ConfigError, match=expected):

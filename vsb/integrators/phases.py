@@ -23,8 +23,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import eigh
 
-from vsb.integrators.energy_preserving import STALLED, Step, added, solve_nodes
 from vsb.integrators.exact import SERIES, steady_state, transition
+from vsb.integrators.implicit_force import STALLED, Step, added, solve_nodes
 from vsb.motion.system import Remainder, System
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.seas import superposed
@@ -247,10 +247,10 @@ class WetPhase(Phase):
     @cached_property
     def _collocation(self) -> Step:
         """Matrices of the collocation: positions without n, and what n at the nodes adds."""
-        n, count, none = self.system.free, len(self.matrix), np.zeros((0, 0))
+        n, count = self.system.free, len(self.matrix)
         rows = self._at_nodes.reshape(NODES * n, -1)
         forced = rows[:, count:] @ np.kron(_COEFFICIENTS, np.eye(n))
-        return Step(self.step, np.ascontiguousarray(rows[:, :count]), np.ascontiguousarray(forced), none, none)
+        return Step(self.step, np.ascontiguousarray(rows[:, :count]), np.ascontiguousarray(forced))
 
     def swung(self, time: FloatArray) -> FloatArray:
         """Return scaled modal positions of z_s at any instants, shape (time, free)."""
@@ -269,7 +269,7 @@ class WetPhase(Phase):
         around = self.transient(t, state)
         away = self._collocation.free @ around[:count] + self.swung(time).ravel()
         scale = max(float(np.linalg.norm(z)), self.system.least, self.step * self.water.round_off / STALLED)
-        if not solve_nodes(self.water, self._collocation, time, away, np.zeros_like(values), values, scale) < STALLED:
+        if not solve_nodes(self.water, self._collocation, time, away, values, scale) < STALLED:
             return state, np.inf
         out = np.append(state[:count], _COEFFICIENTS @ values)
         there = np.array([t + PROBE * self.step])

@@ -11,7 +11,6 @@ from vsb.errors import ConvergenceError, StabilityError
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.integrators.audit import START, Balance, energies, terms
 from vsb.integrators.collocation import collocated
-from vsb.integrators.energy_preserving import structure_preserving
 from vsb.integrators.exact import convolve, propagate, steady_state
 from vsb.integrators.exponential import integrate
 from vsb.integrators.switching import Switching
@@ -117,9 +116,6 @@ METHODS: dict[str, Method] = {
     "exponential": Method("exponential Adams", lambda s, tol, _: lambda time, start: integrate(s, time, start, tol)),
     "collocation": Method(
         "exponential collocation", lambda s, tol, _: lambda time, start: collocated(s, time, start, tol)
-    ),
-    "structure_preserving": Method(
-        "structure-preserving", lambda s, tol, _: lambda time, start: structure_preserving(s, time, start, tol)
     ),
 }
 """`simulation.method` -> how a motion is followed; `auto` is the first of these or, where a take-off switches,

@@ -489,7 +489,7 @@ class BodyStudy(BaseStudy):
         if self.drag is not None:
             check_followed("linear", method, self.pto)
         if method == "exponential" or (self.pto.nonlinear and method != "auto"):
-            suitable = "auto" if self.pto.nonlinear else "auto, exact, convolution or structure_preserving"
+            suitable = "auto" if self.pto.nonlinear else "auto, exact or convolution"
             raise ValueError(f"simulation.method {method!r}: cannot follow this body and take-off; needs {suitable}")
 
     @property

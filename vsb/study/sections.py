@@ -170,7 +170,7 @@ class Simulation(Section):
     initial_position: Annotated[Finite, within(-1e4, 1e4, "m", "no buoy starts out of sight of the sea")] = 0.0
     initial_velocity: Annotated[Finite, within(-1e3, 1e3, "m/s", "faster it would be a shell of another kind")] = 0.0
     tolerance: Annotated[Number, Field(ge=1e-12, le=0.1)] = 1e-6
-    method: Literal["auto", "exact", "convolution", "exponential", "structure_preserving"] = "auto"
+    method: Literal["auto", "exact", "convolution", "exponential"] = "auto"
 
     @model_validator(mode="after")
     def _window_inside(self) -> Self:

@@ -368,10 +368,7 @@ class Study(Buoy, BaseStudy):
                 f"hydro.solver 'spectral': needs a water.depth of at least {CLEARANCE:g} drafts, "
                 f"{CLEARANCE * self.draft:.4g} m; use 'panels'"
             )
-        linear, body_exact = ("auto", "exact", "convolution"), ("auto", "exponential")
-        suitable = {"linear": (*linear, "structure_preserving"), "auto": ("auto",)}.get(
-            model, (*body_exact, "structure_preserving")
-        )
+        suitable = {"linear": ("auto", "exact", "convolution"), "auto": ("auto",)}.get(model, ("auto", "exponential"))
         if method not in suitable:
             raise ValueError(f"simulation.method {method!r}: hydro.model {model!r} needs one of {', '.join(suitable)}")
         if self.flexible and not isinstance(self.device.material, Hookean):

@@ -1,0 +1,100 @@
+"""The force n(t, y) at the nodes of an implicit step, whose positions depend on it: by substitution, else by Newton."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vsb.motion.system import Remainder, remainder
+from vsb.tools.arrays import FloatArray
+from vsb.tools.compiled import njit
+
+SWEEPS, NEWTON = 40, 40
+ROUND_OFF = 4e-16
+"""Change of the state in a sweep that is round-off."""
+FAR = 1e3
+"""Displacement in radii beyond which an iteration has diverged."""
+LEAST_SHARE = 1e-4
+"""Least share of a Newton step."""
+STALLED = 1e-11
+"""Changes of the state that no longer decrease are round-off below this."""
+
+
+class Step(NamedTuple):
+    """Matrices of an implicit step; n needs positions alone."""
+
+    size: float  # [s]
+    free: FloatArray  # positions at the nodes without n (node * free, state)
+    forced: FloatArray  # what n at the nodes adds to the positions there (node * free, node * free)
+
+
+@njit(cache=True, inline="always")
+def added(r: Remainder, time: FloatArray, p: FloatArray) -> FloatArray:
+    """Return n at some instants, p and result of shape (instant, free); infinite far outside any shell."""
+    out = np.full(p.shape, np.inf)
+    if np.abs(p @ r.position.T).max() < FAR * r.shape.radius:
+        for i in range(len(time)):
+            remainder(r, time[i], p[i], out[i])
+    return out
+
+
+@njit(cache=True, inline="always")
+def _places(p: FloatArray, time: FloatArray, moved: float, newton: bool) -> tuple[FloatArray, FloatArray]:
+    """Points where n is evaluated: the nodes, and for Newton's method on either side of them along every coordinate."""
+    nodes, free = p.shape
+    count = 1 + 2 * free if newton else 1
+    places, times = np.empty((count, nodes, free)), np.empty((count, nodes))
+    places[:], times[:] = p, time
+    for j in range((count - 1) // 2):
+        places[1 + j, :, j] += moved
+        places[1 + free + j, :, j] -= moved
+    return places.reshape(-1, free), times.ravel()
+
+
+@njit(cache=True, inline="always")
+def _tangent(step: Step, around: FloatArray, moved: float, nodes: int, free: int) -> FloatArray:
+    """Derivative of what is missing of n by n, from n on either side of the nodes, (node * free, node * free)."""
+    out, force = -np.eye(nodes * free), around.reshape(2, free, nodes, free)
+    for j in range(free):
+        slope = (force[0, j] - force[1, j]) / (2 * moved)
+        for i in range(nodes):
+            for k in range(free):
+                out[i * free + k] += slope[i, k] * step.forced[i * free + j]
+    return out
+
+
+@njit(cache=True)
+def solve_nodes(r: Remainder, step: Step, time: FloatArray, carried: FloatArray, n: FloatArray, scale: float) -> float:
+    """Solve for n at the nodes; return the last change, over the scale.
+
+    By substitution while that converges fast, else by Newton's method, shortened where the residual grows. The water's
+    force is called in one place only: its code is large.
+    """
+    nodes, free = n.shape
+    begun, base = n.copy(), n.copy()
+    full: FloatArray = np.zeros(n.shape)
+    newton, share, least, change, sweep = False, 1.0, np.inf, np.inf, 0
+    while sweep < SWEEPS + NEWTON:
+        places, times = _places((carried + step.forced @ n.ravel()).reshape(n.shape), time, 1e-6 * scale, newton)
+        force = added(r, times, places)
+        missing = force[:nodes] - n
+        size = np.sqrt(np.sum(missing**2))
+        if newton and not size < least:
+            share /= 2
+            if change < STALLED or share < LEAST_SHARE:
+                n[:] = base
+                break
+            n[:] = base + share * full
+            continue
+        sweep, before, full = sweep + 1, change, missing
+        if newton:
+            tangent = _tangent(step, force[nodes:], 1e-6 * scale, nodes, free)
+            full = np.linalg.solve(-tangent, missing.ravel()).reshape(n.shape)
+        share, least, change = 1.0, size, step.size * np.sqrt(np.sum(full**2)) / scale
+        base[:] = n
+        n += full
+        if change <= ROUND_OFF or STALLED > change >= 0.5 * before:
+            break
+        if not newton and (sweep == SWEEPS or not change < 0.7 * before):
+            newton, least, change = True, np.inf, np.inf
+            n[:] = begun
+    return float(change)
