@@ -3,15 +3,20 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from conftest import EXAMPLE, varied
 
-from vsb.stages.planning import degree_lines, plan_of, with_degree
-from vsb.study.plan import StudyPlan
+from vsb.results.left_out import modes_left_out
+from vsb.scenes.floating_system import study_sea
+from vsb.scenes.mode_convergence import one_of_each_family
+from vsb.stages.planning import degree_lines, plan_of, stored_search, with_degree
+from vsb.study.plan import StudyPlan, degree_path
 from vsb.study.quantities import content_id
 from vsb.study.sections import DEGREES
 from vsb.study.study import load
+from vsb.waves.seas import expected
 
 TOLERANT = {"basis": "full", "degree": None, "tolerance": 0.005}
 
@@ -74,3 +79,17 @@ def test_check_compares_a_given_degree_with_the_tolerance(asked, planned):
     assert line(basis="full", degree=needed).startswith("ok ")
     assert f"needs the full basis to degree {needed}" in line(basis="full", degree=needed - 1)
     assert line(basis="membrane", degree=90).startswith("doubt")
+
+
+def test_control_levels_need_no_search_of_their_own(asked, tmp_path):
+    """What the plan found is what the ladder would find: seas, families of realisations and designs are the same."""
+    gusts = [{"kind": "jonswap", "hs": 0.5, "tp": 4.0, "seed": seed} for seed in (1, 2)]
+    study = varied(asked, waves=gusts, simulation={"duration": 10.0, "window": [0.0, 10.0]})
+    plan = with_degree(StudyPlan(study, root=str(tmp_path)))
+    spec, search = plan.ladder, stored_search(degree_path(plan.root, plan.degree))
+    powers = {int(n): np.array([power[design] for design in spec.designs]) for n, power in search.powers.items()}
+    seas = [(wave, study_sea(spec, expected(wave), None)) for wave in spec.waves]
+    families = one_of_each_family(spec.waves)
+    assert families == [0]
+    stored, searched = (modes_left_out(spec.buoy, seas, families, known) for known in (powers, None))
+    assert stored.identical(searched)

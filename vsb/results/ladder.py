@@ -41,10 +41,11 @@ from vsb.scenes.floating_system import (
     port_in_seas,
     study_sea,
 )
+from vsb.scenes.mode_convergence import one_of_each_family
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.study.specs import LadderSpec
 from vsb.study.take_off import Pto
-from vsb.study.waves import IrregularSea, StillWater, Wave
+from vsb.study.waves import StillWater, Wave
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.waves.seas import Sea, expected, superposed
@@ -108,13 +109,17 @@ class Given(NamedTuple):
     efficiency: float = 1.0
 
 
-def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
+def study_ladder(
+    study: LadderSpec, database: str, powers: Mapping[int, FloatArray] | None = None
+) -> list[ControlLevel]:
     """Return the levels of every design of a study in every sea, with expected amplitudes; still water has none.
 
     Parameters
     ----------
     database : str
         Path of its hydro database.
+    powers : mapping, optional
+        Of the shell modes by degree, where they are known; see `vsb.results.left_out.modes_left_out`.
     """
     floating, pto = floating_system(study, database), study.pto
     waves = [wave for wave in study.waves if not isinstance(wave, StillWater)]
@@ -122,10 +127,9 @@ def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
         return []
     ds = floating.linear.database
     seas = {wave.label: study_sea(study, expected(wave), ds) for wave in waves}
-    names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
-    families = [names.index(name) for name in dict.fromkeys(names)]
+    families = one_of_each_family(waves)
     pairs = list(zip(waves, seas.values(), strict=True))
-    left_out = modes_left_out(study.buoy, pairs, families) if study.buoy else xr.Dataset()
+    left_out = modes_left_out(study.buoy, pairs, families, powers) if study.buoy else xr.Dataset()
     if pto.several:
         matrices = several_matrices(study, floating, seas, families)
         levels = several_levels(floating, seas, matrices)

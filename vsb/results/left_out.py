@@ -36,7 +36,10 @@ ENDS = ("low", "high")
 
 
 def modes_left_out(
-    study: BuoySystem, seas: Sequence[tuple[Wave, Sea]], families: Sequence[int] | None = None
+    study: BuoySystem,
+    seas: Sequence[tuple[Wave, Sea]],
+    families: Sequence[int] | None = None,
+    powers: Mapping[int, FloatArray] | None = None,
 ) -> xr.Dataset:
     """Return how far powers and gains may lie from those of a shell with all its modes.
 
@@ -46,6 +49,8 @@ def modes_left_out(
         Without still water.
     families : sequence of int, optional
         One sea of each, by index, that the damper for all seas is tuned to; by default all.
+    powers : mapping, optional
+        By degree, of the same seas and families, where `ModeConvergence.powers_by_degree` is known.
 
     Returns
     -------
@@ -62,7 +67,9 @@ def modes_left_out(
     if not study.flexible or not seas:
         return xr.Dataset()
     convergence = ModeConvergence(study, tuple(directed(wave, sea) for wave, sea in seas), families)
-    before, tried = convergence.powers(study.modes), list(convergence.powers_by_degree.values())
+    powers, modes = powers or convergence.powers_by_degree, study.modes
+    known = modes.basis == "full" and modes.max_degree in powers
+    before, tried = powers[modes.max_degree] if known else convergence.powers(modes), list(powers.values())
     power, gain = _relative(_bounds(before, tried), before), np.zeros((*before.shape, len(ENDS)))
     if (reference := study.reference_design) is not None:
         at = list(study.designs).index(reference)

@@ -32,7 +32,7 @@ from vsb.study.directions import IN_PLANE, RIGID, Motion
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
 from vsb.study.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
-from vsb.study.waves import RegularWave, StillWater, Wave
+from vsb.study.waves import IrregularSea, RegularWave, StillWater, Wave
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea, expected, sea
@@ -272,6 +272,12 @@ class ModeConvergence:
         return max(self.powers_by_degree)
 
 
+def one_of_each_family(waves: Sequence[Wave]) -> list[int]:
+    """Return the first of each sea's realisations, by index."""
+    names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
+    return [names.index(name) for name in dict.fromkeys(names)]
+
+
 def take_offs(pto: Pto) -> tuple[str, ...]:
     """Return the control levels whose powers are computed, the given damper and the optimal one first."""
     return OF_MATRICES if pto.several else TAKE_OFFS
@@ -349,8 +355,8 @@ def further(powers: Sequence[FloatArray]) -> FloatArray:
     return np.where(step > previous, SAFETY * (step + previous), falling)
 
 
-def converged_degree(spec: DegreeSpec, climate: Climate | None = None) -> int:
-    """Return the least degree whose mean powers and gains are within `modes.tolerance` of those of all modes.
+def mode_convergence(spec: DegreeSpec, climate: Climate | None = None) -> ModeConvergence:
+    """Return the search for the least degree whose powers and gains are within `modes.tolerance` of all modes.
 
     Parameters
     ----------
@@ -359,7 +365,7 @@ def converged_degree(spec: DegreeSpec, climate: Climate | None = None) -> int:
     """
     buoy = spec.buoy
     assert buoy is not None
-    return ModeConvergence(buoy, _seas(spec, buoy, climate)).degree
+    return ModeConvergence(buoy, *_seas(spec, buoy, climate))
 
 
 def motion_of_port(study: AnyBuoy) -> Motion:
@@ -395,15 +401,16 @@ def mean_sea(climate: Climate, highest: float = np.inf) -> Sea:
     return Sea(climate.omega[inside], np.sqrt(2 * variance[inside]).astype(complex))
 
 
-def _seas(spec: DegreeSpec, buoy: BuoySystem, climate: Climate | None) -> tuple[Sea, ...]:
-    """The seas powers are to converge in."""
+def _seas(spec: DegreeSpec, buoy: BuoySystem, climate: Climate | None) -> tuple[tuple[Sea, ...], list[int] | None]:
+    """The seas powers are to converge in, and one of each family."""
     assert spec.band is not None
     highest = spec.band[1]
     if climate is not None:
-        return (mean_sea(climate, highest),)
+        return (mean_sea(climate, highest),), None
     waves = [wave for wave in spec.waves if not isinstance(wave, StillWater)]
     if not waves:
         unit = np.sqrt(spec.water.gravity / buoy.device.radius)
         periods = [2 * np.pi / min(part * unit, highest) for part in PROBED]
-        return tuple(sea(RegularWave(kind="regular", amplitude=0.1, period=t), highest, 0.0) for t in periods)
-    return tuple(directed(wave, sea(expected(wave), highest, spec.simulation.duration)) for wave in waves)
+        return tuple(sea(RegularWave(kind="regular", amplitude=0.1, period=t), highest, 0.0) for t in periods), None
+    seas = tuple(directed(wave, sea(expected(wave), highest, spec.simulation.duration)) for wave in waves)
+    return seas, one_of_each_family(waves)

@@ -8,18 +8,18 @@ import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, overload
+from typing import Any, NamedTuple, overload
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.study import plans
 from vsb.study.campaign import study_at
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
-from vsb.study.plan import BodyPlan, StudyPlan
+from vsb.study.plan import BodyPlan, StudyPlan, degree_path
 from vsb.study.plans import Plan
 from vsb.study.quantities import canonical, content_id
-from vsb.study.sections import DEGREES, Modes
-from vsb.study.specs import ClimateSpec, DegreeSpec, Spec
+from vsb.study.sections import DEGREES
+from vsb.study.specs import DegreeSpec
 from vsb.study.study import Study
 from vsb.study.vary import Point
 
@@ -65,12 +65,9 @@ def degree_needed(plan: StudyPlan | CampaignPlan) -> int:
     Raises `ConfigError` if the shell of a study does not carry its load, so that it has no modes about its equilibrium.
     """
     if isinstance(plan, StudyPlan):
-        return _degree(degree_spec(_converged(plan.study)), plan.root)
-    buoy = plan.loaded.base.buoy
-    assert buoy is not None
-    base = CampaignPlan(plan.loaded.model_copy(update={"base": _converged(buoy)}), root=plan.root).base
-    points = extremes(plan.loaded.campaign.vary.points)
-    specs = [degree_spec(study_at(base, point), plan.climate) for point in points]
+        return _degree(plan.degree, plan.root)
+    studies = [study_at(plan.base, point) for point in extremes(plan.loaded.campaign.vary.points)]
+    specs = [StudyPlan(study).degree.model_copy(update={"climate": plan.climate}) for study in studies]
     degrees = [DEGREES[0]]
     for spec in {content_id(spec): spec for spec in specs}.values():
         try:
@@ -112,49 +109,53 @@ def extremes(points: Sequence[Point]) -> list[Point]:
     return [point for i, point in enumerate(chosen or points[:1]) if point not in chosen[:i]]
 
 
-def degree_spec(study: Study, climate: ClimateSpec | None = None) -> DegreeSpec:
-    """Return what the degree of the shell modes follows from, in the seas of a study or of a year."""
-    ladder = StudyPlan(study).ladder
-    parts = {name: value for name, value in ladder if name not in Spec.model_fields}
-    return DegreeSpec(**{**parts, "climate": climate})
-
-
-def _converged(study: Study) -> Study:
-    """The study with the full basis, its degree not given."""
-    modes = Modes(tolerance=study.modes.tolerance, order=study.modes.order)
-    return study.model_copy(update={"modes": modes})
-
-
 def _with(study: Study, degree: int) -> Study:
     """The study with a degree."""
     return study.model_copy(update={"modes": study.modes.model_copy(update={"degree": degree})})
+
+
+class ModeSearch(NamedTuple):
+    """What a search for the degree of the shell modes found."""
+
+    degree: int
+    powers: dict[str, dict[str, Any]]  # by degree and design, lists (sea, take-off) [W]
 
 
 def _degree(spec: DegreeSpec, root: str, climate_path: str = "") -> int:
     """The degree that meets the tolerance, from where it is kept or looked for now."""
     if spec.buoy is None or not spec.buoy.flexible:
         return DEGREES[0]
-    path = Path(root, "hydro", "degrees", f"{content_id(spec)}.json")
-    try:
-        kept = json.loads(path.read_text(encoding="utf-8"))
-        if kept["checksum"] == _checksum(content_id(spec), kept["degree"]):
-            return int(kept["degree"])
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        pass  # not there, or not what it should be: looked for anew
-    from vsb.scenes.mode_convergence import converged_degree  # only now: it imports what solves
+    path = degree_path(root, spec)
+    if (kept := stored_search(path)) is not None:
+        return kept.degree
+    from vsb.scenes.mode_convergence import mode_convergence  # only now: it imports what solves
     from vsb.stages.climate import read_climate
     from vsb.tools.files import write_text
 
     tolerance = f"modes.tolerance {spec.buoy.modes.tolerance:g}"
     words = f"finding how many shell modes meet {tolerance}: seconds, once, kept in {path}"
     print(words, file=sys.stderr, flush=True)
-    climate = read_climate(spec.climate, climate_path) if spec.climate else None
-    degree = converged_degree(spec, climate)
-    entry = {"degree": degree, "checksum": _checksum(content_id(spec), degree), "spec": canonical(spec)}
+    search = mode_convergence(spec, read_climate(spec.climate, climate_path) if spec.climate else None)
+    powers = {
+        str(degree): dict(zip(spec.buoy.designs, power.tolist(), strict=True))
+        for degree, power in search.powers_by_degree.items()
+    }
+    found = ModeSearch(search.degree, powers)
+    entry = {**found._asdict(), "checksum": _checksum(path, found), "spec": canonical(spec)}
     write_text(path, json.dumps(entry) + "\n")
-    return degree
+    return found.degree
 
 
-def _checksum(spec_id: str, degree: int) -> str:
-    """What a degree is kept with: a flipped bit can make one degree of the list of another."""
-    return hashlib.sha256(f"{spec_id} {degree}".encode()).hexdigest()[:16]
+def stored_search(path: str) -> ModeSearch | None:
+    """Return what a search found; None if it is not there, or not what it should be."""
+    try:
+        kept = json.loads(Path(path).read_text(encoding="utf-8"))
+        found = ModeSearch(int(kept["degree"]), kept["powers"])
+        return found if kept["checksum"] == _checksum(path, found) else None
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None
+
+
+def _checksum(path: str, found: ModeSearch) -> str:
+    """What a search is kept with: a flipped bit can make one degree of the list of another."""
+    return hashlib.sha256(f"{Path(path).stem} {canonical(found._asdict())}".encode()).hexdigest()[:16]

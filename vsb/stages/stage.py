@@ -68,7 +68,7 @@ _ROWS: tuple[tuple[str, str, str, Any, str, str], ...] = (
     ("radiation", "frequency", "radiation model", specs.RadiationSpec, "database out", ""),
     ("response", "frequency", "frequency response", specs.ResponseSpec, "database out", ""),
     ("ladder", "frequency", "power at every control level", specs.LadderSpec,
-     "database out levels manifest", ""),
+     "database out levels manifest", "degrees"),
     ("simulate", "simulate", "one design in one sea", specs.SimulateSpec,
      "out", "database radiation"),
     ("compare", "compare", "comparison and validity", specs.CompareSpec,

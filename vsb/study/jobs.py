@@ -14,7 +14,7 @@ from vsb.study.body import BodyFile
 from vsb.study.body_cost import solve_resources
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
-from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, figure_paths
+from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, degree_path, figure_paths
 from vsb.study.plans import Plan
 from vsb.study.quantities import canonical
 from vsb.study.specs import PanelsSpec
@@ -210,6 +210,8 @@ def _coefficients(plan: AnyPlan) -> Iterator[Job]:
     yield _radiation(plan)
     yield Job("response", plan.response, {**read, "out": response}, (response,), (stored,))
     climbed = {**read, "out": ladder, "levels": levels, "manifest": plan.manifest}
+    if isinstance(plan, StudyPlan):
+        climbed["degrees"] = degree_path(plan.root, plan.degree)
     yield Job("ladder", plan.ladder, climbed, (ladder, levels), (stored,))
 
 

@@ -16,7 +16,7 @@ from typing import Any
 from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, panel_solver, witness_spec
 from vsb.study.body import NEEDED, PHYSICS, WAMIT, BodyFile, BodyStudy, located
 from vsb.study.quantities import content_id, result_id
-from vsb.study.sections import RECORDS_PER_PERIOD, thinning
+from vsb.study.sections import RECORDS_PER_PERIOD, Modes, thinning
 from vsb.study.specs import (
     AnySystem,
     Band,
@@ -25,6 +25,7 @@ from vsb.study.specs import (
     BuoySystem,
     CompareSpec,
     DatabaseSpec,
+    DegreeSpec,
     DisplaySpec,
     Dynamics,
     LadderSpec,
@@ -53,6 +54,11 @@ def figure_paths(folder: str, names: Iterable[str]) -> list[str]:
 def database_path(root: str, identity: str) -> str:
     """Return the path of a hydro database."""
     return f"{root}/hydro/db/{identity}.nc"
+
+
+def degree_path(root: str, spec: DegreeSpec) -> str:
+    """Return the path of a search for the degree of the shell modes."""
+    return f"{root}/hydro/degrees/{content_id(spec)}.json"
 
 
 def radiation_path(root: str, identity: str) -> str:
@@ -375,6 +381,13 @@ class StudyPlan(HydroPlan, ResultsPlan):
         """Return the plan of a study given as nested mappings, with the results folder, if not `results`, as `root`."""
         study = parse({key: value for key, value in raw.items() if key != "root"}, source=source)
         return cls(study, root=raw.get("root", "results"))
+
+    @property
+    def degree(self) -> DegreeSpec:
+        """Spec of the search for the degree of the shell modes in the seas of the study, whatever degree is given."""
+        modes = Modes(tolerance=self.study.modes.tolerance, order=self.study.modes.order)
+        ladder = StudyPlan(self.study.model_copy(update={"modes": modes})).ladder
+        return DegreeSpec(**{name: value for name, value in ladder if name not in Spec.model_fields})
 
     @property
     def display(self) -> DisplaySpec:
