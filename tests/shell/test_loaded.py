@@ -13,6 +13,7 @@ from vsb.shell.elastic import ElasticShell, converged_degree
 from vsb.shell.loaded import Gas, LoadedShell, buckling, complete_basis, complete_shell, equilibrium, viable_pressure
 from vsb.shell.modes import mode_basis
 from vsb.shell.shell import Shell
+from vsb.study.meridian import spheroid
 
 RHO, G = 1025.0, 9.81
 SHELL = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
@@ -187,6 +188,23 @@ def test_uniform_pressure_buckles_at_the_classical_load_and_degree(ratio, critic
     shell, found = uniform(ratio)
     assert 0.45 * ratio < 1 - found.load_factor / shell.buckling_pressure < 0.65 * ratio
     assert abs(found.degree - critical) <= 1
+
+
+@pytest.mark.parametrize(("height", "radius"), [(4.0, 2.0), (6.0, 2.0), (3.0, 4 / 1.5), (2.4, 4 / 1.2)])
+def test_thin_spheroids_buckle_around_the_axis_where_they_are_flattest(height, radius):
+    """Shallow shell of hoop radius R compressed along the meridian by p R/2: it buckles at 2 sqrt(D E h)/R.
+
+    R is largest at the equator of a long spheroid, at the poles of a flat one. The shape that buckles spans a length of
+    sqrt(R h), over which R varies: an excess like sqrt(h), extrapolated.
+    """
+
+    def excess(ratio):
+        shell = dataclasses.replace(SHELL, thickness=2.0 * ratio, rest=spheroid(2.0, height))
+        found = buckling(weightless(complete(int(3.2 / np.sqrt(ratio)) + 12, shell), -1.0))
+        return found.load_factor / (shell.buckling_pressure * (2.0 / radius) ** 2) - 1
+
+    thick, thin = excess(0.01), excess(0.0025)
+    assert 2 * thin - thick == pytest.approx(0.0, abs=0.004)
 
 
 def test_tension_and_no_load_do_not_buckle():

@@ -62,6 +62,26 @@ def test_gradient_against_multipoles(agree, climate, design):
     agree("gradient of a year", f"d ln P/d ln (r, h, E, nu, rho), {design}", slopes[:-1], wanted, 1e-6)
 
 
+def test_a_flexible_buoy_rests_stably_up_to_the_spring_of_the_multipoles(climate):
+    """A negative spring overcomes what heave and shell together resist, 1/(b^T K^-1 b), K of shell and water."""
+    shell = Shell(thickness=0.05, young_modulus=5e6)
+    modes = shell.modes(6, "full")
+    stiffness = modes.T @ shell.hydrostatics(6) @ modes
+    for n in range(7):
+        stiffness += modes[[n, 7 + n]].T @ shell.stiffness(n) @ modes[[n, 7 + n]]
+    bears = 1 / np.linalg.inv((stiffness + stiffness.T) / 2)[0, 0]
+    assert bears < 0.95 * shell.water * 9.81 * np.pi * shell.radius**2  # what the rigid sphere bears
+    device = SEED["device"] | {"thickness": 0.05, "young_modulus": 5e6, "mass": shell.total_mass}
+
+    def year_with(spring: float) -> float:
+        study = {**SEED, **WAVES, "device": device, "designs": {"VSWEC": {}}, "pto": {"stiffness": spring}}
+        return float(vsb.gradient(vsb.Study.model_validate(study), climate, []).annual_mean_power[0])
+
+    assert year_with(-bears * (1 - 1e-6)) > 0
+    with pytest.raises(vsb.VsbError, match="not stable at rest: its least stiffness"):
+        year_with(-bears * (1 + 1e-6))
+
+
 def test_gradient_against_stored_numbers(agree, climate):
     """The seed's shell under 16.5 kPa at its equilibrium: values of a prototype of its own in other coordinates."""
     device = SEED["device"] | {"internal_pressure": 16.5e3}
