@@ -199,9 +199,10 @@ def test_thin_spheroids_buckle_around_the_axis_where_they_are_flattest(height, r
     """
 
     def excess(ratio):
-        shell = dataclasses.replace(SHELL, thickness=2.0 * ratio, rest=spheroid(2.0, height))
+        sphere = dataclasses.replace(SHELL, thickness=2.0 * ratio)
+        shell = dataclasses.replace(sphere, rest=spheroid(2.0, height))
         found = buckling(weightless(complete(int(3.2 / np.sqrt(ratio)) + 12, shell), -1.0))
-        return found.load_factor / (shell.buckling_pressure * (2.0 / radius) ** 2) - 1
+        return found.load_factor / (sphere.buckling_pressure * (2.0 / radius) ** 2) - 1
 
     thick, thin = excess(0.01), excess(0.0025)
     assert 2 * thin - thick == pytest.approx(0.0, abs=0.004)
