@@ -9,6 +9,7 @@ prints the figures of every claim; some of them by name:
 
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,12 +20,17 @@ import xarray as xr
 import vsb
 from examples import command
 from examples.surprises import FLEXIBLE, RIGID, Figures, Ladder, regular, run, study_of
+from vsb.hydro.bodies.plates import plate_modes
 from vsb.hydro.orders import order_groups
 from vsb.integrators.exact import propagate
+from vsb.motion.damper_matrix import best_matrix
+from vsb.motion.frequency import LinearEquation
 from vsb.scenes.build import linear_design
+from vsb.scenes.floating_system import floating_system
 from vsb.stages.make import hydro_files, make
-from vsb.study.body import load_body
+from vsb.study.body import BodyFile, RoundPlate, load_body
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
+from vsb.study.reading import read_yaml, validated
 from vsb.study.study import Study, load, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load as load_file
@@ -200,11 +206,111 @@ def flexible_barge(folder: Path) -> Figures:
     return figures
 
 
+WEC_SIM_BENDING = (6.077064e6 / 1.079216e6, 4.382532e7 / 1.209976e6, 2.741026e8 / 2.391821e6, 4.664370e8 / 1.830601e6)
+"""Squares of the dry natural frequencies of bending in WEC-Sim's example Generalized_Body_Modes, barge.frc [1/s^2]."""
+
+
+def wec_sim_barge(folder: Path) -> Figures:
+    """The barge of WEC-Sim's example with its own frequencies of bending; take-off at the bow, waves of 5 to 12 s."""
+    raw = load_body("config/barge.yaml").study.model_dump()
+    mesh = str(Path("config/barge/barge.nc").resolve())
+    path = "config/barge/body.yaml"
+    file = validated(BodyFile, read_yaml(path, "a body file"), path).model_dump() | {"mesh": mesh, "modes": mesh}
+    quarter = 1025.0 * 80.0 * 10.0 * 5.0 / 4  # modal mass of free-free bending [kg]
+    stiffness = {f"Bending{n}": quarter * square for n, square in enumerate(WEC_SIM_BENDING, 1)}
+    raw |= {"study": "wec_sim_barge", "body": {"file": file, "stiffness": stiffness}, "root": str(folder)}
+    plan = BodyPlan.of(raw, "claims.yaml")
+    ds = computed(plan).sel(wave_direction=0.0)
+    some = ds.best_power.sel(omega=slice(2 * np.pi / 12, 2 * np.pi / 5))
+    rigid, flexible = (some.sel(design=design) for design in ("rigid", "flexible"))
+    at = ds.best_power.interp(omega=2 * np.pi / 8, method="cubic") / 1e3
+    return {
+        "waves of 8 s and 1 m amplitude: rigid [kW]": float(at.sel(design="rigid")),
+        "waves of 8 s and 1 m amplitude: flexible [kW]": float(at.sel(design="flexible")),
+        "frequencies with a gain [%]": 100 * float((flexible > rigid).mean()),
+        "gain in power, mean over all frequencies [%]": 100 * float(flexible.mean() / rigid.mean() - 1),
+    }
+
+
+DISC: dict[str, Any] = {
+    "study": "elastic_disc",
+    "body": {
+        "file": {
+            "body": "disc",
+            "mesh": {"kind": "cylinder", "radius": 10.0, "height": 1.2, "draft": 0.6, "panel": 0.8},
+            "modes": {"rigid": ["Heave", "Pitch"], "plate": {"degree": 4, "stiffness": 2e5, "poisson_ratio": 0.3}},
+            "mass": "displaced",
+            "water": {"density": 1025.0, "depth": 50.0, "gravity": 9.81},
+            "omega": np.linspace(0.8, 1.8, 11).round(3).tolist(),
+            "lid": 0,
+        }
+    },
+    "water": {"density": 1025.0, "depth": 50.0, "gravity": 9.81},
+    "designs": {"rigid": {"dofs": "rigid"}, "flexible": {}},
+    "hydro": {"accept": ["error_estimate"]},  # its coarser mesh has panels larger than twice the draft
+    "pto": {"port": {"dof": "Heave"}},
+    "waves": [regular(6.0)],
+}
+"""A round plate of 10 m radius, 1.2 m thick, half immersed; it absorbs some 4 % less than a disc of no draft."""
+
+
+def elastic_disc(folder: Path) -> Figures:
+    """A floating elastic disc with dampers to the sea bed all over it, the same everywhere and optimal in each wave."""
+    plan = BodyPlan.of({**DISC, "root": str(folder)}, "claims.yaml")
+    computed(plan)
+    floating = floating_system(plan.study, plan.hydro_files["database"])
+    ds, radius = floating.linear.database, float(DISC["body"]["file"]["mesh"]["radius"])
+    omega = ds.omega.values
+    plates = plate_modes(RoundPlate(degree=4), np.full(3, -radius), np.full(3, radius))
+
+    def all_over(points: FloatArray, area: FloatArray) -> FloatArray:
+        """B (dof, dof): the velocities at points (point, xy), each with an area, are as B^T q' in square and sum."""
+        at = np.column_stack([points, np.zeros(len(points))])
+        modes = [np.ones(len(at)), -at[:, 0], *(plate.at(at)[:, 2] for plate in plates)]
+        root = np.array(modes) * np.sqrt(area)
+        return np.asarray(root @ np.linalg.svd(root, full_matrices=False)[2].T)
+
+    r, weight = np.polynomial.legendre.leggauss(8)
+    r, angle = radius * (r + 1) / 2, np.arange(32) * np.pi / 16
+    disc = np.stack(np.broadcast_arrays(r[:, None] * np.cos(angle), r[:, None] * np.sin(angle)), axis=-1)
+    everywhere = all_over(disc.reshape(-1, 2), np.repeat(weight * r * radius / 2 * np.pi / 16, 32))
+    limit = np.array([power_limit(one, 50.0, 1025.0, 9.81) for one in omega])
+
+    def powers(design: str, equation: LinearEquation) -> tuple[FloatArray, FloatArray]:
+        """Optimal damping of an area [N s/m^3] and the power [W/m^2], each (omega,)."""
+        ports = equation.ports(floating.motions[design], everywhere)
+        found = [best_matrix(ports.at(np.array([i])), np.ones(1), "uniform") for i in range(len(omega))]
+        return np.array([one.damping[0, 0] for one in found]), np.array([one.power for one in found])
+
+    given = floating.linear.equation(omega)
+    dampers, rigid = powers("rigid", given)
+    figures = {"rigid: largest power in terms of lambda/2 pi": float((rigid / limit).max())}
+    for share in (1e-4, 1e-3, 1e-2):
+        stiffer = share * 1025.0 * 9.81 * radius**4 / 2e5 - 1
+        equation = replace(given, stiffness=given.stiffness + stiffer * ds.structural_stiffness.values)
+        dampers, power = powers("flexible", equation)
+        name = f"D = {share:g} rho g a^4"
+        figures[f"{name}: frequencies with a gain [%]"] = 100 * float(np.mean(power > rigid))
+        figures[f"{name}: gain in power, mean over all frequencies [%]"] = 100 * float(power.mean() / rigid.mean() - 1)
+        figures[f"{name}: largest power in terms of lambda/2 pi"] = float((power / limit).max())
+        if share != 1e-3:
+            continue
+        for side in (3, 5, 9):
+            line = radius * (2 * np.arange(side) + 1 - side) / side
+            grid = np.array([(x, y) for x in line for y in line if np.hypot(x, y) < radius])
+            units = all_over(grid, np.full(len(grid), np.pi * radius**2 / len(grid)))
+            ports = equation.ports(floating.motions["flexible"], units)
+            absorbed = [ports.at(np.array([i])).power(c * np.eye(units.shape[1]))[0] for i, c in enumerate(dampers)]
+            apart = np.abs(absorbed / power - 1).max()
+            figures[f"{name}, {len(grid)} dampers in their place: largest change of power [%]"] = 100 * float(apart)
+    return figures
+
+
 CASES: Mapping[str, Callable[[Path], Figures]] = {
     case.__name__: case
     for case in (
         with_radiation, every_wave, softer_is_better, start_of_a_run, matched_limit, longer_resonance, more_orders,
-        flexible_barge,
+        flexible_barge, wec_sim_barge, elastic_disc,
     )
 }  # fmt: skip
 """By name."""

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from verification import wec_sim_barge as wamit
 from verification.beam import free_free, stiffness
 from verification.cylinder import radiation
+from verification.disc import power
 
 RHO, G = 1025.0, 9.81
 
@@ -295,3 +297,80 @@ def test_gap_resonance(agree, command, tmp_path):
     agree("gaps", "resonance of the water between two barges [rad/s]", peak, molin, 4e-2)
     warned = next(check for check in json.loads(found.attrs["quality"]) if check["name"] == "error_estimate")
     assert f"near {molin:.3g} rad/s the water resonates in a gap of 0.8 m" in warned["explanation"]
+
+
+def test_elastic_disc_with_dampers_all_over_it(agree, command, tmp_path):
+    """Radius 10 m, D = 2e-3 rho g a^4, dampers of 0.3 rho g/omega, water of 50 m; the reference has no draft.
+
+    So the drafts 0.3 and 0.6 m are extrapolated to none, each over a reference of its own mass.
+    """
+    radius, depth, omega = 10.0, 50.0, np.array([0.6, 1.0, 1.4])
+    disc = {"radius": radius, "depth": depth, "rigidity": 2e-3 * RHO * G * radius**4, "nu": 0.3, "rho": RHO, "g": G}
+    damper, shares = 0.3 * RHO * G / omega, []
+    for draft in (0.3, 0.6):
+        raw = {
+            "body": "disc",
+            "mesh": {"kind": "cylinder", "radius": radius, "height": 2 * draft, "draft": draft, "panel": 1.0},
+            "modes": {"rigid": ["Heave", "Pitch"], "plate": {"degree": 6, "stiffness": disc["rigidity"]}},
+            "mass": "displaced",
+            "omega": omega.tolist(),
+            "lid": 0,
+            "water": {"density": RHO, "depth": depth, "gravity": G},
+        }
+        (tmp_path / "disc.yaml").write_text(yaml.safe_dump(raw), encoding="utf-8")
+        command("body", tmp_path / "disc.yaml", tmp_path / f"disc{draft}")
+        with xr.open_dataset(tmp_path / f"disc{draft}" / "disc.nc") as found:
+            ds = found.load()
+        waves = ds.excitation_force.isel(wave_direction=0)
+        force = (waves.sel(complex="re") + 1j * waves.sel(complex="im")).values
+        stiff = ds.hydrostatic_stiffness.values + ds.structural_stiffness.values
+        mode = {"Heave": (0, 0, 1.0), "Pitch": (1, 1, -radius)} | {
+            label: (*(int(part) for part in label[5:].split("_")), 1.0)
+            for label in map(str, ds.influenced_dof.values[2:])
+        }
+        squares = np.diag(
+            [s**2 * np.pi * radius**2 * (1 if m else 2) / (2 * (n + 1)) for n, m, s in mode.values()]
+        )  # int w w dA
+        for i, w in enumerate(omega):
+            c = damper[i] * squares
+            whole = stiff - w**2 * (ds.inertia_matrix.values + ds.added_mass.values[i])
+            moved = np.linalg.solve(whole - 1j * w * (ds.radiation_damping.values[i] + c), force[i])
+            own = w**2 / 2 * float(np.real(moved.conj() @ c @ moved))
+            wanted, lost = power(w, damper[i], mass=RHO * draft, highest=6, **disc)
+            assert lost == pytest.approx(wanted, rel=1e-10)  # by the reference's waves far away
+            shares.append(own / wanted)
+    thin, thick = np.reshape(shares, (2, -1))
+    agree("elastic disc", "power of dampers all over a disc of no draft", 2 * thin - thick, np.ones(3), 3e-3)
+
+
+def test_flexible_barge_of_wec_sim(agree, command, tmp_path):
+    """Coefficients of heave, pitch and four modes, and the motion of the free barge, against WAMIT's of 6800 panels."""
+    vertices, faces = box(-40.0, 80.0, (64, 8, 8))
+    x, _, z = vertices.T
+    zero, one = np.zeros(len(x)), np.ones(len(x))
+    place = np.linspace(-40.0, 0.0, 41)
+    shapes = {"Heave": np.transpose([zero, zero, one]), "Pitch": np.transpose([z, zero, -x])}
+    for n, w in enumerate(wamit.DEFLECTION.T, 1):
+        side = 1.0 if n % 2 else np.where(x > 0, -1.0, 1.0)
+        shapes[f"Mode{n}"] = np.transpose([zero, zero, side * np.interp(-np.abs(x), place, w)])
+    omega = 2 * np.pi / np.array(wamit.PERIODS[::-1])
+    water = {"density": 1000.0, "depth": float("inf"), "gravity": G}
+    found = database(
+        command, tmp_path, "barge", vertices, faces, shapes, [0, 0, 0], omega=omega.tolist(), water=water, lid=0
+    ).isel(omega=slice(None, None, -1), wave_direction=0)
+    added, damping = found.added_mass.values, found.radiation_damping.values
+    waves = found.excitation_force
+    force = (waves.sel(complex="re") + 1j * waves.sel(complex="im")).values
+    mass = np.diag([4.0e6, wamit.PITCH_INERTIA, *wamit.MODAL_MASS])
+    stiffness = found.hydrostatic_stiffness.values + np.diag([0.0, 0.0, *wamit.MODAL_STIFFNESS])
+    w = omega[::-1, None, None]
+    response = np.linalg.solve(-(w**2) * (mass + added) - 1j * w * damping + stiffness, force[..., None])[..., 0]
+    size = np.sqrt(np.einsum("wii->wi", wamit.ADDED_MASS).max(axis=0))
+    unit = 1000.0 * np.outer(size, size)
+    agree("flexible barge", "added mass of WEC-Sim's barge", added / unit, 1000.0 * wamit.ADDED_MASS / unit, 2e-2)
+    agree("flexible barge", "damping, likewise", damping / unit, 1000.0 * w * wamit.DAMPING / unit, 2e-2)
+    agree("flexible barge", "wave forces, likewise", abs(force) / size, 1000.0 * G * wamit.FORCE / size, 2e-2)
+    even = [0, 2, 4]  # in WAMIT's stiffness surge forces the odd modes in still water, which no barge feels
+    largest = wamit.RESPONSE[:, even].max(axis=0)
+    moved = wamit.RESPONSE[:, even] / largest
+    agree("flexible barge", "heave and even modes, likewise", abs(response[:, even]) / largest, moved, 2e-2)

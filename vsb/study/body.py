@@ -39,6 +39,8 @@ Direction = Annotated[Number, Field(ge=-360, le=360)]
 RigidMotion = Literal["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
 MOST_MODES = 20
 """Modes of bending, or polynomials."""
+MOST_DEGREE = 12
+"""Degree of a plate's polynomials."""
 
 
 class Line(Section):
@@ -57,13 +59,22 @@ class Hinge(Section):
     stiffness: NonNegative = 0.0
 
 
+class RoundPlate(Section):
+    """Bending modes of a round plate up to a polynomial degree, its stiffness D = E h^3/12(1 - nu^2) [N m], and nu."""
+
+    degree: Annotated[Count, Field(ge=2, le=MOST_DEGREE)]
+    stiffness: NonNegative = 0.0
+    poisson_ratio: Annotated[Number, Field(ge=0, le=0.5)] = 0.3
+
+
 class ModeFamilies(Section):
-    """Modes by name: rigid motions, all or some; free-free bending or polynomials along the hull; hinges."""
+    """Modes by name: rigid motions, all or some; bending or polynomials along the hull; a round plate's; hinges."""
 
     rigid: bool | tuple[RigidMotion, ...] = True
     bending: Line | None = None
     polynomial: Line | None = None
     hinge: tuple[Hinge, ...] = ()
+    plate: RoundPlate | None = None
 
     @field_validator("hinge", mode="before", json_schema_input_type=Hinge | tuple[Hinge, ...])
     @classmethod
@@ -74,9 +85,14 @@ class ModeFamilies(Section):
     def _some(self) -> Self:
         if self.bending and self.polynomial:
             raise ValueError("polynomial: received beside bending, which it nearly repeats; needs one of them")
-        if not (self.rigid or self.bending or self.polynomial or self.hinge):
+        if not (self.rigid or self.bending or self.polynomial or self.hinge or self.plate):
             raise ValueError("rigid: received none, and no other modes; needs at least one")
         return self
+
+    @model_serializer(mode="wrap")
+    def _without_plate(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave out the plate that is not given: bodies without one keep their names."""
+        return {key: value for key, value in dump(self).items() if value is not None or key != "plate"}
 
 
 def _modes_kind(value: object) -> str:

@@ -446,6 +446,12 @@ KEYS: dict[str, dict[str, Key]] = {
         "bending": Key("", "{count: 4}", "free-free bending modes of a uniform beam along the hull"),
         "polynomial": Key("", "{count: 4}", "Legendre polynomials from degree 2 along the hull, in place of them"),
         "hinge": Key("", "{at: [0.0, 0.0]}", "a hinge, or a list of them: both ends of the hull rise by 1 m per unit"),
+        "plate": Key("", "{degree: 6}", "bending modes of a round hull as a plate, symmetric about the x-z plane"),
+    },
+    "RoundPlate": {
+        "degree": Key("-", "6", "highest degree of its polynomials"),
+        "stiffness": Key("N m", "1.0e+7", "bending stiffness of the plate, E h^3/12(1 - nu^2)"),
+        "poisson_ratio": Key("-", "0.3", "Poisson's ratio"),
     },
     "Line": {
         "count": Key("-", "4", "how many modes"),

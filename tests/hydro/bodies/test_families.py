@@ -5,7 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from scipy.linalg import eigh
 
+from vsb.errors import ConfigError
 from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
@@ -98,3 +100,23 @@ def test_study_of_the_documentation():
     stiffness = np.diag(body.stiffness_parts["hydrostatic"]) / 1e6
     assert body.labels == ("Heave", "Pitch", "Bending1", "Bending2", "Bending3", "Bending4", "Hinge")
     assert stiffness[2:] == pytest.approx([1.91, 1.95, 2.05, 2.24, 2.43], abs=6e-3)
+
+
+DISC = {"kind": "cylinder", "radius": 10.0, "height": 1.0, "draft": 0.5, "panel": 0.6}
+
+
+def test_round_plate_in_vacuum():
+    """Frequencies of a free plate, nu = 0.3: lambda^2 = 5.358, 9.003, 12.439, 20.475 (Leissa 1969); w = x^2 - y^2."""
+    plate = {"degree": 9, "stiffness": 2.0e6, "poisson_ratio": 0.3}
+    body = build_body(described({"rigid": ["Heave"], "plate": plate}, mesh=DISC), {})
+    assert np.abs(body.mass[0, 1:]).max() < 1e-3 * body.mass[0, 0]  # a polygon of the circle's area
+    bent = 8 * np.pi * 0.7 * 2.0e6 / 10.0**2
+    assert named(body.stiffness, body, "Plate2_2")[0, 0] == pytest.approx(bent, rel=2e-3)
+    unit = np.pi * 10.0**2 * 2.0e6 / (body.mass[0, 0] * 10.0**4)  # D/(m a^4), m the mass of an area
+    square = eigh(body.stiffness[1:, 1:], body.mass[1:, 1:], eigvals_only=True)
+    assert np.sqrt(square[:4] / unit) == pytest.approx([5.358, 9.003, 12.439, 20.475], rel=3e-3)
+
+
+def test_plate_of_a_box_is_refused():
+    with pytest.raises(ConfigError, match=r"modes\.plate: received a hull of 80 x 10 m; needs a round one"):
+        build_body(described({"rigid": ["Heave"], "plate": {"degree": 2}}), {})

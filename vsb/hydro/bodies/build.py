@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, Triangles, check_apart
@@ -14,6 +15,7 @@ from vsb.hydro.bodies.files import length_unit, read_body, read_mesh, usable_pan
 from vsb.hydro.bodies.hulls import hull_panels
 from vsb.hydro.bodies.hydrostatics import columns_of
 from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, gaps, owners, wetted
+from vsb.hydro.bodies.plates import PlateMode, plate_modes, plate_stiffness
 from vsb.hydro.bodies.sections import Beam
 from vsb.study.body import BodyFile, SphereHull
 from vsb.study.quantities import RIGID, ROTATIONS
@@ -73,14 +75,16 @@ def _made_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: lis
     if file.all_rigid and _turns_about_its_centre(file.mesh, pivot):
         labels = [label for label in labels if label not in ROTATIONS]
         notes = [*notes, "Roll and Pitch left out: about its own centre a sphere moves no water"]
-    motions: list[Rigid | LineMode] = [_motion(label, pivot) for label in labels]
+    motions: list[Rigid | LineMode | PlateMode] = [_motion(label, pivot) for label in labels]
     stiffness, beams = None, dict[int, Beam]()
     if file.families:
         hull = _hull(vertices[np.unique(faces)], points, panels, centre)
-        lines = line_modes(file.families, hull)
-        stiffness = _beside(len(labels), structural_stiffness(file.families, hull, lines))
+        lines, plates = line_modes(file.families, hull), plate_modes(file.families.plate, hull.low, hull.high)
+        elastic = [structural_stiffness(file.families, hull, lines), plate_stiffness(file.families.plate, plates)]
+        stiffness = block_diag(np.zeros((len(labels), len(labels))), *elastic)
         beams = {i: Beam(line.axis, line) for i, line in enumerate(lines, len(labels)) if line.smooth}
-        labels, motions = [*labels, *(line.label for line in lines)], [*motions, *lines]
+        labels = [*labels, *(line.label for line in lines), *(plate.label for plate in plates)]
+        motions = [*motions, *lines, *plates]
     shapes = np.array([motion.at(points) for motion in motions])
     history = "; ".join(filter(None, [*notes, wet.history if wet else ""]))
     modes = at_centres(points, panels, shapes)
@@ -90,7 +94,7 @@ def _made_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: lis
         tuple(labels),
         modes,
         shapes,
-        stiffness=stiffness,
+        stiffness=stiffness if stiffness is not None and stiffness.any() else None,
         centre_of_mass=centre,
         history=history,
         beams=beams,
@@ -117,11 +121,6 @@ def _hull(vertices: FloatArray, points: FloatArray, panels: IntArray, centre: Fl
     volume = columns.volume.sum(axis=-1).ravel()
     at = columns.points.reshape(-1, 3)
     return Hull(vertices.min(axis=0), vertices.max(axis=0), centre, at, volume / volume.sum())
-
-
-def _beside(rigid: int, stiffness: FloatArray | None) -> FloatArray | None:
-    """A stiffness of flexible modes with rigid ones before them, which have none."""
-    return None if stiffness is None else np.pad(stiffness, ((rigid, 0), (rigid, 0)))
 
 
 def _turns_about_its_centre(mesh: object, centre: FloatArray | None) -> bool:

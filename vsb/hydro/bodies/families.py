@@ -177,14 +177,12 @@ def _hinged(hinge: Hinge, label: str, hull: Hull) -> LineMode:
     return LineMode(label, axis, height, shape, smooth=False)
 
 
-def structural_stiffness(families: ModeFamilies, hull: Hull, modes: Sequence[LineMode]) -> FloatArray | None:
-    """Return the stiffness of bending and of hinges, shape (mode, mode) [N/m]; None if none is given.
+def structural_stiffness(families: ModeFamilies, hull: Hull, modes: Sequence[LineMode]) -> FloatArray:
+    """Return the stiffness of bending and of hinges, shape (mode, mode) [N/m].
 
     EI int W_i'' W_j'' ds: of free-free modes EI (2k/L)^4 L/4. A hinge's is by the angle between its pieces.
     """
     line = families.bending or families.polynomial
-    if not (line and line.stiffness) and not any(hinge.stiffness for hinge in families.hinge):
-        return None
     matrix = np.zeros((len(modes), len(modes)))
     count = line.count if line else 0
     if line and line.stiffness:
