@@ -191,11 +191,14 @@ def fit_passive(samples: RadiationSamples, tolerance: float, *, limit: Limit = "
     for group, part in zip(groups, parts, strict=True):
         shift[group[:, None], group] = part.shift
     found = model.transfer(samples.omega) / np.outer(samples.size, samples.size)
-    error = entry_error(found - k + 1j * samples.omega[:, None, None] * shift)
+    difference = found - k + 1j * samples.omega[:, None, None] * shift
+    error = entry_error(difference)
     if error > UNUSABLE:
+        worst = float(samples.omega[np.abs(difference).max(axis=(1, 2)).argmax()])
         raise ConvergenceError(
             f"the radiation state space reaches an error of {error:.1e} with {model.order} states, needs {UNUSABLE:g}; "
-            "refine the mesh or the frequencies, remove irregular ones, or fit added mass at infinite frequency."
+            f"most at {worst:.4g} rad/s: smaller panels or steps of frequency there resolve a resonance in a gap, a "
+            "lid removes an irregular frequency; or fit added mass at infinite frequency."
         )
     shift *= np.outer(samples.size, samples.size)
     own = np.sqrt(np.maximum(np.abs(np.diag(samples.added_mass_inf)), np.abs(np.diag(shift)))) + 1e-100

@@ -72,6 +72,7 @@ _LEAST_SIZE = 0.3  # of a displacement, relative to all displaced water moving l
 _LEAST_RATIO = 1.2  # of two resolutions that allow an estimate
 _MATRICES = ("added_mass", "radiation_damping")
 _IDENTITIES = ("symmetry", "far_field", "haskind")
+_ABOUT = 0.1  # error of the frequency of a gap's resonance, relative
 _IRREGULAR = "; irregular frequencies begin at about {:.3g} rad/s, a lid (lid: 8) removes them"
 _PISTON = (
     "; near {:.3g} rad/s the water resonates in a gap of {:.3g} m between two bodies, which is no irregular frequency: "
@@ -211,7 +212,8 @@ def verdict(study: BodyFile, body: FlexibleBody, infinite: Block, found: Swept, 
     first = first_irregular_frequency(body, study.water.gravity)
     cure = "" if study.lid or study.omega[-1] < BELOW_IRREGULAR * first else _IRREGULAR.format(first)
     gap = gap_resonance(body, study.water.gravity)
-    cure += _PISTON.format(*gap) if gap and study.omega[0] < gap.omega < study.omega[-1] else ""
+    near = gap is not None and study.omega[0] < (1 + _ABOUT) * gap.omega and (1 - _ABOUT) * gap.omega < study.omega[-1]
+    cure += _PISTON.format(*gap) if gap and near else ""
     checks = [_check("error_estimate", error, cure)]
     if study.tolerance is not None:
         text = f"{len(solved)} solves for {len(study.omega)} frequencies; {RULES['interpolation_error'].explanation}"
