@@ -2,7 +2,7 @@
 
 import pytest
 
-from vsb.tools.words import against_rigid, plain, power, short, watts
+from vsb.tools.words import against, plain, power, short, the_rigid, watts
 
 
 @pytest.mark.parametrize(
@@ -24,9 +24,9 @@ def test_powers_that_are_compared_have_one_unit():
 
 
 def test_gain_that_rounds_to_zero():
-    assert against_rigid(0.049, "FSB") == against_rigid(-0.049, "FSB") == "as much as the rigid FSB"
-    assert against_rigid(0.05, "rigid") == "0.1 % more than the rigid one"
-    assert against_rigid(-12.34, "FSB") == "12.3 % less than the rigid FSB"
+    assert against(0.049, "heave") == against(-0.049, "heave") == "as much as heave"
+    assert against(0.05, the_rigid("rigid")) == "0.1 % more than the rigid one"
+    assert against(-12.34, the_rigid("FSB")) == "12.3 % less than the rigid FSB"
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import xarray as xr
 from vsb.report.band import gain_band, useful_band
 from vsb.report.doubts import no_answer, reasons
 from vsb.study.take_off import DEFAULTS, LAWS, port_kind
-from vsb.tools.words import SAME, against_rigid, multiple, plain, power, the_rigid, watts
+from vsb.tools.words import SAME, against, multiple, plain, power, the_rigid, watts
 
 Lines = Sequence[dict[str, Any]]
 """Rows of `vsb.results.gains`: gains of designs in seas, optima within limits, or designs that are not valid."""
@@ -97,7 +97,7 @@ def _left_out(others: Lines, valid: Lines, invalid: Lines, reference: str, seas:
         if (line["design"], line["sea"]) in kept:
             continue
         why = [one for one in invalid if one["design"] in (line["design"], reference) and one["sea"] == line["sea"]]
-        gain = against_rigid(float(line["best_gain_percent"]), reference)
+        gain = against(float(line["best_gain_percent"]), the_rigid(reference))
         what = f"{line['design']} in {seas[line['sea']]}, computed to absorb {gain}"
         found.append(f"Not valid and not part of this answer: {what}; {' and '.join(reasons(why))}.")
     return found
@@ -115,7 +115,7 @@ def _in_seas(shown: Lines, lines: Lines, reference: str, seas: dict[str, str]) -
     where = f"In {seas[sea]}" + (f", the most favourable of {count} seas" if count > 1 else "")
     interval = interval_text(best.get("best_low"), best.get("best_high"))
     known = f"{interval} with all known errors; " if interval else ""
-    what = f"{most} absorbs {against_rigid(gain, reference)} ({known}{own} against {its} {unit})"
+    what = f"{most} absorbs {against(gain, the_rigid(reference))} ({known}{own} against {its} {unit})"
     least, elsewhere = min(float(line["best_gain_percent"]) for line in shown), ""
     if count > 1 and least < 0:
         pays = len({line["sea"] for line in shown if float(line["best_gain_percent"]) > 0})
@@ -137,7 +137,7 @@ def interval_text(low: float | None, high: float | None) -> str:
         ends = [f"{round(end, digits) + 0.0:+.{digits}f}" for end in (low, high)]
         if ends[0] != ends[1]:
             return f"{ends[0]} to {ends[1]} %"
-    return f"{(low + high) / 2:+.1f} %, exact to 1e-{DIGITS} points"
+    return f"{(low + high) / 2:+z.1f} %, exact to 1e-{DIGITS} points"
 
 
 def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list[str]:
@@ -204,7 +204,7 @@ def limited_statements(lines: Lines, reference: str | None, seas: dict[str, str]
         parts = []
         for line in (line for line in lines if line["sea"] == name):
             known = line["gain_percent"] is not None and line["design"] != reference
-            gain = f" ({line['gain_percent']:+.1f} %)" if known else ""
+            gain = f" ({line['gain_percent']:+z.1f} %)" if known else ""
             parts.append(f"{line['design']} {line['power']:.4g} W{gain}")
         statements.append(f"In {seas[name]}, no take-off within its limits absorbs more than: {', '.join(parts)}.")
     return statements
@@ -213,7 +213,7 @@ def limited_statements(lines: Lines, reference: str | None, seas: dict[str, str]
 def _gain(line: dict[str, Any], base: dict[str, Any]) -> str:
     """How a design stands against the reference at equal tuning, in words."""
     (own, its), unit = watts([line["best_power"], base["best_power"]])
-    return f"{against_rigid(line['best_gain_percent'], base['design'])} ({own} against {its} {unit})"
+    return f"{against(line['best_gain_percent'], the_rigid(base['design']))} ({own} against {its} {unit})"
 
 
 def shares_text(lines: Lines, sea: str, unit: str) -> str:
@@ -258,9 +258,9 @@ def tuning_table(lines: Lines) -> list[list[str]]:
     return [
         [
             line["design"], line["sea"],
-            text(line["best_gain_percent"], "+.1f"), interval_text(line.get("best_low"), line.get("best_high")) or "-",
+            text(line["best_gain_percent"], "+z.1f"), interval_text(line.get("best_low"), line.get("best_high")) or "-",
             text(line["best_power"]), text(line["best_damping"]),
-            text(line["gain_percent"], "+.1f"), interval_text(line.get("low"), line.get("high")) or "-",
+            text(line["gain_percent"], "+z.1f"), interval_text(line.get("low"), line.get("high")) or "-",
             text(line["power"]), text(line["damping"]),
             text(line["share"], ".1f", 100.0),
         ]
@@ -268,10 +268,10 @@ def tuning_table(lines: Lines) -> list[list[str]]:
     ]  # fmt: skip
 
 
-def closing_line(lines: Lines, reference: str | None, invalid: Lines = ()) -> str:
+def closing_line(lines: Lines, reference: str | None, invalid: Lines = (), *, flexible: bool = True) -> str:
     """Return the answer of a study in one line that another sentence continues; empty if there is no gain.
 
-    Only valid designs count; where there is none, the line says so and why.
+    Only valid designs count; where there is none, the line says so and why. `flexible` says whether any design is.
     """
     others = valid_lines(lines, reference, invalid)
     if not others and invalid:
@@ -281,10 +281,12 @@ def closing_line(lines: Lines, reference: str | None, invalid: Lines = ()) -> st
         for key, where in (("best_gain_percent", "optimal damping"), ("gain_percent", "the given damping"))
         if (gains := [line[key] for line in others if line[key] is not None])
     ]
-    return f"mean power against {the_rigid(reference)} {', '.join(parts)}; " if parts and reference else ""
+    if not (parts and reference):
+        return ""
+    return f"mean power against {the_rigid(reference) if flexible else reference} {', '.join(parts)}; "
 
 
 def _range(gains: Sequence[float]) -> str:
     """One gain, or the smallest and the largest of several [%]."""
-    low, high = (f"{bound:+.1f}" for bound in (min(gains), max(gains)))
+    low, high = (f"{bound:+z.1f}" for bound in (min(gains), max(gains)))
     return f"{low} %" if low == high else f"{low} to {high} %"

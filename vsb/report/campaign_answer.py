@@ -3,6 +3,8 @@
 Imports nothing that draws: a run ends with this answer.
 """
 
+import math
+
 import numpy as np
 import xarray as xr
 
@@ -10,7 +12,7 @@ from vsb.report.answer import COMPUTED, Answer
 from vsb.report.doubts import ADVICE
 from vsb.results.campaign import GAIN, POWER, in_time
 from vsb.study.campaign import GAIN_IN_TIME, leading_tuning
-from vsb.tools.words import against_rigid, quantity, short
+from vsb.tools.words import against, quantity, short, the_rigid
 from vsb.waves.climate import YEAR_HOURS
 
 TUNED = {
@@ -75,16 +77,19 @@ def _absorbed(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr
     by, beside = "linear theory", ""
     if is_verified(one, tuning):
         by = MODELS[ds.attrs["verified_model"]]
-        beside = f"; linear theory gives {float(one.gain_percent):+.1f} %"
+        beside = f"; linear theory gives {float(one.gain_percent):+z.1f} %"
         if low <= 0 <= high:
             beside += "; too few runs to resolve the sign"
     rigid = shown_member(ds, tuning, reference).sel(tuning=tuning, design=reference)
     many = (ds.sizes["design"] > 2) or ds.margin.size > 1
     kind = "flexible design" if of_shells(ds) else "other design"
     subject = f"the best {kind}, {design}{at_point(one)}," if many else f"{design}"
-    interval = f"{low:+.1f} to {high:+.1f} % by {by}{beside}"
-    both = f"{_energy(one, tuning):.4g} against {_energy(rigid, tuning):.4g} MWh"
-    return f"{subject} absorbs {against_rigid(gain, str(reference))} ({interval}; {both})"
+    interval = f"{low:+z.1f} to {high:+z.1f} % by {by}{beside}"
+    energies = _energy(one, tuning), _energy(rigid, tuning)
+    decimals = max(0, 3 - math.floor(math.log10(max(energies))))
+    both = " against ".join(f"{energy:.{decimals}f}" for energy in energies) + " MWh"
+    other = the_rigid(str(reference)) if of_shells(ds) else str(reference)
+    return f"{subject} absorbs {against(gain, other)} ({interval}; {both})"
 
 
 def _energy(one: xr.Dataset, tuning: str) -> float:
@@ -108,7 +113,8 @@ def second_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
         return of_points(ds, reference, tuning)
     marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)
     theory = "" if "verification" in ds.attrs else "This is linear theory; "
-    beyond = f"{share_range(marked)} of the energy comes from seas beyond the validity of linear theory."
+    shells = ", or deform the shell by more than a tenth of its radius" if of_shells(ds) else ""
+    beyond = f"{share_range(marked)} of the energy comes from seas that are too steep or break{shells}."
     return theory + beyond if bool(marked.notnull().any()) else ""
 
 

@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 
 from vsb import __version__
-from vsb.motion.damper_matrix import matrix_text
 from vsb.report.animation import in_motion
 from vsb.report.campaign_answer import (
     MODELS,
@@ -32,8 +31,9 @@ from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
 from vsb.report.page import STILL as STILL_BODY
 from vsb.study.campaign import CONSTRAINED
+from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import kind_of
-from vsb.tools.words import plain
+from vsb.tools.words import plain, short
 from vsb.waves.climate import is_doubt
 
 CAPTIONS = {
@@ -142,7 +142,7 @@ def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
     if bool((abs(over) > 1e-6).any()):  # of a table of JONSWAP seas it is the year itself
         found.append(
             f"Usual practice, JONSWAP seas at the centres of the bins, would change the annual energy by "
-            f"{float(over.min()):+.1f} to {float(over.max()):+.1f} %."
+            f"{float(over.min()):+z.1f} to {float(over.max()):+z.1f} %."
         )
     return found
 
@@ -244,16 +244,21 @@ def rows(ds: xr.Dataset) -> list[list[str]]:
 def _row(one: xr.Dataset, design: str, tuning: str) -> list[str]:
     """Cells of one design under one tuning."""
     gain = float(one.gain_percent) if "gain_percent" in one else np.nan
-    gains = [_cell(gain, "+.1f")]
+    gains = [_cell(gain, "+z.1f")]
     if _has_runs(one):
         low, high = (float(end) for end in reported_bounds(one, one.attrs["verified_tuning"]))
         known = tuning == one.attrs["verified_tuning"] and not np.isnan(low)
-        gains.append(f"{float(reported_gain(one, tuning)):+.1f} ({low:+.1f} to {high:+.1f})" if known else "-")
+        gains.append(f"{float(reported_gain(one, tuning)):+z.1f} ({low:+z.1f} to {high:+z.1f})" if known else "-")
     numbers = [_cell(float(one.annual_energy)), _cell(float(one.capture_width), ".3g")]
     numbers += [_cell(float(one.force_rms) / 1e3)] if "force_rms" in one else []
-    numbers += [matrix_text(one.damper_matrix.values, 3) or "-"] if "damper_matrix" in one else []
+    numbers += [_matrix(one.damper_matrix.values)] if "damper_matrix" in one else []
     numbers += [_cell(float(one.margin))] if of_shells(one) else []
     return [where(one) or "-", design, tuning, *gains, *numbers]
+
+
+def _matrix(values: FloatArray) -> str:
+    """A damper matrix, row by row; a dash where there is none."""
+    return "-" if np.isnan(values).any() else "; ".join(", ".join(map(short, row)) for row in values)
 
 
 def _cell(value: float, form: str = "") -> str:

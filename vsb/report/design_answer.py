@@ -64,7 +64,7 @@ def answer(facts: Facts) -> Answer:
 def in_words(facts: Facts) -> str:
     """Return the gain with its interval."""
     gain = facts["gain"]
-    return f"{gain['value']:+.2f} % ({gain['low']:+.2f} to {gain['high']:+.2f} %)"
+    return f"{gain['value']:+z.2f} % ({gain['low']:+z.2f} to {gain['high']:+z.2f} %)"
 
 
 def verdict(facts: Facts) -> str:
@@ -85,9 +85,9 @@ def in_time(facts: Facts) -> list[str]:
     """Return what runs in time of both buoys in the same seas say of the gain, apart from all other errors."""
     if (runs := facts["verified"]) is None:
         return []
-    interval = f"{runs['low']:+.2f} to {runs['high']:+.2f} %"
+    interval = f"{runs['low']:+z.2f} to {runs['high']:+z.2f} %"
     return [
-        f"In the same seas both buoys, as they are, were followed in time ({runs['runs']}): {runs['value']:+.2f} % "
+        f"In the same seas both buoys, as they are, were followed in time ({runs['runs']}): {runs['value']:+z.2f} % "
         f"({interval})."
     ]
 
@@ -98,12 +98,12 @@ def size_or_flexibility(facts: Facts) -> list[str]:
     if TWIN in of:
         found.append(
             f"A rigid buoy of its shape and mass absorbs {power(of[TWIN])}: flexibility itself brings "
-            f"{100 * (of[FLEXIBLE] / of[TWIN] - 1):+.2f} %."
+            f"{100 * (of[FLEXIBLE] / of[TWIN] - 1):+z.2f} %."
         )
     if SPHERE in of:
         found.append(
             f"The rigid sphere it was before inflation absorbs {power(of[SPHERE])}: size and flexibility together "
-            f"bring {100 * (of[FLEXIBLE] / of[SPHERE] - 1):+.2f} %."
+            f"bring {100 * (of[FLEXIBLE] / of[SPHERE] - 1):+z.2f} %."
         )
     return found
 
@@ -114,7 +114,7 @@ def limited(facts: Facts) -> list[str]:
     words = [worth(facts, name, value) for name, value in grouped(found["multipliers"]).items()]
     lines = [f"What limits it: {'; '.join(words)}."] if words else ["No limit holds it."]
     if found["flat"]:
-        ridges = " and ".join(f"({one})" for one in found["flat"])
+        ridges = " and ".join(one[1:] if " " not in one else f"({one})" for one in found["flat"])
         lines.append(
             f"The optimum is flat: along {ridges} power hardly changes within the range, so that other buoys on this "
             "ridge are as good."

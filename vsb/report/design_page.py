@@ -9,7 +9,7 @@ from vsb.report.design_answer import OBJECTIVES, Facts, answer, grouped, in_full
 from vsb.report.design_figures import captions
 from vsb.report.html import captioned, page
 from vsb.study.design import unit_of
-from vsb.tools.words import superscripts
+from vsb.tools.words import plain, superscripts
 
 BUOYS = (
     "annual_mean_power", "damping", "force_rms", "stroke_rms", "beam", "draft", "mass", "surface", "volume",
@@ -89,7 +89,7 @@ def variables_table(facts: Facts) -> dict[str, Any]:
     for place, name in enumerate((FLEXIBLE, COMPETITOR)):
         for one in facts["found"][name]["variables"]:
             unit = "" if one["unit"] == "1" else f" {superscripts(one['unit'])}"
-            bounds = f"{one['low']:g} to {one['high']:g}{unit}"
+            bounds = f"{plain(one['low'])} to {plain(one['high'])}{unit}"
             row = found.setdefault(one["key"], [one["key"], bounds, "-", "-"])
             row[2 + place] = with_unit(one["value"], one["unit"])
     return {"head": ["variable", "bounds", FLEXIBLE, COMPETITOR], "body": list(found.values())}

@@ -37,7 +37,7 @@ Measure = tuple[str, str, float, str]
 """Column of the comparison, its head, factor to the unit shown, format."""
 DETAILS = (
     ("energy", "energy of the run [kJ]", 1e-3, ""),
-    ("energy_gain_percent", "energy gain [%]", 1.0, "+.1f"),
+    ("energy_gain_percent", "energy gain [%]", 1.0, "+z.1f"),
     ("energy_residual", "energy residual [-]", 1.0, ".1e"),
 )
 """Measures of the whole run, start-up included."""
@@ -82,6 +82,11 @@ class Report:
     interactive: dict[str, Any] | None = None  # data of the page's scripts, see `vsb.report.interactive`
     no_slider: str = ""  # why there are no such data
     animated: dict[str, Any] | None = None  # the buoys in motion, see `vsb.report.animation`
+
+    @property
+    def rigid(self) -> str | None:
+        """The reference where sentences compare flexible designs with it; rigid ones stand side by side."""
+        return self.reference if self.flexible else None
 
 
 PUBLISHED = {
@@ -207,8 +212,8 @@ def _gain_text(line: dict[str, Any], reference: str | None) -> str:
     bounds = ""
     if line["gain_low"] not in MISSING:
         of = "of the sea, 95 %" if line["amplitudes"] == "random" else "of these waves, numerical error only"
-        bounds = f"; {float(line['gain_low']):+.1f} to {float(line['gain_high']):+.1f} % {of}"
-    return f" ({float(line['gain_percent']):+.1f} %{bounds})"
+        bounds = f"; {float(line['gain_low']):+z.1f} to {float(line['gain_high']):+z.1f} % {of}"
+    return f" ({float(line['gain_percent']):+z.1f} %{bounds})"
 
 
 def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> str:
@@ -216,7 +221,7 @@ def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> s
     own = float(base[key])
     if own <= 0 or len(sea) < 2:
         return ""
-    gains = (f"{row['design']} {100 * (float(row[key]) / own - 1):+.1f} %" for row in sea if row is not base)
+    gains = (f"{row['design']} {100 * (float(row[key]) / own - 1):+z.1f} %" for row in sea if row is not base)
     return f" (against {base['design']}: {', '.join(gains)})"
 
 
@@ -232,7 +237,7 @@ def measures(kind: PortKind, thing: str) -> list[Measure]:
         ("power_mean", "mean power [W]", 1.0, ""),
         ("capture_width", "capture width [m]", 1.0, ""),
         ("damping", f"damping [{kind.damping_unit}]", 1.0, ""),
-        ("power_gain_percent", "gain of mean power [%]", 1.0, "+.1f"),
+        ("power_gain_percent", "gain of mean power [%]", 1.0, "+z.1f"),
     ]
 
 
@@ -271,7 +276,7 @@ def statistics_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
             *(str(line[key]) for key in ("design", "sea", "amplitudes", "realisations")),
             _cell(line["power_mean"]), bounds(line, "power"), _cell(line["power_linear_record"]),
             _cell(line["power_linear"]),
-            _cell(line["gain_percent"], "+.1f"), bounds(line, "gain", "+.1f"),
+            _cell(line["gain_percent"], "+z.1f"), bounds(line, "gain", "+z.1f"),
         ]
         for line in lines
     ]  # fmt: skip
@@ -290,7 +295,7 @@ def published_table(study: dict[str, Any], rows: Sequence[dict[str, Any]]) -> li
             if theirs is None or key not in values:
                 continue
             ours = float(values[key])
-            difference = f"{100 * (ours / theirs - 1):+.1f} %" if theirs else "-"
+            difference = f"{100 * (ours / theirs - 1):+z.1f} %" if theirs else "-"
             cells = (plain(theirs * factor, 5), plain(ours * factor, 5), difference)
             lines.append([row["design"], row["wave"], f"{name} [{unit}]", *cells])
     return lines
@@ -307,10 +312,10 @@ def _answer(report: Report, in_seas: Sequence[str]) -> Answer:
         said = [NO_OPTIMUM, *in_seas[:1]]
     else:
         best, names = report.response.best_power, report.seas
-        found = headline(report.equal_tuning, best, report.reference, names, report.invalid, _neglected(report))
+        found = headline(report.equal_tuning, best, report.rigid, names, report.invalid, _neglected(report))
         if found.stands:
             return found
-        said = tuned_statements(report.equal_tuning, report.reference, report.seas)[:1] or list(in_seas[:1])
+        said = tuned_statements(report.equal_tuning, report.rigid, report.seas)[:1] or list(in_seas[:1])
     designs = {row["design"] for row in report.rows} - {report.reference}
     if designs and designs <= {line["design"] for line in report.invalid}:
         return Answer([no_answer(report.invalid)], [f"{COMPUTED}{' '.join(said)}"])
@@ -329,7 +334,7 @@ def render(report: Report) -> str:
     at_damping = tuned if law in ("linear", "saturated") else ()  # else the power in time is not that of the damping
     regular = [row for row in report.rows if row["wave"] not in irregular]
     in_seas = [
-        *sea_statements(regular, report.reference, report.seas, at_damping, where, unit),
+        *sea_statements(regular, report.rigid, report.seas, at_damping, where, unit),
         *irregular_statements(report.statistics, report.reference, report.seas, at_damping, where, unit),
     ]
     failed, answer = warnings(report.checks), _answer(report, in_seas)
@@ -353,7 +358,7 @@ def render(report: Report) -> str:
         animated=in_motion(report.animated),
         still="" if report.animated else STILL,
         tuned=[
-            *([] if response is None else tuned_statements(tuned, report.reference, report.seas)),
+            *([] if response is None else tuned_statements(tuned, report.rigid, report.seas)),
             *limited_statements(report.within_limits, report.reference, report.seas),
         ],
         seas=in_seas,

@@ -86,7 +86,7 @@ def _cell(value: str | float | None, field: str) -> str:
         return "-"
     if isinstance(value, str):
         return value
-    return f"{value:+.1f}" if field == "gain_percent" else plain(value)
+    return f"{value:+z.1f}" if field == "gain_percent" else plain(value)
 
 
 def as_csv(lines: Sequence[Line]) -> str:

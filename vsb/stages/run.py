@@ -150,7 +150,9 @@ def _answer(plan: Plan) -> str:
     from vsb.tools.stamps import read_text
 
     found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))
-    return closing_line(found["equal_tuning"], plan.study.reference_design, found["invalid"])
+    return closing_line(
+        found["equal_tuning"], plan.study.reference_design if plan.study.flexible else None, found["invalid"]
+    )
 
 
 OF_MANY = ("mesh", "panels", "spectral", "simulate", "members", "verification", "design_start", "design_front")

@@ -510,8 +510,8 @@ class TabulatedSea(SeaOfFile, SpectralSea):
     @property
     def description(self) -> str:
         """The sea in words."""
-        table = " over direction" if self.file.directions else ""
-        return f"a spectrum{table} of {self._size}{self._varying}{self._going}"
+        directional = "directional " if self.file.directions else ""
+        return f"a {directional}spectrum of {self._size}{self._varying}{self._going}"
 
 
 def directions_of(wave: Travelling) -> tuple[float, ...]:

@@ -77,8 +77,8 @@ def the_rigid(name: str) -> str:
     return "the rigid one" if name == "rigid" else f"the rigid {name}"
 
 
-def against_rigid(gain: float, name: str) -> str:
-    """Return a gain over the rigid design [%] in words."""
+def against(gain: float, other: str) -> str:
+    """Return a gain over another design [%] in words."""
     if abs(gain) < SAME:
-        return f"as much as {the_rigid(name)}"
-    return f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than {the_rigid(name)}"
+        return f"as much as {other}"
+    return f"{abs(gain):.1f} % {'more' if gain > 0 else 'less'} than {other}"
