@@ -34,8 +34,8 @@ def test_unknown_profile_is_reported_before_the_run(workplace, capsys, name):
         (["--kep-going"], "unrecognized arguments: --kep-going, of snakemake; did you mean --keep-going?"),
         (["--proflie"], "unrecognized arguments: --proflie, of snakemake; did you mean --profile?"),
         (["--jobs", "many"], "Error parsing number of jobs (--jobs, -j): must be integer., of snakemake"),
-        (["other/report.html"], "target: received other/report.html, needs one of all, coefficients, compare, "),
-        (["database", "nowhere"], "target: received nowhere, needs one of all, coefficients, compare, database, "),
+        (["other/report.html"], "target: received other/report.html, needs one of all, modes, display, "),
+        (["database", "nowhere"], "target: received nowhere, needs one of all, modes, display, "),
     ],
 )
 def test_wrong_snakemake_options_give_one_line_with_a_suggestion(workplace, capsys, options, message):

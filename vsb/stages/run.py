@@ -24,10 +24,9 @@ from vsb.stages import make, slurm
 from vsb.stages.check import check_plan
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.planning import plan_of
-from vsb.stages.stage import STAGES
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
-from vsb.study.jobs import jobs
+from vsb.study.jobs import jobs, rules
 from vsb.study.plans import Plan
 from vsb.study.reading import nearest, read_yaml
 from vsb.tools import completion
@@ -155,12 +154,6 @@ def _answer(plan: Plan) -> str:
     )
 
 
-OF_MANY = ("mesh", "panels", "spectral", "simulate", "members", "verification", "design_start", "design_front")
-OF_SITES = ("campaign", "campaign_report", "design_verification", "design_results", "design_report")
-TARGETS = {"all", *(stage.name for stage in STAGES if stage.name not in (*OF_MANY, *OF_SITES))}
-"""Rules that are asked for by name; the others make a file of many."""
-
-
 def check_options(options: Sequence[str], plan: Plan) -> None:
     """Check what is handed on to snakemake, which would answer a mistake with pages.
 
@@ -184,9 +177,10 @@ def check_options(options: Sequence[str], plan: Plan) -> None:
         raise VsbError(f"{what}, of snakemake" + (f"; did you mean {near}?" if near else "")) from None
     except CliException as error:
         raise VsbError(f"{error}, of snakemake") from None
+    known = ["all", *(rule.stage for rule in rules(plan) if "" in rule.jobs)]  # the others make a file of many
     for target in given.targets:
-        if target not in TARGETS and not target.startswith(f"{plan.root}/"):
-            names, near = ", ".join(sorted(TARGETS)), nearest(target, TARGETS)
+        if target not in known and not target.startswith(f"{plan.root}/"):
+            names, near = ", ".join(known), nearest(target, known)
             meant = f"; did you mean {near}?" if near else ""
             raise VsbError(f"target: received {target}, needs one of {names}, or a file in {plan.root}{meant}")
 
