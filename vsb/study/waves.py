@@ -87,23 +87,34 @@ class IrregularSea(Travelling):
     """A sea of many components."""
 
     if TYPE_CHECKING:
+        kind: str
         hs: float  # significant height [m]
         amplitudes: Literal["fixed", "random"]  # of a realisation: those of the sea, or about them
 
     @property
     @abstractmethod
+    def size(self) -> str:
+        """Every key of its spectrum that matters, for names of files."""
+
+    @property
+    @abstractmethod
+    def words(self) -> str:
+        """Its spectrum in words."""
+
+    @property
     def family(self) -> str:
         """Name of the sea without its seed."""
+        return f"{self.kind}_{self.size}{self._towards}"
 
     @property
-    @abstractmethod
     def label(self) -> str:
         """Name of the sea in tables and file names."""
+        return self.family
 
     @property
-    @abstractmethod
     def description(self) -> str:
         """The sea in words."""
+        return f"{self.words}{self._going}"
 
     @property
     @abstractmethod
@@ -198,66 +209,65 @@ class SpectralSea(IrregularSea):
         return self
 
     @property
-    def _drawn(self) -> str:
-        """What random amplitudes add to a name."""
-        return "_random" if self.amplitudes == "random" else ""
-
-    @property
-    def _varying(self) -> str:
-        """What random amplitudes add to words."""
-        return ", amplitudes random" if self.amplitudes == "random" else ""
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+        return super().family + ("_random" if self.amplitudes == "random" else "")
 
     @property
     def label(self) -> str:
         """Name of the sea in tables and file names."""
         return f"{self.family}_s{self.seed}"
 
+    @property
+    def description(self) -> str:
+        """The sea in words."""
+        varying = ", amplitudes random" if self.amplitudes == "random" else ""
+        return f"{self.words}{varying}{self._going}"
 
-class Jonswap(SpectralSea):
-    """JONSWAP sea: significant height [m], peak period [s], peakedness [-], random seed."""
 
-    kind: Literal["jonswap"]
+class PeakedSea(SpectralSea):
+    """A spectrum of one peak: significant height [m], peak period [s]."""
+
     hs: Height
     tp: Period
+
+    @property
+    def size(self) -> str:
+        """Height and period, for names of files."""
+        return f"Hs{self.hs:g}_Tp{self.tp:g}"
+
+    @property
+    def omega(self) -> float:
+        """Peak angular frequency [rad/s]."""
+        return 2 * math.pi / self.tp
+
+
+class Jonswap(PeakedSea):
+    """JONSWAP sea: peakedness [-]."""
+
+    kind: Literal["jonswap"]
     gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
 
     @property
-    def family(self) -> str:
-        """Name of the sea without its seed."""
-        return f"jonswap_Hs{self.hs:g}_Tp{self.tp:g}_g{self.gamma:g}{self._towards}{self._drawn}"
+    def size(self) -> str:
+        """Height, period and peakedness, for names of files."""
+        return f"{super().size}_g{self.gamma:g}"
 
     @property
-    def description(self) -> str:
-        """The sea in words."""
-        return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s{self._varying}{self._going}"
-
-    @property
-    def omega(self) -> float:
-        """Peak angular frequency [rad/s]."""
-        return 2 * math.pi / self.tp
+    def words(self) -> str:
+        """The spectrum in words."""
+        return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s"
 
 
-class PiersonMoskowitz(SpectralSea):
-    """Fully developed sea of Pierson and Moskowitz: significant height [m], peak period [s], random seed."""
+class PiersonMoskowitz(PeakedSea):
+    """Fully developed sea of Pierson and Moskowitz."""
 
     kind: Literal["pierson_moskowitz"]
-    hs: Height
-    tp: Period
 
     @property
-    def family(self) -> str:
-        """Name of the sea without its seed."""
-        return f"pierson_moskowitz_Hs{self.hs:g}_Tp{self.tp:g}{self._towards}{self._drawn}"
-
-    @property
-    def description(self) -> str:
-        """The sea in words."""
-        return f"a Pierson-Moskowitz sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s{self._varying}{self._going}"
-
-    @property
-    def omega(self) -> float:
-        """Peak angular frequency [rad/s]."""
-        return 2 * math.pi / self.tp
+    def words(self) -> str:
+        """The spectrum in words."""
+        return f"a Pierson-Moskowitz sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s"
 
 
 class WhiteNoise(SpectralSea):
@@ -290,15 +300,14 @@ class WhiteNoise(SpectralSea):
         return max(20 * math.pi / self.omega, 4 * math.pi / (self.band[1] - self.band[0]))
 
     @property
-    def family(self) -> str:
-        """Name of the sea without its seed."""
-        return f"white_noise_Hs{self.hs:g}_w{self.band[0]:g}-{self.band[1]:g}{self._towards}{self._drawn}"
+    def size(self) -> str:
+        """Height and band, for names of files."""
+        return f"Hs{self.hs:g}_w{self.band[0]:g}-{self.band[1]:g}"
 
     @property
-    def description(self) -> str:
-        """The sea in words."""
-        low, high = self.band
-        return f"white noise of {low:g} to {high:g} rad/s and Hs = {self.hs:g} m{self._varying}{self._going}"
+    def words(self) -> str:
+        """The spectrum in words."""
+        return f"white noise of {self.band[0]:g} to {self.band[1]:g} rad/s and Hs = {self.hs:g} m"
 
     @property
     def omega(self) -> float:
@@ -366,15 +375,15 @@ class OchiHubble(SpectralSea):
         return math.hypot(self.swell.hs, self.wind_sea.hs)
 
     @property
-    def family(self) -> str:
-        """Name of the sea without its seed."""
-        return f"ochi_hubble_{self.swell.name}_{self.wind_sea.name}{self._towards}{self._drawn}"
+    def size(self) -> str:
+        """Both parts, for names of files."""
+        return f"{self.swell.name}_{self.wind_sea.name}"
 
     @property
-    def description(self) -> str:
-        """The sea in words."""
+    def words(self) -> str:
+        """The spectrum in words."""
         swell, wind = (f"Hs = {part.hs:g} m and Tp = {part.tp:g} s" for part in self.parts)
-        return f"swell of {swell} with a wind sea of {wind}{self._varying}{self._going}"
+        return f"swell of {swell} with a wind sea of {wind}"
 
     @property
     def omega(self) -> float:
@@ -401,7 +410,6 @@ class SeaOfFile(IrregularSea):
     """A sea that was measured or computed elsewhere, of what its file holds."""
 
     if TYPE_CHECKING:
-        kind: str
         file: Samples | SpectrumTable
 
     @property
@@ -425,12 +433,12 @@ class SeaOfFile(IrregularSea):
         return self.file.fastest
 
     @property
-    def family(self) -> str:
-        """Name of the sea: its height, its energy period, and what the file holds."""
-        return f"{self.kind}_Hs{self.hs:.3g}_Te{2 * math.pi / self.omega:.3g}_{self.file.digest}{self._towards}"
+    def size(self) -> str:
+        """Height, energy period, and what the file holds, for names of files."""
+        return f"Hs{self.hs:.3g}_Te{2 * math.pi / self.omega:.3g}_{self.file.digest}"
 
     @property
-    def _size(self) -> str:
+    def _size_in_words(self) -> str:
         """Height and period in words."""
         return f"Hs = {self.hs:.3g} m and Te = {2 * math.pi / self.omega:.3g} s"
 
@@ -462,14 +470,9 @@ class RecordedSea(SeaOfFile):
         return "fixed"
 
     @property
-    def label(self) -> str:
-        """Name of the sea in tables and file names."""
-        return self.family
-
-    @property
-    def description(self) -> str:
-        """The sea in words."""
-        return f"a record of {self.file.length:g} s of {self._size}{self._going}"
+    def words(self) -> str:
+        """The record in words."""
+        return f"a record of {self.file.length:g} s of {self._size_in_words}"
 
 
 class TabulatedSea(SeaOfFile, SpectralSea):
@@ -503,15 +506,10 @@ class TabulatedSea(SeaOfFile, SpectralSea):
         return tuple(dict.fromkeys(round(self.direction + one, 6) for one in self.file.directions))
 
     @property
-    def family(self) -> str:
-        """Name of the sea without its seed."""
-        return f"{super().family}{self._drawn}"
-
-    @property
-    def description(self) -> str:
-        """The sea in words."""
+    def words(self) -> str:
+        """The spectrum in words."""
         directional = "directional " if self.file.directions else ""
-        return f"a {directional}spectrum of {self._size}{self._varying}{self._going}"
+        return f"a {directional}spectrum of {self._size_in_words}"
 
 
 def directions_of(wave: Travelling) -> tuple[float, ...]:
