@@ -99,6 +99,30 @@ def test_linear_runs_need_no_correction(folder):
     assert " by linear time-domain runs" in answer_of(found, "FSB", "one")
 
 
+AT_ONCE = {"frame": "heave", "wall": {"strain": "area"}}
+
+
+def test_runs_under_a_damper_matrix_absorb_what_linear_theory_expects(folder):
+    """Of a year's own matrix, which couples heave with the change of area; but for memory and transient."""
+    plan = planned(folder, "two", verify={**VERIFY, "model": "linear"}, tuning=("one",), pto={"ports": AT_ONCE})
+    with chdir(folder):
+        (found,) = simulated(plan)
+    np.testing.assert_allclose(found.run_power, found.linear_run_power, rtol=5e-3)
+
+
+@pytest.mark.slow
+def test_runs_under_a_matrix_that_acts_on_heave_alone_are_those_of_a_damper(folder):
+    """Body-exact; the seas drawn are the same."""
+    alone = planned(folder, "alone", tuning=("fixed",))
+    damper = alone.loaded.base.pto.damping
+    pto = {"ports": AT_ONCE, "damping": [[damper, 0.0], [0.0, 0.0]]}
+    matrix = planned(folder, "beside", tuning=("fixed",), pto=pto)
+    with chdir(folder):
+        (one,), (other,) = simulated(alone), simulated(matrix)
+    np.testing.assert_allclose(other.run_power, one.run_power, rtol=1e-5)
+    np.testing.assert_allclose(other.corrected_mean_power, one.corrected_mean_power, rtol=1e-5)
+
+
 def test_designs_that_are_not_viable_are_not_simulated(folder):
     """The seed without internal pressure buckles at its equilibrium."""
     plan = planned(folder, "lost", reference_shape="equilibrium", device={**BASE["device"], "internal_pressure": 0.0})

@@ -120,7 +120,6 @@ def test_froude_scaling_keeps_water_and_density():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"verify": {}}, "verify: runs in time are of one port; received a study with several"),
         ({"tuning": ["constrained"]}, "tuning: optima of constrained are of one port"),
         ({"tuning": ["fixed"]}, "tuning: received fixed, but seed.yaml has no pto.damping"),
         ({"vary": {"pto.port": ["heave", "volume"]}}, "vary.pto.port: received several ports in the study"),

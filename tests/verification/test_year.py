@@ -1,4 +1,4 @@
-"""A site's year of a body against its equation of motion, summed over every spectrum of the file."""
+"""A site's year against the equation of motion, summed over every spectrum: of a body, and of several ports of a buoy."""
 
 import gzip
 from pathlib import Path
@@ -6,6 +6,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 import yaml
+from scipy.optimize import minimize
+from verification.conftest import SEED
+from verification.multipoles import Shell, motion, strain_port
 
 CONFIG = Path(__file__).parents[2] / "config"
 DAMPING, STIFFNESS = 2.0e5, -5.0e4
@@ -56,3 +59,60 @@ def test_year_of_a_body(agree, command, tmp_path, monkeypatch):
     with xr.open_dataset(database) as ds:
         expected = power_of_year(ds, *spectra(site))
     agree("a year of a body", "mean power at NDBC 46042 [W]", power, expected, 1e-3)
+
+
+def test_year_of_several_ports(agree, command, tmp_path, monkeypatch):
+    """Heave and the change of area under a damper matrix, given and optimal, in five hours of NDBC 46042.
+
+    The shell is one that carries its load, of 1 GPa and 20 mm.
+    """
+    site, degree = CONFIG / "climate" / "ndbc46042_1996_spectra.txt.gz", 6
+    with gzip.open(site, "rt") as file:
+        head, *lines = file.readlines()
+    with gzip.open(tmp_path / "hours.txt.gz", "wt") as file:
+        file.writelines([head, *lines[::1800]])
+    edges, density = spectra(tmp_path / "hours.txt.gz")
+    shell = Shell(young_modulus=1e9, thickness=0.02, mass=17170.0)
+    area = strain_port(shell, degree, "area")
+    width, parts = np.repeat(np.diff(edges), 8) / 8, np.arange(8) + 0.5
+    omega = np.repeat(edges[:-1], 8) + width * np.tile(parts, len(edges) - 1)
+    velocities, admittances = [], []
+    for w in omega:
+        water = motion(shell, 2 * np.pi / w, degree)
+        stretch = water.modes.T @ area
+        stretch[0] = 0.0
+        one = water.network(np.column_stack([np.eye(len(stretch))[0], stretch]))
+        velocities.append(one[0])
+        admittances.append(one[1])
+    velocity, admittance = np.array(velocities), np.array(admittances)
+    band = np.repeat(density.mean(axis=0), 8) * width  # S dw, a^2 = 2 S dw
+
+    def power(matrix: np.ndarray) -> float:
+        moved = np.linalg.solve(np.eye(2) + admittance @ matrix, velocity[..., None])[..., 0]
+        return float(band @ np.real(np.einsum("wi,ij,wj->w", moved.conj(), matrix, moved)))
+
+    unit = 1 / np.sqrt(np.abs(np.einsum("wii->wi", admittance)).mean(axis=0))
+
+    def full(x: np.ndarray) -> np.ndarray:
+        factor = unit[:, None] * np.array([[x[0], 0.0], [x[1], x[2]]])
+        return factor @ factor.T
+
+    given = full(np.array([1.0, -0.5, 0.8]))
+    starts = [(1.0, sign, size) for sign in (-1.0, 0.0, 1.0) for size in (0.1, 1.0, 10.0)]
+    best = max(-minimize(lambda x: -power(full(x)), x, method="BFGS").fun for x in starts)
+    device = {**SEED["device"], "young_modulus": 1e9, "thickness": 0.02}
+    ports = {"frame": "heave", "wall": {"strain": "area"}}
+    study = {**SEED, "device": device, "designs": {"VSWEC": {}}, "waves": [{"kind": "still"}]}
+    study |= {"pto": {"ports": ports, "damping": given.tolist()}, "study": "two_ports"}
+    (tmp_path / "two_ports.yaml").write_text(yaml.safe_dump(study))
+    year = {"campaign": "year", "study": "two_ports.yaml", "climate": {"spectra": "hours.txt.gz"}}
+    (tmp_path / "year.yaml").write_text(yaml.safe_dump({**year, "tuning": ["fixed", "one"]}))
+    monkeypatch.chdir(tmp_path)
+    command("run", "year.yaml")
+    with xr.open_dataset(tmp_path / "results" / "year" / "campaign.nc") as found:
+        own = found.annual_mean_power.squeeze()
+        fixed, one = float(own.sel(tuning="fixed")), float(own.sel(tuning="one"))
+        matrix = found.damper_matrix.sel(tuning="one").squeeze().values
+    agree("a year of several ports", "mean power under a damper matrix [W]", fixed, power(given), 5e-4)
+    agree("a year of several ports", "the same, under the optimal one", one, power(matrix), 5e-4)
+    agree("a year of several ports", "the optimum, by BFGS from nine starts", power(matrix), best, 1e-4)

@@ -58,6 +58,7 @@ BEYOND = {
 BUCKLING = ". Black line: the shell buckles under its static load"
 MAPPED = "; hatched: the interval of the gain includes zero; grey: not viable"
 MOST_ROWS = 24
+NO_SLIDER = "No slider of the damping and no curve over it: the take-off has a damper matrix."
 STILL = "No animation: no design is viable at the point of the answer, or its take-off is not one damper."
 
 
@@ -89,6 +90,7 @@ def render(report: CampaignReport) -> str:
         animated=in_motion(report.animated),
         still="" if report.animated else STILL if of_shells(ds) else STILL_BODY,
         interactive=as_script(report.interactive) if report.interactive else "",
+        no_slider=NO_SLIDER if "damper_matrix" in ds else "",
         statements=statements(ds, reference, tuning),
         warnings=[*warnings(ds), *(f"Of the climate, {note}." for note in report.notes if is_doubt(note))],
         port=kind_of(ds),

@@ -106,6 +106,39 @@ class MatrixYears:
     climate: Climate
     tunings: Sequence[Tuning]
 
+    def of_designs(self, study: Study | AnyBody, ports: Mapping[str, Ports]) -> dict[str, MatrixYear]:
+        """Return every design of a study over the climate."""
+        kind = matrix_kind(study.pto)
+        return {design: MatrixYear(one, self.climate, kind) for design, one in ports.items()}
+
+    def absorbed(self, study: Study | AnyBody, years: Mapping[str, MatrixYear]) -> dict[tuple[str, str], Absorbed]:
+        """Return what every design absorbs, by design and tuning."""
+        as_given = study.pto.model_copy(update={"tuning": "fixed"})
+        return {
+            (design, tuning): one.absorbed(tuning, given_matrix(as_given, design, one.ports.velocity.shape[1]))
+            for (design, one), tuning in product(years.items(), self.tunings)
+        }
+
+    def whole(
+        self, study: Study | AnyBody, years: Mapping[str, MatrixYear], found: Mapping[tuple[str, str], Absorbed]
+    ) -> Year:
+        """Return the year of all designs with its errors of quadrature."""
+
+        def elsewhere(year: MatrixYear, taken: Absorbed) -> float:
+            return float(year.with_matrices(taken.matrices).power @ year.climate.hours)
+
+        usual, power = practice(self.climate, PRACTICE_GAMMA), self._each(years, lambda *by: found[by].power)
+        there = self._each(years, lambda *by: elsewhere(replace(years[by[0]], climate=usual), found[by]))
+        rough = self._each(years, lambda *by: elsewhere(years[by[0]].coarser(), found[by]))
+        outside = variance_outside({design: one.ports.omega for design, one in years.items()}, self.climate)
+        names, of_quadrature = (tuple(years), tuple(self.tunings)), np.abs(power @ self.climate.hours - rough) / 3
+        notes = (*self.climate.notes, outside)
+        return Year(self.climate, study.water, *names, None, power, there, of_quadrature, study.reference_design, notes)
+
+    def _each(self, years: Mapping[str, MatrixYear], value: Callable[[str, str], FloatArray | float]) -> FloatArray:
+        """Values of all designs and tunings, shape (design, tuning, ...)."""
+        return np.array([[value(design, tuning) for tuning in self.tunings] for design in years])
+
     def __call__(
         self,
         study: Study | AnyBody,
@@ -118,36 +151,17 @@ class MatrixYears:
         Parameters as of `DampedYears`. `damper_matrix(design, tuning, port, port_)` is the mean over the year; of a
         damper spread over the shell it is its one damper.
         """
-        kind, hours = matrix_kind(study.pto), self.climate.hours
-        as_given = study.pto.model_copy(update={"tuning": "fixed"})
-        years = {design: MatrixYear(one.port, self.climate, kind) for design, one in waves.items()}
-        found: dict[tuple[str, str], Absorbed] = {}
-        for (design, one), tuning in product(years.items(), self.tunings):
-            given = given_matrix(as_given, design, one.ports.velocity.shape[1])
-            found[design, tuning] = one.absorbed(tuning, given)
-
-        def of_all(value: Callable[[str, str], FloatArray | float]) -> FloatArray:
-            return np.array([[value(design, tuning) for tuning in self.tunings] for design in waves])
-
-        def elsewhere(year: MatrixYear, taken: Absorbed) -> float:
-            return float(year.with_matrices(taken.matrices).power @ year.climate.hours)
-
-        usual, power = practice(self.climate, PRACTICE_GAMMA), of_all(lambda *by: found[by].power)
-        there = of_all(lambda *by: elsewhere(replace(years[by[0]], climate=usual), found[by]))
-        rough = of_all(lambda *by: elsewhere(years[by[0]].coarser(), found[by]))
-        outside = variance_outside({design: one.port.omega for design, one in waves.items()}, self.climate)
-        names, errors_of_quadrature = (tuple(waves), tuple(self.tunings)), np.abs(power @ hours - rough) / 3
-        notes = (*self.climate.notes, outside)
-        of = Year(
-            self.climate, study.water, *names, None, power, there, errors_of_quadrature, study.reference_design, notes
-        )
+        hours, years = self.climate.hours, self.of_designs(study, {design: one.port for design, one in waves.items()})
+        found = self.absorbed(study, years)
+        of = self.whole(study, years, found)
+        power = of.power
         beyond = beyond_validity(
             of,
             lambda *by: rms_of_motions(waves[by[0]], self.climate, found[by].matrices, found[by].chosen),
             study.buoy.device.radius if study.buoy else None,
         )
-        matrices = of_all(lambda *by: found[by].mean_matrix(hours))
-        one_damper = matrices[..., :1, :1] if kind == "uniform" else matrices
+        matrices = self._each(years, lambda *by: found[by].mean_matrix(hours))
+        one_damper = matrices[..., :1, :1] if matrix_kind(study.pto) == "uniform" else matrices
         values: Values = {**of.values, **beyond, "damper_matrix": (("design", "tuning", "port", "port_"), one_damper)}
         if of.reference is None:
             return values
@@ -161,3 +175,14 @@ class MatrixYears:
             by_coefficients[:, j] = [sum((one - base).to(each) for each in errors) for one in slopes]
         at = of.designs.index(of.reference)
         return {**values, **gains_within(of.annual_mean_power, of.quadrature_error, by_coefficients, at, left_out)}
+
+
+def year_of_matrices(
+    study: Study | AnyBody, ports: Mapping[str, Ports], climate: Climate, tuning: Tuning
+) -> tuple[Year, FloatArray]:
+    """Return the year of the designs of a study under one tuning, and their matrices, (design, sea, port, port)."""
+    them = MatrixYears(climate, (tuning,))
+    years = them.of_designs(study, ports)
+    found = them.absorbed(study, years)
+    matrices = [found[design, tuning].matrices[found[design, tuning].chosen] for design in years]
+    return them.whole(study, years, found), np.array(matrices)

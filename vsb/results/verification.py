@@ -39,7 +39,7 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import LoadedShell
 from vsb.study.sections import RECORDS_PER_PERIOD, Simulation
 from vsb.study.take_off import Pto
-from vsb.tools.arrays import AnyArray, FloatArray, IntArray
+from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray, IntArray
 from vsb.waves.seas import Sea
 
 FEWEST = 4
@@ -170,8 +170,8 @@ class DesignInTime:
     pto: Pto = UNLIMITED  # its law and its limits in time
     rubber: LoadedShell | None = None  # the shell, if it is of rubber
 
-    def with_damping(self, damping: float) -> "DesignInTime":
-        """Return the design with another damper [N s/m]."""
+    def with_damping(self, damping: FloatArray | float) -> "DesignInTime":
+        """Return the design with another damper [N s/m], or another damper matrix (port, port)."""
         return replace(self, take_off=replace(self.take_off, damping=damping))
 
     def decay_time(self, omega_max: float) -> float:
@@ -190,11 +190,21 @@ class DesignInTime:
             Its window begins after the transient, which linear theory does not have.
         model : {'body_exact', 'linear'}
         """
-        direction, damping = self.take_off.direction(len(self.buoy.mass)), float(self.take_off.damping)
-        port = self.buoy.port(sea.omega, self.motions, direction).beside(float(self.take_off.stiffness))
-        absorbed = np.sqrt(damping) * port.velocity_under(port.load(damping)) * sea.amplitude
-        linear = float(linear_batches(sea.omega, absorbed[:, None], settings.window, 1)[0])
+        loads = self._absorbed(sea.omega) * sea.amplitude[:, None]
+        linear = float(linear_batches(sea.omega, loads, settings.window, 1)[0])
         return self._run(sea, settings, model), linear
+
+    def _absorbed(self, omega: FloatArray) -> ComplexArray:
+        """L^T V of the take-off's dampers L L^T per wave amplitude, shape (omega, load) [W^0.5/m]."""
+        direction = self.take_off.direction(len(self.buoy.mass))
+        if self.take_off.several:
+            matrix = np.asarray(self.take_off.damping)
+            ports = self.buoy.equation(omega).ports(self.motions, direction)
+            values, vectors = np.linalg.eigh(matrix)
+            return np.asarray(ports.velocity_under(matrix) @ vectors * np.sqrt(values.clip(min=0.0)))
+        port, damping = self.buoy.port(omega, self.motions, direction), float(self.take_off.damping)
+        port = port.beside(float(self.take_off.stiffness))
+        return np.asarray(np.sqrt(damping) * port.velocity_under(port.load(damping)))[:, None]
 
     def _run(self, sea: Sea, settings: Simulation, model: Model) -> float:
         """Mean power over the window by a run [W]; `ConvergenceError` if its energy audit fails."""

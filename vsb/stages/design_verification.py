@@ -39,7 +39,7 @@ def run_design_verification(spec: DesignVerificationSpec, climate: str, starts: 
     linear_year = year(ports, seas, next(iter(studies.values())).water, (GIVEN,), given, spec.rigid.design)
     sample = drawn(chances(linear_year, GIVEN), seas.hours, spec.verify.seas, spec.verify.seed)
     designs: dict[str, DesignInTime] = {design: in_time(study, root)[design] for design, study in studies.items()}
-    powers = powers_in_time(linear_year, sample, designs, spec.simulation, spec.verify.model)
+    powers = powers_in_time(seas, linear_year.dampers[:, 0], sample, designs, spec.simulation, spec.verify.model)
     runs = verified(linear_year, GIVEN, sample, *powers)
     gain = runs.gain(0, 1)
     assert gain is not None  # the reference is the other one

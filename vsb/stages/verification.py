@@ -8,6 +8,7 @@ import xarray as xr
 
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.motion.port import LinearPto
+from vsb.results.matrix_year import year_of_matrices
 from vsb.results.member import ports_year
 from vsb.results.verification import (
     RECORD,
@@ -23,7 +24,7 @@ from vsb.results.verification import (
     with_all_designs,
     without_power,
 )
-from vsb.results.year import Year, frequencies
+from vsb.results.year import frequencies
 from vsb.scenes.build import Memory, body_memory, radiation_model
 from vsb.scenes.floating_system import AnyBody, Floating, floating_system
 from vsb.scenes.rest import rubber_shell
@@ -69,14 +70,18 @@ def _of_viable(
     """The corrected year of designs that are viable, in the water of all."""
     (tuning,) = spec.tuning
     assert tuning != "constrained"  # whose forces are of no law in time
-    ports = floating.at(frequencies(seas, *floating.band)).ports(study.pto.stiffness)
-    year = ports_year(study, ports, seas, (tuning,))
+    at = floating.at(frequencies(seas, *floating.band))
+    if study.pto.several:
+        year, dampers = year_of_matrices(study, at.several_ports(), seas, tuning)
+    else:
+        year = ports_year(study, at.ports(study.pto.stiffness), seas, (tuning,))
+        dampers = year.dampers[:, 0]
     if not year.annual_mean_power.any():
         return without_power(year)
     sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
     designs = in_time(spec.simulated, root) if spec.buoy else bodies_in_time(spec, root)
     some = {design: designs[design] for design in study.designs}
-    better, linear = powers_in_time(year, sample, some, spec.simulation, spec.verify.model)
+    better, linear = powers_in_time(seas, dampers, sample, some, spec.simulation, spec.verify.model)
     return verified_dataset(year, tuning, verified(year, tuning, sample, better, linear))
 
 
@@ -108,7 +113,12 @@ def bodies_in_time(spec: VerificationSpec, root: str) -> Mapping[str, DesignInTi
 
 
 def powers_in_time(
-    year: Year, sample: Sample, designs: Mapping[str, DesignInTime], given: Simulation, model: Model
+    climate: Climate,
+    dampers: FloatArray,
+    sample: Sample,
+    designs: Mapping[str, DesignInTime],
+    given: Simulation,
+    model: Model,
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean powers of the better model and of linear theory in the drawn seas, each shape (design, draw) [W].
 
@@ -116,30 +126,30 @@ def powers_in_time(
 
     Parameters
     ----------
-    year : Year
-        With the dampers of the designs under its first tuning.
+    climate : Climate
+    dampers : ndarray, shape (design, sea) or (design, sea, port, port)
+        Damper of each design in each sea, or its damper matrix.
     designs : mapping name -> DesignInTime
     given : Simulation
         Tolerance and method.
     model : {'body_exact', 'linear'}
     """
-    climate, highest = year.climate, float(year.climate.edges[-1])
+    highest = float(climate.edges[-1])
     found = np.empty((2, len(designs), len(sample.sea)))
 
     @cache
-    def decay_time(name: str, damping: float) -> float:
-        return designs[name].with_damping(damping).decay_time(highest)
+    def decay_time(name: str, damping: bytes) -> float:
+        return designs[name].with_damping(np.frombuffer(damping).reshape(dampers.shape[2:])).decay_time(highest)
 
     for j, (index, seed) in enumerate(zip(sample.sea, sample.seed, strict=True)):
-        dampers = {name: float(year.dampers[i, 0, index]) for i, name in enumerate(designs)}
-        slowest = max(decay_time(*one) for one in dampers.items())
+        slowest = max(decay_time(name, dampers[i, index].tobytes()) for i, name in enumerate(designs))
         settings = record_of(float(climate.te[index]), slowest, given)  # all designs meet the same waves
         for i, (name, design) in enumerate(designs.items()):
             low, high = design.buoy.database.omega.values[[0, -1]]
             sea = realised(climate, int(index), settings.duration, int(seed), low, high)
             where = f"{name} in a sea of Hs {climate.hs[index]:.3g} m and Te {climate.te[index]:.3g} s"
             try:
-                found[:, i, j] = design.with_damping(dampers[name]).powers(sea, settings, model)
+                found[:, i, j] = design.with_damping(dampers[i, index]).powers(sea, settings, model)
             except (ConvergenceError, StabilityError) as error:
                 raise type(error)(f"verify: {where}: {error}") from None
             print(f"{where}: {found[0, i, j]:.5g} W, {found[1, i, j]:.5g} W by linear theory", flush=True)

@@ -253,13 +253,13 @@ def _check_buoy(campaign: Campaign, study: Study, floats_by: Mapping[str, float]
 
 def _check_matrix(campaign: Campaign, source: str) -> None:
     """Refuse what a damper matrix, at several ports or spread over the shell, does not have in a year."""
-    why = "of one port; received a study with several, or with a damper spread over the shell"
     if PORT in campaign.vary.keys:
         raise ConfigError(f"{source}: vary.{PORT}: received several ports in the study; needs a study with one")
-    if campaign.verify:
-        raise ConfigError(f"{source}: verify: runs in time are {why}; remove it")
     if "constrained" in (campaign.tuning or ()):
-        raise ConfigError(f"{source}: tuning: optima of constrained are {why}; needs fixed, one or each")
+        raise ConfigError(
+            f"{source}: tuning: optima of constrained are of one port; received a study with several, or with a damper "
+            "spread over the shell; needs fixed, one or each"
+        )
 
 
 def check_no_direction(climate: YearOfSeas, source: str) -> None:
