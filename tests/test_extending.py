@@ -21,16 +21,19 @@ from vsb.integrators.exponential import phi_integrals
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import METHODS, Method, suited
 from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
+from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
+from vsb.report.answer import damping_in_words
 from vsb.report.canvas import grid_of_axes, style
 from vsb.scenes.rest import study_basis
+from vsb.scenes.take_off import FORCES, with_take_off
 from vsb.shell.deformed import DeformedShell, rigid_buoy, rigid_sphere
 from vsb.shell.modes import Mode, ModeBasis
 from vsb.shell.ritz import natural_modes
 from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages.stage import Stage
-from vsb.study import keys, specs, waves
+from vsb.study import keys, specs, take_off, waves
 from vsb.study.meridian import RestMeridian
 from vsb.study.quantities import canonical, content_id
 from vsb.tools.files import write_text
@@ -61,17 +64,28 @@ def test_first_change_of_contributing():
     assert names["Swell"](kind="swell", hs=2.0, tp=12.0, width=0.05).memory == pytest.approx(4 * np.pi / 0.05)
 
 
-def test_recipe_of_a_take_off_law():
-    """Mean power of its force in the steady motion; the power balance of harmonic balance closes."""
-    law = recipe("A take-off law", dataclass=dataclass, Force=Force, Linear=Linear, np=np)["QuadraticDamper"](0.5)
-    wave, spring = Excitation(np.array([2.5]), np.array([[30.0 + 5j]])), Spring(np.array([[50.0]]))
-    forces = {"hydrostatic": spring, "damper": Damper(np.array([[1.2]])), "excitation": wave, "square": law}
-    found = harmonic_balance(
-        System.of(Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1), take_off="square")), 1e-8
-    )
+def test_recipe_of_a_take_off_law(monkeypatch):
+    """Its rows make the force of a scene and its words; mean power in the steady motion, the power balance closes."""
+    text = (HERE.parent / "docs" / "extending.md").read_text(encoding="utf-8")
+    section = text.split("## A take-off law\n")[1].split("\n## ")[0]
+    code, law, force = (textwrap.dedent(block) for block in re.findall(r"```python\n(.*?) *```", section, re.S))
+    exec(code, names := {"dataclass": dataclass, "Force": Force, "Linear": Linear, "np": np})
+    for table, row in ((take_off.LAWS, eval(f"{{{law}}}", vars(take_off))), (FORCES, eval(f"{{{force}}}", names))):
+        monkeypatch.setitem(table, "quadratic", row["quadratic"])
+
+    class WithKey(take_off.Pto):
+        quadratic: float = 0.0
+
+    pto, wave = WithKey.model_construct(law="quadratic", quadratic=0.5), np.array([[30.0 + 5j]])
+    forces = {"hydrostatic": Spring(np.array([[50.0]])), "damper": Damper(np.array([[1.2]]))}
+    forces |= {"excitation": Excitation(np.array([2.5]), wave), "pto": Damper(np.array([[4.0]]))}
+    scene = with_take_off(Scene(("Heave",), np.array([[2.0]]), forces, np.eye(1)), pto, LinearPto(4.0))
+    found = harmonic_balance(System.of(scene), 1e-8)
     _, rate = found.at(np.linspace(0.0, 2 * np.pi / 2.5, 4097)[:-1])
     assert found.power.pto == pytest.approx(float(np.mean(0.5 * np.abs(rate[:, 0]) ** 3)), rel=1e-5)
     assert found.power.residual < 1e-6
+    words = damping_in_words({"law": "quadratic", "quadratic": 0.5})
+    assert (words, pto.law_has_damping) == ("With a damper of 0.5 kg/m times the speed squared", False)
 
 
 def test_recipe_of_a_force():

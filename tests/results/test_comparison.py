@@ -152,3 +152,14 @@ def test_power_gain_is_of_the_window_and_energy_gain_of_the_run(seed):
     assert (header, tuple(CONTRACT.split(","))) == (CONTRACT, COLUMNS)
     (back,) = csv.DictReader(io.StringIO(f"{header}\n{first}"))
     assert (back["low"], back["damping"]) == ("", "8000")
+
+
+@pytest.mark.parametrize(("law", "damping"), [("saturated", "8000"), ("coulomb", "")])
+def test_a_law_without_damping_has_none_in_the_table(seed, law, damping):
+    """Of friction the damping given is that of the linear response alone."""
+    one = varied(
+        seed, designs={"R": {"flexible": False}}, waves=[{"kind": "still"}], pto={"law": law, "force_limit": 3e3}
+    )
+    rows = comparison(one, one.waves[0], {"R": still_run(1.0, 0.0)}, NO_WAVES)
+    (found,) = csv.DictReader(io.StringIO(as_csv(rows)))
+    assert found["damping"] == damping

@@ -242,8 +242,8 @@ def measures(kind: PortKind, thing: str) -> list[Measure]:
 
 
 def table(rows: Sequence[dict[str, Any]], measures: Sequence[Measure]) -> tuple[list[str], list[list[str]]]:
-    """Return head and body of the comparison table as text: what does not exist is a dash, or a column less."""
-    body, measures = [], [one for one in measures if any(row[one[0]] not in MISSING for row in rows)]
+    """Return head and body of the comparison table as text; a quantity that does not exist is a dash."""
+    body = []
     for row in rows:
         cells = [_cell(row[key], spec, factor) for key, _, factor, spec in measures]
         body.append([str(row["design"]), str(row["wave"]), *cells])

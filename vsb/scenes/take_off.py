@@ -30,7 +30,7 @@ def _limited(pto: Pto, port: FloatArray, damper: float, rest: float) -> TakeOff:
     return TakeOff(port, damper, pto.stiffness, pto.force_limit, rest=rest)
 
 
-FORCES: Mapping[str, Callable[[Pto, FloatArray, float, float], Force]] = {
+FORCES: dict[str, Callable[[Pto, FloatArray, float, float], Force]] = {
     "linear": _limited,
     "saturated": _limited,
     "coulomb": lambda pto, port, _, rest: TakeOff(port, np.inf, limit=pto.force_limit, rest=rest),
