@@ -305,9 +305,8 @@ class Results:
     def __repr__(self) -> str:
         """Say what was compared, the answer, and what the ledger says."""
         found = self._tables
-        answer = closing_line(
-            found["equal_tuning"], self.study.reference_design if self.study.flexible else None, found["invalid"]
-        ).strip()
+        known = found["equal_tuning"], self.study.reference_design, found["invalid"]
+        answer = closing_line(*known, flexible=self.study.flexible).strip()
         verdicts = pd.Series([check["verdict"] for check in found["checks"]]).value_counts()
         seas = ", ".join(wave.label for wave in self.study.waves)
         lines = [

@@ -149,9 +149,8 @@ def _answer(plan: Plan) -> str:
     from vsb.tools.stamps import read_text
 
     found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))
-    return closing_line(
-        found["equal_tuning"], plan.study.reference_design if plan.study.flexible else None, found["invalid"]
-    )
+    known = found["equal_tuning"], plan.study.reference_design, found["invalid"]
+    return closing_line(*known, flexible=plan.study.flexible)
 
 
 def check_options(options: Sequence[str], plan: Plan) -> None:
