@@ -194,9 +194,9 @@ Mesh = Annotated[
 class BodyFile(Section):
     """A body file: mesh, modes, water, frequencies [rad/s], wave directions [degrees], symmetry and lid.
 
-    Paths count from the folder of the file. Symmetry `auto` is what the panels have. `lid` is the largest number
-    of panels on the water inside between the middle and the waterline; without it (0) coefficients at irregular
-    frequencies are wrong. Below them there is none.
+    Paths count from the folder of the file. Panels with edges longer than `panel` [m] are divided, as triangles.
+    Symmetry `auto` is what the panels have. `lid` is the largest number of panels on the water inside between the
+    middle and the waterline; without it (0) coefficients at irregular frequencies are wrong. Below them there is none.
     With a `tolerance` [-] of interpolation only as many of the frequencies are solved as it asks for, without all.
 
     Modes `rigid`, or names of rigid motions, are made here, rotations about `centre_of_mass` [m]. Their mass matrix is
@@ -214,6 +214,7 @@ class BodyFile(Section):
     centre_of_mass: Point | None = None
     radii_of_gyration: tuple[Positive, Positive, Positive] | None = None
     rotation_point: Point | None = None
+    panel: Positive | None = None
     water: Water = Water()
     omega: tuple[Frequency, ...]
     wave_direction: tuple[Direction, ...] = (0.0,)
@@ -243,6 +244,8 @@ class BodyFile(Section):
                 raise ValueError(
                     f"modes: received {self.modes!r}; a {self.mesh.kind} needs rigid, or names such as Heave"
                 )
+            if self.panel is not None:
+                raise ValueError("panel: the file of modes has displacements of these panels alone; remove it")
             if given:
                 raise ValueError(f"{given[0]}: is given by the file of modes; remove it here, or use modes: rigid")
             return self
@@ -258,7 +261,7 @@ class BodyFile(Section):
     @model_serializer(mode="wrap")
     def _without_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Leave out keys of the dry body that are not given."""
-        return {key: value for key, value in dump(self).items() if value is not None or key not in DRY}
+        return {key: value for key, value in dump(self).items() if value is not None or key not in (*DRY, "panel")}
 
     @property
     def rigid_motions(self) -> tuple[str, ...] | None:

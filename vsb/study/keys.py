@@ -465,6 +465,7 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "BodyFile": {
         "body": Key("", "raft", "name of the body and of its database"),
+        "panel": Key("m", "0.8", "longest edge: larger panels of the mesh, as of CAD, are divided into triangles"),
         "mesh": Key(
             "",
             "raft.stl",

@@ -10,7 +10,7 @@ from examples.barge import box
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, check_apart
 from vsb.hydro.bodies.files import read_body, write_body
-from vsb.hydro.bodies.mesh import at_centres, at_vertices, joined, rigid_motion
+from vsb.hydro.bodies.mesh import at_centres, at_vertices, divided, joined, rigid_motion
 
 LINEAR = np.array([[1.0, 0.2, 0.3], [0.0, 1.0, 0.5], [0.4, 0.0, 1.0]])
 
@@ -20,6 +20,29 @@ def heaving(vertices, faces):
 
 
 # Values and rigid motions
+
+
+@pytest.mark.parametrize("size", [2.0, 0.6])
+def test_triangles_of_cad_are_divided_without_changing_the_surface(size):
+    """A prism as CAD writes it, two fans and long strips, every facet with corners of its own."""
+    turn = 2 * np.pi * np.arange(13) / 12
+    low, high = (np.column_stack([3 * np.cos(turn), 3 * np.sin(turn), np.full(13, z)]) for z in (-5.0, 0.0))
+    a, b, c, d = low[:-1], low[1:], high[1:], high[:-1]
+    tips = [np.tile([0.0, 0.0, z], (12, 1)) for z in (-5.0, 0.0)]
+    facets = [(a, b, c), (a, c, d), (tips[0], b, a), (tips[1], d, c)]
+    points = np.concatenate([np.stack(facet, axis=1) for facet in facets]).reshape(-1, 3)
+    faces = np.arange(len(points)).reshape(-1, 3)[:, [0, 1, 2, 2]]
+    vertices, panels = divided(points, faces, size)
+    corner = vertices[panels[:, :3]]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]) / 2
+    polygon = 0.5 * 12 * 9 * np.sin(np.pi / 6)
+    assert np.linalg.norm(normal, axis=1).sum() == pytest.approx(2 * polygon + 12 * 5 * 6 * np.sin(np.pi / 12))
+    assert (corner.mean(axis=1) * normal).sum() / 3 == pytest.approx(5 * polygon)
+    assert np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2).max() <= size
+    edges = np.sort(np.stack([panels[:, :3], np.roll(panels[:, :3], 1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    assert set(np.unique(edges, axis=0, return_counts=True)[1]) == {2}  # corners meet everywhere
+    with pytest.raises(ConfigError, match=r"panel: received 0.001 m, which makes more than 50000 panels; needs larger"):
+        divided(points, faces, 1e-3)
 
 
 def test_linear_fields_are_exact_at_centroids_and_at_inner_corners():

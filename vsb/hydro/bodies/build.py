@@ -14,7 +14,7 @@ from vsb.hydro.bodies.families import Hull, LineMode, line_modes, structural_sti
 from vsb.hydro.bodies.files import length_unit, read_body, read_mesh, usable_panels, with_gaps_noted
 from vsb.hydro.bodies.hulls import hull_panels
 from vsb.hydro.bodies.hydrostatics import columns_of
-from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, gaps, owners, wetted
+from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, divided, gaps, owners, wetted
 from vsb.hydro.bodies.plates import PlateMode, plate_modes, plate_stiffness
 from vsb.hydro.bodies.sections import Beam
 from vsb.study.body import BodyFile, SphereHull
@@ -69,6 +69,9 @@ def _made_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: lis
     pivot = centre if file.rotation_point is None else np.array(file.rotation_point)
     wet = wetted(vertices, faces)
     points, panels = (wet.vertices, wet.faces) if wet else (vertices, faces)
+    if file.panel is not None:
+        points, panels = divided(points, panels, file.panel)
+        notes = [*notes, f"panels divided to edges of at most {file.panel:g} m"]
     if file.all_rigid and _still(points, panels, _motion("Yaw", pivot)):
         labels.remove("Yaw")
         notes = [*notes, "Yaw left out: it moves no water"]

@@ -25,6 +25,7 @@ RIGID_TO = 1e-6
 """Distance of a displacement from a rigid one, relative to the largest: round-off of single precision."""
 _NO_MOTION = 1e-9  # relative to the largest displacement: round-off of a fit
 _LARGEST_BODY = 1e5  # [m]
+_MOST_TRIANGLES = 50_000
 _BESIDE = 0.1  # width of a gap between two edges, relative to the longer of them
 
 
@@ -89,6 +90,36 @@ def joined(meshes: Sequence[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, I
     offsets = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
     faces = [panels + offset for (_, panels), offset in zip(meshes, offsets, strict=False)]
     return np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(faces)
+
+
+def divided(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatArray, IntArray]:
+    """Return a surface of triangles whose edges are no longer than a size [m]: the same surface, corners still meet.
+
+    An edge that is the longest of both its triangles is halved, and they with it, until none is longer (Rivara, Int. J.
+    Numer. Methods Eng. 20, 1984: no angle becomes much smaller). Raises `ConfigError` if that takes too many.
+    """
+    corners = owners(vertices)[np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])]
+    corners = corners[(corners != np.roll(corners, 1, axis=1)).all(axis=1)]
+    while len(corners) <= _MOST_TRIANGLES:
+        sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1), axis=-1)
+        edges, place = np.unique(sides.reshape(-1, 2), axis=0, return_inverse=True)
+        place = place.reshape(-1, 3)
+        length = np.linalg.norm(vertices[edges[:, 1]] - vertices[edges[:, 0]], axis=1)
+        rank = np.argsort(np.argsort(length, kind="stable"))
+        side, every = rank[place].argmax(axis=1), np.arange(len(corners))
+        longest = place[every, side]
+        halved = np.bincount(longest, minlength=len(edges)) == np.bincount(place.ravel(), minlength=len(edges))
+        halved &= length > size
+        if not halved.any():
+            return vertices, np.column_stack([corners, corners[:, 2]])
+        middle = len(vertices) - 1 + np.cumsum(halved)
+        vertices = np.concatenate([vertices, vertices[edges[halved]].mean(axis=1)])
+        cut = halved[longest]
+        start, end, other = (corners[every, (side + k) % 3][cut] for k in range(3))
+        new = middle[longest[cut]]
+        halves = np.stack([start, new, other], axis=1), np.stack([new, end, other], axis=1)
+        corners = np.concatenate([corners[~cut], *halves])
+    raise ConfigError(f"panel: received {size:g} m, which makes more than {_MOST_TRIANGLES} panels; needs larger ones")
 
 
 def check_vertices(x: FloatArray) -> None:

@@ -46,7 +46,7 @@ RULES = {
     "positive_damping": Rule(0.01, "no motion can draw energy from calm water", doubt=1.0),
     "lid": Rule(0.05, "change of coefficients by the lid, relative to the largest entry, where no irregular frequency "
         "is near:"),
-    "panels": Rule(0.25, "largest panel in wavelengths"),
+    "panels": Rule(0.25, "largest panel in wavelengths; `panel` of a body file divides those of its mesh"),
     "modes": Rule(1 / 3.5, "panel in terms of half a wavelength of the shortest mode; beyond the limit the error may "
         "exceed its estimate", doubt=1.75),
     "corners": Rule(0.05, "displacement of panels agrees with that of corners"),
