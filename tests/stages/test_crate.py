@@ -37,7 +37,8 @@ def archive(finished, tmp_path_factory):
 def test_crate_holds_every_product_with_its_checksum(archive):
     contents, entities = archive
     root = Path(PLAN.root)
-    names = {Path(path).relative_to(root).as_posix() for path in (*PLAN.products, PLAN.manifest)} | {"small.yaml"}
+    held = (*PLAN.products, PLAN.manifest, f"{PLAN.display_folder}/manifest.json")
+    names = {Path(path).relative_to(root).as_posix() for path in held} | {"small.yaml"}
     assert set(contents) == names
     for name, content in contents.items():
         said = entities[urllib.parse.quote(name)]

@@ -66,6 +66,19 @@ def test_terminated_run_kills_all_its_child_processes(tmp_path, number, code):
     assert children == []
 
 
+def test_caches_are_kept_elsewhere_if_there_is_no_place_for_them_at_home(tmp_path, monkeypatch):
+    """Snakemake's, without which it ended in a traceback."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home"))
+    with launcher._caches() as found:
+        assert found == {}
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file" / "cache"))
+    with launcher._caches() as found:
+        folder = Path(found["XDG_CACHE_HOME"])
+        assert folder.is_dir()
+    assert not folder.exists()
+
+
 OUTPUT = """Building DAG of jobs...
 CalledProcessError in file "workflow/rules/simulate.smk", line 24:
 Command 'set -euo pipefail;  vsb simulate  --out a.nc <<< '{"designs":{}}' > results/logs/simulate/seed/FSB-still.log 2>&1' returned non-zero exit status 137.

@@ -107,6 +107,15 @@ def test_copied_results_are_continued(place):
     assert made.isdisjoint({VSWEC, RESPONSE, PLAN.database_path, PLAN.radiation_path})
 
 
+def test_shared_files_are_known_in_the_folder_of_another_user(place, tmp_path, monkeypatch):
+    """A link to the hydrodynamics of a finished study: viewable meshes carry their stamps with them."""
+    (tmp_path / "other" / "results").mkdir(parents=True)
+    (tmp_path / "other" / "results" / "hydro").symlink_to(place / "results" / "hydro")
+    monkeypatch.chdir(tmp_path / "other")
+    assert Path(PLAN.display_paths[0]).is_file()
+    assert stale_products(PLAN, dry=True) == []
+
+
 def test_run_keeps_what_a_user_put_in_the_place_of_a_product(place):
     """Dry runs move nothing."""
     table = Path(f"{PLAN.folder}/comparison.csv")

@@ -22,7 +22,7 @@ from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plans import Plan
 from vsb.tools.files import atomic_write
-from vsb.tools.stamps import CRATE
+from vsb.tools.stamps import CRATE, MANIFEST
 
 PROFILE = "https://w3id.org/ro/crate/1.1"
 GPL = "https://spdx.org/licenses/GPL-3.0-or-later"
@@ -63,7 +63,8 @@ def crate(config: str, out: str, licence: str | None = None, author: str | None 
     if Path(out).suffix != ".zip":
         raise VsbError(f"{out}: received a name without .zip, needs one with it")
     plan = plan_of(config)
-    paths = sorted({*plan.products, plan.manifest})
+    beside = {str(one) for path in plan.products if (one := Path(path).with_name(MANIFEST)).is_file()}
+    paths = sorted({*plan.products, plan.manifest, *beside})
     lines = [f"{path}: is not there" for path in paths if not Path(path).is_file()]
     lines += [f"{fault.path}: {fault.reason}" for fault in study_faults(plan)]
     if lines:

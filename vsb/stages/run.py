@@ -9,6 +9,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, MutableSequence, Sequence
@@ -60,9 +61,11 @@ def run(args: argparse.Namespace) -> int:
     forget_damaged(Path(".snakemake", "metadata"))
     begun, lines = time.time(), deque[str](maxlen=KEPT)
     with (
+        _caches() as caches,
         exclusive_lock(Path(plan.folder), waits=not dry) as own,
         shared_lock(plan.root, () if dry else unmade(plan)) as shared,
     ):
+        environment |= caches
         stale = verify.stale_products(plan, dry=dry)
         left = bool(stale or args.snakemake) or not all(Path(path).exists() for path in plan.products)
         whole = slurm.single_job(plan, given) if on_slurm and left and not dry else []
@@ -82,6 +85,19 @@ def run(args: argparse.Namespace) -> int:
     if not dry and (report := Path(plan.folder) / "report.html").is_file():
         print(f"{plan.name}: {_answer(plan)}{report}")
     return 0
+
+
+@contextlib.contextmanager
+def _caches() -> Iterator[dict[str, str]]:
+    """Where snakemake and others keep caches: a folder of this run, if none in the home folder can be written."""
+    place = Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser(), "snakemake")
+    with contextlib.suppress(OSError):
+        place.mkdir(parents=True, exist_ok=True)
+    if os.access(place, os.W_OK):
+        yield {}
+        return
+    with tempfile.TemporaryDirectory(prefix="vsb-", ignore_cleanup_errors=True) as folder:
+        yield {"XDG_CACHE_HOME": folder}
 
 
 def _command(args: argparse.Namespace, profile: Path, whole: Sequence[str]) -> list[str]:

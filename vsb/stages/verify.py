@@ -173,12 +173,12 @@ def _moved(root: Path, found: Sequence[Fault]) -> list[str]:
 
 
 def manifests(root: Path) -> Manifest:
-    """Return the stamps in all manifests of a results folder: studies share the viewable meshes.
+    """Return the stamps in all manifests of a results folder, those of viewable meshes, which studies share, included.
 
     One that cannot be read promises nothing: what stands in it is computed again.
     """
     found: Manifest = {}
-    for path in sorted(root.glob(f"*/{MANIFEST}")):
+    for path in sorted([*root.glob(f"*/{MANIFEST}"), *root.glob(f"hydro/mesh/*/{MANIFEST}")]):
         try:
             found |= read_manifest(path)
         except DatabaseError:

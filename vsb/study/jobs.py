@@ -149,7 +149,8 @@ def _database_of_body(plan: BodyPlan) -> Job:
 
 def _shell(plan: StudyPlan) -> Iterator[Job]:
     """Shell modes and viewable meshes."""
-    modes, display = f"{plan.folder}/modes.nc", {"out": plan.display_folder, "manifest": plan.manifest}
+    modes, folder = f"{plan.folder}/modes.nc", plan.display_folder
+    display = {"out": folder, "manifest": f"{folder}/manifest.json"}  # beside them: studies share them
     yield Job("modes", plan.modes, {"out": modes}, (modes,))
     yield Job("display", plan.display, display, tuple(plan.display_paths))
 
