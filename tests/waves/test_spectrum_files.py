@@ -1,12 +1,15 @@
 """Seas of a spectrum in a file: what is read, what it holds, directions, refusals, a study."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 import yaml
 from conftest import SMALL
 
-import vsb
 from vsb.errors import ConfigError
+from vsb.stages.make import make
 from vsb.study.plan import plan_for
 from vsb.study.study import load, parse
 from vsb.study.waves import Jonswap, TabulatedSea
@@ -124,6 +127,8 @@ def test_a_study_of_a_file_absorbs_what_the_same_sea_does(density, tmp_path, mon
     (tmp_path / "sea.csv").write_text(columns(density))
     waves = [{"kind": "spectrum", "file": "sea.csv", "seed": 3}, SAME.model_dump()]
     study = SMALL | {"designs": {"FSB": {"flexible": False}}, "waves": waves}
-    results = vsb.run(parse(study, source=str(tmp_path / "s.yaml")))
-    measured, drawn = results.ladder.query("rung == 'fixed'").power_mean
+    plan = plan_for(parse(study, source=str(tmp_path / "s.yaml")))
+    make(plan, plan.ladder_files.values())
+    levels = json.loads(Path(plan.ladder_files["levels"]).read_text())
+    measured, drawn = (one["power_mean"] for one in levels if one["rung"] == "fixed")
     assert measured == pytest.approx(drawn, rel=5e-3)

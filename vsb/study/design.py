@@ -37,8 +37,6 @@ OF_RIGID = (
 Objective = Literal["annual_mean_power", "gain", "power_per_force", "power_per_mass", "power_per_surface"]
 DIVISORS = {"power_per_force": "force_rms", "power_per_mass": "mass", "power_per_surface": "surface"}
 """Objective -> the quantity annual mean power is divided by."""
-AT_LEAST = ("load_factor",)
-"""Limits from below; all others are from above."""
 OF_SHELL = ("load_factor", "static_strain")
 """Limits of a flexible shell; a rigid sphere meets them."""
 QUANTITIES = {
