@@ -42,7 +42,7 @@ OF_SHELL = ("load_factor", "static_strain")
 QUANTITIES = {
     "annual_mean_power": Key("W", "", "mean power of the year under one damper"),
     "gain_percent": Key("%", "", "gain of mean power over the reference design"),
-    "damping": Key("N s/m", "", "that damper, the optimal one unless it is a variable"),
+    "damping": Key("N s/m", "", "that damper, the optimal one unless it is a variable", "damping_unit"),
     **KEYS["Limits"],
     **{
         f"load_factor_inverse_{i}": Key("-", "", f"load over buckling load, mode {i + 1} of those that buckle first")
@@ -50,8 +50,6 @@ QUANTITIES = {
     },
 }
 """What is known of a design; units where its port is heave."""
-AT_PORT = {"damping": "damping_unit", "force_rms": "load_unit", "stroke_rms": "motion_unit"}
-"""Quantities whose units depend on the port: field of `PortKind`."""
 OF_SIZE = ("beam", "surface", "volume", "force_rms")
 """Limits of which one must hold where the radius is free, or power grows with it up to its bound."""
 THINNEST_RATIO = 10.0
@@ -70,7 +68,8 @@ _FORMS = "[lowest, highest] or {log: [lowest, highest]}"
 
 def unit_of(quantity: str, kind: PortKind = FORCE) -> str:
     """Return the unit of a quantity of a design, at a kind of port; 1 of one without."""
-    said = getattr(kind, AT_PORT[quantity]) if quantity in AT_PORT else QUANTITIES[quantity].unit
+    key = QUANTITIES[quantity]
+    said = getattr(kind, key.at_port) if key.at_port else key.unit
     return "1" if said == "-" else str(said)
 
 

@@ -9,6 +9,7 @@ class Key(NamedTuple):
     unit: str
     example: str
     meaning: str
+    at_port: str = ""  # where the unit depends on the port: field of `vsb.tools.ports.PortKind`
 
 
 _HS = {"hs": Key("m", "1.0", "significant wave height, four times the root of the spectrum's area")}
@@ -205,11 +206,13 @@ KEYS: dict[str, dict[str, Key]] = {
             "in units of the port",
             "8000.0",
             "damper (heave: N s/m) of all designs, or of each; without it tuning decides",
+            "damping_unit",
         ),
         "stiffness": Key(
             "in units of the port",
             "-5000.0",
             "spring beside the damper, N/m in heave; below zero while the buoy rests stably",
+            "stiffness_unit",
         ),
         "tuning": Key(
             "",
@@ -242,9 +245,14 @@ KEYS: dict[str, dict[str, Key]] = {
         "energy_per_cycle": Key(
             "J/kg", "10.0", "of ports of strain: what a kilogram of the shell converts in a cycle at most"
         ),
-        "force_limit": Key("in units of the port", "5000.0", "largest force of the take-off, N in heave; .inf is none"),
+        "force_limit": Key(
+            "in units of the port", "5000.0", "largest force of the take-off, N in heave; .inf is none", "load_unit"
+        ),
         "stroke_limit": Key(
-            "in units of the port", "0.5", "motion from rest at which an end stop begins, m in heave; .inf is none"
+            "in units of the port",
+            "0.5",
+            "motion from rest at which an end stop begins, m in heave; .inf is none",
+            "motion_unit",
         ),
     },
     "ShellPort": {
@@ -560,8 +568,8 @@ KEYS: dict[str, dict[str, Key]] = {
         "mass": Key("kg", "20000.0", "mass of shell and ballast"),
         "surface": Key("m^2", "60.0", "area of the shell"),
         "volume": Key("m^3", "40.0", "volume the shell encloses"),
-        "force_rms": Key("N", "20000.0", "root mean square of the take-off's force over the year"),
-        "stroke_rms": Key("m", "0.6", "root mean square of the take-off's motion over the year"),
+        "force_rms": Key("N", "20000.0", "root mean square of the take-off's force over the year", "load_unit"),
+        "stroke_rms": Key("m", "0.6", "root mean square of the take-off's motion over the year", "motion_unit"),
     },
     "Competitor": {
         "variables": Key(

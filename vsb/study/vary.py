@@ -123,10 +123,7 @@ MOST_POINTS = 10_000
 """Points of a campaign: each is validated and named by its content whenever the plan is read, 1 ms."""
 SECTIONS = ("device", "body", "reference_shape", "modes", "designs", "water", "hydro", "pto")
 """Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""
-AT_PORT = {
-    "pto.damping": "damping_unit", "pto.stiffness": "stiffness_unit", "pto.force_limit": "load_unit",
-    "pto.stroke_limit": "motion_unit",
-}  # fmt: skip
+AT_PORT = {f"pto.{name}": key.at_port for name, key in KEYS["Pto"].items() if key.at_port}
 """Keys of a take-off whose units depend on its port: field of `PortKind`."""
 _UNITS: dict[str, set[str]] = {}
 for _section in KEYS.values():
