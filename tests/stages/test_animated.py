@@ -5,7 +5,7 @@ import pytest
 
 from vsb.report.animation import PER_PERIOD, PERIODS
 from vsb.report.interactive import packed
-from vsb.stages.report import MOVING_SEAS, animated_study
+from vsb.stages.report import ANIMATED_SEAS, animated_study
 from vsb.stages.stored import Inputs
 from vsb.tools.files import load
 
@@ -25,7 +25,7 @@ def words(study):
 def test_animation_shows_the_motion_of_the_runs(small, moved):
     study = small.study
     assert [design["name"] for design in moved["designs"]] == list(study.designs)
-    assert [sea["words"] for sea in moved["seas"]] == [wave.description for wave in study.drawn_waves][:MOVING_SEAS]
+    assert [sea["words"] for sea in moved["seas"]] == [wave.description for wave in study.drawn_waves][:ANIMATED_SEAS]
     (start, end), period = study.simulation.window, study.drawn_waves[0].period
     shown, sea = min(end - start, PERIODS * period), moved["seas"][0]
     assert (sea["start"], sea["step"] * (sea["frames"] - 1)) == pytest.approx((end - shown, shown))

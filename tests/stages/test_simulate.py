@@ -78,7 +78,7 @@ def test_clamped_shell_in_still_water_has_no_steady_power_and_no_drift(small, tm
     assert run.attrs["constraint_drift"] < 1e-12
 
 
-LAWS = {"saturated": "steady_decay", "coulomb": "steady_unsettled", "latching": "steady_unsettled"}
+LAWS = {"saturated": "steady_decay", "coulomb": "steady_difference", "latching": "steady_difference"}
 """By harmonic balance, or by following the motion until it repeats."""
 
 

@@ -202,13 +202,13 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     first = len(acting)
     if not motion.memory.size:
         acting += [-named[name] @ system.shapes for name in system.scene.memories]
-    radiating, foreign, q = len(acting) - first, system.dissipating, motion.position @ system.scene.motions.T
-    acting += [-named[name] @ system.shapes for name in foreign]
+    radiating, uncompiled, q = len(acting) - first, system.dissipating, motion.position @ system.scene.motions.T
+    acting += [-named[name] @ system.shapes for name in uncompiled]
     run = flow(system, motion, system.driving(motion, named))
     known = run.states.shape[1]
     pto, structural, radiated, wave, *others = run.works(system.losses()[:, :known, :known], acting)
     energy = {"wave": wave, "pto": pto, "radiated": sum(others[:radiating], radiated), "structural": structural}
-    for name, taken in zip(foreign, others[radiating:], strict=True):
+    for name, taken in zip(uncompiled, others[radiating:], strict=True):
         kept = system.scene.forces[name].potential_energy(q)
         term = "pto" if name == system.scene.take_off else name
         energy[term] = energy.get(term, 0.0) + taken - (kept - kept[0])

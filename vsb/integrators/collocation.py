@@ -90,7 +90,7 @@ class Samples(NamedTuple):
     """What depends on time alone, at all parts of some steps of one level."""
 
     first: int  # tick
-    push: FloatArray  # waves (instant, free)
+    waves: FloatArray  # (instant, free)
     added: Callable[[FloatArray, slice], FloatArray]  # n at rows of the instants
 
 
@@ -135,7 +135,7 @@ class Collocation:
         have = self._samples.get(level)
         if have is None or not have.first <= tick < have.first + count * span or (tick - have.first) % span:
             instants = self.begin + self.dt * (tick + span / PARTS * np.arange(count * PARTS + 1)) * 2.0**SHORTEST
-            have = Samples(tick, self.system.push(instants), self.system.added_during(instants))
+            have = Samples(tick, self.system.wave_forcing(instants), self.system.added_during(instants))
             self._samples[level] = have
         return have, (tick - have.first) // span * PARTS
 
@@ -160,9 +160,9 @@ class Collocation:
         """
         step, (samples, row) = self.step(level), self.samples(level, tick)
         found, before, rows = f.copy(), np.inf, slice(row + _NODE, row + PARTS + 1, _NODE)
-        free, forced, push = step.free[step.nodes] @ z, step.forced[step.nodes], samples.push[rows]
+        free, forced, waves = step.free[step.nodes] @ z, step.forced[step.nodes], samples.waves[rows]
         for _ in range(SWEEPS):
-            new = samples.added(free + forced @ found.ravel(), rows) + push
+            new = samples.added(free + forced @ found.ravel(), rows) + waves
             change = step.span * float(np.linalg.norm(new - found[1:]))
             found[1:] = new
             if change <= MET * limit + ROUND_OFF * step.span * float(np.linalg.norm(found)):
@@ -176,7 +176,7 @@ class Collocation:
         """Return the error of a step: that of its polynomial at the probe, a row of the samples, over all of it."""
         part = len(step.free) * PROBE // PARTS - 1
         there, rows = step.free[part] @ z + step.forced[part] @ f.ravel(), slice(row, row + 1)
-        seen = samples.added(there[None], rows)[0] + samples.push[row]
+        seen = samples.added(there[None], rows)[0] + samples.waves[row]
         return step.span * float(np.linalg.norm(seen - _AT_PROBE @ f))
 
     def run(self, time: FloatArray, first: FloatArray, tolerance: float) -> tuple[FloatArray, int]:

@@ -82,7 +82,7 @@ class PeriodicScene:
         return np.concatenate([np.diag(squares)[None].astype(complex), moving])
 
     @property
-    def push(self) -> ComplexArray:
+    def wave_forcing(self) -> ComplexArray:
         """Phasor of the linear waves on the modes, shape (free,)."""
         return self.system.waves[0] if len(self.system.waves) else np.zeros(self.system.free, dtype=complex)
 
@@ -115,7 +115,7 @@ class PeriodicScene:
             return np.zeros((count, free, free))
         step = self.size / np.abs(self.system.shapes).max(axis=0)
         steps, moves = step, step * self.system.scale
-        if self.system.foreign:
+        if self.system.not_compiled:
             steps, moves = (np.append(x, self.omega * step) for x in (steps, moves))
         away = np.eye(len(moves), z.shape[1])[:, None] * moves[:, None, None]
         moved = np.concatenate([z + away, z - away]).reshape(-1, z.shape[1])
@@ -132,7 +132,7 @@ class PeriodicScene:
         """Return G of an orbit, sampled at phases a whole period long, shape (sample/2, free)."""
         force = harmonics_of(self.remainder(phase, self.states(harmonics, phase)))
         force *= np.exp(1j * phase[0] * np.arange(len(force)))[:, None]
-        force[1] += self.push
+        force[1] += self.wave_forcing
         return force
 
     def amplitude(self, harmonics: ComplexArray) -> float:

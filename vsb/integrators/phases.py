@@ -42,7 +42,7 @@ class Signals(NamedTuple):
 
     stroke: FloatArray  # S [m]
     velocity: FloatArray  # V [m/s]
-    push: FloatArray  # net force of all but the take-off on a port that is held [N]
+    net_force: FloatArray  # net force of all but the take-off on a port that is held [N]
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,10 +128,10 @@ class Phase:
         """Return the signals of (z, f, ...) at equally spaced instants."""
         count, n = len(self.matrix), self.system.free
         wave = superposed(self.system.omega, (self.system.waves @ self.port)[:, None], time)[:, 0]
-        stroke, velocity, push = self.signals @ states[:, :count].T
+        stroke, velocity, net_force = self.signals @ states[:, :count].T
         if self.carried:
             wave = wave + states[:, count : count + n] @ self.port
-        return Signals(stroke - self.rest, velocity, push + wave / (self.port @ self.port))
+        return Signals(stroke - self.rest, velocity, net_force + wave / (self.port @ self.port))
 
     def begun(self, t: float, state: FloatArray) -> tuple[FloatArray, float]:
         """Return (z, f, ...) at the start of a step, and the error of n: none in a linear scene."""
@@ -145,8 +145,8 @@ class Phase:
         """Return the state of a run that starts: unchanged in a linear scene."""
         return state
 
-    def push(self, states: FloatArray, waves: FloatArray, constant: float) -> FloatArray:
-        """Return the net push of states z under waves on the modes, shape (time,) [N]."""
+    def net_force(self, states: FloatArray, waves: FloatArray, constant: float) -> FloatArray:
+        """Return the net force of states z under waves on the modes, shape (time,) [N]."""
         row = self.signals[2]
         return np.asarray(
             states[:, : len(row) - 1] @ row[:-1] + waves @ self.port / (self.port @ self.port) + row[-1] * constant

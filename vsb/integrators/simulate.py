@@ -126,7 +126,7 @@ def suited(system: System) -> str:
     """Return the method that suits a system, of `METHODS`."""
     if system.linear:
         return "exact"
-    return "switching" if system.switching else "collocation" if system.foreign else "exponential"
+    return "switching" if system.switching else "collocation" if system.not_compiled else "exponential"
 
 
 def simulate(

@@ -161,7 +161,7 @@ class Switching:
     def __post_init__(self) -> None:
         """Check that all forces but the water's are piecewise linear and act at one port."""
         scene = self.system.scene
-        others = [name for name in self.system.foreign if name not in scene.laws]
+        others = [name for name in self.system.not_compiled if name not in scene.laws]
         if others or scene.law is None or scene.law is not scene.forces.get(scene.take_off):
             raise ValueError(
                 f"switching: received the nonlinear forces {', '.join(others) or 'none'}, needs a linear or body-exact "
@@ -248,7 +248,7 @@ class Switching:
             out["turn"] = mode.way * at.velocity
         if np.isfinite(law.limit):
             if not mode.way:
-                out["slip"] = law.limit - np.abs(at.push)
+                out["slip"] = law.limit - np.abs(at.net_force)
             elif not self.friction(mode):
                 out["limit"] = self._within(mode, at) * (-1 if mode.limited else 1)
         if self.stop:
@@ -269,9 +269,9 @@ class Switching:
             mode = mode._replace(in_latching_time=True, until=t + self.law.latching_time, limited=0) if begins else mode
             return self.stuck(mode, at) if self.friction(mode) else mode._replace(way=-mode.way)
         if event == "slip":
-            return mode._replace(way=sign(at.push))
+            return mode._replace(way=sign(at.net_force))
         if event == "resume":
-            engaged = mode._replace(in_latching_time=False, until=np.inf, way=mode.way or sign(at.push))
+            engaged = mode._replace(in_latching_time=False, until=np.inf, way=mode.way or sign(at.net_force))
             return self.limited(engaged, at)
         if event == "limit":
             return mode._replace(limited=0) if mode.limited else self.limited(mode, at, crossed=True)
@@ -287,7 +287,7 @@ class Switching:
 
     def stuck(self, mode: Mode, at: Signals) -> Mode:
         """Return the mode of friction at rest: held, or slipping on."""
-        return mode._replace(way=0 if abs(at.push) <= self.law.limit else sign(at.push))
+        return mode._replace(way=0 if abs(at.net_force) <= self.law.limit else sign(at.net_force))
 
     def signals_if_held(self, mode: Mode, t: float, state: FloatArray, lookout: Lookout) -> Signals:
         """Return the signals of the port if friction held it."""
@@ -314,7 +314,7 @@ class Switching:
         mode = Mode(sign(speed), contact=sign(stroke) if outside else 0)
         at = self.signals_if_held(mode, t, state, lookout)
         if speed == 0:
-            mode = self.stuck(mode, at) if self.friction(mode) else mode._replace(way=sign(at.push))
+            mode = self.stuck(mode, at) if self.friction(mode) else mode._replace(way=sign(at.net_force))
         return self.limited(mode, at)
 
     def held(self, z: FloatArray) -> FloatArray:
@@ -408,7 +408,7 @@ class Switching:
     def rates(self, mode: Mode, at: Signals) -> dict[str, FloatArray]:
         """Return the rates of the guards for which they are known."""
         out, law = {}, self.law
-        gained = at.push * float(self.port @ self.port)  # V'
+        gained = at.net_force * float(self.port @ self.port)  # V'
         if mode.way:
             out["turn"] = mode.way * gained
             if np.isfinite(law.limit) and not self.friction(mode):

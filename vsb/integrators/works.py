@@ -50,9 +50,9 @@ class Piece(NamedTuple):
         matrix, n = self.phase.matrix, self.phase.system.free
         constant = np.full((len(states), 1), self.taken.constant + self.stopped.constant)
         out = [np.hstack([states[:, : len(matrix) - 1], constant])]
-        for push in driven[:2]:
+        for forcing in driven[:2]:
             rates = out[-1] @ matrix.T
-            rates[:, n : 2 * n] += push @ self.phase.allowed
+            rates[:, n : 2 * n] += forcing @ self.phase.allowed
             out.append(rates)
         return np.array(out)[:, :, :-1]
 
@@ -147,7 +147,7 @@ def account(
             rates[at], stopped[at] = jet[1][:, n : 2 * n], piece.at_port(piece.stopped, jet)[0]
             taken[at] = piece.at_port(piece.taken, jet)[0]
             if piece.phase.held:
-                taken[at] = -piece.phase.push(states[at], forcing[0], piece.stopped.constant)
+                taken[at] = -piece.phase.net_force(states[at], forcing[0], piece.stopped.constant)
             at = at[at < last]
             received = driven[:, at + 1] + piece.phase.added(states[at + 1])
             ends = piece.jet(states[at + 1], received)

@@ -201,7 +201,7 @@ class System:
         return self.scene.law is not None and bool(np.isinf(self.scene.law.damping))
 
     @property
-    def foreign(self) -> list[str]:
+    def not_compiled(self) -> list[str]:
         """Names of nonlinear forces the compiled n does not know: all but the water's and constant parts.
 
         Of a spring that is slack elsewhere K q0 is left beyond the tangent, which is constant (`Scene.constant`).
@@ -212,7 +212,7 @@ class System:
     @property
     def dissipating(self) -> list[str]:
         """Those of them that may dissipate: all but forces of the shell, which have a potential."""
-        return [name for name in self.foreign if not isinstance(self.scene.forces[name], ShellForce)]
+        return [name for name in self.not_compiled if not isinstance(self.scene.forces[name], ShellForce)]
 
     def check_smooth(self) -> None:
         """Check that no force switches: compiled steps know smooth forces only; raises `ValueError`."""
@@ -222,10 +222,9 @@ class System:
     def check_compiled(self) -> None:
         """Check that the compiled n holds all nonlinear forces; raises `ValueError`."""
         self.check_smooth()
-        if self.foreign:
-            raise ValueError(
-                f"received the force {', '.join(self.foreign)}, which compiled steps do not know; use `collocated`."
-            )
+        if self.not_compiled:
+            names = ", ".join(self.not_compiled)
+            raise ValueError(f"received the force {names}, which compiled steps do not know; use `collocated`.")
 
     # forces ---------------------------------------------------------------------------------------------------------
 
@@ -250,13 +249,13 @@ class System:
 
         return n
 
-    def push(self, time: FloatArray) -> FloatArray:
+    def wave_forcing(self, time: FloatArray) -> FloatArray:
         """Return the linear waves at equally spaced instants, shape (time, free)."""
         return superposed(self.omega, self.waves, time)
 
     def forcing(self, time: FloatArray, z: FloatArray) -> FloatArray:
         """Return n and the linear waves along a motion, shape (time, free): z' = A z + B forcing; see `added`."""
-        return self.added(time, z) + self.push(time)
+        return self.added(time, z) + self.wave_forcing(time)
 
     @cached_property
     def remainder(self) -> Remainder | None:

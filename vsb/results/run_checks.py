@@ -168,7 +168,7 @@ def transient_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
             if "steady_decay" in attrs:
                 text += f"a period leaves {attrs['steady_decay']:.3g} of a transient"
             else:
-                text += f"its periods differ by {attrs['steady_unsettled']:.1e}"
+                text += f"its periods differ by {attrs['steady_difference']:.1e}"
             difference = relative_difference(mean, steady)
             checks.append(check_at_most("transient", difference, 0.005, "-", text, doubt=True, **where))
     return checks

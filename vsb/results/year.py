@@ -381,19 +381,19 @@ def year(
     here = [DesignYear(port, climate) for port in ports.values()]
     fine, coarse = (_absorbed(ports, years, tunings, given) for years in (here, [one.coarser() for one in here]))
     errors = [
-        [abs(float((take.power - rough.power) @ climate.hours)) / 3 for take, rough in zip(*rows, strict=True)]
+        [abs(float((one.power - rough.power) @ climate.hours)) / 3 for one, rough in zip(*rows, strict=True)]
         for rows in zip(fine, coarse, strict=True)
     ]
     usual = []
-    for port, takes in zip(ports.values(), fine, strict=True):
+    for port, tuned in zip(ports.values(), fine, strict=True):
         there = DesignYear(port, practice(climate, PRACTICE_GAMMA))
         powers = []
-        for tuning, take in zip(tunings, takes, strict=True):  # the same damper, or the best in each sea
-            absorbed = there.absorbed("each" if tuning == "each" else "fixed", float(take.damping[0])).power
+        for tuning, one in zip(tunings, tuned, strict=True):  # the same damper, or the best in each sea
+            absorbed = there.absorbed("each" if tuning == "each" else "fixed", float(one.damping[0])).power
             powers.append(float(absorbed @ there.climate.hours))
         usual.append(powers)
     damping, power = (
-        np.array([[getattr(take, name) for take in takes] for takes in fine]) for name in ("damping", "power")
+        np.array([[getattr(one, name) for one in tuned] for tuned in fine]) for name in ("damping", "power")
     )
     notes = (*climate.notes, outside)
     names = (tuple(ports), tuple(tunings))

@@ -159,7 +159,7 @@ class Scenes:
         start = system.scene.start(self.settings.initial_position, self.settings.initial_velocity)
         if system.linear:
             return absorbed(system, propagate(system, time, start), begin)
-        follow = collocated if system.foreign else integrate  # compiled steps do not know rubber
+        follow = collocated if system.not_compiled else integrate  # compiled steps do not know rubber
         return absorbed(system, follow(system, time, start, PRECISION)[0], begin)
 
     @property

@@ -40,10 +40,10 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
     found = Inputs(compared, trajectories, files)
     buoy = compared.buoy
     reference = reference_shell(buoy) if buoy else None
-    met = [in_a_sea(found, reference.basis if reference else None, wave) for wave in compared.waves]
-    rows = [row for one in met for row in one.rows]
-    runs = {run: attrs for one in met for run, attrs in one.runs.items()}
-    checks = [check for one in met for check in one.checks]
+    in_seas = [in_a_sea(found, reference.basis if reference else None, wave) for wave in compared.waves]
+    rows = [row for one in in_seas for row in one.rows]
+    runs = {run: attrs for one in in_seas for run, attrs in one.runs.items()}
+    checks = [check for one in in_seas for check in one.checks]
     if buoy and reference:
         checks = [*ledger.shell_checks(buoy, reference), *checks]
     checks += [*ledger.angle_checks(compared), *transient_checks(runs, rows), *latching_checks(runs)]
@@ -51,7 +51,7 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
     tuned: list[Tuned] = []
     limited: list[Limited] = []
     if compared.needs_bem:
-        lines = irregular.statistics(compared, {run: kept for one in met for run, kept in one.samples.items()})
+        lines = irregular.statistics(compared, {run: kept for one in in_seas for run, kept in one.samples.items()})
         checks += of_the_water(found, rows, runs)
         checks += irregular.statistical_checks(compared, lines)
         ladder = [

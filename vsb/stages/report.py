@@ -123,7 +123,7 @@ def _slowest(study: AnyStudy, response: xr.Dataset) -> float:
     return float(response.wet_natural_frequency.min()) if response.wet_natural_frequency.size else 1.0
 
 
-MOVING_SEAS = 4
+ANIMATED_SEAS = 4
 """Most seas whose motion a page holds."""
 
 
@@ -143,7 +143,7 @@ def animated_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) 
     shown = waves or study.drawn_waves
     width, shell = SEEN * study.device.radius, list(map(str, modes.mode.values))
     seas, largest, duration = [], 0.0, study.simulation.duration
-    for wave in itertools.islice(shown, MOVING_SEAS):
+    for wave in itertools.islice(shown, ANIMATED_SEAS):
         runs = {design: stored.runs[design, wave.label].position for design in study.designs}
         window, water = study.simulation.window, study.water
         largest = max(largest, *(largest_shell(run.sel(time=slice(*window)), shell) for run in runs.values()))

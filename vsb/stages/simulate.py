@@ -96,12 +96,12 @@ def _swinging_power(system: System) -> float:
 def _settled(system: System) -> dict[str, float | str]:
     """Mean power of a law that switches once its periods agree; or that they do not."""
     try:
-        power, unsettled = periodic_power(system, STEADY)
+        power, difference = periodic_power(system, STEADY)
     except ConvergenceError as error:
         return {"no_steady_state": str(error)}
-    if unsettled > UNSETTLED:
-        return {"no_steady_state": f"powers of periods from rest on differ by up to {100 * unsettled:.2g} %"}
-    return {"steady_power": power, "steady_unsettled": unsettled}
+    if difference > UNSETTLED:
+        return {"no_steady_state": f"powers of periods from rest on differ by up to {100 * difference:.2g} %"}
+    return {"steady_power": power, "steady_difference": difference}
 
 
 def _linear_drift(spec: SimulateSpec, system: System, clamps: FloatArray) -> float:
