@@ -306,11 +306,103 @@ def elastic_disc(folder: Path) -> Figures:
     return figures
 
 
+TUBE_LENGTH, TUBE_RADIUS, TUBE_DEPTH = 7.0, 0.125, 0.25
+"""Of a tube like that of Chaplin et al. (2012) [m]; its axis lies one diameter below the surface."""
+BULGES = 10
+"""Modes of its cross-section along the tube."""
+
+
+def write_tube(path: Path, density: float, speed: float) -> None:
+    """Write a tube full of water, anchored, closed at the bow, whose section swells by 2 pi a cos(n pi x/L) per metre.
+
+    The water inside flows along it, A u = -int dS/dt dx, and leaves at the stern, where the uniform mode alone moves
+    it. The wall gives way to pressure by dA/dp = A/(rho c^2), c the `speed` of bulges [m/s] without water outside.
+    """
+    around, along = 16, 56
+    angle, x = 2 * np.pi * np.arange(around) / around, np.linspace(0.0, TUBE_LENGTH, along + 1)
+    ring = np.column_stack([np.zeros(around), np.cos(angle), np.sin(angle)])
+    centre = np.array([0.0, 0.0, -TUBE_DEPTH])
+    wall = (x[:, None, None] * np.eye(3)[0] + TUBE_RADIUS * ring + centre).reshape(-1, 3)
+    vertices = np.concatenate([wall, [centre, centre + x[-1] * np.eye(3)[0]]])
+    k, j = np.arange(around), np.roll(np.arange(around), -1)
+    faces = [np.column_stack([i + k, i + around + k, i + around + j, i + j]) for i in range(0, along * around, around)]
+    bow, stern, last = len(wall), len(wall) + 1, along * around
+    faces += [
+        np.column_stack([np.full(around, bow), k, j, j]),
+        np.column_stack([last + j, last + k, *[np.full(around, stern)] * 2]),
+    ]
+    numbers = np.arange(BULGES)
+    shares = np.cos(np.pi * numbers[:, None] * x / TUBE_LENGTH)  # of a radius that swells by 1 m
+    shapes = np.zeros((BULGES, len(vertices), 3))
+    shapes[:, : len(wall)] = (shares[:, :, None, None] * ring).reshape(BULGES, -1, 3)
+    second = np.zeros((BULGES, BULGES, len(vertices), 3))  # the section's area is linear in the amplitudes
+    pairs = -shares[:, None] * shares[None] / TUBE_RADIUS
+    second[:, :, : len(wall)] = (pairs[..., None, None] * ring).reshape(BULGES, BULGES, -1, 3)
+    girth, area = 2 * np.pi * TUBE_RADIUS, np.pi * TUBE_RADIUS**2
+    s, weight = np.polynomial.legendre.leggauss(60)
+    s, weight = TUBE_LENGTH * (s + 1) / 2, TUBE_LENGTH * weight / 2
+    flow = girth * np.array(
+        [s, *(TUBE_LENGTH / (n * np.pi) * np.sin(n * np.pi * s / TUBE_LENGTH) for n in numbers[1:])]
+    )
+    swells = girth * np.cos(np.pi * numbers[:, None] * s / TUBE_LENGTH)
+    pair = ("influenced_dof", "radiating_dof")
+    xr.Dataset(
+        {
+            "vertices": (("vertex", "xyz"), vertices),
+            "faces": (("panel", "corner"), np.concatenate(faces)[:, ::-1]),
+            "mode_shape": (("dof", "vertex", "xyz"), shapes),
+            "second_order": ((*pair, "vertex", "xyz"), second),
+            "inertia_matrix": (pair, density / area * (flow * weight) @ flow.T),
+            "structural_stiffness": (pair, density * speed**2 / area * (swells * weight) @ swells.T),
+        },
+        coords={"dof": [f"Bulge{n}" for n in numbers]},
+    ).to_netcdf(path)
+
+
+def bulge_tube(folder: Path) -> Figures:
+    """Capture width of a tube whose bulges travel slower than waves, as fast or faster; optimal damper at the stern."""
+    folder.mkdir(parents=True, exist_ok=True)
+    water = {"density": 1000.0, "depth": float("inf"), "gravity": 9.81}
+    path = str((folder / "tube.nc").resolve())
+    write_tube(Path(path), water["density"], 1.0)
+    file = {"body": "tube", "mesh": path, "modes": path, "water": water, "lid": 0}
+    raw = {
+        "study": "bulge_tube",
+        "body": {"file": file | {"omega": [2.8, 3.0, 3.2, 3.4, 3.6, 3.8, 4.0, 4.2]}},
+        "water": water,
+        "designs": {"tube": {}},
+        "pto": {"port": {"dof": "Bulge0"}},
+        "waves": [regular(1.8)],
+    }
+    plan = BodyPlan.of({**raw, "root": str(folder)}, "claims.yaml")
+    computed(plan)
+    floating = floating_system(plan.study, plan.hydro_files["database"])
+    ds, omega = floating.linear.database, floating.linear.database.omega.values
+    given, elastic, waves = floating.linear.equation(omega), ds.structural_stiffness.values, 9.81 / omega
+    flux = np.array([power_limit(one, np.inf, 1000.0, 9.81) for one in omega]) / (
+        waves**2 / 9.81
+    )  # of a metre of crest
+    figures = {}
+    for share in (0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0):
+        stiffer = ((share * waves) ** 2 - 1)[:, None, None] * elastic
+        equation = replace(given, stiffening=stiffer)
+        best = equation.port(floating.motions["tube"], floating.port).best_power
+        width = float((best / flux).mean() / (2 * TUBE_RADIUS))
+        figures[f"bulges at {share:g} of the waves' speed: capture width in diameters"] = width
+        if share == 1.0:
+            loss = 0.1 * (elastic + stiffer) / omega[:, None, None]
+            best = (
+                replace(equation, damping=given.damping + loss).port(floating.motions["tube"], floating.port).best_power
+            )
+            figures["the same, loss factor of the wall 0.1"] = float((best / flux).mean() / (2 * TUBE_RADIUS))
+    return figures
+
+
 CASES: Mapping[str, Callable[[Path], Figures]] = {
     case.__name__: case
     for case in (
         with_radiation, every_wave, softer_is_better, start_of_a_run, matched_limit, longer_resonance, more_orders,
-        flexible_barge, wec_sim_barge, elastic_disc,
+        flexible_barge, wec_sim_barge, elastic_disc, bulge_tube,
     )
 }  # fmt: skip
 """By name."""

@@ -2,10 +2,14 @@
 
 import re
 
+import numpy as np
 import pytest
 from conftest import HERE
+from scipy.linalg import eigh
 
 from examples import claims, surprises
+from vsb.hydro.bodies.files import read_body
+from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 
 PAGE = (HERE.parent / "docs" / "claims.md").read_text()
 
@@ -19,6 +23,16 @@ def on_the_page(name):
 @pytest.mark.parametrize("name", claims.CASES)
 def test_every_case_is_on_the_page(name):
     assert surprises.table(name, on_the_page(name)) in PAGE
+
+
+def test_tube_of_the_claims_rings_like_a_pipe(tmp_path):
+    """In vacuum, its stern open: c/4L, 3c/4L; still water outside neither stiffens nor softens its bulges."""
+    claims.write_tube(tmp_path / "tube.nc", 1000.0, 3.0)
+    body = read_body(tmp_path / "tube.nc", tmp_path / "tube.nc")
+    square = eigh(body.stiffness, body.mass, eigvals_only=True)
+    pipe = np.pi * 3.0 / (2 * claims.TUBE_LENGTH) * np.array([1.0, 3.0])
+    assert np.sqrt(square[:2]) == pytest.approx(pipe, rel=5e-2)  # the modes' slope vanishes at the stern
+    assert np.abs(hydrostatic_stiffness(body, 1000.0, 9.81)).max() < 5e-3 * body.stiffness[0, 0]
 
 
 @pytest.mark.slow
