@@ -262,7 +262,8 @@ def _values(key: str, raw: object) -> tuple[Value, ...]:
     if isinstance(raw, Mapping):
         kind, (first, last, *count) = _spacing(key, raw)
         if len(count) != 1 or count[0] != int(count[0]) or not 1 <= count[0] <= MOST_POINTS:
-            raise ValueError(f"{key}: received {dict(raw)}, needs {{{kind}: [first, last, count]}}")
+            needed = f"{{{kind}: [first, last, count]}} with a count of 1 to {MOST_POINTS}"
+            raise ValueError(f"{key}: received {dict(raw)}, needs {needed}")
         steps = int(count[0]) - 1
         return _distinct(key, [_between(kind, first, last, i / steps if steps else 0.0) for i in range(steps + 1)])
     if not isinstance(raw, list | tuple) or not raw:
