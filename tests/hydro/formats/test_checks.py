@@ -112,6 +112,7 @@ def test_checks_of_two_bodies_are_those_of_each():
     """Rotations are measured by their body's size and heave by its own waterplane, whoever else is there."""
     one = sound(headings=[0.0])  # Haskind's relation would couple what sends out waves of one shape
     alone, together = judged(one), judged(of_two(one, one))
+    assert alone.pop("haskind_long_waves").verdict == "ok"  # of one body alone
     assert {name: check.verdict for name, check in together.items()} == dict.fromkeys(ALL, "ok")
     assert {name: check.value for name, check in together.items()} == pytest.approx(
         {name: check.value for name, check in alone.items()}, abs=1e-12
@@ -120,6 +121,14 @@ def test_checks_of_two_bodies_are_those_of_each():
     high = edited(one, "hydrostatic_stiffness", lambda c: c.__imul__(1.3))
     for wrong, name in ((heavy, "displaced_mass"), (high, "long_waves")):
         assert judged(of_two(one, wrong))[name].verdict == judged(wrong)[name].verdict != "ok"
+
+
+def test_one_direction_shows_the_scale_of_damping():
+    """In long waves heave sends out ring waves: k X^2/(4 rho g v_g), which damping per unit density is not."""
+    wrong = edited(sound(headings=[90.0]), "radiation_damping", lambda b: b.__imul__(1025.0))
+    check = judged(wrong)["haskind_long_waves"]
+    assert check.verdict == "fail"
+    assert check.value == pytest.approx(1024.0, rel=0.05)
 
 
 # --- every limit from both sides

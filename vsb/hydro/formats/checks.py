@@ -69,8 +69,8 @@ RULES = {
     "haskind": Rule(0.05, "damping follows from excitation", doubt=1.0,
         causes="{depth}; {length}; {gravity}; {period}; an irregular frequency{irr}; too few panels"),
     "haskind_scale": Rule(0.01, "excitation and damping have one scale", causes="{length}; {gravity}; too few panels"),
-    "haskind_long_waves": Rule(0.05, "so they do in the longest waves, which feel the depth",
-        causes="{depth}; {length}; {gravity}"),
+    "haskind_long_waves": Rule(0.05, "damping follows from excitation in the longest waves, which feel the depth",
+        causes="{depth}; {length}; {gravity}; damping or excitation of another run or in other units"),
     "hydrostatic_symmetry": Rule(np.nan, "",  # of `hydro.repairs`
         causes="rows and columns exchanged; a body that does not float upright"),
     **points.RULES,
@@ -101,6 +101,7 @@ _HELD, _FALLEN = 0.05, 0.5  # damping at the ends of a band that holds it, and t
 _LARGEST_UNKNOWN = 0.2  # relative added mass that damping outside the band and between the steps may give
 _ALONE = 5.0  # ratio of a spike of added mass or damping to the other's: a resonance shows in both
 _LONG = 0.2  # second order of heave, omega^2 (A + displaced water)/C, up to which waves are long
+_RING = 0.1  # square of wavenumber times length up to which heave sends out ring waves
 _COUPLED = 0.1  # moment of the lift of a wave over that of its slope, above which the latter is not seen
 _ROUND = 0.1  # stiffness over that of a body with arms of the cube root of its volume, below which nothing turns it
 _SMALLEST, _LARGEST = 0.005, 200.0  # largest added mass of a translation over the water displaced, of any body
@@ -115,8 +116,8 @@ _READINGS = (  # other readings of a file: sign of forces of surge and sway, and
 )
 _DENSITY = "not checked: density, with which all coefficients grow alike; it needs mass in heave and displaced volume"
 _TOO_FEW = (
-    "not checked: haskind, the only check that sees a wrong length, gravity or depth: it needs wave directions in "
-    "fine, equal steps all around, or one direction and --axisymmetric; received {}"
+    "not checked: haskind, but for the heave of one body in long waves: it sees a wrong length, gravity or depth and "
+    "needs wave directions in fine, equal steps all around, or one direction and --axisymmetric; received {}"
 )
 Found = tuple[list[Check], list[str]]
 """Checks, and a line on each that is not made."""
@@ -208,6 +209,8 @@ def coefficient_checks(
         checks.append(_check("rank_one", quality.second_channel(part, np.sqrt(np.outer(its.damping, its.damping)))))
     found = [_smooth(wet, among), _causal(wet, among), _limits(ds, size), lift_check(ds, size.added_mass)]
     found += [phase_check(whole, of_all), _tilt(whole, of_all), _haskind(part, its, axisymmetric)]
+    if not found[-1][0]:
+        found.append((_ring_waves(whole, of_all), []))
     found.append((_points(whole, ds, [check for check in found[4][0] if check.verdict != "ok"]), []))
     notes = [line for _, lines in found for line in lines]
     notes += [] if any(check.name == "displaced_mass" for check in checks) else [_DENSITY]
@@ -623,6 +626,29 @@ def _haskind(part: xr.Dataset, size: Sizes, axisymmetric: bool) -> Found:
     few = f"which {part.sizes['wave_direction']} directions do not resolve"
     notes = [f"not checked: haskind of {', '.join(missing)}, {few}"] if missing else []
     return checks + _ratios(part, damping, resolved & size.wet), notes
+
+
+def _ring_waves(ds: xr.Dataset, added_mass: FloatArray) -> list[Check]:
+    """Damping of the heave of one body from its excitation in long waves, which is the same from all directions.
+
+    It differs by the square of wavenumber times length, of which the square root of the waterplane stands for: the
+    limit is widened by it.
+    """
+    bodies = _heaving(ds, added_mass)
+    if len(bodies) != 1 or len(of_bodies(list(map(str, ds.influenced_dof.values)))) != 1:
+        return []
+    density, gravity, depth = (float(ds.attrs[name]) for name in ("water_density", "gravity", "water_depth"))
+    i, omega = bodies[0].heave, ds.omega.values
+    area = float(ds.hydrostatic_stiffness.values[i, i]) / (density * gravity)
+    second = np.array([wavenumber(w, depth, gravity) for w in omega]) ** 2 * area
+    if not (long := np.flatnonzero(second <= _RING)).size:
+        return []
+    force = (np.abs(ds.excitation_force.values[long[-1], :, i]) ** 2).mean()
+    expected = force * _narrowness(omega[long[-1:]], depth, gravity)[0] / (4 * density * gravity)
+    error, limit = ds.radiation_damping.values[long[-1], i, i] / expected - 1, second[long[-1]]
+    more = f"; at {omega[long[-1]]:.4g} rad/s in heave, whatever the direction"
+    rule = RULES["haskind_long_waves"]
+    return [_check("haskind_long_waves", float(abs(error)), more, rule.limit + float(limit))]
 
 
 def _ratios(part: xr.Dataset, damping: FloatArray, known: BoolArray) -> list[Check]:
