@@ -8,8 +8,10 @@ import sys
 
 import vsb
 
-problem = vsb.load_design(sys.argv[1] if len(sys.argv) > 1 else "config/best_buoy.yaml")
-found = vsb.run(problem)
+try:
+    found = vsb.run(vsb.load_design(sys.argv[1] if len(sys.argv) > 1 else "config/best_buoy.yaml"))
+except vsb.VsbError as error:
+    sys.exit(str(error))
 print(found.answer)
 print(f"gain {found.gain.value:+.2f} % ({found.gain.low:+.2f} to {found.gain.high:+.2f} %)")
 for buoy, power in found.power.items():
