@@ -20,6 +20,7 @@ import xarray as xr
 import vsb
 from examples import command
 from examples.surprises import FLEXIBLE, RIGID, Figures, Ladder, regular, run, study_of
+from vsb.hydro.bodies.families import free_free_shape
 from vsb.hydro.bodies.plates import plate_modes
 from vsb.hydro.orders import order_groups
 from vsb.integrators.exact import propagate
@@ -189,7 +190,8 @@ def more_orders(folder: Path) -> Figures:
 def flexible_barge(folder: Path) -> Figures:
     """A barge with a take-off at its bow: rigid, bending, and with a hinge amidships as well."""
     body = load_body("config/barge.yaml")
-    ds = computed(BodyPlan(body.study, root=str(folder), files=body.files)).sel(wave_direction=0.0)
+    plan = BodyPlan(body.study, root=str(folder), files=body.files)
+    ds = computed(plan).sel(wave_direction=0.0)
     some = ds.best_power.sel(omega=slice(2 * np.pi / 12, 2 * np.pi / 5))
     mean = some.mean("omega")
     figures = {}
@@ -203,6 +205,20 @@ def flexible_barge(folder: Path) -> Figures:
         figures[f"{design}: natural periods above 5 s"] = int((2 * np.pi / resonances > 5).sum())
     first = ds.wet_natural_frequency[(ds.wet_design == "rigid").values]
     figures["rigid: natural periods above 5 s"] = int((2 * np.pi / first > 5).sum())
+    floating = floating_system(plan.study, plan.hydro_files["database"])
+    x = np.linspace(-40.0, 40.0, 5)
+    rises: dict[str, FloatArray] = {"Heave": np.ones(5), "Pitch": -x, "Hinge": np.abs(x) / 20 - 1}
+    rises |= {f"Bending{n}": free_free_shape(n, x / 40)[0] for n in (1, 2, 3, 4)}
+    along = np.array([rises[label] for label in floating.linear.labels])
+    equation = floating.linear.equation(some.omega.values)
+    absorbed = {}
+    for design in ("rigid", "flexible", "hinged"):
+        ports = equation.ports(floating.motions[design], along)
+        each = [best_matrix(ports.at(np.array([i])), np.ones(1), "uniform").power for i in range(len(some.omega))]
+        absorbed[design] = float(np.mean(each))
+    for design in ("flexible", "hinged"):
+        gain_of_five = 100 * (absorbed[design] / absorbed["rigid"] - 1)
+        figures[f"{design}: gain with five equal take-offs along it [%]"] = gain_of_five
     return figures
 
 
