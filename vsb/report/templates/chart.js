@@ -11,6 +11,13 @@ function plain(value) {
   return size !== 0 && (size >= 1e7 || size < 1e-3) ? value.toExponential(2) : String(Number(value.toPrecision(4)));
 }
 
+/** A number with its sign, of some decimals; what rounds to zero is +0. */
+function signed(value, decimals) {
+  if (value === null) return "–";
+  const size = Math.abs(value).toFixed(decimals);
+  return `${value < 0 && Number(size) !== 0 ? "−" : "+"}${size}`;
+}
+
 /** The numbers of an axis, all of them with exponents if one needs it. */
 function alike(values) {
   if (!values.some((value) => plain(value).includes("e"))) return values.map(plain);

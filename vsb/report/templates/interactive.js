@@ -126,7 +126,7 @@ class InteractiveStudy {
     const over = gains(found.map((one) => one.power), this.reference);
     const rows = found.map((one, i) => {
       const best = this.powerUnder(this.grid.ports[i], this.own[i]);
-      const gain = over[i] === null ? "–" : `${over[i] < 0 ? "−" : "+"}${Math.abs(over[i]).toFixed(1)}`;
+      const gain = signed(over[i], 1);
       const width = one.power === null ? null : one.power / this.flux;
       const share = one.power === null || !(best > 0) ? null : (100 * one.power) / best;
       return [this.data.designs[i].name, gain, ...[one.power, one.damping, width, share].map(plain)];

@@ -82,7 +82,7 @@ class InteractiveYear {
     const rows = means.flatMap((mean, i) => {
       if (mean === null) return [];
       const best = power(this.point.ports[i], this.squares, this.own[i]);
-      const gain = over[i] === null ? "–" : `${over[i] < 0 ? "−" : "+"}${Math.abs(over[i]).toFixed(2)}`;
+      const gain = signed(over[i], 2);
       const share = best > 0 ? (100 * mean) / best : null;
       const numbers = [this.energy(mean), used[i], mean / this.point.flux, share].map(plain);
       const design = this.data.designs[i];
