@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from vsb.api.results import Results
+from vsb.hydro.formats.checks import coefficient_checks
 from vsb.hydro.formats.wamit import import_wamit
 from vsb.stages.make import make
 from vsb.study.body import load_body
@@ -96,3 +97,10 @@ def test_time_domain_equals_frequency_domain(tmp_path, response):
     checks = {check["name"]: check for check in json.loads(Path(f"{plan.folder}/validity.json").read_text())["checks"]}
     assert checks["time_and_frequency_domain"]["value"] < 5e-4
     assert checks["energy_residual"]["value"] < 1e-10
+
+
+def test_damping_of_heave_follows_from_one_heading_in_long_waves():
+    """As a ring wave, of which a barge of 80 m at 0.31 rad/s, kL = 0.8, sends out nearly one."""
+    checks, _ = coefficient_checks(import_wamit(BARGE, "barge", density=1000.0, gravity=9.81))
+    (check,) = (one for one in checks if one.name == "haskind_long_waves")
+    assert (check.verdict, check.value < 0.03) == ("ok", True)
