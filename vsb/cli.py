@@ -1,7 +1,6 @@
 """The command line: commands for people, and one per stage of the workflow, built from the table of stages."""
 
 import argparse
-import gc
 import json
 import os
 import re
@@ -405,7 +404,6 @@ def _mistake(text: str, config: str | None = None) -> int:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; a user's mistake is one line on stderr and exit code 2."""
-    gc.set_threshold(50_000)  # a sixth of the time goes into passing through objects that imports leave
     return answer(parser(), argv)
 
 
