@@ -160,6 +160,9 @@ def test_init_writes_a_design_and_its_study(folder, monkeypatch, capsys):
     assert main(["init", "mine.yaml", "--design"]) == 0
     assert capsys.readouterr().out.startswith("mine_study.yaml: the study it varies")
     assert load_design("mine.yaml").problem.design == "mine"
+    study, variables = Path("mine.yaml").read_text().splitlines()[2:5:2]
+    assert study.startswith("study: mine_study.yaml")
+    assert study.index("#") == variables.index("#")
     assert main(["init", "mine.yaml", "--design"]) == 2
     assert "mine.yaml: exists already" in capsys.readouterr().err
     with pytest.raises(SystemExit):

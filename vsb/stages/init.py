@@ -35,8 +35,7 @@ def init(path: str, radius: float | None = None) -> None:
     Raises `ConfigError` if the file exists, its name cannot be a study's, or no such buoy can be computed.
     """
     target = _new(path)
-    text = EXAMPLE.read_text(encoding="utf-8").replace("study: buoy", f"study: {target.stem}")
-    text = re.sub("^#.*", f"# A study of vsb: `vsb check {target.name}`, then `vsb run {target.name}`.", text, count=1)
+    text = _adapted(EXAMPLE, target, study=target.stem)
     if radius is not None:
         if not SMALLEST <= radius <= LARGEST:
             raise ConfigError(f"--radius: received {radius:g} m, needs {SMALLEST:g} to {LARGEST:g} m")
@@ -48,7 +47,7 @@ def init(path: str, radius: float | None = None) -> None:
 def init_body(path: str) -> None:
     """Write a commented study of a body that is named after its file; raises as `init`."""
     target = _new(path)
-    text = _titled(BODY, target).replace("study: float", f"study: {target.stem}")
+    text = _adapted(BODY, target, study=target.stem)
     located(yaml.safe_load(text), path)
     write_text(path, text)
 
@@ -68,11 +67,8 @@ def init_campaign(path: str, study: str) -> str:
     if site.exists():
         raise ConfigError(f"{site}: exists already; give the campaign a new name")
     load(study)
-    remark = "percent of the year: put your site's in its place, or {spectra: FILE}"
-    changes = {"campaign": target.stem, "study": base, "climate": f"{{scatter: {site.name}}}    # {remark}"}
-    text = _titled(CAMPAIGN, target)
-    for key, value in changes.items():
-        text = re.sub(rf"^{key}: .*$", f"{key}: {value}".replace("\\", r"\\"), text, flags=re.M)
+    text = _adapted(CAMPAIGN, target, campaign=target.stem, study=base, climate=f"{{scatter: {site.name}}}")
+    text = re.sub("# or {scatter:.*", "# percent of the year: put your site's in its place, or {spectra: FILE}", text)
     write_text(site, SITE)
     read(yaml.safe_load(text), path)
     write_text(path, text)
@@ -92,8 +88,8 @@ def init_design(path: str) -> str:
     target = _new(path)
     study = target.with_name(f"{target.stem}_study.yaml")
     init(str(study))
-    text = _titled(DESIGN, target).replace("design: best_buoy", f"design: {target.stem}")
-    text = text.replace("study: buoy.yaml", f"study: {study.name}").replace("climate/", f"{HOME / 'config'}/climate/")
+    text = _adapted(DESIGN, target, design=target.stem, study=study.name)
+    text = text.replace("climate/", f"{HOME / 'config'}/climate/")
     try:
         read_design(yaml.safe_load(text), path)
     except ConfigError:
@@ -113,10 +109,16 @@ def _new(path: str) -> Path:
     return target
 
 
-def _titled(shipped: Path, target: Path) -> str:
-    """Text of a shipped file whose first line says how to run it."""
+def _adapted(shipped: Path, target: Path, **values: str) -> str:
+    """Text of a shipped file with other values of keys at its left margin; its first line says how to run it."""
     title = f"# `vsb check {target.name}`, then `vsb run {target.name}`."
-    return re.sub("^#.*", title, shipped.read_text(encoding="utf-8"), count=1)
+    text = re.sub("^#.*", title, shipped.read_text(encoding="utf-8"), count=1)
+    for key, value in values.items():  # a comment keeps its column where the value leaves room
+        old = re.search(rf"^{key}: [^#\n]*", text, flags=re.M)
+        assert old is not None
+        new, comment = f"{key}: {value}", text[old.end() : old.end() + 1] == "#"
+        text = text[: old.start()] + (f"{new}    ".ljust(len(old[0])) if comment else new) + text[old.end() :]
+    return text
 
 
 def scaled(text: str, scale: float) -> str:
