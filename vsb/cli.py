@@ -79,7 +79,7 @@ def complete(args: argparse.Namespace) -> int:
 
 
 def verify(args: argparse.Namespace) -> int:
-    """Check that results are what they should be: ids and contents of all files of a study, or of a folder."""
+    """Check the ids and contents of all result files of a study, or of a folder."""
     from vsb.stages import verify as stamps
 
     print(*stamps.verify(args.config, heal=args.heal, agreed=lambda lines: args.yes or _agreed(lines)), sep="\n")
@@ -95,7 +95,7 @@ def _agreed(lines: Sequence[str]) -> bool:
 
 
 def crate(args: argparse.Namespace) -> int:
-    """Put finished results into one archive that says what is in it: an RO-Crate, to be kept or published."""
+    """Pack finished results into an archive that describes its contents: an RO-Crate, to be kept or published."""
     from vsb.stages import crate as archive
 
     print(*archive.crate(args.config, args.out, args.licence, args.author), sep="\n")
@@ -155,7 +155,7 @@ def series(args: argparse.Namespace) -> int:
 
 
 def import_wamit(args: argparse.Namespace) -> int:
-    """Read WAMIT's output, generalized modes included, into a hydro database with the verdict of its identities."""
+    """Read WAMIT's output, including generalized modes, into a hydro database and print its checks."""
     from vsb.stages import coefficients
 
     names = (*coefficients.FACTS, "axisymmetric")
@@ -164,7 +164,7 @@ def import_wamit(args: argparse.Namespace) -> int:
 
 
 def import_bemio(args: argparse.Namespace) -> int:
-    """Read a BEMIO .h5 file of one body into a hydro database with the verdict of its identities."""
+    """Read a BEMIO .h5 file of one body into a hydro database and print its checks."""
     from vsb.stages import coefficients
 
     return _imported(*coefficients.import_bemio(args.file, args.out, axisymmetric=args.axisymmetric), args.out)
@@ -179,7 +179,7 @@ def _imported(checks: "list[Check]", notes: list[str], causes: list[str], out: s
 
 
 def body(args: argparse.Namespace) -> int:
-    """Solve any mesh with any displacements into a hydro database and print its verdict; 1 if a check fails."""
+    """Compute the hydro database of a mesh with any displacements and print its checks; 1 if one fails."""
     from vsb.hydro.bodies import study as bodystudy
 
     study, read = bodystudy.read_study(args.config, args.out)
@@ -196,7 +196,7 @@ def print_verdict(checks: "list[Check]", files: str) -> int:
 
 
 def shape_dependence(args: argparse.Namespace) -> int:
-    """Shape database of a deep-water study, a figure, and one line: whether its power depends on the shape."""
+    """Compute how the coefficients of a deep-water study depend on its shape: database, figure, effect on power."""
     from vsb.stages import shape_dependence as stage
 
     answer = stage.shape_dependence(
@@ -282,7 +282,7 @@ def _add_commands(commands: Any) -> None:
     """Declare what is done with a study or a body."""
     one = _command(commands, "init", "write a study to begin with", begin, config="STUDY.yaml")
     one.add_argument("--radius", type=float, metavar="R", help="scale the buoy, its sea and times by Froude [m]")
-    one.add_argument("--body", action="store_true", help="a study of a body, of a plain hull to be replaced")
+    one.add_argument("--body", action="store_true", help="a study of a body, with a simple hull to be replaced")
     one.add_argument("--campaign", metavar="STUDY.yaml", help="a campaign of that study over a site's year")
     one.add_argument("--design", action="store_true", help="a design problem, and the study it varies")
     one = _command(commands, "run", "run a whole study, campaign or design through Snakemake", run, config="CONFIG")
@@ -295,17 +295,17 @@ def _add_commands(commands: Any) -> None:
     _command(commands, "check", "validate a study, campaign or design, solve nothing", check, config="CONFIG")
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
     kinds = ("study", "body-study", "body", "campaign", "design")
-    one.add_argument("kind", nargs="?", choices=kinds, default="study", help="of which files")
+    one.add_argument("kind", nargs="?", choices=kinds, default="study", help="kind of file")
     one = _command(commands, "completion", "completion for a shell", complete)
-    one.add_argument("shell", choices=tuple(completion.SHELLS), help="which")
+    one.add_argument("shell", choices=tuple(completion.SHELLS), help="name of the shell")
     one = _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")
     one.add_argument(
-        "--heal", action="store_true", help="move what is not to the trash, so that the next run makes it anew"
+        "--heal", action="store_true", help="move damaged files to the trash, so that they are computed again"
     )
     one.add_argument("--yes", action="store_true", help="with --heal: do not ask")
     one = _command(commands, "crate", "finished results as an RO-Crate", crate, config="CONFIG", out="CRATE.zip")
-    one.add_argument("--licence", metavar="URL", help="that the results are given under")
-    one.add_argument("--author", metavar="NAME", help="who made them")
+    one.add_argument("--licence", metavar="URL", help="licence of the results")
+    one.add_argument("--author", metavar="NAME", help="author of the results")
     one.set_defaults(writes=("{out}",))
     one = _command(commands, "shell", "natural frequencies of the dry shell", shell, config="CONFIG")
     one.add_argument("--json", action="store_true", help="print JSON")

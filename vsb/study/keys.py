@@ -18,18 +18,18 @@ _DRAWN = {
         "", "random", "fixed: those of the spectrum; random: Rayleigh-distributed about it, as in records of a real sea"
     ),
     "seed": Key("-", "1", "seed of the random phases and amplitudes"),
-    "realisations": Key("-", "8", "how many seas of this spectrum are followed, seeds one after the other"),
-    "spreading": Key("", "{s: 10.0}", "short-crested waves, spread about the direction; of a buoy that surges"),
+    "realisations": Key("-", "8", "how many seas of this spectrum are simulated, with consecutive seeds"),
+    "spreading": Key("", "{s: 10.0}", "short-crested waves, spread about the direction; for a buoy that surges"),
 }
 """Of every sea of a spectrum, whose phases are drawn."""
 _SEA = _HS | _DRAWN
 _GOING = {
     "direction": Key(
-        "degrees", "45.0", "direction the waves go to, from the x axis; of a body, or where the buoy surges"
+        "degrees", "45.0", "direction the waves travel to, from the x axis; for a body, or a buoy that surges"
     )
 }
 """Of all waves."""
-_SEAS_GO_TO = Key("degrees", "0.0", "direction all seas of the year go to, from the x axis; of a body alone")
+_SEAS_GO_TO = Key("degrees", "0.0", "direction all seas of the year travel to, from the x axis; for a body only")
 
 _HULL = {
     "draft": Key("m", "2.0", "depth of the lowest point below still water"),
@@ -65,7 +65,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "hydro": Key("", "{model: linear, tolerance: 1.0e-3}", "hydrodynamic model and its accuracy"),
         "pto": Key("", "{damping: 8000.0}", "power take-off"),
         "drag": Key("", "{heave: {coefficient: 0.5, area: 12.57}}", "quadratic drag on rigid motion past the water"),
-        "waves": Key("", "[{kind: jonswap, hs: 1.0, tp: 5.0}]", "seas; every design is followed in each"),
+        "waves": Key("", "[{kind: jonswap, hs: 1.0, tp: 5.0}]", "seas; every design is simulated in each"),
         "simulation": Key("", "{duration: 600.0, window: [100.0, 600.0]}", "runs in time"),
         "published": Key(
             "",
@@ -74,13 +74,13 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
     },
     "Device": {
-        "radius": Key("m", "2.0", "radius of the undeformed sphere; of another shape the largest"),
+        "radius": Key("m", "2.0", "radius of the undeformed sphere, or largest radius of another shape"),
         "shape": Key(
             "", "{spheroid: {height: 3.0}}", "another shape at rest than the sphere: spheroid, capsule, profile"
         ),
         "thickness": Key("m", "0.01", "thickness of the shell; thin-shell theory needs less than radius/10"),
-        "young_modulus": Key("Pa", "1.0e+7", "Young's modulus of the shell; required but of rubber"),
-        "poisson_ratio": Key("-", "0.3", "Poisson's ratio of the shell; required but of rubber"),
+        "young_modulus": Key("Pa", "1.0e+7", "Young's modulus of the shell; required except for rubber"),
+        "poisson_ratio": Key("-", "0.3", "Poisson's ratio of the shell; required except for rubber"),
         "material": Key("", "{law: neo_hookean, mu: 4.0e+5}", "law of elasticity of the shell: Hooke's, or of rubber"),
         "density": Key("kg/m^3", "2700.0", "density of the shell's material"),
         "mass": Key("kg", "17170.0", "mass of shell and ballast together; it decides the draft"),
@@ -199,7 +199,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "omega": Key("rad/s", "[1.0, 2.0]", "frequencies tabulated in the database, beside those the study chooses"),
         "rows": Key("-", "40", "rows of panels between keel and waterline; asks for panels"),
         "accept": Key("", "[haskind]", "checks of the database whose failure is accepted"),
-        "witness": Key("", "none", "auto: a second solver vouches for the first; none leaves it out"),
+        "witness": Key("", "none", "auto: a second solver, capytaine, checks the first; none leaves it out"),
     },
     "Pto": {
         "damping": Key(
@@ -217,7 +217,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "tuning": Key(
             "",
             "one",
-            "fixed: the damper given; each: every design's own best in each sea; one: its best for all seas together",
+            "fixed: the damper given; each: every design's optimal one in each sea; one: its optimum over all seas",
         ),
         "efficiency": Key("-", "0.9", "of both directions of power, in the dampers and springs of the control levels"),
         "port": Key(
@@ -264,7 +264,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "strain": Key(
             "", "area", "stretch of the shell the take-off acts on: change of its area, mean hoop or meridional strain"
         ),
-        "belt": Key("degrees", "[60, 120]", "colatitudes of the part of the shell meant; all of it"),
+        "belt": Key("degrees", "[60, 120]", "colatitudes that bound the part of the shell; without them all of it"),
     },
     "DistributedPort": {
         "distributed": Key("", "membrane", "damper spread over the shell: damping [s] times its membrane's stiffness")
@@ -272,7 +272,7 @@ KEYS: dict[str, dict[str, Key]] = {
     "SeveralPorts": {
         "ports": Key("", "{heave: heave, shell: {strain: area}}", "the ports by name"),
         "damping": Key("", "[[1.0e+5, 0.0], [0.0, 2.0e+3]]", "damper matrix, load of each port over rate of each"),
-        "matrix": Key("", "diagonal", "what the optimal matrix may be without one given: full, or diagonal"),
+        "matrix": Key("", "diagonal", "form of the optimal matrix if none is given: full, or diagonal"),
     },
     "HeldHeave": {"place": Key("", "heave", "what the mooring holds: heave of the frame, sphere centre and ballast")},
     "HeldRing": {
@@ -340,7 +340,7 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
     },
     "BodyHydro": {
-        "model": Key("", "linear", "the one there is of a body"),
+        "model": Key("", "linear", "the only model for bodies"),
         "tolerance": Key("-", "0.01", "error of the radiation memory, relative to each motion's largest damping"),
         "added_mass_inf": Key(
             "", "given", "fitted: added mass at infinite frequency as suits all others; given: as the database has it"
@@ -393,7 +393,7 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "RecordedSea": {
         **_GOING,
-        "kind": Key("", "record", "a sea that was measured, followed from the record's beginning"),
+        "kind": Key("", "record", "measured elevations, from the beginning of the record"),
         "file": Key(
             "",
             "elevation.csv",
@@ -402,12 +402,12 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "Samples": {
         "step": Key("s", "0.5", "time between samples"),
-        "elevation": Key("m", str([0.1, -0.2] * 16), "elevation at each instant, from the first of the run on"),
+        "elevation": Key("m", str([0.1, -0.2] * 16), "elevation at each instant, from the start of the run"),
     },
     "TabulatedSea": {
         **_GOING,
         **_DRAWN,
-        "kind": Key("", "spectrum", "a sea of a spectrum in a file"),
+        "kind": Key("", "spectrum", "a sea with the spectrum of a file"),
         "file": Key(
             "",
             "spectrum.csv",
@@ -417,21 +417,23 @@ KEYS: dict[str, dict[str, Key]] = {
     "SpectrumTable": {
         "frequency": Key("Hz", "[0.1, 0.15, 0.3]", "frequencies, ascending"),
         "variance_density": Key("m^2/Hz", "[0.0, 1.5, 0.0]", "density at each, linear between them"),
-        "directions": Key("degrees", "[0.0, 30.0]", "directions the waves go to, from the x axis"),
-        "shares": Key("-", "[[0.5, 0.5], [0.5, 0.5], [0.5, 0.5]]", "of each frequency's energy, by direction"),
+        "directions": Key("degrees", "[0.0, 30.0]", "directions the waves travel to, from the x axis"),
+        "shares": Key("-", "[[0.5, 0.5], [0.5, 0.5], [0.5, 0.5]]", "shares of each frequency's energy, by direction"),
     },
     "Simulation": {
-        "duration": Key("s", "60.0", "time followed"),
+        "duration": Key("s", "60.0", "time simulated"),
         "window": Key("s", "[40.0, 60.0]", "part of it that means and extremes are taken from, after the transient"),
         "initial_position": Key("m", "0.0", "heave at the start, from rest"),
         "initial_velocity": Key("m/s", "-0.8", "heave velocity at the start"),
         "tolerance": Key("-", "1.0e-6", "error of the motion in time, relative to its largest value"),
         "method": Key(
-            "", "convolution", "auto: the exact or fastest of the model; convolution: Cummins' integral, the reference"
+            "",
+            "convolution",
+            "auto: exact, or the fastest for the model; convolution: Cummins' integral, the reference",
         ),
     },
     "Published": {
-        "source": Key("", "Table II of a paper", "where the figures are from"),
+        "source": Key("", "Table II of a paper", "source of the figures"),
         "values": Key("", "{FSB: {energy: 43420.0}}", "design, measure and value, SI units"),
     },
     "SphereHull": {"kind": Key("", "sphere", "a sphere"), **_RADIUS, **_HULL},
@@ -452,7 +454,7 @@ KEYS: dict[str, dict[str, Key]] = {
     "ModeFamilies": {
         "rigid": Key("", "[Heave, Pitch]", "rigid motions: true for all, false for none, or their names"),
         "bending": Key("", "{count: 4}", "free-free bending modes of a uniform beam along the hull"),
-        "polynomial": Key("", "{count: 4}", "Legendre polynomials from degree 2 along the hull, in place of them"),
+        "polynomial": Key("", "{count: 4}", "Legendre polynomials from degree 2 along the hull, in place of bending"),
         "hinge": Key("", "{at: [0.0, 0.0]}", "a hinge, or a list of them: both ends of the hull rise by 1 m per unit"),
         "plate": Key("", "{degree: 6}", "bending modes of a round hull as a plate, symmetric about the x-z plane"),
     },
@@ -477,7 +479,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "mesh": Key(
             "",
             "raft.stl",
-            "file of the hull's panels, normals outward, path from the file's folder; or a plain hull: "
+            "file of the hull's panels, normals outward, path from the file's folder; or a simple hull: "
             "sphere, cylinder, capsule, box",
         ),
         "modes": Key(
@@ -503,7 +505,7 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
         "water": Key("", "{depth: 20.0}", "the sea without its waves"),
         "omega": Key("rad/s", "[0.5, 1.0, 1.5]", "frequencies of the database"),
-        "wave_direction": Key("degrees", "[0.0, 45.0]", "directions the waves go to, from the x axis"),
+        "wave_direction": Key("degrees", "[0.0, 45.0]", "directions the waves travel to, from the x axis"),
         "symmetry": Key("", "xOz+yOz", "planes of symmetry used; auto finds them"),
         "lid": Key(
             "-",
@@ -511,7 +513,9 @@ KEYS: dict[str, dict[str, Key]] = {
             "panels of a lid from the middle to the waterline, at most; it removes irregular frequencies; 0 is none",
         ),
         "tolerance": Key(
-            "-", "0.01", "error of interpolation between as few frequencies solved as it needs; without it all are"
+            "-",
+            "0.01",
+            "error of interpolation over frequency: as few frequencies are solved as it allows; without it all",
         ),
     },
     "Campaign": {
@@ -526,7 +530,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "tuning": Key(
             "", "[one, each]", "dampers of the year; constrained: the best force within the take-off's limits"
         ),
-        "constrained": Key("", "{seconds: 10.0}", "work for the optima within limits"),
+        "constrained": Key("", "{seconds: 10.0}", "amount of computation for the optima within limits"),
         "verify": Key("", "{seas: 24}", "seas simulated in time beside linear theory, which they correct"),
     },
     "Optimisation": {
@@ -550,8 +554,8 @@ KEYS: dict[str, dict[str, Key]] = {
             "annual_mean_power; gain: over the rigid buoy of the same shape and mass; or power over rms force, mass, "
             "surface",
         ),
-        "limits": Key("", "{load_factor: 1.5, beam: 4.8, force_rms: 2.0e+4}", "what every buoy keeps within"),
-        "competitor": Key("", "{variables: [device.radius, device.mass]}", "the rigid buoy that is optimised too"),
+        "limits": Key("", "{load_factor: 1.5, beam: 4.8, force_rms: 2.0e+4}", "limits that every buoy must satisfy"),
+        "competitor": Key("", "{variables: [device.radius, device.mass]}", "the rigid buoy that is also optimised"),
         "starts": Key("-", "8", "how many places the optimiser starts from: the study's own and others spread evenly"),
         "seed": Key("-", "1", "seed of the places it starts from"),
         "pareto": Key("", "{force_rms: [1.0e+4, 2.0e+4]}", "limits whose other values give a Pareto front"),
@@ -590,12 +594,14 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "Constrained": {
         "seconds": Key(
-            "s", "10.0", "budget of each design at each point, of a usual core, counted in work, not by the clock"
+            "s",
+            "10.0",
+            "budget of each design at each point, in seconds of a usual core; counted in operations, not by the clock",
         ),
         "seed": Key("-", "1", "seed of the phases of the waves"),
     },
     "Verify": {
-        "seas": Key("-", "12", "how many, two of each stratum of the year's energy"),
+        "seas": Key("-", "12", "how many seas, two from each stratum of the year's energy"),
         "model": Key("", "body_exact", "hydrodynamics of the runs"),
         "seed": Key("-", "1", "seed of the draw and of the phases"),
     },
