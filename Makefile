@@ -18,7 +18,7 @@ benchmark: $(READY) ## error against seconds of every method: integrators on the
 barge: $(READY) ## any body by the general route: a flexible barge
 	@$(BIN)/python -m examples.barge config/barge_convergence.yaml results/barge
 
-claims: $(READY) ## published claims about flexible devices, recomputed: the tables of docs/claims.md
+claims: $(READY) ## published claims about flexible devices, recomputed: tables, figures and studies of docs/claims.md
 	@$(BIN)/python -m examples.claims results/claims
 
 hard-cases: $(READY) ## table of the cases that break other codes

@@ -1,44 +1,92 @@
-"""Published claims about flexible wave-energy converters, recomputed: the tables of docs/claims.md.
+"""Published claims about flexible wave-energy converters, recomputed: tables and figures of docs/claims.md.
 
     python -m examples.claims results/claims
 
-prints the figures of every claim; some of them by name:
+prints the table of every claim and writes it into results/claims, with its figure and its studies; some by name:
 
     python -m examples.claims results/claims matched_limit longer_resonance
 """
 
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
+import yaml
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from scipy.integrate import cumulative_trapezoid
 
 import vsb
 from examples import command
-from examples.surprises import FLEXIBLE, RIGID, Figures, Ladder, regular, run, study_of
+from examples.surprises import FLEXIBLE, RIGID, Figures, Ladder, regular, run, study_of, table
 from vsb.hydro.bodies.families import free_free_shape
 from vsb.hydro.bodies.plates import plate_modes
 from vsb.hydro.orders import order_groups
 from vsb.integrators.exact import propagate
 from vsb.motion.damper_matrix import best_matrix
 from vsb.motion.frequency import LinearEquation
+from vsb.report.canvas import STYLES, grid_of_axes, legend_above
+from vsb.report.svg import drawn
 from vsb.scenes.build import linear_design
 from vsb.scenes.floating_system import floating_system
 from vsb.stages.make import hydro_files, make
-from vsb.study.body import BodyFile, RoundPlate, load_body
+from vsb.study.body import RoundPlate
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
-from vsb.study.reading import read_yaml, validated
+from vsb.study.reading import read_yaml
 from vsb.study.study import Study, load, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load as load_file
+from vsb.tools.files import write_text
 from vsb.waves.dispersion import power_limit
 
 PERIODS = np.linspace(2.0, 10.0, 161)
 """Of the regular waves in which designs are compared [s]."""
+PERIOD, POWER = "wave period [s]", "mean power [kW/m²]"
+"""Labels of axes; power of a wave of 1 m amplitude."""
+LOOKS: dict[str, dict[str, Any]] = {
+    "rigid": {"color": STYLES["FSB"][0], "label": "rigid"},
+    "flexible": {"color": STYLES["VSWEC"][0], "label": "flexible"},
+    "hinged": {"color": STYLES["VSWEC90"][0], "linestyle": "-.", "label": "hinged"},
+    "limit": {"color": "0.5", "linestyle": ":", "label": "limit λ/2π"},
+}
+"""Colour and line of each design and of the limit, in all figures."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What a claim comes to: figures by name, a drawing of them, and the studies they come from, as files have them."""
+
+    figures: Figures
+    drawing: Figure
+    studies: Mapping[str, Mapping[str, Any]]
+
+
+def recorded(name: str, folder: Path) -> Figures:
+    """Compute a claim and write its table, drawing and studies into a folder."""
+    claim = CASES[name](folder)
+    write_text(folder / f"{name}.md", table(name, claim.figures) + "\n")
+    drawn(claim.drawing, name).write(str(folder), name)
+    for study, raw in claim.studies.items():
+        text = yaml.safe_dump({**raw, "study": f"{name}_{study}"}, sort_keys=False, allow_unicode=True)
+        write_text(folder / name / f"{study}.yaml", text)
+    return claim.figures
+
+
+def axes(columns: int = 1, height: float = 2.8, **options: Any) -> tuple[Figure, list[Axes]]:
+    """Return a figure of page width with axes side by side."""
+    figure, grid = grid_of_axes(height, 1, columns, **options)
+    return figure, list(grid[0])
+
+
+def shades(count: int) -> list[Any]:
+    """Return colours of a parameter's values in their order, which are no design's."""
+    return [mpl.colormaps["viridis"](share) for share in np.linspace(0.0, 0.85, count)]
 
 
 def response(study: Study, folder: Path) -> xr.Dataset:
@@ -52,6 +100,22 @@ def computed(plan: AnyPlan) -> xr.Dataset:
     paths = list(plan.response_files.values())
     make(plan, paths)
     return load_file(paths[0], expected=plan.response_id)
+
+
+def raw_of(study: Study) -> dict[str, Any]:
+    """Return a study as a file has it."""
+    return study.model_dump(exclude_none=True)
+
+
+def body_plan(raw: Mapping[str, Any], folder: Path) -> BodyPlan:
+    """Return the plan of a study of a body, its results in a folder."""
+    return BodyPlan.of({**raw, "root": str(folder)}, "claims.yaml")
+
+
+def barge() -> dict[str, Any]:
+    """Return the study config/barge.yaml, its body file found from any folder."""
+    raw: Any = read_yaml("config/barge.yaml", "a study file")
+    return {**raw, "body": {"file": str(Path("config/barge/body.yaml").resolve())}}
 
 
 def papers_shell(degree: int = 42, **device: Any) -> Study:
@@ -82,93 +146,143 @@ def gain(powers: FloatArray) -> FloatArray:
 # claims --------------------------------------------------------------------------------------------------------------
 
 
-def with_radiation(folder: Path) -> Figures:
+def with_radiation(folder: Path) -> Claim:
     """The shell of the 2022 paper in its wave, with radiation and all modes that matter."""
-    figures = {}
-    ds, wave = response(papers_shell(), folder), np.array([2.5])
-    for damper in (6000.0, 8000.0):
-        figures[f"gain at {damper:g} N s/m [%]"] = float(gain(power(ds, damper, wave))[0])
-    figures["gain at optimal damping [%]"] = float(gain(at_periods(ds.best_power, wave))[0])
-    return figures
+    study, wave, periods = papers_shell(), np.array([2.5]), np.linspace(2.0, 4.0, 201)
+    ds, figures = response(study, folder), {}
+    drawing, panels = axes(3, sharey=True)
+    for damper, ax in zip((6000.0, 8000.0, None), panels, strict=True):
+        name = f"{damper:g} N s/m" if damper else "optimal damping"
+        at_wave, over = (power(ds, damper, at) if damper else at_periods(ds.best_power, at) for at in (wave, periods))
+        figures[f"gain at {name} [%]"] = float(gain(at_wave)[0])
+        for design, values in zip(("rigid", "flexible"), over, strict=True):
+            ax.plot(periods, values / 1e3, **LOOKS[design])
+        ax.plot(periods, at_periods(ds.power_limit, periods) / 1e3, **LOOKS["limit"])
+        ax.axvline(wave[0], color="0.8", zorder=0)
+        ax.set(title=name, xlabel=PERIOD, ylim=(0.0, None))
+    panels[0].set_ylabel(POWER)
+    legend_above(drawing, *panels)
+    return Claim(figures, drawing, {"papers_shell": raw_of(study)})
 
 
-def every_wave(folder: Path) -> Figures:
+def every_wave(folder: Path) -> Claim:
     """In which share of regular waves of 2 to 10 s the flexible buoy absorbs more, at equal and at optimal dampers."""
     shells = {"the paper's shell": papers_shell(), "the example's shell": study_of([regular(3.0)])}
     figures = {}
-    for name, study in shells.items():
+    drawing, panels = axes(2)
+    for (name, study), ax in zip(shells.items(), panels, strict=True):
         ds = response(study, folder)
         gains = {f"{c:g} N s/m": gain(power(ds, c)) for c in (2000.0, 8000.0, 32000.0)}
         gains["optimal damping"] = gain(at_periods(ds.best_power))
-        for at, values in gains.items():
+        for (at, values), colour, line in zip(gains.items(), shades(4), ("--", "-.", ":", "-"), strict=True):
             figures[f"{name}, {at}: waves with a gain [%]"] = 100 * float(np.mean(values > 0))
             figures[f"{name}, {at}: smallest gain [%]"] = float(values.min())
             figures[f"{name}, {at}: largest gain [%]"] = float(values.max())
-    return figures
+            ax.plot(PERIODS, values, color=colour, linestyle=line, label=at)
+        ax.axhline(0.0, color="0.5", linewidth=0.8)
+        ax.set(title=name, xlabel=PERIOD)
+    panels[0].set_ylabel("gain over the rigid buoy [%]")
+    legend_above(drawing, *panels)
+    return Claim(figures, drawing, {"papers_shell": raw_of(papers_shell()), "examples_shell": raw_of(study)})
 
 
-def softer_is_better(folder: Path) -> Figures:
+def softer_is_better(folder: Path) -> Claim:
     """Gain at optimal damping over Young's modulus: the example's shell, which carries its load from 10 MPa on."""
-    figures = {}
-    for modulus in (10e6, 20e6, 40e6, 160e6, 4e9):
-        ds = response(study_of([regular(3.0)], device={"young_modulus": modulus}), folder)
-        gains = gain(at_periods(ds.best_power))
-        figures[f"{modulus / 1e6:g} MPa: mean gain over 2 to 10 s [%]"] = float(gains.mean())
-        figures[f"{modulus / 1e6:g} MPa: largest gain [%]"] = float(gains.max())
-    return figures
+    figures, studies, moduli = {}, {}, (10e6, 20e6, 40e6, 160e6, 4e9)
+    drawing, (ax,) = axes()
+    for modulus, colour in zip(moduli, shades(len(moduli)), strict=True):
+        study, name = study_of([regular(3.0)], device={"young_modulus": modulus}), f"{modulus / 1e6:g} MPa"
+        gains = gain(at_periods(response(study, folder).best_power))
+        figures[f"{name}: mean gain over 2 to 10 s [%]"] = float(gains.mean())
+        figures[f"{name}: largest gain [%]"] = float(gains.max())
+        studies[f"{modulus / 1e6:g}_MPa"] = raw_of(study)
+        ax.plot(PERIODS, gains, color=colour, label=name)
+    ax.axhline(0.0, color="0.5", linewidth=0.8)
+    ax.set(xlabel=PERIOD, ylabel="gain over the rigid buoy [%]")
+    legend_above(drawing, ax)
+    return Claim(figures, drawing, studies)
 
 
-def start_of_a_run(folder: Path) -> Figures:
+def start_of_a_run(folder: Path) -> Claim:
     """How much of the energy that a shell gains in the first 30 s belongs to the start of the run."""
     study = study_of([regular(4.0)], pto={"damping": 8000.0}, simulation={"initial_velocity": 0.0})
-    files, energy = hydro_files(study, folder), {}
-    time = np.linspace(0.0, 30.0, 3001)
+    files, time, absorbed, parts = hydro_files(study, folder), np.linspace(0.0, 30.0, 3001), [], []
     for design in (RIGID, FLEXIBLE):
         made = linear_design(StudyPlan(study).simulation(design, study.waves[0]), files)
         motion = propagate(made.system, time, made.scene.start(0.0, 0.0))
         speed = (motion.velocity @ made.scene.motions.T)[:, 0]
-        energy[design] = [8000.0 * np.trapezoid(speed[some] ** 2, time[some]) for some in (time <= 8.0, time >= 8.0)]
-    first, later = (np.array([energy[design][part] for design in (RIGID, FLEXIBLE)]) for part in (0, 1))
-    return {
+        absorbed.append(8000.0 * np.append(0.0, cumulative_trapezoid(speed**2, time)))
+        parts.append([8000.0 * np.trapezoid(speed[some] ** 2, time[some]) for some in (time <= 8.0, time >= 8.0)])
+    first, later = np.transpose(parts)
+    figures = {
         "gain in energy, first 8 s from rest [%]": float(gain(first)),
         "gain in energy, 8 to 30 s [%]": float(gain(later)),
         "gain in energy, first 30 s from rest [%]": float(gain(first + later)),
         "gain in mean power, steady motion [%]": Ladder(study, folder).gain("fixed"),
         "gain in mean power, steady motion at optimal damping [%]": Ladder(study, folder).gain("best_damper"),
     }
+    drawing, (left, right) = axes(2)
+    for design, energy in zip(("rigid", "flexible"), absorbed, strict=True):
+        left.plot(time, energy / 1e3, **LOOKS[design])
+    left.set(xlabel="time [s]", ylabel="absorbed energy [kJ]")
+    some = time >= 1.0  # before, next to nothing is absorbed
+    right.plot(time[some], gain(np.array(absorbed)[:, some]), **LOOKS["flexible"])
+    right.axhline(figures["gain in mean power, steady motion [%]"], color="0.5", linestyle="--", label="steady motion")
+    right.set(xlabel="time [s]", ylabel="gain in energy since the start [%]")
+    legend_above(drawing, left, right)
+    return Claim(figures, drawing, {"from_rest": raw_of(study)})
 
 
-def matched_limit(folder: Path) -> Figures:
+def matched_limit(folder: Path) -> Claim:
     """The largest power that heave can absorb, over lambda/2 pi, for shells of any Young's modulus."""
-    figures = {}
-    for modulus in (1e7, 1e8, 1e9, 2e11):
-        for beta in (0.0, 1e-3):
+    figures, studies, moduli = {}, {}, (1e7, 1e8, 1e9, 2e11)
+    drawing, panels = axes(2, height=3.0)
+    for modulus, colour, line in zip(moduli, shades(len(moduli)), ("-", "--", "-.", ":"), strict=True):
+        for beta, ax in zip((0.0, 1e-3), panels, strict=True):
             shell = papers_shell(14, young_modulus=modulus, damping={"alpha": 0.0, "beta": beta})
             ds = response(shell, folder)
             waves = ds.sel(design=FLEXIBLE, omega=slice(2 * np.pi / PERIODS[-1], 2 * np.pi / PERIODS[0]))
             lost = 100 * (1 - waves.matched_power / waves.power_limit)
             figures[f"E = {modulus:.0e} Pa, beta = {beta:g} s: smallest loss [%]"] = float(lost.min())
             figures[f"E = {modulus:.0e} Pa, beta = {beta:g} s: largest loss [%]"] = float(lost.max())
-    return figures
+            studies[f"{modulus / 1e6:g}_MPa_{'lossy' if beta else 'lossless'}"] = raw_of(shell)
+            ax.plot(2 * np.pi / waves.omega, lost, color=colour, linestyle=line, label=f"E = {modulus / 1e6:g} MPa")
+            ax.set(title=f"structural damping β = {beta:g} s", xlabel=PERIOD)
+    panels[0].set(ylabel="matched power below λ/2π [%]", ylim=(-0.1, 0.1))
+    legend_above(drawing, *panels)
+    return Claim(figures, drawing, studies)
 
 
-def longer_resonance(folder: Path) -> Figures:
+def longer_resonance(folder: Path) -> Claim:
     """Natural period of heave in water: rigid, open to constant pressure, and with trapped gas."""
-    figures = {}
+    figures, studies, periods = {}, {}, {}
     gas = {"adiabatic_index": 1.4, "atmospheric_pressure": 101325.0}
     for modulus in (40e6, 160e6):
         for name, contents, pressure in (("constant pressure", None, 16.5e3), ("trapped air", gas, 30e3)):
             inside = {"gas": contents, "internal_pressure": pressure}  # trapped air loses pressure as the shell expands
-            study = study_of([regular(3.0)], device={"young_modulus": modulus, **inside})
-            ds = response(study, folder)
-            first = ds.wet_natural_frequency.groupby("wet_design").min()
+            study, case = (
+                study_of([regular(3.0)], device={"young_modulus": modulus, **inside}),
+                f"{modulus / 1e6:g} MPa",
+            )
+            first = response(study, folder).wet_natural_frequency.groupby("wet_design").min()
             rigid, flexible = (2 * np.pi / float(first.sel(wet_design=design)) for design in (RIGID, FLEXIBLE))
-            figures[f"{modulus / 1e6:g} MPa, {name}: rigid, same rest shape [s]"] = rigid
-            figures[f"{modulus / 1e6:g} MPa, {name}: flexible [s]"] = flexible
-    return figures
+            figures[f"{case}, {name}: rigid, same rest shape [s]"] = rigid
+            figures[f"{case}, {name}: flexible [s]"] = flexible
+            studies[f"{case}_{name}".replace(" ", "_")] = raw_of(study)
+            periods[f"{case}, {name}"] = (rigid, flexible)
+    drawing, (ax,) = axes(height=2.2)
+    places, ends = np.arange(len(periods)), np.transpose(list(periods.values()))
+    ax.hlines(places, *ends, color="0.7", zorder=1)
+    for design, values in zip(("rigid", "flexible"), ends, strict=True):
+        ax.plot(values, places, "o", **LOOKS[design])
+    ax.set_yticks(places, list(periods))
+    ax.set(xlabel="natural period of heave in water [s]")
+    ax.invert_yaxis()
+    legend_above(drawing, ax)
+    return Claim(figures, drawing, studies)
 
 
-def more_orders(folder: Path) -> Figures:
+def more_orders(folder: Path) -> Claim:
     """Limit of absorbed power when every motion up to an azimuthal order is controlled, in terms of lambda/2 pi."""
     raw = load("config/seed.yaml").model_dump()
     raw["device"] |= {"centre_of_mass": -0.5, "ballast_inertia": 8000.0}
@@ -176,21 +290,30 @@ def more_orders(folder: Path) -> Figures:
     raw["modes"] = {"basis": "membrane", "degree": 6, "order": 3}
     study = parse({**raw, "mooring": [2e4, 0, 0, 0, 0, 0], "pto": {"tuning": "each"}})
     ds = vsb.open_database(hydro_files(study, folder)["database"])
-    figures, total = {}, 0.0
-    at = ds.sel(omega=2 * np.pi / 3.0, method="nearest")
-    limit = power_limit(float(at.omega), study.water.depth, study.water.density, study.water.gravity)
-    for order, rows in order_groups(ds).items():
-        damping = at.radiation_damping.values[np.ix_(rows, rows)]
-        force = at.excitation_force.values[0][rows]
-        total += float(np.vdot(force, np.linalg.lstsq(damping, force, rcond=1e-9)[0]).real / 8)
-        figures[f"orders up to {order}"] = total / limit
-    return figures
+    waves = ds.sel(omega=slice(2 * np.pi / 6.0, 2 * np.pi / 2.0))
+    at = int(np.abs(waves.omega.values - 2 * np.pi / 3.0).argmin())
+    sea = study.water
+    limit = np.array([power_limit(one, sea.depth, sea.density, sea.gravity) for one in waves.omega.values])
+    figures, total = {}, np.zeros(limit.size)
+    drawing, (ax,) = axes()
+    groups = order_groups(ds)
+    for (order, rows), colour in zip(groups.items(), shades(len(groups)), strict=True):
+        damping = waves.radiation_damping.values[:, rows][:, :, rows]
+        force = waves.excitation_force.isel(wave_direction=0).values[:, rows]
+        for i, (b, x) in enumerate(zip(damping, force, strict=True)):
+            total[i] += float(np.vdot(x, np.linalg.lstsq(b, x, rcond=1e-9)[0]).real / 8)
+        figures[f"orders up to {order}"] = float(total[at] / limit[at])
+        ax.plot(2 * np.pi / waves.omega, total / limit, color=colour, label=f"orders up to {order}")
+        ax.axhline(1 + 2 * order, color="0.5", linestyle=":", zorder=0)
+    ax.set(xlabel=PERIOD, ylabel="largest power over that of λ/2π", ylim=(0.0, 8.0))
+    legend_above(drawing, ax)
+    return Claim(figures, drawing, {"papers_shell": raw_of(study)})
 
 
-def flexible_barge(folder: Path) -> Figures:
+def flexible_barge(folder: Path) -> Claim:
     """A barge with a take-off at its bow: rigid, bending, and with a hinge amidships as well."""
-    body = load_body("config/barge.yaml")
-    plan = BodyPlan(body.study, root=str(folder), files=body.files)
+    raw = barge()
+    plan = body_plan(raw, folder)
     ds = computed(plan).sel(wave_direction=0.0)
     some = ds.best_power.sel(omega=slice(2 * np.pi / 12, 2 * np.pi / 5))
     mean = some.mean("omega")
@@ -211,41 +334,53 @@ def flexible_barge(folder: Path) -> Figures:
     rises |= {f"Bending{n}": free_free_shape(n, x / 40)[0] for n in (1, 2, 3, 4)}
     along = np.array([rises[label] for label in floating.linear.labels])
     equation = floating.linear.equation(some.omega.values)
+    drawing, panels = axes(2, sharey=True)
     absorbed = {}
     for design in ("rigid", "flexible", "hinged"):
         ports = equation.ports(floating.motions[design], along)
         each = [best_matrix(ports.at(np.array([i])), np.ones(1), "uniform").power for i in range(len(some.omega))]
         absorbed[design] = float(np.mean(each))
+        for values, ax in zip((some.sel(design=design).values, np.array(each)), panels, strict=True):
+            ax.plot(2 * np.pi / some.omega, values / 1e3, **LOOKS[design])
+    for ax, title in zip(panels, ("take-off at the bow", "five equal take-offs"), strict=True):
+        ax.set(title=title, xlabel=PERIOD, ylim=(0.0, None))
+    panels[0].set_ylabel(POWER)
+    legend_above(drawing, *panels)
     for design in ("flexible", "hinged"):
         gain_of_five = 100 * (absorbed[design] / absorbed["rigid"] - 1)
         figures[f"{design}: gain with five equal take-offs along it [%]"] = gain_of_five
-    return figures
+    return Claim(figures, drawing, {"barge": raw})
 
 
 WEC_SIM_BENDING = (6.077064e6 / 1.079216e6, 4.382532e7 / 1.209976e6, 2.741026e8 / 2.391821e6, 4.664370e8 / 1.830601e6)
 """Squares of the dry natural frequencies of bending in WEC-Sim's example Generalized_Body_Modes, barge.frc [1/s^2]."""
 
 
-def wec_sim_barge(folder: Path) -> Figures:
+def wec_sim_barge(folder: Path) -> Claim:
     """The barge of WEC-Sim's example with its own frequencies of bending; take-off at the bow, waves of 5 to 12 s."""
-    raw = load_body("config/barge.yaml").study.model_dump()
-    mesh = str(Path("config/barge/barge.nc").resolve())
-    path = "config/barge/body.yaml"
-    file = validated(BodyFile, read_yaml(path, "a body file"), path).model_dump() | {"mesh": mesh, "modes": mesh}
+    raw, mesh = barge(), str(Path("config/barge/barge.nc").resolve())
+    body: Any = read_yaml("config/barge/body.yaml", "a body file")
+    file = {**body, "mesh": mesh, "modes": mesh}
     quarter = 1025.0 * 80.0 * 10.0 * 5.0 / 4  # modal mass of free-free bending [kg]
     stiffness = {f"Bending{n}": quarter * square for n, square in enumerate(WEC_SIM_BENDING, 1)}
-    raw |= {"study": "wec_sim_barge", "body": {"file": file, "stiffness": stiffness}, "root": str(folder)}
-    plan = BodyPlan.of(raw, "claims.yaml")
-    ds = computed(plan).sel(wave_direction=0.0)
+    raw |= {"study": "wec_sim_barge", "body": {"file": file, "stiffness": stiffness}}
+    ds = computed(body_plan(raw, folder)).sel(wave_direction=0.0)
     some = ds.best_power.sel(omega=slice(2 * np.pi / 12, 2 * np.pi / 5))
     rigid, flexible = (some.sel(design=design) for design in ("rigid", "flexible"))
     at = ds.best_power.interp(omega=2 * np.pi / 8, method="cubic") / 1e3
-    return {
+    figures = {
         "waves of 8 s and 1 m amplitude: rigid [kW]": float(at.sel(design="rigid")),
         "waves of 8 s and 1 m amplitude: flexible [kW]": float(at.sel(design="flexible")),
         "frequencies with a gain [%]": 100 * float((flexible > rigid).mean()),
         "gain in power, mean over all frequencies [%]": 100 * float(flexible.mean() / rigid.mean() - 1),
     }
+    drawing, (ax,) = axes()
+    for design in ("rigid", "flexible"):
+        ax.plot(2 * np.pi / some.omega, some.sel(design=design) / 1e3, **LOOKS[design])
+        ax.plot(8.0, at.sel(design=design), "o", color=LOOKS[design]["color"])
+    ax.set(xlabel=PERIOD, ylabel=POWER, ylim=(0.0, None))
+    legend_above(drawing, ax)
+    return Claim(figures, drawing, {"barge": raw})
 
 
 DISC: dict[str, Any] = {
@@ -270,9 +405,9 @@ DISC: dict[str, Any] = {
 """A round plate of 10 m radius, 1.2 m thick, half immersed; it absorbs some 4 % less than a disc of no draft."""
 
 
-def elastic_disc(folder: Path) -> Figures:
+def elastic_disc(folder: Path) -> Claim:
     """A floating elastic disc with dampers to the sea bed all over it, the same everywhere and optimal in each wave."""
-    plan = BodyPlan.of({**DISC, "root": str(folder)}, "claims.yaml")
+    plan = body_plan(DISC, folder)
     computed(plan)
     floating = floating_system(plan.study, plan.hydro_files["database"])
     ds, radius = floating.linear.database, float(DISC["body"]["file"]["mesh"]["radius"])
@@ -301,7 +436,9 @@ def elastic_disc(folder: Path) -> Figures:
     given = floating.linear.equation(omega)
     dampers, rigid = powers("rigid", given)
     figures = {"rigid: largest power in terms of lambda/2 pi": float((rigid / limit).max())}
-    for share in (1e-4, 1e-3, 1e-2):
+    drawing, (left, right) = axes(2)
+    left.plot(2 * np.pi / omega, rigid / limit, **LOOKS["rigid"])
+    for share, dash in zip((1e-4, 1e-3, 1e-2), ("-", "--", ":"), strict=True):
         stiffer = share * 1025.0 * 9.81 * radius**4 / 2e5 - 1
         equation = replace(given, stiffness=given.stiffness + stiffer * ds.structural_stiffness.values)
         dampers, power = powers("flexible", equation)
@@ -309,17 +446,27 @@ def elastic_disc(folder: Path) -> Figures:
         figures[f"{name}: frequencies with a gain [%]"] = 100 * float(np.mean(power > rigid))
         figures[f"{name}: gain in power, mean over all frequencies [%]"] = 100 * float(power.mean() / rigid.mean() - 1)
         figures[f"{name}: largest power in terms of lambda/2 pi"] = float((power / limit).max())
+        look = LOOKS["flexible"] | {"linestyle": dash, "label": f"D = {share:g} " + r"$\rho g a^4$"}
+        left.plot(2 * np.pi / omega, power / limit, **look)
         if share != 1e-3:
             continue
+        changes = {}
         for side in (3, 5, 9):
             line = radius * (2 * np.arange(side) + 1 - side) / side
             grid = np.array([(x, y) for x in line for y in line if np.hypot(x, y) < radius])
             units = all_over(grid, np.full(len(grid), np.pi * radius**2 / len(grid)))
             ports = equation.ports(floating.motions["flexible"], units)
             absorbed = [ports.at(np.array([i])).power(c * np.eye(units.shape[1]))[0] for i, c in enumerate(dampers)]
-            apart = np.abs(absorbed / power - 1).max()
-            figures[f"{name}, {len(grid)} dampers in their place: largest change of power [%]"] = 100 * float(apart)
-    return figures
+            changes[len(grid)] = 100 * float(np.abs(absorbed / power - 1).max())
+            figures[f"{name}, {len(grid)} dampers in their place: largest change of power [%]"] = changes[len(grid)]
+        right.loglog(list(changes), list(changes.values()), "o--", color=LOOKS["flexible"]["color"])
+        right.set_xticks(list(changes), [str(number) for number in changes])
+        right.set_yticks([0.5, 1.0, 2.0, 5.0, 10.0], ["0.5", "1", "2", "5", "10"])
+        right.minorticks_off()
+    left.set(xlabel=PERIOD, ylabel="power over that of λ/2π", ylim=(0.0, None))
+    right.set(xlabel="number of dampers", ylabel="largest change of power [%]")
+    legend_above(drawing, left, right)
+    return Claim(figures, drawing, {"disc": DISC})
 
 
 TUBE_LENGTH, TUBE_RADIUS, TUBE_DEPTH = 7.0, 0.125, 0.25
@@ -375,7 +522,7 @@ def write_tube(path: Path, density: float, speed: float) -> None:
     ).to_netcdf(path)
 
 
-def bulge_tube(folder: Path) -> Figures:
+def bulge_tube(folder: Path) -> Claim:
     """Capture width of a tube whose bulges travel slower than waves, as fast or faster; optimal damper at the stern."""
     folder.mkdir(parents=True, exist_ok=True)
     water = {"density": 1000.0, "depth": float("inf"), "gravity": 9.81}
@@ -390,7 +537,7 @@ def bulge_tube(folder: Path) -> Figures:
         "pto": {"port": {"dof": "Bulge0"}},
         "waves": [regular(1.8)],
     }
-    plan = BodyPlan.of({**raw, "root": str(folder)}, "claims.yaml")
+    plan = body_plan(raw, folder)
     computed(plan)
     floating = floating_system(plan.study, plan.hydro_files["database"])
     ds, omega = floating.linear.database, floating.linear.database.omega.values
@@ -398,23 +545,29 @@ def bulge_tube(folder: Path) -> Figures:
     flux = np.array([power_limit(one, np.inf, 1000.0, 9.81) for one in omega]) / (
         waves**2 / 9.81
     )  # of a metre of crest
-    figures = {}
+    figures, widths = {}, {}
+    drawing, (ax,) = axes()
     for share in (0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0):
         stiffer = ((share * waves) ** 2 - 1)[:, None, None] * elastic
         equation = replace(given, stiffening=stiffer)
         best = equation.port(floating.motions["tube"], floating.port).best_power
-        width = float((best / flux).mean() / (2 * TUBE_RADIUS))
-        figures[f"bulges at {share:g} of the waves' speed: capture width in diameters"] = width
+        widths[share] = float((best / flux).mean() / (2 * TUBE_RADIUS))
+        figures[f"bulges at {share:g} of the waves' speed: capture width in diameters"] = widths[share]
         if share == 1.0:
             loss = 0.1 * (elastic + stiffer) / omega[:, None, None]
             best = (
                 replace(equation, damping=given.damping + loss).port(floating.motions["tube"], floating.port).best_power
             )
-            figures["the same, loss factor of the wall 0.1"] = float((best / flux).mean() / (2 * TUBE_RADIUS))
-    return figures
+            lossy = float((best / flux).mean() / (2 * TUBE_RADIUS))
+            figures["the same, loss factor of the wall 0.1"] = lossy
+            ax.plot(share, lossy, "s", color=LOOKS["flexible"]["color"], label="loss factor of the wall 0.1")
+    ax.plot(list(widths), list(widths.values()), "o-", color=LOOKS["flexible"]["color"], label="wall without loss")
+    ax.set(xlabel="speed of bulges over that of the waves", ylabel="mean capture width in diameters", ylim=(0.0, None))
+    legend_above(drawing, ax)
+    return Claim(figures, drawing, {"tube": raw})
 
 
-CASES: Mapping[str, Callable[[Path], Figures]] = {
+CASES: Mapping[str, Callable[[Path], Claim]] = {
     case.__name__: case
     for case in (
         with_radiation, every_wave, softer_is_better, start_of_a_run, matched_limit, longer_resonance, more_orders,
@@ -424,7 +577,10 @@ CASES: Mapping[str, Callable[[Path], Figures]] = {
 """By name."""
 
 
-main = command("claims", __doc__, partial(run, CASES), "{folder}/", folder="FOLDER", cases="CASE...")
+RECORDED = {name: partial(recorded, name) for name in CASES}
+"""The same, written into a folder."""
+
+main = command("claims", __doc__, partial(run, RECORDED), "{folder}/", folder="FOLDER", cases="CASE...")
 
 if __name__ == "__main__":
     sys.exit(main(None))

@@ -1,17 +1,20 @@
-"""The page on published claims gives what the script finds."""
+"""The page on published claims gives what the script finds, and its studies are files that can be run."""
 
 import re
 
 import numpy as np
 import pytest
+import yaml
 from conftest import HERE
 from scipy.linalg import eigh
 
 from examples import claims, surprises
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.study.study import load, parse
 
-PAGE = (HERE.parent / "docs" / "claims.md").read_text()
+DOCS = HERE.parent / "docs"
+PAGE = (DOCS / "claims.md").read_text()
 
 
 def on_the_page(name):
@@ -23,6 +26,14 @@ def on_the_page(name):
 @pytest.mark.parametrize("name", claims.CASES)
 def test_every_case_is_on_the_page(name):
     assert surprises.table(name, on_the_page(name)) in PAGE
+    assert f"](claims/{name}.svg)" in PAGE
+    assert (DOCS / "claims" / f"{name}.svg").read_text().startswith("<svg")
+
+
+def test_study_as_a_file_is_the_study(monkeypatch):
+    monkeypatch.chdir(HERE.parent)
+    for study in (claims.papers_shell(), surprises.study_of([surprises.regular(3.0)])):
+        assert parse(yaml.safe_load(yaml.safe_dump(claims.raw_of(study)))) == study
 
 
 def test_tube_of_the_claims_rings_like_a_pipe(tmp_path):
@@ -38,13 +49,15 @@ def test_tube_of_the_claims_rings_like_a_pipe(tmp_path):
 @pytest.mark.slow
 def test_each_azimuthal_order_adds_twice_the_limit_of_heave(tmp_path, monkeypatch):
     monkeypatch.chdir(HERE.parent)
-    found = claims.more_orders(tmp_path)
+    found = claims.recorded("more_orders", tmp_path)
     assert list(found.values()) == pytest.approx([1, 3, 5, 7], rel=1e-4)
     assert on_the_page("more_orders") == pytest.approx(found, rel=2e-3)
+    assert "largest power" in (tmp_path / "more_orders.svg").read_text()
+    assert load(tmp_path / "more_orders" / "papers_shell.yaml").motion == "planar"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["flexible_barge", "start_of_a_run"])
 def test_page_gives_what_the_script_finds(name, tmp_path, monkeypatch):
     monkeypatch.chdir(HERE.parent)
-    assert on_the_page(name) == pytest.approx(claims.CASES[name](tmp_path), rel=2e-3, abs=1e-3)
+    assert on_the_page(name) == pytest.approx(claims.CASES[name](tmp_path).figures, rel=2e-3, abs=1e-3)
