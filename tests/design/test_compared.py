@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from design.conftest import study_of
 
-from vsb.design.compared import Buoy, gain_of_years, power_of_seas
+from vsb.design.compared import Buoy, displacement_held, gain_of_years, power_of_seas
 from vsb.design.evaluation import DesignModel
 from vsb.waves.climate import Climate
 
@@ -36,3 +36,25 @@ def test_scatter_of_years_of_independent_seas_is_that_of_their_mean():
     years = gain_of_years(flexible, rigid, np.full(4000, 1 / 4000))
     expected = 100 * np.std(flexible - flexible.mean() / rigid.mean() * rigid) / rigid.mean() / np.sqrt(4000)
     assert np.std(years) == pytest.approx(expected, rel=0.15)
+
+
+def test_a_spring_below_zero_holds_a_sphere_it_has_lifted_far_enough():
+    """Sphere of radius 1 m with its centre 0.25 m above the water: 0 = rho g (V(d) - V(d - s)) + k s of a spherical cap.
+
+    A weak spring holds it where its pull is all the weight; one of 0.9 of the waterplane's stiffness, still in the
+    water. Upside down, as much above the water as it had below, it is held as far below.
+    """
+    colatitude, draft, weight_density = np.linspace(0.0, np.pi, 2001), 0.75, 1025.0 * 9.81
+
+    def volume(depth: float) -> float:
+        return np.pi * depth**2 * (3 - depth) / 3
+
+    for centre in (1 - draft, draft - 1):
+        sphere = np.sin(colatitude), np.cos(colatitude) + centre
+        weak = -weight_density * volume(draft) / 10.0
+        assert displacement_held(sphere, 1025.0, 9.81, weak) == pytest.approx(10.0, rel=1e-3)
+        strong = -0.9 * weight_density * np.pi * draft * (2 - draft)
+        moved = displacement_held(sphere, 1025.0, 9.81, strong)
+        assert weight_density * (volume(draft) - volume(draft - moved)) == pytest.approx(-strong * moved, rel=1e-3)
+        assert 0 < moved < draft
+    assert displacement_held(sphere, 1025.0, 9.81, 0.0) == np.inf

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from vsb.design.evaluation import DAMPER, DesignModel
 from vsb.design.linearised import linearised
@@ -63,6 +64,12 @@ class Buoy:
         at = self.resting.shape.curve(np.linspace(0.0, np.pi, SHAPE_POINTS))
         return np.asarray(at.x), np.asarray(at.z)
 
+    @property
+    def displacement_held(self) -> float:
+        """How far it can be displaced before a spring below zero holds it there [m], see `displacement_held`."""
+        water = self.study.water
+        return displacement_held(self.outline, water.density, water.gravity, self.study.pto.stiffness)
+
     def model(self, climate: Climate, variables: Sequence[str] = ()) -> DesignModel:
         """Return its model in some variables and its damper."""
         return DesignModel.of(self.study, self.design, climate, [*variables, DAMPER], self.degree)
@@ -107,6 +114,37 @@ def _with_take_off(name: str, search: Search, climate: Climate, found: Outcome) 
         return Buoy(name, study_of(search, found.degree, point | values), search.design, found.degree, quantities)
     except IMPOSSIBLE:
         return None
+
+
+def displacement_held(outline: tuple[FloatArray, FloatArray], density: float, gravity: float, spring: float) -> float:
+    """Return how far a hull can be displaced from rest, in still water, before a spring below zero holds it there [m].
+
+    Upwards or downwards, whichever is less; inf for a spring of zero or above. With V the volume under water, the
+    water brings it back while rho g |V(s) - V(0)| > -k |s|: its change is bounded, by leaving the water or by
+    submergence, and the force of the spring is not.
+
+    Parameters
+    ----------
+    outline : (ndarray, ndarray)
+        Radius and height of the hull at rest, from the top to the bottom, each shape (point,) [m].
+    density, gravity : float
+        Of the water [kg/m^3], and [m/s^2].
+    spring : float
+        Stiffness [N/m].
+    """
+    if spring >= 0:
+        return np.inf
+    radius, height = outline[0][::-1], outline[1][::-1]
+    below = cumulative_trapezoid(np.pi * radius**2, height, initial=0)
+    at_rest = float(np.interp(0.0, height, below))
+    ends = [density * gravity * most / -spring for most in (at_rest, below[-1] - at_rest)]
+    found = []
+    for sign, end in zip((1.0, -1.0), ends, strict=True):
+        moved = np.linspace(0.0, end, SHAPE_POINTS**2)[1:]
+        change = np.abs(np.interp(-sign * moved, height, below) - at_rest)
+        lost = density * gravity * change <= -spring * moved
+        found.append(float(moved[np.argmax(lost)]) if lost.any() else end)
+    return min(found)
 
 
 def gain(flexible: float, rigid: float) -> float:

@@ -440,8 +440,8 @@ class ExponentialIntegrator:
                 shortest = self.dt * 2.0**SHORTEST
                 raise ConvergenceError(
                     f"the motion cannot be followed at t = {self.begin + counters[TICK] * shortest:.6g} s: the step "
-                    f"became shorter than {shortest:.1e} s; check the study for loads that crush the shell, or raise "
-                    "simulation.tolerance."
+                    f"became shorter than {shortest:.1e} s; check the study for loads that crush the shell or a "
+                    "spring below zero that drives the buoy out of the water, or raise simulation.tolerance."
                 )
             if level not in steps:
                 steps[level] = self.step(level)

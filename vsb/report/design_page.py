@@ -17,6 +17,10 @@ BUOYS = (
 )  # fmt: skip
 """Rows of the table of buoys."""
 
+STROKES_HELD = 10.0
+"""Rms strokes of the year from rest to where a spring below zero takes over, below which the page says so: the storms
+of a year have twice its rms waves or more, and peaks in them four standard deviations."""
+
 
 def render(facts: Facts, figures: Mapping[str, str], identity: str) -> str:
     """Return the report as one HTML page."""
@@ -64,6 +68,14 @@ def warnings(facts: Facts) -> list[str]:
     if lost:
         total = sum(map(len, facts["starts"].values()))
         found.append(f"{len(lost)} of {total} starts did not end at a certified optimum; starts.csv says why.")
+    for name, held in facts.get("held", {}).items():
+        stroke = facts["quantities"][name]["stroke_rms"]
+        if name in (FLEXIBLE, COMPETITOR) and held < STROKES_HELD * stroke:
+            found.append(
+                f"The {name} does not come back once it is {held:.3g} m from its rest in still water, "
+                f"{held / stroke:.2g} times its rms stroke: its spring is below zero and then stronger than the water. "
+                "Linear theory does not know this; a greater pto.stiffness prevents it, verify shows it."
+            )
     if facts["doubted"]:
         found.append(
             f"The best flexible buoy is {facts['doubted'].removeprefix('doubtful: ')}, where its law is doubted."

@@ -68,6 +68,7 @@ def run_design_results(
     facts = {
         **_facts(spec, found, ends, buoys, doubts),
         **_at_rest(buoys[FLEXIBLE]),
+        "held": {name: one.displacement_held for name, one in buoys.items() if one.study.pto.stiffness < 0},
         "fronts": curves,
         "verified": None if verified is None else dict(json.loads(verified.attrs["verified"])),
     }
