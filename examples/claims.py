@@ -158,7 +158,7 @@ def with_radiation(folder: Path) -> Claim:
         for design, values in zip(("rigid", "flexible"), over, strict=True):
             ax.plot(periods, values / 1e3, **LOOKS[design])
         ax.plot(periods, at_periods(ds.power_limit, periods) / 1e3, **LOOKS["limit"])
-        ax.axvline(wave[0], color="0.8", zorder=0)
+        ax.axvline(wave[0], color="0.8", zorder=0, label="claim, 2.5 s")
         ax.set(title=name, xlabel=PERIOD, ylim=(0.0, None))
     panels[0].set_ylabel(POWER)
     legend_above(drawing, *panels)
@@ -183,7 +183,8 @@ def every_wave(folder: Path) -> Claim:
         ax.set(title=name, xlabel=PERIOD)
     panels[0].set_ylabel("gain over the rigid buoy [%]")
     legend_above(drawing, *panels)
-    return Claim(figures, drawing, {"papers_shell": raw_of(papers_shell()), "examples_shell": raw_of(study)})
+    studies = {name.removeprefix("the ").replace("'s ", "s_"): raw_of(study) for name, study in shells.items()}
+    return Claim(figures, drawing, studies)
 
 
 def softer_is_better(folder: Path) -> Claim:
@@ -206,27 +207,27 @@ def softer_is_better(folder: Path) -> Claim:
 def start_of_a_run(folder: Path) -> Claim:
     """How much of the energy that a shell gains in the first 30 s belongs to the start of the run."""
     study = study_of([regular(4.0)], pto={"damping": 8000.0}, simulation={"initial_velocity": 0.0})
-    files, time, absorbed, parts = hydro_files(study, folder), np.linspace(0.0, 30.0, 3001), [], []
+    files, time, absorbed = hydro_files(study, folder), np.linspace(0.0, 30.0, 3001), []
     for design in (RIGID, FLEXIBLE):
         made = linear_design(StudyPlan(study).simulation(design, study.waves[0]), files)
         motion = propagate(made.system, time, made.scene.start(0.0, 0.0))
         speed = (motion.velocity @ made.scene.motions.T)[:, 0]
         absorbed.append(8000.0 * np.append(0.0, cumulative_trapezoid(speed**2, time)))
-        parts.append([8000.0 * np.trapezoid(speed[some] ** 2, time[some]) for some in (time <= 8.0, time >= 8.0)])
-    first, later = np.transpose(parts)
+    energy = np.array(absorbed)
+    first = energy[:, np.searchsorted(time, 8.0)]
     figures = {
         "gain in energy, first 8 s from rest [%]": float(gain(first)),
-        "gain in energy, 8 to 30 s [%]": float(gain(later)),
-        "gain in energy, first 30 s from rest [%]": float(gain(first + later)),
+        "gain in energy, 8 to 30 s [%]": float(gain(energy[:, -1] - first)),
+        "gain in energy, first 30 s from rest [%]": float(gain(energy[:, -1])),
         "gain in mean power, steady motion [%]": Ladder(study, folder).gain("fixed"),
         "gain in mean power, steady motion at optimal damping [%]": Ladder(study, folder).gain("best_damper"),
     }
     drawing, (left, right) = axes(2)
-    for design, energy in zip(("rigid", "flexible"), absorbed, strict=True):
-        left.plot(time, energy / 1e3, **LOOKS[design])
+    for design, values in zip(("rigid", "flexible"), energy, strict=True):
+        left.plot(time, values / 1e3, **LOOKS[design])
     left.set(xlabel="time [s]", ylabel="absorbed energy [kJ]")
     some = time >= 1.0  # before, next to nothing is absorbed
-    right.plot(time[some], gain(np.array(absorbed)[:, some]), **LOOKS["flexible"])
+    right.plot(time[some], gain(energy[:, some]), **LOOKS["flexible"])
     right.axhline(figures["gain in mean power, steady motion [%]"], color="0.5", linestyle="--", label="steady motion")
     right.set(xlabel="time [s]", ylabel="gain in energy since the start [%]")
     legend_above(drawing, left, right)
