@@ -73,6 +73,7 @@ def differences(model, variable, part):
         ("VSWEC", PORT | {"pto": {"port": {"strain": "area"}, "held": {"place": "heave"}}}, "device.internal_pressure"),
         ("VSWEC90", PORT | {"pto": {"port": {"colatitude": 20}, "held": {"place": "ring", "colatitude": 110}}}, CLAMP),
         ("FSB", SPHEROID, "device.shape.spheroid.height"),
+        ("VSWEC", SPHEROID, "device.mass"),
         ("VSWEC90", SPHEROID, "device.radius"),
         ("VSWEC", SPHEROID | {"pto": {"port": {"colatitude": 120}}}, "device.shape.spheroid.height"),
         ("VSWEC90", SPHEROID, CLAMP),

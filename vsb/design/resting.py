@@ -79,6 +79,7 @@ class RestingBuoy:
         if frame is None:
             return Matrices(basis.inertia, basis.damping, np.asarray(stiffness))
         mass = frame.T @ basis.integrated("mass") @ frame
+        mass = mass.astype(np.result_type(mass, basis.total_mass))
         mass[0], mass[:, 0] = 0.0, 0.0  # but for the whole buoy's own: modes have no momentum
         damping = basis.alpha * mass + basis.beta * basis.stiffness
         mass[0, 0] = basis.total_mass
