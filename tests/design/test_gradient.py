@@ -38,6 +38,8 @@ def test_what_it_does_not_know_is_named(climate):
         vsb.gradient(study_of(), climate, KEYS, uncertain={"device.mass": 0.1})
     with pytest.raises(ConfigError, match=r"pto\.damping: received None"):
         vsb.gradient(study_of(), climate, ["pto.damping"])
+    with pytest.raises(ConfigError, match=r"pto\.damping: received 0\.0; needs one above 0"):
+        vsb.gradient(study_of(pto={"damping": 0.0}), climate, ["pto.damping"])
 
 
 @pytest.mark.slow

@@ -62,8 +62,8 @@ def gradient(
     given = dict(uncertain or {})
     if unknown := [key for key in given if key not in variables]:
         raise ConfigError(f"uncertain: received {unknown[0]}; needs some of the variables, {', '.join(variables)}")
-    if DAMPER in variables and not isinstance(study.pto.damping, float):
-        raise ConfigError(f"pto.damping: received {study.pto.damping}; needs one damper, or not to be a variable")
+    if DAMPER in variables and not (isinstance(study.pto.damping, float) and study.pto.damping > 0):
+        raise ConfigError(f"pto.damping: received {study.pto.damping}; needs one above 0, or not to be a variable")
     if study.flexible and degree is None and study.modes.degree is None:
         degree = with_degree(StudyPlan(study)).study.modes.max_degree
     model = DesignModel.of(study, next(iter(study.designs)), climate, variables, degree)
