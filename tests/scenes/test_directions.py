@@ -70,7 +70,7 @@ def solved(folder):
 @pytest.fixture(scope="module")
 def finished(folder):
     """The whole chain of a moored buoy under a damper on heave."""
-    make.run(study_with(), folder)
+    make.run(StudyPlan(study_with(), root=str(folder)))
     return StudyPlan(study_with(), root=str(folder))
 
 
@@ -258,7 +258,7 @@ def free(folder):
     waves = [CALM | {"direction": OBLIQUE}, CALM]
     pto = {"port": {"line_to": [12.0, -9.0]}, "tuning": "one", "damping": None}
     study = study_with(**FREE, study="free", waves=waves, pto=pto)
-    make.run(study, folder)
+    make.run(StudyPlan(study, root=str(folder)))
     return StudyPlan(study, root=str(folder))
 
 
@@ -440,7 +440,7 @@ def test_study_in_a_spread_sea_from_file_to_page(folder):
         pto={"damping": 1.9e4, "port": "surge"},
         simulation={"duration": 200.0, "window": [60.0, 200.0]},
     )
-    make.run(study, folder)
+    make.run(StudyPlan(study, root=str(folder)))
     rows = json.loads((Path(folder) / "spread" / "tables.json").read_text())["statistics"]
     for row in rows:
         assert row["power_mean"] == pytest.approx(row["power_linear_record"], rel=2e-2)
