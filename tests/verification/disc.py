@@ -1,4 +1,4 @@
-"""A thin elastic disc of no draft, afloat, with a damper all over it: derived apart from the package.
+"""A thin elastic disc of no draft on the water, with a damper all over it: derived apart from the package.
 
 On still water phi_z = K phi, K = omega^2/g, except under the disc, where phi_z = -i omega w. With s = K phi - phi_z
 there, in Hankel space of azimuthal order m and in water of depth h, all lengths in radii,

@@ -113,9 +113,14 @@ def second_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
         return of_points(ds, reference, tuning)
     marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)
     theory = "" if "verification" in ds.attrs else "This is linear theory; "
-    shells = ", or deform the shell by more than a tenth of its radius" if of_shells(ds) else ""
-    beyond = f"{share_range(marked)} of the energy comes from seas that are too steep or break{shells}."
+    beyond = f"{share_range(marked)} of the energy comes from {too_steep_or_breaking(ds)}."
     return theory + beyond if bool(marked.notnull().any()) else ""
+
+
+def too_steep_or_breaking(ds: xr.Dataset) -> str:
+    """Return in words which seas count as beyond linear theory; those of large heave have a warning of their own."""
+    shells = ", or deform the shell by more than a tenth of its radius" if of_shells(ds) else ""
+    return f"seas that are too steep or break{shells}"
 
 
 def of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:

@@ -23,6 +23,7 @@ from vsb.report.campaign_answer import (
     second_tuning,
     share_range,
     shown_member,
+    too_steep_or_breaking,
     where,
     whole_answer,
 )
@@ -135,10 +136,9 @@ def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
     marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)
     shares = [f"{_shares(ds, name, tuning)} {words}" for name, words in BEYOND.items() if name in ds.limit]
     found.append(
-        f"{share_range(marked)} of the energy comes from seas beyond the validity of linear theory, crossed in the "
-        f"matrices: {', '.join(shares)}."
+        f"{share_range(marked)} of the energy comes from the seas crossed in the matrices: {', '.join(shares)}."
         if float(marked.max()) >= 0.5
-        else "Less than 0.5 % of the energy comes from seas beyond the validity of linear theory."
+        else f"Less than 0.5 % of the energy comes from {too_steep_or_breaking(ds)}."
     )
     over = 100 * (ds.practice_power / ds.annual_mean_power.where(ds.annual_mean_power > 0) - 1)
     if bool((abs(over) > 1e-6).any()):  # of a table of JONSWAP seas it is the year itself

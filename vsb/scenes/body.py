@@ -223,5 +223,5 @@ def dry_database(body: FlexibleBody, file: BodyFile) -> xr.Dataset:
     matrices["added_mass_inf"] = _NEXT_TO_NONE * file.water.density * body.size * _moved_water(body)
     coords = {"omega": list(file.omega), "wave_direction": np.deg2rad(file.wave_direction)}
     known = {name: (PAIR, matrix) for name, matrix in matrices.items() if matrix is not None}
-    afloat = {"water_density": file.water.density, volume_of(""): body.volume}
-    return xr.Dataset(known, {**coords, **dict.fromkeys(PAIR, labels)}, afloat)
+    stated = {"water_density": file.water.density, volume_of(""): body.volume}
+    return xr.Dataset(known, {**coords, **dict.fromkeys(PAIR, labels)}, stated)

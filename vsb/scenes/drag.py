@@ -33,7 +33,10 @@ def coefficients(plates: Iterable[Plate], density: float) -> FloatArray:
 
 
 def dragged(names: Iterable[str], labels: Sequence[str]) -> FloatArray:
-    """Return degrees of freedom that drag acts on over all of them, shape (dragged, dof) [-]; `ConfigError`."""
+    """Return the degrees of freedom that drag acts on as unit vectors, shape (dragged, dof) [-].
+
+    Raises `ConfigError` if there is no such degree of freedom.
+    """
     for name in names:
         if name not in labels:
             raise ConfigError(f"drag.{name}: no such degree of freedom; needs some of {', '.join(labels)}")

@@ -91,7 +91,8 @@ def _cost(plan: DesignPlan, seas: Climate, points: int) -> str:
         except ConvergenceError as error:
             return f"not known: of {search.design}, {error}"
         begun = process_time()
-        one.at(place + 1e-9)
+        one.known.clear()  # a repeated evaluation, without what the first one prepares
+        one.at(place)
         each = process_time() - begun
         more = MORE_MODES * (len(degrees) - 1)
         of_starts, of_points = left * evaluations_of_start(count), points * evaluations_of_point(count)

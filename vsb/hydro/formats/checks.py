@@ -631,8 +631,7 @@ def _haskind(part: xr.Dataset, size: Sizes, axisymmetric: bool) -> Found:
 def _ring_waves(ds: xr.Dataset, added_mass: FloatArray) -> list[Check]:
     """Damping of the heave of one body from its excitation in long waves, which is the same from all directions.
 
-    It differs by the square of wavenumber times length, of which the square root of the waterplane stands for: the
-    limit is widened by it.
+    The relative error is about the wavenumber squared times the waterplane's area; the limit is widened by it.
     """
     bodies = _heaving(ds, added_mass)
     if len(bodies) != 1 or len(of_bodies(list(map(str, ds.influenced_dof.values)))) != 1:

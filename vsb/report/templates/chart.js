@@ -51,8 +51,8 @@ function ticks(low, high, log, wanted = 6) {
 }
 
 /** Draw curves, areas and marks into an SVG element; axes say where they lie, as those of figures do. */
-function chart(svg, { x, y, curves, areas = [], marks = [], words }) {
-  const { width, height, left, right, top, bottom } = CHART;
+function chart(svg, { x, y, curves, areas = [], marks = [], words, width = CHART.width }) {
+  const { height, left, right, top, bottom } = CHART;
   const place = (v) => (x.log ? Math.log(v / x.low) / Math.log(x.high / x.low) : (v - x.low) / (x.high - x.low));
   const across = (v) => left + (width - left - right) * place(v);
   const up = (v) => height - bottom - ((height - top - bottom) * (v - y.low)) / (y.high - y.low);

@@ -100,6 +100,7 @@ class InteractiveYear {
     chart(this.part("over-damper"), {
       x: { label: `damping [${this.data.port.damping}]`, log: true, ...this.reach },
       y: { label: "energy [MWh/year]", low: 0, high: 1.08 * top },
+      width: NARROW ? CHART.width : 760, // as wide as the text, with letters of its size
       curves: there.map((design) => ({ ...design, ...this.curves[design.i] })),
       marks: marks.filter((mark) => mark.x > 0),
       words: `Annual energy against damping: ${there.map(({ name, i }) => `${name} at most ${plain(Math.max(...this.curves[i].y))} MWh at ${plain(this.own[i])} ${this.data.port.damping}`).join(", ")}`,
