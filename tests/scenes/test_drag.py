@@ -11,7 +11,7 @@ from vsb.integrators.simulate import suited
 from vsb.results.ladder import study_ladder
 from vsb.scenes.build import TUNED, body_exact_design, linear_design
 from vsb.scenes.drag import LINEARISED, coefficients, flow
-from vsb.study.directions import Drag
+from vsb.study.drag import Drag
 from vsb.study.plan import StudyPlan
 from vsb.study.sections import Water
 from vsb.study.study import parse

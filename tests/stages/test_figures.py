@@ -7,11 +7,11 @@ import pytest
 from conftest import varied
 
 from vsb.stages import report
-from vsb.study.plan import FIGURE_KINDS, figure_names
+from vsb.study.figure_names import FIGURE_KINDS, of_buoy
 
 
 def test_every_figure_is_drawn_and_stamped(small):
-    names = {f"{name}.{kind}" for name in figure_names(small.study) for kind in FIGURE_KINDS}
+    names = {f"{name}.{kind}" for name in of_buoy(small.study) for kind in FIGURE_KINDS}
     folder = Path(small.folder, "figures")
     assert {path.name for path in folder.iterdir()} == names
     stamps = json.loads(Path(small.manifest).read_text())

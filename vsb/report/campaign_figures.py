@@ -306,4 +306,4 @@ def _label(ds: xr.Dataset, key: str) -> str:
 
 
 DRAWN = {"power_matrices": power_matrices, "tuned_power": tuned_power, "pareto": pareto, "sweep": sweep}
-"""Figures by name, see `vsb.study.campaign_plan.figure_names`."""
+"""Figures by name, see `vsb.study.figure_names.of_campaign`."""

@@ -244,7 +244,7 @@ def degrees_of_freedom(data: StudyData, wave: str) -> Figure:
 
 
 def draw(name: str, data: StudyData) -> Figure:
-    """Return the figure of a name from `vsb.study.plan.figure_names`."""
+    """Return the figure of a name from `vsb.study.figure_names`."""
     kind, _, wave = name.partition("-")
     per_study = {
         f.__name__: f

@@ -10,7 +10,7 @@ import jinja2
 import markupsafe
 
 from vsb.report.doubts import advice
-from vsb.study.plan import FIGURE_KINDS
+from vsb.study.figure_names import FIGURE_KINDS
 from vsb.tools.tables import csv_text
 from vsb.tools.words import short, superscripts
 

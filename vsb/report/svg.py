@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vsb.study.plan import FIGURE_KINDS
+from vsb.study.figure_names import FIGURE_KINDS
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import atomic_write
 from vsb.tools.tables import csv_text, svg_text

@@ -13,7 +13,7 @@ from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.tuning import squares
 from vsb.scenes.floating_system import FloatingSystem, heading
-from vsb.study.directions import Plate, Vane
+from vsb.study.drag import Plate, Vane
 from vsb.study.specs import AnySystem, BodySystem
 from vsb.study.waves import Wave
 from vsb.tools.arrays import ComplexArray, FloatArray

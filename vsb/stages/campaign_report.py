@@ -25,8 +25,9 @@ from vsb.scenes.viability import with_designs
 from vsb.stages.campaign import at_rest
 from vsb.stages.climate import read_climate
 from vsb.stages.shell import shell_modes
+from vsb.study import figure_names
 from vsb.study.campaign import CONSTRAINED
-from vsb.study.campaign_plan import figure_names, members
+from vsb.study.campaign_plan import members
 from vsb.study.quantities import content_id
 from vsb.study.sections import Water
 from vsb.study.specs import CampaignSpec
@@ -64,7 +65,7 @@ def run_campaign_report(
     identity = content_id(spec)
     ds = load(data, expected=identity)
     seas = read_climate(spec.climate, climate)
-    names = figure_names(spec)
+    names = figure_names.of_campaign(spec)
     every = _drawn(names, ds, seas)
     files = [path for name in names for path in every[name].write(figures, name)]
     write_text(out, _page(spec, ds, seas, root, {name: one.svg for name, one in every.items()}))

@@ -7,7 +7,7 @@ import matplotlib as mpl
 from vsb.report.design_figures import figure_of
 from vsb.report.design_page import render
 from vsb.report.svg import drawn
-from vsb.study.design_plan import figure_names
+from vsb.study import figure_names
 from vsb.study.quantities import content_id
 from vsb.study.specs import DesignSpec
 from vsb.tools.files import load, write_text
@@ -20,7 +20,7 @@ def run_design_report(spec: DesignSpec, data: str, figures: str, out: str, manif
     ds = load(data, expected=identity)
     facts = json.loads(ds.attrs["facts"])
     with mpl.rc_context():  # the caller's own figures keep their looks
-        every = {name: drawn(figure_of(name, facts, ds), name) for name in figure_names(spec)}
+        every = {name: drawn(figure_of(name, facts, ds), name) for name in figure_names.of_design(spec)}
     files = [path for name, one in every.items() for path in one.write(figures, name)]
     write_text(out, render(facts, {name: one.svg for name, one in every.items()}, identity))
     record(manifest, identity, [out, *files])

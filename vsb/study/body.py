@@ -22,7 +22,8 @@ from pydantic import (
 )
 
 from vsb.errors import ConfigError
-from vsb.study.directions import BodyDrag, Plate, check_followed
+from vsb.study.drag import BodyDrag, Plate, check_followed
+from vsb.study.hulls import BoxHull, CapsuleHull, CylinderHull, SphereHull
 from vsb.study.quantities import RIGID, Count, Finite, Name, NonNegative, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Published, Simulation, Water
@@ -128,56 +129,6 @@ Mass = Annotated[
 Point = tuple[Finite, Finite, Finite]
 DRY = ("mass", "density", "centre_of_mass", "radii_of_gyration", "rotation_point")
 """Keys of the dry body, for modes that are made here; a file of displacements has its own."""
-
-
-class Hull(Section):
-    """A plain hull on the z axis whose lowest point lies `draft` [m] below still water, in panels of a size [m]."""
-
-    draft: Positive
-    panel: Annotated[Number, Field(ge=1e-3)]
-
-
-class SphereHull(Hull):
-    """A sphere."""
-
-    kind: Literal["sphere"]
-    radius: Positive
-
-    @property
-    def height(self) -> float:
-        """From the lowest point to the highest [m]."""
-        return 2 * self.radius
-
-
-class CylinderHull(Hull):
-    """An upright cylinder."""
-
-    kind: Literal["cylinder"]
-    radius: Positive
-    height: Positive
-
-
-class CapsuleHull(Hull):
-    """An upright cylinder between two hemispheres, of a height over all."""
-
-    kind: Literal["capsule"]
-    radius: Positive
-    height: Positive
-
-    @model_validator(mode="after")
-    def _with_ends(self) -> Self:
-        if self.height < 2 * self.radius:
-            raise ValueError(f"height {self.height:g} m: needs at least that of its two ends, {2 * self.radius:g} m")
-        return self
-
-
-class BoxHull(Hull):
-    """A box, its length along x, its width along y."""
-
-    kind: Literal["box"]
-    length: Positive
-    width: Positive
-    height: Positive
 
 
 Mesh = Annotated[

@@ -10,7 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from vsb.study.body import BodyFile, BoxHull, CapsuleHull, CylinderHull, SphereHull
+from vsb.study.body import BodyFile
+from vsb.study.hulls import BoxHull, CapsuleHull, CylinderHull, SphereHull
 
 GIGABYTES, SECONDS = 6.3e-8, 6.5e-7
 """Of a frequency on one core, per squared number of panels; measured with 3200 panels."""

@@ -14,6 +14,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from vsb.errors import ConfigError
+from vsb.study import figure_names
 from vsb.study.body import AnyStudy, BodyStudy
 from vsb.study.campaign import (
     GAIN_IN_TIME,
@@ -28,7 +29,7 @@ from vsb.study.campaign import (
     sections,
     where_of,
 )
-from vsb.study.plan import BodyPlan, ResultsFolder, StudyPlan, figure_paths, plan_for
+from vsb.study.plan import BodyPlan, ResultsFolder, StudyPlan, plan_for
 from vsb.study.quantities import canonical, content_id
 from vsb.study.sections import Simulation
 from vsb.study.specs import (
@@ -42,9 +43,7 @@ from vsb.study.specs import (
     VerificationSpec,
 )
 from vsb.study.study import parse
-from vsb.study.take_off import port_kind
 from vsb.study.vary import Point
-from vsb.tools.ports import MEMBRANE, SEVERAL
 
 MOST_BATCHES = 32
 BATCH_SECONDS = 8.0
@@ -294,7 +293,7 @@ class CampaignPlan(ResultsFolder):
     @property
     def figure_paths(self) -> list[str]:
         """Figures of the report."""
-        return figure_paths(self.folder, figure_names(self.campaign))
+        return figure_names.paths(self.folder, figure_names.of_campaign(self.campaign))
 
     @property
     def products(self) -> list[str]:
@@ -313,16 +312,3 @@ class CampaignPlan(ResultsFolder):
         parts = {self.batch_path(batch): batch for batch in self.batches}
         parts |= {self.verification_path(one): one for one in self.verifications}
         return dict.fromkeys(self.products, self.campaign_id) | parts
-
-
-def figure_names(spec: CampaignSpec) -> list[str]:
-    """Return the names of the figures of a campaign: one over what is varied, if anything is; over dampers, if free.
-
-    A damper matrix is no axis.
-    """
-    varied = any(len(values) > 1 for values in spec.vary.values.values())
-    switching = {"law", "force_limit", "stroke_limit"}
-    if port_kind(spec.base["pto"].get("port")) in (SEVERAL, MEMBRANE):
-        return [*(["sweep"] if varied else []), "spectra", "power_matrices"]
-    free = not switching & {*spec.base["pto"], *(key.removeprefix("pto.") for key in spec.vary.keys)}
-    return [*(["sweep"] if varied else []), "spectra", "power_matrices", *(["tuned_power"] if free else []), "pareto"]

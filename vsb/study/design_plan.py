@@ -7,8 +7,9 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from vsb.study import figure_names
 from vsb.study.design import LoadedDesign, read
-from vsb.study.plan import ResultsFolder, figure_paths
+from vsb.study.plan import ResultsFolder
 from vsb.study.quantities import content_id
 from vsb.study.sections import DEGREES, Simulation
 from vsb.study.specs import (
@@ -183,7 +184,7 @@ class DesignPlan(ResultsFolder):
     @property
     def figure_paths(self) -> list[str]:
         """Figures of the report."""
-        return figure_paths(self.folder, figure_names(self.design))
+        return figure_names.paths(self.folder, figure_names.of_design(self.design))
 
     @property
     def products(self) -> list[str]:
@@ -197,9 +198,3 @@ class DesignPlan(ResultsFolder):
         parts = {path: PurePosixPath(path).stem for path in (*self.start_paths, *self.front_paths)}
         parts |= {path: PurePosixPath(path).stem for path in self.verification_paths}
         return dict.fromkeys(self.products, self.design_id) | parts
-
-
-def figure_names(spec: DesignSpec) -> list[str]:
-    """Return the names of the figures of a design problem."""
-    fronts = [f"pareto_{limit}" for limit in spec.pareto]
-    return ["best_shapes", "starts", *fronts, "sensitivity", "budget"]

@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 from typing import Any
 
+from vsb.study import figure_names
 from vsb.study.body import BodyFile
 from vsb.study.body_cost import solve_resources
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
-from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, degree_path, figure_paths
+from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, degree_path
 from vsb.study.plans import Plan
 from vsb.study.quantities import canonical
 from vsb.study.specs import PanelsSpec
@@ -244,7 +245,7 @@ def _answers(plan: AnyPlan) -> Iterator[Job]:
     levels = plan.ladder_files
     needs = (*read, *levels.values())
     yield Job("compare", plan.comparison, files | levels | tables, tuple(tables.values()), needs, megabytes=memory)
-    figures = tuple(figure_paths(folder, plan.figures))
+    figures = tuple(figure_names.paths(folder, plan.figures))
     needs = (*read, *plan.modes_files.values())
     drawn = {**files, **plan.modes_files, "out": f"{folder}/figures"}
     yield Job("figures", study, drawn, figures, needs, megabytes=memory)

@@ -7,12 +7,13 @@ import math
 import os
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import PurePosixPath
 from typing import Any
 
+from vsb.study import figure_names
 from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, panel_solver, witness_spec
 from vsb.study.body import NEEDED, PHYSICS, WAMIT, BodyFile, BodyStudy, located
 from vsb.study.quantities import content_id, result_id
@@ -41,14 +42,6 @@ from vsb.study.specs import (
 )
 from vsb.study.study import BaseStudy, Study, parse
 from vsb.study.waves import IrregularSea, RecordedSea, RegularWave, Wave
-
-FIGURE_KINDS = ("svg", "pdf", "csv")
-"""Files of every figure: for a page, for print, and the data behind it."""
-
-
-def figure_paths(folder: str, names: Iterable[str]) -> list[str]:
-    """Return the paths of all files of some figures of the results in a folder."""
-    return [f"{folder}/figures/{name}.{kind}" for name in names for kind in FIGURE_KINDS]
 
 
 def database_path(root: str, identity: str) -> str:
@@ -318,7 +311,7 @@ class ResultsPlan(ResultsFolder):
         tables = ["comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json"]
         return [
             *(f"{self.folder}/{name}" for name in ["report.html", *tables]),
-            *figure_paths(self.folder, self.figures),
+            *figure_names.paths(self.folder, self.figures),
             *(self.trajectory_path(design, wave) for wave in waves for design in self.study.designs),
             *self.hydro_files.values(),
             *self.response_files.values(),
@@ -340,34 +333,6 @@ class ResultsPlan(ResultsFolder):
     def ladder_files(self) -> dict[str, str]:
         """The control levels with all digits, by the option that names it; none without BEM."""
         return {"levels": f"{self.folder}/ladder.json"} if self.study.needs_bem else {}
-
-
-FIGURES_PER_WAVE = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
-FIGURES_OF_THE_SHELL = ("extreme_shapes", "shapes_3d", "volume_area")
-
-
-def figure_names(study: Study) -> list[str]:
-    """Return the names of all figures of a study."""
-    of_bem = (
-        "absorbed_power",
-        "reactance",
-        "rao",
-        "mode_shapes",
-        "added_mass_damping",
-        "excitation",
-        "radiation_kernel",
-    )
-    names: tuple[str, ...] = of_bem if study.needs_bem else ("mode_shapes",)
-    if study.pto.several:  # which have no one impedance
-        names = tuple(name for name in names if name != "reactance")
-    if study.has_spectra:
-        names = (*names, "spectra")
-    if not no_witness(study):
-        names = (*names, "witness")
-    per_wave = (*FIGURES_PER_WAVE, *(FIGURES_OF_THE_SHELL if study.flexible else ()))
-    if study.motion != "heave":  # in which no meridian stands for all of a shell
-        per_wave = ("directions", *(name for name in per_wave if name != "shapes_3d"))
-    return [*names, *(f"{name}-{wave.label}" for wave in study.drawn_waves for name in per_wave)]
 
 
 @dataclass(frozen=True)
@@ -444,7 +409,7 @@ class StudyPlan(HydroPlan, ResultsPlan):
     @property
     def figures(self) -> list[str]:
         """Names of all figures."""
-        return figure_names(self.study)
+        return figure_names.of_buoy(self.study)
 
     @property
     def highest(self) -> float:
@@ -525,8 +490,6 @@ def _either_sign(modes: tuple[str, ...]) -> list[str]:
     return [f"{mode}_{sign}" for mode in modes for sign in ("minus", "plus")]
 
 
-OF_THE_BAND = ("absorbed_power", "reactance", "rao", "added_mass_damping", "excitation", "radiation_kernel")
-OF_A_SEA = ("port_motion", "degrees_of_freedom", "power_energy", "energy_audit")
 _MOST_MOTIONS, _HIGHEST = 40, 20.0  # for memory alone: degrees of freedom and band of a body whose file is not read yet
 
 
@@ -573,8 +536,7 @@ class BodyPlan(ResultsPlan):
     @property
     def figures(self) -> list[str]:
         """Names of all figures."""
-        seas = ["spectra"] if self.study.has_spectra else []
-        return [*OF_THE_BAND, *seas, *(f"{name}-{wave.label}" for wave in self.study.drawn_waves for name in OF_A_SEA)]
+        return figure_names.of_body(self.study)
 
     @property
     def coordinates(self) -> int:

@@ -20,7 +20,8 @@ from vsb.study.body import AnyStudy, Body, BodyDesign, BodyHydro
 from vsb.study.campaign import Constrained, Scatter, Spectra, Tunings, Verify
 from vsb.study.design import Objective, Variable
 from vsb.study.device import Device, Shape, centre_height
-from vsb.study.directions import BodyDrag, Drag, Mooring, Motion, Plate
+from vsb.study.directions import Mooring, Motion
+from vsb.study.drag import BodyDrag, Drag, Plate
 from vsb.study.quantities import Name, Section
 from vsb.study.sections import Basis, Design, Hydro, Modes, RestShape, Simulation, Water
 from vsb.study.study import Buoy, Study, WithDesigns, first_rigid

@@ -24,15 +24,13 @@ from vsb.study.device import (
     with_points,
 )
 from vsb.study.directions import (
-    Drag,
     Mooring,
     Motion,
-    Plate,
     check_directions,
-    check_followed,
     check_heading,
     check_spreading,
 )
+from vsb.study.drag import Drag, Plate, check_followed
 from vsb.study.material import Hookean, check_rubber
 from vsb.study.quantities import Name, Section
 from vsb.study.reading import read_yaml, validated

@@ -17,7 +17,8 @@ from vsb.hydro.bodies.hydrostatics import columns_of
 from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, divided, gaps, owners, wetted
 from vsb.hydro.bodies.plates import PlateMode, plate_modes, plate_stiffness
 from vsb.hydro.bodies.sections import Beam
-from vsb.study.body import BodyFile, SphereHull
+from vsb.study.body import BodyFile
+from vsb.study.hulls import SphereHull
 from vsb.study.quantities import RIGID, ROTATIONS
 from vsb.tools.arrays import FloatArray, IntArray
 

@@ -8,7 +8,7 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.hydro.panels.mesh import polygon_radius, revolved
 from vsb.hydro.panels.rings import box_panels
-from vsb.study.body import BoxHull, CapsuleHull, CylinderHull, SphereHull
+from vsb.study.hulls import BoxHull, CapsuleHull, CylinderHull, SphereHull
 from vsb.tools.arrays import FloatArray, IntArray
 
 _ARC = 2000  # points of a quarter circle
