@@ -14,7 +14,7 @@ from vsb.study.design import Optimisation
 from vsb.study.keys import KEYS
 from vsb.study.reading import Schema, schema_of
 from vsb.study.study import Study
-from vsb.tools.completion import commands
+from vsb.tools.commands import commands
 
 DOCS = Path(__file__).parent
 FILES = {
@@ -51,7 +51,7 @@ Generated from the models that check a file, so it is complete. Units are SI; nu
 save its output as `vsb.schema.json` and begin a study with `# yaml-language-server: $schema=vsb.schema.json`."""
 COMMANDS_PREFACE = """\
 `vsb COMMAND --help` shows the same. Exit code 0 is success, 1 a failed check, 2 a mistake in a file or command,
-reported in one line each. `source <(vsb completion bash)` completes commands, options and files."""
+reported in one line each."""
 
 
 def write(folder: Path) -> None:

@@ -16,7 +16,7 @@ from vsb import __version__
 from vsb.cli import main, parser
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load
-from vsb.tools.completion import commands
+from vsb.tools.commands import commands
 
 
 def written(name, **changes):
@@ -55,7 +55,7 @@ def test_every_command_has_help(capsys):
         (["frobnicate"], "argument COMMAND: invalid choice: 'frobnicate' (choose from 'init', "),
         (["shell", "x.yaml", "--jsn"], "unrecognized arguments: --jsn; did you mean --json?; see vsb --help"),
         (["shell", "x.yaml", "--frobnicate"], "unrecognized arguments: --frobnicate; see vsb --help"),
-        (["completion", "basch"], "shell: received basch, did you mean bash?; see vsb completion --help"),
+        (["schema", "campain"], "kind: received campain, did you mean campaign?; see vsb schema --help"),
     ],
 )
 def test_misspelt_command_or_option_gets_a_suggestion(capsys, arguments, message):
@@ -128,7 +128,6 @@ def test_error_of_the_plan_names_the_study_file_once(workplace, capsys, changes,
         (["shape-dependence", "study.yaml", "folder"], "folder.nc"),
         (["import-wamit", "in", "name", "folder.nc"], "folder.nc"),
         (["import-bemio", "in.h5", "folder.nc"], "folder.nc"),
-        (["crate", "study.yaml", "folder.nc"], "folder.nc"),
     ],
 )
 def test_output_that_cannot_be_written_is_reported_before_any_work(workplace, capsys, arguments, path):
@@ -192,9 +191,9 @@ def test_study_and_campaign_may_not_share_a_results_folder(workplace, capsys):
 @pytest.mark.parametrize(
     ("arguments", "lost", "kind"),
     [
-        (["crate", "small.yaml", "small.yaml"], "small.yaml", "an input"),
-        (["crate", "small.yaml", "other.yaml"], "other.yaml", "a study file"),
-        (["crate", "small.yaml", "results/small/report.html"], "results/small/report.html", "a product"),
+        (["compare", "small.yaml", "--out", "small.yaml"], "small.yaml", "an input"),
+        (["compare", "small.yaml", "--out", "other.yaml"], "other.yaml", "a study file"),
+        (["compare", "small.yaml", "--out", "results/small/report.html"], "results/small/report.html", "a product"),
         (["import-bemio", "other.h5", "link.h5"], "link.h5", "an input"),
         (["import-bemio", "other.h5", "results/small/response.nc"], "results/small/response.nc", "a product"),
         (["import-wamit", ".", "two", "two.1"], "two.1", "an input"),
@@ -203,11 +202,9 @@ def test_study_and_campaign_may_not_share_a_results_folder(workplace, capsys):
         (["shape-dependence", "small.yaml", "results/small/response"], "results/small/response.nc", "a product"),
         (["body", "raft.yaml", "."], "raft.nc", "an input"),
         (["export", "results/hydro/db/{database}.nc", "results/hydro/db"], None, None),
-        (["crate", "small.yaml", "results/new.zip"], None, None),
         *(
             (arguments, own, "no earlier output of vsb")
             for arguments, own in (
-                (["crate", "small.yaml", "mine.zip"], "mine.zip"),
                 (["compare", "small.yaml", "--out", "mine.html"], "mine.html"),
                 (["compare", "small.yaml", "--out", "mine.csv"], "mine.csv"),
                 (["series", "{run}", "mine.csv"], "mine.csv"),
@@ -224,7 +221,7 @@ def test_no_output_takes_the_place_of_an_input_a_study_a_product_or_a_file_of_th
 ):
     shutil.copytree(finished, tmp_path / "copy")
     monkeypatch.chdir(tmp_path / "copy")
-    own = ("mine.zip", "mine.html", "mine.csv", "mine.nc", "mine/small.h5")
+    own = ("mine.html", "mine.csv", "mine.nc", "mine/small.h5")
     Path("mine").mkdir()
     for name in ("other.yaml", "other.h5", "two.1", "site.csv", "raft.nc", *own):
         Path(name).write_text(name)
@@ -251,7 +248,6 @@ def test_no_output_takes_the_place_of_an_input_a_study_a_product_or_a_file_of_th
         ["series", "{run}", "{out}/run.nc"],
         ["compare", "small.yaml", "--out", "{out}/both.csv"],
         ["compare", "small.yaml", "--out", "{out}/both.html"],
-        ["crate", "small.yaml", "{out}/small.zip"],
     ],
 )
 def test_earlier_output_of_a_command_is_replaced(small, tmp_path, arguments):

@@ -27,7 +27,7 @@ from vsb.study.body import BodyFile, BodyStudy, load_body
 from vsb.study.plans import plan_of
 from vsb.study.reading import dotted, schema_of
 from vsb.study.study import Study, load
-from vsb.tools.completion import commands, options
+from vsb.tools.commands import commands, long_options
 from vsb.waves.scatter import read_scatter
 
 HOME = Path(__file__).parent.parent
@@ -70,7 +70,7 @@ def test_every_command_and_option_stands_in_the_reference(generate):
     page = generate.commands_page()
     for name, one in commands(parser()).items():
         assert f"## `vsb {name}`" in page
-        assert all(option in page for option in options(one))
+        assert all(option in page for option in long_options(one))
 
 
 def test_every_public_name_stands_in_the_reference(generate):

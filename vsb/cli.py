@@ -22,7 +22,7 @@ from vsb.study.plan import StudyPlan
 from vsb.study.quantities import Section
 from vsb.study.reading import nearest
 from vsb.study.study import Study, load
-from vsb.tools import completion
+from vsb.tools.commands import long_options
 
 if TYPE_CHECKING:
     from vsb.hydro.database import Check
@@ -72,12 +72,6 @@ def schema(args: argparse.Namespace) -> int:
     return 0
 
 
-def complete(args: argparse.Namespace) -> int:
-    """Print what makes a shell complete commands, options and files: source <(vsb completion bash)."""
-    print(completion.script(parser(), args.shell), end="")
-    return 0
-
-
 def verify(args: argparse.Namespace) -> int:
     """Check the ids and contents of all result files of a study, or of a folder."""
     from vsb.stages import verify as stamps
@@ -92,14 +86,6 @@ def _agreed(lines: Sequence[str]) -> bool:
     if not sys.stdin.isatty():
         raise VsbError(f"--heal: would move {len(lines)} files to the trash; needs --yes where nobody can be asked")
     return input(f"move {len(lines)} files to the trash? [y/N] ").strip().lower() in ("y", "yes")
-
-
-def crate(args: argparse.Namespace) -> int:
-    """Pack finished results into an archive that describes its contents: an RO-Crate, to be kept or published."""
-    from vsb.stages import crate as archive
-
-    print(*archive.crate(args.config, args.out, args.licence, args.author), sep="\n")
-    return 0
 
 
 def shell(args: argparse.Namespace) -> int:
@@ -296,17 +282,11 @@ def _add_commands(commands: Any) -> None:
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
     kinds = ("study", "body-study", "body", "campaign", "design")
     one.add_argument("kind", nargs="?", choices=kinds, default="study", help="kind of file")
-    one = _command(commands, "completion", "completion for a shell", complete)
-    one.add_argument("shell", choices=tuple(completion.SHELLS), help="name of the shell")
     one = _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")
     one.add_argument(
         "--heal", action="store_true", help="move damaged files to the trash, so that they are computed again"
     )
     one.add_argument("--yes", action="store_true", help="with --heal: do not ask")
-    one = _command(commands, "crate", "finished results as an RO-Crate", crate, config="CONFIG", out="CRATE.zip")
-    one.add_argument("--licence", metavar="URL", help="licence of the results")
-    one.add_argument("--author", metavar="NAME", help="author of the results")
-    one.set_defaults(writes=("{out}",))
     one = _command(commands, "shell", "natural frequencies of the dry shell", shell, config="CONFIG")
     one.add_argument("--json", action="store_true", help="print JSON")
     words = "how much the coefficients depend on the shape"
@@ -415,7 +395,7 @@ def answer(line: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
     args, rest = line.parse_known_args(argv)
     handler: Handler = args.handler
     if rest and handler is not run:
-        near = nearest(rest[0], completion.options(vars(args).get("command", line)))
+        near = nearest(rest[0], long_options(vars(args).get("command", line)))
         line.error(f"unrecognized arguments: {' '.join(rest)}" + (f"; did you mean {near}?" if near else ""))
     args.snakemake = rest
     try:

@@ -30,7 +30,7 @@ from vsb.study.design_plan import DesignPlan
 from vsb.study.jobs import jobs, rules
 from vsb.study.plans import Plan
 from vsb.study.reading import nearest, read_yaml
-from vsb.tools import completion
+from vsb.tools.commands import long_options
 from vsb.tools.shipped import HOME
 from vsb.tools.words import shortened
 
@@ -187,7 +187,7 @@ def check_options(options: Sequence[str], plan: Plan) -> None:
         if not stop.code:  # of --help and --version
             return
         what = output.getvalue().strip().splitlines()[-1].partition("error: ")[2]
-        known = [*completion.options(parser), "--profile", "--cores"]
+        known = [*long_options(parser), "--profile", "--cores"]
         near = nearest(what.rpartition(" ")[2], known) if what.startswith("unrecognized arguments") else ""
         raise VsbError(f"{what}, of snakemake" + (f"; did you mean {near}?" if near else "")) from None
     except CliException as error:

@@ -7,7 +7,6 @@ import hashlib
 import json
 import os
 import re
-import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -26,15 +25,12 @@ from vsb.tools.files import (
 from vsb.tools.words import shortened
 
 MANIFEST = "manifest.json"
-CRATE = "ro-crate-metadata.json"
-"""The file in an RO-Crate that describes it."""
 _BEGINNINGS = {
     ".csv": rb"study,point,design,sea,tuning,|time \[s\],(wave_elevation \[m\],)?bodies_position",
     ".html": rb'(?s:.*)<meta name="generator" content="vsb">',
     ".svg": rb"(?s:.*)<dc:title>vsb</dc:title>",
-    ".zip": rb'(?s:.*)"description": "Results of vsb ',
 }
-"""How texts begin that are written under a name the user chooses, and the description in a crate; others: `_WAMIT`."""
+"""How texts begin that are written under a name the user chooses; others: `_WAMIT`."""
 _WAMIT = rb" WAMIT's form: ULEN "
 _LONGEST = 4096
 
@@ -132,9 +128,9 @@ def _is_output(path: Path) -> bool:
     if path.suffix in (".nc", ".h5"):
         return carries_stamp(path)
     try:
-        with zipfile.ZipFile(path).open(CRATE) if path.suffix == ".zip" else path.open("rb") as file:
+        with path.open("rb") as file:
             return bool(re.match(_BEGINNINGS.get(path.suffix, _WAMIT), file.read(_LONGEST)))
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+    except OSError:
         return False
 
 
