@@ -2,14 +2,12 @@
 
 Each is reported in one line, by `vsb verify` and by a run that decides what is to be done, or changes nothing
 that is read.
-`--heal` then leaves results that are what they should be, but for files to be made anew.
 """
 
 import io
 import json
 import os
 import random
-import shutil
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -37,8 +35,8 @@ JUNK: tuple[Any, ...] = (
 )  # fmt: skip
 TOKENS = ("{", "}", "[", "]", ",", ":", '"', "\\", "\x00", "\ufeff", "NaN", "-Infinity", "1e999", "[" * 100_000)
 """What is put into a text anywhere; the last is deeper than anybody reads."""
-BAD = ("silent", "traceback", "long message", "not healed", "lost")
-"""What must not become of damage: changed values unseen, ..., files gone that have nothing to do with the results."""
+BAD = ("silent", "traceback", "long message")
+"""What must not become of damage: changed values unseen, ..."""
 
 
 class Damage(NamedTuple):
@@ -64,7 +62,7 @@ def finish() -> StudyPlan:
     write_text(STUDY, small_text(8.0, witness="none"))
     plan = StudyPlan(load(STUDY))
     make(plan, plan.products)
-    verify(STUDY, heal=False)
+    verify(STUDY)
     return plan
 
 
@@ -98,29 +96,23 @@ def edited(rng: random.Random, files: list[str]) -> Damage:
 # its fate -----------------------------------------------------------------------------------------------------------
 
 
-def fate(plan: StudyPlan, damage: Damage, heals: bool = True) -> Outcome:
+def fate(plan: StudyPlan, damage: Damage) -> Outcome:
     """Return what becomes of damage to results in the current folder, which is put right again afterwards.
 
-    The file keeps its old time: it is not to be found by that. `heals`: also whether healing leaves sound results.
+    The file keeps its old time: it is not to be found by that.
     """
-    path, kept, study = Path(damage.path), Path("kept"), Path(STUDY).read_bytes()
+    path = Path(damage.path)
     good, read, times = path.read_bytes(), _read(path), path.stat()
     path.write_bytes(damage.content)
     os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
     try:
-        outcomes = [_answer(lambda: verify(STUDY, heal=False)), _answer(lambda: _decided(plan))]
+        outcomes = [_answer(lambda: verify(STUDY)), _answer(lambda: _decided(plan))]
         worst = next((one for one in outcomes if one.verdict in BAD), None)
         if worst or outcomes[0].verdict == "reported":
-            if heals:
-                shutil.copytree("results", kept)
-            return worst or (_healed(outcomes[0]) if heals else outcomes[0])
+            return worst or outcomes[0]
         return Outcome("harmless", "") if _read(path) == read else Outcome("silent", damage.what)
     finally:
-        if kept.is_dir():
-            shutil.rmtree("results")
-            kept.rename("results")
         path.write_bytes(good)
-        Path(STUDY).write_bytes(study)
 
 
 def _read(path: Path) -> object:
@@ -148,17 +140,6 @@ def _answer(ask: Callable[[], object]) -> Outcome:
     return Outcome("harmless", "")
 
 
-def _healed(found: Outcome) -> Outcome:
-    """Heal, and look whether what is left is as it should be, and all else still there."""
-    healing, left = _answer(lambda: verify("results", heal=True)), _answer(lambda: verify(STUDY, heal=False))
-    if healing.verdict != "harmless":
-        return Outcome("not healed", healing.reason)
-    if not Path(STUDY).is_file():
-        return Outcome("lost", found.reason)
-    gone = left.verdict == "harmless" or ": is not there" in left.reason
-    return found if gone else Outcome("not healed", left.reason)
-
-
 def trials(flips: int, edits: int) -> Iterator[Damage]:
     """Give damage to the finished study in the current folder, always the same."""
     files = sorted(str(path) for path in Path("results").rglob("*") if path.is_file() and path.stat().st_size)
@@ -175,5 +156,5 @@ def benchmark(count: int, out: str) -> Counter[str]:
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
         plan = finish()
         tried = trials(count, count // 2)
-        fates = (((one.path, one.what), fate(plan, one, heals=one.path.endswith(".json"))) for one in tried)
+        fates = (((one.path, one.what), fate(plan, one)) for one in tried)
         return tabulated(fates, ("file", "damage"), BAD, target)

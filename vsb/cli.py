@@ -76,16 +76,8 @@ def verify(args: argparse.Namespace) -> int:
     """Check the ids and contents of all result files of a study, or of a folder."""
     from vsb.stages import verify as stamps
 
-    print(*stamps.verify(args.config, heal=args.heal, agreed=lambda lines: args.yes or _agreed(lines)), sep="\n")
+    print(*stamps.verify(args.config), sep="\n")
     return 0
-
-
-def _agreed(lines: Sequence[str]) -> bool:
-    """Ask at the terminal whether files may be moved to the trash."""
-    print(*lines, sep="\n")
-    if not sys.stdin.isatty():
-        raise VsbError(f"--heal: would move {len(lines)} files to the trash; needs --yes where nobody can be asked")
-    return input(f"move {len(lines)} files to the trash? [y/N] ").strip().lower() in ("y", "yes")
 
 
 def shell(args: argparse.Namespace) -> int:
@@ -282,11 +274,7 @@ def _add_commands(commands: Any) -> None:
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
     kinds = ("study", "body-study", "body", "campaign", "design")
     one.add_argument("kind", nargs="?", choices=kinds, default="study", help="kind of file")
-    one = _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")
-    one.add_argument(
-        "--heal", action="store_true", help="move damaged files to the trash, so that they are computed again"
-    )
-    one.add_argument("--yes", action="store_true", help="with --heal: do not ask")
+    _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")
     one = _command(commands, "shell", "natural frequencies of the dry shell", shell, config="CONFIG")
     one.add_argument("--json", action="store_true", help="print JSON")
     words = "how much the coefficients depend on the shape"

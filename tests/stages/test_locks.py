@@ -5,7 +5,7 @@ import os
 import pytest
 
 from vsb.errors import VsbError
-from vsb.stages.locks import all_locked, exclusive_lock
+from vsb.stages.locks import exclusive_lock
 
 
 def test_second_run_in_a_folder_is_refused_until_the_first_ends(tmp_path):
@@ -18,18 +18,4 @@ def test_second_run_in_a_folder_is_refused_until_the_first_ends(tmp_path):
         ):
             exclusive_lock(root).__enter__()
     with exclusive_lock(root):
-        pass
-
-
-def test_lock_of_all_folders_excludes_every_run(tmp_path):
-    for name in ("a", "b"):
-        with exclusive_lock(tmp_path / name):
-            pass
-    with exclusive_lock(tmp_path / "b"), pytest.raises(VsbError, match=r"b: another run is at work in this folder"):
-        all_locked(tmp_path).__enter__()
-    with all_locked(tmp_path):
-        for name in ("a", "b"):
-            with pytest.raises(VsbError, match=f"{name}: another run is at work in this folder"):
-                exclusive_lock(tmp_path / name).__enter__()
-    with exclusive_lock(tmp_path / "a"), exclusive_lock(tmp_path / "b"):
         pass

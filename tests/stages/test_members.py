@@ -196,7 +196,7 @@ def test_damaged_member_is_recomputed_to_the_same_bytes(folder, swept, capsys):
     whole = data.read_bytes()
     path.write_bytes(before[:-200] + b"x" + before[-199:])
     with pytest.raises(VsbError, match="its contents are not those it was written with"):
-        verify(plan.folder, heal=False)
+        verify(plan.folder)
     batches(plan)
     gather(plan)
     assert "computed anew" in capsys.readouterr().out

@@ -7,7 +7,6 @@ from pathlib import Path
 import netCDF4
 import numpy as np
 import pytest
-import xarray as xr
 from conftest import SMALL as RAW
 from conftest import SMALL_PLAN as PLAN
 from tools.test_files import rewritten
@@ -19,7 +18,6 @@ from vsb.stages import report
 from vsb.stages.verify import stale_products, study_faults, verify
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
-from vsb.tools import packed
 from vsb.tools.files import read_groups
 
 TOGETHER = ("report.html", "comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json")
@@ -90,9 +88,9 @@ def with_old_time(path, damage):
 def test_copied_results_are_valid_without_snakemakes_records(place):
     assert not (place / ".snakemake").exists()
     assert study_faults(PLAN) == []
-    assert verify("small.yaml", heal=False) == [f"small.yaml: {len(PLAN.ids)} files are what they should be"]
+    assert verify("small.yaml") == [f"small.yaml: {len(PLAN.ids)} files are what they should be"]
     for folder in ("results", "results/small"):
-        assert verify(folder, heal=False) == [f"{folder}: {len(PLAN.ids)} files are what they should be"]
+        assert verify(folder) == [f"{folder}: {len(PLAN.ids)} files are what they should be"]
 
 
 def test_copied_results_are_continued(place):
@@ -132,12 +130,8 @@ def test_damaged_results_are_recomputed(place, path, damage, capsys):
     with_old_time(path, damage)
     assert stale_products(PLAN, dry=True) == [path]
     assert f"vsb: {path}: " in capsys.readouterr().out
-    with pytest.raises(
-        VsbError, match=rf"{path}: .*vsb verify small.yaml --heal moves what is wrong to results/trash, vsb run small"
-    ):
-        verify("small.yaml", heal=False)
-    assert verify("small.yaml", heal=True)[-1] == "vsb run small.yaml makes 1 files"
-    assert not Path(path).exists()
+    with pytest.raises(VsbError, match=rf"{path}: .*; delete what is wrong, then vsb run small.yaml makes it anew$"):
+        verify("small.yaml")
 
 
 @pytest.mark.parametrize(("path", "damage"), SHARED)
@@ -148,9 +142,7 @@ def test_damaged_shared_file_stops_the_run(place, path, damage, capsys):
     assert out == ""
     assert err.startswith(f"vsb: error: {path}: ")
     assert err.count("\n") == 1
-    assert "vsb verify --heal" in err or "delete" in err
-    verify("small.yaml", heal=True)
-    assert not Path(path).exists()
+    assert "delete" in err
 
 
 @pytest.mark.parametrize(
@@ -191,31 +183,31 @@ def test_stage_refuses_damaged_input(place, path, damage):
     assert not Path("again.html").exists()
 
 
-def test_verify_checks_every_file_of_a_folder(place):
+def test_verify_checks_every_file_of_a_folder(place, capsys):
     old = Path(PLAN.folder, "trajectories", "of_before.nc")
     shutil.copy(FSB, old)
-    verify("results", heal=False)
+    verify("results")
     scaled("velocity", 2.0)(old)
-    with pytest.raises(VsbError, match=r"of_before.nc: its contents are not .*vsb verify results --heal"):
-        verify("results", heal=False)
+    with pytest.raises(VsbError, match=r"of_before.nc: its contents are not .*; delete what is wrong, then vsb run"):
+        verify("results")
     Path(PLAN.manifest).write_text("{")
     with pytest.raises(VsbError, match=r"is not in the manifest \(and \d+ more\)"):
-        verify("results/small", heal=False)
-    Path("results/hydro/INDEX.tsv").write_text("id\n")
-    verify("results", heal=True)
-    assert Path("results/hydro/INDEX.tsv").read_text().count("\n") == 2
-    assert not Path(PLAN.manifest).exists()
-    with pytest.raises(VsbError, match=r": is not there \(and \d+ more\); vsb run small.yaml makes it anew"):
-        verify("small.yaml", heal=False)
+        verify("results/small")
+    assert "of_before.nc: its contents are not" in capsys.readouterr().out  # each a line
+    Path(PLAN.manifest).unlink()
+    Path(RESPONSE).unlink()
+    with pytest.raises(VsbError, match=r"is not in the manifest \(and \d+ more\)"):
+        verify("small.yaml")
+    assert f"{RESPONSE}: is not there\n" in capsys.readouterr().out
 
 
 def test_half_written_files_are_ignored_and_misnamed_files_refused(place):
     """Names of files being written begin with a dot; a file named by an id must hold it."""
     Path(PLAN.folder, ".half.nc").write_bytes(b"half")
-    verify("results", heal=False)
+    verify("results")
     shutil.copy(PLAN.database_path, Path(PLAN.folder, "0123456789abcdef.nc"))
     with pytest.raises(VsbError, match=rf"0123456789abcdef.nc: holds '{Path(PLAN.database_path).stem}'"):
-        verify("results", heal=False)
+        verify("results")
 
 
 def contents(path):
@@ -239,7 +231,7 @@ def test_every_flipped_bit_is_detected(place):
         before = contents(str(path))
         Path(path).write_bytes(bad)
         try:
-            verify("small.yaml", heal=False)
+            verify("small.yaml")
         except VsbError as error:
             assert str(path) in str(error)  # noqa: PT017
             assert "\n" not in str(error)  # noqa: PT017
@@ -250,47 +242,8 @@ def test_every_flipped_bit_is_detected(place):
         assert file.spec_id == PLAN.ids[FSB]
 
 
-def trashed(path):
-    """Where healing moved a file to."""
-    (found,) = Path("results/trash").rglob(Path(path).name)
-    return found
-
-
 def test_an_index_is_what_its_databases_make_it(place):
     index = Path("results/hydro/INDEX.tsv")
     index.write_text(index.read_text() + "more\n")
-    with pytest.raises(VsbError, match=r"INDEX.tsv: its contents are not"):
-        verify("results", heal=False)
-    index.unlink()
-    with pytest.raises(VsbError, match=r"INDEX.tsv: is not there"):
-        verify("results", heal=False)
-    assert verify("results", heal=True)[0] == "wrote results/hydro/INDEX.tsv again: is not there"
-    verify("results", heal=False)
-
-
-def test_healing_leaves_a_users_own_files_and_moves_ours_to_the_trash(place, capsys):
-    """Whatever their names; what carries our stamp and is damaged can be taken back from the trash."""
-    own = [Path(PLAN.folder, name) for name in (f"{'a' * 16}.nc", f"{'b' * 16}.npz", "data.nc", "notes/manifest.json")]
-    own.append(Path("results/own/half.nc"))
-    for path in own:
-        path.parent.mkdir(exist_ok=True)
-        path.write_bytes(b"neither netCDF nor packed")
-    with netCDF4.Dataset(Path(PLAN.folder, f"{'c' * 16}.nc"), "w"):
-        pass
-    assert main(["verify", "results"]) == 2
-    assert "may be your own (and 4 more)" in capsys.readouterr().err
-    old = Path(PLAN.folder, "trajectories", "of_before.nc")
-    shutil.copy(FSB, old)
-    scaled("velocity", 2.0)(old)
-    packed.save(
-        xr.Dataset({"power": ("hs", [1.0])}, attrs={"spec_id": "d" * 16}), f"{PLAN.folder}/{'e' * 16}{packed.SUFFIX}"
-    )
-    damaged = {path: path.read_bytes() for path in (old, Path(f"{PLAN.folder}/{'e' * 16}{packed.SUFFIX}"))}
-    assert main(["verify", "results", "--heal"]) == 2  # nobody can be asked
-    assert "would move 2 files to the trash; needs --yes" in capsys.readouterr().err
-    assert all(path.exists() for path in damaged)
-    assert main(["verify", "results", "--heal", "--yes"]) == 0
-    assert {trashed(path).read_bytes() for path in damaged} == set(damaged.values())
-    assert not any(path.exists() for path in damaged)
-    assert {path.read_bytes() for path in own} == {b"neither netCDF nor packed"}
-    assert main(["verify", "small.yaml"]) == 0
+    with pytest.raises(VsbError, match=r"INDEX.tsv: does not list the databases there"):
+        verify("results")

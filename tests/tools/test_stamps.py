@@ -106,10 +106,10 @@ def test_product_without_an_entry_is_reported(place):
 def test_text_is_read_only_if_it_is_the_expected_one(place):
     table, manifest = place / "table.csv", place / "manifest.json"
     assert read_text(table, manifest, ID).startswith("design,power")
-    with pytest.raises(DatabaseError, match=r"table.csv: is of 'a{16}', needs 'b{16}'; delete it, or let vsb verify"):
+    with pytest.raises(DatabaseError, match=r"table.csv: is of 'a{16}', needs 'b{16}'; delete it and run again"):
         read_text(table, manifest, OTHER)
     other = table.rename(table.with_name("copied.csv"))
-    with pytest.raises(DatabaseError, match=r"copied.csv: is not in the manifest; delete it, or let vsb verify"):
+    with pytest.raises(DatabaseError, match=r"copied.csv: is not in the manifest; delete it and run again"):
         read_text(other, manifest, ID)
     other.rename(table)
     edited(table)

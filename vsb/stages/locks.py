@@ -2,13 +2,13 @@
 
 import fcntl
 import os
-import re
 import socket
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from vsb.errors import VsbError
+from vsb.study.quantities import id_in
 
 LOCKS = ".locks"
 """Folder of the locks on what studies share, beside it."""
@@ -41,15 +41,6 @@ def _holder(folder: Path) -> str:
 
 
 @contextmanager
-def all_locked(root: Path) -> Iterator[None]:
-    """Hold the folders of all studies at once."""
-    with ExitStack() as stack:
-        for lock in sorted(root.glob("*/.lock")):
-            stack.enter_context(exclusive_lock(lock.parent))
-        yield
-
-
-@contextmanager
 def shared_lock(root: str | Path, paths: Iterable[str]) -> Iterator[list[int]]:
     """Hold what is about to make files that studies share, until it is done; wait for another run that makes them now.
 
@@ -63,17 +54,12 @@ def shared_lock(root: str | Path, paths: Iterable[str]) -> Iterator[list[int]]:
     folder = Path(root, "hydro", LOCKS)
     with ExitStack() as stack:
         handles = []
-        for name in sorted({_shared_name(Path(path)) for path in paths}):  # in one order: nobody waits in a circle
+        for name in sorted(set(map(id_in, paths))):  # in one order: nobody waits in a circle
             folder.mkdir(parents=True, exist_ok=True)
             handle = stack.enter_context((folder / name).open("w"))
             _wait(handle.fileno(), name)
             handles.append(handle.fileno())
         yield handles
-
-
-def _shared_name(path: Path) -> str:
-    """Content id of a shared file, or the name of the folder it lies in."""
-    return path.stem if re.fullmatch("[0-9a-f]{16}", path.stem) else path.parent.name
 
 
 def _wait(handle: int, name: str) -> None:

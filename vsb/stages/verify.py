@@ -2,23 +2,21 @@
 
 import json
 import os
-import re
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from vsb.errors import DatabaseError, VsbError
-from vsb.stages.locks import all_locked
 from vsb.stages.planning import plan_of
 from vsb.study.body import is_body, located
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan, plan_for
 from vsb.study.plans import Plan
-from vsb.study.quantities import leaves
+from vsb.study.quantities import id_in, leaves
 from vsb.study.study import parse
 from vsb.tools import packed
-from vsb.tools.files import CHANGED, DELETE, attributes, carries_stamp
+from vsb.tools.files import DELETE, attributes
 from vsb.tools.stamps import MANIFEST, Fault, Manifest, Stamp, faults, read_manifest
 
 STUDY = "study.json"
@@ -26,23 +24,18 @@ STUDY = "study.json"
 
 
 TRASH = "trash"
-"""Folder of the results that healing moves files to."""
+"""Folder of the results that a run moves files to which stand in the place of a product."""
 
 
-def verify(target: str, *, heal: bool, agreed: Callable[[Sequence[str]], bool] | None = None) -> list[str]:
+def verify(target: str) -> list[str]:
     """Check the results of a study file or of a folder, contents included; return the lines to print.
 
-    Raises `VsbError` if something is not what it should be, or missing, and is not to be healed.
+    Raises `VsbError` if something is not what it should be, or missing; several of these are printed, a line each.
 
     Parameters
     ----------
     target : str
         A study file, a study's folder of results, or the folder of all results.
-    heal : bool
-        Whether to move what is not what it should be to the folder `trash` of the results: only files that a plan or a
-        manifest names, or that carry a stamp themselves.
-    agreed : callable, optional
-        Whether files may be moved, given a line for each; called once, and not if there are none. Without, they may.
     """
     plans = _plans(target)
     root = Path(plans[0].root if plans else target)
@@ -51,24 +44,14 @@ def verify(target: str, *, heal: bool, agreed: Callable[[Sequence[str]], bool] |
     found = [*faults(ids, manifests(root)), *_index_faults(root)]
     if Path(target).is_dir():
         found += _other_faults(Path(target), {*ids, *(plan.manifest for plan in plans)}, root / TRASH)
-    found = list({fault.path: fault for fault in found}.values())  # studies share what their manifests name
+    wrong = {fault.path: f"{fault.path}: {fault.reason}" for fault in found}  # studies share what their manifests name
+    lines = [*wrong.values(), *(f"{path}: is not there" for path in missing)]
+    if not lines:
+        return [f"{target}: {len(ids)} files are what they should be"]
+    if len(lines) > 1:
+        print(*lines, sep="\n")
     command = f"vsb run {target}" if Path(target).is_file() else "vsb run CONFIG"
-    ours = [fault for fault in found if fault.kind != "foreign"]
-    if heal:
-        moved = [f"{fault.path}: {fault.reason}" for fault in ours if fault.kind != "derived"]
-        if moved and agreed and not agreed(moved):
-            return ["nothing was changed"]
-        with all_locked(root):
-            healed = _healed(root, ours)
-        healed += [f"left {fault.path}: {fault.reason}" for fault in found if fault.kind == "foreign"]
-        makes = f"{command} makes {len(missing) + len(ours)} files" if missing or ours else f"{target}: all is sound"
-        return [*healed, makes]
-    lines = [f"{fault.path}: {fault.reason}" for fault in found] + [f"{path}: is not there" for path in missing]
-    if lines:
-        heals = f"vsb verify {target} --heal moves what is wrong to {root / TRASH}, " if ours else ""
-        makes = f"; {heals}{command} makes it anew" if ours or missing else ""
-        raise VsbError(f"{lines[0]}{_more(lines)}{makes}")
-    return [f"{target}: {len(ids)} files are what they should be"]
+    raise VsbError(f"{lines[0]}{_more(lines)}; {'delete what is wrong, then ' if wrong else ''}{command} makes it anew")
 
 
 def _more(lines: Sequence[object]) -> str:
@@ -100,64 +83,45 @@ def _plan(folder: Path) -> AnyPlan | None:
 
 
 def _other_faults(folder: Path, known: set[str], trash: Path) -> list[Fault]:
-    """Damage among the files of a folder that no plan names: of other studies, seas and designs.
-
-    A file that cannot be read and says nothing of where it comes from may be a user's own: it is `foreign`.
-    """
+    """Damage among the files of a folder that no plan names: of other studies, seas and designs."""
     found = []
-    for path in sorted(path for path in folder.rglob("*.nc") if trash not in path.parents):
-        if str(path) in known or path.name.startswith("."):
-            continue
-        name = path.stem if re.fullmatch("[0-9a-f]{16}", path.stem) else None
+
+    def others(pattern: str) -> list[Path]:
+        return sorted(path for path in folder.rglob(pattern) if trash not in path.parents)
+
+    def unreadable(path: Path, error: DatabaseError) -> Fault:
+        return Fault(str(path), "damaged", str(error).removeprefix(f"{path}: "))
+
+    for path in (path for path in others("*.nc") if str(path) not in known and not path.name.startswith(".")):
         try:
             identity = attributes(path).get("spec_id")
         except DatabaseError as error:
-            found.append(_unreadable(path, error, ours=carries_stamp(path)))
+            found.append(unreadable(path, error))
             continue
-        if name and identity not in (None, name):
+        if id_in(path) == path.stem and identity not in (None, path.stem):
             found.append(Fault(str(path), "damaged", f"holds {identity!r}"))
-    members = (path for path in folder.rglob(f"*{packed.SUFFIX}") if re.fullmatch("[0-9a-f]{16}", path.stem))
-    for path in sorted(path for path in members if trash not in path.parents and str(path) not in known):
+    for path in (path for path in others(f"*{packed.SUFFIX}") if id_in(path) == path.stem and str(path) not in known):
         try:
             packed.load(path, expected=path.stem)
         except DatabaseError as error:
-            found.append(_unreadable(path, error, ours=carries_stamp(path)))
-    for path in sorted(path for path in folder.rglob(MANIFEST) if trash not in path.parents):
+            found.append(unreadable(path, error))
+    for path in others(MANIFEST):
         try:
             stamps = {name: stamp for name, stamp in read_manifest(path).items() if name not in known}
             found += faults({name: stamp.spec_id for name, stamp in stamps.items()}, stamps)
         except DatabaseError as error:
-            found.append(_unreadable(path, error, ours=str(path) in known))
+            found.append(unreadable(path, error))
     return found
 
 
-def _unreadable(path: Path, error: DatabaseError, *, ours: bool) -> Fault:
-    """The fault of a file that cannot be read."""
-    reason = str(error).removeprefix(f"{path}: ")
-    if ours:
-        return Fault(str(path), "damaged", reason)
-    return Fault(str(path), "foreign", f"{reason.partition('; ')[0]}; it carries no stamp, so it may be your own")
-
-
 def _index_faults(root: Path) -> list[Fault]:
-    """Whether the index of the databases is what they make it."""
+    """Whether the index of the databases lists those there are."""
     from vsb.hydro.database import index_text
 
     index, folder = root / "hydro" / "INDEX.tsv", root / "hydro" / "db"
-    if not index.is_file():
-        return [Fault(str(index), "derived", "is not there")] if any(folder.glob("*.nc")) else []
-    return [] if index.read_bytes() == index_text(folder).encode() else [Fault(str(index), "derived", CHANGED)]
-
-
-def _healed(root: Path, found: Sequence[Fault]) -> list[str]:
-    """Write the index again, move other files to the trash; say so."""
-    lines = [f"wrote {fault.path} again: {fault.reason}" for fault in found if fault.kind == "derived"]
-    lines += _moved(root, [fault for fault in found if fault.kind != "derived"])
-    if (root / "hydro" / "db").is_dir():
-        from vsb.hydro.database import write_index
-
-        write_index(root / "hydro" / "db")
-    return lines
+    if not index.is_file() or index.read_bytes() == index_text(folder).encode():
+        return []
+    return [Fault(str(index), "stale", "does not list the databases there; the next one writes it again")]
 
 
 def _moved(root: Path, found: Sequence[Fault]) -> list[str]:

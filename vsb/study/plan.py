@@ -5,7 +5,6 @@ The Snakefile builds its graph from this module alone, so a dry run shows the tr
 
 import math
 import os
-import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,7 +15,7 @@ from typing import Any
 from vsb.study import figure_names
 from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, panel_solver, witness_spec
 from vsb.study.body import NEEDED, PHYSICS, WAMIT, BodyFile, BodyStudy, located
-from vsb.study.quantities import content_id, result_id
+from vsb.study.quantities import content_id, id_in, result_id
 from vsb.study.sections import RECORDS_PER_PERIOD, Modes, thinning
 from vsb.study.specs import (
     AnySystem,
@@ -249,14 +248,10 @@ class ResultsPlan(ResultsFolder):
             own |= dict.fromkeys(self.response_files.values(), self.response_id)
             own |= dict.fromkeys((f"{self.folder}/ladder.csv", *self.ladder_files.values()), self.ladder_id)
         own |= self.shape_ids
-        return {path: own.get(path) or self._named_id(path) for path in [*self.products, *self.solved_files]}
-
-    def _named_id(self, path: str) -> str:
-        """Id in the name of a shared file or of its folder; of any other that of the study."""
-        if not self.is_shared(path):
-            return self.study_id
-        name = PurePosixPath(path)
-        return name.stem if re.fullmatch("[0-9a-f]{16}", name.stem) else name.parent.name
+        return {
+            path: own.get(path) or (id_in(path) if self.is_shared(path) else self.study_id)
+            for path in [*self.products, *self.solved_files]
+        }
 
     # memory ---------------------------------------------------------------------------------------------------------
 

@@ -6,8 +6,10 @@ Imports nothing heavy: the Snakefile reads a study at every parse.
 import hashlib
 import json
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Annotated, Any, cast
 
 from pydantic import (
@@ -159,3 +161,9 @@ def content_id(data: object) -> str:
 def result_id(spec: object, *inputs: str) -> str:
     """Return the content id of a result: of its specification and the ids of its inputs it does not name itself."""
     return content_id({"spec": spec, "inputs": inputs} if inputs else spec)
+
+
+def id_in(path: str | PurePath) -> str:
+    """Return the content id in the name of a file that studies share, or the name of the folder it lies in."""
+    name = PurePath(path)
+    return name.stem if re.fullmatch("[0-9a-f]{16}", name.stem) else name.parent.name

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 ROOT = "/"
 """Name of the root group."""
-DELETE = "delete it, or let vsb verify --heal move it away, and run again"
+DELETE = "delete it and run again"
 """What to do about a file that is not what it should be."""
 CHANGED = "its contents are not those it was written with (checksum)"
 SEAL = b"sha256:"

@@ -60,12 +60,12 @@ class Stamp:
 class Fault(NamedTuple):
     """Why a file is not what it should be.
 
-    `nameless` files have no stamp, `stale` ones that of another specification, `damaged` ones have changed contents,
-    `foreign` ones cannot be read and may be a user's own, `derived` ones are written again from sound files.
+    `nameless` files have no stamp, `stale` ones that of another specification, `damaged` ones cannot be read or have
+    changed contents.
     """
 
     path: str
-    kind: Literal["nameless", "stale", "damaged", "foreign", "derived"]
+    kind: Literal["nameless", "stale", "damaged"]
     reason: str
 
 
@@ -76,7 +76,7 @@ Manifest = dict[str, Stamp]
 def read_manifest(path: str | Path) -> Manifest:
     """Return the stamps of a manifest by path; none if there is no manifest.
 
-    Raises `DatabaseError` if it is no manifest, or names files outside the results, which healing would move.
+    Raises `DatabaseError` if it is no manifest, or names files outside the results.
     """
     folder = Path(path).parent
     try:
