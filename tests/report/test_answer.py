@@ -137,5 +137,5 @@ def test_closing_line_of_a_run():
 
 def test_words_of_a_law_may_name_keys_at_their_default(monkeypatch):
     """A canonical take-off leaves those out."""
-    monkeypatch.setitem(LAWS, "coulomb", Law(words="{force_limit:g} {load_unit} at {efficiency:g}"))
-    assert damping_in_words({"law": "coulomb", "force_limit": 5.0}) == "With 5 N at 1"
+    monkeypatch.setitem(LAWS, "coulomb", Law(words="{force_limit:g} {load_unit} {rate_unit} at {efficiency:g}"))
+    assert damping_in_words({"law": "coulomb", "force_limit": 5.0}) == "With 5 N m/s at 1"

@@ -40,8 +40,9 @@ def plant():
 
 
 def piecewise_linear():
-    """Laws but the linear one whose force is a `TakeOff`."""
-    built = {law: FORCES[law](Pto(law=law, damping=4.0, force_limit=3.0), np.ones(1), 4.0, 0.0) for law in LAWS}
+    """Laws but the linear one whose force is a `TakeOff`, of damper and force limit."""
+    known = [law for law in LAWS if set(LAWS[law].needs) <= {"force_limit"}]
+    built = {law: FORCES[law](Pto(law=law, damping=4.0, force_limit=3.0), np.ones(1), 4.0, 0.0) for law in known}
     return [law for law, force in built.items() if isinstance(force, TakeOff) and law != "linear"]
 
 

@@ -167,7 +167,7 @@ def damping_in_words(pto: dict[str, Any]) -> str:
         return f"With the take-off law {pto['law']} of {pto['distribution']}"
     law = LAWS[pto.get("law", "linear")]
     if law.words:
-        return f"With {law.words.format(load_unit=port_kind(pto.get('port')).load_unit, **DEFAULTS | pto)}"
+        return f"With {law.words.format(**vars(port_kind(pto.get('port'))) | DEFAULTS | pto)}"
     words = DAMPINGS[pto.get("tuning", "fixed")]
     if law.has_latching_time:
         return f"{words}, {pto['law']}" if words == GIVEN else f"In the time domain, {pto['law']} at its best damping"

@@ -18,6 +18,7 @@ from pydantic import (
     model_validator,
 )
 
+from vsb.study.keys import KEYS
 from vsb.study.quantities import (
     ROTATIONS,
     Colatitude,
@@ -251,15 +252,15 @@ PortChoice = Annotated[
 class Law(NamedTuple):
     """A law of the take-off in time: what it needs, and how a page names it; its force is in `vsb.scenes.take_off`."""
 
-    needs_limit: bool = False  # of its force
+    needs: tuple[str, ...] = ()  # keys of `pto` without which there is no such law
     has_latching_time: bool = False
-    words: str = ""  # of a law whose parameter is no damping: keys of `pto`, and the port's unit of load
+    words: str = ""  # of a law whose parameter is no damping: with keys of `pto` and fields of the port's `PortKind`
 
 
 LAWS = {
     "linear": Law(),
-    "saturated": Law(needs_limit=True),
-    "coulomb": Law(needs_limit=True, words="Coulomb friction of {force_limit:g} {load_unit}"),
+    "saturated": Law(needs=("force_limit",)),
+    "coulomb": Law(needs=("force_limit",), words="Coulomb friction of {force_limit:g} {load_unit}"),
     "latching": Law(has_latching_time=True),
     "declutching": Law(has_latching_time=True),
 }
@@ -504,9 +505,12 @@ class Pto(Section):
         return self
 
     @model_validator(mode="after")
-    def _limited(self) -> Self:
-        if self.law in LAWS and LAWS[self.law].needs_limit and math.isinf(self.force_limit):
-            raise ValueError(f"force_limit: missing; law {self.law} needs one in {port_kind(self.port).load_unit}")
+    def _needed_by_the_law(self) -> Self:
+        for name in LAWS[self.law].needs if self.law in LAWS else ():
+            if getattr(self, name) == DEFAULTS[name]:
+                key = KEYS["Pto"][name]
+                unit = getattr(port_kind(self.port), key.at_port) if key.at_port else key.unit
+                raise ValueError(f"{name}: missing; law {self.law} needs one in {unit}")
         return self
 
     @model_serializer(mode="wrap")

@@ -18,7 +18,7 @@ from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import shortened
 
 DIMENSIONS = {
-    "m": 1.0, "s": 0.5, "rad": 0.0, "degrees": 0.0, "kg": 3.0, "N": 3.0, "Pa": 1.0, "J": 4.0, "Hz": -0.5,
+    "m": 1.0, "s": 0.5, "rad": 0.0, "degrees": 0.0, "kg": 3.0, "N": 3.0, "Pa": 1.0, "J": 4.0, "W": 3.5, "Hz": -0.5,
     "1": 0.0, "-": 0.0,
 }  # fmt: skip
 """Power of the length scale that each unit goes with at equal Froude number and the same density and gravity."""
