@@ -22,7 +22,7 @@ SHORT = {"simulation": {"duration": 4.0, "window": [2.0, 4.0]}}
 MANIFEST = PLAN.manifest
 CHEAP = (
     "assumed_E_1e4", "linear_h_0.1", "steel_too_heavy", "linear_wave_0.5s", "linear_wave_100s", "linear_band_too_wide",
-    "clamps_too_near", "clamps_too_many", "assumed_thrown_up", "assumed_undamped_still", "gimbal_quaternion", "gimbal_euler",
+    "clamps_too_near", "clamps_too_many", "assumed_thrown_up", "assumed_undamped_still", "gimbal_quaternion",
     "slightly_negative_damping",
 )  # fmt: skip
 

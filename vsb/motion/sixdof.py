@@ -31,7 +31,6 @@ from vsb.tools.arrays import FloatArray
 
 AXIS = np.array([0.0, 0.0, 1.0])  # body axis of symmetry, through the top pole
 NORM_DRIFT = 1e-6  # of a quaternion, still harmless
-LOCK_MARGIN = 1e-3  # of the Euler pitch angle from pi/2 [rad]
 
 
 def skew(vector: FloatArray) -> FloatArray:
@@ -198,10 +197,6 @@ class Body:
         offset = self.moments @ state.modal_amplitude / self.basis.total_mass
         return np.asarray(state.position + offset * state.rotation @ AXIS)
 
-    def linear_momentum(self, state: State) -> FloatArray:
-        """Return the linear momentum in inertial axes, shape (3,) [kg m/s]."""
-        return np.asarray(self.mass_matrix(state)[:3] @ state.quasi_velocities)
-
 
 def _quaternion_rotation(q: FloatArray) -> FloatArray:
     """R of a unit quaternion, scalar first."""
@@ -214,40 +209,18 @@ def _quaternion_rates(q: FloatArray, w: FloatArray) -> FloatArray:
     return 0.5 * np.concatenate([[-q[1:] @ w], q[0] * w + skew(q[1:]) @ w])
 
 
-def _euler_rates(angles: FloatArray, w: FloatArray) -> FloatArray:
-    """Rates of yaw, pitch and roll: the inverse of Eq. 78, singular at pitch = +-pi/2."""
-    (sin, cos), pitch = (np.sin(angles[2]), np.cos(angles[2])), angles[1]
-    yaw_rate = (sin * w[1] + cos * w[2]) / np.cos(pitch)
-    return np.array([yaw_rate, cos * w[1] - sin * w[2], w[0] + np.sin(pitch) * yaw_rate])
-
-
 class Attitude(NamedTuple):
-    """Coordinates of a rotation: their kinematics, and how far they are from failing."""
+    """Coordinates of a rotation and their kinematics."""
 
     unturned: FloatArray  # coordinates of R = 1
     rotation: Callable[[FloatArray], FloatArray]  # coordinates -> R (3, 3)
     rates: Callable[[FloatArray, FloatArray], FloatArray]  # coordinates, w (body axes) -> their rates
-    margin: Callable[[FloatArray], float] = lambda coordinates: 1.0  # positive while the coordinates are sound
-    needs: str = ""
 
 
 _ATTITUDES = {
     "heave": Attitude(np.zeros(0), lambda none: np.eye(3), lambda none, w: none),
     "planar": Attitude(np.zeros(1), lambda pitch: Rotation.from_euler("y", pitch[0]).as_matrix(), lambda p, w: w[1:2]),
-    "quaternion": Attitude(
-        np.array([1.0, 0.0, 0.0, 0.0]),
-        _quaternion_rotation,
-        _quaternion_rates,
-        lambda q: NORM_DRIFT - abs(float(np.linalg.norm(q)) - 1.0),
-        f"norm 1 within {NORM_DRIFT:g} of a quaternion; start from a unit quaternion and use a smaller rtol",
-    ),
-    "euler321": Attitude(
-        np.zeros(3),
-        lambda angles: Rotation.from_euler("ZYX", angles).as_matrix(),
-        _euler_rates,
-        lambda angles: np.pi / 2 - LOCK_MARGIN - abs(float(angles[1])),
-        f"|pitch| < pi/2 - {LOCK_MARGIN:g} of yaw, pitch, roll (gimbal lock); use attitude='quaternion'",
-    ),
+    "free": Attitude(np.array([1.0, 0.0, 0.0, 0.0]), _quaternion_rotation, _quaternion_rates),
 }
 _RIGID = {"heave": ((2,), ()), "planar": ((0, 2), (4,)), "free": ((0, 1, 2), (3, 4, 5))}  # among quasi-velocities
 _PARTS = ("position", "attitude", "modal_amplitude", "velocity", "angular_velocity", "modal_amplitude_rate")
@@ -258,13 +231,12 @@ class GeneralScene:
     """One motion of one body under named forces, in the coordinates it needs and no others.
 
     The state vector is (translations, attitude, free modal amplitudes, their velocities): heave; surge, heave and
-    pitch; or three translations and a quaternion (scalar first) or 3-2-1 Euler angles. Velocities are quasi-velocities.
+    pitch; or three translations and a quaternion (scalar first). Velocities are quasi-velocities.
     """
 
     body: Body
     forces: Mapping[str, Force] = field(default_factory=dict)
     motion: Literal["heave", "planar", "free"] = "heave"
-    attitude: Literal["quaternion", "euler321"] = "quaternion"  # of a free body
     motions: FloatArray | None = None  # allowed N (dof, free), heave first, as of `ModeBasis.clamped`; None: all
 
     def __post_init__(self) -> None:
@@ -285,7 +257,7 @@ class GeneralScene:
 
     @property
     def _attitude(self) -> Attitude:
-        return _ATTITUDES[self.attitude if self.motion == "free" else self.motion]
+        return _ATTITUDES[self.motion]
 
     @cached_property
     def sizes(self) -> dict[str, int]:
@@ -337,14 +309,17 @@ class GeneralScene:
         return self.body.kinetic_energy(state), sum(potentials)
 
     def margin(self, time: float, y: FloatArray) -> float:
-        """Return how far the attitude coordinates are from failing: positive while they are sound."""
-        return self._attitude.margin(self._split(y)[1])
+        """Return by how much less than `NORM_DRIFT` the norm of a quaternion is off 1: else R is no rotation."""
+        return NORM_DRIFT - abs(float(np.linalg.norm(self._split(y)[1])) - 1.0) if self.motion == "free" else 1.0
 
     margin.terminal = True  # type: ignore[attr-defined]  # as an event it ends a run of solve_ivp
 
     def failure(self, time: float, y: FloatArray) -> StabilityError:
-        """Return the error that says the attitude coordinates have failed."""
-        return StabilityError(f"t = {time:.6g} s: received attitude {self._split(y)[1]}, needs {self._attitude.needs}.")
+        """Return the error that says the quaternion is no longer one of a rotation."""
+        return StabilityError(
+            f"t = {time:.6g} s: received attitude {self._split(y)[1]}, needs norm 1 within {NORM_DRIFT:g} of a "
+            "quaternion; start from a unit quaternion and use a smaller rtol."
+        )
 
 
 def integrate(
@@ -352,7 +327,7 @@ def integrate(
 ) -> FloatArray:
     """Return the motion of a scene from `start` at time[0], shape (time, state), by DOP853 with step control.
 
-    Raises `StabilityError` if the attitude coordinates fail, at any step and not only at recorded times, or no step is
+    Raises `StabilityError` if the quaternion loses its norm, at any step and not only at recorded times, or no step is
     small enough.
     """
     if scene.margin(time[0], start) <= 0.0:
