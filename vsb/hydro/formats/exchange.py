@@ -60,31 +60,9 @@ def source_checks(ds: xr.Dataset, dofs: Sequence[str] | None = None) -> tuple[li
     return (stored_checks(ds), []) if "quality" in ds.attrs else coefficient_checks(ds, dofs=dofs)
 
 
-def export(
-    database_path: str | Path,
-    folder: str | Path,
-    name: str,
-    formats: Collection[str] = FORMATS,
-    length: float = 1.0,
-    expected_id: str | None = None,
-    inputs: Collection[str | Path] = (),
-) -> list[Path]:
-    """Write a database for other codes and return the files written; none is begun unless all can be made.
-
-    Format `wamit` gives FOLDER/NAME.1, .3, .3fk, .3sc, .hst and .mmx with ULEN = length [m] (`wamit_texts`), format
-    `bemio` FOLDER/NAME.h5 (`bemio_entries`). The database is this project's, with an `expected_id` that one, or
-    capytaine's. Of files of the same name only those that this wrote before are replaced.
-    """
-    if not formats or set(formats) - set(FORMATS):
-        raise DatabaseError(f"formats: received {list(formats)}, needs wamit, bemio or both.")
-    ds = _opened(database_path, expected_id)
-    contents = [item for form in formats for item in _contents(ds, str(database_path), form, length).items()]
-    return _written({Path(folder, f"{name}{ending}"): content for ending, content in contents}, inputs)
-
-
-def _contents(ds: xr.Dataset, source: str, form: str, length: float = 1.0) -> dict[str, Any]:
+def _contents(ds: xr.Dataset, source: str, form: str) -> dict[str, Any]:
     """What files of a format hold, by their endings."""
-    return wamit_texts(ds, source, length) if form == "wamit" else {".h5": bemio_entries(ds, source)}
+    return wamit_texts(ds, source) if form == "wamit" else {".h5": bemio_entries(ds, source)}
 
 
 def _written(contents: Mapping[Path, Any], inputs: Collection[str | Path]) -> list[Path]:
@@ -99,19 +77,17 @@ def _written(contents: Mapping[Path, Any], inputs: Collection[str | Path]) -> li
     return list(contents)
 
 
-def _opened(path: str | Path, expected_id: str | None) -> xr.Dataset:
-    """A database to be exported."""
-    return load_database(path, expected_id) if expected_id else read_source("database", str(path), Water())
-
-
 def exported(
     path: str | Path, folder: str | Path, name: str, expected_id: str | None = None, inputs: Collection[str | Path] = ()
 ) -> list[str]:
     """Write a database in every format that it is complete enough for; return the files, and lines on what is left out.
 
-    Raises `DatabaseError` if it is complete enough for none.
+    WAMIT's are FOLDER/NAME.1, .3, .3fk, .3sc, .hst and .mmx with ULEN = 1 m (`wamit_texts`), BEMIO's is FOLDER/NAME.h5
+    (`bemio_entries`). The database is this project's, with an `expected_id` that one, or capytaine's. Of files of the
+    same name only those that this wrote before are replaced; none is begun unless all can be made. Raises
+    `DatabaseError` if the database is complete enough for no format.
     """
-    ds = _opened(path, expected_id)
+    ds = load_database(path, expected_id) if expected_id else read_source("database", str(path), Water())
     contents: dict[Path, Any] = {}
     missing: list[str] = []
     for form in FORMATS:
