@@ -39,7 +39,7 @@ def independent(plant, time, start):
 
     def rates(_, y):
         wet = DeformedShell(shell.basis, shell.centre_height, plant.motions @ y[:n])
-        force = plant.motions.T @ (wet.hydrostatic_force(plant.water.specific_weight, 1.0, 24) + weight)
+        force = plant.motions.T @ (wet.hydrostatics(plant.water.specific_weight, 1.0, 24)[0] + weight)
         return np.concatenate([y[n:], inverse @ (force - stiffness @ y[:n] - damping @ y[n:])])
 
     done = solve_ivp(rates, (0.0, time[-1]), np.concatenate(start), "DOP853", rtol=1e-8, atol=1e-12, t_eval=time)

@@ -18,7 +18,7 @@ from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.periodic import Trials, periodic_power
 from vsb.integrators.simulate import legs, simulate
-from vsb.integrators.switching import Switching, switched
+from vsb.integrators.switching import Switching
 from vsb.integrators.works import integrated
 from vsb.motion.forces import Damper, EndStop, Excitation, RadiationMemory, Spring, TakeOff
 from vsb.motion.scene import Scene
@@ -134,7 +134,7 @@ def test_motion_agrees_with_an_independent_integrator_and_its_audit_closes(name)
     """Scipy's event location limits the comparison to some 1e-8 with an end stop."""
     law, stop = LAWS[name]
     system = oscillator(law, stop)
-    motion, switches = switched(system, TIME, START)
+    motion, switches = Switching(system).follow(TIME, START)
     expected = reference(law, stop, TIME)
     assert switches > 5
     assert np.abs(motion.position[:, 0] - expected).max() < (2e-7 if stop else 1e-9) * np.abs(expected).max()
@@ -152,7 +152,7 @@ def test_law_without_limits_equals_the_linear_take_off(shell, law):
     linear = {"pto": Damper(law.damping * outer), "spring": Spring(law.stiffness * outer)}
     time, start = np.linspace(0.0, 20.0, 1001), (np.array([0.1, 0.2, -0.1]), np.array([0.3, 0.0, 0.1]))
     system = System.of(replace(shell, forces={**shell.forces, "pto": law}))
-    motion, _ = switched(system, time, start)
+    motion, _ = Switching(system).follow(time, start)
     expected = propagate(System.of(replace(shell, forces={**shell.forces, **linear})), time, start)
     for part in ("position", "velocity", "acceleration", "memory"):
         assert getattr(motion, part) == pytest.approx(getattr(expected, part), abs=1e-11)
@@ -164,7 +164,7 @@ def test_coulomb_friction_decay_has_its_closed_form():
     """2 y'' + 50 y = -F sign y': every half swing ends 2 F/50 closer to zero, until the spring cannot overcome F."""
     system = oscillator(TakeOff(B, np.inf, limit=3.0), waves=None, drag=0.0)
     half = np.pi / 5
-    motion, switches = switched(system, np.arange(0, 201) * half / 20, (np.ones(1), np.zeros(1)))
+    motion, switches = Switching(system).follow(np.arange(0, 201) * half / 20, (np.ones(1), np.zeros(1)))
     turning = motion.position[::20, 0]
     left = 1.0 - 2 * 0.06 * np.arange(len(turning))
     left = np.where(left > 0, left, left[left > 0][-1])
@@ -179,7 +179,7 @@ def test_coulomb_friction_decay_has_its_closed_form():
 def test_stick_slip_has_no_spurious_events(part):
     """Slip starts without velocity and acceleration; round-off alone made it reverse and stick again at once."""
     start = tuple(value * (1 + part * 1e-13) for value in START)
-    _, switches = switched(oscillator(*LAWS["coulomb"]), TIME, start)
+    _, switches = Switching(oscillator(*LAWS["coulomb"])).follow(TIME, start)
     assert switches == 13
 
 
@@ -206,7 +206,7 @@ def test_any_law_respects_its_limit_and_conserves_energy(damping, limit, stroke,
                   np.inf if rng.random() < 0.5 else 0.0)  # fmt: skip
     stop = EndStop(B, stroke, 5e3, 200.0) if rng.random() < 0.5 else None
     system = oscillator(law, stop, drag=float(rng.random()))
-    motion, _ = switched(system, TIME[:401], (rng.normal(size=1) * 0.3, rng.normal(size=1)))
+    motion, _ = Switching(system).follow(TIME[:401], (rng.normal(size=1) * 0.3, rng.normal(size=1)))
     assert residual(energies(system, motion)) < 1e-6
     assert np.abs(motion.forces["pto"]).max() <= limit * (1 + 1e-12)
     assert spring or np.all(motion.forces["pto"] * motion.velocity <= 1e-9)
@@ -280,7 +280,7 @@ def test_methods_for_smooth_forces_refuse_a_switching_take_off():
     system = oscillator(TakeOff(B, 4.0, limit=8.0))
     with pytest.raises(ValueError, match="exact propagation: received nonlinear forces"):
         propagate(system, TIME, START)
-    with pytest.raises(ValueError, match=r"received a take-off that switches, needs smooth forces; use .switched."):
+    with pytest.raises(ValueError, match=r"received a take-off that switches, needs smooth forces; use .Switching."):
         integrate(system, TIME, START, 1e-6)
     with pytest.raises(ValueError, match="harmonic balance: received a latching or declutching take-off; needs"):
         harmonic_balance(

@@ -8,7 +8,7 @@ from conftest import springs
 from scipy.integrate import solve_ivp
 
 from vsb.integrators.audit import energies, residual
-from vsb.integrators.switching import Switching, switched
+from vsb.integrators.switching import Switching
 from vsb.motion.builders import assumed_pressure_scene
 from vsb.motion.forces import AssumedPressure, EndStop, TakeOff
 from vsb.motion.port import LinearPto, port_direction
@@ -54,7 +54,7 @@ def test_motion_agrees_with_an_explicit_method(seed, name):
         return [y[1], force / mass]
 
     expected = solve_ivp(rates, (0.0, DURATION), START, "DOP853", rtol=1e-11, atol=1e-12, t_eval=time, max_step=0.02)
-    found, switches = switched(System.of(one), time, one.start(*START), 1e-9)
+    found, switches = Switching(System.of(one), 1e-9).follow(time, one.start(*START))
     assert switches > 8
     assert found.position[:, 0] == pytest.approx(expected.y[0], abs=2e-7 * np.abs(expected.y[0]).max())
 
@@ -66,7 +66,7 @@ def test_energy_audit_closes_and_forces_balance(seed, name):
     one = scene(seed, 2, law, stop)
     system, time = System.of(one), np.linspace(0.0, DURATION, 401)
     y, rate = one.start(*START)
-    motion, switches = switched(system, time, (one.rest + y, rate), 1e-7)
+    motion, switches = Switching(system, 1e-7).follow(time, (one.rest + y, rate))
     assert switches > 3
     assert residual(energies(system, motion)) < 1e-6
     assert motion.acceleration @ one.mass == pytest.approx(sum(system.forces(motion).values()), abs=1e-5)
@@ -86,7 +86,7 @@ def test_energy_audit_closes_at_a_port_of_strain(seed, name):
     one = replace(one, forces={**one.forces, "pto": replace(law, direction=area)})
     system, time = System.of(one), np.linspace(0.0, 1.3, 131)
     y, rate = one.start(*START)
-    motion, switches = switched(system, time, (one.rest + y, rate), 1e-7)
+    motion, switches = Switching(system, 1e-7).follow(time, (one.rest + y, rate))
     energy = energies(system, motion)
     assert switches >= 3  # slips, sticks, slips; one more where rounding decides the sign of the first velocity
     assert residual(energy) < 1e-6
@@ -126,7 +126,7 @@ def test_springs_and_stops_act_from_the_rest_position(seed):
         assert there.force(0.0, q + 0.05, v) == pytest.approx(here.force(0.0, q, v), rel=1e-12)
     one = scene(seed, 0, *moved)
     system, time = System.of(one), np.linspace(0.0, DURATION, 201)
-    motion, _ = switched(system, time, one.start(*START))
+    motion, _ = Switching(system).follow(time, one.start(*START))
     named = one.named(time, motion.position, motion.velocity)
     for name in ("pto", "end_stop"):
         assert motion.forces[name] == pytest.approx(named[name], abs=1e-6)

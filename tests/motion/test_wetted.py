@@ -52,7 +52,7 @@ def uniform_twin(basis, height, q, points=120):
 def test_compiled_and_plain_forces_agree(full, modal, height):
     q = np.array([0.1, *modal])
     static, uniform, _ = compiled(full, height, q)
-    assert static == pytest.approx(DeformedShell(full, height, q).hydrostatic_force(1.0, 1.0, 120), abs=2e-11)
+    assert static == pytest.approx(DeformedShell(full, height, q).hydrostatics(1.0, 1.0, 120)[0], abs=2e-11)
     assert uniform == pytest.approx(uniform_twin(full, height, q), abs=2e-11)
 
 
@@ -60,7 +60,7 @@ def test_compiled_and_plain_forces_agree(full, modal, height):
 def test_several_waterlines(full, height):
     q = amplitudes(full, **ONE_DIP)
     static, uniform, _ = compiled(full, height, q)
-    assert static == pytest.approx(DeformedShell(full, height, q).hydrostatic_force(1.0, 1.0, 200), abs=1e-11)
+    assert static == pytest.approx(DeformedShell(full, height, q).hydrostatics(1.0, 1.0, 200)[0], abs=1e-11)
     assert uniform == pytest.approx(uniform_twin(full, height, q, 200), abs=1e-11)
 
 
@@ -98,7 +98,7 @@ def test_compiled_and_plain_forces_of_any_meridian_agree(meridian):
         q = np.concatenate([[0.05], 0.03 * np.cos(np.arange(1.0, 7.0))])
         static, uniform, _ = (part[0] for part in WetShell(basis, height).forces(q[None]))
         shell = DeformedShell(basis, height, q)
-        assert static == pytest.approx(shell.hydrostatic_force(1.0, 1.0, 120), abs=1e-10)
+        assert static == pytest.approx(shell.hydrostatics(1.0, 1.0, 120)[0], abs=1e-10)
         plain = -2 * np.pi * wet_integral(shell, lambda m: m.x * (-m.dz * m.shape_x + m.dx * m.shape_z), 120)
         assert uniform == pytest.approx(plain, abs=1e-10)
 

@@ -7,7 +7,7 @@ from conftest import SEED, only_run, varied
 from benchmarks.hard_cases import hydro_files
 from vsb.integrators.periodic import periodic_power
 from vsb.integrators.simulate import legs, simulate
-from vsb.integrators.switching import switched
+from vsb.integrators.switching import Switching
 from vsb.motion.constrained import constrained_optimum, optimum_in_sea
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.forces import Damper, Excitation, Spring, TakeOff
@@ -86,7 +86,7 @@ def test_latching_beats_the_optimal_damper_and_stays_below_the_force_bound(latch
     assert best.time == pytest.approx(np.pi / 2 - np.pi / 5, rel=0.12)
     assert 5 * passive(sea, np.abs(impedance(sea.omega)))[0] < best.power < matched(sea)
     system = System.of(with_latching_time(held, best.time))
-    motion, _ = switched(system, np.linspace(0.0, 80 * np.pi, 80 * 64 + 1), (np.zeros(1), np.zeros(1)))
+    motion, _ = Switching(system).follow(np.linspace(0.0, 80 * np.pi, 80 * 64 + 1), (np.zeros(1), np.zeros(1)))
     taken = (motion.works["pto"][-1] - motion.works["pto"][-641]) / (10 * np.pi)
     assert best.power == pytest.approx(taken, rel=2 * STEADY)
     force, stroke = (np.abs(x[-641:]).max() for x in (motion.forces["pto"], motion.position))

@@ -10,7 +10,7 @@ from conftest import only_run, varied
 from benchmarks.hard_cases import hydro_files
 from vsb.errors import ConfigError
 from vsb.integrators.simulate import legs
-from vsb.integrators.switching import switched
+from vsb.integrators.switching import Switching
 from vsb.motion.damper_matrix import best_matrix
 from vsb.motion.forces import Damper, EndStop, Excitation, Spring, TakeOff
 from vsb.motion.port import LinearPto, Port, port_direction
@@ -53,7 +53,7 @@ def test_every_piecewise_linear_law_acts_on_heave_within_its_limit(plant, law):
     assert (force.latching_damping == 0.0) == (law == "declutching")
     assert force.direction.tolist() == [1.0, 0.0]
     assert "end_stop" not in scene.forces
-    motion, _ = switched(System.of(scene), np.linspace(0.0, 10.0, 501), (np.zeros(2), np.zeros(2)))
+    motion, _ = Switching(System.of(scene)).follow(np.linspace(0.0, 10.0, 501), (np.zeros(2), np.zeros(2)))
     assert np.abs(motion.forces["pto"]).max() == pytest.approx(3.0)
 
 
@@ -63,7 +63,7 @@ def test_end_stop_is_stiff_and_critically_damped(plant):
     assert isinstance(stop, EndStop)
     assert stop.stiffness == pytest.approx(100 * 50.0)
     assert stop.damping == pytest.approx(2 * np.sqrt(stop.stiffness / inverse))
-    motion, _ = switched(System.of(scene), np.linspace(0.0, 10.0, 501), (np.zeros(2), np.zeros(2)))
+    motion, _ = Switching(System.of(scene)).follow(np.linspace(0.0, 10.0, 501), (np.zeros(2), np.zeros(2)))
     given_way = np.abs(motion.position[:, 0]).max() - 0.2
     lossless = np.abs(motion.velocity[:, 0]).max() / np.sqrt(stop.stiffness * inverse)  # V sqrt(m/k)
     assert 0.2 * lossless < given_way < 0.6 * lossless  # 1/e of it where damping is critical, the waves' push besides

@@ -59,11 +59,11 @@ class Step(NamedTuple):
         return np.asarray(np.arange(1, NODES) * parts - 1)
 
 
-def step_of(system: System, span: float, parts: int) -> Step:
-    """Return the matrices of a step of so many parts."""
-    part, width = phi_integrals(system.matrix, system.input, span / parts, NODES), (NODES - 1) / parts
+def step_of(matrix: FloatArray, inputs: FloatArray, span: float, parts: int) -> Step:
+    """Return the matrices of a step of z' = A z + B f of so many parts, A (state, state) and B (state, free)."""
+    part, width = phi_integrals(matrix, inputs, span / parts, NODES), (NODES - 1) / parts
     basis = lagrange(np.arange(float(NODES)))
-    order, free = system.input.shape
+    order, free = inputs.shape
     whole, forced = [part.exponential], []
     response = np.zeros((order, NODES * free))
     for i in range(parts):
@@ -121,7 +121,9 @@ class Collocation:
     def step(self, level: int) -> Step:
         """Return the step of dt 2^level."""
         if level not in self._steps:
-            self._steps[level] = step_of(self.system, self.dt * 2.0**level, max(PARTS, 2 ** max(level, 0)))
+            self._steps[level] = step_of(
+                self.system.matrix, self.system.input, self.dt * 2.0**level, max(PARTS, 2 ** max(level, 0))
+            )
         return self._steps[level]
 
     @cached_property

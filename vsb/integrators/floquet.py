@@ -7,13 +7,11 @@ from collections.abc import Callable
 from functools import reduce
 
 import numpy as np
-from scipy.linalg import expm
 
 from vsb.errors import ConvergenceError
+from vsb.integrators.collocation import NODES, step_of
 from vsb.tools.arrays import ComplexArray, FloatArray
 
-NODES = 5
-"""Instants of a step."""
 SAMPLES = (32, 128, 512, 2048)
 """Samples of a period tried for its multipliers."""
 AGREEMENT = 1e-7
@@ -80,26 +78,6 @@ def hill_matrix(matrix: ComplexArray, count: int) -> FloatArray:
     return np.ascontiguousarray(blocks.transpose(0, 2, 4, 1, 3, 5))
 
 
-def _step(matrix: FloatArray, free: int, spacing: float) -> tuple[FloatArray, FloatArray]:
-    """Exponentials exp(i d A) at the nodes after the first, and responses there to forces at all nodes.
-
-    The forces are a polynomial through the nodes. One exponential of [[A, B, 0, ...], [0, 0, I/d, 0, ...], ...] holds
-    the responses to all powers of time, (i d)^k in node distances.
-    """
-    size, width = len(matrix), len(matrix) + NODES * free
-    block = np.zeros((width, width))
-    block[:size, :size] = spacing * matrix
-    block[free : 2 * free, size : size + free] = spacing * np.eye(free)
-    for k in range(1, NODES):
-        chain = size + k * free
-        block[chain - free : chain, chain : chain + free] = k * np.eye(free)
-    one = expm(block)
-    powers = np.array([np.linalg.matrix_power(one, i)[:size] for i in range(1, NODES)])
-    monomials = powers[:, :, size:].reshape(NODES - 1, size, NODES, free)
-    lagrange = np.linalg.inv(np.vander(np.arange(NODES), increasing=True))
-    return powers[:, :, :size], np.einsum("iskf,kj->isjf", monomials, lagrange)
-
-
 def monodromy(matrix: FloatArray, coupling: FloatArray, period: float) -> FloatArray:
     """Return the change of z over a period of z' = (A + B W(t) P) z, shape (state, state).
 
@@ -118,7 +96,8 @@ def monodromy(matrix: FloatArray, coupling: FloatArray, period: float) -> FloatA
     """
     (_, free, seen), size, inner = coupling.shape, len(matrix), NODES - 1
     steps = len(coupling) // inner
-    exact, forced = _step(matrix, free, period / len(coupling))
+    step = step_of(matrix, np.eye(size, free, -free), period / steps, inner)  # forces act on the rates
+    exact, forced = step.free, step.forced.reshape(inner, size, NODES, free)
     nodes = coupling[(inner * np.arange(steps)[:, None] + np.arange(NODES)) % len(coupling)]
     first = np.concatenate([nodes[:, 0], np.zeros((steps, free, size - seen))], axis=2)  # W P z at the start
     mutual = np.einsum("iajf,sjfg->siajg", forced[:, :seen, 1:], nodes[:, 1:]).reshape(steps, inner * seen, -1)

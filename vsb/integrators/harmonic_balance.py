@@ -87,14 +87,9 @@ class PeriodicScene:
         return self.system.waves[0] if len(self.system.waves) else np.zeros(self.system.free, dtype=complex)
 
     @property
-    def size(self) -> float:
-        """Length no amplitude is measured against if smaller [m]."""
-        return self.system.size
-
-    @property
     def reach(self) -> float:
         """Displacement beyond which an orbit is given up [m]."""
-        return 1e7 * self.size or np.inf
+        return 1e7 * self.system.size or np.inf
 
     def states(self, harmonics: ComplexArray, phase: FloatArray) -> FloatArray:
         """Return z of the modes and their rates along an orbit, shape (phase, 2 free)."""
@@ -113,7 +108,7 @@ class PeriodicScene:
         count, free = len(z), self.system.free
         if self.system.linear:
             return np.zeros((count, free, free))
-        step = self.size / np.abs(self.system.shapes).max(axis=0)
+        step = self.system.size / np.abs(self.system.shapes).max(axis=0)
         steps, moves = step, step * self.system.scale
         if self.system.not_compiled:
             steps, moves = (np.append(x, self.omega * step) for x in (steps, moves))
@@ -137,7 +132,7 @@ class PeriodicScene:
 
     def amplitude(self, harmonics: ComplexArray) -> float:
         """Return the largest amplitude of any coordinate [m], no less than `size`."""
-        return max(largest(harmonics[1:] @ self.system.modes.T), self.size) or 1.0
+        return max(largest(harmonics[1:] @ self.system.modes.T), self.system.size) or 1.0
 
 
 COUPLED, HIGHEST = 16, 1024
@@ -256,7 +251,7 @@ def balanced(scene: PeriodicScene, orbit: Orbit, tolerance: float) -> Orbit | No
         step = orbit.newton.step(orbit.impedance, (scene.forced(orbit.harmonics, phase) - orbit.inertial)[:count])
         u, change = orbit.harmonics + step, largest(step @ scene.system.modes.T)
         orbit = orbit._replace(harmonics=u, iterations=orbit.iterations + 1)
-        if change <= max(0.01 * tolerance * scene.amplitude(u), 1e-7 * scene.size):
+        if change <= max(0.01 * tolerance * scene.amplitude(u), 1e-7 * scene.system.size):
             return orbit
         if not largest(u @ scene.system.modes.T) < scene.reach:
             return None

@@ -446,7 +446,11 @@ class Switching:
         return min(zeros)
 
     def follow(self, time: FloatArray, start: tuple[FloatArray, ...]) -> tuple[Motion, int]:
-        """Return the motion at equally spaced instants, from its start or a leg's end, and the number of switches."""
+        """Return the motion at equally spaced instants, from its start or a leg's end, and the number of switches.
+
+        Raises `ConvergenceError` if the take-off switches without end, or a body-exact motion is not followed to the
+        tolerance.
+        """
         steps = len(time) - 1
         block = max(1, AT_ONCE // self.finer(float(time[1] - time[0])))
         blocks, switches = [], 0
@@ -491,23 +495,3 @@ class Switching:
             phase, _ = self.phase(mode, track.lookout)
             out.setdefault(Piece(phase, self.taken(mode), self.stopped(mode)), []).extend(own)
         return {piece: sorted(own) for piece, own in out.items()}
-
-
-def switched(
-    system: System, time: FloatArray, start: tuple[FloatArray, ...], tolerance: float = 1e-6
-) -> tuple[Motion, int]:
-    """Return the motion of a scene with a switching take-off at equally spaced instants, and the number of switches.
-
-    Raises `ConvergenceError` if the take-off switches without end, or a body-exact motion is not followed to the
-    tolerance; `ValueError` if the scene has no switching take-off, or other nonlinear forces.
-
-    Parameters
-    ----------
-    system : System
-        Linear or body-exact except for a `TakeOff` and perhaps an `EndStop`.
-    time, start
-        See `vsb.integrators.exact.propagate`.
-    tolerance : float
-        Of a body-exact motion, relative to the largest norm of the state.
-    """
-    return Switching(system, tolerance).follow(time, start)

@@ -217,7 +217,7 @@ class System:
     def check_smooth(self) -> None:
         """Check that no force switches: compiled steps know smooth forces only; raises `ValueError`."""
         if self.switching:
-            raise ValueError("received a take-off that switches, needs smooth forces; use `switched`.")
+            raise ValueError("received a take-off that switches, needs smooth forces; use `Switching`.")
 
     def check_compiled(self) -> None:
         """Check that the compiled n holds all nonlinear forces; raises `ValueError`."""
