@@ -72,7 +72,7 @@ def test_harmonics_outside_the_band_match_plain_sums(harmonics):
     np.testing.assert_allclose(harmonics.phasors_outside(weights), outside @ weights, atol=1e-10)
     c, d = (rng.normal(size=(2, n)).T @ [1, 1j] for n in (harmonics.count, len(harmonics.outside)))
     expected = harmonics.signal(c, 8) + (d @ outside.conj()).real
-    np.testing.assert_allclose(harmonics.signal_with(c, d, 8), expected, atol=1e-10)
+    np.testing.assert_allclose(harmonics.signal(c, 8, d), expected, atol=1e-10)
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ def amplitudes(full, **by_label):
 def test_dry_and_submerged_shells_and_several_waterlines(full):
     assert DeformedShell(full, 2.5).wet_segments == []
     assert DeformedShell(full, 2.5).volume() == 0.0
-    assert np.all(DeformedShell(full, 2.5).hydrostatic_force(RHO, G) == 0.0)
+    assert np.all(DeformedShell(full, 2.5).hydrostatics(RHO, G)[0] == 0.0)
     assert DeformedShell(full, -2.5).wet_segments == [(0.0, np.pi)]
     assert DeformedShell(full, -2.5).volume() == pytest.approx(4 / 3 * np.pi * 8, rel=1e-12)
     dented = DeformedShell(full, -1.7, amplitudes(full, Bending6=-0.4))  # the top pole dips under, a ring stays out
@@ -40,7 +40,7 @@ def test_dry_and_submerged_shells_and_several_waterlines(full):
 def test_buoyancy_is_the_weight_of_the_displaced_water(full, modal, height):
     """Archimedes for any deformed shape."""
     shell = DeformedShell(full, height, np.array([0.0, *modal]))
-    assert shell.hydrostatic_force(RHO, G)[0] == pytest.approx(RHO * G * shell.volume(), rel=1e-10)
+    assert shell.hydrostatics(RHO, G)[0][0] == pytest.approx(RHO * G * shell.volume(), rel=1e-10)
 
 
 CROSSING = {"Bending6": -0.4}
@@ -55,7 +55,7 @@ def test_hydrostatic_stiffness_is_the_symmetric_jacobian(full, height):
 
     def central(j, h):
         ahead, behind = (
-            DeformedShell(full, height, start + s * np.eye(13)[j]).hydrostatic_force(RHO, G) for s in (h, -h)
+            DeformedShell(full, height, start + s * np.eye(13)[j]).hydrostatics(RHO, G)[0] for s in (h, -h)
         )
         return (behind - ahead) / (2 * h)
 

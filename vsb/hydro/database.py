@@ -237,8 +237,12 @@ def with_symmetrized(ds: xr.Dataset) -> xr.Dataset:
     names = [n for n in ("added_mass", "radiation_damping", "added_mass_inf", "added_mass_zero") if n in ds]
     swapped = {"influenced_dof": "radiating_dof", "radiating_dof": "influenced_dof"}
     even = {name: 0.5 * (ds[name] + ds[name].rename(swapped).transpose(*ds[name].dims)) for name in names}
-    history = (ds.attrs.get("history", "") + "; added mass and damping symmetrized").lstrip("; ")
-    return ds.assign(even).assign_attrs(ds.attrs, history=history)
+    return with_history(ds.assign(even), "added mass and damping symmetrized")
+
+
+def with_history(ds: xr.Dataset, entry: str) -> xr.Dataset:
+    """Return the dataset with one more entry in its history."""
+    return ds.assign_attrs(history=f"{ds.attrs.get('history', '')}; {entry}".lstrip("; "))
 
 
 def with_structure(ds: xr.Dataset, reference: ReferenceShell) -> xr.Dataset:

@@ -12,7 +12,7 @@ import xarray as xr
 from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
-from vsb.hydro.database import transformed
+from vsb.hydro.database import transformed, with_history
 from vsb.hydro.dofs import Displacement, displacements
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.variables import PAIR
@@ -65,16 +65,17 @@ def with_haskind_damping(ds: xr.Dataset, order: int, depth: float, density: floa
     may be negative; the check `haskind` bounds the change.
     """
     damping = haskind_damping(ds, depth, density, gravity, order).real
-    history = f"{ds.attrs.get('history', '')}; damping of order {order} from excitation (Haskind)".lstrip("; ")
-    return ds.assign(radiation_damping=(ds.radiation_damping.dims, damping)).assign_attrs(ds.attrs, history=history)
+    made = ds.assign(radiation_damping=(ds.radiation_damping.dims, damping))
+    return with_history(made, f"damping of order {order} from excitation (Haskind)")
 
 
-def heading_share(order: int, direction: float) -> float:
-    """Return the excitation of an order by waves going to a direction [rad], relative to the largest [-].
+def heading_shares(orders: IntArray | int, direction: float) -> FloatArray:
+    """Return the excitation of orders by waves going to a direction [rad], relative to the largest, (order,) [-].
 
     cos m(theta - beta) = cos(m theta) cos(m beta) + sin(m theta) sin(m beta); negative orders go with the sine.
     """
-    return float(np.sin(-order * direction) if order < 0 else np.cos(order * direction))
+    turned = np.multiply(orders, direction)
+    return np.where(np.less(orders, 0), -np.sin(turned), np.cos(turned))
 
 
 def own_heading(order: int) -> float:
@@ -89,7 +90,7 @@ def headings(orders: Sequence[int]) -> list[float]:
 
 def in_headings(ds: xr.Dataset, order: int, directions: Sequence[float]) -> xr.Dataset:
     """Return coefficients of an order, known for the direction of largest excitation, in waves of directions [rad]."""
-    share = xr.DataArray([heading_share(order, at) for at in directions], dims="wave_direction")
+    share = xr.DataArray([float(heading_shares(order, at)) for at in directions], dims="wave_direction")
     turned = {
         name: (data.isel(wave_direction=0, drop=True) * share).transpose(*data.dims)
         for name, data in ds.data_vars.items()
@@ -159,11 +160,6 @@ def most_exciting(ds: xr.Dataset, name: str) -> ComplexArray:
     return found
 
 
-def heading_shares(orders: IntArray, direction: float) -> FloatArray:
-    """Return `heading_share` of degrees of freedom by their orders, shape (dof,) [-]."""
-    return np.array([heading_share(int(order), direction) for order in orders])
-
-
 @dataclass(frozen=True, eq=False)
 class Directions:
     """Directions of waves that differ from frequency to frequency."""
@@ -186,13 +182,6 @@ def order_groups(ds: xr.Dataset) -> dict[int, IntArray]:
     """Return the indices of the degrees of freedom of each azimuthal order, ascending, sines after cosines."""
     orders = orders_of(ds)
     return {int(m): np.flatnonzero(orders == m) for m in sorted(np.unique(orders), key=lambda m: (abs(m), -m))}
-
-
-def of_order(ds: xr.Dataset, order: int) -> xr.Dataset:
-    """Return the part of a database of one azimuthal order."""
-    group = order_groups(ds)[order]
-    dims = {dim: group for dim in PAIR if dim in ds.dims}
-    return ds.isel(dims).drop_vars(ORDER, errors="ignore")
 
 
 def with_order_structure(ds: xr.Dataset, basis: OrderBasis, stiffness: Mapping[str, FloatArray]) -> xr.Dataset:

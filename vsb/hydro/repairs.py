@@ -15,7 +15,7 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError
-from vsb.hydro.database import Check
+from vsb.hydro.database import Check, with_history
 from vsb.hydro.formats.checks import sizes
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.variables import PAIR
@@ -69,7 +69,7 @@ def with_passive_damping(ds: xr.Dataset) -> xr.Dataset:
     mended[np.ix_(changed, wet, wet)] = kept[changed] * scale  # the others stay as they are
     count = f"{np.count_nonzero(changed)} of {len(omega)} frequencies"
     mended_at = ds.assign(radiation_damping=(("omega", *PAIR), mended))
-    return _with_history(mended_at, f"damping made positive definite at {count}")
+    return with_history(mended_at, f"damping made positive definite at {count}")
 
 
 def _assembled(vectors: FloatArray, values: FloatArray) -> FloatArray:
@@ -88,7 +88,7 @@ def with_causal_added_mass(ds: xr.Dataset) -> xr.Dataset:
     change = DampingSpectrum(omega, ds.radiation_damping.values).added_mass_difference(omega)
     limit = np.median(ds.added_mass.values - change, axis=0)
     made = {"added_mass": (("omega", *PAIR), limit + change), "added_mass_inf": (PAIR, limit)}
-    return _with_history(ds.assign(made), "added mass made that of the damping by Kramers and Kronig")
+    return with_history(ds.assign(made), "added mass made that of the damping by Kramers and Kronig")
 
 
 def with_conjugated_forces(ds: xr.Dataset) -> tuple[xr.Dataset, Check]:
@@ -98,15 +98,10 @@ def with_conjugated_forces(ds: xr.Dataset) -> tuple[xr.Dataset, Check]:
     check of `phases` now fails.
     """
     forces = [name for name in ("excitation_force", "Froude_Krylov_force", "diffraction_force") if name in ds]
-    mended = _with_history(ds.assign({name: np.conj(ds[name]) for name in forces}), "wave forces conjugated")
+    mended = with_history(ds.assign({name: np.conj(ds[name]) for name in forces}), "wave forces conjugated")
     mended.attrs.pop("quality", None)
     text = f"{', '.join(forces)} replaced by their complex conjugates"
     return mended, Check("repaired phases", 0.0, 0.0, "-", "doubt", text)
-
-
-def _with_history(ds: xr.Dataset, entry: str) -> xr.Dataset:
-    """Database with one more entry in its history."""
-    return ds.assign_attrs(history=f"{ds.attrs.get('history', '')}; {entry}".lstrip("; "))
 
 
 def with_symmetric_stiffness(ds: xr.Dataset) -> tuple[xr.Dataset, list[Check]]:
@@ -129,7 +124,7 @@ def with_symmetric_stiffness(ds: xr.Dataset) -> tuple[xr.Dataset, list[Check]]:
     text = f"stiffness of still water is symmetric, as an energy's; most between {labels[i]} and {labels[j]}; made so"
     largest = float(uneven.max())
     check = Check("hydrostatic_symmetry", largest, _UNEVEN, "-", "doubt" if largest > _UNEVEN else "ok", text)
-    return _with_history(mended, "hydrostatic stiffness made symmetric"), [check]
+    return with_history(mended, "hydrostatic stiffness made symmetric"), [check]
 
 
 _REPAIRS: dict[str, tuple[Callable[[xr.Dataset], xr.Dataset], str, str, str]] = {

@@ -45,13 +45,8 @@ from vsb.study.quantities import content_id
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.files import load, save
 
-COEFFICIENTS = {
-    "added_mass": ("kg", "kg/m", "kg/m^2"),
-    "radiation_damping": ("kg/s", "kg/(m s)", "kg/(m^2 s)"),
-    "excitation_force": ("N/m", "N/m^2", "N/m^3"),
-    "added_mass_inf": ("kg", "kg/m", "kg/m^2"),
-}
-"""Coefficients that depend on the shape; units of value, first and second derivative."""
+COEFFICIENTS = ("added_mass", "radiation_damping", "excitation_force", "added_mass_inf")
+"""Coefficients that depend on the shape."""
 
 
 class Line(NamedTuple):
@@ -247,15 +242,10 @@ class ShapeFamily:
 
     @cached_property
     def derivatives(self) -> xr.Dataset:
-        """Coefficients, `<name>_slope`, `<name>_curvature`, `<name>_slope_error`, with their units."""
-        parts = {"": self.centre, "_slope": self.slopes, "_curvature": self.curvatures}
-        named = {
-            f"{name}{suffix}": ds[name].assign_attrs(units=unit)
-            for name, units in COEFFICIENTS.items()
-            for (suffix, ds), unit in zip(parts.items(), units, strict=True)
-        }
-        errors = {f"{name}_slope_error": e.assign_attrs(units="1") for name, e in self.slope_errors.items()}
-        return xr.Dataset({**named, **errors})
+        """Coefficients, `<name>_slope`, `<name>_curvature`, `<name>_slope_error`."""
+        parts = {"_slope": self.slopes, "_curvature": self.curvatures, "_slope_error": self.slope_errors}
+        renamed = [ds.rename({name: f"{name}{suffix}" for name in COEFFICIENTS}) for suffix, ds in parts.items()]
+        return xr.merge([self.centre, *renamed])
 
     def expansion(self, modal_amplitude: FloatArray, order: int) -> xr.Dataset:
         """Return the coefficients at amplitudes (dof,) [m] to order 1 or 2; else `ConfigError`."""

@@ -95,8 +95,7 @@ def sensitivity(
     adjoint = forced / (1 + port.admittance * load)[:, None]
     power = float(np.sum(0.5 * squares * load.real * np.abs(velocity) ** 2))
     if not power > 0:
-        none = np.zeros((*free.shape, free.shape[1]))
-        return Sensitivity(none, none, np.zeros_like(free), none)
+        return _none(free)
     weight = squares * load.real * velocity.conj() * (-1j * omega) / power
     towards = weight[:, None] * adjoint
     return _by_coefficients(omega, towards, -towards[:, :, None] * response[:, None, :])
@@ -124,8 +123,7 @@ def sensitivity_at_ports(
     force = ports.velocity_under(damping) @ damping
     power = float(squares @ ports.power(damping))
     if not power > 0:
-        none = np.zeros((*free.shape, free.shape[1]))
-        return Sensitivity(none, none, np.zeros_like(free), none)
+        return _none(free)
     response = free - (forced @ force[..., None])[..., 0]
     weight = (-1j * ports.omega * squares / power)[:, None] * force.conj()
     beside = np.linalg.solve(np.eye(len(damping)) + damping @ ports.admittance, weight[..., None])
@@ -162,15 +160,19 @@ def sensitivity_of_forces(
     the stroke is not counted.
     """
     free, forced = moved
-    count, size = free.shape
     if not power > 0:
-        none = np.zeros((count, size, size))
-        return Sensitivity(none, none, np.zeros_like(free), none)
+        return _none(free)
     response = waves[..., None] * free - forces[..., None] * forced
     weight = -0.5j * omega * shares[:, None] * forces.conj() / power
     towards = np.sum(weight * waves, axis=0)[:, None] * forced
     stiffness = -forced[:, :, None] * np.einsum("sw,swj->wj", weight, response)[:, None, :]
     return _by_coefficients(omega, towards, stiffness)
+
+
+def _none(free: ComplexArray) -> Sensitivity:
+    """Of a port that absorbs nothing, whose free motion is (omega, dof)."""
+    none = np.zeros((*free.shape, free.shape[1]))
+    return Sensitivity(none, none, np.zeros_like(free), none)
 
 
 def _by_coefficients(omega: FloatArray, towards: ComplexArray, stiffness: ComplexArray) -> Sensitivity:

@@ -320,7 +320,7 @@ def _linear_between_nodes(
     stroke = (velocity - band * force) / (-1j * harmonics.omega)
     power = float(np.sum((force.conj() * velocity).real - band.real * np.abs(force) ** 2) / 2)
     power -= float(np.sum(rest.real * np.abs(beyond) ** 2) / 2)
-    moved = harmonics.signal_with(stroke, -rest * beyond / (-1j * outside), BETWEEN)
+    moved = harmonics.signal(stroke, BETWEEN, -rest * beyond / (-1j * outside))
     moved -= mean * port.compliance if mean else 0.0
     following = np.append(values[1:], -values[0] if harmonics.first % 1 else values[0])
     rms = float(np.sqrt(np.mean(values**2 + values * following + following**2) / 3))
@@ -341,7 +341,7 @@ def _refined(harmonics: Harmonics, port: Port, velocity: ComplexArray, limit: fl
     def negative_power(u: FloatArray) -> tuple[float, FloatArray]:
         f, g = inside * harmonics.phasors(u), beyond * harmonics.phasors_outside(u)
         power = np.sum((f.conj() * velocity).real - loss * np.abs(f) ** 2) / 2 - np.sum(lost * np.abs(g) ** 2) / 2
-        slope = harmonics.signal_with(inside * (velocity / 2 - loss * f), -beyond * lost * g, NODES)
+        slope = harmonics.signal(inside * (velocity / 2 - loss * f), NODES, -beyond * lost * g)
         return -float(power) / found.power, -slope / found.power
 
     best = minimize(

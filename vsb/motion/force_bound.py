@@ -109,33 +109,30 @@ class Harmonics:
         """Frequencies at which a port must be given: those of the band, then those outside [rad/s]."""
         return np.concatenate([self.omega, self.outside])
 
-    def signal(self, phasors: ComplexArray, finer: int = 1) -> FloatArray:
-        """Return Re sum c_k exp(-i omega_k t) on the instants or some times as many, shape (instant,)."""
-        count = finer * self.instants
-        padded = np.zeros(count, dtype=complex)
-        whole = int(self.first)
-        padded[whole : whole + self.count] = phasors
+    def signal(self, phasors: ComplexArray, finer: int = 1, outside: ComplexArray | None = None) -> FloatArray:
+        """Return Re sum c_k exp(-i omega_k t) on the instants or some times as many, shape (instant,).
+
+        With the phasors of the harmonics outside the band, shape (outside,), if given.
+        """
+        padded = np.zeros(finer * self.instants, dtype=complex)
+        padded[int(self.first) : int(self.first) + self.count] = phasors
+        if outside is not None:
+            padded[self._orders_outside] = outside
         values = fft(padded)
-        return np.asarray((values * _half_turns(count) if self.first % 1 else values).real)
+        return np.asarray((values * _half_turns(len(padded)) if self.first % 1 else values).real)
 
     def phasors(self, weights: FloatArray) -> ComplexArray:
         """Return sum_j w_j exp(i omega_k t_j), shape (harmonic,): the adjoint of `signal`."""
-        turned = ifft(weights * _half_turns(len(weights)).conj() if self.first % 1 else weights) * len(weights)
-        whole = int(self.first)
-        return np.asarray(turned[whole : whole + self.count])
+        return self._transform(weights)[int(self.first) : int(self.first) + self.count]
 
     def phasors_outside(self, weights: FloatArray) -> ComplexArray:
         """Return `phasors` at the frequencies outside the band, shape (outside,)."""
-        turned = ifft(weights * _half_turns(len(weights)).conj() if self.first % 1 else weights) * len(weights)
-        return np.asarray(turned[self._orders_outside])
+        return self._transform(weights)[self._orders_outside]
 
-    def signal_with(self, phasors: ComplexArray, outside: ComplexArray, finer: int) -> FloatArray:
-        """Return the signal of harmonics in and outside the band on a refined time grid, shape (instant,)."""
-        padded = np.zeros(finer * self.instants, dtype=complex)
-        padded[int(self.first) : int(self.first) + self.count] = phasors
-        padded[self._orders_outside] = outside
-        values = fft(padded)
-        return np.asarray((values * _half_turns(len(padded)) if self.first % 1 else values).real)
+    def _transform(self, weights: FloatArray) -> ComplexArray:
+        """Sums of w_j exp(i omega t_j) at all frequencies of the spacing, half a spacing up for half whole orders."""
+        turned = weights * _half_turns(len(weights)).conj() if self.first % 1 else weights
+        return np.asarray(ifft(turned) * len(weights))
 
     def products(self, weights: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Return sums of w_j e_k conj(e_l) over k - l, of w_j e_k e_l over k + l, e_k = exp(i omega_k t_j).

@@ -6,7 +6,6 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import eigh, null_space
-from scipy.sparse.csgraph import connected_components
 
 from vsb.hydro.database import Coefficients
 from vsb.motion.damper_matrix import Ports
@@ -70,7 +69,7 @@ class LinearEquation:
         """
         load = np.broadcast_to(allowed_part(direction, motions), (len(self.omega), motions.shape[1]))
         loads = np.stack([self.water.excitation @ motions, load], axis=-1)
-        solved = solved_by_parts(motions.T @ self.dynamic_stiffness @ motions, loads)
+        solved = np.linalg.solve(motions.T @ self.dynamic_stiffness @ motions, loads)
         return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
 
     def port(self, motions: FloatArray, direction: FloatArray) -> Port:
@@ -123,20 +122,6 @@ class LinearEquation:
         yields = compliance(motions.T @ self.stiffness @ motions, allowed)
         port = Port(self.omega, loss + 1j * (rate * (forced @ along)).imag, rate * (free @ along), yields)
         return port.behind(self.chamber)
-
-
-def solved_by_parts(matrices: ComplexArray, loads: ComplexArray) -> ComplexArray:
-    """Return the solutions of linear equations, (omega, free, load), each uncoupled part of them by itself.
-
-    Azimuthal orders, which only a mooring couples, are such parts.
-    """
-    count, part = connected_components(np.asarray(matrices.any(axis=0)), directed=False)
-    if count == 1:
-        return np.asarray(np.linalg.solve(matrices, loads))
-    found = np.empty_like(loads, dtype=complex)
-    for one in (np.flatnonzero(part == i) for i in range(count)):
-        found[:, one] = np.linalg.solve(matrices[:, one[:, None], one], loads[:, one])
-    return found
 
 
 def compliance(stiffness: FloatArray, force: FloatArray) -> float:

@@ -17,7 +17,7 @@ from scipy.ndimage import binary_dilation
 from scipy.optimize import brentq
 
 from vsb.errors import ConfigError, DatabaseError, StabilityError
-from vsb.hydro.database import Coefficients
+from vsb.hydro.database import Coefficients, with_history
 from vsb.hydro.formats.common import DRY, Structure, structure
 from vsb.hydro.orders import Directions, heading_shares, most_exciting, order_groups, orders_of, own_headings
 from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_lowest, sizes
@@ -518,5 +518,4 @@ def with_added_mass_inf(ds: xr.Dataset) -> xr.Dataset:
     omega = ds.omega.values
     change = DampingSpectrum(omega, ds.radiation_damping.values).added_mass_difference(omega)
     limit = np.median(ds.added_mass.values - change, axis=0)
-    history = f"{ds.attrs.get('history', '')}; added mass at infinite frequency from damping".lstrip("; ")
-    return ds.assign(added_mass_inf=(PAIR, limit)).assign_attrs(history=history)
+    return with_history(ds.assign(added_mass_inf=(PAIR, limit)), "added mass at infinite frequency from damping")

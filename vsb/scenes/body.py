@@ -9,7 +9,7 @@ import xarray as xr
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
-from vsb.hydro.database import with_symmetrized
+from vsb.hydro.database import with_history, with_symmetrized
 from vsb.hydro.formats.checks import sizes
 from vsb.hydro.formats.common import DRY, structure, volume_of
 from vsb.hydro.repairs import with_symmetric_stiffness
@@ -38,8 +38,7 @@ def within_band(ds: xr.Dataset, omega_max: float | None) -> xr.Dataset:
         )
     if kept.all():
         return ds
-    noted = f"{ds.attrs.get('history', '')}; left out: {np.count_nonzero(~kept)} frequencies".lstrip("; ")
-    return ds.isel(omega=np.flatnonzero(kept)).assign_attrs(history=noted)
+    return with_history(ds.isel(omega=np.flatnonzero(kept)), f"left out: {np.count_nonzero(~kept)} frequencies")
 
 
 def without_negative_ends(ds: xr.Dataset, labels: Sequence[str]) -> xr.Dataset:
@@ -57,11 +56,10 @@ def without_negative_ends(ds: xr.Dataset, labels: Sequence[str]) -> xr.Dataset:
     if len(kept) == len(own):
         return ds
     first, last = ds.omega.values[kept[[0, -1]]]
-    noted = (
-        f"left out: {len(own) - len(kept)} frequencies outside {first:g} to {last:g} rad/s, where damping is negative"
+    return with_history(
+        ds.isel(omega=kept),
+        f"left out: {len(own) - len(kept)} frequencies outside {first:g} to {last:g} rad/s, where damping is negative",
     )
-    history = f"{ds.attrs.get('history', '')}; {noted}".lstrip("; ")
-    return ds.isel(omega=kept).assign_attrs(history=history)
 
 
 def with_hydrostatics(body: Body, ds: xr.Dataset) -> xr.Dataset:
@@ -77,8 +75,8 @@ def with_hydrostatics(body: Body, ds: xr.Dataset) -> xr.Dataset:
             "water and mooring in N/m, of rotations in N m (or capytaine's fill_dataset with hydrostatics=True)"
         )
     none = np.zeros((ds.sizes["influenced_dof"],) * 2)
-    noted = f"{ds.attrs.get('history', '')}; no hydrostatic stiffness: the study's is all there is".lstrip("; ")
-    return ds.assign(hydrostatic_stiffness=(PAIR, none)).assign_attrs(history=noted)
+    made = ds.assign(hydrostatic_stiffness=(PAIR, none))
+    return with_history(made, "no hydrostatic stiffness: the study's is all there is")
 
 
 def complete_body(body: Body, dofs: Sequence[str] | None, ds: xr.Dataset) -> LinearSystem:

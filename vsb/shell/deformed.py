@@ -191,12 +191,8 @@ class DeformedShell:
             total += float((2 * np.pi * m.x * m.z * m.dx) @ weight)
         return total
 
-    def hydrostatic_force(self, density: float, gravity: float, points: int = 60) -> FloatArray:
-        """Return the generalized hydrostatic force, shape (dof,) [N]; see `hydrostatics`."""
-        return self.hydrostatics(density, gravity, points)[0]
-
     def hydrostatic_stiffness(self, density: float, gravity: float, points: int = 60) -> FloatArray:
-        """Return the exact Jacobian -dQ_j/dq_k of `hydrostatic_force`, shape (dof, dof) [N/m]; see `hydrostatics`."""
+        """Return the stiffness of the water, shape (dof, dof) [N/m]; see `hydrostatics`."""
         return self.hydrostatics(density, gravity, points)[1]
 
     def hydrostatics(self, density: float, gravity: float, points: int = 60) -> tuple[FloatArray, FloatArray]:

@@ -120,6 +120,25 @@ def mass_block(shell: Shell, degree: int) -> FloatArray:
     return scale * np.diag([1.0, degree * (degree + 1.0)])
 
 
+def mass_of(shell: Shell, shapes: Iterable[Mode]) -> FloatArray:
+    """Return the mass of the shell over shapes of one degree each, shape (shape, shape) [kg]."""
+    return _assembled(lambda degree: mass_block(shell, degree), shapes)
+
+
+def stiffness_of(shell: Shell, shapes: Iterable[Mode], *, bending: bool) -> FloatArray:
+    """Return the elastic stiffness over shapes of one degree each, shape (shape, shape) [N/m]."""
+    if not bending:
+        return _assembled(lambda degree: membrane_block(shell, degree), shapes)
+    return _assembled(lambda degree: membrane_block(shell, degree) + bending_block(shell, degree), shapes)
+
+
+def _assembled(block: Callable[[int], FloatArray], shapes: Iterable[Mode]) -> FloatArray:
+    """Matrix of a quadratic form that couples equal degrees only, from its (V, U) block of a degree."""
+    vectors = [(mode.degree, np.array([mode.radial, mode.meridional])) for mode in shapes]
+    blocks = {n: block(n) for n, _ in vectors}
+    return np.array([[a @ blocks[n] @ b if n == m else 0.0 for m, b in vectors] for n, a in vectors])
+
+
 @dataclass(frozen=True)
 class ModeBasis:
     """Shapes of a study and their structural matrices; heave first, then the shell modes."""
@@ -181,11 +200,6 @@ class ModeBasis:
         shapes, found = self.displacements, matrices(self.shell, self.highest_degree)
         return np.asarray(sum(shapes @ getattr(found, name) @ shapes.T for name in names))
 
-    def _assembled(self, block: dict[int, FloatArray], shapes: Iterable[Mode]) -> FloatArray:
-        """Matrix of a quadratic form that couples equal degrees only, from its (V, U) blocks."""
-        vectors = [(mode.degree, np.array([mode.radial, mode.meridional])) for mode in shapes]
-        return np.array([[a @ block[n] @ b if n == m else 0.0 for m, b in vectors] for n, a in vectors])
-
     @cached_property
     def inertia(self) -> FloatArray:
         """Mass of ballast and shell over heave and modes, shape (dof, dof) [kg].
@@ -194,7 +208,7 @@ class ModeBasis:
         orthogonal to rigid heave, as the paper's slipped n = 1 shape is not.
         """
         if self.shell.rest is None:
-            matrix = self._assembled({n: mass_block(self.shell, n) for n in set(self.degrees)}, self.shapes)
+            matrix = mass_of(self.shell, self.shapes)
         else:
             matrix = self.integrated("mass")
             matrix[0, 1:] = matrix[1:, 0] = 0.0  # exact: natural modes are orthogonal to rigid heave
@@ -206,10 +220,7 @@ class ModeBasis:
     def stiffness(self) -> FloatArray:
         """Elastic stiffness over heave and modes, shape (dof, dof) [N/m]; zero for rigid heave."""
         if self.shell.rest is None:
-            blocks = {n: membrane_block(self.shell, n) for n in set(self.degrees)}
-            if self.bending:
-                blocks = {n: block + bending_block(self.shell, n) for n, block in blocks.items()}
-            matrix = self._assembled(blocks, self.shapes)
+            matrix = stiffness_of(self.shell, self.shapes, bending=self.bending)
         else:
             matrix = self.integrated("membrane", *(["bending"] if self.bending else []))
         matrix[0, :] = matrix[:, 0] = 0.0  # exact: rigid motion strains nothing

@@ -29,16 +29,7 @@ from scipy.linalg import block_diag, svd
 from vsb.errors import ConfigError
 from vsb.shell.deformed import gauss_rule
 from vsb.shell.loaded import LoadedShell
-from vsb.shell.modes import (
-    SAME,
-    Mode,
-    ModeBasis,
-    bending_block,
-    check_rank,
-    largest_along,
-    mass_block,
-    membrane_block,
-)
+from vsb.shell.modes import SAME, Mode, ModeBasis, check_rank, largest_along, mass_of, stiffness_of
 from vsb.shell.shell import Shell
 from vsb.study.device import Device
 from vsb.tools.arrays import FloatArray
@@ -150,11 +141,6 @@ class OrderBasis:
         signs[1 : self.rigid] = -1.0 if self.odd else 1.0
         return signs
 
-    def _assembled(self, block: dict[int, FloatArray]) -> FloatArray:
-        """Matrix of a quadratic form that couples equal degrees only, from its (V, U) blocks, over the shapes."""
-        vectors = [(mode.degree, np.array([mode.radial, mode.meridional])) for mode in self._shapes]
-        return np.array([[a @ block[n] @ b if n == m else 0.0 for m, b in vectors] for n, a in vectors])
-
     @cached_property
     def _shapes(self) -> tuple[Mode, ...]:
         """All shapes but pitch: in order 1 surge, then the modes."""
@@ -171,7 +157,7 @@ class OrderBasis:
     @cached_property
     def _shell_mass(self) -> FloatArray:
         """Mass of the shell alone over the shapes; row 0 in order 1 is the momentum along x, int psi_x dm [kg]."""
-        return self._assembled({n: mass_block(self.shell, n) for n in {mode.degree for mode in self._shapes}})
+        return mass_of(self.shell, self._shapes)
 
     @cached_property
     def inertia(self) -> FloatArray:
@@ -193,11 +179,7 @@ class OrderBasis:
     @cached_property
     def stiffness(self) -> FloatArray:
         """Elastic stiffness, shape (dof, dof) [N/m]; zero for rigid motions."""
-        degrees = {mode.degree for mode in self._shapes}
-        blocks = {n: membrane_block(self.shell, n) for n in degrees}
-        if self.bending:
-            blocks = {n: block + bending_block(self.shell, n) for n, block in blocks.items()}
-        matrix = self._assembled(blocks)
+        matrix = stiffness_of(self.shell, self._shapes, bending=self.bending)
         if self.rigid:
             matrix[0, :] = matrix[:, 0] = 0.0  # exact: rigid motion strains nothing
         return self._with_pitch(matrix, np.zeros(1 + len(self._shapes)))
