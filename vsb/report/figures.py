@@ -27,6 +27,7 @@ from vsb.report.canvas import (
 from vsb.report.hydro_figures import added_mass_damping, radiation_kernel, spectra, witness
 from vsb.report.response_figures import excitation, rao
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
+from vsb.study.figure_names import OF_THE_RESPONSE
 from vsb.study.quantities import RIGID, ROTATIONS
 from vsb.tools.words import superscripts
 
@@ -301,8 +302,6 @@ CAPTIONS = {
     "the figure, heave and wave are to scale.",
 }
 HEAVE = "heave and modes. Heave (dotted) coincides with the mode of degree 1 where both move the surface alike"
-OF_THE_RESPONSE = ("absorbed_power", "reactance", "rao")
-"""Figures of the frequency response, which does not depend on amplitude."""
 OPTIMAL = "each design at its optimal damping at every frequency"
 LIMIT = "a capture width of a wavelength over 2π"
 HEAVING = f"{LIMIT}, the limit of an axisymmetric heaving body"

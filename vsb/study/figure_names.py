@@ -14,8 +14,10 @@ from vsb.tools.ports import MEMBRANE, SEVERAL
 
 FIGURE_KINDS = ("svg", "pdf", "csv")
 """Files of every figure: for a page, for print, and the data behind it."""
-OF_THE_BAND = ("absorbed_power", "reactance", "rao", "added_mass_damping", "excitation", "radiation_kernel")
-"""Figures over frequency, of buoys and of bodies."""
+OF_THE_RESPONSE = ("absorbed_power", "reactance", "rao")
+"""Figures of the frequency response, which does not depend on amplitude."""
+OF_THE_WATER = ("added_mass_damping", "excitation", "radiation_kernel")
+"""Figures of the coefficients, of buoys and of bodies."""
 OF_A_SEA = ("heave_excitation", "velocity_pto", "power_energy", "energy_audit", "snapshots")
 """Figures of a buoy's runs, one for each sea."""
 OF_THE_SHELL = ("extreme_shapes", "shapes_3d", "volume_area")
@@ -33,7 +35,9 @@ def of_buoy(study: Study) -> list[str]:
     """Return the names of the figures of a buoy's study."""
     names = ["mode_shapes"]
     if study.needs_bem:
-        names = [name for name in (*OF_THE_BAND, *names) if name != "reactance" or not study.pto.several]
+        names = [*OF_THE_RESPONSE, *names, *OF_THE_WATER]
+    if study.pto.several:  # which have no one impedance
+        names = [name for name in names if name != "reactance"]
     if study.has_spectra:
         names.append("spectra")
     if not no_witness(study):
@@ -46,7 +50,8 @@ def of_buoy(study: Study) -> list[str]:
 
 def of_body(study: BodyStudy) -> list[str]:
     """Return the names of the figures of a body's study."""
-    return [*OF_THE_BAND, *(["spectra"] if study.has_spectra else []), *_in_seas(study, OF_A_BODY)]
+    spectra = ["spectra"] if study.has_spectra else []
+    return [*OF_THE_RESPONSE, *OF_THE_WATER, *spectra, *_in_seas(study, OF_A_BODY)]
 
 
 def _in_seas(study: BaseStudy, names: Iterable[str]) -> list[str]:
