@@ -14,17 +14,15 @@ from typing import Annotated, Any, Literal, NamedTuple, Self, TypeGuard
 from pydantic import (
     Discriminator,
     Field,
-    SerializerFunctionWrapHandler,
     Tag,
     field_validator,
-    model_serializer,
     model_validator,
 )
 
 from vsb.errors import ConfigError
-from vsb.study.drag import BodyDrag, Plate, check_followed
+from vsb.study.drag import BodyDrag, check_followed
 from vsb.study.hulls import BoxHull, CapsuleHull, CylinderHull, SphereHull
-from vsb.study.quantities import RIGID, Count, Finite, Name, NonNegative, Number, Positive, Section, is_rigid
+from vsb.study.quantities import RIGID, Brief, Count, Finite, Name, NonNegative, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Published, Simulation, Water
 from vsb.study.study import BaseStudy, Study, check_all
@@ -68,9 +66,10 @@ class RoundPlate(Section):
     poisson_ratio: Annotated[Number, Field(ge=0, le=0.5)] = 0.3
 
 
-class ModeFamilies(Section):
+class ModeFamilies(Brief):
     """Modes by name: rigid motions, all or some; bending or polynomials along the hull; a round plate's; hinges."""
 
+    BRIEF = ("plate",)
     rigid: bool | tuple[RigidMotion, ...] = True
     bending: Line | None = None
     polynomial: Line | None = None
@@ -89,11 +88,6 @@ class ModeFamilies(Section):
         if not (self.rigid or self.bending or self.polynomial or self.hinge or self.plate):
             raise ValueError("rigid: received none, and no other modes; needs at least one")
         return self
-
-    @model_serializer(mode="wrap")
-    def _without_plate(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out the plate that is not given: bodies without one keep their names."""
-        return {key: value for key, value in dump(self).items() if value is not None or key != "plate"}
 
 
 def _modes_kind(value: object) -> str:
@@ -142,7 +136,7 @@ Mesh = Annotated[
 """A mesh file, or a plain hull that is meshed here."""
 
 
-class BodyFile(Section):
+class BodyFile(Brief):
     """A body file: mesh, modes, water, frequencies [rad/s], wave directions [degrees], symmetry and lid.
 
     Paths count from the folder of the file. Panels with edges longer than `panel` [m] are divided, as triangles.
@@ -157,6 +151,7 @@ class BodyFile(Section):
     bending, polynomials and hinges; each section of the hull then carries the mass of the water it displaces.
     """
 
+    BRIEF = (*DRY, "panel")
     body: Name
     mesh: Mesh
     modes: Modes
@@ -208,11 +203,6 @@ class BodyFile(Section):
         if "radii_of_gyration" in given and not {"mass", "density"} & {*given}:
             raise ValueError("radii_of_gyration: received no mass; needs mass or density as well")
         return self
-
-    @model_serializer(mode="wrap")
-    def _without_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out keys of the dry body that are not given."""
-        return {key: value for key, value in dump(self).items() if value is not None or key not in (*DRY, "panel")}
 
     @property
     def rigid_motions(self) -> tuple[str, ...] | None:
@@ -295,7 +285,7 @@ Chosen = Annotated[
 """Degrees of freedom by their names, or a group of them."""
 
 
-class Body(Section):
+class Body(Brief):
     """What floats, by one of four sources, and matrices of the dry body that take the place of those in its files."""
 
     file: Meshed | None = None
@@ -315,11 +305,6 @@ class Body(Section):
         if self.length != 1.0 and given != ["wamit"]:
             raise ValueError(f"length {self.length:g} m: is WAMIT's ULEN, which {given[0]} does not have; remove it")
         return self
-
-    @model_serializer(mode="wrap")
-    def _without_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out what is not given."""
-        return {key: value for key, value in dump(self).items() if value is not None and (key, value) != ("length", 1)}
 
     @property
     def kind(self) -> str:
@@ -385,9 +370,10 @@ class BodyHydro(Section):
         return self
 
 
-class BodyStudy(BaseStudy):
+class BodyStudy(Brief, BaseStudy):
     """One study file of a body."""
 
+    BRIEF = ("drag",)
     study: Name
     body: Body
     designs: Annotated[dict[Name, BodyDesign], Field(min_length=1)]
@@ -398,11 +384,6 @@ class BodyStudy(BaseStudy):
     waves: Annotated[tuple[Wave, ...], Field(min_length=1)]
     simulation: Simulation = Simulation()
     published: Published | None = None
-
-    @model_serializer(mode="wrap")
-    def _without_drag(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out a drag that is not given."""
-        return {key: value for key, value in dump(self).items() if (key, value) != ("drag", None)}
 
     @field_validator("body", mode="before", json_schema_input_type=str | Body)
     @classmethod
@@ -463,22 +444,8 @@ class BodyStudy(BaseStudy):
             raise ValueError(f"simulation.method {method!r}: cannot follow this body and take-off; needs {suitable}")
 
     @property
-    def plates(self) -> Mapping[str, Plate]:
-        """What brakes each degree of freedom that quadratic drag acts on."""
-        return self.drag or {}
-
-    @property
-    def needs_bem(self) -> bool:
-        """Whether it rests on coefficients: always."""
-        return True
-
-    @property
     def buoy(self) -> None:
         """There is none."""
-
-    @property
-    def band(self) -> None:
-        """Frequencies a sea may have components at: the database decides."""
 
     @property
     def dofs(self) -> tuple[str, ...] | None:

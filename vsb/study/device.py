@@ -16,7 +16,7 @@ from pydantic import ConfigDict, Field, SerializerFunctionWrapHandler, model_ser
 from vsb.errors import ConfigError
 from vsb.study.material import Hookean, Material, with_moduli
 from vsb.study.meridian import RestMeridian, capsule, spheroid, through
-from vsb.study.quantities import Finite, NonNegative, Number, Positive, Section, mass_or_draft, within
+from vsb.study.quantities import Brief, Finite, NonNegative, Number, Positive, Section, mass_or_draft, within
 from vsb.study.sections import Hydro, Water
 from vsb.tools.bounded import LARGEST_STUDY, read_bounded
 
@@ -168,17 +168,13 @@ class MaxwellBranch(Section):
     time: Annotated[Positive, within(1e-4, 1e6, "s", "what relaxes faster or slower is no motion of a buoy")]
 
 
-class StructuralDamping(Section):
+class StructuralDamping(Brief):
     """Structural damping D = alpha M + beta K, alpha [1/s], beta [s], and Maxwell branches of a viscous material."""
 
+    BRIEF = ("maxwell",)
     alpha: Annotated[NonNegative, within(0.0, 1e4, "1/s", "what dies in a tenth of a millisecond does not move")] = 0.0
     beta: Annotated[NonNegative, within(0.0, 100.0, "s", "a shell damped for minutes is rigid: flexible: false")] = 0.0
     maxwell: tuple[MaxwellBranch, ...] = ()
-
-    @model_serializer(mode="wrap")
-    def _without_absent(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        said: dict[str, Any] = dump(self)
-        return {key: value for key, value in said.items() if key != "maxwell" or value}
 
 
 class Gas(Section):

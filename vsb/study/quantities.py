@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Annotated, Any, cast
+from typing import Annotated, Any, ClassVar, cast
 
 from pydantic import (
     AfterValidator,
@@ -19,8 +19,10 @@ from pydantic import (
     ConfigDict,
     Field,
     GetJsonSchemaHandler,
+    SerializerFunctionWrapHandler,
     ValidationError,
     WithJsonSchema,
+    model_serializer,
 )
 from pydantic._internal._model_construction import ModelMetaclass  # the type of BaseModel
 from pydantic_core import CoreSchema
@@ -125,6 +127,24 @@ class Section(BaseModel, metaclass=_Reported):
     """A part of a study: unknown keys are errors, values never change."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+
+class Brief(Section):
+    """A section that leaves keys out of its JSON while they have their defaults: those of `BRIEF`, or all.
+
+    A key that came later changes no id of a study that does not use it.
+    """
+
+    BRIEF: ClassVar[tuple[str, ...]] = ()
+
+    @model_serializer(mode="wrap")
+    def _without_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        said: dict[str, Any] = dump(self)
+        fields = type(self).model_fields
+        absent = {
+            n for n in self.BRIEF or fields if getattr(self, n) == fields[n].get_default(call_default_factory=True)
+        }
+        return {key: value for key, value in said.items() if key not in absent}
 
 
 def canonical(data: object) -> str:

@@ -21,8 +21,8 @@ from vsb.study.campaign import Constrained, Scatter, Spectra, Tunings, Verify
 from vsb.study.design import Objective, Variable
 from vsb.study.device import Device, Shape, centre_height
 from vsb.study.directions import Mooring, Motion
-from vsb.study.drag import BodyDrag, Drag, Plate
-from vsb.study.quantities import Name, Section
+from vsb.study.drag import BodyDrag, Drag
+from vsb.study.quantities import Brief, Name, Section
 from vsb.study.sections import Basis, Design, Hydro, Modes, RestShape, Simulation, Water
 from vsb.study.study import Buoy, Study, WithDesigns, first_rigid
 from vsb.study.take_off import Pto
@@ -126,11 +126,6 @@ class BuoySystem(Sparse, Buoy):
     reference_shape: RestShape | None = None
     drag: Drag | None = None
 
-    @property
-    def plates(self) -> Mapping[str, Plate]:
-        """What brakes each degree of freedom that quadratic drag acts on."""
-        return self.drag.plates if self.drag else {}
-
 
 class BodySystem(Sparse, WithDesigns):
     """A body as a stage after its database reads it, which knows all else."""
@@ -139,11 +134,6 @@ class BodySystem(Sparse, WithDesigns):
     water: Water
     pto: Pto
     drag: BodyDrag | None = None
-
-    @property
-    def plates(self) -> Mapping[str, Plate]:
-        """What brakes each degree of freedom that quadratic drag acts on."""
-        return self.drag or {}
 
     @property
     def buoy(self) -> None:
@@ -380,18 +370,14 @@ class Band(Section):
     omega_max: float
 
 
-class ClimateSpec(Section):
+class ClimateSpec(Brief):
     """The seas of a year: sha256 of the file, and what it is read as."""
 
+    BRIEF = ("direction",)
     contents: str
     form: Literal["spectra", "jonswap", "pierson_moskowitz"]  # of a table the spectrum of its cells
     gamma: float | None = None
     direction: float = 0.0  # [degrees]
-
-    @model_serializer(mode="wrap")
-    def _without_default(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        said: dict[str, Any] = dump(self)
-        return {key: value for key, value in said.items() if key != "direction" or value}
 
     @classmethod
     def of(cls, given: Spectra | Scatter, contents: str) -> Self:

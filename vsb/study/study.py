@@ -73,10 +73,11 @@ def first_rigid(designs: Mapping[str, Any]) -> str | None:
 
 
 class WithDesigns(Section):
-    """What has designs by name."""
+    """What has designs by name, and perhaps drag."""
 
     if TYPE_CHECKING:
         designs: Mapping[str, Any]  # each knows whether it is flexible
+        drag: Drag | Mapping[str, Plate] | None
 
     @property
     def flexible(self) -> bool:
@@ -87,6 +88,11 @@ class WithDesigns(Section):
     def reference_design(self) -> str | None:
         """The first rigid design by name, the order of results: gains are relative to it."""
         return first_rigid(self.designs)
+
+    @property
+    def plates(self) -> Mapping[str, Plate]:
+        """What brakes each degree of freedom that quadratic drag acts on."""
+        return self.drag.plates if isinstance(self.drag, Drag) else self.drag or {}
 
 
 class BaseStudy(WithDesigns):
@@ -145,9 +151,9 @@ class BaseStudy(WithDesigns):
             raise ValueError(f"published.values {absent}: no such design; needs some of {', '.join(self.designs)}")
 
     @property
-    @abstractmethod
     def needs_bem(self) -> bool:
         """Whether the hydrodynamic model rests on radiation and diffraction coefficients."""
+        return True
 
     @property
     @abstractmethod
@@ -155,19 +161,14 @@ class BaseStudy(WithDesigns):
         """The study itself if a buoy floats; None if a body does."""
 
     @property
-    @abstractmethod
     def band(self) -> tuple[float, float] | None:
         """Frequencies a sea may have components at [rad/s]; None where the database decides."""
+        return None
 
     @property
     @abstractmethod
     def directions(self) -> tuple[float, ...]:
         """Directions of its waves [degrees]; none where direction does not matter."""
-
-    @property
-    @abstractmethod
-    def plates(self) -> Mapping[str, Plate]:
-        """What brakes each degree of freedom that quadratic drag acts on."""
 
     @abstractmethod
     def fastest(self, wave: Wave) -> float:
@@ -518,11 +519,6 @@ class Study(Buoy, BaseStudy):
     def orders(self) -> tuple[int, ...]:
         """Azimuthal orders of what moves: 0 of heave; 1 of surge and pitch; of shell modes as many as asked for."""
         return tuple(range(1 + (0 if self.motion == "heave" else self.modes.order if self.flexible else 1)))
-
-    @property
-    def plates(self) -> Mapping[str, Plate]:
-        """What brakes each degree of freedom that quadratic drag acts on."""
-        return self.drag.plates if self.drag else {}
 
     @property
     def directions(self) -> tuple[float, ...]:

@@ -11,16 +11,15 @@ from pydantic import (
     ConfigDict,
     Discriminator,
     Field,
-    SerializerFunctionWrapHandler,
     Tag,
     field_validator,
-    model_serializer,
     model_validator,
 )
 
 from vsb.study.keys import KEYS
 from vsb.study.quantities import (
     ROTATIONS,
+    Brief,
     Colatitude,
     Finite,
     Name,
@@ -332,7 +331,7 @@ def _several_alone(schema: dict[str, Any]) -> None:
     damping["anyOf"] = [*damping["anyOf"], {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}]
 
 
-class Pto(Section):
+class Pto(Brief):
     """Power take-off: damping [N s/m] of all designs or of each, stiffness [N/m] of a spring beside it, its port.
 
     At the volume damping is in Pa s/m^3, stiffness in Pa/m^3: pressure over flow, over volume. Gas that `device.gas`
@@ -512,12 +511,6 @@ class Pto(Section):
                 unit = getattr(port_kind(self.port), key.at_port) if key.at_port else key.unit
                 raise ValueError(f"{name}: missing; law {self.law} needs one in {unit}")
         return self
-
-    @model_serializer(mode="wrap")
-    def _without_defaults(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out what a take-off of before did not have: results of before keep their names."""
-        said: dict[str, Any] = handler(self)
-        return {key: value for key, value in said.items() if value != DEFAULTS[key]}
 
 
 DEFAULTS = {name: field.get_default(call_default_factory=True) for name, field in Pto.model_fields.items()}

@@ -11,10 +11,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, SerializerFunctionWrapHandler, field_validator, model_serializer, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from vsb.errors import ConfigError
-from vsb.study.quantities import Count, Number, Positive, Section, within
+from vsb.study.quantities import Brief, Count, Number, Positive, Section, within
 from vsb.study.reading import Located
 from vsb.study.records import LEFT_OUT, Samples, read_record
 from vsb.study.spectrum_table import SpectrumTable, read_spectrum
@@ -161,7 +161,7 @@ class Spreading(Section):
         return tuple(found)
 
 
-class SpectralSea(IrregularSea):
+class SpectralSea(Brief, IrregularSea):
     """A sea of a spectrum: seed, number of realisations, amplitudes; its height [m] is `hs`, a key or a property.
 
     Phases are random. `fixed` amplitudes follow the spectrum, so that every realisation carries the energy of the sea;
@@ -169,15 +169,11 @@ class SpectralSea(IrregularSea):
     the other; a study lists each as a sea of its own and takes statistics over all.
     """
 
+    BRIEF = ("spreading",)
     amplitudes: Literal["fixed", "random"] = "fixed"
     seed: Annotated[Count, Field(ge=0)] = 1
     realisations: Annotated[Count, Field(ge=1, le=1000)] = 1
     spreading: Spreading | None = None
-
-    @model_serializer(mode="wrap")
-    def _long_crested(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave out a spreading that is not given."""
-        return {key: value for key, value in dump(self).items() if (key, value) != ("spreading", None)}
 
     @property
     def spreads(self) -> bool:
