@@ -251,7 +251,7 @@ def fate(text: str, folder: Path, run: bool = True) -> Outcome:
         try:
             study = load(path)
             plan = StudyPlan(study, root=str(folder / "results"))
-            preview.summary(study, plan)
+            preview.summary(plan)
             checked = True
             worst = run_stages(study, plan) if run else ""
         except Exception as error:

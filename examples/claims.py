@@ -38,6 +38,7 @@ from vsb.scenes.floating_system import floating_system
 from vsb.stages.make import hydro_files, make
 from vsb.study.body import RoundPlate
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
+from vsb.study.plans import planned
 from vsb.study.reading import read_yaml
 from vsb.study.study import Study, load, parse
 from vsb.tools.arrays import FloatArray
@@ -109,7 +110,9 @@ def raw_of(study: Study) -> dict[str, Any]:
 
 def body_plan(raw: Mapping[str, Any], folder: Path) -> BodyPlan:
     """Return the plan of a study of a body, its results in a folder."""
-    return BodyPlan.of({**raw, "root": str(folder)}, "claims.yaml")
+    plan = planned({**raw, "root": str(folder)}, "claims.yaml")
+    assert isinstance(plan, BodyPlan)
+    return plan
 
 
 def barge() -> dict[str, Any]:

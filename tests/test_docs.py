@@ -22,7 +22,7 @@ from vsb.hydro.bodies.hydrostatics import linear_share
 from vsb.hydro.bodies.study import read_config
 from vsb.hydro.panels.mesh import revolved
 from vsb.stages import planning
-from vsb.stages.body_preview import checked_body
+from vsb.stages.body_preview import check
 from vsb.study.body import BodyFile, BodyStudy, load_body
 from vsb.study.plans import plan_of
 from vsb.study.reading import dotted, schema_of
@@ -135,10 +135,10 @@ def test_rigid_body_of_the_documentation(tmp_path, monkeypatch):
     triangles = np.concatenate([faces[:, :3], faces[:, [0, 2, 3]]])
     with np.errstate(invalid="ignore"):  # normals of those without area
         Mesh(vertices, [("triangle", triangles)]).write("cylinder.stl")
-    body = checked_body(planning.plan_of("study.yaml"))[0]
+    body = check(planning.plan_of("study.yaml"))[0]
     assert body.labels == ("Surge", "Heave", "Pitch")
     assert body.mass[1, 1] == pytest.approx(1025.0 * 6 * 25 * np.sin(np.pi / 6) * 3.0, rel=1e-6)
-    capsule = checked_body(planning.plan_of("capsule.yaml"))[0]
+    capsule = check(planning.plan_of("capsule.yaml"))[0]
     assert capsule.mass.item() == pytest.approx(1025.0 * np.pi * 4 * (4.0 + 4 / 3), rel=0.03)
 
 

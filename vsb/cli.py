@@ -98,8 +98,7 @@ def export(args: argparse.Namespace) -> int:
         return 0
     plan = plan_of(args.config)
     if isinstance(plan, CampaignPlan | DesignPlan):
-        kind = "campaign" if isinstance(plan, CampaignPlan) else "design problem"
-        raise ConfigError(f"{args.config}: received a {kind}, needs a study, or one database file")
+        raise ConfigError(f"{args.config}: received a {plan.KIND}, needs a study, or one database file")
     stored = Path(plan.database_path)
     inputs = [*_inputs(args), stored]
     print(*exported(stored, args.folder, plan.name, stored.stem, inputs), sep="\n")

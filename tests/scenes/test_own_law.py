@@ -13,7 +13,7 @@ from vsb.errors import ConfigError
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.motion.forces import PortForce
 from vsb.scenes.build import design_in_sea
-from vsb.stages.preview import check_before_run
+from vsb.stages.preview import check
 from vsb.stages.simulate import run_simulate
 from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
@@ -68,14 +68,14 @@ def test_name_version_and_parameters_go_into_the_id(install):
     with pytest.raises(
         ConfigError, match=r"received my_take_off:law of my-take-off 1.1, needs that of my-take-off 1.0"
     ):
-        check_before_run(first, StudyPlan(first))
+        check(StudyPlan(first))
 
 
 @pytest.mark.parametrize("model", ["linear", pytest.param("body_exact", marks=pytest.mark.slow)])
 def test_work_of_the_law_is_the_absorbed_power(model, install, small, tmp_path):
     install()
     one = study(model)
-    check_before_run(one, StudyPlan(one))
+    check(StudyPlan(one))
     run_simulate(only_run(one), str(tmp_path / "run.nc"), **small.hydro_files)
     run = load(tmp_path / "run.nc")
     velocity, parameters = run.velocity.sel(dof="Heave").values, one.pto.parameters
@@ -113,7 +113,7 @@ def test_laws_that_give_no_force_are_refused_before_a_run(code, message, install
     install(code=code)
     one = study()
     with pytest.raises(ConfigError, match=message):
-        check_before_run(one, StudyPlan(one))
+        check(StudyPlan(one))
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ from vsb.scenes.rest import (
 )
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis
-from vsb.stages.preview import check_before_run
+from vsb.stages.preview import check
 from vsb.study.plan import StudyPlan
 
 RHO, G = 1025.0, 9.81
@@ -171,7 +171,7 @@ def test_shell_supported_by_its_gas_only_is_unstable_when_vented(seed):
     with pytest.raises(ConfigError, match=r"device: the shell of design VSWEC is unstable"):
         check_stable(opened, seen_by_take_off(opened, reference_shell(opened))[0])
     with pytest.raises(ConfigError, match=r"device: the shell of design VSWEC is unstable"):
-        check_before_run(opened, StudyPlan(opened))
+        check(StudyPlan(opened))
 
 
 @pytest.mark.parametrize("k", [-1e4, 0.0, 3e4])

@@ -11,7 +11,7 @@ from stages.test_two_bodies import BOTH, DAMPER, HEAVES, MASSES, RM3, wamit
 
 from vsb.errors import ConfigError
 from vsb.hydro.formats.wamit import import_wamit
-from vsb.stages.campaign_preview import campaign_summary
+from vsb.stages.campaign_preview import summary
 from vsb.stages.check import check_plan
 from vsb.stages.make import work
 from vsb.study.jobs import jobs
@@ -61,7 +61,7 @@ def found(tmp_path_factory):
         check_plan(plan)
         for job in jobs(plan):
             work(job)
-        return plan, load(plan.data_path, expected=plan.campaign_id), Path(plan.folder, "report.html").read_text()
+        return plan, load(plan.data_path, expected=plan.identity), Path(plan.folder, "report.html").read_text()
 
 
 def powers(mass, damping, design):
@@ -161,4 +161,4 @@ def test_what_a_year_of_a_body_cannot_have(tmp_path, changes, message):
 def test_check_counts_the_databases_of_a_body(tmp_path):
     plan = year_of_rm3(tmp_path)
     with chdir(tmp_path):
-        assert any(line.endswith("2 databases") for line in campaign_summary(plan))
+        assert any(line.endswith("2 databases") for line in summary(plan))

@@ -17,7 +17,7 @@ from examples import barge
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.files import write_body
-from vsb.stages.body_preview import body_before_run, check_wave
+from vsb.stages.body_preview import check, check_wave
 from vsb.study.body import BodyStudy, located
 from vsb.study.plan import BodyPlan
 from vsb.study.reading import validated
@@ -106,7 +106,7 @@ def test_errors_of_a_mesh_are_reported_before_solving(tmp_path, file, hydro, asi
     vertices, faces = barge.box(30.0, 10.0, 2.0, 1)
     plan = of_a_box(tmp_path, vertices + np.array([0.0, aside, 0.0]), faces, 1.0, file, hydro)
     with pytest.raises(ConfigError, match=re.escape(message)):
-        body_before_run(plan)
+        check(plan)
     assert not Path(plan.root).exists()
 
 
@@ -134,10 +134,8 @@ def test_mass_must_equal_that_of_the_displaced_water(tmp_path, held, own, missed
     plan = of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), held, own=own)
     refused = rf"check 'displaced_mass' failed: {missed:g}, needs at most 0.01 \(.*\); correct the mass, or how deep the mesh lies"
     with pytest.raises(DatabaseError, match=refused) if missed else nullcontext():
-        body_before_run(plan)
-    body_before_run(
-        of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), held, hydro={"accept": ["displaced_mass"]}, own=own)
-    )
+        check(plan)
+    check(of_a_box(tmp_path, *barge.box(30.0, 10.0, 2.0, 1), held, hydro={"accept": ["displaced_mass"]}, own=own))
 
 
 def test_body_whose_mass_lies_beside_its_buoyancy_does_not_rest_upright(tmp_path):
@@ -149,4 +147,4 @@ def test_body_whose_mass_lies_beside_its_buoyancy_does_not_rest_upright(tmp_path
     with pytest.raises(
         ConfigError, match=r"designs\.a: the body is not in equilibrium upright: .* 0\.11 of the cube root"
     ):
-        body_before_run(BodyPlan(found.study, root=str(tmp_path), files=found.files))
+        check(BodyPlan(found.study, root=str(tmp_path), files=found.files))

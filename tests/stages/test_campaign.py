@@ -46,7 +46,7 @@ def plan(tmp_path):
 
 def test_every_member_stands_at_its_point(plan):
     gather(plan)
-    found = load(plan.data_path, expected=plan.campaign_id)
+    found = load(plan.data_path, expected=plan.identity)
     assert found.annual_mean_power.dims == ("young_modulus", "thickness", *BY)
     for modulus in VARIED["device.young_modulus"]:
         for thickness in VARIED["device.thickness"]:
@@ -56,7 +56,7 @@ def test_every_member_stands_at_its_point(plan):
 
 def test_table_is_stamped_and_equals_the_data(plan):
     gather(plan)
-    assert faults({plan.table_path: plan.campaign_id}, read_manifest(plan.manifest)) == []
+    assert faults({plan.table_path: plan.identity}, read_manifest(plan.manifest)) == []
     rows = list(csv.DictReader(Path(plan.table_path).read_text().splitlines()))
     assert len(rows) == 6 * 2 * 3
     for row in rows:

@@ -6,7 +6,7 @@ import pytest
 from stages.test_members import planned, with_seas
 
 from vsb.errors import ConfigError
-from vsb.stages.campaign_preview import campaign_summary, check_campaign
+from vsb.stages.campaign_preview import check, summary
 from vsb.tools.packed import SUFFIX
 
 
@@ -21,8 +21,8 @@ def test_clamps_that_leave_no_free_mode_are_refused(folder):
     modes = {"basis": "membrane", "degree": 1}
     message = r"few.yaml: vary: with modes.degree: 1.0: designs.HELD.clamp: received \[0.0, 90.0\], which leaves none"
     with pytest.raises(ConfigError, match=message):
-        check_campaign(planned(folder, {"modes.degree": [4, 1]}, name="few", designs=designs, modes=modes))
-    check_campaign(planned(folder, {"modes.degree": [4, 5]}, name="some", designs=designs, modes=modes))
+        check(planned(folder, {"modes.degree": [4, 1]}, name="few", designs=designs, modes=modes))
+    check(planned(folder, {"modes.degree": [4, 5]}, name="some", designs=designs, modes=modes))
 
 
 @pytest.mark.parametrize(
@@ -42,14 +42,14 @@ def test_points_with_an_unsolvable_band_are_refused(folder, monkeypatch, varied,
     """The first point can be solved, the last cannot."""
     monkeypatch.chdir(folder)
     with pytest.raises(ConfigError, match=message):
-        check_campaign(planned(folder, varied, name="band"))
+        check(planned(folder, varied, name="band"))
 
 
 def test_check_counts_points_batches_and_shapes(folder, monkeypatch):
     """Elastic moduli and densities share the hydrodynamics."""
     monkeypatch.chdir(folder)
     plan = planned(folder, {"device.young_modulus": [1e6, 1e7], "device.density": [2e3, 2.5e3]}, name="counted")
-    assert campaign_summary(plan)[:3] == [
+    assert summary(plan)[:3] == [
         "campaign     counted: counted_study.yaml over 4 seas, tuning fixed, one, each",
         "points       4 of device.young_modulus x device.density, 0 done",
         "jobs         1 of 1 batches to do, 1 shapes of the water",
@@ -60,7 +60,7 @@ def test_check_counts_points_batches_and_shapes(folder, monkeypatch):
     (batch,) = map(Path, plan.batch_paths)
     batch.parent.mkdir(parents=True, exist_ok=True)
     batch.touch()
-    assert campaign_summary(plan)[1:3] == [
+    assert summary(plan)[1:3] == [
         "points       4 of device.young_modulus x device.density, 1 done",
         "jobs         0 of 1 batches to do, 1 shapes of the water",
     ]

@@ -58,13 +58,13 @@ def test_report_and_figures_are_stamped(plan, written):
     }
     begins = {"svg": b"<svg", "html": b"<!doctype", "pdf": b"%PDF", "csv": b"axes,series,x,y"}
     assert all(content.lstrip().startswith(begins[path.rpartition(".")[2]]) for path, content in written.items())
-    assert faults(dict.fromkeys(written, plan.campaign_id), read_manifest(plan.manifest)) == []
+    assert faults(dict.fromkeys(written, plan.identity), read_manifest(plan.manifest)) == []
 
 
 def test_report_states_the_answer_of_its_data(plan, written):
     page = written[f"{plan.folder}/report.html"].decode()
     words = " ".join(re.sub("<[^>]+>", " ", page).split())
-    data = load(plan.data_path, expected=plan.campaign_id)
+    data = load(plan.data_path, expected=plan.identity)
     assert closing_answer(data) in words
     for path in plan.figure_paths:
         assert Path(path).stem in page

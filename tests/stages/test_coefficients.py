@@ -97,9 +97,9 @@ def test_ids_depend_on_file_contents_not_paths(finished, general, tmp_path):
     (tmp_path / "copy.yaml").write_text(yaml.safe_dump(raw))
     copied = load_body(tmp_path / "copy.yaml").study
     assert Results(copied).plan.ids.keys() == Results(load_body(general / "general.yaml").study).plan.ids.keys()
-    assert Results(copied).plan.study_id == Results(load_body(general / "general.yaml").study).plan.study_id
+    assert Results(copied).plan.identity == Results(load_body(general / "general.yaml").study).plan.identity
     (tmp_path / "copy.nc").write_bytes(source.read_bytes() + b" ")
-    assert Results(load_body(tmp_path / "copy.yaml").study).plan.study_id != Results(copied).plan.study_id
+    assert Results(load_body(tmp_path / "copy.yaml").study).plan.identity != Results(copied).plan.identity
 
 
 def test_database_with_failed_checks_is_refused(finished, workplace, capsys):

@@ -21,7 +21,7 @@ from vsb.errors import ConfigError, ConvergenceError
 from vsb.report.design_answer import answer
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
-from vsb.stages.design_preview import check_design
+from vsb.stages.design_preview import check
 from vsb.stages.make import work
 from vsb.study.design import load_design
 from vsb.study.design_plan import DesignPlan
@@ -173,7 +173,7 @@ def test_init_writes_a_design_and_its_study(folder, monkeypatch, capsys):
 def test_a_front_asked_for_later_keeps_the_starts(folder):
     one, two = planned(folder, "later"), planned(folder, "later", pareto={"force_rms": [1e4]})
     assert [*one.starts] == [*two.starts]
-    assert one.design_id != two.design_id
+    assert one.identity != two.identity
     assert [*planned(folder, "later", {"pto.damping": {"log": [1e4, 2e6]}}).starts] != [*one.starts]
     assert len(two.fronts) == 2
 
@@ -203,7 +203,7 @@ def test_check_prints_variables_limits_and_cost(folder, capsys, monkeypatch):
 def test_a_climate_beyond_the_frequencies_solved_is_refused(folder):
     (folder / "low.yaml").write_text(yaml.safe_dump({**STUDY, "study": "low", "hydro": {"omega_max": 1.6}}))
     with pytest.raises(ConfigError, match=r"climate: .*% of its variance lies above 1.6 rad/s, up to which the water"):
-        check_design(planned(folder, "beyond", study="low.yaml"))
+        check(planned(folder, "beyond", study="low.yaml"))
 
 
 def test_starts_none_of_which_rests_are_named(folder):

@@ -16,7 +16,7 @@ def test_every_figure_is_drawn_and_stamped(small):
     assert {path.name for path in folder.iterdir()} == names
     stamps = json.loads(Path(small.manifest).read_text())
     for path in folder.iterdir():
-        assert stamps[f"figures/{path.name}"]["spec_id"] == small.study_id
+        assert stamps[f"figures/{path.name}"]["spec_id"] == small.identity
         if path.suffix == ".svg":
             text = path.read_text()
             assert text.count("<path") > 5, path.name

@@ -86,7 +86,7 @@ def computed(plan):
     """Data of a campaign without its report."""
     batches(plan)
     gather(plan)
-    return load(plan.data_path, expected=plan.campaign_id)
+    return load(plan.data_path, expected=plan.identity)
 
 
 def run(plan):

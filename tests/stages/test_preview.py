@@ -14,9 +14,9 @@ from vsb.stages import preview
 
 
 def test_check_counts_finished_work(small, tmp_path, monkeypatch):
-    there = preview.summary(small.study, small)
+    there = preview.summary(small)
     monkeypatch.chdir(tmp_path)
-    before = preview.summary(small.study, small)
+    before = preview.summary(small)
     blocks = len(small.bem_blocks)
     assert any(f"BEM jobs     {blocks} of {blocks} to do" in line for line in before)
     assert any(f"BEM jobs     0 of {blocks} to do" in line for line in there)
@@ -29,11 +29,11 @@ def test_check_counts_finished_work(small, tmp_path, monkeypatch):
 def test_unreadable_stored_files_are_reported_before_any_job(small, finished, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shutil.copytree(finished / "results", "results")
-    preview.check_before_run(small.study, small)
+    preview.check(small)
     for path in (small.radiation_path, small.block_path(small.sweep_blocks[0]), small.database_path):
         Path(path).write_bytes(b"none")
         with pytest.raises(DatabaseError, match=f"{path}: cannot be read as netCDF"):
-            preview.check_before_run(small.study, small)
+            preview.check(small)
 
 
 def test_natural_frequencies_are_those_of_the_closed_form(seed):

@@ -32,7 +32,7 @@ def test_study_is_compared_at_its_optimal_damping(small):
 
 
 def test_campaign_is_compared_over_its_year(year):
-    ds = load(year.data_path, expected=year.campaign_id).sel(tuning="one")
+    ds = load(year.data_path, expected=year.identity).sel(tuning="one")
     found = lines([year])
     assert len(found) == ds.annual_energy.size
     assert {one.damping_unit for one in found} == {ds.damping.units}

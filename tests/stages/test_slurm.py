@@ -10,6 +10,7 @@ from vsb.stages import slurm
 from vsb.stages.run import ended
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import plan_of
+from vsb.study.study import parse
 from vsb.tools.shipped import HOME
 
 SEED = HOME / "tests" / "data" / "seed.yaml"
@@ -81,8 +82,8 @@ def test_long_or_many_runs_are_jobs_of_their_own(simulation, waves, short):
     seas = [{"kind": "regular", "amplitude": 0.1, "period": 3.0 + k} for k in range(waves)]
     raw = yaml.safe_load(SEED.read_text()) | {"waves": seas, "simulation": simulation}
     raw["designs"] = {"FSB": {"flexible": False}, "VSWEC": {}}
-    assert slurm.is_short(StudyPlan.of(raw)) == short
-    assert not slurm.is_short(StudyPlan.of({**raw, "hydro": {**raw["hydro"], "solver": "panels"}}))
+    assert slurm.is_short(StudyPlan(parse(raw))) == short
+    assert not slurm.is_short(StudyPlan(parse({**raw, "hydro": {**raw["hydro"], "solver": "panels"}})))
 
 
 def test_account_comes_from_the_profile_and_other_resources_are_left_to_the_plugin(cluster):

@@ -49,7 +49,7 @@ def run(plan):
     campaign_report.run_campaign_report(
         parsed("campaign_report", plan.campaign), plan.data_path, plan.loaded.climate_path, plan.root, *files
     )
-    return found, load(plan.data_path, expected=plan.campaign_id)
+    return found, load(plan.data_path, expected=plan.identity)
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ import pytest
 
 from vsb.study.body import LocatedBody, located
 from vsb.study.plan import BodyPlan
+from vsb.study.plans import planned
 from vsb.study.quantities import content_id
 
 RAW = {
@@ -43,7 +44,7 @@ def test_key_changes_the_ids_of_the_stages_that_read_it(changes, renamed):
     before, after = plan(), plan(**changes)
     found = {name for name in STAGES if content_id(getattr(before, name)) != content_id(getattr(after, name))}
     assert found == renamed
-    assert before.study_id != after.study_id
+    assert before.identity != after.identity
 
 
 def test_mesh_is_solved_with_a_green_function_table(tmp_path):
@@ -56,7 +57,7 @@ def test_mesh_is_solved_with_a_green_function_table(tmp_path):
     assert own.highest == 0.9
     assert plan().database.solver == ""
     (tmp_path / "raft.nc").write_text("numbers")
-    read = BodyPlan.of({**RAW, "body": {"database": "raft.nc"}, "root": "out"}, str(tmp_path / "raft.yaml"))
+    read = planned({**RAW, "body": {"database": "raft.nc"}, "root": "out"}, str(tmp_path / "raft.yaml"))
     assert read.root == "out"
     assert [name.endswith("raft.nc") for name in read.inputs] == [True]
     assert read.inputs == list(read.sources.values())

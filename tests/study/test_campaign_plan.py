@@ -106,8 +106,8 @@ def test_every_product_has_an_id(planned):
     assert (len(plan.batches), len(plan.verifications)) == (2, 4)
     own = {f"results/sweep/batches/{one}.nc": one for one in plan.batches}
     own |= {f"results/sweep/verification/{one}.nc": one for one in plan.verifications}
-    assert plan.ids == dict.fromkeys(plan.products, plan.campaign_id) | own
-    assert len({*own.values(), plan.campaign_id}) == 7
+    assert plan.ids == dict.fromkeys(plan.products, plan.identity) | own
+    assert len({*own.values(), plan.identity}) == 7
 
 
 RADII = {"device.radius": [2.0, 3.0]}

@@ -6,8 +6,8 @@ from conftest import SEED
 
 from vsb.errors import ConfigError
 from vsb.study.design import is_design, load_design
-from vsb.study.design_plan import DesignPlan
 from vsb.study.jobs import jobs
+from vsb.study.plans import planned
 
 RAW = {
     "design": "best",
@@ -130,7 +130,7 @@ def test_a_climate_is_known_by_its_contents_wherever_it_lies(folder):
     """Neither the ids nor the files that jobs need change with its path, so nothing runs again."""
     (folder / "moved.txt").write_text("spectra")
     plans = [
-        DesignPlan.of({**RAW, "climate": {"spectra": name}}, folder / "x.yaml") for name in ("sea.txt", "moved.txt")
+        planned({**RAW, "climate": {"spectra": name}}, str(folder / "x.yaml")) for name in ("sea.txt", "moved.txt")
     ]
     first, second = (
         {(job.makes, job.needs, job.text) for job in jobs(plan) if job.stage == "design_start"} for plan in plans

@@ -17,7 +17,7 @@ from vsb.study.device import (
     volume_to,
     waterline_radius,
 )
-from vsb.study.plan import StudyPlan
+from vsb.study.plans import planned
 from vsb.study.quantities import canonical
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import Water
@@ -94,7 +94,7 @@ def test_profile_in_a_file(tmp_path):
     found = parse(raw({"profile": "hull.csv"}), source=str(tmp_path / "study.yaml"))
     assert found.device.shape.profile == tuple(points)
     assert found.device.meridian.volume == pytest.approx(4 / 3 * math.pi * 4 * 1.5, rel=1e-4)
-    assert StudyPlan.of(raw({"profile": "hull.csv"}), str(tmp_path / "study.yaml")).study == found
+    assert planned(raw({"profile": "hull.csv"}), str(tmp_path / "study.yaml")).study == found
     assert parse(raw({"profile": points})) == found
 
 

@@ -85,7 +85,7 @@ def test_every_file_has_the_id_of_what_it_is_made_from(solver):
         for design in plan.study.designs
         for wave in plan.study.waves
     }
-    assert len({plan.response_id, plan.ladder_id, plan.study_id, *runs.values()}) == 3 + len(runs)
+    assert len({plan.response_id, plan.ladder_id, plan.identity, *runs.values()}) == 3 + len(runs)
     for path, identity in plan.ids.items():
         if path in stages or path in runs:
             assert identity == (stages | runs)[path]
@@ -94,7 +94,7 @@ def test_every_file_has_the_id_of_what_it_is_made_from(solver):
             assert re.fullmatch("[0-9a-f]{16}", identity)
             assert file.startswith(f"{identity}.") or folder == identity
         else:
-            assert identity == plan.study_id
+            assert identity == plan.identity
     assert plan.ids[plan.database_path] == content_id(plan.database)
     assert {path for path in plan.ids if "/mesh/" in path}
 
@@ -158,7 +158,7 @@ def ids(study):
         "response": plan.response_id,
         "ladder": plan.ladder_id,
         "runs": [plan.trajectory_id(design, wave) for design in ("FSB", "VSWEC")],
-        "report": plan.study_id,
+        "report": plan.identity,
     }
 
 

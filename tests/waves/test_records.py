@@ -82,7 +82,7 @@ def test_files_are_read_and_known_by_what_they_hold(form, tmp_path):
     again = parse(study.model_dump())
     assert np.allclose(study.waves[0].file.elevation, elevation, atol=1e-9)
     assert study.waves[0].file.step == pytest.approx(STEP)
-    assert plan_for(study).study_id == plan_for(again).study_id
+    assert plan_for(study).identity == plan_for(again).identity
     assert (
         study.waves[0].label == parse(SMALL | {"waves": [recorded(np.round(elevation, 9)).model_dump()]}).waves[0].label
     )

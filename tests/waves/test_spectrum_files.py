@@ -90,7 +90,7 @@ def test_a_buoy_that_heaves_takes_all_directions_together(density, tmp_path):
     one, other = load(tmp_path / "sea.yaml"), load(tmp_path / "alone.yaml")
     assert one.waves[0].file.directions == ()
     assert one.waves[0].hs == pytest.approx(other.waves[0].hs, rel=1e-8)
-    assert plan_for(parse(other.model_dump())).study_id == plan_for(other).study_id
+    assert plan_for(parse(other.model_dump())).identity == plan_for(other).identity
 
 
 @pytest.mark.parametrize(

@@ -326,7 +326,7 @@ class Results:
     def _tables(self) -> dict[str, list[dict[str, Any]]]:
         """Tables as rows."""
         found: dict[str, list[dict[str, Any]]] = json.loads(
-            read_text(f"{self.plan.folder}/tables.json", self.plan.manifest, self.plan.study_id)
+            read_text(f"{self.plan.folder}/tables.json", self.plan.manifest, self.plan.identity)
         )
         return found
 

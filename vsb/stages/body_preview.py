@@ -39,12 +39,7 @@ class CheckedBody(NamedTuple):
     mesh: FlexibleBody | None  # if it will be solved on panels
 
 
-def body_before_run(plan: BodyPlan) -> LinearSystem:
-    """Return the body of a study, of what is known before it is solved; see `checked_body`."""
-    return checked_body(plan).body
-
-
-def checked_body(plan: BodyPlan) -> CheckedBody:
+def check(plan: BodyPlan) -> CheckedBody:
     """Return what is known of the body of a study before it is solved, after what would fail later.
 
     Raises `ConfigError`, `DatabaseError` or `StabilityError` if its files are not what they should be, it is statically
@@ -136,9 +131,9 @@ def check_stored(plan: BodyPlan) -> None:
         load(plan.radiation_path)
 
 
-def body_summary(plan: BodyPlan) -> list[str]:
+def summary(plan: BodyPlan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
-    (body, checks, mesh), study = checked_body(plan), plan.study
+    (body, checks, mesh), study = check(plan), plan.study
     floating, omega = floating_body(study, body), body.database.omega.values
     there = " (there)" if Path(plan.database_path).exists() else ""
     designs = (f"{name} moves in {motions.shape[1]}" for name, motions in floating.motions.items())

@@ -13,7 +13,7 @@ from vsb.tools import packed
 from vsb.waves.climate import OUTSIDE, Climate, climate_line
 
 
-def check_campaign(plan: CampaignPlan) -> None:
+def check(plan: CampaignPlan) -> None:
     """Raise what would fail later in a campaign: points that are no studies, frequencies that cannot be solved, seas.
 
     Raises `ConfigError`.
@@ -49,11 +49,12 @@ def _check_band(plan: CampaignPlan, seas: Climate, omega_min: float, omega_max: 
 
 def _check_body(plan: CampaignPlan, body: BodyPlan, seas: Climate) -> None:
     """Raise what would fail of a body: its files, its band, the direction of the seas."""
-    from vsb.stages.body_preview import body_before_run, check_direction
+    from vsb.stages.body_preview import check as check_body
+    from vsb.stages.body_preview import check_direction
 
     without_seas = replace(body, study=body.study.model_copy(update={"waves": ()}))  # those of the year come instead
     try:
-        found = body_before_run(without_seas)
+        found = check_body(without_seas).body
     except ConfigError as error:
         raise ConfigError(f"{plan.loaded.source}: study: {error}") from None
     direction = plan.loaded.campaign.climate.direction
@@ -85,9 +86,9 @@ def _check_runs(study: Study, source: str) -> None:
             raise ConfigError(f"{source}: verify: {error}") from None
 
 
-def campaign_summary(plan: CampaignPlan) -> list[str]:
+def summary(plan: CampaignPlan) -> list[str]:
     """Return the lines `vsb check` prints of a campaign: its points, what is done of them, the jobs left."""
-    check_campaign(plan)
+    check(plan)
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     given = plan.loaded.campaign
     shapes = len({one.spec.sweep for one in plan.members})
@@ -110,7 +111,7 @@ def _angle_lines(plan: CampaignPlan) -> list[str]:
 
     turned = any(key.split(".")[-1] in DEGREES for point in plan.loaded.campaign.vary.points for key in point)
     studies = [plan.loaded.base, *(member.study for member in plan.members if turned)]
-    return list(dict.fromkeys(check.line for study in studies for check in angle_checks(study)))
+    return list(dict.fromkeys(one.line for study in studies for one in angle_checks(study)))
 
 
 def _runs_lines(plan: CampaignPlan) -> list[str]:

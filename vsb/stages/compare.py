@@ -86,7 +86,7 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
     }
     for path, text in texts.items():
         write_text(path, text)
-    record(files["manifest"], found.plan.study_id, list(texts))
+    record(files["manifest"], found.plan.identity, list(texts))
 
 
 def of_the_water(found: Inputs, rows: list[comparison.Row], runs: comparison.Attributes) -> list[Check]:

@@ -22,7 +22,7 @@ MORE_MODES = 1.5
 """Cost of an evaluation with the degrees of shell modes beyond the first, in terms of the first."""
 
 
-def check_design(plan: DesignPlan) -> None:
+def check(plan: DesignPlan) -> None:
     """Raise what would fail later in a design problem; raises `ConfigError`."""
     source, loaded = plan.loaded.source, plan.loaded
     seas = read_climate(plan.climate, loaded.climate_path)
@@ -45,9 +45,9 @@ def _problems(plan: DesignPlan, seas: Climate) -> list[Problem]:
         raise ConfigError(f"{plan.loaded.source}: study: {error}") from None
 
 
-def design_summary(plan: DesignPlan) -> list[str]:
+def summary(plan: DesignPlan) -> list[str]:
     """Return the lines `vsb check` prints of a design problem: variables, limits, cost."""
-    check_design(plan)
+    check(plan)
     problem, search = plan.loaded.problem, plan.flexible
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     limits = ", ".join(f"{name} {value:g} {unit_of(name)}".removesuffix(" 1") for name, value in search.limits.items())

@@ -34,11 +34,12 @@ FROM_REST = 8.0
 """Factor where a motion from rest absorbs less than the trials predict: then all times are tried from rest."""
 
 
-def check_before_run(study: Study, plan: StudyPlan) -> None:
+def check(plan: StudyPlan) -> None:
     """Raise what would fail later: shells that give way, clamps that leave nothing free, unreadable or foreign files.
 
     Raises `ConfigError` or `DatabaseError`.
     """
+    study = plan.study
     reference = reference_shell(study)
     check_stable(study, seen_by_take_off(study, reference)[0])
     check_spring(study, reference)
@@ -58,13 +59,14 @@ def check_before_run(study: Study, plan: StudyPlan) -> None:
             load(path)
 
 
-def summary(study: Study, plan: StudyPlan) -> list[str]:
+def summary(plan: StudyPlan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
-    check_before_run(study, plan)
+    study = plan.study
+    check(plan)
     lines = [
         f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
         f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.max_degree})",
-        *(_bem_lines(study, plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
+        *(_bem_lines(plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
         *_latching_lines(study),
         *_switching_lines(study),
     ]
@@ -73,12 +75,12 @@ def summary(study: Study, plan: StudyPlan) -> list[str]:
     checks = [*ledger.angle_checks(study), *ledger.shell_checks(study, reference_shell(study))]
     if study.hydro.model != "assumed_pressure":  # which uses the period alone
         checks += ledger.seas_checks(study)
-    return [*lines, *(check.line for check in checks)]
+    return [*lines, *(one.line for one in checks)]
 
 
-def _bem_lines(study: Study, plan: StudyPlan) -> list[str]:
+def _bem_lines(plan: StudyPlan) -> list[str]:
     """What BEM would do, and how long it would take."""
-    blocks = list(plan.bem_blocks.values())
+    study, blocks = plan.study, list(plan.bem_blocks.values())
     todo = [block for block in blocks if not Path(plan.block_path(block)).exists()]
     how = _panel_words(blocks) if study.uses_panels else f"spectral, to {study.hydro.tolerance:g}"
     seconds = sum(_block_seconds(block) for block in todo)

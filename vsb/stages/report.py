@@ -82,7 +82,7 @@ def run_figures(study: AnyStudy, trajectories: str, out: str, manifest: str, **f
     with mpl.rc_context():  # the caller's own figures keep their looks
         for name in found.plan.figures:
             written += drawn(draw(name, data), name).write(out, name)
-    record(manifest, found.plan.study_id, written)
+    record(manifest, found.plan.identity, written)
 
 
 def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:
@@ -321,7 +321,7 @@ ASSUMED = "hydrostatic and assumed uniform pressure of {:g} Pa on the instantane
 def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: str) -> None:
     """Write the report of a study, from its checked results alone."""
     stored = Inputs(study, trajectories, files)
-    buoy, study_id = study.buoy, stored.plan.study_id
+    buoy, study_id = study.buoy, stored.plan.identity
     found = json.loads(read_text(files["tables"], manifest, study_id))
     page = Report(
         study=study.model_dump(),
@@ -391,7 +391,7 @@ def _printed(study: AnyStudy) -> dict[str, Any]:
 def _inputs(stored: Inputs) -> str:
     """What the results rest on, each by its content."""
     study, plan = stored.study, stored.plan
-    files = [f"study {plan.study_id}", *(f"{name} {Path(path).stem}" for name, path in plan.hydro_files.items())]
+    files = [f"study {plan.identity}", *(f"{name} {Path(path).stem}" for name, path in plan.hydro_files.items())]
     files += [f"{wave.kind} {wave.file.digest}" for wave in study.waves if isinstance(wave, SeaOfFile)]
     if study.buoy is None:
         given = getattr(study.body, study.body.kind)

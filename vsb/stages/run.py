@@ -134,11 +134,10 @@ def check_name(plan: Plan) -> None:
     Raises `ConfigError`.
     """
     folder = Path(plan.folder)
-    own = "campaign" if isinstance(plan, CampaignPlan) else "design" if isinstance(plan, DesignPlan) else "study"
     for other, marks in MARKS.items():
-        if other != own and any((folder / mark).exists() for mark in marks):
+        if other != plan.KIND and any((folder / mark).exists() for mark in marks):
             raise ConfigError(
-                f"{own}: received {plan.name}, the name of a {other} with results in {folder}; needs another"
+                f"{plan.KIND}: received {plan.name}, the name of a {other} with results in {folder}; needs another"
             )
 
 
@@ -156,15 +155,15 @@ def _answer(plan: Plan) -> str:
         from vsb.report.campaign_answer import closing_answer
         from vsb.tools.files import load
 
-        return f"{closing_answer(load(plan.data_path, expected=plan.campaign_id))} "
+        return f"{closing_answer(load(plan.data_path, expected=plan.identity))} "
     if isinstance(plan, DesignPlan):
         from vsb.tools.files import load
 
-        return f"{load(plan.tables['design.nc'], expected=plan.design_id).attrs['answer']} "
+        return f"{load(plan.tables['design.nc'], expected=plan.identity).attrs['answer']} "
     from vsb.report.answer import closing_line
     from vsb.tools.stamps import read_text
 
-    found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))
+    found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.identity))
     known = found["equal_tuning"], plan.study.reference_design, found["invalid"]
     return closing_line(*known, flexible=plan.study.flexible)
 

@@ -23,7 +23,7 @@ def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
     Raises `ConfigError` if one is named twice, or two share a name; `DatabaseError` if results are missing, damaged, or
     of another state of their file.
     """
-    names = [plan.name if isinstance(plan, CampaignPlan) else plan.study.study for plan in plans]
+    names = [plan.name for plan in plans]
     if twice := [name for name in names if names.count(name) > 1]:
         raise ConfigError(f"compare: received {twice[0]} more than once; needs every study and campaign once")
     return [line for plan in plans for line in (_of_year(plan) if isinstance(plan, CampaignPlan) else _of_study(plan))]
@@ -31,7 +31,7 @@ def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
 
 def _of_study(plan: AnyPlan) -> Iterator[Line]:
     """Every design in every sea, at its own best damper; without BEM as it was run."""
-    found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.study_id))
+    found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.identity))
     name, unit = plan.study.study, port_kind(plan.study.pto.port).damping_unit
     for row in found["equal_tuning"]:
         numbers = (row["best_power"], row["best_gain_percent"], row["best_damping"])
@@ -56,7 +56,7 @@ def _of_year(plan: CampaignPlan) -> Iterator[Line]:
     from vsb.results.campaign import damper
 
     tuning = leading_tuning(plan.loaded.tuning)
-    ds = load(plan.data_path, expected=plan.campaign_id)
+    ds = load(plan.data_path, expected=plan.identity)
     unit = str(ds.damping.attrs["units"])
     ds = ds.assign(damper=damper(ds)).sel(tuning=tuning)
     points = [str(dim) for dim in ds.margin.dims]
@@ -98,6 +98,5 @@ def _compared(config: str) -> AnyPlan | CampaignPlan:
 
 def _reports(plans: Sequence[AnyPlan | CampaignPlan], folder: Path) -> dict[str, tuple[str, str]]:
     """Report of every plan, as seen from a folder, and its content id, by name."""
-    ids = [plan.campaign_id if isinstance(plan, CampaignPlan) else plan.study_id for plan in plans]
     paths = [Path(os.path.relpath(f"{plan.folder}/report.html", folder)).as_posix() for plan in plans]
-    return {plan.name: of for plan, of in zip(plans, zip(paths, ids, strict=True), strict=True)}
+    return {plan.name: (path, plan.identity) for plan, path in zip(plans, paths, strict=True)}

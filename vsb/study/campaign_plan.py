@@ -6,11 +6,10 @@ campaign's files alone, so that a dry run shows the true plan; within a batch fi
 
 import itertools
 import math
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path, PurePosixPath
+from pathlib import PurePosixPath
 from typing import Any
 
 from vsb.errors import ConfigError
@@ -25,7 +24,6 @@ from vsb.study.campaign import (
     Tunings,
     any_study_at,
     leading_tuning,
-    read,
     sections,
     where_of,
 )
@@ -130,14 +128,9 @@ def _shape(study: AnyStudy) -> str:
 class CampaignPlan(ResultsFolder):
     """Everything a campaign needs computed, with content ids."""
 
+    KIND = "campaign"
     loaded: LoadedCampaign
     root: str = "results"
-
-    @classmethod
-    def of(cls, raw: Mapping[str, Any], source: str | Path) -> "CampaignPlan":
-        """Return the plan of a campaign given as nested mappings, `root` the results folder if it is not `results`."""
-        loaded = read({key: value for key, value in raw.items() if key != "root"}, os.path.relpath(source))
-        return cls(loaded, root=raw.get("root", "results"))
 
     @property
     def name(self) -> str:
@@ -251,7 +244,7 @@ class CampaignPlan(ResultsFolder):
         )
 
     @property
-    def campaign_id(self) -> str:
+    def identity(self) -> str:
         """Id of what is made of all members together."""
         return content_id(self.campaign)
 
@@ -311,4 +304,4 @@ class CampaignPlan(ResultsFolder):
         """Id every product must carry."""
         parts = {self.batch_path(batch): batch for batch in self.batches}
         parts |= {self.verification_path(one): one for one in self.verifications}
-        return dict.fromkeys(self.products, self.campaign_id) | parts
+        return dict.fromkeys(self.products, self.identity) | parts

@@ -1,14 +1,11 @@
 """What a design problem computes: starts, Pareto fronts, content ids, file names. Pure Python, read at every parse."""
 
-import os
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path, PurePosixPath
-from typing import Any
+from pathlib import PurePosixPath
 
 from vsb.study import figure_names
-from vsb.study.design import LoadedDesign, read
+from vsb.study.design import LoadedDesign
 from vsb.study.plan import ResultsFolder
 from vsb.study.quantities import content_id
 from vsb.study.sections import DEGREES, Simulation
@@ -29,14 +26,9 @@ TABLES = ("starts.csv", "optimum.yaml", "competitor.yaml", "pareto.csv", "sensit
 class DesignPlan(ResultsFolder):
     """Everything a design problem needs computed, with content ids."""
 
+    KIND = "design"
     loaded: LoadedDesign
     root: str = "results"
-
-    @classmethod
-    def of(cls, raw: Mapping[str, Any], source: str | Path) -> "DesignPlan":
-        """Return the plan of a design problem as nested mappings, `root` the results folder if it is not `results`."""
-        loaded = read({key: value for key, value in raw.items() if key != "root"}, os.path.relpath(source))
-        return cls(loaded, root=raw.get("root", "results"))
 
     @property
     def name(self) -> str:
@@ -147,7 +139,7 @@ class DesignPlan(ResultsFolder):
         )
 
     @property
-    def design_id(self) -> str:
+    def identity(self) -> str:
         """Id of what is made of all starts together."""
         return content_id(self.design)
 
@@ -197,4 +189,4 @@ class DesignPlan(ResultsFolder):
         """Id every product must carry."""
         parts = {path: PurePosixPath(path).stem for path in (*self.start_paths, *self.front_paths)}
         parts |= {path: PurePosixPath(path).stem for path in self.verification_paths}
-        return dict.fromkeys(self.products, self.design_id) | parts
+        return dict.fromkeys(self.products, self.identity) | parts

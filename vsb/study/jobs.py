@@ -329,17 +329,15 @@ _SHOWN = {
 def shown(path: str, plan: Plan) -> dict[str, Any]:
     """Return how a product stands in Snakemake's report: options of its function `report`; empty if it does not."""
     file = PurePosixPath(path)
-    of = next(
-        (name for kind, name in ((CampaignPlan, "campaign"), (DesignPlan, "design")) if isinstance(plan, kind)), ""
-    )
+    of = "" if plan.KIND == "study" else f"{plan.KIND}_"
     if file.name in _SHOWN:
         caption, category, labels = _SHOWN[file.name]
-        prefix = f"{of}_" if of and file.name == "report.html" else ""
+        prefix = of if file.name == "report.html" else ""
         return {"caption": f"report/{prefix}{caption}.rst", "category": category, "labels": labels}
     if file.parent.name != "figures" or file.suffix != ".svg":
         return {}
     name, _, wave = file.stem.partition("-")
     found = {"category": "Figures", "labels": {"figure": name.replace("_", " ")}}
     if of:
-        return {**found, "caption": f"report/{of}_figures.rst"}
+        return {**found, "caption": f"report/{of}figures.rst"}
     return {**found, "caption": "report/figures.rst", "subcategory": wave or "the whole band"}

@@ -4,17 +4,16 @@ The Snakefile builds its graph from this module alone, so a dry run shows the tr
 """
 
 import math
-import os
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import PurePosixPath
-from typing import Any
+from typing import Any, ClassVar
 
 from vsb.study import figure_names
 from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, panel_solver, witness_spec
-from vsb.study.body import NEEDED, PHYSICS, WAMIT, BodyFile, BodyStudy, located
+from vsb.study.body import NEEDED, PHYSICS, WAMIT, BodyFile, BodyStudy
 from vsb.study.quantities import content_id, id_in, result_id
 from vsb.study.sections import RECORDS_PER_PERIOD, Modes, thinning
 from vsb.study.specs import (
@@ -39,7 +38,7 @@ from vsb.study.specs import (
     SphereMesh,
     WitnessSpec,
 )
-from vsb.study.study import BaseStudy, Study, parse
+from vsb.study.study import BaseStudy, Study
 from vsb.study.waves import IrregularSea, RecordedSea, RegularWave, Wave
 
 
@@ -64,9 +63,15 @@ def trajectory_name(design: str, wave: str) -> str:
 
 
 class ResultsFolder(ABC):
-    """Where the results of a study or a campaign lie."""
+    """Where the results of a study, a campaign or a design problem lie."""
 
+    KIND: ClassVar[str] = "study"
     root: str  # of all results
+
+    @property
+    @abstractmethod
+    def identity(self) -> str:
+        """Id of what is made of all results together: tables, figures, report."""
 
     @property
     @abstractmethod
@@ -225,7 +230,7 @@ class ResultsPlan(ResultsFolder):
         return result_id(self.ladder, self.hydro_ids[0])
 
     @cached_property
-    def study_id(self) -> str:
+    def identity(self) -> str:
         """Id of what is made of all results together: tables, figures, report; designs in any order."""
         response = [self.response_id, self.ladder_id] if self.study.needs_bem else []
         runs = [self.trajectory_id(design, wave) for wave in self.study.waves for design in sorted(self.study.designs)]
@@ -249,7 +254,7 @@ class ResultsPlan(ResultsFolder):
             own |= dict.fromkeys((f"{self.folder}/ladder.csv", *self.ladder_files.values()), self.ladder_id)
         own |= self.shape_ids
         return {
-            path: own.get(path) or (id_in(path) if self.is_shared(path) else self.study_id)
+            path: own.get(path) or (id_in(path) if self.is_shared(path) else self.identity)
             for path in [*self.products, *self.solved_files]
         }
 
@@ -335,12 +340,6 @@ class StudyPlan(HydroPlan, ResultsPlan):
     """Everything a study of a buoy needs computed, as specs with content ids."""
 
     root: str = "results"
-
-    @classmethod
-    def of(cls, raw: dict[str, Any], source: str = "study file") -> "StudyPlan":
-        """Return the plan of a study given as nested mappings, with the results folder, if not `results`, as `root`."""
-        study = parse({key: value for key, value in raw.items() if key != "root"}, source=source)
-        return cls(study, root=raw.get("root", "results"))
 
     @property
     def degree(self) -> DegreeSpec:
@@ -495,13 +494,6 @@ class BodyPlan(ResultsPlan):
     study: BodyStudy
     root: str = "results"
     files: Mapping[str, str] = field(default_factory=dict)
-
-    @classmethod
-    def of(cls, raw: Mapping[str, Any], source: str) -> "BodyPlan":
-        """Return the plan of a study given as nested mappings, with the results folder, if not `results`, as `root`."""
-        plain = {key: value for key, value in raw.items() if key != "root"} if "root" in raw else raw
-        found = located(plain, os.path.relpath(source))
-        return cls(found.study, root=raw.get("root", "results"), files=found.files)
 
     @property
     def database(self) -> BodySpec:

@@ -1,8 +1,9 @@
 """The plan of any file: of a study of a buoy or of a body, of a campaign, or of a design problem."""
 
+import os
 from typing import Any
 
-from vsb.study.body import is_body
+from vsb.study.body import is_body, located
 from vsb.study.campaign import is_campaign, read
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design import is_design
@@ -17,18 +18,22 @@ Plan = StudyPlan | BodyPlan | CampaignPlan | DesignPlan
 
 def planned(raw: dict[str, Any], source: str) -> Plan:
     """Return the plan of a file as nested mappings, its results folder, if not `results`, as `root`."""
-    if is_campaign(raw):
-        return CampaignPlan.of(raw, source)
-    if is_design(raw):
-        return DesignPlan.of(raw, source)
-    return BodyPlan.of(raw, source) if "body" in raw else StudyPlan.of(raw, source)
+    own = {key: value for key, value in raw.items() if key != "root"}
+    return _plan(own, os.path.relpath(source), raw.get("root", "results"))
 
 
 def plan_of(path: str) -> Plan:
     """Return the plan of a study file, of a buoy or of a body, of a campaign file or of a design file."""
-    raw = read_yaml(path, "a study file such as config/buoy.yaml")
+    return _plan(read_yaml(path, "a study file such as config/buoy.yaml"), path, "results")
+
+
+def _plan(raw: object, source: str, root: str) -> Plan:
+    """The plan of what a file holds."""
     if is_body(raw):
-        return BodyPlan.of(raw, path)
+        found = located(raw, os.path.relpath(source))
+        return BodyPlan(found.study, root=root, files=found.files)
     if is_campaign(raw):
-        return CampaignPlan(read(raw, path))
-    return DesignPlan(read_design(raw, path)) if is_design(raw) else StudyPlan(parse(raw, source=path))
+        return CampaignPlan(read(raw, source), root=root)
+    if is_design(raw):
+        return DesignPlan(read_design(raw, source), root=root)
+    return StudyPlan(parse(raw, source=source), root=root)

@@ -11,9 +11,9 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
-from vsb.stages.body_preview import checked_body
+from vsb.stages.body_preview import check
 from vsb.study.body import BodyFile
-from vsb.study.plan import BodyPlan
+from vsb.study.plans import planned
 from vsb.study.reading import validated
 
 HOME = Path(__file__).parents[3]
@@ -96,7 +96,7 @@ def test_study_of_the_documentation():
     """It holds all it needs, and its still water is that of the barge, on larger panels."""
     page = (HOME / "docs" / "own-body.md").read_text().split("## Hinges and bending by name\n")[1]
     raw = yaml.safe_load(page.split("```yaml\n")[1].split("```")[0])
-    body = checked_body(BodyPlan.of(raw, "study.yaml")).body
+    body = check(planned(raw, "study.yaml")).body
     stiffness = np.diag(body.stiffness_parts["hydrostatic"]) / 1e6
     assert body.labels == ("Heave", "Pitch", "Bending1", "Bending2", "Bending3", "Bending4", "Hinge")
     assert stiffness[2:] == pytest.approx([1.91, 1.95, 2.05, 2.24, 2.43], abs=6e-3)
