@@ -1,6 +1,6 @@
 """Figures of opened results for notebooks and papers: matplotlib axes in, axes out; a design keeps its colour."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -13,10 +13,7 @@ from vsb.motion.linear import direction_index
 from vsb.report.canvas import number_cells, style
 from vsb.results.year import HEIGHT, PERIOD
 from vsb.study.quantities import ROTATIONS, motion_of
-
-if TYPE_CHECKING:
-    from vsb.api.campaign import Campaign
-    from vsb.api.results import Results
+from vsb.study.study import BaseStudy
 
 FRAMES_PER_PERIOD = 24
 PERIODS_SHOWN = 4
@@ -24,15 +21,52 @@ SEEN = 1.7
 """Half the width of the water in an animation, in half widths of the meridian."""
 
 
+class StudyResults(Protocol):
+    """What figures of a study are drawn from: `vsb.Results`."""
+
+    @property
+    def study(self) -> BaseStudy:
+        """The study."""
+
+    @property
+    def response(self) -> xr.Dataset:
+        """Frequency response."""
+
+    @property
+    def database(self) -> xr.Dataset:
+        """Hydro database."""
+
+    @property
+    def modes(self) -> xr.Dataset:
+        """Shapes of the shell modes."""
+
+    def trajectory(self, design: str, wave: str | None = None) -> xr.Dataset:
+        """Time series of a design in a sea."""
+
+    def period(self, wave: str | None = None) -> float:
+        """Period of a sea."""
+
+
+class CampaignResults(Protocol):
+    """What figures of a campaign are drawn from: `vsb.Campaign`."""
+
+    @property
+    def tunings(self) -> list[str]:
+        """Tunings of the take-off."""
+
+    def at(self, **point: Any) -> xr.Dataset:
+        """Results at one point of what is varied."""
+
+
 class StudyPlots:
     """Figures of a study's results.
 
     Parameters
     ----------
-    results : Results
+    results : StudyResults
     """
 
-    def __init__(self, results: "Results") -> None:
+    def __init__(self, results: StudyResults) -> None:
         self._results = results
 
     def rao(self, dof: str = "Heave", direction: float | None = None, ax: Axes | None = None) -> Axes:
@@ -163,10 +197,10 @@ class CampaignPlots:
 
     Parameters
     ----------
-    campaign : Campaign
+    campaign : CampaignResults
     """
 
-    def __init__(self, campaign: "Campaign") -> None:
+    def __init__(self, campaign: CampaignResults) -> None:
         self._campaign = campaign
 
     def power_matrix(
