@@ -7,6 +7,8 @@ prints the table of every claim and writes it into results/claims, with its figu
     python -m examples.claims results/claims matched_limit longer_resonance
 """
 
+import os
+import shutil
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -74,9 +76,20 @@ def recorded(name: str, folder: Path) -> Figures:
     write_text(folder / f"{name}.md", table(name, claim.figures) + "\n")
     drawn(claim.drawing, name).write(str(folder), name)
     for study, raw in claim.studies.items():
-        text = yaml.safe_dump({**raw, "study": f"{name}_{study}"}, sort_keys=False, allow_unicode=True)
-        write_text(folder / name / f"{study}.yaml", text)
+        raw = with_files_beside({**raw, "study": f"{name}_{study}"}, folder / name)
+        write_text(folder / name / f"{study}.yaml", yaml.safe_dump(raw, sort_keys=False, allow_unicode=True))
     return claim.figures
+
+
+def with_files_beside(value: Any, folder: Path) -> Any:
+    """Return values of a study, the files it names copied into its folder, so that the folder can be moved."""
+    match value:
+        case Mapping():
+            return {key: with_files_beside(one, folder) for key, one in value.items()}
+        case str() if os.path.isabs(value):
+            folder.mkdir(parents=True, exist_ok=True)
+            return Path(shutil.copy2(value, folder)).name
+    return value
 
 
 def axes(columns: int = 1, height: float = 2.8, **options: Any) -> tuple[Figure, list[Axes]]:
@@ -116,9 +129,11 @@ def body_plan(raw: Mapping[str, Any], folder: Path) -> BodyPlan:
 
 
 def barge() -> dict[str, Any]:
-    """Return the study config/barge.yaml, its body file found from any folder."""
+    """Return the study config/barge.yaml with its body inside, whose mesh is found from any folder."""
     raw: Any = read_yaml("config/barge.yaml", "a study file")
-    return {**raw, "body": {"file": str(Path("config/barge/body.yaml").resolve())}}
+    body: Any = read_yaml("config/barge/body.yaml", "a body file")
+    mesh = str(Path("config/barge/barge.nc").resolve())
+    return {**raw, "body": {"file": {**body, "mesh": mesh, "modes": mesh}}}
 
 
 def papers_shell(degree: int = 42, **device: Any) -> Study:
@@ -362,12 +377,10 @@ WEC_SIM_BENDING = (6.077064e6 / 1.079216e6, 4.382532e7 / 1.209976e6, 2.741026e8 
 
 def wec_sim_barge(folder: Path) -> Claim:
     """The barge of WEC-Sim's example with its own frequencies of bending; take-off at the bow, waves of 5 to 12 s."""
-    raw, mesh = barge(), str(Path("config/barge/barge.nc").resolve())
-    body: Any = read_yaml("config/barge/body.yaml", "a body file")
-    file = {**body, "mesh": mesh, "modes": mesh}
+    raw = barge()
     quarter = 1025.0 * 80.0 * 10.0 * 5.0 / 4  # modal mass of free-free bending [kg]
     stiffness = {f"Bending{n}": quarter * square for n, square in enumerate(WEC_SIM_BENDING, 1)}
-    raw |= {"study": "wec_sim_barge", "body": {"file": file, "stiffness": stiffness}}
+    raw |= {"study": "wec_sim_barge", "body": {**raw["body"], "stiffness": stiffness}}
     ds = computed(body_plan(raw, folder)).sel(wave_direction=0.0)
     some = ds.best_power.sel(omega=slice(2 * np.pi / 12, 2 * np.pi / 5))
     rigid, flexible = (some.sel(design=design) for design in ("rigid", "flexible"))

@@ -8,6 +8,7 @@ import yaml
 from conftest import HERE
 from scipy.linalg import eigh
 
+import vsb
 from examples import claims, surprises
 from vsb.hydro.bodies.files import read_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
@@ -34,6 +35,15 @@ def test_study_as_a_file_is_the_study(monkeypatch):
     monkeypatch.chdir(HERE.parent)
     for study in (claims.papers_shell(), surprises.study_of([surprises.regular(3.0)])):
         assert parse(yaml.safe_load(yaml.safe_dump(claims.raw_of(study)))) == study
+
+
+def test_study_of_a_body_moves_with_the_files_it_names(tmp_path, monkeypatch):
+    monkeypatch.chdir(HERE.parent)
+    text = yaml.safe_dump(claims.with_files_beside(claims.barge(), tmp_path / "here"))
+    (tmp_path / "here" / "barge.yaml").write_text(text)
+    (tmp_path / "here").rename(tmp_path / "there")
+    moved = vsb.load_body(tmp_path / "there" / "barge.yaml")
+    assert moved.study == vsb.load_body("config/barge.yaml").study
 
 
 def test_tube_of_the_claims_rings_like_a_pipe(tmp_path):
