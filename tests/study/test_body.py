@@ -104,6 +104,8 @@ def test_body_study_is_not_a_buoy_study():
     assert not is_body({"body": "raft", "mesh": "m.nc"})
     with pytest.raises(ConfigError, match=r"body: received a study of a body, needs one of a buoy, with a device"):
         parse(RAW)
+    with pytest.raises(ConfigError, match=r"^raft.yaml: study: missing; .*`vsb body raft.yaml FOLDER`"):
+        parse({"body": "raft", "mesh": "m.nc"}, "raft.yaml")
 
 
 RAFT = {"body": "raft", "mesh": "raft.nc", "modes": "raft.nc", "omega": [0.6, 0.9]}

@@ -495,14 +495,14 @@ def _check_body(body: LinearSystem) -> None:
     if not (scale > 0).all() or np.linalg.eigvalsh(inertia / np.outer(scale, scale))[0] <= 0:
         still = [label for label, own in zip(body.labels, np.diag(inertia), strict=True) if own <= 0]
         raise ConfigError(
-            f"mass: received {', '.join(still) or 'motions'} without inertia, the water's at infinite frequency "
+            f"body.mass: received {', '.join(still) or 'motions'} without inertia, the water's at infinite frequency "
             "included; needs a positive definite mass, or other degrees of freedom."
         )
     rates, shapes = np.linalg.eigh(body.structural_damping / np.outer(scale, scale))
     if rates[0] < -_UNEVEN * np.abs(rates).max():
         most = body.labels[int(np.abs(shapes[:, 0]).argmax())]
         raise ConfigError(
-            f"damping: received a matrix that gives energy to {most}, by {-rates[0]:.3g}/s; needs one without a "
+            f"body.damping: received a matrix that gives energy to {most}, by {-rates[0]:.3g}/s; needs one without a "
             "negative eigenvalue."
         )
     if body.pto.port is None and (np.any(body.pto.damping) or body.pto.stiffness):

@@ -137,10 +137,11 @@ def in_motion(animated: Mapping[str, Any] | None) -> dict[str, Any] | None:
         return None
     seas, factor = animated["seas"], animated["factor"]
     scale = f"shell displacement is magnified {factor:g} times, heave and waves are" if factor > 1 else "all is"
-    names = ", ".join(design["name"] for design in animated["designs"])
+    names = [design["name"] for design in animated["designs"]]
+    shown = f"{', '.join(names)}{' side by side' if len(names) > 1 else ''}"
     if any("surge" in design for sea in seas for design in sea["designs"]):
         view = PLANE
     else:
         view = "Dotted: undeformed." if all(sea["calm"] for sea in seas) else FROM_LEFT
-    words = f"{animated.get('message', '')} {names} side by side; {scale} to scale.".strip()
+    words = f"{animated.get('message', '')} {shown}; {scale} to scale.".strip()
     return {"words": words, "view": view, "data": as_script(animated)}

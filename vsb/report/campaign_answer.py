@@ -128,7 +128,8 @@ def of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
     least = reported_bounds(ds.sel(tuning=tuning), tuning)[0].where(ds.design != reference)
     carries, pays = ds.margin >= 0, least.max("design") > 0
     if not of_shells(ds):
-        return f"At {int(pays.sum()) or 'none'} of {ds.margin.size} points a design absorbs more than {reference}."
+        somewhere = f"At {int(pays.sum())} of {ds.margin.size} points a design absorbs more than {reference}."
+        return somewhere if bool(pays.any()) else f"No design absorbs more than {reference} at any point."
     if not bool(carries.any()):
         return f"None of the {ds.margin.size} points carries its static load without buckling."
     carried = f"{int(carries.sum())} of {ds.margin.size} points carry their static load without buckling"

@@ -42,13 +42,13 @@ CAPTIONS = {
     "quantiles (shaded).",
     "power_matrices": "Mean power in bins of significant wave height and energy period (IEC TS 62600-100), "
     "{tuned}{at}. White: no sea in the bin. Crosses: seas beyond the validity of linear theory, the larger the more of "
-    "the bin (Hs above 0.05 of the wavelength at the energy period, or the highest of a thousand waves breaks or "
-    "deforms the shell by more than a tenth of its radius).",
+    "the bin (Hs above 0.05 of the wavelength at the energy period, or the highest of a thousand waves breaks"
+    "{deformed}).",
     "tuned_power": "Mean power of the year against one damping for all seas{at}. Full: optimal damping; open: given "
     "damping; dotted: optimal damping in each sea.",
     "pareto": "Mean power of the year against the root mean square of the take-off's {load}{at}, for "
     "damping up to the optimal one, without limits.{within}",
-    "sweep": "Gain of annual energy over the rigid design, {tuned}{marks}.",
+    "sweep": "Gain of annual energy over {over}, {tuned}{marks}.",
 }
 BEYOND = {
     "steepness": "too steep",
@@ -98,6 +98,7 @@ def render(report: CampaignReport) -> str:
         head=head(ds),
         body=rows(ds),
         shells=of_shells(ds),
+        over=compared_with(ds, reference),
         explained=f"Tunings: {'; '.join(f'{name}, {TUNED[name]}' for name in map(str, ds.tuning.values))}.",
         left_out=max(0, int(ds.annual_mean_power.size) - MOST_ROWS),
         figures=captioned(report.figures, captions(ds)),
@@ -111,12 +112,18 @@ def render(report: CampaignReport) -> str:
     )
 
 
+def compared_with(ds: xr.Dataset, reference: str | None) -> str:
+    """Return what gains are over: of a body, whose designs may all be rigid, the design by its name."""
+    return f"the design {reference}" if reference and not of_shells(ds) else "the rigid design"
+
+
 def captions(ds: xr.Dataset) -> dict[str, str]:
     """Return the captions of the figures of a campaign."""
     tuning, reference = leading(ds)
     at = where(shown_member(ds, tuning, reference))
     words = {"tuned": TUNED[tuning], "at": f" at {at}" if at else ""}
-    words["load"] = kind_of(ds).load
+    words["load"], words["over"] = kind_of(ds).load, compared_with(ds, reference)
+    words["deformed"] = " or deforms the shell by more than a tenth of its radius" if of_shells(ds) else ""
     words["within"] = " Squares: optimal force within each limit." if CONSTRAINED in ds.tuning.values else ""
     words["marks"] = (BUCKLING if of_shells(ds) else "") + MAPPED if is_mapped(ds) else "; shaded: interval"
     if is_verified(ds, tuning):

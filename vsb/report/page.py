@@ -236,7 +236,7 @@ def measures(kind: PortKind, thing: str) -> list[Measure]:
         ("power_peak", "peak power [W]", 1.0, ""),
         ("power_mean", "mean power [W]", 1.0, ""),
         ("capture_width", "capture width [m]", 1.0, ""),
-        ("damping", f"damping [{kind.damping_unit}]", 1.0, ""),
+        ("damping", f"damping [{superscripts(kind.damping_unit)}]", 1.0, ""),
         ("power_gain_percent", "gain of mean power [%]", 1.0, "+z.1f"),
     ]
 
@@ -345,7 +345,8 @@ def render(report: Report) -> str:
         "report.html.j2",
         study=report.study["study"],
         thing=report.thing,
-        flexible=report.flexible,
+        compared=report.rigid is not None,
+        kind_of_design="flexible" if report.flexible else "rigid",
         answer=answer.stands,
         below=answer.below,
         parts_head=PARTS,

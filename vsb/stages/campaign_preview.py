@@ -42,8 +42,8 @@ def _check_band(plan: CampaignPlan, seas: Climate, omega_min: float, omega_max: 
     if outside > OUTSIDE:
         needed = "a larger hydro.omega_max in the study" if plan.loaded.base.buoy else "coefficients of a wider band"
         raise ConfigError(
-            f"{plan.loaded.source}: climate: {outside:.1%} of its variance lies outside {omega_min:.4g} to "
-            f"{omega_max:.4g} rad/s, which a point solves; needs at most {OUTSIDE:.0%}, {needed}"
+            f"{plan.loaded.source}: climate: {100 * outside:.3g} % of its variance lies outside {omega_min:.4g} to "
+            f"{omega_max:.4g} rad/s, which a point solves; needs at most {100 * OUTSIDE:.3g} %, {needed}"
         )
 
 

@@ -545,6 +545,11 @@ def load(path: str | Path) -> Study:
 
 def parse(raw: object, source: str = "study") -> Study:
     """Validate a study given as nested mappings; see `load`."""
+    if isinstance(raw, dict) and "body" in raw and "study" not in raw:
+        raise ConfigError(
+            f"{source}: study: missing; this is a body file: solve it by `vsb body {source} FOLDER`, or name it in a "
+            f"study, body: {Path(source).name}"
+        )
     if isinstance(raw, dict) and "body" in raw and "device" not in raw:
         raise ConfigError(f"{source}: body: received a study of a body, needs one of a buoy, with a device")
     raw = with_files(with_points(raw, source), source)

@@ -194,7 +194,9 @@ class SeveralPorts(Section):
     def _on_the_axis(cls, value: dict[str, Any]) -> dict[str, Any]:
         for name, port in value.items():
             if not isinstance(port, _AXISYMMETRIC) and port not in AT_ONCE:
-                raise ValueError(f"{name}: needs heave, volume, a ring, two points or the strain of the shell")
+                raise ValueError(
+                    f"{name}: needs heave, volume, a ring, two points or the strain of a shell; bodies have one port"
+                )
         return value
 
     @model_validator(mode="after")
