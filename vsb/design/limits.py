@@ -9,10 +9,9 @@ from scipy.optimize import minimize_scalar
 
 from vsb.design.resting import OF_DAMPING, RestingBuoy, Stepped, with_variable
 from vsb.scenes.rest import complete_loaded_shell, loaded_shell
-from vsb.shell.deformed import gauss_rule
 from vsb.shell.loaded import buckling_pencil
 from vsb.shell.modes import rigid_basis
-from vsb.shell.shell import length
+from vsb.shell.shell import gauss_rule, length
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 

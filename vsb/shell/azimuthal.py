@@ -15,10 +15,11 @@ stiffness is that of these, at least that of all.
 import numpy as np
 from scipy.linalg import eigh
 
-from vsb.shell.deformed import DeformedShell, gauss_rule
+from vsb.shell.deformed import DeformedShell
 from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import Mode, strain_shapes
 from vsb.shell.orders import Ballast, OrderBasis, geometric_stiffness
+from vsb.shell.shell import gauss_rule
 from vsb.tools.arrays import FloatArray
 
 

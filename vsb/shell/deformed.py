@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from vsb.errors import ConfigError
 from vsb.shell.modes import ModeBasis
-from vsb.shell.shell import Curve, Shell, length
+from vsb.shell.shell import Curve, Shell, gauss_rule, length
 from vsb.tools.arrays import FloatArray
 
 
@@ -33,15 +33,6 @@ _FINER = 15
 """Subdivisions of the grid for finding curls."""
 AT_ONCE = 512
 """Points at which shapes are tabulated at a time: for thousands of shapes some 100 MB."""
-
-
-@cache
-def gauss_rule(points: int) -> tuple[FloatArray, FloatArray]:
-    """Return nodes and weights of Gauss-Legendre quadrature on [-1, 1], each shape (points,), not to be written to."""
-    rule = np.polynomial.legendre.leggauss(points)
-    for values in rule:
-        values.setflags(write=False)
-    return rule
 
 
 def _parts(points: FloatArray) -> list[FloatArray]:
@@ -123,6 +114,23 @@ class DeformedShell:
             at.dx + dv * sin + v * cos + du * cos - u * sin,
             at.dz + dv * cos - v * sin - du * sin - u * cos,
         )
+
+    @cached_property
+    def terms(self) -> tuple[FloatArray, FloatArray]:
+        """Terms of x = sum a_k sin(k phi) and z = sum b_k cos(k phi), k = 0, 1, ..., each shape (term,) [m].
+
+        Those of the displacement by the discrete orthogonality of sines and cosines at midpoints.
+        """
+        rest, displaced = self.basis.shell.meridian, self.basis.highest_degree + 2
+        phi = np.pi * (np.arange(displaced) + 0.5) / displaced
+        angles, m = np.outer(np.arange(displaced), phi), self.meridian(phi)
+        x, z = self.modal_amplitude @ m.shape_x, self.centre_height + self.modal_amplitude @ m.shape_z
+        radial, axial = np.zeros((2, max(displaced, len(rest.radial) + 1, len(rest.axial))))
+        radial[:displaced], axial[:displaced] = 2 / displaced * np.sin(angles) @ x, 2 / displaced * np.cos(angles) @ z
+        axial[0] /= 2
+        radial[1 : len(rest.radial) + 1] += rest.radial
+        axial[: len(rest.axial)] += rest.axial
+        return radial, axial
 
     @cached_property
     def _grid(self) -> FloatArray:

@@ -7,9 +7,9 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from vsb.shell.deformed import DeformedShell, Meridian, gauss_rule
+from vsb.shell.deformed import DeformedShell, Meridian
 from vsb.shell.modes import ModeBasis, curvature_shapes, strain_shapes
-from vsb.shell.shell import Shell, length
+from vsb.shell.shell import Shell, gauss_rule, length
 from vsb.tools.arrays import FloatArray
 
 

@@ -27,10 +27,9 @@ import numpy as np
 from scipy.linalg import block_diag, svd
 
 from vsb.errors import ConfigError
-from vsb.shell.deformed import gauss_rule
 from vsb.shell.loaded import LoadedShell
 from vsb.shell.modes import SAME, Mode, ModeBasis, check_rank, largest_along, mass_of, stiffness_of
-from vsb.shell.shell import Shell
+from vsb.shell.shell import Shell, gauss_rule
 from vsb.study.device import Device
 from vsb.tools.arrays import FloatArray
 
@@ -250,7 +249,7 @@ class OrderBasis:
             even = replace(self, odd=False).hydrostatic_stiffness(centre_height, density, gravity)
             return np.asarray(even * np.outer(self._signs, self._signs))
         low = np.arccos(np.clip(-centre_height / self.shell.radius, -1.0, 1.0))
-        node, weight = np.polynomial.legendre.leggauss(2 * max(mode.degree for mode in self._shapes) + 30)
+        node, weight = gauss_rule(2 * max(mode.degree for mode in self._shapes) + 30)
         phi, dphi = (low + np.pi) / 2 + (np.pi - low) / 2 * node, (np.pi - low) / 2 * weight
         r, m, sin, cos = self.shell.radius, self.order, np.sin(phi), np.cos(phi)
         (v, u, w), (dv, du, _) = self.field(phi), self.field(phi, derivative=1)

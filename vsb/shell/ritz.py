@@ -21,7 +21,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from vsb.errors import ConvergenceError
-from vsb.shell.shell import Shell, bend, curve, legendre, length
+from vsb.shell.shell import Shell, bend, curve, gauss_rule, legendre, length
 from vsb.study.meridian import RestMeridian
 from vsb.tools.arrays import FloatArray
 
@@ -117,17 +117,23 @@ def _near(a: FloatArray, b: FloatArray) -> bool:
 
 def _integrated(shell: Shell, degree: int, points: int) -> Matrices:
     """The same by so many points of Gauss-Legendre quadrature in cos phi."""
-    cos, weight = np.polynomial.legendre.leggauss(points)
+    found, area, mass = _of_unit_wall(shell.meridian, degree, points)
+    membrane = shell.membrane_stiffness * _energy(found.meridional, found.hoop, shell.poisson_ratio, area)
+    bending = shell.bending_stiffness * _energy(found.meridional_bending, found.hoop_bending, shell.poisson_ratio, area)
+    return Matrices(shell.density * shell.thickness * mass, membrane, bending)
+
+
+@lru_cache(maxsize=8)
+def _of_unit_wall(meridian: RestMeridian, degree: int, points: int) -> tuple[Strains, FloatArray, FloatArray]:
+    """For walls of any material: strains and areas (point,) [m^2] at the points, mass of one of unit mass per area."""
+    cos, weight = gauss_rule(points)
     phi = np.arccos(cos)
-    at, found = curve(shell.meridian, phi), strains(shell.meridian, degree, phi)
+    at = curve(meridian, phi)
     area = 2 * np.pi * at.x * length(at.dx, at.dz) * weight / np.sin(phi)
     p, dp, _ = legendre(degree, phi)
     radial, meridional = (p * area) @ p.T, (dp[1:] * area) @ dp[1:].T
     none = np.zeros((degree + 1, degree))
-    mass = shell.density * shell.thickness * np.block([[radial, none], [none.T, meridional]])
-    membrane = shell.membrane_stiffness * _energy(found.meridional, found.hoop, shell.poisson_ratio, area)
-    bending = shell.bending_stiffness * _energy(found.meridional_bending, found.hoop_bending, shell.poisson_ratio, area)
-    return Matrices(mass, membrane, bending)
+    return strains(meridian, degree, phi), area, np.block([[radial, none], [none.T, meridional]])
 
 
 def _energy(a: FloatArray, b: FloatArray, ratio: float, area: FloatArray) -> FloatArray:

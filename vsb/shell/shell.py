@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from vsb.shell.materials import HookeLaw, Incompressible, Law, Wall, law_of
 from vsb.study.device import Device
 from vsb.study.material import Hookean
 from vsb.study.meridian import RestMeridian, spheroid
-from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.tools.arrays import AnyArray, FloatArray
 
 
 class Curve(NamedTuple):
@@ -26,20 +27,23 @@ class Curve(NamedTuple):
 def curve(meridian: RestMeridian, phi: FloatArray) -> Curve:
     """Return a meridian at angles, shape (point,) [rad]; analytic in its terms and in angles of a complex step."""
     (a, j), (b, k) = _numbered(meridian)
-    if np.iscomplexobj(a) or np.iscomplexobj(b) or np.iscomplexobj(phi):
+    if np.iscomplexobj(phi):
         (sin_j, cos_j), (sin_k, cos_k) = ((np.sin(np.outer(n, phi)), np.cos(np.outer(n, phi))) for n in (j, k))
         return Curve(a @ sin_j, b @ cos_k, (j * a) @ cos_j, -(k * b) @ sin_k)
-    radial, slope = _sums(np.concatenate([np.zeros((2, 1)), np.array([a, j * a])], axis=1), phi)
-    axial, fall = _sums(np.array([b, k * b]), phi)
-    return Curve(radial.imag, axial.real, slope.real, -fall.imag)
+    (_, x), (dx, _) = _sums(np.concatenate([np.zeros((2, 1)), np.array([a, j * a])], axis=1), phi).swapaxes(0, 1)
+    (z, _), (_, fall) = _sums(np.array([b, k * b]), phi).swapaxes(0, 1)
+    return Curve(x, z, dx, -fall)
 
 
-def _sums(coefficients: FloatArray, phi: FloatArray) -> ComplexArray:
-    """Sums c_k exp(i k phi) over k = 0, 1, ... of several series (series, term), shape (series, point).
+def _sums(coefficients: AnyArray, phi: FloatArray) -> AnyArray:
+    """Sums c_k cos(k phi) and c_k sin(k phi) over k = 0, 1, ... of several series, shape (2, series, point).
 
-    With k = m w + r it is sum_m exp(i m w phi) sum_r c_mr exp(i r phi): two short tables of exponentials and a product
-    of matrices in place of one exponential for each term and point; long capsules have hundreds of terms.
+    With k = m w + r sum c_k exp(i k phi) is sum_m exp(i m w phi) sum_r c_mr exp(i r phi): two short tables of
+    exponentials and a product of matrices in place of one exponential for each term and point; long capsules have
+    hundreds of terms.
     """
+    if np.iscomplexobj(coefficients):
+        return np.asarray(_sums(coefficients.real, phi) + 1j * _sums(coefficients.imag, phi))
     series, terms = coefficients.shape
     width = math.isqrt(terms - 1) + 1
     rows = -(-terms // width)
@@ -47,7 +51,8 @@ def _sums(coefficients: FloatArray, phi: FloatArray) -> ComplexArray:
     padded[:, :terms] = coefficients
     near, far = (np.exp(1j * np.outer(step * np.arange(count), phi)) for step, count in ((1, width), (width, rows)))
     inner = (padded.reshape(series * rows, width) @ near).reshape(series, rows, len(phi))
-    return np.asarray((inner * far).sum(axis=1))
+    found = (inner * far).sum(axis=1)
+    return np.stack([found.real, found.imag])
 
 
 def length(dx: FloatArray, dz: FloatArray) -> FloatArray:
@@ -65,6 +70,15 @@ def _numbered(meridian: RestMeridian) -> tuple[tuple[FloatArray, FloatArray], tu
     """Terms of radius and height, each with its number."""
     a, b = np.array(meridian.radial), np.array(meridian.axial)
     return (a, np.arange(1.0, len(a) + 1)), (b, np.arange(float(len(b))))
+
+
+@cache
+def gauss_rule(points: int) -> tuple[FloatArray, FloatArray]:
+    """Return nodes and weights of Gauss-Legendre quadrature on [-1, 1], each shape (points,), not to be written to."""
+    rule = np.polynomial.legendre.leggauss(points)
+    for values in rule:
+        values.setflags(write=False)
+    return rule
 
 
 def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

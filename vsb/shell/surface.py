@@ -7,6 +7,7 @@ import numpy as np
 
 from vsb.shell.modes import ModeBasis, strain_shapes
 from vsb.shell.orders import OrderBasis
+from vsb.shell.shell import gauss_rule
 from vsb.tools.arrays import FloatArray
 
 AT_ONCE = 4096
@@ -37,7 +38,7 @@ def enclosed_in_orders(
         int r.N/3 and int |N| over colatitude and azimuth, N = r_phi x r_theta; the volume without error of quadrature.
     """
     highest, order = basis.highest_degree, max((each.order for each in orders), default=0)
-    node, weight = np.polynomial.legendre.leggauss(2 * highest + 24)
+    node, weight = gauss_rule(2 * highest + 24)
     count = 4 * order + 8
     phi = np.repeat(np.arccos(node), count)
     theta = np.tile(2 * np.pi * np.arange(count) / count, len(node))

@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from operator import mul
 
 SAMPLES = 400
 """Points of the meridian at which it is judged, beside eight for each of its terms."""
@@ -31,7 +32,7 @@ ON_AXIS = 1e-9
 """Of the radius: ends of a profile nearer to the axis than this lie on it."""
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=64)
 def _gauss(count: int) -> tuple[tuple[float, float], ...]:
     """Nodes and weights of Gauss-Legendre quadrature on [0, 1], by Newton's method on P_n."""
     rule = []
@@ -76,18 +77,30 @@ class RestMeridian:
 
     def at(self, phi: float) -> tuple[float, float, float, float]:
         """Return radius, height and their slopes by phi at an angle [m]."""
-        x, dx, z, dz = 0.0, 0.0, self.axial[0], 0.0
-        for k, a in enumerate(self.radial, 1):
-            x, dx = x + a * math.sin(k * phi), dx + k * a * math.cos(k * phi)
-        for k, b in enumerate(self.axial[1:], 1):
-            z, dz = z + b * math.cos(k * phi), dz - k * b * math.sin(k * phi)
-        return x, z, dx, dz
+        return self._with_bend(phi)[:4]
+
+    def _with_bend(self, phi: float) -> tuple[float, float, float, float, float, float]:
+        """Radius, height, their slopes and second derivatives by phi; (e^(i phi))^k in place of k sines and cosines."""
+        x, dx, ddx, z, dz, ddz = 0.0, 0.0, 0.0, self.axial[0], 0.0, 0.0
+        turn, turned = cmath.rect(1.0, phi), 1.0 + 0.0j
+        for k, (a, b) in enumerate(itertools.zip_longest(self.radial, self.axial[1:], fillvalue=0.0), 1):
+            turned *= turn
+            sin, cos = turned.imag, turned.real
+            x, dx, ddx = x + a * sin, dx + k * a * cos, ddx - k * k * a * sin
+            z, dz, ddz = z + b * cos, dz - k * b * sin, ddz - k * k * b * cos
+        return x, z, dx, dz, ddx, ddz
+
+    @cached_property
+    def _bends(self) -> tuple[tuple[float, ...], ...]:
+        """`_with_bend` at angles evenly spaced from the top to the keel."""
+        count = SAMPLES + 8 * max(len(self.radial), len(self.axial))
+        return tuple(self._with_bend(math.pi * i / count) for i in range(count + 1))
 
     @cached_property
     def _samples(self) -> tuple[tuple[float, float, float], ...]:
-        """Angle, radius and height from the top to the keel."""
-        count = SAMPLES + 8 * max(len(self.radial), len(self.axial))
-        return tuple((math.pi * i / count, *self.at(math.pi * i / count)[:2]) for i in range(count + 1))
+        """Angle, radius and height there."""
+        count = len(self._bends) - 1
+        return tuple((math.pi * i / count, bend[0], bend[1]) for i, bend in enumerate(self._bends))
 
     @cached_property
     def radius(self) -> float:
@@ -110,9 +123,12 @@ class RestMeridian:
         return sum(-b if k % 2 else b for k, b in enumerate(self.axial))
 
     def _integral(self, of: Callable[[float], float], parts: Sequence[tuple[float, float]]) -> float:
-        """Integral over parts of the meridian, by as many points as its terms need."""
-        rule = _gauss(24 + 2 * max(len(self.radial), len(self.axial)))
-        return sum((b - a) * w * of(a + (b - a) * u) for a, b in parts for u, w in rule)
+        """Integral over parts of the meridian, by as many points as its terms need in each, a multiple of eight."""
+        terms, total = max(len(self.radial), len(self.axial)), 0.0
+        for a, b in parts:
+            rule = _gauss(24 + 8 * math.ceil(terms * (b - a) / (4 * math.pi)))
+            total += sum((b - a) * w * of(a + (b - a) * u) for u, w in rule)
+        return total
 
     def _below(self, height: float) -> list[tuple[float, float]]:
         """Parts of the meridian below a height."""
@@ -124,11 +140,16 @@ class RestMeridian:
         return [(a, b) for a, b in itertools.pairwise(edges) if self.at(0.5 * (a + b))[1] < height]
 
     def _at_height(self, height: float, a: float, b: float) -> float:
-        """Where the meridian has a height, in a bracket."""
-        rising = self.at(b)[1] > height
-        while a < (middle := 0.5 * (a + b)) < b:
-            a, b = (a, middle) if (self.at(middle)[1] > height) == rising else (middle, b)
-        return middle
+        """Where the meridian has a height, by Newton's method kept in a bracket."""
+        rising, phi = self.at(b)[1] > height, 0.5 * (a + b)
+        while a < phi < b:
+            _, z, _, dz = self.at(phi)
+            a, b = (a, phi) if (z > height) == rising else (phi, b)
+            following = phi - (z - height) / dz if dz else a
+            if abs(following - phi) <= 1e-15:
+                break
+            phi = following if a < following < b else 0.5 * (a + b)
+        return phi
 
     def volume_below(self, height: float) -> float:
         """Return the volume below a height, -int 2 pi x (z - height) n_z: pi x^2 dz integrated by parts [m^3]."""
@@ -167,15 +188,11 @@ class RestMeridian:
     @cached_property
     def sharpest(self) -> float:
         """Smallest radius of curvature [m]."""
-        return 1 / max(max(map(abs, self.curvatures(phi))) for phi, _, _ in self._samples[1:-1])
+        return 1 / max(max(map(abs, _curvatures(*bend))) for bend in self._bends[1:-1])
 
     def curvatures(self, phi: float) -> tuple[float, float]:
         """Return the principal curvatures at an angle between the poles, of meridian and parallel [1/m]."""
-        x, _, dx, dz = self.at(phi)
-        ddx = -sum(k * k * a * math.sin(k * phi) for k, a in enumerate(self.radial, 1))
-        ddz = -sum(k * k * b * math.cos(k * phi) for k, b in enumerate(self.axial))
-        slope = math.hypot(dx, dz)
-        return (ddx * dz - dx * ddz) / slope**3, -dz / (x * slope)
+        return _curvatures(*self._with_bend(phi))
 
     def radius_at(self, height: float) -> float:
         """Return the largest radius at a height [m]; 0 beyond the body."""
@@ -193,7 +210,7 @@ class RestMeridian:
             following = height - excess / plane if plane > 0 else low
             if not low < following < high:
                 following = 0.5 * (low + high)
-            if abs(following - height) <= 1e-15 * self.radius:
+            if abs(following - height) <= 1e-14 * self.radius:
                 break
             height = following
         return height - self.lowest
@@ -212,6 +229,12 @@ class RestMeridian:
         """Return it stretched across and along its axis, then moved up [m]."""
         axial = tuple(along * b for b in self.axial)
         return RestMeridian(tuple(across * a for a in self.radial), (axial[0] + up, *axial[1:]))
+
+
+def _curvatures(x: float, _: float, dx: float, dz: float, ddx: float, ddz: float) -> tuple[float, float]:
+    """Principal curvatures by radius, height, their slopes and second derivatives [1/m]."""
+    slope = math.hypot(dx, dz)
+    return (ddx * dz - dx * ddz) / slope**3, -dz / (x * slope)
 
 
 def _check_clear_of_axis(meridian: RestMeridian) -> None:
@@ -266,12 +289,14 @@ def capsule(radius: float, length: float) -> RestMeridian:
     turn = {
         k: 2 * perimeter / (math.pi**2 * radius) * of.sin(k * half) / k * of.exp(-0.5 * (k * blur) ** 2) for k in even
     }
-    count = 8 * MOST_TERMS
+    count = 2 * MOST_TERMS
     angles = [math.pi * (i + 0.5) / count for i in range(count)]
     tangents = [phi + sum(c * math.sin(k * phi) / k for k, c in turn.items()) for phi in angles]
-    radial, axial = _terms([of.cos(psi) for psi in tangents], [of.sin(psi) for psi in tangents], SMALL)
-    plain = RestMeridian(tuple(a / k for k, a in enumerate(radial, 1)), (0.0, *(b / k for k, b in enumerate(axial, 1))))
-    return plain.scaled(radius / plain.at(math.pi / 2)[0], (2 * radius + length) / (plain.top - plain.keel))
+    slopes = _terms([of.cos(psi) for psi in tangents], [of.sin(psi) for psi in tangents], SMALL)
+    radial, axial = ([term / k for k, term in enumerate(terms, 1)] for terms in slopes)
+    across = radius / (sum(radial[::4]) - sum(radial[2::4]))  # by the radius at phi = pi/2
+    along = (2 * radius + length) / (2 * sum(axial[::2]))  # and the height from pole to pole
+    return RestMeridian(tuple(across * a for a in radial), (0.0, *(along * b for b in axial)))
 
 
 def _terms(even: Sequence[float], odd: Sequence[float], small: float) -> tuple[list[float], list[float]]:
@@ -279,8 +304,8 @@ def _terms(even: Sequence[float], odd: Sequence[float], small: float) -> tuple[l
     count, cosines, sines = len(even), [], []
     for k in range(1, MOST_TERMS + 1):
         at = [math.pi * k * (i + 0.5) / count for i in range(count)]
-        cosines.append(2 / count * sum(f * math.cos(p) for f, p in zip(even, at, strict=True)))
-        sines.append(2 / count * sum(f * math.sin(p) for f, p in zip(odd, at, strict=True)))
+        cosines.append(2 / count * sum(map(mul, even, map(math.cos, at))))
+        sines.append(2 / count * sum(map(mul, odd, map(math.sin, at))))
         if k > 8 and max(map(abs, cosines[-4:] + sines[-4:])) < small:
             break
     return cosines, sines
@@ -304,6 +329,12 @@ def through(points: tuple[tuple[float, float], ...], radius: float) -> RestMerid
     Cubic splines over the length of the chords, x without curvature and z without slope at the poles, as mirrored they
     go on; then their trigonometric series, to `MISFIT` radii. The angle phi goes with the length of the chords.
     """
+    return _through(points).scaled(radius, radius)
+
+
+@lru_cache(maxsize=32)
+def _through(points: tuple[tuple[float, float], ...]) -> RestMeridian:
+    """The same of radius one, which serves all sizes."""
     _check_points(points)
     largest = max(x for x, _ in points)
     at = [0.0]
@@ -323,7 +354,7 @@ def through(points: tuple[tuple[float, float], ...], radius: float) -> RestMerid
                 f"received points that turn too sharply for a smooth meridian near ({px:.4g}, {pz:.4g}); needs "
                 "fewer turns"
             )
-    scale = radius / found.radius
+    scale = 1 / found.radius
     return found.scaled(scale, scale, -scale * (found.top + found.keel) / 2)
 
 

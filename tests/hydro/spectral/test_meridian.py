@@ -6,11 +6,28 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vsb.hydro.spectral.meridian import WetMeridian, log_rule, ring
-from vsb.shell.deformed import rigid_sphere
+from vsb.shell.deformed import DeformedShell, rigid_sphere
+from vsb.shell.modes import Mode, ModeBasis
+from vsb.shell.shell import Shell
+from vsb.study.meridian import capsule
 
 
 def wet_sphere(nodes=32, height=0.0, order=0):
     return WetMeridian(rigid_sphere(1.0, height), nodes, order)
+
+
+@pytest.mark.parametrize("rest", [None, capsule(1.0, 0.5)])
+def test_chords_have_all_digits_however_short_they_are(rest):
+    """A short one is the slope times its length, a long one the difference of coordinates."""
+    shell = Shell(1.0, 0.01, 1e7, 0.3, 1100.0, rest)
+    basis = ModeBasis(shell, (Mode("Radial3", 3, 1.0, 0.0),), 1.0, bending=True)
+    wet = WetMeridian(DeformedShell(basis, 0.1, np.array([0.0, 0.02])), 8)
+    t, short = np.linspace(0.1, 0.9, 5), 1e-12
+    points, low = wet.at(t), wet.at(np.array([0.05]))
+    length = np.hypot(*wet.chord(t, np.full(5, short)))
+    assert length == pytest.approx(points.rate / points.x * short, rel=1e-10)
+    for found, apart in zip(wet.chord(np.full(5, 0.05), t - 0.05), (points.x - low.x, points.z - low.z), strict=True):
+        assert found == pytest.approx(apart, rel=1e-12)
 
 
 def test_the_rule_for_logarithms_is_exact():

@@ -102,8 +102,6 @@ _INTERIOR = (0.02, 0.15, 0.4)
 """Depths of the points inside, in drafts: near the surface every eigenfunction is at its largest."""
 _LONGEST_IN_NODES = 12
 """Longest interval of the rules for the singular integrals, of 16 points, in mean distances of nodes."""
-_CHORD = 15
-"""Points of the integral of the slope beyond the highest degree of the shape."""
 _CIRCLES = (0.2, 0.45)
 """Radii of the circles of points inside for orders >= 1, in distances from the axis to the shell [-]."""
 
@@ -196,14 +194,19 @@ class WetMeridian:
     def chord(self, start: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the vector from t = start to start + `offset`, radial and vertical, each shape (point,) [m].
 
-        As an integral of the slope, by more points the more turns the shape has: a difference of coordinates near the
-        waterline would be all round-off.
+        By products, as sin(k b) - sin(k a) = 2 cos(k (a + b)/2) sin(k (b - a)/2) and (b^n - a^n)/(b - a) is a sum of
+        a^i b^(n-1-i): a difference of coordinates near the waterline would be all round-off.
         """
-        v, w = unit_rule(_CHORD + self.shell.basis.turns)
-        phi, rate = self._colatitude((start[:, None] + offset[:, None] * v).ravel())
-        m = self.shell.curve(phi)
-        dx, dz = (offset * ((slope * rate).reshape(-1, len(v)) @ w) for slope in (m.dx, m.dz))
-        return dx, dz
+
+        def quotient(power: int) -> FloatArray:
+            return np.asarray(sum(start**i * (start + offset) ** (power - 1 - i) for i in range(power)))
+
+        extra, span = _CROWDING - _KEEL_SLOPE, np.pi - self.waterline
+        half = span * offset * ((1 + extra) * quotient(_CROWDING) - extra * quotient(_CROWDING + 1)) / 2
+        radial, axial = self.shell.terms
+        k = np.arange(len(radial))
+        middle, turned = np.outer(k, self._colatitude(start)[0] + half), np.sin(np.outer(k, half))
+        return np.asarray(2 * radial @ (np.cos(middle) * turned)), np.asarray(-2 * axial @ (np.sin(middle) * turned))
 
     def at(self, t: FloatArray) -> Points:
         """Return the points at t."""
