@@ -68,17 +68,6 @@ def test_random_passive_memories_are_recovered_with_their_poles(half, channels, 
         assert np.abs(found[:, None] - poles).min(axis=0).max() < 1e-3
 
 
-def test_poles_order_and_kernel_of_a_known_memory():
-    true = reciprocal(8, 4, 3, 0)
-    fit = fit_passive(samples(true), 1e-5)
-    found, poles = (np.linalg.eigvals(model.state_matrix) for model in (fit.model, true))
-    assert fit.model.order == 8
-    assert np.abs(found[:, None] - poles).min(axis=0).max() < 1e-8
-    time = np.linspace(0.0, 20.0, 101)
-    assert fit.model.kernel(time) == pytest.approx(true.kernel(time), abs=1e-4)
-    assert fit.model.kernel(time)[0] == pytest.approx(true.input_matrix.T @ true.input_matrix, rel=1e-4)
-
-
 def smooth(dof=3):
     """Samples of damping that no state space has: two channels, B = h h^T/2 summed, with its added mass."""
     omega = np.arange(1, 161) * 0.05

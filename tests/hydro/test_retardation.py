@@ -32,13 +32,6 @@ def test_added_mass_follows_from_damping_by_kramers_kronig(spectrum, omega):
     assert spectrum.added_mass_difference(np.array([omega]))[0, 0, 0] == pytest.approx(exact, abs=2e-5)
 
 
-def test_added_mass_follows_from_the_kernel_by_ogilvie(spectrum):
-    time = np.linspace(0, 300, 60001)
-    kernel, omega = spectrum.kernel(time[time <= 100])[:, 0, 0], 1.2
-    sine = np.trapezoid(kernel * np.sin(omega * time[: len(kernel)]), time[: len(kernel)])
-    assert spectrum.added_mass_difference(np.array([omega]))[0, 0, 0] == pytest.approx(-sine / omega, abs=1e-4)
-
-
 def test_interpolation_converges_at_fourth_order():
     steps = [0.2, 0.1, 0.05, 0.025, 0.0125]
     probe = np.linspace(1.013, 3.017, 57)

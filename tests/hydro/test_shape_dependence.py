@@ -1,8 +1,5 @@
 """Coefficients on shapes around a reference shape: derivatives, expansions, the shape database and its error."""
 
-import dataclasses
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -23,17 +20,8 @@ from vsb.hydro.shape_dependence import (
 )
 from vsb.scenes.rest import reference_shell
 from vsb.shell.deformed import rigid_sphere
-from vsb.study import study as config
 
-HERE = Path(__file__).parents[1]
 OMEGAS = (0.8, 1.6, 3.2, 6.4)
-SCALING = {
-    "added_mass": (3.0, 0.5),
-    "radiation_damping": (2.5, 0.5),
-    "excitation_force": (2.0, 0.5),
-    "added_mass_inf": (3.0, 0.0),
-}
-"""a d/da of a geometry scaled by a, at fixed frequency: the powers of (value, omega d/d omega), from Froude's law."""
 
 
 def family_of(shape, **options):
@@ -56,33 +44,6 @@ def family(reference):
     return family_of(reference.shape)
 
 
-@pytest.fixture(scope="module")
-def strained():
-    """The pressurised shell at rest, strained by 14 %, in five degrees of freedom."""
-    study = varied(config.load(HERE.parent / "config" / "pressurised.yaml"), modes={"degree": 2})
-    return reference_shell(study)
-
-
-@pytest.fixture(scope="module")
-def strained_family(strained):
-    return family_of(strained.shape)
-
-
-def by_frequency(family):
-    """omega d/d omega of the coefficients, by differences of solutions at scaled frequencies."""
-    levels = []
-    for h in (0.02, 0.01, 0.005):
-        plus, minus = (dataclasses.replace(family, omegas=tuple(w * (1 + s) for w in OMEGAS)).centre for s in (h, -h))
-        levels.append((plus.assign_coords(omega=list(OMEGAS)) - minus.assign_coords(omega=list(OMEGAS))) / (2 * h))
-    return extrapolated(levels)[0]
-
-
-def scaled(family):
-    """What a d/da of every coefficient is by Froude's law."""
-    change = by_frequency(family)
-    return {name: p * family.centre[name] + q * change[name] for name, (p, q) in SCALING.items()}
-
-
 def test_extrapolation_is_exact_for_errors_of_second_and_fourth_power():
     levels = [xr.Dataset({"a": 3.0 + 2.0 * h**2 - 5.0 * h**4}) for h in (0.4, 0.2, 0.1)]
     value, correction = extrapolated(levels)
@@ -100,19 +61,6 @@ def test_heave_is_a_change_of_draft():
     for name in COEFFICIENTS:
         assert misfit(slope[name], by_height[name]) < 1e-7
         assert np.abs(slope[name]).max() > 0.05 * np.abs(family.centre[name]).max()
-
-
-@pytest.mark.slow
-def test_all_amplitudes_together_scale_the_shape(strained, strained_family):
-    """Euler's identity: lengths of the shape times derivatives by them, heave and all modes of the strained shell."""
-    lengths = strained.modal_amplitude.copy()
-    lengths[0] += strained.shape.centre_height
-    lengths[1] += strained.basis.shell.radius
-    assert np.count_nonzero(np.abs(lengths) > 1e-3) == 5
-    eta = xr.DataArray(lengths, dims="shape_dof", coords={"shape_dof": strained_family.labels})
-    together, expected = (eta * strained_family.slopes).sum("shape_dof"), scaled(strained_family)
-    for name in COEFFICIENTS:
-        assert misfit(together[name], expected[name]) < 3e-7
 
 
 @pytest.mark.parametrize("which", ["family"])
@@ -180,15 +128,6 @@ def test_the_true_error_is_within_the_estimate(scale, database, family):
     estimated = np.array([list(database.error(eta).values()) for eta in shapes])
     assert np.all(measured <= estimated), measured / estimated
     assert np.all(measured[estimated > 1e-9] > 0.01 * estimated[estimated > 1e-9])
-
-
-def test_the_remainder_is_of_third_order(database, family):
-    """Damping's too, though it is not expanded."""
-    eta = REACH * np.array([0.5, -0.7, 0.6, 0.8])
-    found = measured_errors(database, family, eta / 2.0 ** np.arange(5)[:, None])
-    orders = np.log2(found[:-1] / found[1:])
-    assert np.all(np.abs(orders - 3) < 0.5), orders
-    assert np.all(np.abs(orders[-1] - 3) < 0.1), orders
 
 
 def test_the_estimate_is_of_third_order(database):

@@ -110,23 +110,6 @@ def test_flexible_stiffness_is_the_second_derivative_of_the_waters_energy(seed):
     assert stiffness == pytest.approx(second / h**2, rel=2e-3, abs=2e-3 * np.abs(stiffness).max())
 
 
-@pytest.mark.parametrize("amplitude", [-0.15, 0.15])
-def test_stiffness_of_a_deformed_shell_converges_to_the_exact_jacobian_at_second_order(amplitude):
-    shell, rows = shell_with(amplitude), np.array([6, 9, 13, 19])
-    exact = shell.hydrostatic_stiffness(1.0, 1.0)
-    found = []
-    for n in rows:
-        body = revolved_body(shell, n, (1, 2), 4 * n)
-        heave = np.tile([0.0, 0.0, 1.0], (len(body.vertices), 1))[None]
-        both = made(body.vertices, body.faces, np.concatenate([heave, body.shapes[1:]]))
-        found.append(hydrostatic_stiffness(both, 1.0, 1.0))
-    errors = np.abs(np.array(found) - exact).max(axis=(1, 2)) / np.abs(exact).max()
-    order = -np.polyfit(np.log(rows), np.log(errors), 1)[0]
-    assert 1.8 < order < 2.2, errors
-    limit, _ = barge.limit_and_order(rows, np.array(found).reshape(4, -1))
-    assert limit == pytest.approx(exact.ravel(), abs=3e-3 * np.abs(exact).max())
-
-
 def test_symmetry_is_detected_or_refused(box):
     vertices, faces = box
     heave = rigid(vertices)[2:3]

@@ -1,8 +1,5 @@
 """Bodies of a mesh alone: rigid motions made here, and the mass of a mesh filled evenly."""
 
-import json
-from pathlib import Path
-
 import meshio
 import numpy as np
 import pytest
@@ -11,14 +8,10 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.body import FlexibleBody, detected_symmetry
 from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
-from vsb.hydro.bodies.solver import BodyProblem
-from vsb.hydro.panels import rings as bem
-from vsb.hydro.panels.mesh import graded_colatitudes, revolved
 from vsb.study.body import BodyFile
 from vsb.study.quantities import RIGID
 from vsb.study.reading import validated
 
-DATA = Path(__file__).parents[2] / "data"
 L, B, H, DRAUGHT = 6.0, 4.0, 3.0, 2.0  # m, of a box with a deck
 
 
@@ -108,22 +101,6 @@ def test_displaced_mass_with_its_centre_and_radii(stl):
     metacentric = -DRAUGHT / 2 + L**2 / 12 / DRAUGHT + 0.5
     stiffness = hydrostatic_stiffness(body, file.water.density, file.water.gravity)
     assert stiffness[1, 1] == pytest.approx(m * file.water.gravity * metacentric, rel=1e-6)
-
-
-def test_heave_of_a_hemisphere_from_an_stl(stl, green_folder):
-    """Added mass, damping and Haskind's force of a whole sphere in an STL, cut at the water, against multipoles."""
-    phi = np.concatenate([graded_colatitudes(np.pi / 2, 10) - np.pi / 2, graded_colatitudes(np.pi / 2, 10)[1:]])
-    vertices, faces = revolved(np.sin(phi) * (phi < np.pi - 1e-9), np.cos(phi), 24)
-    file, body = described(stl(vertices, faces), modes=["Heave"], water={"density": 1.0, "gravity": 1.0})
-    found = BodyProblem(bem.green_function(green_folder), body, file.water).solve(1.0, np.zeros(1)).isel(omega=0)
-    known = json.loads((DATA / "hemisphere.json").read_text())
-    at = known["Ka"].index(1.0)
-    added, damping = known["added_mass"][at][1][1], known["radiation_damping"][at][1][1]
-    assert found.added_mass.item() == pytest.approx(added, rel=0.03)
-    assert found.radiation_damping.item() == pytest.approx(damping, rel=0.03)
-    force = abs(found.Froude_Krylov_force.item() + found.diffraction_force.item())
-    assert force == pytest.approx(np.sqrt(2 * damping), rel=0.03)
-    assert abs(found.haskind_force.item()) == pytest.approx(np.sqrt(2 * damping), rel=0.03)
 
 
 def test_sphere_hull_has_no_rotations_about_its_own_centre():

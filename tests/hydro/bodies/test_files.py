@@ -66,19 +66,6 @@ def test_mesh_files_of_other_programs_give_the_same_body(tmp_path, body, kind):
     assert again.triangles.area.sum(axis=0) == pytest.approx(body.triangles.area.sum(axis=0), abs=1e-4)
 
 
-def test_modes_may_be_given_at_panels(tmp_path, body):
-    files.write_body(body, tmp_path / "box.nc")
-    by_panel = xr.Dataset(
-        {"mode_shape": (("dof", "panel", "xyz"), body.modes), "centre_of_mass": ("xyz", body.centre_of_mass)},
-        coords={"dof": list(LABELS)},
-    )
-    by_panel.to_netcdf(tmp_path / "modes.nc")
-    again = files.read_body(tmp_path / "box.nc", tmp_path / "modes.nc")
-    assert again.modes == pytest.approx(body.modes)
-    assert again.mass is None
-    assert again.labels == LABELS
-
-
 def written(tmp_path, body, **changes):
     """Modes file with some variables changed."""
     files.write_body(body, tmp_path / "box.nc")

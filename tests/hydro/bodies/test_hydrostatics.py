@@ -17,7 +17,7 @@ CENTRES = np.array([[0.0, 0.0, -0.4], [9.0, 1.0, 0.2]])
 BOXES = [barge.box(6.0, 4.0, 2.0, 1), barge.box(5.0, 3.0, 1.5, 1)]
 
 
-def exclusive_lock(number):
+def alone(number):
     """One of the boxes by itself, its six motions about its centre of mass and one that bends."""
     vertices, faces = BOXES[number]
     vertices = vertices + number * np.array([9.0, 1.0, 0.0])
@@ -30,7 +30,7 @@ def exclusive_lock(number):
 @pytest.fixture
 def both():
     """Both boxes as one mesh, every motion of one alone."""
-    one, other = exclusive_lock(0), exclusive_lock(1)
+    one, other = alone(0), alone(1)
     vertices, faces = joined([(one.vertices, one.faces), (other.vertices, other.faces)])
     shapes = np.zeros((14, len(vertices), 3))
     shapes[:7, : len(one.vertices)], shapes[7:, len(one.vertices) :] = one.shapes, other.shapes
@@ -40,7 +40,7 @@ def both():
 def test_stiffness_of_two_bodies_is_that_of_each_alone(both):
     found = hydrostatic_stiffness(both, 1025.0, 9.81)
     expected = np.zeros((14, 14))
-    expected[:7, :7], expected[7:, 7:] = (hydrostatic_stiffness(exclusive_lock(k), 1025.0, 9.81) for k in (0, 1))
+    expected[:7, :7], expected[7:, 7:] = (hydrostatic_stiffness(alone(k), 1025.0, 9.81) for k in (0, 1))
     assert found == pytest.approx(expected, rel=1e-12, abs=1e-6 * np.abs(expected).max())
     assert sorted(both.rigid_parts) == [*range(6), *range(7, 13)]
     assert both.rigid == {}
@@ -65,7 +65,7 @@ def test_two_centres_of_mass_are_read_back(both, tmp_path):
 @pytest.mark.parametrize("number", [0, 1])
 def test_stiffness_transforms_with_the_centre_of_rotation(number):
     """A turn about the origin is one about a point c and the shift a x (-c): C turns with them, the body upright."""
-    one = exclusive_lock(number)
+    one = alone(number)
     c = np.append(number * np.array([9.0, 1.0]) + [-2.0, 3.0], 0.25)
     vertices = one.vertices + np.array([-2.0, 3.0, 0.0])
     own, origin = (made(vertices, one.faces, rigid(vertices, about), centre_of_mass=c) for about in (c, np.zeros(3)))

@@ -1,6 +1,5 @@
 from itertools import pairwise
 
-import capytaine as cpt
 import numpy as np
 import pytest
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
@@ -8,43 +7,12 @@ from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
 from examples.barge import box
 from vsb.hydro.bodies.lid import first_irregular_frequency, gap_resonance, interior_lid
 from vsb.hydro.bodies.mesh import joined
-from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.panels import rings as bem
-from vsb.study.sections import Water
-
-FRESH = Water(density=1000.0, gravity=9.81)
-
-
-def surge(green, body, lid, omega):
-    """Added mass and damping in surge, and the misfit of Haskind's relation in terms of the excitation."""
-    ds = BodyProblem(green, body, FRESH, "xOz+yOz", lid).solve(omega, np.zeros(1))
-    haskind = ds.Froude_Krylov_force + ds.diffraction_force - ds.haskind_force
-    matrices = [float(ds[name].values[0, 0, 0]) for name in ("added_mass", "radiation_damping")]
-    return (*matrices, float(np.abs(haskind).max() / np.abs(ds.haskind_force).max()))
 
 
 @pytest.fixture(scope="module")
 def green(green_folder):
     return bem.green_function(green_folder)
-
-
-def regular_box():
-    """10 x 8 x 4 m, panels of half a metre."""
-    mesh = cpt.mesh_parallelepiped(size=(10, 8, 8), resolution=(20, 16, 16)).immersed_part()
-    return np.asarray(mesh.vertices), np.asarray(mesh.faces)
-
-
-@pytest.mark.slow
-def test_lid_changes_coefficients_only_at_irregular_frequencies(green):
-    """The first is 2.261 rad/s; 40 x 32 x 16 panels without a lid give 26637 kg at 2.4 rad/s, finer ones 26.7 t."""
-    vertices, faces = regular_box()
-    body = made(vertices, faces, rigid(vertices)[[0, 2]], ("Surge", "Heave"))
-    lid = interior_lid(body, 8)
-    for omega, to in ((1.0, 0.002), (2.0, 0.01)):
-        assert surge(green, body, lid, omega)[:2] == pytest.approx(surge(green, body, None, omega)[:2], rel=to)
-    assert surge(green, body, lid, 2.4)[0] == pytest.approx(26700.0, rel=0.025)
-    bare, lidded = (surge(green, body, each, 2.25)[2] for each in (None, lid))
-    assert 2 * lidded < bare
 
 
 def disc_and_walls(radii, around=72, draught=0.2):

@@ -382,9 +382,6 @@ def test_motions_without_waves_are_accepted():
         coefficient_checks(still.assign(radiation_damping=0 * still.radiation_damping))
 
 
-# --- causes
-
-
 # --- several bodies, still modes, pairs
 
 

@@ -10,7 +10,7 @@ from examples import barge
 from vsb.cli import main
 from vsb.errors import DatabaseError
 from vsb.hydro.bodies import study as bodystudy
-from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
+from vsb.hydro.formats.bemio import bemio_entries
 from vsb.hydro.formats.common import (
     RIGID,
     body_names,
@@ -130,18 +130,6 @@ def test_wamit_files_are_read_back(tmp_path):
     for name in ds.data_vars:
         order = {dof: list(LABELS) for dof in PAIR if dof in ds[name].dims}
         assert back[name].sel(order).values == pytest.approx(ds[name].values, rel=2e-6)
-    for name, value in FACTS.items():
-        assert back.attrs[name] == pytest.approx(value)
-
-
-def test_h5_file_is_read_back(tmp_path):
-    ds = flexible(headings=(-30.0, 0.0, 90.0))
-    write_h5(bemio_entries(ds, "memory"), tmp_path / "barge.h5")
-    back = read_bemio(tmp_path / "barge.h5")
-    assert back.influenced_dof.values.tolist() == list(LABELS)
-    assert set(back.data_vars) == set(ds.data_vars)
-    for name in ds.data_vars:
-        assert back[name].values == pytest.approx(ds[name].values, rel=1e-14, abs=1e-9)
     for name, value in FACTS.items():
         assert back.attrs[name] == pytest.approx(value)
 

@@ -111,15 +111,6 @@ def stored(elastic, tmp_path):
 ALL = ["buoy.1", "buoy.3", "buoy.3fk", "buoy.3sc", "buoy.hst", "buoy.mmx", "buoy.h5"]
 
 
-def test_export_writes_every_format(stored, elastic, tmp_path):
-    found = exported(stored, tmp_path / "out", "buoy")
-    assert [path.split("/")[-1] for path in found[: len(ALL)]] == ALL
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(ALL)
-    back = import_wamit(tmp_path / "out", "buoy", density=1000.0, gravity=10.0)
-    assert back.added_mass.values == pytest.approx(elastic.added_mass.values, rel=1e-6)
-    assert read_bemio(found[len(ALL) - 1]).added_mass.values == pytest.approx(elastic.added_mass.values)
-
-
 def test_a_format_that_cannot_be_written_is_left_out(stored, elastic, tmp_path):
     with pytest.raises(ConfigError, match=r"length: received 0\.0, needs"):
         wamit_texts(elastic, "memory", 0.0)

@@ -5,7 +5,6 @@ from pathlib import Path
 import capytaine as cpt
 import numpy as np
 import pytest
-from scipy.special import legendre_p_all
 
 from vsb.errors import DatabaseError
 from vsb.hydro import dofs
@@ -190,25 +189,6 @@ def test_every_order_equals_capytaines_full_solution_to_round_off(green, order, 
         if name == "radiation_damping":  # next to nothing at high orders: round-off is that of the added mass
             size = max(size, np.abs(theirs.added_mass.values).max())
         assert np.abs(ours[name].values - expected).max() < 1e-11 * size, name
-
-
-def surge_at_infinity():
-    """Multipoles P_n^1, n even: pi sum <sin, P_n^1>^2/((n + 1) N_n), N_n = n (n + 1)/(2n + 1), over the half sphere."""
-    node, weight = np.polynomial.legendre.leggauss(400)
-    mu, weight = (node + 1) / 2, weight / 2
-    p = legendre_p_all(300, mu, diff_n=1)[1][2::2] * np.sqrt(1 - mu**2)
-    n = np.arange(2, 301, 2)
-    terms = np.pi * (p @ (weight * np.sqrt(1 - mu**2))) ** 2 * (2 * n + 1) / (n * (n + 1) ** 2)
-    return terms.sum()
-
-
-def test_surge_of_the_hemisphere_at_infinite_and_vanishing_frequency(green):
-    volume = 2 * np.pi / 3
-    assert surge_at_infinity() / volume == pytest.approx(0.2732, abs=5e-5)  # Hulme (1982)
-    problem = order_problem(green, 20, ("Surge",), 1)
-    assert problem.at_infinity().item() == pytest.approx(surge_at_infinity(), rel=1e-3)
-    still = problem.solve([0.03])  # a wall at z = 0: half a sphere in unbounded water
-    assert still.added_mass.item() / volume == pytest.approx(0.5, rel=2e-3)
 
 
 @pytest.mark.parametrize(

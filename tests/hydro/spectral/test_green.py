@@ -9,8 +9,6 @@ from scipy.special import hankel1, ive, j0, jv, kve, struve, y0
 
 from vsb.errors import ConfigError
 from vsb.hydro import dofs
-from vsb.hydro.panels import rings as bem
-from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.spectral.green import FiniteDepthWavePart, WavePart, wave_profile
 from vsb.hydro.spectral.meridian import WetMeridian
 from vsb.hydro.spectral.solver import SpectralProblem
@@ -204,22 +202,6 @@ def test_low_frequency_added_mass_is_that_of_a_source_in_a_layer(bowl, depth):
 def test_force_in_long_waves_is_hydrostatic_in_shallow_water(bowl):
     body = bowl(1.1)
     assert solved(body, [1e-7])[1][0] == pytest.approx(body.onto.sum(axis=1), abs=1e-3)
-
-
-@pytest.mark.parametrize("depth", [1.2])
-def test_rings_of_panels_converge_to_finite_depth_solution(green_folder, bowl, shell, depth):
-    """Rings of capytaine's panels; its finite-depth Green function alone is some 1e-3 off."""
-    ka = [0.3, 1.0]
-    ours, errors = solved(bowl(depth), ka), []
-    for rows in (6, 12, 24):
-        mesh = deformed_mesh(shell(), rows, 2 * rows, rows // 2)
-        problem = bem.AxisymmetricProblem(
-            bem.green_function(green_folder), mesh, dofs.displacements(RADIAL), 1.0, depth, 1.0
-        )
-        ds = problem.solve([float(np.sqrt(k)) for k in ka])
-        errors.append(distance(values(ds), ours))
-    assert errors[1] < errors[0] / 2, errors
-    assert errors[2] < 6e-3, errors
 
 
 # Refusals

@@ -1,6 +1,5 @@
 """The spectral solver: hemisphere, convergence, identities, limits, every azimuthal order, capytaine's panels."""
 
-import dataclasses
 import itertools
 from pathlib import Path
 
@@ -12,8 +11,6 @@ from vsb.errors import ConfigError
 from vsb.hydro import dofs
 from vsb.hydro.database import with_excitation
 from vsb.hydro.dofs import legendre_function
-from vsb.hydro.panels import rings as bem
-from vsb.hydro.panels.mesh import deformed_mesh
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.spectral.green import WavePart
 from vsb.hydro.spectral.solver import SpectralProblem
@@ -23,7 +20,6 @@ from vsb.shell.deformed import rigid_sphere
 from vsb.study import study as config
 
 HERE = Path(__file__).parents[2]
-VOLUME = 2 * np.pi / 3
 FILE = 4e-6
 """Error of the hemisphere's file: six decimals, and its series at Ka = 10."""
 KA = [0.1, 1.0, 3.0]
@@ -95,28 +91,6 @@ def test_convergence_to_the_hemisphere_is_spectral(hemisphere):
     assert all(later < earlier / 3 for earlier, later in itertools.pairwise(errors)), errors
     assert errors[0] > 1e-3  # otherwise this tests nothing
     assert errors[-1] < FILE
-
-
-@pytest.mark.parametrize(
-    ("ka", "added_mass", "damping"), [(0.1, 0.8627, 0.1816), (0.3, 0.7157, 0.3254), (1.0, 0.4284, 0.2484)]
-)
-def test_heave_of_the_hemisphere_after_hulme_1982(ka, added_mass, damping):
-    result = sphere(20, displacements=("Radial1",)).solve(omegas_of([ka]))
-    assert result.added_mass.item() / VOLUME == pytest.approx(added_mass, abs=1e-4)
-    assert result.radiation_damping.item() / VOLUME / np.sqrt(ka) == pytest.approx(damping, abs=1e-4)
-
-
-def test_surge_of_the_hemisphere_after_hulme_1982():
-    """His table 2, per mass of displaced water, but for Ka = 0.7 and 2.5, where copies of it have a wrong digit."""
-    table = """
-        0.1 0.5223 0.0011  0.2 0.5515 0.0082  0.3 0.5848 0.0255  0.4 0.6175 0.0557  0.5 0.6439 0.0987  0.6 0.6586 0.1516
-        0.8 0.6421 0.2653  0.9 0.6127 0.3145  1.0 0.5740 0.3535  1.2 0.4860 0.3978  1.4 0.4038 0.4060  1.6 0.3371 0.3929
-        1.8 0.2866 0.3695  2.0 0.2493 0.3424  3.0 0.1720 0.2237  4.0 0.1620 0.1510  5.0 0.1679 0.1073  6.0 0.1772 0.0794
-        7.0 0.1865 0.0608  8.0 0.1949 0.0479  9.0 0.2022 0.0386  10.0 0.2085 0.0317"""
-    ka, added_mass, damping = np.array(table.split(), dtype=float).reshape(-1, 3).T
-    a, b, _ = values(sphere(24, order=1, displacements=("Surge",)).solve(omegas_of(ka)))
-    assert a[:, 0, 0] / VOLUME == pytest.approx(added_mass, abs=1e-4)
-    assert b[:, 0, 0] / VOLUME / np.sqrt(ka) == pytest.approx(damping, abs=1e-4)
 
 
 def at_equator(order, degree):
@@ -217,17 +191,6 @@ def test_scan_is_as_exact_near_irregular_frequencies_as_elsewhere(hemisphere):
     assert distance(sphere(20).solve(omegas), sphere(28).solve(omegas)).max() < 1e-7
 
 
-@pytest.mark.parametrize("height", [-0.5, 0.7])
-def test_spheres_that_float_high_or_low_converge_as_fast(height):
-    omegas = omegas_of(KA)
-    fine = sphere(36, height)
-    exact = fine.solve(omegas)
-    errors = [distance(sphere(n, height).solve(omegas), exact).max() for n in (10, 14, 18, 24)]
-    assert all(later < earlier / 4 for earlier, later in itertools.pairwise(errors)), errors
-    assert errors[-1] < 1e-7
-    assert relative(sphere(24, height).at_infinity(), fine.at_infinity()) < 1e-8
-
-
 def identities(problem, omegas):
     """Distance from symmetry, Haskind's damping and rank one, each relative to the largest entry at the frequency."""
     ds = problem.solve(omegas)
@@ -243,12 +206,6 @@ def identities(problem, omegas):
 @pytest.mark.parametrize("order", [0, 1])
 def test_symmetry_haskind_and_rank_one_of_a_deformed_shell(oblate, order):
     assert max(identities(oblate(32, order), [0.5, 2.0, 5.0, 8.0])) < 1e-9
-
-
-@pytest.mark.parametrize(("order", "depth"), [(0, 1.4), (1, 1.4), (2, 3.0)])
-def test_symmetry_haskind_and_rank_one_in_finite_depth(order, depth):
-    problem = dataclasses.replace(sphere(28, -0.2, order, ("Radial2", "Radial3")), depth=depth)
-    assert max(identities(problem, [0.2, 0.6, 1.0, 2.0])) < 1e-8
 
 
 @pytest.mark.parametrize("nodes", [8, 12, 20])
@@ -304,24 +261,6 @@ def test_froude_krylov_force_is_the_pressure_of_the_whole_wave(oblate, order):
     exact = -1025.0 * 9.81 * 2 * np.pi * (problem.velocities * problem.meridian.areas) @ wave
     found = problem.solve([np.sqrt(9.81 * k)]).Froude_Krylov_force.values[0, 0]
     assert relative(found, exact) < 1e-12
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("case", ["low", "oblate"])
-def test_rings_of_panels_converge_to_spectral_solution(green_folder, oblate, case):
-    """Added mass, damping and excitation, and added mass at infinite frequency."""
-    problem = oblate() if case == "oblate" else sphere(32, -0.5)
-    omegas = [1.0, 2.5] if case == "oblate" else omegas_of([0.3, 1.2])
-    fine, infinite, errors = problem.solve(omegas), problem.at_infinity(), []
-    green = bem.green_function(green_folder)
-    for n in (12, 24, 48):
-        mesh = deformed_mesh(problem.shell, n, 2 * n, n // 2)
-        args = problem.displacements, problem.density, np.inf, problem.gravity
-        panels = bem.AxisymmetricProblem(green, mesh, *args)
-        found = distance(panels.solve(omegas), fine).max(axis=1)
-        errors.append([*found, relative(panels.at_infinity(), infinite)])
-    assert np.all(np.array(errors[-1]) < 1e-2), errors
-    assert np.all(np.array(errors[-1]) < np.array(errors[0]) / 4), errors
 
 
 @pytest.mark.parametrize("height", [1.5, -1.5])
