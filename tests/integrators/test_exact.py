@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -21,7 +20,7 @@ from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.study.sections import Simulation
-from vsb.waves.seas import Sea, sea
+from vsb.waves.seas import Sea
 
 
 def oscillator(forces):
@@ -112,18 +111,6 @@ def test_propagation_and_convolution_agree_with_the_frequency_domain(linear, des
         absorbed = energies(System.of(plant), motion)["pto"]
         mean = np.diff(np.interp(window, motion.time, absorbed))[0] / (6 * period)
         assert mean == pytest.approx(expected, rel=5e-3), method
-
-
-def test_mean_power_in_an_irregular_sea_is_the_spectral_sum(seed, linear):
-    """Over the common period of the components, where the sum is exact but for the fitted radiation."""
-    (wave,) = varied(seed, waves=[{"kind": "jonswap", "hs": 1.0, "tp": 4.0}]).waves
-    waves = sea(wave, 6.0, 100.0)
-    plant, buoy = linear("VSWEC", waves)
-    period = 2 * np.pi / (waves.omega[1] - waves.omega[0])
-    motion = propagate(System.of(plant), np.linspace(0.0, 2 * period, 20_001), plant.start(0.0, 0.0))
-    absorbed = energies(System.of(plant), motion)["pto"]
-    expected = waves.mean_of(buoy.absorbed_power(waves.omega, buoy.rao(waves.omega, plant.motions)))
-    assert (absorbed[-1] - absorbed[10_000]) / period == pytest.approx(expected, rel=5e-3)
 
 
 OMEGA, PORT, CHAMBER = 1.7, np.array([0.8, -0.6]), 0.4

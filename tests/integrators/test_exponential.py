@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import compiled_motion, labelled, only_run, varied
-from scipy.integrate import quad
 
 from vsb.errors import ConvergenceError
 from vsb.integrators.audit import energies
@@ -17,7 +16,6 @@ from vsb.integrators.exponential import (
     ExponentialIntegrator,
     integrate,
     march,
-    phi_integrals,
 )
 from vsb.integrators.simulate import simulate
 from vsb.motion.system import System
@@ -126,21 +124,6 @@ def test_undamped_free_shell_conserves_energy_over_many_periods(assumed):
     assert drifts[1] < 0.2 * drifts[0] < 1e-4
 
 
-def test_small_motion_is_linear(assumed):
-    """The difference from the linear oscillator falls with the square of the amplitude (the waterplane is even)."""
-    plant, _ = undamped(assumed, "FSB")
-    time = np.linspace(0.0, 10.0, 401)
-    stiffness, mass = plant.water.tangent[0, 0], plant.mass[0, 0]
-    errors = []
-    amplitudes = np.array([0.2, 0.1, 0.05])
-    for a in amplitudes:
-        motion, _ = integrate(System.of(plant), time, plant.start(a, 0.0), 1e-13)
-        balance = motion.position[:, 0] - a * np.cos(np.sqrt(stiffness / mass) * time)
-        errors.append(np.abs(balance).max() / a)
-    slopes = np.diff(np.log(errors)) / np.diff(np.log(amplitudes))
-    assert np.all(np.abs(slopes - 2.0) < 0.1), slopes
-
-
 def test_free_fall_and_splash(assumed):
     """From 3 m above the water: free fall until the keel touches, then a splash."""
     plant, _ = undamped(assumed, "FSB")
@@ -164,13 +147,3 @@ def test_scene_without_water_pressure_is_refused(assumed):
     dry = replace(plant, forces={"pto": plant.forces["pto"]})
     with pytest.raises(ValueError, match="needs a scene with water pressure"):
         integrate(System.of(dry), np.linspace(0.0, 1.0, 11), plant.start(0.0, 0.0), 1e-8)
-
-
-def test_response_of_an_oscillator_to_a_polynomial():
-    """An oscillator of 1000 rad/s over many periods, forced by (t/unit)^3."""
-    w, h, unit = 1000.0, 0.1, 0.02
-    a, b = np.array([[0.0, w], [-w, 0.0]]), np.array([[0.0], [1.0]])
-    found = phi_integrals(a, b, h, 4).of_polynomials(np.eye(4)[:, 3:], unit)
-    exact = [quad(lambda s: (s / unit) ** 3, 0, h, weight=kind, wvar=w)[0] for kind in ("cos", "sin")]
-    turn = np.array([[np.sin(w * h), -np.cos(w * h)], [np.cos(w * h), np.sin(w * h)]])
-    assert found[0, 0] == pytest.approx(turn @ exact, rel=1e-9)

@@ -73,18 +73,6 @@ def test_stability_boundaries_of_mathieus_equation(q, boundary, order, trace):
     assert all(coarse > 30 * fine or coarse < 1e-9 for coarse, fine in itertools.pairwise(errors))
 
 
-def test_mathieus_equation_is_unstable_inside_its_tongue_only():
-    q = 0.5
-    inside, outside = (float(mathieu_b(1, q)) + shift for shift in (0.2, -0.2))
-    matrix = np.array([[0.0, 1.0], [-inside, 0.0]])
-    found = multipliers(matrix, lambda phase: 2 * q * np.cos(phase)[:, None, None], np.pi)
-    assert found[0].real < -1.1  # at twice the period
-    assert found[0] * found[1] == pytest.approx(1.0, abs=1e-4)
-    matrix[1, 0] = -outside
-    found = multipliers(matrix, lambda phase: 2 * q * np.cos(phase)[:, None, None], np.pi)
-    assert np.abs(found) == pytest.approx(1.0, abs=1e-6)
-
-
 def test_unresolved_multipliers_are_refused():
     """A coupling that is another one at every sampling."""
     matrix = np.array([[0.0, 3.0], [-3.0, 0.0]])

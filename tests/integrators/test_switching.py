@@ -1,13 +1,11 @@
 """Switching take-offs: closed forms, an independent integrator, energy, steady power, harmonic balance."""
 
 from dataclasses import replace
-from math import factorial
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.polynomial import Polynomial
 from scipy.integrate import solve_ivp
 
 from vsb.errors import ConfigError, ConvergenceError
@@ -19,7 +17,6 @@ from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.periodic import Trials, periodic_power
 from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import Switching
-from vsb.integrators.works import integrated
 from vsb.motion.forces import Damper, EndStop, Excitation, RadiationMemory, Spring, TakeOff
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
@@ -288,18 +285,3 @@ def test_methods_for_smooth_forces_refuse_a_switching_take_off():
         )
     with pytest.raises(ValueError, match="switching: received the nonlinear forces none, needs a linear or body-exact"):
         Switching(oscillator(Damper(np.eye(1))))
-
-
-def test_work_rule_is_exact_to_degree_five_and_of_order_six():
-    """Integral of a power from its value and two derivatives at the nodes."""
-
-    def missed(power, count):
-        time = np.linspace(0.2, 2.0, count + 1)
-        values = np.array([power(time), power.deriv(1)(time), power.deriv(2)(time)])
-        found = integrated(values[:, :-1], values[:, 1:], np.diff(time)).sum()
-        return abs(found - (power.integ()(2.0) - power.integ()(0.2)))
-
-    assert max(missed(Polynomial.basis(degree), 2) for degree in range(6)) < 1e-13
-    sine = Polynomial([(-1) ** (k // 2) * (k % 2) * 3.0**k / factorial(k) for k in range(40)])
-    slopes = np.diff(np.log2([missed(sine, count) for count in (8, 16, 32)]))
-    assert np.all(np.abs(slopes + 6) < 0.2), slopes

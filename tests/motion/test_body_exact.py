@@ -7,10 +7,8 @@ import pytest
 from conftest import varied
 
 from vsb.errors import ConvergenceError
-from vsb.integrators.audit import energies, residual
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
-from vsb.integrators.simulate import simulate
 from vsb.motion.builders import body_exact_scene, linear_scene
 from vsb.motion.forces import Excitation
 from vsb.motion.system import System
@@ -77,24 +75,6 @@ def test_small_motion_follows_linear_theory(parts, seed, design):
     slopes = np.diff(np.log(errors)) / np.diff(np.log(amplitudes))
     assert errors[-1] < 2e-3, errors
     assert np.all((slopes > 0.8) & (slopes < 2.2)), (errors, slopes)
-
-
-def test_vented_shell_stays_at_its_deformed_equilibrium(parts, seed):
-    plant = scene(parts, seed, "VSWEC", NO_WAVES)
-    assert -0.25 < plant.origin[0] < -0.15  # it has shrunk, and sunk
-    motion, _ = integrate(System.of(plant), np.linspace(0.0, 10.0, 401), plant.start(0.0, 0.0), 1e-8)
-    assert np.abs(motion.position - plant.origin).max() < 1e-8
-
-
-@pytest.mark.parametrize("design", ["FSB", "VSWEC90"])
-def test_energy_balance_closes(parts, seed, design):
-    plant = scene(parts, seed, design, swell(0.2))
-    motion, _, method = simulate(System.of(plant), swell(0.2), seed.simulation, None)
-    energy = energies(System.of(plant), motion)
-    assert residual(energy) < 1e-6
-    assert "exponential Adams" in method
-    assert energy["wave"][-1] > 0
-    assert np.all(np.diff(energy["radiated"]) >= 0)
 
 
 def test_shell_too_soft_to_rest_is_refused(parts, seed):

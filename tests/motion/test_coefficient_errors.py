@@ -93,19 +93,6 @@ def test_sensitivities_of_a_damper_matrix_match_differences_of_the_power():
         assert np.sum(getattr(slopes, name) * change).real == pytest.approx(expected, rel=1e-6), name
 
 
-def test_common_scale_of_the_force_cancels_in_the_gain():
-    """P scales with |X|^2: 1 % in X is 2 % of each power and nothing of their ratio."""
-    c = water(np.random.default_rng(4))
-    slopes = {}
-    for name, motions in FREE.items():
-        moved, port, impedance, _ = at_work(c, motions, (2.0, 0.5))
-        slopes[name] = sensitivity(OMEGA, moved, port, impedance, SQUARES)
-    none = np.zeros((len(OMEGA), 3, 3))
-    scale = CoefficientError("scale", Coefficients(none, none, 0.01 * c.excitation), signed=True)
-    assert [one.to(scale) for one in slopes.values()] == pytest.approx([0.02, 0.02], rel=1e-9)
-    assert (slopes["flexible"] - slopes["rigid"]).to(scale) == pytest.approx(0.0, abs=1e-12)
-
-
 def test_unsigned_errors_combine_in_the_worst_way():
     rng = np.random.default_rng(5)
     slopes = Sensitivity(symmetric(rng), symmetric(rng), water(rng).excitation, symmetric(rng))

@@ -8,7 +8,7 @@ from conftest import varied
 from motion.test_port import solved
 
 from vsb.hydro.database import Coefficients
-from vsb.motion.damper_matrix import _FORMS, Ports, best_matrix
+from vsb.motion.damper_matrix import Ports, best_matrix
 from vsb.motion.frequency import LinearEquation
 from vsb.motion.port import LinearPto, port_direction
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
@@ -66,17 +66,6 @@ def test_slope_of_the_power_is_that_of_differences():
     assert power == pytest.approx(squares @ ports.power(damping), rel=1e-12)
     differences = squares @ (ports.power(damping + 1e-5 * change) - ports.power(damping - 1e-5 * change)) / 2e-5
     assert np.sum(slope * change) == pytest.approx(differences, rel=1e-7)
-
-
-@pytest.mark.parametrize("kind", ["uniform", "diagonal", "full"])
-def test_slopes_of_the_forms_of_a_matrix_are_those_of_differences(kind):
-    rng, unit = np.random.default_rng(5), np.array([1.0, 0.2, 3.0])
-    form = _FORMS[kind](3)
-    x, weight = form.starts(rng)[0], rng.normal(size=(3, 3))
-    weight = weight + weight.T
-    found, steps = form.matrix(x, unit)[1](weight), 1e-6 * np.eye(len(x))
-    expected = [np.sum(weight * (form.matrix(x + h, unit)[0] - form.matrix(x - h, unit)[0])) / 2e-6 for h in steps]
-    assert found == pytest.approx(np.array(expected), rel=1e-6, abs=1e-8 * np.abs(expected).max())
 
 
 def long_waves(stiffness, omega=1.0):

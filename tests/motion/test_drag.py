@@ -66,17 +66,6 @@ def test_linearisation_coefficients():
 
 
 @pytest.mark.parametrize(("seed", "dragged"), [(0, 1), (1, 3)])
-def test_port_with_drag_matches_the_buoy_with_a_damper(seed, dragged):
-    buoy, drag = Buoy(seed, dragged=dragged), np.array([0.7, 0.3, 1.1])[:dragged]
-    port = buoy.port.beside(drag)
-    velocity, past = buoy.velocities(0.5, 0.2, drag)
-    assert port.velocity_under(port.load(0.5, 0.2)) == pytest.approx(velocity, rel=1e-10)
-    seen = buoy.port.seen(np.array([0.5]), np.array([0.2]))
-    assert seen.with_drag(drag[None], np.zeros(1, int))[0] == pytest.approx(past, rel=1e-10)
-    assert port.compliance == buoy.port.port.compliance
-
-
-@pytest.mark.parametrize(("seed", "dragged"), [(0, 1), (1, 3)])
 def test_equivalent_damping_is_consistent_with_its_motion(seed, dragged):
     """By the full equation of motion under that very damping."""
     buoy = Buoy(seed, dragged=dragged)

@@ -42,11 +42,6 @@ def test_stiff_shell_approaches_the_rigid_buoy(buoy_of, seed):
     assert gains[0] / gains[1] == pytest.approx(100, rel=0.2)  # flexibility is first order in 1/E
 
 
-def test_buoy_follows_long_waves(buoy_of, seed):
-    rao = buoy_of(seed).rao(np.array([0.2]), np.eye(8, 1))[0, 0]
-    assert rao == pytest.approx(1.0, abs=0.02)
-
-
 @pytest.mark.parametrize(("structural", "pto", "radiated"), [(0.0, 0.0, 0.0), (70.0, 250.0, 400.0)])
 def test_wet_damping_ratio_of_uncoupled_motions(structural, pto, radiated):
     """(B + D + c)/(2 w (M + A)), for heave and for a mode without coupling to it."""

@@ -184,14 +184,6 @@ def test_table_finds_the_optimum_of_each_sea(seed):
     assert found.power == pytest.approx(exact, rel=1e-11)
 
 
-def test_optimal_damping_of_a_single_wave_is_its_impedance():
-    port = two_resonances(1)
-    tried = dampers(port)
-    found = best_of_table(tried, port.power(tried) @ np.eye(len(GRID)))
-    assert found.damping == pytest.approx(port.best_damping, rel=1e-6)
-    assert found.power == pytest.approx(port.best_power, rel=1e-12)
-
-
 def test_optimal_dampers_of_several_ports_are_those_of_each():
     rng = np.random.default_rng(1)
     ports = [random_port(rng) for _ in range(3)]

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from vsb.errors import ConfigError
 from vsb.hydro.statespace import RadiationModel
@@ -106,27 +104,6 @@ def test_constraint_drift_after_a_thousand_waves(seed):
 def symmetric(rng, size):
     factor = rng.normal(size=(size, size))
     return factor @ factor.T + np.eye(size)
-
-
-@settings(max_examples=10)
-@given(st.lists(st.integers(0, 12), max_size=4), st.integers(0, 1000))
-def test_projector_properties(seed, clamps, number):
-    basis = mode_basis(seed.device, "full", 20)
-    rng = np.random.default_rng(number)
-    mass, force = symmetric(rng, len(basis.labels)), rng.normal(size=(3, len(basis.labels)))
-    rows = basis.clamp_rows(np.deg2rad(15.0 * np.array(clamps, dtype=float)))
-    constraint = udwadia_kalaba(mass, rows)
-    p = constraint.projector
-    scale = np.abs(p).max()
-    assert p @ p == pytest.approx(p, abs=1e-10 * scale)
-    assert np.abs(rows @ p).max(initial=0.0) < 1e-10 * scale
-    assert mass @ p == pytest.approx((mass @ p).T, abs=1e-9 * np.abs(mass @ p).max())  # orthogonal in the mass
-    assert np.linalg.matrix_rank(p, tol=1e-6) == len(mass) - check_rank(rows)
-    free = np.linalg.solve(mass, force.T).T
-    assert constraint.acceleration(force) == pytest.approx(free @ p.T, abs=1e-9 * np.abs(free).max() * scale)
-    total = force + constraint.force(force)
-    moved = np.linalg.solve(mass, total.T).T
-    assert moved == pytest.approx(constraint.acceleration(force), abs=1e-9 * scale)
 
 
 def test_acceleration_satisfies_gauss_principle(seed):

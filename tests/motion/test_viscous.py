@@ -53,22 +53,6 @@ def test_the_force_in_time_has_the_complex_stiffness_of_the_frequency_domain():
     assert found == pytest.approx(K * (loss(BRANCHES, omega) + 1j * stiffening(BRANCHES, omega) / omega), rel=1e-12)
 
 
-def test_a_fast_branch_is_a_damper_and_a_slow_one_a_spring():
-    omega = np.array([1.0, 5.0])
-    fast, slow = (MaxwellBranch(ratio=10.0, time=1e-4),), (MaxwellBranch(ratio=0.3, time=1e6),)
-    assert loss(fast, omega) == pytest.approx(1e-3, rel=1e-6)
-    assert stiffening(slow, omega) == pytest.approx(0.3, rel=1e-6)
-
-
-def test_a_displaced_shell_relaxes_as_its_modulus_does():
-    """Held at a sudden displacement of 1 the force falls as G(t)."""
-    model = viscous().model
-    states = model.input_matrix[:, 1]
-    time = np.linspace(0.0, 4.0, 9)
-    force = np.array([model.input_matrix[:, 1] @ (np.exp(np.diag(model.state_matrix) * t) * states) for t in time])
-    assert force == pytest.approx(K * relaxation_modulus(time), rel=1e-12)
-
-
 def test_work_of_a_cycle_is_pi_times_the_loss_modulus():
     """In the audit of a driven mass, in the harmonic balance, and by pi Im K |q|^2."""
     omega = 3.0

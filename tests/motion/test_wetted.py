@@ -4,16 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import quad
-from scipy.special import j0
 
-from vsb.motion.froude_krylov import incident, rotated, wave_force
 from vsb.motion.wetted import WetShell
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis, mode_basis, natural_shapes
 from vsb.shell.shell import Shell
 from vsb.study.meridian import RestMeridian, capsule, spheroid
-from vsb.waves.seas import Sea
 
 ONE_DIP = {"Bending6": -0.4}  # with the centre at -1.7 m the top pole dips under and a ring stays out
 
@@ -79,10 +75,6 @@ def test_shallow_dimple_is_resolved(full):
     assert np.all(np.abs(slopes - 0.5) < 0.05), slopes
 
 
-G, OMEGA = 9.81, 2.0
-K = OMEGA**2 / G
-
-
 def basis_of(meridian, degree=3):
     shell = Shell(meridian.radius, 0.005, 1e7, 0.3, 2700.0, meridian)
     return ModeBasis(shell, natural_shapes(shell, degree), 1e4, bending=True)
@@ -113,22 +105,3 @@ def test_dry_submerged_and_floating_spheroid():
     h = 1.0  # immersed, of 3
     cap = 0.75 * np.pi * (h / 0.75) ** 2 * (6 - h / 0.75) / 3
     assert WetShell(basis, 0.5).forces(q)[0][0, 0] == pytest.approx(cap, rel=1e-12)
-
-
-@pytest.mark.parametrize("meridian", BODIES[:2])
-def test_small_waves_on_a_spheroid_give_the_linear_froude_krylov_force(meridian):
-    """Heave of half a spheroid, int J_0(kx) e^(kz) n_z dS; the error is of second order in the amplitude."""
-    a, b = meridian.radial[0], meridian.axial[1]
-    exact = -2 * np.pi * quad(
-        lambda c: j0(K * a * np.sqrt(1 - c * c)) * np.exp(K * b * c) * a**2 * c, -1, 0, epsabs=1e-13
-    )[0]  # fmt: skip
-    basis = basis_of(meridian)
-    shape, q, errors = WetShell(basis, 0.0).shape, np.zeros(7), []
-    for amplitude in (0.04, 0.02):
-        waves = incident(Sea(np.array([OMEGA]), np.array([amplitude + 0j])), np.inf, G, basis.shell.reach)
-        crest, trough = np.empty(7), np.empty(7)
-        wave_force(shape, q, waves, rotated(waves, 0.0), crest)
-        wave_force(shape, q, waves, rotated(waves, np.pi / OMEGA), trough)
-        errors.append(abs((crest - trough)[0] / (2 * amplitude) - exact))
-    assert errors[0] < 5e-3 * exact
-    assert 3.0 < errors[0] / errors[1] < 5.0

@@ -6,10 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import varied
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from vsb.hydro.statespace import RadiationModel
 from vsb.integrators.harmonic_balance import harmonic_balance, steady_power
 from vsb.motion.shell_forces import ElasticForce
 from vsb.scenes.automatic import RIGID, Description, Scenes, chosen, linear_power, motion_ladder, truncated
@@ -104,17 +101,6 @@ def test_truncated_memory_is_passive_and_converges(memory):
         model = truncated(memory, order)  # its construction checks passivity
         assert model.order == order
         assert np.linalg.eigvalsh(model.damping(omega)).min() > -1e-9 * np.abs(exact).max()
-
-
-@settings(max_examples=10)
-@given(st.integers(0, 10_000), st.integers(1, 5))
-def test_truncation_of_any_passive_model_is_passive(seed_of_numbers, order):
-    rng = np.random.default_rng(seed_of_numbers)
-    skew, channel = rng.normal(size=(6, 6)), rng.normal(size=6)
-    model = RadiationModel(skew - skew.T - np.outer(channel, channel) / 2, rng.normal(size=(6, 3)), channel)
-    small = truncated(model, order)
-    defect = small.state_matrix + small.state_matrix.T + np.outer(small.channel, small.channel)
-    assert np.abs(defect).max() < 1e-9 * np.abs(small.state_matrix).max()
 
 
 @pytest.mark.slow

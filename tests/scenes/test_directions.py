@@ -211,22 +211,6 @@ def test_matched_power_is_limited_by_the_orders_of_the_port(folder, port, limit)
     Path(plan.response_files["response"]).unlink()
 
 
-def test_ports_of_all_orders_absorb_one_plus_two_n_wavelengths(solved):
-    """1/8 V0^H (Re Y)^-1 V0 of one port of each order."""
-    floating, omega = floating_system(study_with(), solved.database_path), np.array([1.3, 2.1, 3.0])
-    labels, motions = floating.linear.labels, floating.motions["VSWEC"]
-    ports = np.eye(len(labels))[[labels.index(name) for name in ("Heave", "Pitch", "Membrane2c2")]]
-    equation = floating.linear.equation(omega)
-    free = equation.free_motion(motions, ports[0])[0]
-    forced = np.stack([equation.free_motion(motions, port)[1] @ ports.T for port in ports], axis=-1)
-    velocity = -1j * omega[:, None] * (free @ ports.T)
-    admittance = -1j * omega[:, None, None] * forced
-    loss = (admittance + admittance.conj().transpose(0, 2, 1)) / 2
-    power = np.real(np.einsum("wi,wi->w", velocity.conj(), np.linalg.solve(loss, velocity[..., None])[..., 0])) / 8
-    for order, (w, found) in enumerate(zip(omega, power, strict=True)):
-        assert found == pytest.approx(5 * power_limit(w, np.inf, 1025.0, 9.81), rel=2e-4), order
-
-
 @pytest.mark.parametrize(
     ("port", "mooring"),
     [("surge", None), pytest.param("pitch", [2e4, 0, 0, 0, 0, 0], marks=pytest.mark.slow)],
@@ -273,20 +257,6 @@ def in_waves(plan, direction, name="rao"):
     """Part of the response of the free shell in waves of a direction [degrees]."""
     ds = load_data(plan.response_files["response"]).sel(design="VSWEC")
     return ds[name].sel(wave_direction=np.deg2rad(direction), method="nearest")
-
-
-@pytest.mark.slow
-def test_free_buoy_in_waves_along_x_is_the_planar_one(folder):
-    """To round-off; no motion out of the plane."""
-    plane = made(study_with(study="plane", pto={"damping": 8000.0}), folder, (*HYDRO, "response"))
-    all_round = made(study_with(**FREE, study="round", pto={"damping": 8000.0}), folder, (*HYDRO, "response"))
-    one, other = responses(plane, all_round)
-    np.testing.assert_allclose(other.rao.sel(dof=one.dof), one.rao, rtol=1e-10, atol=1e-13)
-    for name in ("absorbed_power", "port_impedance", "matched_power"):
-        np.testing.assert_allclose(other[name], one[name], rtol=1e-10)
-    aside = [label for label in other.dof.values if label not in one.dof.values]
-    assert aside == ["Sway", "Roll", "Membrane1s1", "Membrane2s1", "Membrane2s2", "Yaw"]
-    assert not np.any(other.rao.sel(dof=aside))
 
 
 def test_response_in_oblique_waves_is_the_rotated_one(free_solved):
@@ -385,33 +355,6 @@ def test_drag_rotates_with_the_waves(folder):
     assert y.notes[LINEARISED] == pytest.approx(x.notes[LINEARISED], rel=1e-9)
 
 
-@pytest.mark.slow
-def test_internal_pressure_stiffens_all_orders(folder):
-    """Trapped gas acts on the volume only; surge still absorbs its 2 lambda/2 pi."""
-    inside = {"internal_pressure": 3e4, "gas": {"adiabatic_index": 1.4}}
-    study = study_with(study="inside", device=inside, pto={"port": "surge"}, designs={"VSWEC": {}})
-    plan = made(study, folder, (*HYDRO, "response"))
-    ds = load_database(plan.database_path, Path(plan.database_path).stem)
-    labels = list(ds.influenced_dof.values)
-    for name in ("Membrane0", "Membrane2c1", "Membrane2c2"):
-        own = {"influenced_dof": name, "radiating_dof": name}
-        assert ds.prestress_stiffness.sel(own).item() != 0.0
-        assert (ds.gas_stiffness.sel(own).item() > 0.0) == (name == "Membrane0")
-    for name in ("Surge", "Pitch"):
-        assert not np.any(ds.prestress_stiffness.sel(influenced_dof=name))
-    softer = load_data(made(study_with(study="vented", pto={"port": "surge"}, designs={"VSWEC": {}}), folder, (
-        *HYDRO, "response")).response_files["response"])  # fmt: skip
-    response = load_data(plan.response_files["response"])
-    assert np.abs(response.wet_natural_frequency - softer.wet_natural_frequency).max() > 1e-3
-    share = (response.matched_power / response.power_limit).sel(design="VSWEC").values
-    np.testing.assert_allclose(share[20:], 1.0, rtol=2e-4)
-    at = linear_design(plan.simulation("VSWEC", study.waves[0]), plan.hydro_files)
-    motion, *_ = simulate(at.system, at.sea, study.simulation, at.spectrum)
-    assert residual(energies(at.system, motion)) < 1e-9
-    assert "prestress" in at.scene.forces
-    assert labels[:4] == ["Heave", "Membrane0", "Membrane1", "Membrane2"]
-
-
 def spread(s):
     return {"kind": "jonswap", "hs": 0.5, "tp": 3.5, "spreading": {"s": s, "directions": 7}}
 
@@ -429,19 +372,3 @@ def test_spread_sea_moves_a_surging_port_by_the_cosine_of_each_direction(folder)
         energy = [float(np.sum(one * np.abs(sea.amplitude) ** 2)) for one, (_, sea) in zip(squares, seas, strict=True)]
         assert energy[2] == pytest.approx(energy[0], rel=1e-3)
         assert energy[1] <= energy[0] * (1 + 1e-12)
-
-
-@pytest.mark.slow
-def test_study_in_a_spread_sea_from_file_to_page(folder):
-    """Linear theory in every direction foretells the mean power of its runs."""
-    study = study_with(
-        study="spread",
-        waves=[spread(4)],
-        pto={"damping": 1.9e4, "port": "surge"},
-        simulation={"duration": 200.0, "window": [60.0, 200.0]},
-    )
-    make.run(StudyPlan(study, root=str(folder)))
-    rows = json.loads((Path(folder) / "spread" / "tables.json").read_text())["statistics"]
-    for row in rows:
-        assert row["power_mean"] == pytest.approx(row["power_linear_record"], rel=2e-2)
-    assert (Path(folder) / "spread" / "report.html").is_file()

@@ -8,15 +8,13 @@ from benchmarks.hard_cases import hydro_files
 from vsb.integrators.periodic import periodic_power
 from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import Switching
-from vsb.motion.constrained import constrained_optimum, optimum_in_sea
+from vsb.motion.constrained import constrained_optimum
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.forces import Damper, Excitation, Spring, TakeOff
 from vsb.motion.port import Port
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.motion.tuning import best_dampers, squares
 from vsb.scenes.build import SCENES
-from vsb.scenes.floating_system import floating_system
 from vsb.scenes.latching import (
     KNOWN_BODY_EXACT,
     NEAR,
@@ -30,7 +28,7 @@ from vsb.scenes.latching import (
 )
 from vsb.study import study as config
 from vsb.study.sections import Simulation
-from vsb.waves.seas import Sea, sea
+from vsb.waves.seas import Sea
 
 B, MASS, SPRING, LOSS = np.ones(1), 2.0, 50.0, 0.6
 SETTINGS = Simulation(duration=60.0, window=(20.0, 60.0), initial_position=0.0, initial_velocity=0.0)
@@ -116,38 +114,6 @@ def test_latching_in_an_irregular_sea_beats_every_damper():
     assert best.power == pytest.approx(np.diff(taken)[0] / 40.0, rel=1e-9)
     parts = [windowed_power(system, IRREGULAR, SETTINGS.model_copy(update={"window": w})) for w in ((20, 45), (45, 60))]
     assert 25 * parts[0] + 15 * parts[1] == pytest.approx(40 * best.power, rel=1e-9)
-
-
-@pytest.mark.slow
-def test_latching_buoy_is_between_its_optimal_damper_and_the_constrained_optimum(tmp_path_factory, monkeypatch):
-    """The rigid buoy of the publication, over one period of the waves."""
-    monkeypatch.setattr("vsb.scenes.latching.SCANNED", 4)
-    monkeypatch.setattr("vsb.integrators.periodic.MOST", 16)
-    study = varied(
-        config.load(SEED),
-        designs={"FSB": {"flexible": False}},
-        hydro={"omega_max": 7.0, "tolerance": 1e-2},
-        pto={"damping": 11e3, "law": "latching"},
-        waves=[{"kind": "regular", "amplitude": 0.1, "period": 5.0}],
-        simulation={"duration": 40.0, "window": (20.0, 40.0), "initial_velocity": 0.0},
-    )
-    files, (wave,) = hydro_files(study, tmp_path_factory.getbasetemp() / "latching"), study.waves
-    floating, waves = floating_system(study, files["database"]), sea(wave, 7.0, 40.0)
-    harmonics = Harmonics.of_sea(waves.omega, float(floating.linear.database.omega[0]), 7.0)
-    seen, port = (floating.extended_port("FSB", omega) for omega in (waves.omega, harmonics.port_omega))
-    (passive,) = best_dampers(seen, squares([waves], waves.omega)).power
-    repeats = 2 * np.pi / harmonics.spacing
-    begin = np.ceil(40.0 / repeats) * repeats
-    settings = study.simulation.model_copy(update={"duration": begin + repeats, "window": (begin, begin + repeats)})
-    run = only_run(study).model_copy(update={"simulation": settings})
-    latched = SCENES["linear"](run, files)
-    motion, *_ = simulate(latched.system, waves, settings, None)
-    within = motion.time >= begin
-    force, stroke = (float(np.abs(x[within]).max()) for x in (motion.forces["pto"], motion.position))
-    best = optimum_in_sea(port, waves, harmonics, Limits(force, stroke))
-    taken = float(np.diff(np.interp(settings.window, motion.time, motion.works["pto"]))[0]) / repeats
-    assert taken == pytest.approx(latched.notes["latching_power"], rel=1e-3)
-    assert 3.0 * passive < taken < best.bound < waves.mean_of(seen.matched_power)
 
 
 @pytest.mark.parametrize("top", [(0.3, 0.2), (2.0, 0.71), (40.0, 0.97)])

@@ -5,9 +5,6 @@ import pytest
 from conftest import varied
 
 from vsb.errors import ConfigError
-from vsb.hydro import database, dofs, quality
-from vsb.hydro.panels import mesh as meshing
-from vsb.hydro.panels import rings as bem
 from vsb.motion.port import port_direction
 from vsb.scenes.rest import (
     carries_load,
@@ -22,7 +19,6 @@ from vsb.scenes.rest import (
     study_basis,
 )
 from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import mode_basis
 from vsb.stages.preview import check
 from vsb.study.plan import StudyPlan
 
@@ -101,40 +97,6 @@ def test_shell_that_collapses_in_still_water_is_refused(seed, model):
     yields = varied(soft, hydro=model)
     with pytest.raises(ConfigError, match=r"hydro.model: received '.*' for design VSWEC, but the loaded buoy does not"):
         check_rests(yields, reference_shell(yields))
-
-
-def deformed(seed, height=0.0, **by_label):
-    basis = mode_basis(seed.device, "full", 4)
-    return DeformedShell(basis, height, np.array([by_label.get(label, 0.0) for label in basis.labels]))
-
-
-@pytest.mark.parametrize(
-    ("shell", "sphere"),
-    [({"height": 0.3}, (2.0, 0.3)), ({"Heave": 0.3}, (2.0, 0.3)), ({"height": 0.2, "Membrane0": 0.25}, (2.25, 0.2))],
-    ids=["raised", "heaved", "inflated"],
-)
-def test_mesh_of_a_deformed_sphere_is_that_of_the_sphere(seed, shell, sphere):
-    ours = meshing.deformed_mesh(deformed(seed, **shell), 12, 24, 6)
-    theirs = meshing.mean_mesh(*sphere, 12, 24, 6)
-    for name in theirs.data_vars:
-        assert ours[name].values == pytest.approx(theirs[name].values, abs=1e-12), name
-
-
-@pytest.mark.slow
-def test_identities_hold_on_a_deformed_shell(green_folder, seed):
-    """Symmetry, one radiation channel and Haskind's relation: errors of the mesh, that decrease with its rows."""
-    shell, found = deformed(seed, 0.1, Membrane2=0.15, Bending2=-0.2), []
-    names = (*(f"Radial{n}" for n in range(5)), *(f"Meridional{n}" for n in range(1, 5)))
-    for rows in (12, 48):
-        mesh = meshing.deformed_mesh(shell, rows, 2 * rows, rows // 2)
-        green = bem.green_function(green_folder)
-        raw = bem.AxisymmetricProblem(green, mesh, dofs.displacements(names), RHO, np.inf, G).solve([1.0, 2.5, 4.0])
-        modal = database.with_excitation(database.in_modes(raw, shell.basis))
-        haskind = quality.haskind_difference(modal, np.inf, RHO, G)
-        found.append([quality.asymmetry(modal), quality.second_channel(modal), haskind])
-    coarse, fine = np.array(found)
-    assert np.all(fine < [2e-3, 1e-3, 4e-3]), found
-    assert np.all(fine < 0.4 * coarse), found
 
 
 def test_gas_in_front_of_a_take_off_becomes_a_chamber(seed):

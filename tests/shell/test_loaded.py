@@ -313,32 +313,3 @@ def test_trapped_gas_loses_pressure_as_the_shell_expands(pressure):
 
 
 # other sizes
-
-STRETCH, DENSER = 1.7, 0.6
-
-
-def larger(shell, stiffer):
-    """The same shell 1.7 times as large, of a material so many times as stiff and 0.6 times as dense."""
-    size = {"radius": STRETCH * shell.radius, "thickness": STRETCH * shell.thickness}
-    return dataclasses.replace(
-        shell, **size, young_modulus=stiffer * shell.young_modulus, density=DENSER * shell.density
-    )
-
-
-@pytest.mark.parametrize("gas", [None, GAS])
-def test_equilibrium_and_buckling_obey_similarity(seed, gas):
-    """Material stiffness scales with rho g r: strains are unchanged, forces scale with the load."""
-    heavier = DENSER * STRETCH
-    small_shell = dataclasses.replace(SHELL, thickness=0.08, young_modulus=3e7)
-    large_shell = larger(small_shell, heavier)
-    outside = None if gas is None else Gas(adiabatic_index=1.4, atmospheric_pressure=heavier * 101325.0)
-    small = LoadedShell(complete(10, small_shell, 6000.0), 1.0, 1000.0, 9.7, 1500.0, gas)
-    heavy = complete(10, large_shell, 6000.0 * DENSER * STRETCH**3)
-    large = LoadedShell(heavy, STRETCH, DENSER * 1000.0, 9.7, heavier * 1500.0, outside)
-    rest = equilibrium(small)
-    assert np.abs(rest[1:]).max() > 1e-3
-    assert equilibrium(large) == pytest.approx(STRETCH * rest, abs=1e-8)
-    stiffness = heavier * STRETCH * small.stiffness(rest)
-    assert large.stiffness(STRETCH * rest) == pytest.approx(stiffness, abs=1e-8 * np.abs(stiffness).max())
-    assert large.pressure_inside == pytest.approx(heavier * small.pressure_inside, rel=1e-8)
-    assert dataclasses.astuple(buckling(large)) == pytest.approx(dataclasses.astuple(buckling(small)), rel=1e-8)

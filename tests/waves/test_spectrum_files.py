@@ -1,15 +1,11 @@
 """Seas of a spectrum in a file: what is read, what it holds, directions, refusals, a study."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 import yaml
 from conftest import SMALL
 
 from vsb.errors import ConfigError
-from vsb.stages.make import make
 from vsb.study.plan import plan_for
 from vsb.study.study import load, parse
 from vsb.study.waves import Jonswap, TabulatedSea
@@ -119,16 +115,3 @@ def test_directions_are_refused_where_they_cannot_be_followed(density, tmp_path)
     wave = {"kind": "spectrum", "file": "sea.csv"}
     with pytest.raises(ConfigError, match=r"spreading: the file holds directions of its own; remove it"):
         parse(SMALL | PLANAR | {"waves": [wave | {"spreading": {"s": 4.0}}]}, source=str(tmp_path / "s.yaml"))
-
-
-def test_a_study_of_a_file_absorbs_what_the_same_sea_does(density, tmp_path, monkeypatch):
-    """Expected powers at the given damper; runs in time have phases of their own."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "sea.csv").write_text(columns(density))
-    waves = [{"kind": "spectrum", "file": "sea.csv", "seed": 3}, SAME.model_dump()]
-    study = SMALL | {"designs": {"FSB": {"flexible": False}}, "waves": waves}
-    plan = plan_for(parse(study, source=str(tmp_path / "s.yaml")))
-    make(plan, plan.ladder_files.values())
-    levels = json.loads(Path(plan.ladder_files["levels"]).read_text())
-    measured, drawn = (one["power_mean"] for one in levels if one["rung"] == "fixed")
-    assert measured == pytest.approx(drawn, rel=5e-3)
