@@ -29,7 +29,7 @@ from scipy.special import comb
 from vsb.errors import ConvergenceError
 from vsb.motion.system import Motion, Remainder, System, remainder
 from vsb.tools.arrays import FloatArray
-from vsb.tools.compiled import njit
+from vsb.tools.compiled import assign, njit
 
 _SMALL, _TERMS = 0.5, 16  # 0.5^16/16! is below round-off
 
@@ -215,7 +215,8 @@ def _started(r: Remainder, step: Step, t: float, z: FloatArray, limit: float, pa
     free = past.shape[1]
     nodes = np.empty((KEPT, free))
     remainder(r, t, z[:free].copy(), nodes[0])
-    past[:] = nodes[0]
+    for i in range(len(past)):
+        assign(past[i], nodes[0])
     enough = 0.1 * limit + 1e-11 * np.sqrt(np.sum(nodes[0] ** 2)) * step.spacing  # what continuing makes of round-off
     for turn in range(STARTS):
         state, own = z.copy(), past[:KEPT].copy()
@@ -223,14 +224,13 @@ def _started(r: Remainder, step: Step, t: float, z: FloatArray, limit: float, pa
             state = _predicted(step, state, own)
             remainder(r, t + i * step.spacing, state[:free].copy(), nodes[i])
             _add(state, step.corrected, nodes[i] - _mixed(_AHEAD, own))
-            own[1:] = own[:-1].copy()
-            own[0] = nodes[i]
+            _put_first(own, nodes[i])
         change = np.zeros(len(z))
         for i in range(KEPT):
             older = _mixed(_REVERSED[i], nodes)
             if i < PAST:
                 _add(change, step.forced[i], older - past[i])
-            past[i] = older
+            assign(past[i], older)
         size = np.sqrt(np.sum(change * change))
         if size < enough:
             remainder(r, t + KEPT * step.spacing, _predicted(step, state, own)[:free].copy(), nodes[0])
@@ -273,7 +273,7 @@ def _record(
     """Fill states and n at recorded instants inside a step, from the polynomial through new and past values."""
     course = np.empty((KEPT, nodes.shape[1]))
     for i in range(KEPT):
-        course[i] = _mixed(step.coefficients[i], nodes)
+        assign(course[i], _mixed(step.coefficients[i], nodes))
     state = z
     for k in range(first, min(first + count, len(out))):
         _add(out[k], step.record_free, state)
@@ -283,7 +283,7 @@ def _record(
                 for m in range(course.shape[1]):
                     course[i, m] += _SHIFT[i, j] * course[j, m]
         state = out[k]
-        pushes[k] = course[0]
+        assign(pushes[k], course[0])
 
 
 @njit(cache=True)
@@ -291,14 +291,15 @@ def _resized(past: FloatArray, change: int) -> None:
     """Past values at twice or half the distance."""
     old = past.copy()
     for i in range(KEPT):
-        past[i] = old[2 * i] if change > 0 else _mixed(_HALVED[i], old)
+        assign(past[i], old[2 * i] if change > 0 else _mixed(_HALVED[i], old))
 
 
 @njit(cache=True)
 def _put_first(past: FloatArray, newest: FloatArray) -> None:
     """Move past values on and put the newest before them."""
-    past[1:] = past[:-1].copy()
-    past[0] = newest
+    for i in range(len(past) - 1, 0, -1):
+        assign(past[i], past[i - 1])
+    assign(past[0], newest)
 
 
 @njit(cache=True)
@@ -325,15 +326,19 @@ def march(
                 counters[TROUBLED] = HISTORY
                 return -1
             counters[KNOWN], counters[EVALUATIONS] = KEPT, counters[EVALUATIONS] + made
-            places[:] = z[:free]
+            for i in range(len(places)):
+                assign(places[i], z[:free])
         end = _predicted(step, z, past)
         remainder(r, t + step.spacing, end[:free].copy(), new)
-        counters[STEPS : EVALUATIONS + 1] += 1
+        counters[STEPS], counters[EVALUATIONS] = counters[STEPS] + 1, counters[EVALUATIONS] + 1
         surprise = new - _mixed(_AHEAD, past)
         _add(end, step.corrected, surprise)
         error = _norm_of(step.missed, new - _mixed(_AHEAD_BY_ALL, past))
-        nodes[0], nodes[1:] = new, past[:PAST]
-        seen[0], seen[1:] = end[:free], places[:PAST]
+        assign(nodes[0], new)
+        assign(seen[0], end[:free])
+        for i in range(PAST):
+            assign(nodes[i + 1], past[i])
+            assign(seen[i + 1], places[i])
         if error < allowed:
             more, looked = _unseen(r, step, t, z, nodes, seen, limit)
             error += more
@@ -350,8 +355,9 @@ def march(
         if level > 0:
             _record(step, z, nodes, first, (span // per_record) - 1, out, pushes)
         if counters[TICK] % per_record == 0 and counters[TICK] <= last:
-            out[counters[TICK] // per_record], pushes[counters[TICK] // per_record] = end, new
-        z[:] = end
+            assign(out[counters[TICK] // per_record], end)
+            assign(pushes[counters[TICK] // per_record], new)
+        assign(z, end)
         _put_first(past, new)
         _put_first(places, end[:free])
         counters[KNOWN] = min(counters[KNOWN] + 1, HISTORY)
@@ -469,7 +475,7 @@ def integrate(system: System, time: FloatArray, start: tuple[FloatArray, ...], t
     """
     system.check_compiled()
     method = ExponentialIntegrator(system, float(time[1] - time[0]), float(time[0]))
-    if not march.signatures:  # compile or load: no part of the motion's seconds
+    if not march.signatures:  # type: ignore[attr-defined]  # compile or load: no part of the motion's seconds
         method.run(np.zeros(len(system.matrix)), 2, 1.0)
         method = ExponentialIntegrator(system, method.dt, method.begin)
     begun = clock.perf_counter()

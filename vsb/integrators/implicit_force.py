@@ -6,7 +6,7 @@ import numpy as np
 
 from vsb.motion.system import Remainder, remainder
 from vsb.tools.arrays import FloatArray
-from vsb.tools.compiled import njit
+from vsb.tools.compiled import assign, njit
 
 SWEEPS, NEWTON = 40, 40
 ROUND_OFF = 4e-16
@@ -43,10 +43,11 @@ def _places(p: FloatArray, time: FloatArray, moved: float, newton: bool) -> tupl
     nodes, free = p.shape
     count = 1 + 2 * free if newton else 1
     places, times = np.empty((count, nodes, free)), np.empty((count, nodes))
-    places[:], times[:] = p, time
-    for j in range((count - 1) // 2):
-        places[1 + j, :, j] += moved
-        places[1 + free + j, :, j] -= moved
+    for c in range(count):
+        assign(times[c], time)
+        assign(places[c].ravel(), p.ravel())
+        for i in range(nodes * (c > 0)):
+            places[c, i, (c - 1) % free] += moved if c <= free else -moved
     return places.reshape(-1, free), times.ravel()
 
 
@@ -58,7 +59,8 @@ def _tangent(step: Step, around: FloatArray, moved: float, nodes: int, free: int
         slope = (force[0, j] - force[1, j]) / (2 * moved)
         for i in range(nodes):
             for k in range(free):
-                out[i * free + k] += slope[i, k] * step.forced[i * free + j]
+                for m in range(nodes * free):
+                    out[i * free + k, m] += slope[i, k] * step.forced[i * free + j, m]
     return out
 
 
@@ -70,31 +72,30 @@ def solve_nodes(r: Remainder, step: Step, time: FloatArray, carried: FloatArray,
     force is called in one place only: its code is large.
     """
     nodes, free = n.shape
-    begun, base = n.copy(), n.copy()
-    full: FloatArray = np.zeros(n.shape)
+    now = n.ravel()
+    begun, base, full = now.copy(), now.copy(), np.zeros(nodes * free)
     newton, share, least, change, sweep = False, 1.0, np.inf, np.inf, 0
     while sweep < SWEEPS + NEWTON:
-        places, times = _places((carried + step.forced @ n.ravel()).reshape(n.shape), time, 1e-6 * scale, newton)
+        places, times = _places((carried + step.forced @ now).reshape(n.shape), time, 1e-6 * scale, newton)
         force = added(r, times, places)
-        missing = force[:nodes] - n
+        missing = force[:nodes].ravel() - now
         size = np.sqrt(np.sum(missing**2))
         if newton and not size < least:
             share /= 2
             if change < STALLED or share < LEAST_SHARE:
-                n[:] = base
+                assign(now, base)
                 break
-            n[:] = base + share * full
+            assign(now, base + share * full)
             continue
         sweep, before, full = sweep + 1, change, missing
         if newton:
-            tangent = _tangent(step, force[nodes:], 1e-6 * scale, nodes, free)
-            full = np.linalg.solve(-tangent, missing.ravel()).reshape(n.shape)
+            full = np.linalg.solve(-_tangent(step, force[nodes:], 1e-6 * scale, nodes, free), missing)
         share, least, change = 1.0, size, step.size * np.sqrt(np.sum(full**2)) / scale
-        base[:] = n
-        n += full
+        assign(base, now)
+        assign(now, now + full)
         if change <= ROUND_OFF or STALLED > change >= 0.5 * before:
             break
         if not newton and (sweep == SWEEPS or not change < 0.7 * before):
             newton, least, change = True, np.inf, np.inf
-            n[:] = begun
+            assign(now, begun)
     return float(change)

@@ -29,7 +29,7 @@ from vsb.motion.wetted import (
     wet_intervals,
 )
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.tools.compiled import njit
+from vsb.tools.compiled import assign, njit
 from vsb.waves.dispersion import wavenumber
 from vsb.waves.seas import Sea
 
@@ -135,11 +135,14 @@ def _elevation(waves: Incident, now: Moment, x2: float) -> float:
 @njit(cache=True, fastmath=REORDERED)
 def _dynamic(waves: Incident, now: Moment, x2: FloatArray, z: FloatArray) -> FloatArray:
     """Dynamic pressure head at squared radii and heights below still water, shape (point,) [m]."""
-    height = (z - now.centre) / waves.radius
-    square = x2 / waves.radius**2 + height * height
-    longest = waves.wavenumber[len(waves.powers) - 1] if len(waves.powers) else 0.0
-    count = min(len(now.pressure), _terms(longest * waves.radius * np.sqrt(square.max())))
     past, here, out = np.zeros(len(z)), np.ones(len(z)), np.zeros(len(z))
+    height, square, largest = np.empty(len(z)), np.empty(len(z)), 0.0
+    for i in range(len(z)):
+        height[i] = (z[i] - now.centre) / waves.radius
+        square[i] = x2[i] / waves.radius**2 + height[i] * height[i]
+        largest = max(largest, square[i])
+    longest = waves.wavenumber[len(waves.powers) - 1] if len(waves.powers) else 0.0
+    count = min(len(now.pressure), _terms(longest * waves.radius * np.sqrt(largest)))
     for n in range(count):
         a, b = (2 * n + 1) / (n + 1), n / (n + 1)
         for i in range(len(z)):
@@ -169,7 +172,7 @@ def _edges(shape: Shape, series: FloatArray, waves: Incident, now: Moment) -> Fl
     still, grid = wet_intervals(shape, series), shape.grid
     count, at = len(grid), values(series[:2], shape.on_grid)
     edges = np.empty(len(still) + count + 1)
-    edges[: len(still)] = still
+    assign(edges[: len(still)], still)
     edges[len(still)], edges[len(still) + 1] = -1.0, 1.0
     found, highest = len(still) + 2, np.sum(np.abs(now.head))
     f_low, low = 0.0, -1.0
@@ -181,7 +184,19 @@ def _edges(shape: Shape, series: FloatArray, waves: Incident, now: Moment) -> Fl
             edges[found] = _crossing(series, waves, now, low, c, f_low, f)
             found += 1
         low, f_low = c, f
-    return np.sort(edges[:found])
+    return in_order(edges[:found])
+
+
+@njit(cache=True)
+def in_order(values: FloatArray) -> FloatArray:
+    """Sort some values in place, by insertion: `np.sort` takes numba longer to compile."""
+    for i in range(1, len(values)):
+        value, k = values[i], i
+        while k > 0 and values[k - 1] > value:
+            values[k] = values[k - 1]
+            k -= 1
+        values[k] = value
+    return values
 
 
 @njit(cache=True)

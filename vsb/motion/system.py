@@ -108,8 +108,8 @@ def remainder(r: Remainder, t: float, p: FloatArray, out: FloatArray) -> None:
         pressure = r.amplitude * np.cos(r.omega * (r.begin + t))
         for i in range(len(q)):
             static[i] = r.specific_weight * static[i] + pressure * uniform[i]
-    out[:] = r.constant
     for i in range(len(out)):
+        out[i] = r.constant[i]
         for j in range(len(p)):
             out[i] += r.tangent[i, j] * p[j]
         for j in range(len(q)):

@@ -2,19 +2,29 @@
 
 A compiled loop holds what it calls from other files, and numba looks at its own file alone: kept beside the source, a
 loop would go on with the old force after `vsb.motion.wetted` was edited. Import `njit` from here. What one loop alone
-calls has `inline="always"`: else it is compiled by itself and once more within the loop.
+calls has `inline="always"`: else it is compiled by itself and once more within the loop. The jobs of a first run need
+the same loops at the same time: one process compiles them, the others wait for it.
 """
 
+import fcntl
 import hashlib
 import os
 import tempfile
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
+from typing import Any, TypeVar
 
-from numba import config, njit
+import numba
+from numba.core.caching import FunctionCache
 
-__all__ = ["njit"]
+from vsb.tools.arrays import FloatArray
+
+Loop = TypeVar("Loop", bound=Callable[..., Any])
 HERE = Path(__file__).parents[1]
+PATIENCE = 120.0
+"""How long a process waits for another one that compiles, before it does so itself [s]."""
 
 
 def sources_id(folder: Path) -> str:
@@ -45,4 +55,79 @@ def cache_folder() -> Path:
     raise AssertionError("unreachable: a new temporary folder can be written")
 
 
-config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
+FOLDER = cache_folder()
+numba.config.CACHE_DIR = str(FOLDER)  # type: ignore[attr-defined]
+
+
+class _Turn:
+    """One process at a time; what compiles within a compilation has the turn already."""
+
+    depth = 0
+    lock = -1
+
+    def begin(self) -> None:
+        """Wait until no other process compiles, or for `PATIENCE`; where files cannot be locked, not at all."""
+        self.depth += 1
+        if self.depth == 1:
+            until = time.monotonic() + PATIENCE
+            with suppress(OSError):
+                self.lock = os.open(FOLDER / ".lock", os.O_CREAT | os.O_WRONLY)
+                while not self._taken() and time.monotonic() < until:
+                    time.sleep(0.05)
+
+    def _taken(self) -> bool:
+        """Take the lock, unless another process has it."""
+        try:
+            fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
+
+    def end(self) -> None:
+        """Let the next process compile."""
+        self.depth -= 1
+        if self.depth == 0:
+            with suppress(OSError):
+                os.close(self.lock)
+
+
+_TURN = _Turn()
+
+
+class _Cache(FunctionCache):
+    """Compiled loops in files; what is in none is compiled in turn."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return a compiled loop, or None: it is to be compiled now, and then kept by `save_overload`."""
+        found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        if found is None:
+            _TURN.begin()  # another process may compile it meanwhile
+            found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+            if found is not None:
+                _TURN.end()
+        return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep a loop that was compiled."""
+        try:
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+        finally:
+            _TURN.end()
+
+
+def njit(**options: Any) -> Callable[[Loop], Loop]:
+    """Return numba's decorator with these options, for loops that are kept between runs."""
+
+    def decorate(function: Loop) -> Loop:
+        loop: Any = numba.njit(**options)(function)
+        loop._cache = _Cache(function)  # type: ignore[no-untyped-call]
+        return loop  # type: ignore[no-any-return]
+
+    return decorate
+
+
+@njit(cache=True)
+def assign(out: FloatArray, source: FloatArray) -> None:
+    """Copy an array of one dimension: `out[:] = source`, which takes numba a second more to compile."""
+    for i in range(len(out)):
+        out[i] = source[i]
