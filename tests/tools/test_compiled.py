@@ -12,8 +12,8 @@ from vsb.tools.compiled import sources_id
 
 
 @pytest.mark.slow
-def test_edited_force_reaches_the_loops_that_call_it(tmp_path):
-    """In a copy of the package, with a force and a loop that compile at once."""
+def test_edited_force_reaches_the_loops_that_call_it_and_one_of_two_processes_compiles(tmp_path):
+    """In a copy of the package, with a force and a loop that compile quickly; each process prints what it compiled."""
     shutil.copytree(HERE.parent / "vsb", tmp_path / "vsb", ignore=shutil.ignore_patterns("__pycache__"))
     force, loop = tmp_path / "vsb" / "motion" / "wetted.py", tmp_path / "vsb" / "integrators" / "exponential.py"
     compiled = "\n\n@njit(cache=True)\ndef {}():\n    return {}\n"
@@ -25,10 +25,11 @@ def test_edited_force_reaches_the_loops_that_call_it(tmp_path):
     found = []
     for value in ("1.0", "2.0"):
         force.write_text(text + compiled.format("a_force", value))
-        command = [sys.executable, "-c", "from vsb.integrators.exponential import a_loop; print(a_loop())"]
-        done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
-        found.append(done.stdout.strip())
-    assert found == ["1.0", "2.0"]
+        code = "from vsb.integrators.exponential import a_loop; print(a_loop(), a_loop.stats.cache_misses.total())"
+        command = [sys.executable, "-c", code]
+        both = [subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE) for _ in range(2)]
+        found.append(sorted(process.communicate()[0].decode().strip() for process in both))
+    assert found == [["1.0 0", "1.0 1"], ["2.0 0", "2.0 1"]]
 
 
 def test_cache_depends_on_sources_with_compiled_loops_only(tmp_path):
