@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from vsb.errors import ConfigError
 from vsb.motion.linear import direction_index
 from vsb.report.canvas import number_cells, style
+from vsb.report.shell_figures import outline
 from vsb.results.year import HEIGHT, PERIOD
 from vsb.study.quantities import ROTATIONS, motion_of
 from vsb.study.study import BaseStudy
@@ -162,11 +163,10 @@ class StudyPlots:
         period = results.period(wave)
         time = np.arange(max(first, end - PERIODS_SHOWN * period), end, period / FRAMES_PER_PERIOD)
         at = run.interp(time=time)
-        radial, meridional = _deformed(modes, at.position, magnify)
-        theta = modes.colatitude.values
-        x = radial * np.sin(theta) + meridional * np.cos(theta)
-        z = modes.attrs["centre_height"] + radial * np.cos(theta) - meridional * np.sin(theta)
-        z = z + at.position.sel(dof="Heave").values[:, None]
+        outlines = [outline(modes, at.isel(time=i), magnify) for i in range(len(time))]
+        x = np.array([one[0] for one in outlines])
+        heave = at.position.sel(dof="Heave").values[:, None]
+        z = modes.attrs["centre_height"] + heave + np.array([one[1] for one in outlines])
         figure, axes = plt.subplots()
         width = SEEN * float(np.abs(x).max())
         (hull,) = axes.plot([], [], **style(design, list(results.study.designs)))
@@ -174,7 +174,7 @@ class StudyPlots:
         axes.set(xlim=(-width, width), ylim=(-width, width), aspect="equal", xlabel="x [m]", ylabel="z [m]")
 
         def draw(frame: int) -> tuple[Any, ...]:
-            hull.set_data([*x[frame], *-x[frame][::-1]], [*z[frame], *z[frame][::-1]])
+            hull.set_data(x[frame], z[frame])
             water.set_data([-width, width], [float(at.elevation[frame])] * 2)
             axes.set_title(f"{design}, t = {time[frame]:.2f} s")
             return hull, water
@@ -300,19 +300,3 @@ def _matrix(values: xr.DataArray, label: str, ax: Axes | None) -> Axes:
 def _edges(centres: xr.DataArray, width: float) -> np.ndarray:
     """Edges of bins of equal width."""
     return np.append(centres.values - width / 2, float(centres[-1]) + width / 2)
-
-
-def _deformed(modes: xr.Dataset, position: xr.DataArray, magnify: float) -> tuple[np.ndarray, np.ndarray]:
-    """Radius and meridional displacement of the shell over time, each shape (time, colatitude) [m]."""
-    moved = [str(label) for label in modes.mode.values if label in position.dof.values]
-    rest = modes.static_amplitude
-    amplitude = magnify * position.sel(dof=moved).values
-    shapes = modes.sel(mode=moved)
-    radial = modes.attrs["radius"] + (rest @ modes.radial).values + amplitude @ shapes.radial.values
-    meridional = (rest @ modes.meridional).values + amplitude @ shapes.meridional.values
-    for total, name in ((radial, "rest_radial"), (meridional, "rest_meridional")):
-        if name in modes:
-            total += modes[name].values
-    return np.broadcast_to(radial, (len(position), len(modes.colatitude))), np.broadcast_to(
-        meridional, (len(position), len(modes.colatitude))
-    )

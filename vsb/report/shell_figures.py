@@ -104,9 +104,8 @@ def _closed(right: tuple[FloatArray, FloatArray], left: tuple[FloatArray, FloatA
     return np.concatenate([right[0], -left[0][::-1]]), np.concatenate([right[1], left[1][::-1]])
 
 
-def _meridians(data: StudyData, run: xr.Dataset, factor: float) -> list[tuple[FloatArray, FloatArray]]:
+def _meridians(modes: xr.Dataset, run: xr.Dataset, factor: float) -> list[tuple[FloatArray, FloatArray]]:
     """Both meridians in the plane of the waves at one instant, theta = 0 and pi."""
-    modes = data.modes
     r, phi = float(modes.attrs["radius"]), modes.colatitude.values
     q = modes.static_amplitude.values.copy()
     if flexible(run.dof.values):
@@ -119,12 +118,17 @@ def _meridians(data: StudyData, run: xr.Dataset, factor: float) -> list[tuple[Fl
     return found
 
 
+def outline(modes: xr.Dataset, run: xr.Dataset, factor: float) -> tuple[FloatArray, FloatArray]:
+    """Return x and z of a shell around its centre at one instant of a run, its deformation magnified [m]."""
+    return _closed(*_meridians(modes, run, factor))
+
+
 def _snapshot(data: StudyData, ax: Axes, run: xr.Dataset, design: str, factor: float) -> None:
     """Draw one buoy in the water at one instant."""
     modes = data.modes
     r, phi = float(modes.attrs["radius"]), modes.colatitude.values
     centre = float(modes.attrs["centre_height"]) + float(run.position[0])
-    x, z = _tilted(run, *_closed(*_meridians(data, run, factor)))
+    x, z = _tilted(run, *outline(modes, run, factor))
     z, level = z + centre, float(run.elevation) if "elevation" in run else 0.0
     rest_x, rest_z = _closed(*2 * [_half(r, phi, *_beyond_sphere(modes))])
     reach = 1.5 * max(r, float(np.abs(rest_z).max()))
@@ -159,8 +163,8 @@ def extreme_shapes(data: StudyData, wave: str) -> Figure:
     ax, factor = axes[0, 0], _magnification(data, wave)
     for design in data.designs:
         run = data.runs[design, wave].sel(time=slice(*data.window))
-        halves = _meridians(data, run.isel(time=int(np.argmin(_height(data, run).values))), factor)
-        ax.plot(*_closed(*halves), **style(design, data.designs))
+        lowest = run.isel(time=int(np.argmin(_height(data, run).values)))
+        ax.plot(*outline(data.modes, lowest, factor), **style(design, data.designs))
     ax.set(aspect="equal", xlabel="radius [m]", ylabel="height above the sphere centre [m]")
     figure.suptitle(f"Smallest distance between the poles; shell displacement magnified {factor:g} times", fontsize=9)
     ax.legend(loc="center left", bbox_to_anchor=(1.02, 0.5), fontsize=8)
@@ -182,7 +186,7 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
     limit = 1.1 * (float(data.modes.attrs["radius"]) + max(0.0, _beyond_sphere(data.modes)[0].max()))
     for i, (instant, name) in enumerate(zip(instants, ("start", "smallest height", "largest height"), strict=True)):
         ax: Any = figure.add_subplot(1, 3, i + 1, projection="3d")
-        x, z = (a[::3] for a in _meridians(data, run.sel(time=instant, method="nearest"), factor)[0])
+        x, z = (a[::3] for a in _meridians(data.modes, run.sel(time=instant, method="nearest"), factor)[0])
         _draw_wires(ax, x, z, style(design, data.designs)["color"])
         ax.set(xlim=(-limit, limit), ylim=(-limit, limit), zlim=(-limit, limit), xticks=[], yticks=[])
         ax.set_box_aspect((1, 1, 1))

@@ -1,4 +1,6 @@
-"""The closed meridian of a shell at rest: what it may be, its volume, area and curvature. Pure Python.
+"""The closed meridian of a shell at rest: what it may be, its volume, area and curvature.
+
+Imports nothing heavy unless there is one: the Snakefile reads a study at every parse.
 
 With phi from 0 at the top to pi at the keel, the radius x is odd and the height z even about both poles; a smooth
 meridian is therefore
@@ -14,7 +16,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from operator import mul
 
 SAMPLES = 400
 """Points of the meridian at which it is judged, beside eight for each of its terms."""
@@ -34,20 +35,11 @@ ON_AXIS = 1e-9
 
 @lru_cache(maxsize=64)
 def _gauss(count: int) -> tuple[tuple[float, float], ...]:
-    """Nodes and weights of Gauss-Legendre quadrature on [0, 1], by Newton's method on P_n."""
-    rule = []
-    for i in range(count):
-        x = math.cos(math.pi * (i + 0.75) / (count + 0.5))
-        for _ in range(100):
-            low, p = 1.0, x
-            for n in range(2, count + 1):
-                low, p = p, ((2 * n - 1) * x * p - (n - 1) * low) / n
-            slope = count * (x * p - low) / (x * x - 1)
-            x, step = x - p / slope, p / slope
-            if abs(step) < 1e-15:
-                break
-        rule.append(((1 - x) / 2, 1 / ((1 - x * x) * slope * slope)))
-    return tuple(rule)
+    """Nodes and weights of Gauss-Legendre quadrature on [0, 1]."""
+    from numpy.polynomial.legendre import leggauss
+
+    nodes, weights = leggauss(count)
+    return tuple(zip(((1 + nodes) / 2).tolist(), (weights / 2).tolist(), strict=True))
 
 
 @dataclass(frozen=True)
@@ -301,14 +293,14 @@ def capsule(radius: float, length: float) -> RestMeridian:
 
 def _terms(even: Sequence[float], odd: Sequence[float], small: float) -> tuple[list[float], list[float]]:
     """Terms k = 1, 2, ... in cos k phi of one function and sin k phi of another, by their values at the midpoints."""
-    count, cosines, sines = len(even), [], []
-    for k in range(1, MOST_TERMS + 1):
-        at = [math.pi * k * (i + 0.5) / count for i in range(count)]
-        cosines.append(2 / count * sum(map(mul, even, map(math.cos, at))))
-        sines.append(2 / count * sum(map(mul, odd, map(math.sin, at))))
-        if k > 8 and max(map(abs, cosines[-4:] + sines[-4:])) < small:
-            break
-    return cosines, sines
+    import numpy as np
+
+    count, k = len(even), np.arange(1, MOST_TERMS + 1)
+    at = np.outer(k, np.pi * (np.arange(count) + 0.5) / count)
+    cosines, sines = 2 / count * np.cos(at) @ even, 2 / count * np.sin(at) @ odd
+    size = np.maximum(abs(cosines), abs(sines))
+    kept = next((n for n in range(9, MOST_TERMS) if size[n - 4 : n].max() < small), MOST_TERMS)
+    return cosines[:kept].tolist(), sines[:kept].tolist()
 
 
 @lru_cache(maxsize=32)
@@ -335,17 +327,20 @@ def through(points: tuple[tuple[float, float], ...], radius: float) -> RestMerid
 @lru_cache(maxsize=32)
 def _through(points: tuple[tuple[float, float], ...]) -> RestMeridian:
     """The same of radius one, which serves all sizes."""
+    from scipy.interpolate import CubicSpline
+
     _check_points(points)
     largest = max(x for x, _ in points)
     at = [0.0]
     for (x, z), (following, lower) in itertools.pairwise(points):
         at.append(at[-1] + math.hypot(following - x, lower - z))
     at = [math.pi * t / at[-1] for t in at]
-    across, along = (_spline(at, [p[i] for p in points], natural=i == 0) for i in (0, 1))
+    across = CubicSpline(at, [x for x, _ in points], bc_type="natural")
+    along = CubicSpline(at, [z for _, z in points], bc_type="clamped")
     count = 8 * MOST_TERMS
     angles = [math.pi * (i + 0.5) / count for i in range(count)]
-    heights = list(map(along, angles))
-    cosines, sines = _terms(heights, list(map(across, angles)), SMALL_OF_PROFILES * largest)
+    heights = along(angles).tolist()
+    cosines, sines = _terms(heights, across(angles).tolist(), SMALL_OF_PROFILES * largest)
     found = RestMeridian(tuple(sines), (sum(heights) / count, *cosines))
     for phi, (px, pz) in zip(at, points, strict=True):
         there = found.at(phi)
@@ -380,31 +375,3 @@ def _check_points(points: Sequence[tuple[float, float]]) -> None:
         raise ValueError(f"received a point at radius {inside:.4g} between the poles; needs radii above 0 there")
     if any(a == b for a, b in itertools.pairwise(points)):
         raise ValueError("received the same point twice in a row; needs each once")
-
-
-def _spline(at: Sequence[float], values: Sequence[float], natural: bool) -> Callable[[float], float]:
-    """A cubic spline without curvature at both ends, or without slope there."""
-    count, steps = len(at), [b - a for a, b in itertools.pairwise(at)]
-    rises = [(b - a) / h for a, b, h in zip(values[:-1], values[1:], steps, strict=True)]
-    below = [0.0, *steps[:-1], 0.0 if natural else steps[-1]]
-    above = [0.0 if natural else steps[0], *steps[1:], 0.0]
-    middle = [1.0 if natural else 2 * steps[0], *(2 * (a + b) for a, b in itertools.pairwise(steps))]
-    middle.append(1.0 if natural else 2 * steps[-1])
-    ends = (0.0, 0.0) if natural else (6 * rises[0], -6 * rises[-1])
-    right = [ends[0], *(6 * (b - a) for a, b in itertools.pairwise(rises)), ends[1]]
-    for i in range(1, count):  # Thomas' algorithm
-        share = below[i] / middle[i - 1]
-        middle[i] -= share * above[i - 1]
-        right[i] -= share * right[i - 1]
-    curvature = [0.0] * count
-    for i in reversed(range(count)):
-        following = above[i] * curvature[i + 1] if i + 1 < count else 0.0
-        curvature[i] = (right[i] - following) / middle[i]
-
-    def value(t: float) -> float:
-        i = min(max(sum(1 for a in at[1:-1] if a <= t), 0), count - 2)
-        h, a, b = steps[i], at[i + 1] - t, t - at[i]
-        linear = (values[i] / h - curvature[i] * h / 6) * a + (values[i + 1] / h - curvature[i + 1] * h / 6) * b
-        return linear + (curvature[i] * a**3 + curvature[i + 1] * b**3) / (6 * h)
-
-    return value
