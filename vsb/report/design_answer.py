@@ -1,10 +1,10 @@
 """The answer of a design problem in sentences: the best buoys, the gain and its interval, what limits it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
+from vsb.report.answer import Answer
 from vsb.study.design import Limits, unit_of
 from vsb.tools.words import plain, power, superscripts, watts
 
@@ -19,19 +19,6 @@ OBJECTIVES = {
 }
 WIDENED = {"beam": 0.1, "draft": 0.1, "stroke_rms": 0.1, "load_factor": -0.1, "static_strain": 0.01}
 """Change of a limit whose worth is said [its unit]; of others a tenth of it."""
-
-
-@dataclass(frozen=True)
-class Answer:
-    """Sentences: the headline, and what follows below it."""
-
-    stands: tuple[str, ...]
-    below: tuple[str, ...]
-
-    @property
-    def line(self) -> str:
-        """The headline as one line."""
-        return " ".join(self.stands)
 
 
 def in_full(name: str) -> str:
@@ -54,11 +41,11 @@ def answer(facts: Facts) -> Answer:
     ]
     if why := facts["not_viable"]:
         headline = f"No valid answer yet: the best flexible buoy found is not viable ({why}). Change first: the limits."
-        return Answer((headline,), ("Computed, but not valid: " + stands[0], *limited(facts)))
+        return Answer([headline], ["Computed, but not valid: " + stands[0], *limited(facts)])
     if unproven := [name for name in (FLEXIBLE, COMPETITOR) if not facts["found"][name]["accepted"]]:
         stands.append(f"The {' and the '.join(unproven)} shown are not proven optima.")
     below = [verdict(facts), *in_time(facts), *size_or_flexibility(facts), *limited(facts)]
-    return Answer(tuple(stands), tuple(below))
+    return Answer(stands, below)
 
 
 def in_words(facts: Facts) -> str:

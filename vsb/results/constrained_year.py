@@ -11,7 +11,6 @@ says how well few waves know the mean, and the gain of one design over another.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -22,7 +21,7 @@ from vsb.motion.constrained import ConstrainedOptimum, NoForceFoundError, constr
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port, PortMotion
 from vsb.results.member import OF_LIMITS, radius_of
-from vsb.results.statistics import stratified_half_width
+from vsb.results.statistics import Estimate, stratified_half_width
 from vsb.results.year import Bins, bins_of
 from vsb.results.year_validity import limits_of, motion_limits, wave_limits
 from vsb.scenes.floating_system import AnyBody, Floating, InWaves
@@ -42,14 +41,6 @@ SHORTEST, LONGEST = 4.0, 32.0
 """Periods after which a sea may be taken to repeat, over the mean energy period of the year [-]."""
 KEPT = 32
 """Years of rigid designs that are kept: members with other shells share them."""
-
-
-class Bracket(NamedTuple):
-    """A value and what it lies between."""
-
-    mean: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -115,17 +106,17 @@ class ConstrainedYear:
         return 1 + left / could if could else 1.0
 
     @property
-    def annual_mean_power(self) -> Bracket:
+    def annual_mean_power(self) -> Estimate:
         """Mean power of the year, its bracket widened by what the realisations leave open [W]."""
         half = stratified_half_width(self._draws)
-        return Bracket(self.absorbed * self._whole, max(0.0, self.absorbed - half), self.bound + half)
+        return Estimate(self.absorbed * self._whole, max(0.0, self.absorbed - half), self.bound + half)
 
     @property
     def _draws(self) -> FloatArray:
         """Draws whose mean is the power absorbed, two of each bin one after the other [W]."""
         return np.asarray((len(self.share) * self.share[:, None] * self._each("power")).ravel())
 
-    def gain(self, over: "ConstrainedYear") -> Bracket | None:
+    def gain(self, over: "ConstrainedYear") -> Estimate | None:
         """Return the gain over another design in the same waves [%]; None over no power.
 
         Its interval is that of differences within pairs of realisations, widened by what is not proved.
@@ -136,7 +127,7 @@ class ConstrainedYear:
         ratio = self.annual_mean_power.mean / base
         half = stratified_half_width((self._draws - ratio * over._draws) / over.absorbed)
         least, most = self.absorbed / over.bound - half, self.bound / over.absorbed + half
-        return Bracket(100 * (ratio - 1), 100 * (least - 1), 100 * (most - 1))
+        return Estimate(100 * (ratio - 1), 100 * (least - 1), 100 * (most - 1))
 
     @property
     def force_rms(self) -> float:

@@ -82,7 +82,7 @@ def run_design_results(
         write_text(f"{folder}/{name}", csv_text(head, rows))
     for name, one in (("optimum", buoys[FLEXIBLE]), ("competitor", buoys[COMPETITOR])):
         write_text(f"{folder}/{name}.yaml", study_text(spec, one, name))
-    said = {"answer": answer(facts).line, "facts": json.dumps(facts, allow_nan=False)}
+    said = {"answer": " ".join(answer(facts).stands), "facts": json.dumps(facts, allow_nan=False)}
     stamps = {"spec": canonical(spec), "spec_id": identity}
     save(_dataset(buoys).assign_attrs(**said, **stamps), f"{folder}/design.nc")
     record(manifest, identity, [f"{folder}/{name}" for name in TABLES if not name.endswith(".nc")])

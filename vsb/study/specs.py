@@ -355,19 +355,18 @@ class ResponseSpec(SystemSpec):
     directions: tuple[float, ...] = ()  # of the waves [degrees]; empty if all go along x
 
 
-class Dynamics(Section):
+class Band(Section):
+    """What the control levels read of the section `hydro`."""
+
+    omega_max: float
+
+
+class Dynamics(Band):
     """What a run in time reads of the section `hydro`."""
 
     model: str
     pressure: float | None
     power_tolerance: float | None
-    omega_max: float
-
-
-class Band(Section):
-    """What the control levels read of the section `hydro`."""
-
-    omega_max: float
 
 
 class ClimateSpec(Brief):
@@ -388,10 +387,9 @@ class ClimateSpec(Brief):
         return cls(contents=contents, form="spectra", direction=given.direction)
 
 
-class LadderSpec(SystemSpec):
-    """Control levels of all designs in all seas."""
+class SeasSpec(SystemSpec):
+    """Specification of a stage that works on what floats in seas."""
 
-    TAG = "ladder"
     waves: tuple[Wave, ...]
     simulation: Simulation
     hydro: Band | None = None
@@ -402,6 +400,12 @@ class LadderSpec(SystemSpec):
         return (0.0, self.hydro.omega_max) if self.hydro else None
 
 
+class LadderSpec(SeasSpec):
+    """Control levels of all designs in all seas."""
+
+    TAG = "ladder"
+
+
 class DegreeSpec(LadderSpec):
     """Search for the degree of the shell modes: what powers follow from, in seas of a study or in those of a year."""
 
@@ -409,19 +413,12 @@ class DegreeSpec(LadderSpec):
     climate: ClimateSpec | None = None
 
 
-class SimulateSpec(SystemSpec):
+class SimulateSpec(SeasSpec):
     """One design in one sea; `seas` are those its damper is tuned to, where one damper serves all seas."""
 
     TAG = "simulate"
-    simulation: Simulation
-    waves: tuple[Wave, ...]
     hydro: Dynamics | None = None
     seas: tuple[Wave, ...] = ()
-
-    @property
-    def band(self) -> tuple[float, float] | None:
-        """Frequencies a sea may have components at [rad/s]; None where the database decides."""
-        return (0.0, self.hydro.omega_max) if self.hydro else None
 
 
 class CompareSpec(Spec):
