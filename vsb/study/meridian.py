@@ -327,20 +327,17 @@ def through(points: tuple[tuple[float, float], ...], radius: float) -> RestMerid
 @lru_cache(maxsize=32)
 def _through(points: tuple[tuple[float, float], ...]) -> RestMeridian:
     """The same of radius one, which serves all sizes."""
-    from scipy.interpolate import CubicSpline
-
     _check_points(points)
     largest = max(x for x, _ in points)
     at = [0.0]
     for (x, z), (following, lower) in itertools.pairwise(points):
         at.append(at[-1] + math.hypot(following - x, lower - z))
     at = [math.pi * t / at[-1] for t in at]
-    across = CubicSpline(at, [x for x, _ in points], bc_type="natural")
-    along = CubicSpline(at, [z for _, z in points], bc_type="clamped")
+    across, along = (_spline(at, [p[i] for p in points], natural=i == 0) for i in (0, 1))
     count = 8 * MOST_TERMS
     angles = [math.pi * (i + 0.5) / count for i in range(count)]
-    heights = along(angles).tolist()
-    cosines, sines = _terms(heights, across(angles).tolist(), SMALL_OF_PROFILES * largest)
+    heights = [along(phi) for phi in angles]
+    cosines, sines = _terms(heights, [across(phi) for phi in angles], SMALL_OF_PROFILES * largest)
     found = RestMeridian(tuple(sines), (sum(heights) / count, *cosines))
     for phi, (px, pz) in zip(at, points, strict=True):
         there = found.at(phi)
@@ -375,3 +372,31 @@ def _check_points(points: Sequence[tuple[float, float]]) -> None:
         raise ValueError(f"received a point at radius {inside:.4g} between the poles; needs radii above 0 there")
     if any(a == b for a, b in itertools.pairwise(points)):
         raise ValueError("received the same point twice in a row; needs each once")
+
+
+def _spline(at: Sequence[float], values: Sequence[float], natural: bool) -> Callable[[float], float]:
+    """A cubic spline without curvature at both ends, or without slope there."""
+    count, steps = len(at), [b - a for a, b in itertools.pairwise(at)]
+    rises = [(b - a) / h for a, b, h in zip(values[:-1], values[1:], steps, strict=True)]
+    below = [0.0, *steps[:-1], 0.0 if natural else steps[-1]]
+    above = [0.0 if natural else steps[0], *steps[1:], 0.0]
+    middle = [1.0 if natural else 2 * steps[0], *(2 * (a + b) for a, b in itertools.pairwise(steps))]
+    middle.append(1.0 if natural else 2 * steps[-1])
+    ends = (0.0, 0.0) if natural else (6 * rises[0], -6 * rises[-1])
+    right = [ends[0], *(6 * (b - a) for a, b in itertools.pairwise(rises)), ends[1]]
+    for i in range(1, count):  # Thomas' algorithm
+        share = below[i] / middle[i - 1]
+        middle[i] -= share * above[i - 1]
+        right[i] -= share * right[i - 1]
+    curvature = [0.0] * count
+    for i in reversed(range(count)):
+        following = above[i] * curvature[i + 1] if i + 1 < count else 0.0
+        curvature[i] = (right[i] - following) / middle[i]
+
+    def value(t: float) -> float:
+        i = min(max(sum(1 for a in at[1:-1] if a <= t), 0), count - 2)
+        h, a, b = steps[i], at[i + 1] - t, t - at[i]
+        linear = (values[i] / h - curvature[i] * h / 6) * a + (values[i + 1] / h - curvature[i + 1] * h / 6) * b
+        return linear + (curvature[i] * a**3 + curvature[i + 1] * b**3) / (6 * h)
+
+    return value
