@@ -242,7 +242,7 @@ def test_a_buoy_that_is_not_viable_is_no_answer():
         "found": {FLEXIBLE: {"multipliers": {}, "flat": []}},
     }
     said = answer(facts)
-    assert said.line.startswith("No valid answer yet: the best flexible buoy found is not viable (overstrained")
+    assert said.stands[0].startswith("No valid answer yet: the best flexible buoy found is not viable (overstrained")
     assert said.below[0].startswith("Computed, but not valid: The best flexible buoy absorbs 14")
 
 
