@@ -5,9 +5,10 @@ import pytest
 from motion.test_harmonics import buoy
 
 from vsb.hydro.statespace import RadiationModel
+from vsb.integrators.switching import Switching
 from vsb.motion.constrained import constrained_optimum
 from vsb.motion.force_bound import Harmonics, Limits, force_bound, mean_magnitude
-from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring, TakeOff
 from vsb.motion.port import Port
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
@@ -96,6 +97,49 @@ def random_waves(rng):
     amplitude = np.zeros(harmonics.count, dtype=complex)
     amplitude[orders - 1] = phasors
     return harmonics, amplitude, orders * spacing, phasors
+
+
+def laws(rng, damper, limit, period):
+    latching_time = period * rng.uniform(0.05, 0.3)
+    return {
+        "saturated": TakeOff(B, damper, limit=limit),
+        "with a spring": TakeOff(B, damper, -rng.uniform(0.0, 1.0), limit),
+        "coulomb": TakeOff(B, np.inf, limit=limit),
+        "latching": TakeOff(B, damper, limit=limit, latching_time=latching_time),
+        "declutching": TakeOff(B, damper, limit=limit, latching_time=latching_time, latching_damping=0.0),
+        "hydraulic, declutched": TakeOff(B, np.inf, limit=limit, latching_time=latching_time, latching_damping=0.0),
+    }
+
+
+B = np.array([1.0])
+
+
+def mean_power(system, period, count=24, last=6):
+    """Mean power of a take-off in late periods, and by how much it differs between two halves of them."""
+    start = system.scene.start(0.0, 0.0)
+    motion, _ = Switching(system).follow(np.linspace(0.0, count * period, count * 64 + 1), start)
+    power = np.diff(motion.works["pto"][::64])[-last:] / period
+    return power.mean(), abs(power[: last // 2].mean() - power[last // 2 :].mean())
+
+
+@pytest.mark.slow
+def test_no_law_in_time_exceeds_the_bound_in_random_cases():
+    """A hundred, followed exactly between switches until they repeat, each under one of six laws."""
+    ratios = []
+    for number in range(100):
+        rng = np.random.default_rng(number)
+        device, (harmonics, amplitude, omega, phasors) = Oscillator(rng), random_waves(rng)
+        port, period = device.port(harmonics), 2 * np.pi / harmonics.spacing
+        matched = np.abs(port.matched_force[: harmonics.count] * amplitude).sum()
+        limit, damper = matched * 10 ** rng.uniform(-1.5, 0.1), device.drag * 10 ** rng.uniform(-0.5, 1.0)
+        best = constrained_optimum(harmonics, port, amplitude, Limits(limit))
+        assert best.power <= best.bound
+        name, law = list(laws(rng, damper, limit, 2 * np.pi / omega.mean()).items())[number % 6]
+        power, unsettled = mean_power(device.system(law, omega, phasors), period)
+        assert power - unsettled <= best.bound * (1 + 1e-9), (number, name)
+        ratios.append(power / best.bound)
+    assert max(ratios) > 0.95
+    assert min(ratios) > -0.01
 
 
 @pytest.mark.parametrize("number", range(2))
