@@ -170,6 +170,25 @@ def test_laws_act_on_ports_of_the_shell(seed, port, tmp_path_factory):
     assert followed(stroke_limit=0.5 * stroke)[0] < 0.6 * stroke
 
 
+def followed(model, folder, **pto):
+    """An inflated shell with a take-off in a small wave: study, its files, its design, the run and its mean power."""
+    study = varied(
+        load(CONFIG / "pressurised.yaml"),
+        designs={"VSWEC": {}},
+        modes={"degree": 2},
+        hydro={"omega_max": 4.5, "model": model},
+        pto=pto,
+        waves=[{"kind": "regular", "amplitude": 0.01, "period": 3.0}],
+        simulation={"duration": 60.0, "window": (48.0, 60.0), "initial_velocity": 0.0, "tolerance": 1e-9},
+    )
+    files = hydro_files(study, folder / "wet")
+    found = SCENES[model](only_run(study), files)
+    (leg,) = legs(found.system, found.sea, study.simulation, None)
+    assert leg.balance.residual < 1e-6
+    start, end = np.interp([48.0, 60.0], leg.motion.time, leg.energy["pto"])
+    return study, files, found, leg, (end - start) / 12.0
+
+
 HELD = [None, {"place": "heave"}, {"place": "ring", "colatitude": 110}]
 
 
@@ -177,25 +196,13 @@ HELD = [None, {"place": "heave"}, {"place": "ring", "colatitude": 110}]
 @pytest.mark.parametrize("held", HELD, ids=["free", "heave", "ring"])
 def test_power_from_strain_in_time_is_that_of_the_port(held, model, tmp_path_factory):
     """A damper on the change of area, what the mooring holds stays; at finite amplitude along the gradient at rest."""
-    study = varied(
-        load(CONFIG / "pressurised.yaml"),
-        designs={"VSWEC": {}},
-        modes={"degree": 2},
-        hydro={"omega_max": 4.5, "model": model},
-        pto={"damping": 2e3, "port": {"strain": "area"}, "held": held},
-        waves=[{"kind": "regular", "amplitude": 0.01, "period": 3.0}],
-        simulation={"duration": 60.0, "window": (48.0, 60.0), "initial_velocity": 0.0, "tolerance": 1e-9},
-    )
-    files = hydro_files(study, tmp_path_factory.getbasetemp() / "wet")
-    found = SCENES[model](only_run(study), files)
-    (leg,) = legs(found.system, found.sea, study.simulation, None)
-    assert leg.balance.residual < 1e-6
+    port = {"strain": "area"}
+    study, files, found, leg, mean = followed(model, tmp_path_factory.getbasetemp(), damping=2e3, port=port, held=held)
     moved = leg.motion.position @ found.scene.motions.T
     np.testing.assert_allclose(moved @ found.held.T, 0.0, atol=1e-12)
     assert len(found.held) == (held is not None)
-    start, end = np.interp([48.0, 60.0], leg.motion.time, leg.energy["pto"])
     seen = floating_system(study, files["database"]).ports(np.array([2 * np.pi / 3.0]))["VSWEC"]
-    assert (end - start) / 12.0 == pytest.approx(0.01**2 * seen.power(2e3)[0], rel=5e-3 if model == "linear" else 1e-2)
+    assert mean == pytest.approx(0.01**2 * seen.power(2e3)[0], rel=5e-3 if model == "linear" else 1e-2)
 
 
 @pytest.mark.parametrize("model", ["linear", pytest.param("body_exact", marks=pytest.mark.slow)])
@@ -209,25 +216,12 @@ def test_power_from_strain_in_time_is_that_of_the_port(held, model, tmp_path_fac
     ids=["given", "tuned", "spread"],
 )
 def test_damper_matrix_in_time_absorbs_what_it_does_in_frequency(pto, model, tmp_path_factory):
-    study = varied(
-        load(CONFIG / "pressurised.yaml"),
-        designs={"VSWEC": {}},
-        modes={"degree": 2},
-        hydro={"omega_max": 4.5, "model": model},
-        pto={"damping": None, **pto},
-        waves=[{"kind": "regular", "amplitude": 0.01, "period": 3.0}],
-        simulation={"duration": 60.0, "window": (48.0, 60.0), "initial_velocity": 0.0, "tolerance": 1e-9},
-    )
-    files = hydro_files(study, tmp_path_factory.getbasetemp() / "wet")
-    found = SCENES[model](only_run(study), files)
-    (leg,) = legs(found.system, found.sea, study.simulation, None)
-    assert leg.balance.residual < 1e-6
-    start, end = np.interp([48.0, 60.0], leg.motion.time, leg.energy["pto"])
+    study, files, _, _, mean = followed(model, tmp_path_factory.getbasetemp(), **{"damping": None, **pto})
     seen = floating_system(study, files["database"]).several_ports(np.array([2 * np.pi / 3.0]))["VSWEC"]
     kind = matrix_kind(study.pto)
     given = given_matrix(study.pto, "VSWEC", seen.velocity.shape[1])
     power = best_matrix(seen, np.ones(1), kind).power if given is None else seen.power(given)[0]
-    assert (end - start) / 12.0 == pytest.approx(0.01**2 * power, rel=5e-3 if model == "linear" else 2e-2)
+    assert mean == pytest.approx(0.01**2 * power, rel=5e-3 if model == "linear" else 2e-2)
 
 
 @pytest.mark.parametrize("law", ["linear", "saturated", "coulomb"])

@@ -33,13 +33,6 @@ def test_moments_are_sums_over_bands():
     assert climate.te == pytest.approx([2 * np.pi * 0.1 * np.sum(1 / climate.omega) / 1.1], rel=1e-14)
 
 
-def test_energy_flux_in_deep_water():
-    """J = rho g^2 Hs^2 Te/(64 pi)."""
-    climate = flat()
-    closed = 1025 * 9.81**2 / (64 * np.pi) * climate.hs**2 * climate.te
-    assert climate.flux(Water()) == pytest.approx(closed, rel=1e-13)
-
-
 def test_energy_flux_in_shallow_water():
     """rho g sum S v_g d, with the group velocity of the dispersion relation."""
     climate, water = rising([1.0, 3.0], [0.5, 0.5]), Water(depth=6.0, density=998.0, gravity=9.7)

@@ -117,44 +117,6 @@ def test_yaw_of_a_round_body_does_not_spoil_the_verdict(green):
     assert max(each.own.attrs[name] for each in solved for name in ("symmetry", "far_field", "haskind")) < 0.1
 
 
-def synthetic(value, omega=(1.0,)):
-    """Coefficients of one motion in one direction, all one value."""
-    pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
-    n, dof = len(omega), {"influenced_dof": ["Heave"], "radiating_dof": ["Heave"]}
-    forces = {"Froude_Krylov_force": 0.25, "diffraction_force": 0.75, "excitation_force": 1.0}
-    matrices = {name: (pair, np.full((n, 1, 1), value)) for name in ("added_mass", "radiation_damping")}
-    return xr.Dataset(
-        matrices | {name: (wave, np.full((n, 1, 1), part * value + 0j)) for name, part in forces.items()},
-        {"omega": list(omega), "wave_direction": [0.0], **dof},
-    )
-
-
-@pytest.mark.parametrize(
-    ("fewer", "waves", "expected"),
-    [
-        ((0.9, 0.9, 0.9), (0.9, 0.95), 0.1 / 0.6 + 0.15),
-        ((0.7, 0.9, 0.9), (0.95, 0.97), 0.3 / 0.6),
-        ((0.9, 0.8, 0.9), (1.0, 0.9), 0.2 / 0.6 + 0.1),
-        ((0.9, 0.9, 1.3), (1.05, 0.9), 0.3 / 0.6 + 0.15),
-    ],
-)
-def test_estimate_adds_errors_common_to_both_meshes(fewer, waves, expected):
-    """At one of three frequencies, in terms of the largest entry at another."""
-    omega, scale, worst = (1.0, 2.0, 3.0), 4.0, 1
-    own = synthetic(1.0, omega).drop_vars("excitation_force")
-    own = own.map(lambda v: v * xr.where(own.omega == omega[worst - 1], scale, 1.0)).transpose("omega", ...)
-    there = own.omega == omega[worst]
-    whole = with_excitation(own)
-    names = ("added_mass", "radiation_damping", "excitation_force")
-    other = xr.Dataset({n: whole[n] + scale * (f - 1) * there for n, f in zip(names, fewer, strict=True)})
-    known = xr.Dataset({n: whole[n] + scale * (f - 1) * there for n, f in zip(names[1:], waves, strict=True)})
-    limits = [xr.Dataset({"added_mass_inf": (("influenced_dof", "radiating_dof"), [[1.0]])}) for _ in range(2)]
-    limits[0].attrs["resolution_ratio"] = 1.6
-    blocks = [Block(*(ds.isel(omega=[i]) for ds in (own, other, known))) for i in range(3)]
-    found = error_estimate(blocks, Block(*limits, xr.Dataset()), np.ones(1))
-    assert found == pytest.approx(expected, rel=1e-12)
-
-
 def smooth(omega, directions, sizes, centre):
     """Coefficients of two motions in closed form, of a body at a place."""
     w = np.asarray(omega)[:, None, None]
