@@ -17,7 +17,7 @@ from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.sweep import joined
 from vsb.study.sections import Water
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.waves.dispersion import group_velocity, wavenumber
+from vsb.waves.dispersion import haskind_factor
 
 LARGEST_LIMIT_DIFFERENCE = 0.02
 """Largest difference of added mass at infinite frequency from its extrapolation, as for Kramers-Kronig."""
@@ -86,9 +86,8 @@ def haskind_damping(ds: xr.Dataset, depth: float, density: float, gravity: float
     k X X^H/(4 rho g v_g), for m >= 1 half of that.
     """
     x = ds.excitation_force.values[:, 0, :]
-    flux = 4 * multiplicity(order) * density * gravity
-    factor = [wavenumber(w, depth, gravity) / (flux * group_velocity(w, depth, gravity)) for w in ds.omega.values]
-    return np.asarray(np.array(factor)[:, None, None] * x[:, :, None] * x[:, None, :].conj())
+    factor = haskind_factor(ds.omega.values, depth, density, gravity) / multiplicity(order)
+    return np.asarray(factor[:, None, None] * x[:, :, None] * x[:, None, :].conj())
 
 
 def haskind_difference(ds: xr.Dataset, depth: float, density: float, gravity: float, order: int = 0) -> float:

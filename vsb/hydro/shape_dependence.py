@@ -44,6 +44,7 @@ from vsb.shell.deformed import DeformedShell
 from vsb.study.quantities import content_id
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.files import load, save
+from vsb.waves.dispersion import haskind_factor
 
 COEFFICIENTS = ("added_mass", "radiation_damping", "excitation_force", "added_mass_inf")
 """Coefficients that depend on the shape."""
@@ -74,12 +75,12 @@ def misfit(value: xr.DataArray, exact: xr.DataArray) -> float:
 
 
 def haskind_damping(omega: FloatArray, x: ComplexArray, density: float, gravity: float) -> FloatArray:
-    """Return B = k/(2 rho g v_g) Re X X^H of heave and axisymmetric modes in deep water, (omega, dof, dof) [kg/s].
+    """Return B = k/(4 rho g v_g) Re X X^H of heave and axisymmetric modes in deep water, (omega, dof, dof) [kg/s].
 
     From excitation `x`, shape (omega, dof) [N/m]; positive semidefinite for any `x`.
     """
-    scale = omega[:, None, None] ** 3 / (2 * density * gravity**3)
-    return np.asarray(scale * (x[:, :, None] * x[:, None, :].conj()).real)
+    factor = haskind_factor(omega, np.inf, density, gravity)[:, None, None]
+    return np.asarray(factor * (x[:, :, None] * x[:, None, :].conj()).real)
 
 
 def haskind_slope(omega: FloatArray, x: ComplexArray, dx: ComplexArray, density: float, gravity: float) -> FloatArray:
@@ -88,8 +89,8 @@ def haskind_slope(omega: FloatArray, x: ComplexArray, dx: ComplexArray, density:
     From excitation `x`, (omega, dof) [N/m], and its derivative `dx`, (..., omega, dof) [N/m^2]; in deep water.
     """
     half = dx[..., :, None] * x[:, None, :].conj()
-    scale = omega[:, None, None] ** 3 / (2 * density * gravity**3)
-    return np.asarray((scale * (half + half.swapaxes(-1, -2).conj())).real)
+    factor = haskind_factor(omega, np.inf, density, gravity)[:, None, None]
+    return np.asarray((factor * (half + half.swapaxes(-1, -2).conj())).real)
 
 
 def _stacked(parts: Sequence[xr.Dataset], labels: list[str], dim: str = "shape_dof") -> xr.Dataset:

@@ -20,7 +20,7 @@ from vsb.motion.damper_matrix import Ports
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import Port
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.waves.dispersion import group_velocity, wavenumber
+from vsb.waves.dispersion import haskind_factor
 
 
 class CoefficientError(NamedTuple):
@@ -306,8 +306,7 @@ def haskind_misfits(
     mass is the real part of the function whose imaginary part is B/omega: it is off as B is off from rank one. These
     distances change sign between the frequencies solved, so at each frequency the largest nearby is taken.
     """
-    k, speed = (np.array([of(w, depth, gravity) for w in omega]) for of in (wavenumber, group_velocity))
-    factor = k / (4 * density * gravity * speed)
+    factor = haskind_factor(omega, depth, density, gravity)
     root = np.sqrt(np.maximum(np.einsum("wii->wi", damping), 0.0))
     rank_one = np.sign(damping) * root[:, :, None] * root[:, None, :]
     distances = (

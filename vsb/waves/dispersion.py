@@ -32,6 +32,12 @@ def group_velocity(omega: float, depth: float, gravity: float) -> float:
     return float(omega / (2 * k) * (1 + finite))
 
 
+def haskind_factor(omega: FloatArray, depth: float, density: float, gravity: float) -> FloatArray:
+    """Return k/(4 rho g v_g), the factor of Haskind's damping X X^H of ring waves, shape (omega,) [s^3/(kg m)]."""
+    k, speed = (np.array([of(w, depth, gravity) for w in omega]) for of in (wavenumber, group_velocity))
+    return np.asarray(k / (4 * density * gravity * speed))
+
+
 def vertical_velocity(omega: FloatArray, height: float, depth: float, gravity: float) -> ComplexArray:
     """Return the vertical velocity of waves at a height below still water per amplitude, shape (omega,) [1/s].
 

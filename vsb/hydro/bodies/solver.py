@@ -16,7 +16,7 @@ from vsb.hydro.panels.rings import influence_blocks, panel_mesh
 from vsb.hydro.variables import PAIR
 from vsb.study.sections import Water
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
-from vsb.waves.dispersion import group_velocity, wavenumber
+from vsb.waves.dispersion import haskind_factor, wavenumber
 
 _WAVE = ("omega", "wave_direction", "influenced_dof")
 
@@ -211,5 +211,5 @@ class BodyProblem:
         count = 32 + 4 * int(np.ceil(k * self.body.size))
         circle = 2 * np.pi * np.arange(count) / count
         x = strength @ unit_wave(self._panels.whole.faces_centers, k, water.depth, circle).T
-        flux = 4 * water.density * water.gravity * group_velocity(omega, water.depth, water.gravity)
-        return np.asarray(k / flux / count * (x @ x.conj().T).real)
+        (factor,) = haskind_factor(np.array([omega]), water.depth, water.density, water.gravity)
+        return np.asarray(factor / count * (x @ x.conj().T).real)

@@ -32,7 +32,7 @@ from vsb.hydro.sweep import apart, joined
 from vsb.hydro.variables import PAIR
 from vsb.study.body import BodyFile
 from vsb.tools.arrays import FloatArray
-from vsb.waves.dispersion import group_velocity, wavenumber
+from vsb.waves.dispersion import haskind_factor, wavenumber
 
 RULES = {
     "error_estimate": Rule(0.05, "estimated error of added mass, damping and excitation, relative to the largest "
@@ -129,8 +129,7 @@ def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
     impedance = (ds.radiation_damping + 1j * omega * ds.added_mass).values[0]
     z = np.maximum(np.abs(np.diag(impedance)), omega * least_sizes(problem.body, water.density) ** 2)
     pair = np.sqrt(np.outer(z, z))
-    k, v_g = (f(omega, water.depth, water.gravity) for f in (wavenumber, group_velocity))
-    wave = np.sqrt(4 * water.density * water.gravity * v_g / k * z)
+    wave = np.sqrt(z / haskind_factor(ds.omega.values, water.depth, water.density, water.gravity))
     far = (ds.radiation_damping - ds.far_field_damping).values[0]
     haskind = (ds.Froude_Krylov_force + ds.diffraction_force - ds.haskind_force).values[0]
     errors = (impedance - impedance.T) / pair, far / pair, haskind / wave

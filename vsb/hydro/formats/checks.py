@@ -33,7 +33,7 @@ from vsb.hydro.formats.common import rotation_centre, volume_of
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.study.quantities import RIGID, ROTATIONS, body_of, motion_of, of_bodies
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
-from vsb.waves.dispersion import group_velocity, wavenumber
+from vsb.waves.dispersion import haskind_factor, wavenumber
 
 RULES = {
     "symmetry": Rule(0.02, "added mass and damping are symmetric matrices",
@@ -593,18 +593,13 @@ def haskind_damping(ds: xr.Dataset, size: FloatArray, axisymmetric: bool) -> tup
     n = len(degrees)
     if n < 6 or not np.allclose(np.diff([*degrees, degrees[0] + 360]), 360 / n, atol=0.01):
         return None
-    factor = _narrowness(ds.omega.values, depth, gravity) / (4 * density * gravity)
+    factor = haskind_factor(ds.omega.values, depth, density, gravity)
     x = ds.excitation_force.values[:, first, :] * np.sqrt(factor)[:, None, None]
     power = np.abs(np.fft.fft(x, axis=1) / n) ** 2
     last = np.abs(np.fft.fftfreq(n, 1 / n)) >= n // 2 - 1
     largest = np.maximum(power.sum(axis=1).max(axis=0), size)
     resolved = np.logical_and.accumulate(power[:, last].sum(axis=1) <= RULES["haskind"].limit / 2 * largest)
     return np.einsum("whi,whj->wij", x, x.conj()).real / n, resolved
-
-
-def _narrowness(omega: FloatArray, depth: float, gravity: float) -> FloatArray:
-    """Wavenumber over group velocity, shape (omega,) [s/m^2]: all of Haskind's relation that depends on the depth."""
-    return np.array([wavenumber(w, depth, gravity) / group_velocity(w, depth, gravity) for w in omega])
 
 
 def _haskind(part: xr.Dataset, size: Sizes, axisymmetric: bool) -> Found:
@@ -643,7 +638,7 @@ def _ring_waves(ds: xr.Dataset, added_mass: FloatArray) -> list[Check]:
     if not (long := np.flatnonzero(second <= _RING)).size:
         return []
     force = (np.abs(ds.excitation_force.values[long[-1], :, i]) ** 2).mean()
-    expected = force * _narrowness(omega[long[-1:]], depth, gravity)[0] / (4 * density * gravity)
+    expected = force * haskind_factor(omega[long[-1:]], depth, density, gravity)[0]
     error, limit = ds.radiation_damping.values[long[-1], i, i] / expected - 1, second[long[-1]]
     more = f"; at {omega[long[-1]]:.4g} rad/s in heave, whatever the direction"
     rule = RULES["haskind_long_waves"]
@@ -682,9 +677,9 @@ def fitting_depth(ratio: FloatArray, omega: FloatArray, depth: float, gravity: f
         With `depth`.
     omega : ndarray, shape (entry,) [rad/s]
     """
-    own, limit = _narrowness(omega, depth, gravity), RULES["haskind"].limit
+    own, limit = haskind_factor(omega, depth, 1.0, gravity), RULES["haskind"].limit
     longest = gravity / float(omega.min()) ** 2
     tried = np.array([np.inf, *(longest * np.geomspace(3.0, 1e-4, 150))])
-    error = [np.abs(ratio * _narrowness(omega, h, gravity) / own - 1).max() for h in tried]
+    error = [np.abs(ratio * haskind_factor(omega, h, 1.0, gravity) / own - 1).max() for h in tried]
     best = int(np.argmin(error))
     return float(tried[best]) if error[best] <= limit else None
