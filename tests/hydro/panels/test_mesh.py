@@ -8,7 +8,7 @@ from vsb.hydro.panels.mesh import (
     polygon_radius,
     revolved,
 )
-from vsb.shell.deformed import DeformedShell, rigid_sphere
+from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import mode_basis
 
 
@@ -36,16 +36,6 @@ def test_area_and_volume_of_the_mean_mesh_converge_at_second_order(height):
         errors.append(np.abs(found / exact - 1))
     slopes = -np.diff(np.log(errors), axis=0) / np.diff(np.log(rows))[:, None]
     assert np.all(np.abs(slopes - 2.0) < 0.1), slopes
-
-
-@pytest.mark.parametrize("height", [-0.5, 0.0, 0.8])
-def test_a_shell_that_is_not_deformed_has_the_mesh_of_the_sphere(height):
-    found, sphere = deformed_mesh(rigid_sphere(2.0, height), 12, 24, 5), mean_mesh(2.0, height, 12, 24, 5)
-    assert found.attrs == sphere.attrs
-    for name in sphere:
-        np.testing.assert_allclose(found[name].values, sphere[name].values, atol=1e-12, err_msg=name)
-    assert sphere.normal_radius.values == pytest.approx(np.sin(sphere.row_colatitude.values))
-    assert sphere.normal_height.values == pytest.approx(np.cos(sphere.row_colatitude.values))
 
 
 def test_normals_of_a_deformed_shell_are_across_its_meridian_into_the_water(seed):

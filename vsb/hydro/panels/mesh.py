@@ -7,7 +7,7 @@ import meshio
 import numpy as np
 import xarray as xr
 
-from vsb.shell.deformed import DeformedShell
+from vsb.shell.deformed import DeformedShell, rigid_sphere
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import atomic_write
 
@@ -32,10 +32,7 @@ def polygon_radius(azimuth: int) -> float:
 
 def mean_mesh(radius: float, centre_height: float, rows: int, azimuth: int, lid_rows: int) -> xr.Dataset:
     """Return the mesh of a wetted sphere and the interior lid; see `deformed_mesh`."""
-    phi = graded_colatitudes(np.arccos(-centre_height / radius), rows)
-    middle = (phi[1:] + phi[:-1]) / 2
-    x, z = radius * np.sin(phi), centre_height + radius * np.cos(phi)
-    return _mesh((x, z), middle, (np.sin(middle), np.cos(middle)), azimuth, lid_rows)
+    return deformed_mesh(rigid_sphere(radius, centre_height), rows, azimuth, lid_rows)
 
 
 def deformed_mesh(shell: DeformedShell, rows: int, azimuth: int, lid_rows: int) -> xr.Dataset:
@@ -53,29 +50,16 @@ def deformed_mesh(shell: DeformedShell, rows: int, azimuth: int, lid_rows: int) 
     phi = graded_colatitudes(shell.waterline, rows)
     middle = (phi[1:] + phi[:-1]) / 2
     nodes, at = shell.meridian(phi), shell.meridian(middle)
-    length = np.hypot(at.dx, at.dz)
-    return _mesh((nodes.x, nodes.z), middle, (-at.dz / length, at.dx / length), azimuth, lid_rows)
-
-
-def _mesh(
-    nodes: tuple[FloatArray, FloatArray],
-    middle: FloatArray,
-    normal: tuple[FloatArray, FloatArray],
-    azimuth: int,
-    lid_rows: int,
-) -> xr.Dataset:
-    """Dataset of a mesh from its meridian, waterline first, keel last."""
-    x, z = nodes
-    z[0] = x[-1] = 0.0
-    corner = polygon_radius(azimuth)
+    nodes.z[0] = nodes.x[-1] = 0.0
+    length, corner = np.hypot(at.dx, at.dz), polygon_radius(azimuth)
     return xr.Dataset(
         {
-            "meridian_radius": ("node", corner * x),
-            "meridian_height": ("node", z),
-            "lid_radius": ("lid_node", corner * np.linspace(0.0, x[0], lid_rows + 1)),
+            "meridian_radius": ("node", corner * nodes.x),
+            "meridian_height": ("node", nodes.z),
+            "lid_radius": ("lid_node", corner * np.linspace(0.0, nodes.x[0], lid_rows + 1)),
             "row_colatitude": ("row", middle),
-            "normal_radius": ("row", normal[0]),
-            "normal_height": ("row", normal[1]),
+            "normal_radius": ("row", -at.dz / length),
+            "normal_height": ("row", at.dx / length),
         },
         attrs={"azimuth": azimuth},
     )
