@@ -165,17 +165,17 @@ def ring_mesh(mesh: xr.Dataset, with_lid: bool = True) -> RingMesh:
     if with_lid and mesh.sizes["lid_node"] > 1:
         lid = mesh.lid_radius.values  # from the axis outwards, so that normals point down: with upward normals the
         parts.append(_wedge(lid, np.zeros(len(lid)), azimuth))  # lid resonates by itself (hemisphere: at Ka = 1.27)
-    wedge = _joined(parts)
+    wedge = joined(parts)
     copies = [wedge.rotated_z(2 * np.pi * i / azimuth) for i in range(azimuth // 2 + 1)]
     weights = np.full(len(copies), 2.0)
     weights[0] = 1.0
     if azimuth % 2 == 0:
         weights[-1] = 1.0
-    return RingMesh(wedge, _joined(copies), weights, rows, azimuth)
+    return RingMesh(wedge, joined(copies), weights, rows, azimuth)
 
 
-def _joined(meshes: list[cpt.Mesh]) -> cpt.Mesh:
-    """Join meshes, panel for panel (capytaine's own join may drop or reorder panels)."""
+def joined(meshes: list[cpt.Mesh]) -> cpt.Mesh:
+    """Return one mesh of several, panel for panel (capytaine's own join may drop or reorder panels)."""
     offsets = np.cumsum([0, *(len(m.vertices) for m in meshes)])
     faces = [m.faces + offset for m, offset in zip(meshes, offsets, strict=False)]
     return _mesh(np.concatenate([m.vertices for m in meshes]), np.concatenate(faces))
@@ -335,31 +335,6 @@ class AxisymmetricProblem:
         potential = (s @ np.linalg.solve(d + np.diag(correction), velocity))[: rings.body_rows]
         radiated, scattered = onto @ potential[:, :-1], onto @ potential[:, -1]
         return radiated.real, omega * radiated.imag, 1j * omega * (onto @ incident), 1j * omega * scattered
-
-
-def capytaine_solution(problem: AxisymmetricProblem, omegas: list[float], symmetry: str = "none") -> xr.Dataset:
-    """Solve an axisymmetric problem without lid by capytaine's solver with all panels as unknowns, for comparison.
-
-    `symmetry` is none, planes (two of them; needs a multiple of four panels around) or rotation. The attribute seconds
-    is of matrices, linear systems and products alone, by capytaine's own timer.
-    """
-    azimuth = problem.body.azimuth
-    wedges = [problem.body.wedge.rotated_z(2 * np.pi * (i + 0.5) / azimuth) for i in range(azimuth)]
-    mesh: Any = _joined(wedges[: azimuth // 4] if symmetry == "planes" else wedges)
-    if symmetry == "planes":
-        mesh = cpt.ReflectionSymmetricMesh(cpt.ReflectionSymmetricMesh(mesh, plane="yOz"), plane="xOz")
-    elif symmetry == "rotation":
-        mesh = cpt.RotationSymmetricMesh(wedges[0], n=azimuth)
-    around = np.cos(problem.order * np.arctan2(mesh.faces_centers[:, 1], mesh.faces_centers[:, 0]))
-    along = np.tile(problem.velocities, azimuth) * around
-    dofs = {d.label: w[:, None] * mesh.faces_normals for d, w in zip(problem.displacements, along, strict=True)}
-    body = cpt.FloatingBody(mesh=mesh, dofs=dofs, name=f"{symmetry} {mesh.nb_faces}")
-    names = {"rho": [problem.density], "g": [problem.gravity], "water_depth": [problem.depth], "wave_direction": [0.0]}
-    wanted = xr.Dataset(coords={"omega": omegas, "radiating_dof": list(dofs), **names})
-    solver = cpt.BEMSolver(green_function=problem.green)
-    solved: xr.Dataset = solver.fill_dataset(wanted, body, hydrostatics=False, progress_bar=False)
-    seconds = sum(step["timing"] for step in solver.timer.timings if not step["step"].startswith("Total"))
-    return solved.sel(influenced_dof=list(dofs), radiating_dof=list(dofs)).assign_attrs(seconds=seconds)
 
 
 def read_panels(path: str | Path | IO[str], form: str) -> tuple[FloatArray, IntArray]:
