@@ -105,16 +105,21 @@ def swept(folder):
     return plan, run(plan)
 
 
-def test_campaign_member_equals_the_year_of_its_study(folder, swept):
-    """Computed from the database of the study, which shares no coefficients with the campaign."""
-    plan, found = swept
-    study = plan.members[1].study
-    one = StudyPlan(study, root=str(folder / "apart"))
+def year_apart(plan, study, root):
+    """The year of a member's study from its own database in a folder of results."""
+    one = StudyPlan(study, root=root)
     make(one, [one.database_path])
     floating = floating_system(study, one.database_path)
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     ports = floating.ports(frequencies(seas, *floating.linear.database.omega.values[[0, -1]]))
-    apart = year(ports, seas, study.water, ("fixed", "one", "each"), dict.fromkeys(ports, 8000.0), "FSB").dataset()
+    return year(ports, seas, study.water, ("fixed", "one", "each"), dict.fromkeys(ports, 8000.0), "FSB").dataset()
+
+
+def test_campaign_member_equals_the_year_of_its_study(folder, swept):
+    """Computed from the database of the study, which shares no coefficients with the campaign."""
+    plan, found = swept
+    study = plan.members[1].study
+    apart = year_apart(plan, study, str(folder / "apart"))
     at = found.sel(young_modulus=study.device.young_modulus)
     for name in ("annual_mean_power", "annual_energy", "capture_width"):
         np.testing.assert_allclose(at[name].values, apart[name].values, rtol=1e-9, err_msg=name)
@@ -150,12 +155,7 @@ def test_year_of_a_buoy_in_surge_and_pitch(folder):
     plan = planned(folder, {"device.centre_of_mass": [-0.6, 0.1]}, name="planar", **PLANAR)
     found = computed(plan)
     study = plan.members[0].study
-    one = StudyPlan(study, root=plan.root)
-    make(one, [one.database_path])
-    floating = floating_system(study, one.database_path)
-    seas = read_climate(plan.climate, plan.loaded.climate_path)
-    ports = floating.ports(frequencies(seas, *floating.linear.database.omega.values[[0, -1]]))
-    apart = year(ports, seas, study.water, ("fixed", "one", "each"), dict.fromkeys(ports, 8000.0), "FSB").dataset()
+    apart = year_apart(plan, study, plan.root)
     at = found.sel(centre_of_mass=-0.6)
     assert at.viable.values.all()
     np.testing.assert_allclose(at.annual_energy.values, apart.annual_energy.values, rtol=1e-6)

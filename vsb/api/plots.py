@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from vsb.errors import ConfigError
 from vsb.motion.linear import direction_index
-from vsb.report.canvas import number_cells, style
+from vsb.report.canvas import bin_edges, number_cells, style
 from vsb.report.shell_figures import outline
 from vsb.results.year import HEIGHT, PERIOD
 from vsb.study.quantities import ROTATIONS, motion_of
@@ -288,15 +288,11 @@ def _matrix(values: xr.DataArray, label: str, ax: Axes | None) -> Axes:
     if not rows.size:
         raise ConfigError("matrix: no bin has a value, as of a design that is not viable")
     values = values[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    image = axes.pcolormesh(_edges(values.te, PERIOD), _edges(values.hs, HEIGHT), values, cmap="viridis")
+    edges = (bin_edges(values.te.values, PERIOD), bin_edges(values.hs.values, HEIGHT))
+    image = axes.pcolormesh(*edges, values, cmap="viridis")
     largest = float(values.max())
     number_cells(axes, values.te.values, values.hs.values, values.values, largest)
     axes.grid(visible=False)
     axes.set(xlabel="energy period Te [s]", ylabel="significant wave height Hs [m]")
     axes.figure.colorbar(image, ax=axes, label=label)
     return axes
-
-
-def _edges(centres: xr.DataArray, width: float) -> np.ndarray:
-    """Edges of bins of equal width."""
-    return np.append(centres.values - width / 2, float(centres[-1]) + width / 2)

@@ -12,7 +12,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from vsb.report.campaign_answer import is_verified, reported_bounds, reported_gain, shown_member
-from vsb.report.canvas import grid_of_axes, legend_above, note, number_cells, plain_numbers, style
+from vsb.report.canvas import bin_edges, grid_of_axes, legend_above, note, number_cells, plain_numbers, style
 from vsb.results.campaign import damper
 from vsb.results.year import HEIGHT, PERIOD
 from vsb.study.campaign import CONSTRAINED
@@ -52,7 +52,7 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
         if not bool(one.viable.sel(design=design)):
             note(ax, "not viable")
             continue
-        edges = (_edges(ds.te.values, PERIOD), _edges(ds.hs.values, HEIGHT))
+        edges = (bin_edges(ds.te.values, PERIOD), bin_edges(ds.hs.values, HEIGHT))
         image = ax.pcolormesh(*edges, power.sel(design=design), vmin=0, vmax=float(power.max()), cmap="viridis")
         if numbered:
             number_cells(ax, ds.te.values, ds.hs.values, power.sel(design=design).values, float(power.max()))
@@ -64,8 +64,8 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
     for ax in axes[:, 0]:
         ax.set_ylabel("Hs [m]")
     if image is not None:
-        axes[0, 0].set_xlim(*_edges(ds.te.values[occupied.any("hs").values], PERIOD)[[0, -1]])
-        axes[0, 0].set_ylim(*_edges(ds.hs.values[occupied.any("te").values], HEIGHT)[[0, -1]])
+        axes[0, 0].set_xlim(*bin_edges(ds.te.values[occupied.any("hs").values], PERIOD)[[0, -1]])
+        axes[0, 0].set_ylim(*bin_edges(ds.hs.values[occupied.any("te").values], HEIGHT)[[0, -1]])
         bar: dict[str, Any] = {"orientation": "horizontal", "aspect": 50} if numbered else {}  # width is for numbers
         figure.colorbar(image, ax=axes, label="mean power [kW]", **bar)
     return figure
@@ -252,11 +252,6 @@ def _mark(ax: Axes, ds: xr.Dataset, one: xr.Dataset, x: str, y: str, bounds: tup
         ax.contour(*places, np.log10(1 - np.minimum(margin, 1 - 1e-6)), levels=[0.0], colors="black", linewidths=1.8)
     if not one.viable.values.all():
         ax.set_facecolor("#bbbbbb")
-
-
-def _edges(centres: np.ndarray, width: float) -> np.ndarray:
-    """Edges of bins of some width, of one, too."""
-    return np.append(centres - width / 2, centres[-1] + width / 2)
 
 
 def _is_spaced(ds: xr.Dataset, key: str) -> bool:

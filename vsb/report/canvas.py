@@ -139,6 +139,11 @@ def plain_numbers(axis: Axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
+def bin_edges(centres: np.ndarray, width: float) -> np.ndarray:
+    """Return the edges of bins of some width, of one, too."""
+    return np.append(centres - width / 2, centres[-1] + width / 2)
+
+
 def number_cells(ax: Axes, x: FloatArray, y: FloatArray, values: FloatArray, largest: float) -> None:
     """Write the values (y, x) of a map in the colours viridis into its cells, to two digits; none where unknown."""
     for (i, j), value in np.ndenumerate(values):

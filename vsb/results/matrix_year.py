@@ -17,10 +17,10 @@ from vsb.motion.coefficient_errors import CoefficientError, sensitivity_at_ports
 from vsb.motion.damper_matrix import Kind, Ports, best_matrix
 from vsb.results.year import (
     PRACTICE_GAMMA,
+    OverClimate,
     Tuning,
     Values,
     Year,
-    band_weights,
     bins_of,
     gains_within,
     practice,
@@ -48,40 +48,26 @@ class Absorbed(NamedTuple):
 
 
 @dataclass(frozen=True)
-class MatrixYear:
+class MatrixYear(OverClimate[Ports]):
     """One design at several ports over a climate."""
 
-    ports: Ports
-    climate: Climate
     kind: Kind
-
-    @cached_property
-    def weights(self) -> FloatArray:
-        """See `vsb.results.year.band_weights`."""
-        return band_weights(self.ports.omega, self.climate)
-
-    @cached_property
-    def squares(self) -> FloatArray:
-        """Squared amplitudes of the year's mean spectrum at the frequencies of the ports, shape (omega,) [m^2]."""
-        return np.asarray(self.climate.mean_density @ self.weights)
 
     @cached_property
     def best(self) -> FloatArray:
         """The matrix that absorbs most over the year, shape (port, port)."""
-        return best_matrix(self.ports, self.squares, self.kind).damping
+        return best_matrix(self.port, self.squares, self.kind).damping
 
     @cached_property
     def tried(self) -> FloatArray:
         """The best of the year, and of the mean spectrum of every bin of energy period, shape (matrix, port, port)."""
         _, column = np.unravel_index(bins_of(self.climate).index, bins_of(self.climate).shape)
         energy = [self.climate.hours * (column == one) @ self.climate.density for one in np.unique(column)]
-        return np.array(
-            [self.best, *(best_matrix(self.ports, one @ self.weights, self.kind).damping for one in energy)]
-        )
+        return np.array([self.best, *(best_matrix(self.port, one @ self.weights, self.kind).damping for one in energy)])
 
     def with_matrices(self, matrices: FloatArray) -> Absorbed:
         """Return for every sea the best of some matrices (matrix, port, port)."""
-        power = np.array([self.ports.power(one) for one in matrices])
+        power = np.array([self.port.power(one) for one in matrices])
         table = (power @ self.weights.T) @ self.climate.density.T
         chosen = table.argmax(axis=0)
         return Absorbed(matrices, chosen, table[chosen, np.arange(len(chosen))])
@@ -92,11 +78,6 @@ class MatrixYear:
             assert given is not None  # a campaign's own check
             return self.with_matrices(given[None])
         return self.with_matrices(self.tried if tuning == "each" else self.best[None])
-
-    def coarser(self) -> "MatrixYear":
-        """Return the same with every other frequency of the ports."""
-        kept = np.unique(np.append(np.arange(0, len(self.ports.omega), 2), len(self.ports.omega) - 1))
-        return replace(self, ports=self.ports.at(kept))
 
 
 @dataclass(frozen=True)
@@ -115,7 +96,7 @@ class MatrixYears:
         """Return what every design absorbs, by design and tuning."""
         as_given = study.pto.model_copy(update={"tuning": "fixed"})
         return {
-            (design, tuning): one.absorbed(tuning, given_matrix(as_given, design, one.ports.velocity.shape[1]))
+            (design, tuning): one.absorbed(tuning, given_matrix(as_given, design, one.port.velocity.shape[1]))
             for (design, one), tuning in product(years.items(), self.tunings)
         }
 
@@ -130,7 +111,7 @@ class MatrixYears:
         usual, power = practice(self.climate, PRACTICE_GAMMA), self._each(years, lambda *by: found[by].power)
         there = self._each(years, lambda *by: elsewhere(replace(years[by[0]], climate=usual), found[by]))
         rough = self._each(years, lambda *by: elsewhere(years[by[0]].coarser(), found[by]))
-        outside = variance_outside({design: one.ports.omega for design, one in years.items()}, self.climate)
+        outside = variance_outside({design: one.port.omega for design, one in years.items()}, self.climate)
         names, of_quadrature = (tuple(years), tuple(self.tunings)), np.abs(power @ self.climate.hours - rough) / 3
         notes = (*self.climate.notes, outside)
         return Year(self.climate, study.water, *names, None, power, there, of_quadrature, study.reference_design, notes)
@@ -168,7 +149,7 @@ class MatrixYears:
         by_coefficients = np.zeros(power.shape[:2])
         for j in range(len(self.tunings)):
             slopes = [
-                sensitivity_at_ports(waves[design].moved, one.ports, matrices[i, j], one.squares)
+                sensitivity_at_ports(waves[design].moved, one.port, matrices[i, j], one.squares)
                 for i, (design, one) in enumerate(years.items())
             ]
             base = slopes[of.designs.index(of.reference)]

@@ -7,15 +7,16 @@ the answer changes by with every other frequency. Matrices over bins follow IEC 
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Literal
+from typing import Generic, Literal, Self, TypeVar
 
 import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError
+from vsb.motion.damper_matrix import Ports
 from vsb.motion.port import Port
 from vsb.motion.tuning import Load, best_damper_of_each, best_of_table, dampers
 from vsb.study.sections import Water
@@ -161,17 +162,34 @@ def _band_weights(frequencies: bytes, limits: bytes) -> FloatArray:
     return out
 
 
-@dataclass(frozen=True)
-class DesignYear:
-    """One design over a climate."""
+P = TypeVar("P", Port, Ports)
 
-    port: Port
+
+@dataclass(frozen=True)
+class OverClimate(Generic[P]):
+    """What a design's take-off sees of it, over a climate."""
+
+    port: P
     climate: Climate
 
     @cached_property
     def weights(self) -> FloatArray:
         """See `band_weights`."""
         return band_weights(self.port.omega, self.climate)
+
+    @cached_property
+    def squares(self) -> FloatArray:
+        """Squared amplitudes of the year's mean spectrum at the frequencies of the port, shape (omega,) [m^2]."""
+        return np.asarray(self.climate.mean_density @ self.weights)
+
+    def coarser(self) -> Self:
+        """Return the same with every other frequency of the port."""
+        kept = np.unique(np.append(np.arange(0, len(self.port.omega), 2), len(self.port.omega) - 1))
+        return replace(self, port=self.port.at(kept))
+
+
+class DesignYear(OverClimate[Port]):
+    """One design over a climate."""
 
     def table(self, damping: FloatArray) -> FloatArray:
         """Return the mean power of every damper in every sea, shape (damper, sea) [W]."""
@@ -180,11 +198,6 @@ class DesignYear:
     def annual(self, damping: FloatArray) -> FloatArray:
         """Return the mean power of every damper over the year, shape (damper,) [W]."""
         return np.asarray(self.port.power(damping) @ self.squares)
-
-    @cached_property
-    def squares(self) -> FloatArray:
-        """Squared amplitudes of the year's mean spectrum at the frequencies of the port, shape (omega,) [m^2]."""
-        return np.asarray(self.climate.mean_density @ self.weights)
 
     def absorbed(self, tuning: Tuning, damping: float | None) -> Load:
         """Return damper and absorbed power in each sea under a tuning, `fixed` and `one` with a damper [N s/m].
@@ -200,11 +213,6 @@ class DesignYear:
         if damping is None:
             raise ValueError(f"{tuning}: received no damper, needs one")
         return Load(np.full(seas, damping), np.zeros(seas), self.table(np.array([damping]))[0])
-
-    def coarser(self) -> "DesignYear":
-        """Return the same with every other frequency of the port."""
-        kept = np.unique(np.append(np.arange(0, len(self.port.omega), 2), len(self.port.omega) - 1))
-        return DesignYear(self.port.at(kept), self.climate)
 
 
 def gain_percent(power: FloatArray, reference: int) -> FloatArray | None:
