@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from vsb.results import ledger
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import computed_buckling, reference_shell
 from vsb.scenes.viability import buckling_margin, viability
 from vsb.study.study import load, parse
 
@@ -44,6 +44,18 @@ def test_margin_with_trapped_gas_matches_the_check_of_the_results(seed, modulus)
     (check,) = [one for one in ledger.viability_checks(gas) if one.name == "computed_buckling"]
     assert buckling_margin(gas) == pytest.approx(1 - check.value, rel=1e-6)
     assert (buckling_margin(gas) > 0) == (modulus > 1e9)
+
+
+def test_shell_that_comes_to_rest_along_the_growing_load_carries_it():
+    """Linear theory buckles it at 0.77 of its load; the checks of a study take that as advice."""
+    study = load(CONFIG / "buoy.yaml")
+    device = {"radius": 2.5, "thickness": 0.02, "young_modulus": 25e6, "mass": 29500.0}
+    soft = varied(study, device=device, modes={"degree": 6})
+    for one in (soft, soft.model_copy(update={"reference_shape": "undeformed"})):
+        assert computed_buckling(one).load_factor == pytest.approx(0.77, abs=0.01)
+        assert buckling_margin(one) == 0.0
+        assert all(check.verdict != "fail" for check in ledger.viability_checks(one))
+    assert viability(soft).reasons == {}
 
 
 def test_rigid_designs_do_not_buckle(seed):

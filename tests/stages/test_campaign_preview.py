@@ -49,6 +49,7 @@ def test_check_counts_points_batches_and_shapes(folder, monkeypatch):
     """Elastic moduli and densities share the hydrodynamics."""
     monkeypatch.chdir(folder)
     plan = planned(folder, {"device.young_modulus": [1e6, 1e7], "device.density": [2e3, 2.5e3]}, name="counted")
+    assert summary(plan)[-1].startswith("fail         buckling = ")
     assert summary(plan)[:3] == [
         "campaign     counted: counted_study.yaml over 4 seas, tuning fixed, one, each",
         "points       4 of device.young_modulus x device.density, 0 done",

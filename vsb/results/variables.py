@@ -74,7 +74,11 @@ register(
             ("...", "design", "damper"), at_port("load_unit"), "root mean square of the take-off force at that damping"
         ),
         "viable": Variable(("...", "design"), "1", "whether the design is stable at rest; if not, results are missing"),
-        "margin": Variable(("...",), "1", "1 - static load over buckling load; below 0 the shell buckles"),
+        "margin": Variable(
+            ("...",),
+            "1",
+            "1 - static load over buckling load, 0 if it buckles by linear theory alone; below 0 the shell buckles",
+        ),
         "practice_power": Variable(_YEAR, "W", "mean power with JONSWAP spectra at the centres of bins"),
         "quadrature_error": Variable(
             _YEAR, "W", "error of mean power from the quadrature over frequency; of optima, half their 95 % interval"

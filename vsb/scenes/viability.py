@@ -13,6 +13,7 @@ from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.motion.port import LinearPto, port_direction
 from vsb.scenes.floating_system import AnyBody, FloatingSystem
 from vsb.scenes.rest import (
+    carries_load,
     check_upright,
     complete_loaded_shell,
     computed_buckling,
@@ -129,7 +130,8 @@ def buckling_margin(study: Study) -> float:
 
     Without trapped gas the load is that of weight, water and internal pressure, which does not depend on the modulus:
     the buckling load is proportional to it. Rubber at its equilibrium is followed along the growing load instead, to
-    `MOST_LOAD` at most.
+    `MOST_LOAD` at most. As in the checks of a study, a shell that buckles by linear theory but comes to a stable rest
+    shape along the growing load carries it: 0.
     """
     if not study.flexible:
         return 1.0
@@ -137,8 +139,12 @@ def buckling_margin(study: Study) -> float:
     if rubber and study.at_equilibrium:
         return 1.0 - 1.0 / rubber_load_factor(complete_loaded_shell(study))
     if rubber or study.device.gas:
-        return 1.0 - 1.0 / computed_buckling(study).load_factor
-    return 1.0 - MODULUS / study.device.young_modulus * _load_share(_at_modulus(study))
+        margin = 1.0 - 1.0 / computed_buckling(study).load_factor
+    else:
+        margin = 1.0 - MODULUS / study.device.young_modulus * _load_share(_at_modulus(study))
+    if margin < 0 and (study.at_equilibrium or study.device.internal_pressure > 0):
+        return 0.0 if carries_load(study) else margin
+    return margin
 
 
 @lru_cache(maxsize=16)

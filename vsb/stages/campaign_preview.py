@@ -12,6 +12,9 @@ from vsb.study.study import Study
 from vsb.tools import packed
 from vsb.waves.climate import OUTSIDE, Climate, climate_line
 
+MOST_POINTS = 24
+"""Points of a campaign whose static load `vsb check` computes: a second each at most."""
+
 
 def check(plan: CampaignPlan) -> None:
     """Raise what would fail later in a campaign: points that are no studies, frequencies that cannot be solved, seas.
@@ -102,7 +105,27 @@ def summary(plan: CampaignPlan) -> list[str]:
         f"jobs         {jobs} of {len(plan.batches)} batches to do, {shapes} {kinds}",
         *map(climate_line, seas.notes),
         *_angle_lines(plan),
+        *_load_lines(plan),
     ]
+
+
+def _load_lines(plan: CampaignPlan) -> list[str]:
+    """Whether the shells carry their static load: the answer is void if none does. Only of few points, for its time."""
+    from vsb.hydro.database import Check, Verdict
+    from vsb.report.doubts import ADVICE
+    from vsb.scenes.viability import buckling_margin
+
+    shells = [one.study.buoy for one in plan.members if one.study.buoy and one.study.flexible]
+    if not 0 < len(shells) <= MOST_POINTS:
+        return []
+    loads = [1.0 - buckling_margin(one) for one in shells]
+    buckled = sum(load > 1.0 for load in loads)
+    text = (
+        f"static load over the load at which the shell buckles: it does at {buckled or 'none'} of {len(loads)} points"
+    )
+    text += f"; {ADVICE['buckling']}" if buckled else ""
+    verdict: Verdict = "fail" if buckled == len(loads) else "doubt" if buckled else "ok"
+    return [Check("buckling", max(loads), 1.0, "-", verdict, text).line]
 
 
 def _angle_lines(plan: CampaignPlan) -> list[str]:
