@@ -11,7 +11,7 @@ from vsb.integrators.exact import propagate
 from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.motion.udwadia_kalaba import constrained, constraint_drift, udwadia_kalaba
+from vsb.motion.udwadia_kalaba import constrained, constraint_drift, projector
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import check_rank, mode_basis
 
@@ -42,13 +42,13 @@ def scene(seed, basis_name="membrane", degree=6, damping=8000.0):
     return basis, Scene(basis.labels, basis.inertia + added, forces, np.eye(dof))
 
 
-def both_routes(seed, clamps, time, basis_name="membrane", degree=6, rate=0.0):
+def both_routes(seed, clamps, time, basis_name="membrane", degree=6):
     """Motion of all coordinates by the null space and by Eq. 90, their systems, and the rows."""
     basis, plant = scene(seed, basis_name, degree)
     colatitudes = np.deg2rad(clamps)
     rows = basis.clamp_rows(colatitudes)
     reduced = System.of(replace(plant, motions=basis.clamped(colatitudes)))
-    systems = reduced, constrained(plant, rows, rate)
+    systems = reduced, constrained(plant, rows)
     motions = [propagate(s, time, s.scene.start(0.0, -0.8)) for s in systems]
     return motions, systems, rows
 
@@ -88,7 +88,7 @@ def test_clamp_forces_close_the_equation_of_motion_and_do_no_work(seed):
 
 
 def test_constraint_drift_after_a_thousand_waves(seed):
-    """Exact propagation: round-off for the null space, linear drift for Eq. 90, stopped by Baumgarte's term."""
+    """Exact propagation: round-off for the null space, linear drift for Eq. 90."""
     drift = {}
     for waves in (100, 1000):
         time = np.arange(4 * waves + 1) * PERIOD / 4
@@ -96,9 +96,7 @@ def test_constraint_drift_after_a_thousand_waves(seed):
         drift[waves] = constraint_drift(full.position, rows)
         assert constraint_drift(reduced.position @ system.scene.motions.T, rows) < 1e-16
         assert drift[waves] < 1e-12 * waves
-    (_, held), _, rows = both_routes(seed, [0, 90], time, rate=1.0)
     assert drift[1000] > 1e-13  # it is there
-    assert constraint_drift(held.position, rows) < 1e-13
 
 
 def symmetric(rng, size):
@@ -111,18 +109,18 @@ def test_acceleration_satisfies_gauss_principle(seed):
     basis = mode_basis(seed.device, "full", 6)
     rng = np.random.default_rng(7)
     rows, size = basis.clamp_rows([0.4, 1.3]), len(basis.labels)
-    mass, force, wanted = symmetric(rng, size), rng.normal(size=size), rng.normal(size=4)
+    mass, force = symmetric(rng, size), rng.normal(size=size)
     saddle = np.block([[mass, rows.T], [rows, np.zeros((4, 4))]])
-    solution = np.linalg.solve(saddle, np.concatenate([force, wanted]))
-    constraint = udwadia_kalaba(mass, rows)
-    assert constraint.acceleration(force, wanted) == pytest.approx(solution[:size], rel=1e-10, abs=1e-11)
-    assert constraint.force(force, wanted) == pytest.approx(-rows.T @ solution[size:], rel=1e-10, abs=1e-10)
+    solution = np.linalg.solve(saddle, np.concatenate([force, np.zeros(4)]))
+    p, free = projector(mass, rows), np.linalg.solve(mass, force)
+    assert p @ free == pytest.approx(solution[:size], rel=1e-10, abs=1e-11)
+    assert mass @ (p - np.eye(size)) @ free == pytest.approx(-rows.T @ solution[size:], rel=1e-10, abs=1e-10)
 
 
 ROUTES = {
     "rank": lambda basis, clamps: check_rank(basis.clamp_rows(clamps)),
     "null space": lambda basis, clamps: basis.clamped(clamps),
-    "Eq. 90": lambda basis, clamps: udwadia_kalaba(np.eye(len(basis.labels)), basis.clamp_rows(clamps)),
+    "Eq. 90": lambda basis, clamps: projector(np.eye(len(basis.labels)), basis.clamp_rows(clamps)),
 }
 
 

@@ -121,7 +121,7 @@ def test_volume_and_area_of_spheroids(full, across, along):
     q = spheroid(full, across, along)
     half = DeformedShell(full, 0.0, q)
     assert half.volume(40) == pytest.approx(2 / 3 * np.pi * across**2 * along, rel=1e-12)
-    volume, area = enclosed(full, q[None], 40)
+    volume, area = enclosed(full, q[None])
     assert volume[0] == pytest.approx(4 / 3 * np.pi * across**2 * along, rel=1e-12)
     assert area[0] == pytest.approx(spheroid_area(across, along), rel=1e-12)
 

@@ -39,6 +39,7 @@ _SHORTER = 1.02  # error of fewer states, relative to that of all, where the tol
 _PARTS = (1.0, 0.85, 0.7, 0.55, 0.4)  # parts of the samples, from the lowest on, fitted until one succeeds
 FEWEST = 10
 """Least number of samples fitted where not all can be."""
+_LEAST_SIZE = 1e-4  # scale of a motion, relative to inertia times the frequency of the largest damping
 _EMPTY = 1e-12  # of the largest energy of a state: states below it store none
 
 
@@ -86,7 +87,7 @@ class RadiationSamples:
         return min(0.0, float(np.linalg.eigvalsh(self.transfer.real).min()))
 
 
-def sizes(omega: FloatArray, damping: FloatArray, inertia: FloatArray, least: float = 1e-4) -> FloatArray:
+def sizes(omega: FloatArray, damping: FloatArray, inertia: FloatArray) -> FloatArray:
     """Return the scale of each motion, the root of its largest damping, shape (dof,) [kg^0.5/s^0.5].
 
     Parameters
@@ -95,11 +96,9 @@ def sizes(omega: FloatArray, damping: FloatArray, inertia: FloatArray, least: fl
     damping : ndarray, shape (omega, dof, dof) [kg/s]
     inertia : ndarray, shape (dof,) [kg]
         Of each motion, added mass included: yaw of a round body radiates nothing but round-off.
-    least : float
-        Least scale, relative to inertia times the frequency of the largest damping [-].
     """
     own = np.einsum("wii->wi", damping)
-    floor = least * omega[np.abs(own).argmax(axis=0)] * np.abs(inertia)
+    floor = _LEAST_SIZE * omega[np.abs(own).argmax(axis=0)] * np.abs(inertia)
     size = np.maximum(own.max(axis=0), floor)
     return np.sqrt(np.where(size > 0, size, 1.0))
 

@@ -259,7 +259,7 @@ class ShapeFamily:
         other = q.rename(shape_dof="other_shape_dof")
         return linear + self.curvatures.map(lambda curvature: xr.dot(curvature, q, other)) / 2
 
-    def interpolation_error(self, amplitude: float, *, samples: int = 8, seed: int = 0) -> xr.Dataset:
+    def interpolation_error(self, amplitude: float, *, samples: int = 8) -> xr.Dataset:
         """Return the largest errors of `expansion` against direct solution, as of `misfit`, shape (order,) [-].
 
         Over `samples` deformations in random directions, the same for every root-sum-square `amplitude` [m];
@@ -267,7 +267,7 @@ class ShapeFamily:
         """
         if not amplitude > 0:
             raise ConfigError(f"amplitude: received {amplitude:g} m; needs a positive size of the deformation")
-        vectors = np.random.default_rng(seed).standard_normal((samples, len(self.labels)))
+        vectors = np.random.default_rng(0).standard_normal((samples, len(self.labels)))
         errors = np.zeros((len(COEFFICIENTS), 2))
         for q in amplitude * vectors / np.linalg.norm(vectors, axis=1, keepdims=True):
             direct, models = self.at(q), [self.expansion(q, order) for order in (1, 2)]

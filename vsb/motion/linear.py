@@ -379,7 +379,7 @@ class Channel:
     def __init__(self, database: xr.Dataset, group: IntArray, heading: int = 0) -> None:
         """Interpolate h of the motions `group`, from X in waves of the `heading`-th direction, which excite them."""
         omega, damping = database.omega.values, database.radiation_damping.values[:, group[:, None], group]
-        factor = haskind_factor(damping, database.excitation_force.values[:, heading, group])
+        factor = channel_factor(damping, database.excitation_force.values[:, heading, group])
         known = ~binary_dilation(factor <= 0, iterations=_BESIDE)
         if known.sum() >= _FEWEST:
             omega, factor = omega[known], factor[known]
@@ -400,14 +400,14 @@ def one_channel(excitation: ComplexArray) -> FloatArray:
     return np.real(excitation[:, :, None] * excitation[:, None, :].conj())
 
 
-def haskind_factor(damping: FloatArray, excitation: ComplexArray) -> FloatArray:
+def channel_factor(damping: FloatArray, excitation: ComplexArray) -> FloatArray:
     """Return h = tr B/|X|^2 of damping (omega, dof, dof) and excitation (omega, dof), shape (omega,)."""
     return np.asarray(np.einsum("wii->w", damping) / np.einsum("wii->w", one_channel(excitation)))
 
 
 def channelled(damping: FloatArray, excitation: ComplexArray) -> FloatArray:
     """Return the part h Re X X^H of a damping, shape (omega, dof, dof): the rest is the solver's error."""
-    return haskind_factor(damping, excitation)[:, None, None] * one_channel(excitation)
+    return channel_factor(damping, excitation)[:, None, None] * one_channel(excitation)
 
 
 # how systems are made -----------------------------------------------------------------------------------------------
@@ -444,7 +444,6 @@ def linear_body(
     mass: FloatArray | None = None,
     damping: FloatArray | None = None,
     stiffness: FloatArray | None = None,
-    pto: LinearPto = NO_TAKE_OFF,
 ) -> LinearSystem:
     """Return a body of any shape from a hydro database.
 
@@ -456,8 +455,6 @@ def linear_body(
         Degrees of freedom in the order wanted, the others held; all of them.
     mass, damping, stiffness : ndarray, shape (dof, dof), optional
         Of the dry body, in the degrees of freedom wanted; of the database. Without structure: no damping, no stiffness.
-    pto : LinearPto
-        With its port over the degrees of freedom wanted; see `combination`.
     """
     labels = [str(label) for label in database.influenced_dof.values]
     wanted = labels if dofs is None else [str(label) for label in dofs]
@@ -485,7 +482,7 @@ def linear_body(
     complete = chosen.drop_vars([name for name in DRY if name in chosen]).assign(
         inertia_matrix=(PAIR, chosen_mass), structural_stiffness=(PAIR, chosen_stiffness)
     )
-    return LinearSystem(complete, chosen_damping, pto, axisymmetric=False)
+    return LinearSystem(complete, chosen_damping, axisymmetric=False)
 
 
 def _check_body(body: LinearSystem) -> None:

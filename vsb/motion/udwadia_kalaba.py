@@ -1,12 +1,10 @@
 """Clamps by the paper's second route: Udwadia and Kalaba's constrained acceleration, Eq. 90, on all coordinates.
 
 The default route, `ModeBasis.clamped`, moves in the null space of the constraint: no multipliers, no drift. This one
-keeps every coordinate and corrects the acceleration. Both are the same motion to round-off; the clamps' forces and the
-drift of this route are what it adds.
+keeps every coordinate and corrects the acceleration. Both are the same motion to round-off.
 """
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import eigh, svd
@@ -17,42 +15,10 @@ from vsb.shell.modes import check_rank
 from vsb.tools.arrays import FloatArray
 
 
-@dataclass(frozen=True)
-class Constraint:
-    """Phi q = 0 on coordinates of mass M, enforced through the acceleration; made by `udwadia_kalaba`."""
+def projector(mass: FloatArray, rows: FloatArray) -> FloatArray:
+    """Return P of q'' = P M^-1 Q, the accelerations that the constraint Phi q = 0 allows, shape (dof, dof) [-].
 
-    mass: FloatArray  # M (dof, dof) [kg]
-    rows: FloatArray  # Phi (constraint, dof) [-]
-    correction: FloatArray  # J = M^-1/2 (Phi M^-1/2)^+ (dof, constraint) [-]
-
-    @cached_property
-    def projector(self) -> FloatArray:
-        """P = 1 - J Phi: accelerations the constraint allows, shape (dof, dof) [-]; P P = P, Phi P = 0."""
-        return np.eye(len(self.mass)) - self.correction @ self.rows
-
-    def acceleration(self, force: FloatArray, wanted: FloatArray | float = 0.0) -> FloatArray:
-        """Return q'' = a + J (b - Phi a), a = M^-1 Q, shape (..., dof) [m/s^2].
-
-        Parameters
-        ----------
-        force : ndarray, shape (..., dof) [N]
-            Q, all forces but the constraint's.
-        wanted : ndarray, shape (..., constraint) [m/s^2]
-            b = Phi q'', zero for clamps on a shell whose shapes do not change.
-        """
-        free = np.linalg.solve(self.mass, force[..., None])[..., 0]
-        return np.asarray(free + (wanted - free @ self.rows.T) @ self.correction.T)
-
-    def force(self, force: FloatArray, wanted: FloatArray | float = 0.0) -> FloatArray:
-        """Return Eq. 90, Q_c = M^1/2 (Phi M^-1/2)^+ (b - Phi M^-1 Q) = M J (b - Phi a), shape (..., dof) [N]."""
-        free = np.linalg.solve(self.mass, force[..., None])[..., 0]
-        return np.asarray((wanted - free @ self.rows.T) @ (self.mass @ self.correction).T)
-
-
-def udwadia_kalaba(mass: FloatArray, rows: FloatArray) -> Constraint:
-    """Return the constraint Phi q = 0 in Udwadia and Kalaba's form.
-
-    Raises `ConfigError` if the rank of the rows cannot be decided.
+    P P = P, Phi P = 0. Raises `ConfigError` if the rank of the rows cannot be decided.
 
     Parameters
     ----------
@@ -63,18 +29,19 @@ def udwadia_kalaba(mass: FloatArray, rows: FloatArray) -> Constraint:
 
     Notes
     -----
-    Eq. 90 prints Q_c = M^1/2 (A M^-1/2)^+ (b - A M^-1 (Q - a)); divided by M it is the J below. The pseudo-inverse is
-    cut at the rank of Phi, not of Phi M^-1/2: the two are equal, and that of Phi does not depend on the mass.
+    Eq. 90 prints Q_c = M^1/2 (A M^-1/2)^+ (b - A M^-1 (Q - a)), with b = 0 for clamps on a shell whose shapes do not
+    change; divided by M it is -J Phi of M^-1 Q, J = M^-1/2 (Phi M^-1/2)^+, P = 1 - J Phi. The pseudo-inverse is cut at
+    the rank of Phi, not of Phi M^-1/2: the two are equal, and that of Phi does not depend on the mass.
     """
     rank = check_rank(rows)
     values, vectors = eigh(mass)
     root = (vectors / np.sqrt(values)) @ vectors.T  # M^-1/2
     left, singular, right = svd(rows @ root, full_matrices=False)
     inverse = (right[:rank].T / singular[:rank]) @ left[:, :rank].T
-    return Constraint(mass, rows, root @ inverse)
+    return np.asarray(np.eye(len(mass)) - root @ inverse @ rows)
 
 
-def constrained(scene: Scene, rows: FloatArray, rate: float = 0.0) -> System:
+def constrained(scene: Scene, rows: FloatArray) -> System:
     """Return a scene with all coordinates free but for the rows, Phi q = 0, enforced by Eq. 90.
 
     Raises `ValueError` if the scene is not linear: what is not would push at the clamps.
@@ -85,14 +52,11 @@ def constrained(scene: Scene, rows: FloatArray, rate: float = 0.0) -> System:
         Its own motions are replaced by all of them.
     rows : ndarray, shape (constraint, dof) [-]
         Phi, from `ModeBasis.clamp_rows`.
-    rate : float
-        Rate gamma of Baumgarte's stabilisation [1/s]; 0 is the paper's b = 0.
 
     Notes
     -----
-    In the natural modes p of the scene without clamps M = 1, so Eq. 90 is p'' = P a - (1 - P)(2 gamma p' + gamma^2 p)
-    with a = M^-1 Q from the free system and P = 1 - (Phi V)^+ (Phi V) of the modes V: no mass matrix is inverted and no
-    stiffness loses digits.
+    In the natural modes p of the scene without clamps M = 1, so Eq. 90 is p'' = P a with a = M^-1 Q from the free
+    system and P = 1 - (Phi V)^+ (Phi V) of the modes V: no mass matrix is inverted and no stiffness loses digits.
     """
     check_rank(rows)
     every, heave = np.eye(len(scene.labels)), scene.motions @ scene.heaving
@@ -101,13 +65,9 @@ def constrained(scene: Scene, rows: FloatArray, rate: float = 0.0) -> System:
         names = ", ".join(name for name, part in scene.linear.items() if not part.fully_linear)
         raise ValueError(f"Eq. 90: received the nonlinear forces {names}, needs a linear scene; clamp its motions.")
     n = free.free
-    constraint = udwadia_kalaba(np.eye(n), rows @ free.shapes)
-    matrix = free.matrix.copy()
-    rates, held = slice(n, 2 * n), np.eye(n) - constraint.projector
-    matrix[rates] = constraint.projector @ matrix[rates]
-    matrix[rates, rates] -= 2 * rate * held
-    matrix[rates, :n] -= rate**2 * held / free.scale
-    return replace(free, matrix=matrix, waves=free.waves @ constraint.projector.T)
+    allowed, matrix, rates = projector(np.eye(n), rows @ free.shapes), free.matrix.copy(), slice(n, 2 * n)
+    matrix[rates] = allowed @ matrix[rates]
+    return replace(free, matrix=matrix, waves=free.waves @ allowed.T)
 
 
 def constraint_drift(positions: FloatArray, rows: FloatArray) -> float:

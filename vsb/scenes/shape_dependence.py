@@ -291,8 +291,8 @@ def largest_mode(ds: xr.Dataset) -> str | None:
     return str(ds.shape_dof.values[1 + change[1:].argmax()]) if len(change) > 1 else None
 
 
-def shapes_of_study(study: Study, family: ShapeFamily, samples: int = TRIED) -> int:
+def shapes_of_study(study: Study, family: ShapeFamily) -> int:
     """Return the number of shapes `shape_dataset` looks at, where every design has a shape at rest."""
-    checks = 1 + 2 * len(family.labels) + samples + len(SIZES) * SAMPLES
+    checks = 1 + 2 * len(family.labels) + TRIED + len(SIZES) * SAMPLES
     seas = sum(not isinstance(wave, StillWater) for wave in study.waves)
     return family.shapes_of_derivatives + checks + seas * len(study.designs)

@@ -288,22 +288,20 @@ def _crossing(x: FloatArray, z: FloatArray) -> tuple[int, int] | None:
     return None
 
 
-def enclosed(basis: ModeBasis, modal_amplitude: FloatArray, points: int = 0) -> tuple[FloatArray, FloatArray]:
+def enclosed(basis: ModeBasis, modal_amplitude: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the volume the whole shell encloses [m^3] and its surface area [m^2] along a motion.
 
     Parameters
     ----------
     modal_amplitude : ndarray, shape (time, dof) [m]
         Heave and modal amplitudes; heave is without effect.
-    points : int
-        Of the quadrature; by default enough for the volume to be exact.
 
     Returns
     -------
     volume, area : ndarray, shape (time,)
         -int pi x^2 dz and int 2 pi x ds over the deformed meridian.
     """
-    node, weight = gauss_rule(points or 4 * basis.turns + 24)
+    node, weight = gauss_rule(4 * basis.turns + 24)  # enough for the volume to be exact
     m = DeformedShell(basis, 0.0).meridian(np.arccos(node))
     weight = weight / np.sqrt(1 - node**2)
     x, dx, dz = (

@@ -304,13 +304,12 @@ def complete_shell(device: Device, centre_height: float, water: Water, internal_
     return LoadedShell(ElasticShell(basis), centre_height, water.density, water.gravity, internal_pressure, device.gas)
 
 
-def viable_pressure(device: Device, centre_height: float, water: Water, margin: float = 1.0) -> tuple[float, Buckling]:
-    """Return the least internal pressure [Pa, gauge] with a buckling load factor of at least `margin`, and the latter.
+def viable_pressure(device: Device, centre_height: float, water: Water) -> tuple[float, Buckling]:
+    """Return the least internal pressure [Pa, gauge] with a buckling load factor of at least 1, and the latter.
 
-    K_0 + margin K_1(p) is linear in p, so its least eigenvalue is concave: above its maximum more pressure does not
+    K_0 + K_1(p) is linear in p, so its least eigenvalue is concave: above its maximum more pressure does not
     help, below it the root is unique; raises `ConvergenceError` if no pressure suffices. For trapped gas it is the
-    pressure at the undeformed volume, which falls as the shell expands. Imperfect shells buckle earlier than computed:
-    use a margin.
+    pressure at the undeformed volume, which falls as the shell expands. Imperfect shells buckle earlier than computed.
     """
     empty = complete_shell(device, centre_height, water, 0.0)
     elastic, load = buckling_pencil(empty)
@@ -320,14 +319,14 @@ def viable_pressure(device: Device, centre_height: float, water: Water, margin: 
     added = (buckling_pencil(replace(empty, internal_pressure=highest))[1] - load) / highest
 
     def least(pressure: float) -> float:
-        matrix = elastic + margin * (load + pressure * added)
+        matrix = elastic + load + pressure * added
         return float(eigh(matrix, elastic, eigvals_only=True, subset_by_index=[0, 0])[0])
 
     best = float(minimize_scalar(lambda p: -least(p), bounds=(0.0, highest), options={"xatol": 1e-6 * highest}).x)
     if least(best) < 0.0:
         raise ConvergenceError(
-            f"no internal pressure keeps a shell of thickness {device.thickness:g} m from buckling under {margin:g} "
-            f"times its load; raise device.thickness or device.young_modulus"
+            f"no internal pressure keeps a shell of thickness {device.thickness:g} m from buckling under its load; "
+            "raise device.thickness or device.young_modulus"
         )
     pressure = 0.0 if least(0.0) >= 0.0 else float(brentq(least, 0.0, best, xtol=1e-9 * highest))
     return pressure, buckling(replace(empty, internal_pressure=pressure))
