@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from vsb.errors import ConvergenceError
 from vsb.integrators.phases import Phase, Signals, WetPhase, port_rate
-from vsb.integrators.works import TERMS, Load, Piece, account
+from vsb.integrators.works import TERMS, LinearLaw, Piece, account
 from vsb.motion.system import EndStop, Motion, System, TakeOff, joined
 from vsb.tools.arrays import BoolArray, FloatArray
 
@@ -211,19 +211,21 @@ class Switching:
         """Whether the take-off is friction now."""
         return bool(np.isinf(self.law.coefficients(mode.in_latching_time)[0]))
 
-    def taken(self, mode: Mode) -> Load:
+    def taken(self, mode: Mode) -> LinearLaw:
         """Force of the take-off, except that which holds the port."""
         c, k = self.law.coefficients(mode.in_latching_time)
         if np.isinf(c):
-            return Load(0.0, 0.0, -mode.way * self.law.limit if mode.way else 0.0)
-        return Load(0.0, 0.0, -mode.limited * self.law.limit) if mode.limited else Load(c, k, k * self.law.rest)
+            return LinearLaw(0.0, 0.0, -mode.way * self.law.limit if mode.way else 0.0)
+        return (
+            LinearLaw(0.0, 0.0, -mode.limited * self.law.limit) if mode.limited else LinearLaw(c, k, k * self.law.rest)
+        )
 
-    def stopped(self, mode: Mode) -> Load:
+    def stopped(self, mode: Mode) -> LinearLaw:
         """Force of the end stop."""
         if not (self.stop and mode.contact):
-            return Load(0.0, 0.0, 0.0)
+            return LinearLaw(0.0, 0.0, 0.0)
         loading = mode.way == mode.contact
-        return Load(
+        return LinearLaw(
             self.stop.damping if loading else 0.0,
             self.stop.stiffness,
             self.stop.stiffness * (mode.contact * self.stop.stroke + self.stop.rest),

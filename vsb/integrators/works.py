@@ -23,7 +23,7 @@ AT_ONCE = 512
 """Nodes accounted for together: what is kept of them stays in the cache."""
 
 
-class Load(NamedTuple):
+class LinearLaw(NamedTuple):
     """A force -(c V + k S) + f at the port."""
 
     damping: float  # c [N s/m]
@@ -35,8 +35,8 @@ class Piece(NamedTuple):
     """What is in force between two events."""
 
     phase: Phase
-    taken: Load  # by the take-off, except the force that holds the port
-    stopped: Load  # by the end stop
+    taken: LinearLaw  # by the take-off, except the force that holds the port
+    stopped: LinearLaw  # by the end stop
 
     def jet(self, states: FloatArray, driven: FloatArray) -> FloatArray:
         """Return z, z', z'' of nodes, shape (3, node, state).
@@ -56,7 +56,7 @@ class Piece(NamedTuple):
             out.append(rates)
         return np.array(out)[:, :, :-1]
 
-    def at_port(self, load: Load, jet: FloatArray) -> FloatArray:
+    def at_port(self, load: LinearLaw, jet: FloatArray) -> FloatArray:
         """Return a force on the port and its derivatives, shape (3, node)."""
         stroke, velocity = (jet @ row[:-1] for row in self.phase.signals[:2])
         out = -(load.damping * velocity + load.stiffness * stroke)
