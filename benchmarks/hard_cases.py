@@ -253,7 +253,7 @@ def turned(case: Case, design: str, folder: str | Path) -> Result:
     motion = multibody.integrate(scene, scene.start(angular_velocity=w), time)
     exact = Rotation.from_rotvec(time[:, None] * w).as_matrix()
     error = float(np.abs([scene.state(y).rotation for y in motion] - exact).max())
-    kinetic = np.array([scene.energy(y)[0] for y in motion])
+    kinetic = np.array([scene.body.kinetic_energy(scene.state(y)) for y in motion])
     drift = float(np.ptp(kinetic) / kinetic[0])
     return Result("completed", "quaternion", error, len(time) - 1, drift, "", 1e-7, 1e-8)
 

@@ -16,7 +16,7 @@ import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, NamedTuple, Protocol, runtime_checkable
+from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -61,14 +61,6 @@ class Force(Protocol):
         """Return the generalized force."""
 
 
-@runtime_checkable
-class Conservative(Protocol):
-    """A force that has a potential."""
-
-    def potential(self, state: State) -> float:
-        """Return the potential energy [J]."""
-
-
 @dataclass(frozen=True)
 class Weight:
     """Weight of shell and ballast. The deformed shell's centre of mass may lie off the sphere centre, unlike Eq. 20.
@@ -86,11 +78,6 @@ class Weight:
         torque = moments @ state.modal_amplitude * skew(AXIS) @ up
         return -self.gravity * np.concatenate([[0.0, 0.0, mass], torque, moments * up[2]])
 
-    def potential(self, state: State) -> float:
-        """Return g times mass times the height of the centre of mass [J]."""
-        mass, moments = self.basis.inertia[0, 0], self.basis.inertia[0, 1:]
-        return float(self.gravity * (mass * state.position[2] + moments @ state.modal_amplitude * state.rotation[2, 2]))
-
 
 @dataclass(frozen=True)
 class Elastic:
@@ -101,10 +88,6 @@ class Elastic:
     def __call__(self, time: float, state: State) -> FloatArray:
         """Return the generalized force, shape (6 + mode,) [N, N m, N]."""
         return np.concatenate([np.zeros(6), -self.basis.stiffness[1:, 1:] @ state.modal_amplitude])
-
-    def potential(self, state: State) -> float:
-        """Return the strain energy [J]."""
-        return float(0.5 * state.modal_amplitude @ self.basis.stiffness[1:, 1:] @ state.modal_amplitude)
 
 
 @dataclass(frozen=True)
@@ -190,11 +173,6 @@ class Body:
     def kinetic_energy(self, state: State) -> float:
         """Return T [J]."""
         return float(0.5 * state.quasi_velocities @ self.mass_matrix(state) @ state.quasi_velocities)
-
-    def centre_of_mass(self, state: State) -> FloatArray:
-        """Return the centre of mass, r + R S e3/m, in inertial axes, shape (3,) [m]."""
-        offset = self.moments @ state.modal_amplitude / self.basis.total_mass
-        return np.asarray(state.position + offset * state.rotation @ AXIS)
 
 
 def _quaternion_rates(q: FloatArray, w: FloatArray) -> FloatArray:
@@ -298,12 +276,6 @@ class GeneralScene:
         acceleration = solve(allowed.T @ self.body.mass_matrix(state) @ allowed, allowed.T @ drive, assume_a="pos")
         turning = self._attitude.rates(attitude, state.angular_velocity)
         return np.concatenate([velocity, turning, modal_amplitude_rate, acceleration])
-
-    def energy(self, y: FloatArray) -> tuple[float, float]:
-        """Return the kinetic energy and the potential energy of all conservative forces of the scene [J]."""
-        state = self.state(y)
-        potentials = [force.potential(state) for force in self.forces.values() if isinstance(force, Conservative)]
-        return self.body.kinetic_energy(state), sum(potentials)
 
 
 def integrate(
