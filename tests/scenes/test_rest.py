@@ -5,6 +5,7 @@ import pytest
 from conftest import varied
 
 from vsb.errors import ConfigError
+from vsb.hydro.panels import mesh as meshing
 from vsb.motion.port import port_direction
 from vsb.scenes.rest import (
     carries_load,
@@ -19,6 +20,7 @@ from vsb.scenes.rest import (
     study_basis,
 )
 from vsb.shell.deformed import DeformedShell
+from vsb.shell.modes import mode_basis
 from vsb.stages.preview import check
 from vsb.study.plan import StudyPlan
 
@@ -97,6 +99,23 @@ def test_shell_that_collapses_in_still_water_is_refused(seed, model):
     yields = varied(soft, hydro=model)
     with pytest.raises(ConfigError, match=r"hydro.model: received '.*' for design VSWEC, but the loaded buoy does not"):
         check_rests(yields, reference_shell(yields))
+
+
+def deformed(seed, height=0.0, **by_label):
+    basis = mode_basis(seed.device, "full", 4)
+    return DeformedShell(basis, height, np.array([by_label.get(label, 0.0) for label in basis.labels]))
+
+
+@pytest.mark.parametrize(
+    ("shell", "sphere"),
+    [({"height": 0.3}, (2.0, 0.3)), ({"Heave": 0.3}, (2.0, 0.3)), ({"height": 0.2, "Membrane0": 0.25}, (2.25, 0.2))],
+    ids=["raised", "heaved", "inflated"],
+)
+def test_mesh_of_a_deformed_sphere_is_that_of_the_sphere(seed, shell, sphere):
+    ours = meshing.deformed_mesh(deformed(seed, **shell), 12, 24, 6)
+    theirs = meshing.mean_mesh(*sphere, 12, 24, 6)
+    for name in theirs.data_vars:
+        assert ours[name].values == pytest.approx(theirs[name].values, abs=1e-12), name
 
 
 def test_gas_in_front_of_a_take_off_becomes_a_chamber(seed):

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.linalg import null_space
+from scipy.optimize import brentq, minimize
 from verification import membrane
 
 from vsb.errors import ConvergenceError
@@ -123,3 +124,103 @@ def test_a_floating_balloon_is_that_of_membrane_equations_by_shooting(law, slope
     found = shape.meridian(phi)
     assert x.max() > 1.08 * RADIUS
     assert np.abs([found.x - x, found.z - z]).max() < error * RADIUS
+
+
+def own_energy(q, law, shell, mass, contents, degree, count=2000):
+    """Energy of a buoy at rest by the midpoint rule, from stretches of line elements, layers and a polygon of water."""
+    phi = np.pi * (np.arange(count) + 0.5) / count
+    r, h, dphi = shell.radius, shell.thickness, np.pi / count
+    v, dv, ddv, u, du, ddu = np.zeros((6, count), dtype=complex)
+    pairs = [(0, q[1], 0.0), (1, q[0] + q[2], q[0] - q[2] / 2)]
+    pairs += [(n, q[2 * n - 1], q[2 * n] / n) for n in range(2, degree + 1)]
+    for n, radial, along in pairs:
+        p = np.polynomial.legendre.Legendre.basis(n)
+        cos, sin = np.cos(phi), np.sin(phi)
+        d0, d1 = p(cos), -sin * p.deriv()(cos)
+        d2 = sin**2 * p.deriv(2)(cos) - cos * p.deriv()(cos)
+        d3 = -(sin**3) * p.deriv(3)(cos) + 3 * sin * cos * p.deriv(2)(cos) + sin * p.deriv()(cos)
+        v, dv, ddv = v + radial * d0, dv + radial * d1, ddv + radial * d2
+        u, du, ddu = u + along * d1, du + along * d2, ddu + along * d3
+    x, z = (r + v) * np.sin(phi) + u * np.cos(phi), (r + v) * np.cos(phi) - u * np.sin(phi)
+    dx = (dv - u) * np.sin(phi) + (r + v + du) * np.cos(phi)
+    dz = (dv - u) * np.cos(phi) - (r + v + du) * np.sin(phi)
+    one, other = np.sqrt(dx**2 + dz**2) / r, x / (r * np.sin(phi))
+    bent = np.array([-(ddv - du) / r**2, -(dv - u) / np.tan(phi) / r**2])
+    node, weight = np.polynomial.legendre.leggauss(2)
+    area, elastic = 2 * np.pi * r**2 * np.sin(phi) * dphi, 0.0
+    for place, share in zip(node * h / 2, weight / 2, strict=True):
+        a, b = (np.sqrt(s**2 + 2 * place / (one * other) * k) for s, k in zip((one, other), bent, strict=True))
+        elastic = elastic + h * share * (law(a, b) @ area)
+    volume = -np.pi * (x**2 * dz).sum() * dphi
+    water = -1025.0 * 9.81 * np.pi * (np.where(z.real < 0, z**2, 0.0) * x * dx).sum() * dphi
+    return elastic + contents(volume) + water + mass * 9.81 * q[0]
+
+
+RANDOM = {
+    "neo_hookean": (NeoHookeanLaw, lambda a, b, m: m[0] / 2 * (a**2 + b**2 + (a * b) ** -2 - 3)),
+    "mooney_rivlin": (
+        MooneyRivlinLaw,
+        lambda a, b, m: m[0] * (a**2 + b**2 + (a * b) ** -2 - 3) + m[1] * (a**-2 + b**-2 + (a * b) ** 2 - 3),
+    ),
+    "gent": (GentLaw, lambda a, b, m: -m[0] * m[1] / 2 * np.log(1 - (a**2 + b**2 + (a * b) ** -2 - 3) / m[1])),
+}
+
+
+def constant(pressure):
+    """Energy of what is inside under constant pressure, by the volume."""
+    return lambda volume: -pressure * volume
+
+
+def trapped(pressure, gas=GAS):
+    """The same of gas that obeys p V^1.4 = const., pressures with that of the air."""
+    whole, air, first = gas.atmospheric_pressure + pressure, gas.atmospheric_pressure, 4 / 3 * np.pi * RADIUS**3
+    return lambda volume: air * volume + whole * first / 0.4 * (first / volume) ** 0.4
+
+
+def ring_held(colatitude, degree):
+    """Motions that leave a ring of the shell on its frame, from both displacements there."""
+    p, at = np.polynomial.legendre.Legendre.basis, np.deg2rad(colatitude)
+    rows = np.zeros((2, 2 * degree + 1))
+    for n in range(degree + 1):
+        value, slope = p(n)(np.cos(at)), -np.sin(at) * p(n).deriv()(np.cos(at))
+        rows[0, 2 * n - (n > 0) + (n < 2)] = value
+        if n:
+            rows[1, 2 * n] = -slope / 2 if n == 1 else slope / n
+    return null_space(rows)
+
+
+@pytest.mark.parametrize(
+    ("law", "kind"),
+    [*((law, "open") for law in RANDOM), ("gent", "near lock-up"), ("mooney_rivlin", "held"), ("neo_hookean", "gas")],
+)
+def test_random_buoys_rest_at_the_least_of_an_energy_written_anew(law, kind):
+    random, (of, energy) = np.random.default_rng([len(law), len(kind)]), RANDOM[law]
+    thickness, mu = random.uniform(0.04, 0.08), random.uniform(0.9e6, 1.5e6)
+    moduli = {"neo_hookean": (mu,), "mooney_rivlin": (0.4 * mu, 0.1 * mu), "gent": (mu, 8.0)}[law]
+    pressure, degree, mass = random.uniform(0.6, 0.8) * MOST * (mu * thickness) / (MU * THICKNESS), 4, 17170.0
+    if kind == "near lock-up":
+        moduli, pressure = (mu / 3, random.uniform(0.5, 0.6)), random.uniform(45e3, 60e3)
+    pressure *= 3.0 if kind == "gas" else 1.0
+    shell, gas = shell_of(of(*moduli), thickness), GAS if kind == "gas" else None
+    loaded = buoy(shell.law, pressure, degree, thickness, gas)
+    free = ring_held(random.uniform(40.0, 140.0), degree) if kind == "held" else np.eye(2 * degree + 1)
+    inside = trapped(pressure) if gas else constant(pressure)
+
+    def total(x):
+        return own_energy(free @ x, lambda a, b: energy(a, b, moduli), shell, mass, inside, degree)
+
+    def slope(x):
+        return np.array([total(x + 1e-20j * e).imag / 1e-20 for e in np.eye(len(x))])
+
+    q, unit = equilibrium(loaded, free), 0.02
+    found = minimize(
+        lambda y: total(unit * y).real,
+        0.9 * free.T @ q / unit,
+        jac=lambda y: unit * slope(unit * y),
+        method="L-BFGS-B",  # whose steps grow: a long first one would be beyond lock-up
+        options={"ftol": 1e-16, "gtol": 2e-5, "maxcor": 20},
+    )
+    np.testing.assert_allclose(free @ (unit * found.x), q, atol=1e-6 * RADIUS)
+    assert np.abs(q).max() > 0.05
+    if kind == "near lock-up":
+        assert shell.law.strained(*loaded.elastic.strains(q)).max() > 0.7
