@@ -229,3 +229,9 @@ def test_numerical_errors_are_small(climate):
         one, other = found[name], finer[name]
         assert one.value == pytest.approx(other.value, rel=1e-8)
         np.testing.assert_allclose(one.gradient, other.gradient, rtol=1e-6)
+
+
+def test_nodes_resolve_the_shortest_shell_modes(climate):
+    """The first step to more nodes changes little, but not by round-off: a wavelength of degree 90 has few of them."""
+    model = DesignModel.of(study_of(modes={"basis": "full", "degree": 90}), "VSWEC", climate, [])
+    assert model.nodes > 90

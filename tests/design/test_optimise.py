@@ -226,3 +226,14 @@ def test_what_further_modes_change_holds_errors_of_first_order_and_none_that_see
     assert left_out([0.003, 0.001], 0.01) == pytest.approx((-0.003, 0.005))
     assert left_out([0.002, -0.001], 0.02) == pytest.approx((-0.011, 0.009))  # not falling yet: twice both steps
     assert left_out([0.002, -0.001], 0.01) is None
+
+
+@pytest.mark.parametrize("bending", [5.0, 15.0, 40.0])
+def test_what_further_modes_change_holds_what_a_ring_of_the_shell_yields(bending):
+    """A ring yields by 1/(1 + (n/bending)^4) in each degree n: membrane and bending side by side."""
+    by_degree = np.cumsum(1 / (1 + (np.arange(1, 4000) / bending) ** 4))
+    for i in range(len(DEGREES) - 2):
+        tried = DEGREES[i : i + 3]
+        power = 1 - 1e-3 * by_degree[np.array([*tried, 0]) - 1]
+        low, high = left_out([one / power[0] - 1 for one in power[1:3]], 1.0, tried, bending)
+        assert low <= power[3] / power[0] - 1 <= high

@@ -27,8 +27,10 @@ SOLVES, FURTHER, MOST_SOLVES = 16, 4, 64
 """Frequencies solved, and by how many they increase until coefficients between them are known."""
 POINTS = 6
 """Points of quadrature in each band of a climate."""
-RESOLVED = 1e-8
-"""Relative error of coefficients that is aimed at, by frequencies and by nodes."""
+RESOLVED, ROUND_OFF = 1e-8, 1e-6
+"""Relative error of coefficients that is aimed at, by frequencies and by nodes, and the one below which round-off may
+leave it; above, an error that falls slowly is one of shell modes shorter than the nodes resolve as yet.
+"""
 
 
 @dataclass(frozen=True)
@@ -232,7 +234,7 @@ def _resolution(study: Study, between: tuple[float, float], degree: int) -> tupl
     while error > RESOLVED and problem.nodes < MOST_NODES:
         finer = replace(problem, nodes=problem.nodes * 3 // 2)
         before, error = error, largest_error(finer.error_estimate(ends))
-        if error > before / 2:  # round-off, which more nodes do not lessen
+        if before / 2 < error < ROUND_OFF:
             break
         problem = finer
     solves, error = SOLVES, np.inf

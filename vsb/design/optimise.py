@@ -25,7 +25,7 @@ from vsb.design.certificate import (
 )
 from vsb.design.problem import IMPOSSIBLE, POWER, SMALLEST, Point, Problem
 from vsb.errors import ConvergenceError
-from vsb.scenes.mode_convergence import further
+from vsb.scenes.mode_convergence import further, further_about_rings
 from vsb.tools.arrays import FloatArray
 
 ROUNDS = ((3e-3, 1e-7), (1e-3, 1e-9), (1e-4, 1e-11), (1e-5, 1e-13), (0.0, 1e-15), (0.0, 1e-16))
@@ -242,10 +242,13 @@ FURTHER = 2
 """Degrees beyond that of an optimum with which it is evaluated, too."""
 
 
-def left_out(changes: Sequence[float], tolerance: float) -> tuple[float, float] | None:
+def left_out(
+    changes: Sequence[float], tolerance: float, degrees: Sequence[int] = (), bending: float | None = None
+) -> tuple[float, float] | None:
     """Return the ends between which all further degrees of shell modes change a power, relative, zero included.
 
-    What they change beyond the last degree evaluated is bounded as in studies (`vsb.scenes.mode_convergence.further`).
+    What they change beyond the last degree evaluated is bounded as in studies (`vsb.scenes.mode_convergence.further`),
+    and more where a load acts at a ring of the shell (`further_about_rings`, ibidem).
     None where it is not known: the last step is the larger one, and more than a tolerance may be left out.
 
     Parameters
@@ -254,9 +257,16 @@ def left_out(changes: Sequence[float], tolerance: float) -> tuple[float, float] 
         By the two degrees evaluated beyond that of the power, ascending, relative to it.
     tolerance : float
         Of the power, relative.
+    degrees : sequence of int
+        Of the power and those two; needed with `bending` only.
+    bending : float, optional
+        See `vsb.scenes.mode_convergence.bending_degree`.
     """
     first, last = changes
-    beyond = float(further([np.asarray(change) for change in (0.0, first, last)]))
+    powers = (0.0, first, last)
+    beyond = float(further([np.asarray(change) for change in powers]))
+    if bending is not None:
+        beyond = further_about_rings(powers, degrees, bending)
     low, high = min(0.0, last - beyond), max(0.0, last + beyond)
     grows = abs(last - first) > abs(first)
     return None if grows and max(-low, high) > tolerance else (low, high)
@@ -268,6 +278,7 @@ def converged(
     tolerance: float,
     places: Sequence[FloatArray],
     seen: Progress | None = None,
+    bending: Callable[[Point], float | None] = lambda point: None,
 ) -> Converged:
     """Return the best buoy from one start, solved again with more shell modes until they change little.
 
@@ -286,6 +297,8 @@ def converged(
         Tried in turn until a buoy rests.
     seen : callable, optional
         Is called with every buoy evaluated.
+    bending : callable
+        Buoy -> what `left_out` needs where a load acts at a ring.
     """
     problems: dict[int | None, Problem] = {}
 
@@ -306,7 +319,11 @@ def converged(
             found, truncation = replace(found, accepted=False, message=message), None
             break
         changes = [one.evaluation[POWER].value / found.point.evaluation[POWER].value - 1 for one in finer]
-        truncation = left_out(changes, tolerance) if len(changes) == FURTHER else None
+        if len(changes) == FURTHER:
+            tried = [one for one in degrees[i : i + 1 + FURTHER] if one is not None]
+            truncation = left_out(changes, tolerance, tried, bending(found.point))
+        else:
+            truncation = None
         known = truncation is not None and max(map(abs, truncation)) <= tolerance
         if degree == solved[-1] or (known and max(point.violation for point in finer) <= tolerance):
             break

@@ -13,8 +13,9 @@ import vsb.design.variables  # noqa: F401  registers them
 from vsb.design.certificate import VIOLATION
 from vsb.design.evaluation import DAMPER, DesignModel
 from vsb.design.optimise import Converged, Optimum, Progress, converged, start_places
-from vsb.design.problem import IMPOSSIBLE, Problem
+from vsb.design.problem import IMPOSSIBLE, Point, Problem
 from vsb.errors import ConvergenceError
+from vsb.scenes.mode_convergence import bending_degree
 from vsb.study.campaign import study_at
 from vsb.study.specs import Search
 from vsb.study.study import Study
@@ -83,8 +84,12 @@ def from_start(search: Search, climate: Climate, starts: int, seed: int, start: 
     def of(degree: int | None) -> Problem:
         return problem_of(search, climate, degree)
 
+    def bending(point: Point) -> float | None:
+        keys = [one.key for one in search.variables]
+        return bending_degree(study_of(search, None, dict(zip(keys, point.values, strict=True))), search.design)
+
     degrees = degrees_of(search)
-    return converged(of, degrees, search.tolerance, places(of(degrees[0]), starts, seed, start), seen)
+    return converged(of, degrees, search.tolerance, places(of(degrees[0]), starts, seed, start), seen, bending)
 
 
 @dataclass(frozen=True)

@@ -28,9 +28,11 @@ from vsb.scenes.rest import order_bases, reference_shell
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.orders import goes_with_sine
+from vsb.shell.shell import Shell
 from vsb.study.directions import IN_PLANE, RIGID, Motion
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
+from vsb.study.study import Study
 from vsb.study.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
 from vsb.study.waves import IrregularSea, RegularWave, StillWater, Wave
 from vsb.tools.arrays import FloatArray
@@ -39,6 +41,8 @@ from vsb.waves.seas import Sea, expected, sea
 
 SAFETY = 2.0
 """Of the last steps of the list, for what all further degrees may change where powers do not approach a limit yet."""
+RESOLVED = 1.5
+"""Degree that resolves what bends about a loaded ring, in terms of `bending_degree`."""
 PROBED = (0.4, 0.7, 1.0, 1.3)
 """Frequencies of regular waves that stand for the seas of a study in still water, in sqrt(g/radius)."""
 SOLVED = 2e-4
@@ -353,6 +357,39 @@ def further(powers: Sequence[FloatArray]) -> FloatArray:
     previous = np.abs(powers[-2] - powers[-3])
     falling = np.maximum(np.ptp(powers[-3:], axis=0), SAFETY * step)
     return np.where(step > previous, SAFETY * (step + previous), falling)
+
+
+def further_about_rings(powers: Sequence[float], degrees: Sequence[int], bending: float) -> float:
+    """Return what degrees beyond the last may change where a load acts at a ring of the shell [W].
+
+    Below `bending_degree` each degree yields about as much to such a load as the one before, more or less with its
+    amplitude at the ring: the steepest change per degree seen counts up to `RESOLVED` times that degree. Beyond it
+    errors fall like 1/degree, unevenly. `SAFETY` times the larger of that and of both steps.
+
+    Parameters
+    ----------
+    powers : sequence of float [W]
+        With three ascending degrees of `DEGREES`.
+    degrees : sequence of int
+    bending : float
+        See `bending_degree`.
+    """
+    steps = np.abs(np.diff(powers))
+    per_degree = float((steps / np.diff(degrees)).max())
+    return SAFETY * max(float(steps.sum()), per_degree * (RESOLVED * bending - degrees[-1]))
+
+
+def bending_degree(study: Study, design: str) -> float | None:
+    """Return the degree at which the shell is as stiff by bending as by its membrane; None if no load acts at a ring.
+
+    D n^4/r^4 = E h/r^2 with D = E h^3/(12 (1 - nu^2)), r the largest radius or half the height. Clamps, take-offs at
+    the shell and moorings of a ring act at rings.
+    """
+    pto = study.pto
+    if not (study.designs[design].clamp or pto.on_shell or (pto.held and pto.held.place == "ring")):
+        return None
+    shell = Shell.of(study.device)
+    return float((12 * (1 - shell.poisson_ratio**2)) ** 0.25 * np.sqrt(shell.reach / shell.thickness))
 
 
 def mode_convergence(spec: DegreeSpec, climate: Climate | None = None) -> ModeConvergence:
