@@ -175,9 +175,12 @@ def test_annual_energy_and_matrices_agree_with_mhkit():
     width = np.array(published["power"]) / flux
     matrices = [vsb.power_matrix(hs, te, each) for each in (width, flux)]
     share = vsb.power_matrix(hs, te, flux, "frequency")
-    row, column, mean, deviation, *_ = np.array(published["matrices"]).T
+    row, column, mean, deviation, count, mean_flux = np.array(published["matrices"]).T
     at = row.astype(int), column.astype(int)
+    assert len(hs) * share.values[at] == pytest.approx(count, rel=1e-12)
+    assert int(share.notnull().sum()) == len(count)
     assert matrices[0].values[at] == pytest.approx(mean, rel=1e-10)
+    assert matrices[1].values[at] == pytest.approx(mean_flux, rel=1e-10)
     assert vsb.power_matrix(hs, te, width, "std").values[at] == pytest.approx(deviation, rel=1e-10, abs=1e-10)
     assert vsb.annual_energy(*matrices, share) == pytest.approx(published["maep_Wh"], rel=1e-10)
     with pytest.raises(ConfigError, match="bins with seas but without a value"):

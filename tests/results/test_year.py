@@ -14,7 +14,7 @@ from vsb.motion.port import Port
 from vsb.results.year import Bins, DesignYear, band_weights, frequencies, gain_percent, year
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.study.sections import Water
-from vsb.waves.climate import YEAR_HOURS, Climate
+from vsb.waves.climate import Climate
 from vsb.waves.ndbc import read_ndbc
 from vsb.waves.scatter import climate_of_cells
 
@@ -181,20 +181,6 @@ def test_heights_periods_and_fluxes_agree_with_mhkit(some, published):
     assert some.te == pytest.approx(published["te"], rel=1e-10)
     assert some.flux(Water()) == pytest.approx(published["flux_deep"], rel=1e-10)
     assert some.flux(Water(depth=published["depth"])) == pytest.approx(published["flux"], rel=1e-10)
-
-
-def test_matrices_agree_with_mhkit(some, published):
-    bins, flux = Bins(some.hs, some.te, some.hours), some.flux(Water(depth=published["depth"]))
-    width = np.array(published["power"]) / flux
-    row, column, mean, deviation, count, mean_flux = np.array(published["matrices"]).T
-    at = row.astype(int), column.astype(int)
-    assert bins.count[at].tolist() == count.tolist()
-    assert bins.count.sum() == count.sum() == len(width)
-    assert bins.mean(width)[at] == pytest.approx(mean, rel=1e-10)
-    assert bins.deviation(width)[at] == pytest.approx(deviation, rel=1e-10, abs=1e-10)
-    assert bins.mean(flux)[at] == pytest.approx(mean_flux, rel=1e-10)
-    energy = YEAR_HOURS * float(np.sum(bins.mean(width) * bins.mean(flux) * bins.share))
-    assert energy == pytest.approx(published["maep_Wh"], rel=1e-10)
 
 
 def test_bins_are_half_open():

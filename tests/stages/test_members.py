@@ -165,18 +165,6 @@ def test_year_of_a_buoy_in_surge_and_pitch(folder):
     assert np.isnan(fallen.annual_energy).all()
 
 
-def test_power_of_damping_peaks_at_the_optimal_damping(swept):
-    _, found = swept
-    best = found.sel(tuning="one").damping.where(found["count"] > 0).max(("hs", "te"))
-    middle = found.tried_damping.isel(damper=30)
-    np.testing.assert_allclose(middle, best, rtol=1e-9)
-    assert bool((found.power_of_damping.argmax("damper") == 30).all())
-    np.testing.assert_allclose(
-        found.power_of_damping.isel(damper=30), found.annual_mean_power.sel(tuning="one"), rtol=1e-9
-    )
-    np.testing.assert_allclose(found.force_of_damping.isel(damper=30), found.force_rms.sel(tuning="one"), rtol=1e-9)
-
-
 def test_widened_sweep_computes_only_new_points(folder, swept):
     plan, found = swept
     before = {path: path.stat().st_mtime_ns for path in Path(plan.folder, "members").iterdir()}
