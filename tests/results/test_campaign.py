@@ -96,28 +96,3 @@ def test_parameters_varied_in_pairs(tmp_path):
     shown = {(row["device.young_modulus"], row["device.thickness"], row["annual_mean_power"]) for row in rows}
     assert shown == {("3000000", "0.02", "7"), ("1000000", "0.01", "5")}
     assert len(rows) == 12
-
-
-def test_table_rows_have_the_values_of_their_point(tmp_path):
-    """Two parameters, two designs, three tunings, each row with a value of its own."""
-    varied = {"device.young_modulus": [3e6, 1e6], "device.thickness": [0.01, 0.02, 0.04]}
-    plan = planned(with_seas(tmp_path, (1.0, 6.0)), varied)
-    (spec,) = plan.batches.values()
-    found = members(spec.base, spec.points, spec.climate, spec.tuning)
-    ds = gathered(plan.campaign, [stacked([made_up(one) for one in found], [one.id for one in found])])
-    point = ds.young_modulus / 1e6 + 1e3 * ds.thickness
-    design = xr.DataArray(1000.0 * (1 + np.arange(ds.sizes["design"])), dims="design")
-    tuning = xr.DataArray(1e5 * (1 + np.arange(ds.sizes["tuning"])), dims="tuning")
-    data = ds.assign(annual_mean_power=(tuning + design + point), margin=point)
-    rows = list(csv.DictReader(as_csv(plan.campaign, data).splitlines()))
-    assert len(rows) == 2 * 3 * 2 * 3
-    order = [(p["device.young_modulus"], p["device.thickness"]) for p in plan.campaign.vary.points]
-    expected = [(*p, d, t) for p in order for d in ds.design.values for t in ds.tuning.values]
-    keys = ("device.young_modulus", "device.thickness", "design", "tuning")
-    for row, (modulus, thickness, name, tuned) in zip(rows, expected, strict=True):
-        assert [row[key] for key in keys] == [f"{modulus:.12g}", f"{thickness:.12g}", name, tuned]
-        at = data.sel(young_modulus=modulus, thickness=thickness)
-        assert float(row["margin"]) == pytest.approx(float(at.margin), rel=1e-11)
-        assert float(row["annual_mean_power"]) == pytest.approx(
-            float(at.annual_mean_power.sel(design=name, tuning=tuned)), rel=1e-11
-        )

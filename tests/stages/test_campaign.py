@@ -58,8 +58,12 @@ def test_table_is_stamped_and_equals_the_data(plan):
     gather(plan)
     assert faults({plan.table_path: plan.identity}, read_manifest(plan.manifest)) == []
     rows = list(csv.DictReader(Path(plan.table_path).read_text().splitlines()))
-    assert len(rows) == 6 * 2 * 3
+    keys = ("device.young_modulus", "device.thickness", "design", "tuning")
+    tunings = ["fixed", "one", "each"]
+    points = [[f"{value:.12g}" for value in one.values()] for one in plan.campaign.vary.points]
+    expected = [[*one, design, tuning] for one in points for design in ("FSB", "VSWEC") for tuning in tunings]
+    assert [[row[key] for key in keys] for row in rows] == expected
     for row in rows:
-        factor = {"FSB": 0, "VSWEC": 3}[row["design"]] + 1 + ["fixed", "one", "each"].index(row["tuning"])
+        factor = {"FSB": 0, "VSWEC": 3}[row["design"]] + 1 + tunings.index(row["tuning"])
         product = float(row["device.young_modulus"]) * float(row["device.thickness"])
         assert float(row["annual_mean_power"]) == pytest.approx(factor * product, rel=1e-11)
