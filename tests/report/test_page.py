@@ -11,6 +11,7 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from report.test_answer import SWELL
+from report.test_doubts import BUCKLING, HEAVE
 
 from vsb.report.answer import tuning_head, tuning_table
 from vsb.report.page import (
@@ -53,28 +54,8 @@ def row(design, power, wave="w"):
     }
 
 
-CHECKS = [
-    {
-        "name": "buckling",
-        "design": "",
-        "wave": "",
-        "value": 66.4,
-        "limit": 1.0,
-        "unit": "-",
-        "verdict": "fail",
-        "explanation": "<p> & why",
-    },
-    {
-        "name": "heave",
-        "design": "A",
-        "wave": "w",
-        "value": 0.4,
-        "limit": 0.3,
-        "unit": "-",
-        "verdict": "doubt",
-        "explanation": "large",
-    },
-]
+STUDY = {"study": "s", "published": None, "pto": {"damping": 10.0}, "hydro": {"tolerance": 1e-3}}
+CHECKS = [BUCKLING | {"unit": "-"}, HEAVE | {"unit": "-"}]
 
 
 @given(st.lists(st.floats(-50.0, 50.0), min_size=1, max_size=40))
@@ -107,7 +88,7 @@ def test_published_values_beside_computed_ones():
 
 def test_page_is_self_contained_and_escaped():
     page = render(
-        Report({"study": "s", "published": None, "pto": {"damping": 10.0}, "hydro": {"tolerance": 1e-3}}, {"w": "a swell"}, [row("FSB", 100), row("A", 120)], CHECKS, response(A=0.2), "FSB",
+        Report(STUDY, {"w": "a swell"}, [row("FSB", 100), row("A", 120)], CHECKS, response(A=0.2), "FSB",
                {"absorbed_power": "<?xml?><svg>x</svg>"}, {"Program": "vsb"})
     )  # fmt: skip
     assert (
@@ -153,19 +134,6 @@ def test_irregular_seas_are_answered_with_the_interval_of_the_gain():
     ]
 
 
-STUDY = {"study": "s", "published": None, "pto": {"damping": 10.0}, "hydro": {"tolerance": 1e-3}}
-
-
-BOTH = (row("FSB", 100), row("A", 120))
-
-
-def page_of(rows=BOTH, checks=(), study=STUDY, found=None, figures=(), **more):
-    """A page of a swell, as text."""
-    drawn = dict.fromkeys(figures, "<svg>x</svg>")
-    seas = {line["wave"]: "a swell" for line in rows}
-    return render(Report(study, seas, rows, checks, found, more.pop("reference", "FSB"), drawn, {}, **more))
-
-
 def test_tables_can_be_downloaded_as_they_stand():
     rows = [row("FSB", 100), row("A", 120), row("FSB", 0.0, "v") | {"capture_width": 1.5}]
     study = {**STUDY, "published": {"source": "x", "values": {"A": {"power_mean": 100.0}}}}
@@ -185,5 +153,5 @@ def test_tables_can_be_downloaded_as_they_stand():
     }  # fmt: skip
     for name, (head, body) in tables.items():
         assert found[name] == [list(head), *body], name
-    bare = page_of(found=None)
+    bare = render(Report(STUDY, {"w": "a swell"}, rows[:2], [], None, "FSB", {}, {}))
     assert [name for name in tables if f'download="{name}.csv"' in bare] == ["given_damper", "energy"]

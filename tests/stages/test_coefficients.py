@@ -132,25 +132,27 @@ def of_ball(name, **changes):
     return f"{name}.yaml"
 
 
-def test_conjugated_excitation_stops_a_study_that_keeps_no_surge(ball, tmp_path, monkeypatch, capsys):
-    """Surge, which the study does not use, tells that the file's phases have the other sign."""
+@pytest.fixture
+def conjugated(ball, tmp_path, monkeypatch):
+    """In the current folder: sound.nc of the ball, and turned.nc whose excitation has the other sign of phase."""
     monkeypatch.chdir(tmp_path)
     with xr.open_dataset(ball) as ds:
         turned = {name: ds[name] * xr.DataArray([1.0, -1.0], dims="complex") for name in FORCES}
         ds.load().to_netcdf("sound.nc")
         ds.assign(turned).to_netcdf("turned.nc")
+
+
+@pytest.mark.usefixtures("conjugated")
+def test_conjugated_excitation_stops_a_study_that_keeps_no_surge(capsys):
+    """Surge, which the study does not use, tells that the file's phases have the other sign."""
     for name, code in (("sound", 0), ("turned", 2)):
         assert main(["check", of_ball(name)]) == code
     assert "check 'phases' failed" in capsys.readouterr().err
 
 
-def test_conjugated_excitation_is_repaired_on_request(ball, tmp_path, monkeypatch, capsys):
+@pytest.mark.usefixtures("conjugated")
+def test_conjugated_excitation_is_repaired_on_request(capsys):
     """A file that was right is not conjugated: the check then fails."""
-    monkeypatch.chdir(tmp_path)
-    with xr.open_dataset(ball) as ds:
-        turned = {name: ds[name] * xr.DataArray([1.0, -1.0], dims="complex") for name in FORCES}
-        ds.load().to_netcdf("sound.nc")
-        ds.assign(turned).to_netcdf("turned.nc")
     assert main(["check", of_ball("turned", hydro={"repair": ["phases"]})]) == 0
     assert "doubt        hydro repaired phases" in capsys.readouterr().out
     assert main(["check", of_ball("sound", hydro={"repair": ["phases"]})]) == 2
