@@ -33,10 +33,9 @@ from vsb.motion import sixdof as multibody
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.system import Motion, System
-from vsb.motion.udwadia_kalaba import constraint_drift
 from vsb.scenes.build import design_in_sea
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
-from vsb.shell.modes import rigid_basis
+from vsb.shell.modes import constraint_drift, rigid_basis
 from vsb.stages.make import hydro_files
 from vsb.study.device import Device
 from vsb.study.plan import StudyPlan

@@ -333,6 +333,18 @@ def check_rank(rows: FloatArray) -> int:
     return int(np.sum(relative >= DISTINCT))
 
 
+def constraint_drift(positions: FloatArray, rows: FloatArray) -> float:
+    """Return the largest displacement of a clamped point, max |Phi q| over time and rows [m]; exact motion has none.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (time, dof) [m]
+        Heave and all modal amplitudes.
+    rows : ndarray, shape (constraint, dof) [-]
+    """
+    return float(np.abs(positions @ rows.T).max(initial=0.0))
+
+
 def _branches(shell: Shell, degree: int) -> FloatArray:
     """Eigenvectors (V, U) of the complete shell of one degree >= 1; columns lower, upper branch."""
     stiffness = membrane_block(shell, degree) + bending_block(shell, degree)

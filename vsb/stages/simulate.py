@@ -11,10 +11,10 @@ from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.periodic import periodic_power
 from vsb.integrators.simulate import in_words, legs, recorded
 from vsb.motion.system import System
-from vsb.motion.udwadia_kalaba import constraint_drift
 from vsb.scenes.build import DesignInSea, design_in_sea
 from vsb.scenes.latching import STEADY
 from vsb.shell.deformed import DeformedShell, enclosed
+from vsb.shell.modes import constraint_drift
 from vsb.shell.orders import OrderBasis
 from vsb.shell.surface import enclosed_in_orders
 from vsb.stages.stage import stamp
