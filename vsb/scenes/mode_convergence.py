@@ -34,7 +34,7 @@ from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
 from vsb.study.study import Study
 from vsb.study.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
-from vsb.study.waves import IrregularSea, RegularWave, StillWater, Wave
+from vsb.study.waves import IrregularSea, RegularWave, SeaOfFile, StillWater, Wave
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
 from vsb.waves.seas import Sea, expected, sea
@@ -449,5 +449,7 @@ def _seas(spec: DegreeSpec, buoy: BuoySystem, climate: Climate | None) -> tuple[
         unit = np.sqrt(spec.water.gravity / buoy.device.radius)
         periods = [2 * np.pi / min(part * unit, highest) for part in PROBED]
         return tuple(sea(RegularWave(kind="regular", amplitude=0.1, period=t), highest, 0.0) for t in periods), None
-    seas = tuple(directed(wave, sea(expected(wave), highest, spec.simulation.duration)) for wave in waves)
-    return seas, one_of_each_family(waves)
+    seas = [sea(expected(wave), highest, spec.simulation.duration) for wave in waves]
+    lowest = [spec.omega_min - 1e-9 if isinstance(wave, SeaOfFile) else 0.0 for wave in waves]
+    kept = [one.part(one.omega >= low) for one, low in zip(seas, lowest, strict=True)]
+    return tuple(map(directed, waves, kept)), one_of_each_family(waves)

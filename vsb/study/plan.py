@@ -346,7 +346,8 @@ class StudyPlan(HydroPlan, ResultsPlan):
         """Spec of the search for the degree of the shell modes in the seas of the study, whatever degree is given."""
         modes = Modes(tolerance=self.study.modes.tolerance, order=self.study.modes.order)
         ladder = StudyPlan(self.study.model_copy(update={"modes": modes})).ladder
-        return DegreeSpec(**{name: value for name, value in ladder if name not in Spec.model_fields})
+        sections = {name: value for name, value in ladder if name not in Spec.model_fields}
+        return DegreeSpec(**sections, omega_min=self.lowest_omega)
 
     @property
     def display(self) -> DisplaySpec:

@@ -411,6 +411,8 @@ class DegreeSpec(LadderSpec):
 
     TAG = "degree"
     climate: ClimateSpec | None = None
+    omega_min: float = 0.0
+    """Lowest frequency solved [rad/s]: a study leaves out what files of seas hold below it."""
 
 
 class SimulateSpec(SeasSpec):
