@@ -36,6 +36,7 @@ from vsb.stages.stage import Stage
 from vsb.study import keys, specs, take_off, waves
 from vsb.study.meridian import RestMeridian
 from vsb.study.quantities import canonical, content_id
+from vsb.study.vary import UNITS
 from vsb.tools.files import write_text
 from vsb.tools.stamps import faults, read_manifest, record
 
@@ -61,7 +62,8 @@ def test_first_change_of_contributing():
     names["test_swell_has_the_energy_of_its_height_about_its_peak"]()
     (section,) = eval(f"{{{described}}}", names).values()
     assert section.keys() == names["Swell"].model_fields.keys()
-    assert names["Swell"](kind="swell", hs=2.0, tp=12.0, width=0.05).memory == pytest.approx(4 * np.pi / 0.05)
+    assert all(UNITS.get(name, key.unit) == key.unit for name, key in section.items() if key.unit)
+    assert names["Swell"](kind="swell", hs=2.0, tp=12.0, bandwidth=0.05).memory == pytest.approx(4 * np.pi / 0.05)
 
 
 def test_recipe_of_a_take_off_law(monkeypatch):

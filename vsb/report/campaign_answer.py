@@ -114,7 +114,7 @@ def second_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
     marked = 100 * ds.energy_beyond_validity.sel(tuning=tuning)
     theory = "" if "verification" in ds.attrs else "This is linear theory; "
     beyond = f"{share_range(marked)} of the energy comes from {too_steep_or_breaking(ds)}."
-    return theory + beyond if bool(marked.notnull().any()) else ""
+    return theory + beyond if bool((marked > 0).any() if "verification" in ds.attrs else marked.notnull().any()) else ""
 
 
 def too_steep_or_breaking(ds: xr.Dataset) -> str:
