@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import HERE
+from matplotlib.figure import Figure
 
 from vsb.errors import ConfigError
 from vsb.hydro.dofs import Displacement
@@ -25,7 +26,7 @@ from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.report.answer import damping_in_words
-from vsb.report.canvas import grid_of_axes, style
+from vsb.report.canvas import StudyData, grid_of_axes, legend_above, style
 from vsb.scenes.rest import study_basis
 from vsb.scenes.take_off import FORCES, with_take_off
 from vsb.shell.deformed import DeformedShell, rigid_buoy, rigid_sphere
@@ -159,8 +160,10 @@ def test_recipe_of_a_figure():
         for k, d in ((1, "A"), (3, "B"))
     }
     data = SimpleNamespace(designs=("A", "B"), runs=runs)
-    figure = recipe("A figure", grid_of_axes=grid_of_axes, style=style)["heave"](data, "sea")
+    names = {one.__name__: one for one in (StudyData, Figure, grid_of_axes, legend_above, style)}
+    figure = recipe("A figure", **names)["heave"](data, "sea")
     assert [line.get_ydata()[-1] for line in figure.axes[0].lines] == [1.0, 3.0]
+    assert [text.get_text() for text in figure.legends[0].texts] == ["A", "B"]
 
 
 def test_recipe_of_a_stage(seed, tmp_path, monkeypatch):
