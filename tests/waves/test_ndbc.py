@@ -40,8 +40,11 @@ def test_shipped_year():
         gzip.compress(TEXT.encode()),
         TEXT + "96 01 01 01   9.99   9.99   9.99\n",  # the second record of an instant
         TEXT + "96 01 01 02   999.0   9.99   9.99\n96 01 01 03   0.00   0.00   0.00\n",
+        "#YY MM DD hh mm Sep_Freq  < spec_1 (freq_1) spec_2 (freq_2) ... >\n"
+        "2020 01 01 00 00 0.1 1.00 (0.050) 2.00 (0.100) 0.50 (0.150)\n"
+        "2020 01 01 01 00 0.1 1.50 (0.050) 2.50 (0.100) 0.25 (0.150)\n",
     ],
-    ids=["four-digit years", "minutes", "Windows", "comments", "packed", "repeated", "missing and calm"],
+    ids=["four-digit years", "minutes", "Windows", "comments", "packed", "repeated", "missing and calm", "data_spec"],
 )
 def test_text_layouts(written, text):
     assert read_ndbc(written(text)).density * 2 * np.pi == pytest.approx(DENSITY, rel=1e-14)
