@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import legder, legvander
-from scipy.optimize import brentq
 
 from vsb.errors import ConfigError
 from vsb.shell.modes import ModeBasis
@@ -166,18 +165,26 @@ class DeformedShell:
         """Colatitude intervals below the free surface: none (dry), one, or several (more than one waterline)."""
         grid, (_, z, _) = self._grid, self._on_grid
         below = z.real < 0
-        crossings = [self._crossing(grid[i], grid[i + 1]) for i in np.flatnonzero(below[:-1] != below[1:])]
+        sides = [slice(i, i + 2) for i in np.flatnonzero(below[:-1] != below[1:])]
+        crossings = [self._crossing(grid[side], z.real[side]) for side in sides]
         edges = [0.0, *crossings, np.pi]
         middles = self.curve(np.array([(a + b) / 2 for a, b in itertools.pairwise(edges)])).z
         return [(a, b) for a, b, z in zip(edges[:-1], edges[1:], middles.real, strict=True) if z < 0]
 
-    def _crossing(self, a: float, b: float) -> float:
-        """Colatitude of the waterline between two others; of a complex step one of Newton's from the real one."""
+    def _crossing(self, ends: FloatArray, heights: FloatArray) -> float:
+        """Colatitude of the waterline between two others, by Newton's method kept between them.
 
-        def height(phi: float) -> float:
-            return float(self.curve(np.array([phi])).z.real[0])
-
-        found = float(brentq(height, a, b, xtol=1e-15, rtol=1e-15))
+        Of a complex step one more of Newton's, from the real one.
+        """
+        (a, b), found = ends, float(ends[0] - heights[0] * np.diff(ends)[0] / np.diff(heights)[0])
+        while a < found < b:
+            at = self.curve(np.array([found]))
+            a, b = (a, found) if (at.z.real[0] > 0) == (heights[1] > 0) else (found, b)
+            step = float(at.z.real[0] / at.dz.real[0]) if at.dz.real[0] else b - a
+            if abs(step) < 1e-9:  # convergence is quadratic: the error left is its square
+                found -= step
+                break
+            found = found - step if a < found - step < b else float(a + b) / 2
         at = self.curve(np.array([found]))
         return found - 1j * at.z.imag[0] / at.dz.real[0] if np.iscomplexobj(at.z) else found
 

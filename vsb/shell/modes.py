@@ -134,9 +134,10 @@ def stiffness_of(shell: Shell, shapes: Iterable[Mode], *, bending: bool) -> Floa
 
 def _assembled(block: Callable[[int], FloatArray], shapes: Iterable[Mode]) -> FloatArray:
     """Matrix of a quadratic form that couples equal degrees only, from its (V, U) block of a degree."""
-    vectors = [(mode.degree, np.array([mode.radial, mode.meridional])) for mode in shapes]
-    blocks = {n: block(n) for n, _ in vectors}
-    return np.array([[a @ blocks[n] @ b if n == m else 0.0 for m, b in vectors] for n, a in vectors])
+    degrees, radial, meridional = zip(*((mode.degree, mode.radial, mode.meridional) for mode in shapes), strict=True)
+    vectors, blocks = np.column_stack([radial, meridional]), {n: block(n) for n in set(degrees)}
+    forces = np.einsum("si,sij->sj", vectors, np.array([blocks[n] for n in degrees]))
+    return np.where(np.equal.outer(degrees, degrees), forces @ vectors.T, 0.0)
 
 
 @dataclass(frozen=True)
