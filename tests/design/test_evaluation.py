@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.design.conftest import study_of
+from vsb.design.compared import Buoy
 from vsb.design.evaluation import DesignModel
 from vsb.design.linearised import displacements
 from vsb.design.resting import RestingBuoy
@@ -15,6 +16,7 @@ from vsb.hydro.database import Coefficients, with_excitation
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.scenes.ports import ShapeWater, buoy_at
 from vsb.scenes.rest import reference_shell, stiffness_about
+from vsb.study.design import PARTS
 from vsb.waves.climate import Climate
 
 RUBBER = {
@@ -145,6 +147,16 @@ def test_a_rigid_sphere_in_long_waves_absorbs_its_stiffness():
     assert power.value == pytest.approx(omega * 2 * step * stiffness / 4, rel=3e-3)
     for gradient, by in zip(power.gradient, (by_mass, by_radius), strict=True):
         assert gradient / power.value == pytest.approx(by / stiffness, rel=3e-3)
+
+
+@pytest.mark.parametrize("mass", [8e3, 2.8e4])
+def test_a_buoy_comes_back_from_its_stroke_over_the_pull_of_its_spring(climate, mass):
+    """In still water a weak spring below zero holds a light buoy out of the water, a heavy one below it."""
+    study = study_of(designs={"FSB": {"flexible": False}}, device={"mass": mass}, pto={"stiffness": -5e3})
+    found = model_of(study, "FSB", climate, []).at([]).quantities
+    held = Buoy("FSB", study, "FSB", None, {}).displacement_held
+    pull = max(found[part].value for part in PARTS["spring_pull"])
+    assert pull * held == pytest.approx(found["stroke_rms"].value, rel=1e-3)
 
 
 def test_power_of_the_optimal_damper_does_not_change_with_the_damper(climate):

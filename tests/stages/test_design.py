@@ -23,7 +23,7 @@ from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
 from vsb.stages.design_preview import check
 from vsb.stages.make import work
-from vsb.study.design import load_design
+from vsb.study.design import PARTS, load_design
 from vsb.study.design_plan import DesignPlan
 from vsb.study.jobs import jobs, rules
 from vsb.study.plans import plan_of
@@ -189,6 +189,20 @@ def test_gain_as_an_objective_is_over_the_rigid_twin(folder):
     assert end.objective == pytest.approx(ratio, rel=1e-9)
 
 
+def test_a_search_keeps_to_springs_that_the_water_is_stronger_than(folder):
+    """Long waves ask for a spring below zero, which away from rest is stronger than the water, by default to a tenth."""
+    plan = planned(folder, "sprung", {"pto.stiffness": [-1.2e5, 1e5], **DAMPER})
+    for job in jobs(plan):
+        if job.stage == "design_start":
+            work(job)
+    for ends in (plan.starts, plan.rigid_starts):
+        (end,) = outcomes(f"{plan.folder}/starts", [*ends])
+        assert end.accepted
+        parts = PARTS["spring_pull"]
+        assert max(end.quantities[part] for part in parts) == pytest.approx(0.1, rel=1e-6)
+        assert any(end.multipliers.get(part, 0.0) > 0 for part in parts)
+
+
 def test_check_prints_variables_limits_and_cost(folder, capsys, monkeypatch):
     monkeypatch.chdir(folder)
     planned(folder, "checked", {"device.radius": [1.5, 2.5], **DAMPER}, starts=3, limits={"mass": 2e4})
@@ -246,17 +260,36 @@ def test_a_buoy_that_is_not_viable_is_no_answer():
     assert said.below[0].startswith("Computed, but not valid: The best flexible buoy absorbs 14")
 
 
+def commanded(folder, *arguments, code=0):
+    """What the command of users prints, which must end with an exit code."""
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    command = [sys.executable, "-m", "vsb.cli", "run", *arguments]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
+    assert done.returncode == code, done.stderr + done.stdout
+    return done.stdout + done.stderr
+
+
+@pytest.mark.slow
+def test_a_run_in_time_that_fails_is_reported_with_all_that_was_found(folder):
+    """A spring of nine tenths of the waterplane's stiffness throws the buoy out of the water; the exit code says so."""
+    (folder / "soft.yaml").write_text(yaml.safe_dump({**STUDY, "study": "soft", "pto": {"stiffness": -1.0e5}}))
+    plan = planned(folder, "thrown", study="soft.yaml", verify={"seas": 4, "model": "body_exact"})
+    for _ in range(2):  # the second time nothing is left to do
+        out = commanded(folder, "thrown.yaml", "--cores", "1", code=1)
+        assert "thrown: No valid answer yet: a run in time to verify it failed (VSWEC in a sea of Hs" in out
+    page = Path(plan.folder, "report.html").read_text()
+    assert "Computed, but not valid: The best flexible buoy absorbs" in page
+    assert "a spring below zero that drives the buoy out of the water" in page
+    assert all(Path(path).is_file() for path in plan.products)
+
+
 @pytest.mark.slow
 def test_a_design_through_snakemake_is_resumed(folder):
     """The command of users; a start that is missing is all that is computed again before what is made of it."""
     planned(folder, "whole", starts=2)
-    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
 
     def run(*options):
-        command = [sys.executable, "-m", "vsb.cli", "run", "whole.yaml", *options]
-        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
-        assert done.returncode == 0, done.stderr + done.stdout
-        return done.stdout + done.stderr
+        return commanded(folder, "whole.yaml", *options)
 
     out = run("--cores", "2")
     assert "whole: The best flexible buoy absorbs" in out

@@ -27,7 +27,7 @@ from vsb.waves.climate import Climate
 
 FLEXIBLE, COMPETITOR, TWIN, SPHERE = "flexible", "rigid competitor", "rigid twin", "undeformed sphere"
 """Names of the buoys compared."""
-OF_TAKE_OFF = ("force_rms", "stroke_rms")
+OF_TAKE_OFF = ("force_rms", "stroke_rms", "spring_pull")
 """Limits that a take-off can meet."""
 SAFETY = 2.0
 """Of the change by finer nodes and frequencies, for the error of those used."""

@@ -154,9 +154,11 @@ class DesignModel:
         Evaluation
             `annual_mean_power` [W] under one damper all year, the optimal one unless it is a variable; `damping`, that
             damper [N s/m]; root mean squares of the take-off's `force_rms` [N] and `stroke_rms` [m]; `beam` and `draft`
-            of the hull at rest [m], its `surface` [m^2] and `volume` [m^3]; `mass` [kg]. If the study has a flexible
-            design also the four largest inverse load factors of buckling `load_factor_inverse_0` to `_3` [-], and
-            `static_strain`, the largest membrane strain at rest [-].
+            of the hull at rest [m], its `surface` [m^2] and `volume` [m^3]; `mass` [kg]. Where heave moves the port
+            `spring_pull_above` and `_below`, the force of a spring below zero at the rms stroke over the most by which
+            the water brings the buoy back from above and from below [-]. If the study has a flexible design also the
+            four largest inverse load factors of buckling `load_factor_inverse_0` to `_3` [-], and `static_strain`, the
+            largest membrane strain at rest [-].
 
         Raises
         ------
@@ -188,7 +190,23 @@ class DesignModel:
             name: Quantity(value, of_all(np.array(change), of_device, count))
             for name, (value, change) in slopes.items()
         }
+        if study.pto.moved_by_heave:
+            found |= self._spring_pulls(study, found)
         return Evaluation(found)
+
+    def _spring_pulls(self, study: Study, found: Mapping[str, Quantity]) -> dict[str, Quantity]:
+        """Force of a spring below zero at the rms stroke over the most by which the water brings the buoy back.
+
+        Out of the water that is the weight, below it the buoyancy left: the force of the spring grows beyond both.
+        """
+        k, water = study.pto.stiffness, study.water
+        k_change = np.array([float(key == SPRING) for key in self.variables])
+        stroke, mass, volume = (found[name] for name in ("stroke_rms", "mass", "volume"))
+        weight = Quantity(mass.value * water.gravity, mass.gradient * water.gravity)
+        full = water.density * water.gravity
+        left = Quantity(full * volume.value - weight.value, full * volume.gradient - weight.gradient)
+        force = Quantity(-k * stroke.value, -k * stroke.gradient - k_change * stroke.value)
+        return {"spring_pull_above": force / weight, "spring_pull_below": force / left}
 
     def _year(self, study: Study, buoy: Linearised, change: Linearised, places: Sequence[int]) -> dict[str, Quantity]:
         """Power, damper, force and stroke over the year; derivatives of matrices are by the variables at `places`."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from vsb.design.evaluation import Evaluation, Quantity
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.study.design import DIVISORS, THINNEST_RATIO, Objective, Variable
+from vsb.study.design import DIVISORS, PARTS, THINNEST_RATIO, Objective, Variable
 from vsb.tools.arrays import FloatArray
 
 POWER: Literal["annual_mean_power"] = "annual_mean_power"
@@ -90,9 +90,7 @@ class Problem:
     @property
     def limit_names(self) -> list[str]:
         """Names of the limits in the order of the excesses; of the load factor one for each of the largest kappa."""
-        found = []
-        for name in self.limits:
-            found += [f"load_factor_{i}" for i in range(4)] if name == "load_factor" else [name]
+        found = [part for name in self.limits for part in PARTS.get(name, (name,))]
         return [*found, *([THIN_SHELL] if self._thin else [])]
 
     @property
@@ -156,8 +154,8 @@ class Problem:
                 parts = [found[f"{INVERSE_LOAD_FACTOR}_{i}"] for i in range(4)]
                 terms += [Quantity(limit * one.value - 1, limit * one.gradient) for one in parts]
             else:
-                one = found[name]
-                terms.append(Quantity(one.value / limit - 1, one.gradient / limit))
+                parts = [found[part] for part in PARTS.get(name, (name,))]
+                terms += [Quantity(one.value / limit - 1, one.gradient / limit) for one in parts]
         return terms
 
     def _thickness(self, values: FloatArray) -> Quantity:

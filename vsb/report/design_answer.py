@@ -5,7 +5,7 @@ from typing import Any
 
 from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
 from vsb.report.answer import Answer
-from vsb.study.design import Limits, unit_of
+from vsb.study.design import Limits, limit_of, unit_of
 from vsb.tools.words import plain, power, superscripts, watts
 
 Facts = Mapping[str, Any]
@@ -39,13 +39,25 @@ def answer(facts: Facts) -> Answer:
         f"The best flexible buoy absorbs {best} {unit}, mean over the year of {facts['climate']}; the best rigid "
         f"buoy {rigid} {unit} within the same limits: {in_words(facts)}."
     ]
-    if why := facts["not_viable"]:
-        headline = f"No valid answer yet: the best flexible buoy found is not viable ({why}). Change first: the limits."
+    if headline := no_answer(facts):
         return Answer([headline], ["Computed, but not valid: " + stands[0], *limited(facts)])
     if unproven := [name for name in (FLEXIBLE, COMPETITOR) if not facts["found"][name]["accepted"]]:
         stands.append(f"The {' and the '.join(unproven)} shown are not proven optima.")
     below = [verdict(facts), *in_time(facts), *size_or_flexibility(facts), *limited(facts)]
     return Answer(stands, below)
+
+
+def no_answer(facts: Facts) -> str:
+    """Return why there is no valid answer and what to change; "" if there is one."""
+    if why := facts["not_viable"]:
+        return f"No valid answer yet: the best flexible buoy found is not viable ({why}). Change first: the limits."
+    if not (failure := (facts["verified"] or {}).get("failure")):
+        return ""
+    reason, _, change = failure.rstrip(".").rpartition("; ")
+    return (
+        f"No valid answer yet: a run in time to verify it failed ({reason or failure}). Change first: "
+        f"{change if reason else 'the limits'}."
+    )
 
 
 def in_words(facts: Facts) -> str:
@@ -110,11 +122,10 @@ def limited(facts: Facts) -> list[str]:
 
 
 def grouped(multipliers: Mapping[str, float]) -> dict[str, float]:
-    """Return multipliers by limit, those of several buckling loads together, the largest first."""
+    """Return multipliers by limit, those of its parts together, the largest first."""
     found: dict[str, float] = {}
     for name, value in multipliers.items():
-        base = "load_factor" if name.startswith("load_factor") else name
-        found[base] = found.get(base, 0.0) + value
+        found[limit_of(name)] = found.get(limit_of(name), 0.0) + value
     return dict(sorted(found.items(), key=lambda one: -one[1]))
 
 

@@ -24,12 +24,12 @@ from vsb.design.compared import (
 )
 from vsb.design.problem import POWER
 from vsb.design.searched import Outcome, best
-from vsb.report.design_answer import answer
+from vsb.report.design_answer import answer, no_answer
 from vsb.results.budget import Budget, Source
 from vsb.scenes.viability import viability
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
-from vsb.study.design import Limits, unit_of
+from vsb.study.design import Limits, limit_of, unit_of
 from vsb.study.design_plan import TABLES
 from vsb.study.quantities import canonical, content_id
 from vsb.study.specs import DesignSpec, Search
@@ -62,15 +62,16 @@ def run_design_results(
         verified = load(Path(verifications) / f"{spec.verification}.nc", expected=spec.verification)
     doubts = uncertainty(spec, seas, buoys[FLEXIBLE], buoys[COMPETITOR], found[FLEXIBLE].truncation)
     value = gain(buoys[FLEXIBLE].power, buoys[COMPETITOR].power)
-    if verified is not None:
-        doubts = _with_linear_theory(doubts, value, verified)
+    runs = None if verified is None else dict(json.loads(verified.attrs["verified"]))
+    if runs and "failure" not in runs:
+        doubts = _with_linear_theory(doubts, value, runs)
     curves = _fronts(spec, fronts)
     facts = {
         **_facts(spec, found, ends, buoys, doubts),
         **_at_rest(buoys[FLEXIBLE]),
         "held": {name: one.displacement_held for name, one in buoys.items() if one.study.pto.stiffness < 0},
         "fronts": curves,
-        "verified": None if verified is None else dict(json.loads(verified.attrs["verified"])),
+        "verified": runs,
     }
     tables = {
         "starts.csv": starts_table(spec, ends),
@@ -82,15 +83,15 @@ def run_design_results(
         write_text(f"{folder}/{name}", csv_text(head, rows))
     for name, one in (("optimum", buoys[FLEXIBLE]), ("competitor", buoys[COMPETITOR])):
         write_text(f"{folder}/{name}.yaml", study_text(spec, one, name))
-    said = {"answer": " ".join(answer(facts).stands), "facts": json.dumps(facts, allow_nan=False)}
+    said = {"answer": " ".join(answer(facts).stands), "valid": int(not no_answer(facts))}
+    said["facts"] = json.dumps(facts, allow_nan=False)
     stamps = {"spec": canonical(spec), "spec_id": identity}
     save(_dataset(buoys).assign_attrs(**said, **stamps), f"{folder}/design.nc")
     record(manifest, identity, [f"{folder}/{name}" for name in TABLES if not name.endswith(".nc")])
 
 
-def _with_linear_theory(doubts: Uncertainty, value: float, verified: xr.Dataset) -> Uncertainty:
+def _with_linear_theory(doubts: Uncertainty, value: float, runs: Mapping[str, float]) -> Uncertainty:
     """What linear theory errs by, as runs in time of both buoys in the same seas say: their interval of the gain."""
-    runs = json.loads(verified.attrs["verified"])
     source = Source(LINEAR_THEORY, min(0.0, runs["low"] - value), max(0.0, runs["high"] - value))
     return Uncertainty(doubts.budget + Budget((source,)), doubts.unknown)
 
@@ -221,8 +222,7 @@ def sensitivity_table(spec: DesignSpec, found: Mapping[str, Outcome]) -> Table:
             times = float(value) if per == "logarithm" else variable.high - variable.low
             rows.append([name, variable.key, unit(variable.key), float(value), per, float(slope * times / power)])
         for limit, value in one.multipliers.items():
-            known = limit.partition("_factor")[0] == "load"
-            base = "load_factor" if known else limit
+            base = limit_of(limit)
             per = "limit" if base in Limits.model_fields or base == "thin_shell" else "bound"
             given = search.limits.get(base, math.nan)
             shown: object = given if math.isfinite(given) else ""

@@ -1,10 +1,13 @@
 """Rule design_verification: the best flexible buoy and the best rigid one in the same seas of the year in time."""
 
 import json
-from typing import Literal
+from typing import Any, Literal
+
+import xarray as xr
 
 from vsb.design.compared import COMPETITOR, FLEXIBLE, Buoy, buoy_of
 from vsb.design.searched import best
+from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.motion.port import Port
 from vsb.results.verification import DesignInTime, chances, drawn, verified, verified_dataset
 from vsb.results.year import frequencies, year
@@ -27,7 +30,20 @@ GIVEN: Literal["fixed"] = "fixed"
 
 
 def run_design_verification(spec: DesignVerificationSpec, climate: str, starts: str, root: str, out: str) -> None:
-    """Simulate seas drawn from the year with both buoys and write the gain they say."""
+    """Simulate seas drawn from the year with both buoys and write the gain they say, or why a run failed.
+
+    A failure is a result: the search before it took minutes, and its report says what to change.
+    """
+    try:
+        said, found = _followed(spec, climate, starts, root)
+    except (ConfigError, ConvergenceError, StabilityError) as error:
+        said, found = {"failure": str(error).removeprefix("verify: ")}, xr.Dataset()
+    said |= {"model": spec.verify.model, "runs": in_words(spec.verify)}
+    save(found.assign_attrs(verified=json.dumps(said), model=spec.verify.model, **stamp(spec)), out)
+
+
+def _followed(spec: DesignVerificationSpec, climate: str, starts: str, root: str) -> tuple[dict[str, Any], xr.Dataset]:
+    """The gain both buoys have in the same seas with its interval [%], their powers [W], and the corrected year."""
     seas = read_climate(spec.flexible.climate, climate)
     buoys = [
         buoy_of(FLEXIBLE, spec.flexible, best(outcomes(starts, spec.starts))),
@@ -43,16 +59,9 @@ def run_design_verification(spec: DesignVerificationSpec, climate: str, starts: 
     runs = verified(linear_year, GIVEN, sample, *powers)
     gain = runs.gain(0, 1)
     assert gain is not None  # the reference is the other one
-    said = {
-        "value": gain.mean,
-        "low": gain.low,
-        "high": gain.high,
-        "model": spec.verify.model,
-        "runs": in_words(spec.verify),
-        "power": {one.name: runs.power(i).mean for i, one in enumerate(buoys)},
-    }
-    found = verified_dataset(linear_year, GIVEN, runs)
-    save(found.assign_attrs(verified=json.dumps(said), model=spec.verify.model, **stamp(spec)), out)
+    powers_of = {one.name: runs.power(i).mean for i, one in enumerate(buoys)}
+    said = {"value": gain.mean, "low": gain.low, "high": gain.high, "power": powers_of}
+    return said, verified_dataset(linear_year, GIVEN, runs)
 
 
 def simulated(one: Buoy, spec: DesignVerificationSpec) -> Study:

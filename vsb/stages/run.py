@@ -82,9 +82,10 @@ def run(args: argparse.Namespace) -> int:
             code = finished(command, env=environment, pass_fds=[*own, *shared], line=line)
     if code:
         return _failed(plan, begun, lines)
-    if not dry and (report := Path(plan.folder) / "report.html").is_file():
-        print(f"{plan.name}: {_answer(plan)}{report}")
-    return 0
+    if dry or not (report := Path(plan.folder) / "report.html").is_file():
+        return 0
+    print(f"{plan.name}: {_answer(plan)}{report}")
+    return 0 if _is_answered(plan) else 1
 
 
 @contextlib.contextmanager
@@ -147,6 +148,13 @@ def unmade(plan: Plan) -> list[str]:
         return []
     made = [path for job in make.due(jobs(plan), plan.products) for path in job.makes]
     return [path for path in made if plan.is_shared(path) and not Path(path).exists()]
+
+
+def _is_answered(plan: Plan) -> bool:
+    """Whether a design problem has a valid answer; studies and campaigns, which may have part of one, always do."""
+    from vsb.tools.files import attributes
+
+    return not isinstance(plan, DesignPlan) or bool(attributes(plan.tables["design.nc"])["valid"])
 
 
 def _answer(plan: Plan) -> str:

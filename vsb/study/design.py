@@ -44,12 +44,19 @@ QUANTITIES = {
     "gain_percent": Key("%", "", "gain of mean power over the reference design"),
     "damping": Key("N s/m", "", "that damper, the optimal one unless it is a variable", "damping_unit"),
     **KEYS["Limits"],
+    "spring_pull_above": Key("-", "", "pull of a spring below zero at the rms stroke over the weight"),
+    "spring_pull_below": Key("-", "", "the same over the buoyancy left"),
     **{
         f"load_factor_inverse_{i}": Key("-", "", f"load over buckling load, mode {i + 1} of those that buckle first")
         for i in range(4)
     },
 }
 """What is known of a design; units where its port is heave."""
+PARTS = {
+    "load_factor": tuple(f"load_factor_{i}" for i in range(4)),
+    "spring_pull": ("spring_pull_above", "spring_pull_below"),
+}
+"""Limits of which several parts must be met, with names of their own, and a multiplier each."""
 OF_SIZE = ("beam", "surface", "volume", "force_rms")
 """Limits of which one must hold where the radius is free, or power grows with it up to its bound."""
 THINNEST_RATIO = 10.0
@@ -64,6 +71,11 @@ _BOUNDS: dict[str, Any] = {
 }
 """What a file may say of its variables, as JSON schema."""
 _FORMS = "[lowest, highest] or {log: [lowest, highest]}"
+
+
+def limit_of(part: str) -> str:
+    """Return the limit a part is of."""
+    return next((limit for limit, parts in PARTS.items() if part in parts), part)
 
 
 def unit_of(quantity: str, kind: PortKind = FORCE) -> str:
@@ -155,6 +167,7 @@ class Limits(Section):
     volume: Positive | None = None
     force_rms: Positive | None = None
     stroke_rms: Positive | None = None
+    spring_pull: Positive | None = 0.1
 
     @property
     def given(self) -> dict[str, float]:

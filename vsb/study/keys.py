@@ -574,6 +574,12 @@ KEYS: dict[str, dict[str, Key]] = {
         "volume": Key("m^3", "40.0", "volume the shell encloses"),
         "force_rms": Key("N", "20000.0", "root mean square of the take-off's force over the year", "load_unit"),
         "stroke_rms": Key("m", "0.6", "root mean square of the take-off's motion over the year", "motion_unit"),
+        "spring_pull": Key(
+            "-",
+            "0.1",
+            "force of a spring below zero at the rms stroke over the most by which the water brings the buoy back: its "
+            "weight or, if less, its buoyancy left; at 0.1 it comes back from 10 rms strokes",
+        ),
     },
     "Competitor": {
         "variables": Key(
