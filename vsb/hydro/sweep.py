@@ -59,8 +59,8 @@ class _Family(NamedTuple):
     scale: Callable[[FloatArray], FloatArray]  # how much an error counts at frequencies, shape (omega,)
 
 
-def _rows(ds: xr.Dataset, name: str) -> ComplexArray:
-    """Values of a variable, one row for each frequency."""
+def rows_of(ds: xr.Dataset, name: str) -> ComplexArray:
+    """Return the values of a variable, one row for each frequency."""
     return np.asarray(ds[name].values.reshape(ds.sizes["omega"], -1))
 
 
@@ -76,8 +76,8 @@ def relative(difference: ComplexArray | FloatArray, value: ComplexArray | FloatA
 
 def coefficients(ds: xr.Dataset) -> tuple[FloatArray, FloatArray, ComplexArray]:
     """Return added mass, damping and excitation, each shape (omega, entry)."""
-    a, b = _rows(ds, "added_mass").real, _rows(ds, "radiation_damping").real
-    return a, b, np.asarray(sum(_rows(ds, name) for name in FORCES))
+    a, b = rows_of(ds, "added_mass").real, rows_of(ds, "radiation_damping").real
+    return a, b, np.asarray(sum(rows_of(ds, name) for name in FORCES))
 
 
 def largest(*parts: xr.Dataset) -> tuple[float, ...]:
@@ -108,11 +108,6 @@ class AdaptiveSweep:
     excitation: Rational
     incident: IncidentWave
     error: float  # estimated, of added mass, damping and excitation, relative to the band's largest entry of each
-
-    @property
-    def solves(self) -> int:
-        """Number of frequencies solved."""
-        return int(self.solved.sizes["omega"])
 
     @property
     def at_infinity(self) -> FloatArray:

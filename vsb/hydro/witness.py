@@ -24,6 +24,7 @@ from vsb.hydro.database import Check, displacements_of, in_modes, with_excitatio
 from vsb.hydro.quality import haskind_damping
 from vsb.hydro.shape_dependence import ShapeFamily
 from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.hydro.sweep import rows_of
 from vsb.hydro.variables import PAIR
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import ModeBasis
@@ -132,11 +133,6 @@ def spectral_runs(shell: DeformedShell, basis: ModeBasis, waves: Waves) -> Runs:
     return runs(lambda: fine.solve(omegas), lambda: coarse.solve(omegas), basis, waves)
 
 
-def _rows(ds: xr.Dataset, name: str) -> ComplexArray | FloatArray:
-    """Entries of a coefficient, one row for each frequency."""
-    return np.asarray(ds[name].values.reshape(ds.sizes["omega"], -1))
-
-
 def largest(rows: ComplexArray | FloatArray) -> FloatArray:
     """Return the largest entry at each frequency, shape (omega,); never quite zero."""
     return np.asarray(np.maximum(np.abs(rows).max(axis=1), np.finfo(float).tiny))
@@ -144,7 +140,9 @@ def largest(rows: ComplexArray | FloatArray) -> FloatArray:
 
 def differences(one: xr.Dataset, other: xr.Dataset, size: xr.Dataset) -> FloatArray:
     """Return the largest difference of each coefficient in terms of its largest entry, shape (omega, coefficient)."""
-    return np.transpose([largest(_rows(one, n) - _rows(other, n)) / largest(_rows(size, n)) for n in COEFFICIENTS])
+    return np.transpose(
+        [largest(rows_of(one, n) - rows_of(other, n)) / largest(rows_of(size, n)) for n in COEFFICIENTS]
+    )
 
 
 def error_estimate(found: Versions, size: xr.Dataset, depth: float) -> FloatArray:
@@ -275,7 +273,7 @@ def database_checks(ds: xr.Dataset, database: xr.Dataset, error: float) -> list[
     whole = database[list(COEFFICIENTS)].sel({dim: ds[dim].values for dim in shared})
     splines = {name: CubicSpline(whole.omega, whole[name].values) for name in COEFFICIENTS}
     ours = theirs.assign({name: (theirs[name].dims, at(omega)) for name, at in splines.items()})
-    sizes = np.transpose([np.abs(whole[n].values).max() / largest(_rows(theirs, n)) for n in COEFFICIENTS])
+    sizes = np.transpose([np.abs(whole[n].values).max() / largest(rows_of(theirs, n)) for n in COEFFICIENTS])
     where = {"omega": omega, "coefficient": list(COEFFICIENTS)}
     apart, own = (xr.DataArray(a, where, tuple(where)) for a in (differences(ours, theirs, theirs), error * sizes))
     errors = {"the database": own, SOLVERS[other]: judge.witness_estimate}
