@@ -46,7 +46,9 @@ RESOLVED = 1.5
 PROBED = (0.4, 0.7, 1.0, 1.3)
 """Frequencies of regular waves that stand for the seas of a study in still water, in sqrt(g/radius)."""
 SOLVED = 2e-4
-"""Largest tolerance of the coefficients: all degrees share their errors."""
+"""Tolerance of the coefficients of the undeformed shape: all degrees share their errors."""
+SOLVED_EACH = 2e-5
+"""Tolerance of those about an equilibrium, of each degree by itself: with 2e-4 powers of degrees scattered by 3e-5."""
 MOST_FREQUENCIES = 128
 """Frequencies of a sea; seas of more components are summed at so many."""
 SAMPLED = 0.01
@@ -143,27 +145,32 @@ class ModeConvergence:
         modes = modes.model_copy(update={"order": order})
         return self.study.model_copy(update={"modes": modes, "motion": self._motion})
 
-    def _solved(self, shape: DeformedShell, highest: int, *, meridional: bool = True) -> ShapeWater:
+    def _solved(
+        self, shape: DeformedShell, highest: int, tolerance: float = SOLVED, *, meridional: bool = True
+    ) -> ShapeWater:
         """Coefficients of displacements of a shape to a degree, at the frequencies of the seas.
 
         Those along the meridian move water around other shapes than spheres alone.
         """
         along = [Displacement("meridional", n) for n in range(1, highest + 1)] if meridional else []
-        first = self._of_order(shape, 0, [*(Displacement("radial", n) for n in range(highest + 1)), *along])
+        first = self._of_order(shape, 0, [*(Displacement("radial", n) for n in range(highest + 1)), *along], tolerance)
         if self._motion == "heave":
             return first
         orders = range(1, self._with(self.study.modes).modes.order + 1)
         others = (
-            self._of_order(shape, m, [Displacement("radial", n, m) for n in range(m, highest + 1)]) for m in orders
+            self._of_order(shape, m, [Displacement("radial", n, m) for n in range(m, highest + 1)], tolerance)
+            for m in orders
         )
         return replace(first, orders=tuple(others))
 
-    def _of_order(self, shape: DeformedShell, order: int, moved: Iterable[Displacement]) -> ShapeWater:
+    def _of_order(
+        self, shape: DeformedShell, order: int, moved: Iterable[Displacement], tolerance: float
+    ) -> ShapeWater:
         """Coefficients of displacements of one azimuthal order."""
         water, omega, moved = self.study.water, self._sampled.omega.tolist(), tuple(moved)
         problem = SpectralProblem(shape, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)
-        problem, _ = resolved(problem, [omega[0], omega[-1]], SOLVED)
-        found = with_excitation(on_grid(problem.solve, omega, SOLVED, incident_wave(problem)).coefficients)
+        problem, _ = resolved(problem, [omega[0], omega[-1]], tolerance)
+        found = with_excitation(on_grid(problem.solve, omega, tolerance, incident_wave(problem)).coefficients)
         if order:
             found = with_haskind_damping(found, order, water.depth, water.density, water.gravity)
         matrices = (found[name].values for name in ("added_mass", "radiation_damping"))
@@ -176,7 +183,7 @@ class ModeConvergence:
         study = self._with(modes)
         reference = reference_shell(study)
         if study.at_equilibrium or modes.max_degree > self._degrees[-1]:
-            water = self._solved(reference.shape, max(1, modes.max_degree))
+            water = self._solved(reference.shape, max(1, modes.max_degree), SOLVED_EACH)
         else:
             water = self._undeformed_water
         ports, squares = self._ports(study, reference, water), self._sampled.squares
