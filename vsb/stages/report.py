@@ -31,7 +31,7 @@ from vsb.results.statistics import families
 from vsb.scenes.floating_system import FloatingSystem, band, floating_system, heading, study_sea
 from vsb.stages.stored import Inputs
 from vsb.study.blocks import no_witness
-from vsb.study.body import AnyStudy, BodyFile
+from vsb.study.body import CONTENTS, AnyStudy, BodyFile
 from vsb.study.study import Study
 from vsb.study.take_off import named_ports, port_kind
 from vsb.study.waves import (
@@ -367,15 +367,17 @@ def _facts(stored: Inputs, runs: Sequence[Mapping[str, Any]]) -> dict[str, str]:
     if buoy:
         assumed = {"Hydrodynamics": ASSUMED.format(buoy.hydro.pressure)} if not study.needs_bem else {}
         hydrodynamics |= _cross_check_facts(stored, buoy) if study.needs_bem else assumed
+    text = yaml.safe_dump(_printed(study), sort_keys=False, default_flow_style=None, width=100)
+    files = ", where checksums stand for the files" if CONTENTS in text else ""
     return {
         "Program": f"vsb {__version__}, {clock.strftime('%Y-%m-%d')}",
-        "Command": f"vsb run {study.study}.yaml, that file being the study at the end of this table",
+        "Command": f"vsb run {study.study}.yaml, that file being the study at the end of this table{files}",
         "Inputs": _inputs(stored),
         **hydrodynamics,
         "Time domain": f"{runs[0]['method']}, {study.simulation.duration:g} s of motion in "
         f"{max(run['seconds'] for run in runs):.3f} s or less per design and sea",
         "Largest energy residual": f"{max(run['energy_residual'] for run in runs):.1e}",
-        "Study": yaml.safe_dump(_printed(study), sort_keys=False, default_flow_style=None, width=100),
+        "Study": text,
     }
 
 
