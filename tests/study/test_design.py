@@ -50,9 +50,9 @@ def test_a_design_file_names_variables_limits_and_a_competitor(folder):
         assert one.slope(one.value(0.4)) == pytest.approx(slope, rel=1e-8)
     assert [one.key for one in loaded.competing] == ["device.radius", "device.mass"]
     assert loaded.problem.limits.given == {
-        "load_factor": 1.5, "static_strain": 0.1, "beam": 4.8, "spring_pull": 0.1,
+        "load_factor": 1.5, "static_strain": 0.1, "beam": 4.8, "spring_pull": 0.05,
     }  # fmt: skip
-    assert loaded.problem.limits.without_shell().given == {"beam": 4.8, "spring_pull": 0.1}
+    assert loaded.problem.limits.without_shell().given == {"beam": 4.8, "spring_pull": 0.05}
     assert loaded.flexible == "VSWEC"
     assert loaded.rigid == "FSB"
     assert loaded.rigid_sections["designs"] == {"FSB": {"flexible": False}}

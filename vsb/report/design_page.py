@@ -17,9 +17,10 @@ BUOYS = (
 )  # fmt: skip
 """Rows of the table of buoys."""
 
-STROKES_HELD = 10.0
+STROKES_HELD = 20.0
 """Rms strokes of the year from rest to where a spring below zero takes over, below which the page says so: the storms
-of a year have twice its rms waves or more, and peaks in them four standard deviations."""
+of a year have twice its rms waves or more, longer ones that such a spring is tuned to, and peaks of four standard
+deviations."""
 
 
 def render(facts: Facts, figures: Mapping[str, str], identity: str) -> str:

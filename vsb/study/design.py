@@ -167,7 +167,7 @@ class Limits(Section):
     volume: Positive | None = None
     force_rms: Positive | None = None
     stroke_rms: Positive | None = None
-    spring_pull: Positive | None = 0.1
+    spring_pull: Positive | None = 0.05
 
     @property
     def given(self) -> dict[str, float]:

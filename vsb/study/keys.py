@@ -576,9 +576,9 @@ KEYS: dict[str, dict[str, Key]] = {
         "stroke_rms": Key("m", "0.6", "root mean square of the take-off's motion over the year", "motion_unit"),
         "spring_pull": Key(
             "-",
-            "0.1",
+            "0.05",
             "force of a spring below zero at the rms stroke over the most by which the water brings the buoy back: its "
-            "weight or, if less, its buoyancy left; at 0.1 it comes back from 10 rms strokes",
+            "weight or, if less, its buoyancy left; at 0.05 it comes back from 20 rms strokes",
         ),
     },
     "Competitor": {
