@@ -9,6 +9,7 @@ from vsb.motion.coefficient_errors import (
     CoefficientError,
     Sensitivity,
     haskind_misfits,
+    relative_error,
     sensitivity,
     sensitivity_at_ports,
     sensitivity_of_forces,
@@ -112,6 +113,15 @@ def test_unsigned_errors_combine_in_the_worst_way():
         signed=True,
     )
     assert slopes.to(aligned) == pytest.approx(slopes.to(worst), rel=1e-12)
+
+
+def test_coupling_has_the_larger_relative_error_of_its_two_motions():
+    found, size = water(np.random.default_rng(7)), np.array([0.1, 0.01, 0.0])
+    mass, damping, force = relative_error("resolution", found, size).error
+    of_pair = np.array([[0.1, 0.1, 0.1], [0.1, 0.01, 0.01], [0.1, 0.01, 0.0]])
+    np.testing.assert_allclose(mass, of_pair * np.abs(found.added_mass), rtol=1e-15)
+    np.testing.assert_allclose(damping, of_pair * np.abs(found.damping), rtol=1e-15)
+    np.testing.assert_allclose(force, size * np.abs(found.excitation), rtol=1e-15)
 
 
 @pytest.mark.parametrize("design", FREE)

@@ -39,6 +39,7 @@ def test_inactive_limits_give_the_matched_power(harmonics):
     tight = optimum(harmonics, (0.8 * free.force_peak, 1.01 * free.stroke_peak))
     assert free.power == loose.power == pytest.approx(matched, rel=1e-14)
     assert free.gap == loose.gap == 0
+    assert free.force_rms == pytest.approx(np.sqrt(np.mean(harmonics.signal(free.force) ** 2)), rel=1e-12)
     assert tight.power < matched
     assert tight.power <= tight.bound <= matched
     assert tight.gap < PROVEN

@@ -98,6 +98,14 @@ def test_best_design_is_chosen_among_valid_ones():
     ]
 
 
+def test_gain_over_an_invalid_reference_is_no_answer():
+    lines = [gained("FSB", 0.0), gained("A", 5.0), gained("FSB", 0.0, "v"), gained("A", 50.0, "v")]
+    invalid = [{"design": "FSB", "sea": "v", **STRAINED, "name": "power_limit"}]
+    found = answered(lines, best_power(A=0 * OMEGA), "FSB", SEAS, invalid)
+    assert found.stands[0].startswith("In a swell, each design at its optimal damping, A absorbs 5.0 % more")
+    assert found.below[0].startswith("Not valid and not part of this answer: A in a chop, computed to absorb 50.0 %")
+
+
 def test_number_of_an_invalid_design_stands_below_the_answer():
     lines = [gained("FSB", 0.0), gained("A", 5.0, width=1.0)]
     invalid = [{"design": "A", "sea": "w", **BUCKLED}, {"design": "A", "sea": "w", **BUCKLED, "name": "buckling"}]

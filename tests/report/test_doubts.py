@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from vsb.report.doubts import ADVICE, warnings
+from vsb.report.doubts import ADVICE, reasons, warnings
 from vsb.study.keys import KEYS
 
 BUCKLING = {
@@ -31,6 +31,11 @@ def test_failed_checks_head_the_page():
     (accepted,) = warnings([{**HEAVE, "verdict": "accepted"}])
     assert accepted.startswith("heave of A in w: 0.4, limit 0.3 (large)")
     assert warnings([{**HEAVE, "verdict": "ok"}]) == []
+
+
+def test_a_reason_has_the_largest_of_its_values():
+    (text,) = reasons([{"name": "strain", "value": value} for value in (0.11, 0.13, 0.12)])
+    assert text.startswith("the strain reaches 13 %")
 
 
 def test_advice_names_keys_that_exist():

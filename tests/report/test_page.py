@@ -19,6 +19,7 @@ from vsb.report.page import (
     PUBLISHED_HEAD,
     STATISTICS,
     Report,
+    band_statements,
     irregular_statements,
     measures,
     published_table,
@@ -56,6 +57,14 @@ def row(design, power, wave="w"):
 
 STUDY = {"study": "s", "published": None, "pto": {"damping": 10.0}, "hydro": {"tolerance": 1e-3}}
 CHECKS = [BUCKLING | {"unit": "-"}, HEAVE | {"unit": "-"}]
+
+
+def test_waves_in_which_a_design_gains_and_loses_are_told_apart():
+    """10 % more below 2 rad/s, 20 % less from there on."""
+    (text,) = band_statements(response(A=np.where(OMEGA < 2.0, 0.1, -0.2)).absorbed_power, "FSB")
+    more, less = text.split("; ")
+    assert re.fullmatch(r"A absorbs more in waves of 3\.16 to 12\.57 s \(up to 10 % at .* s\)", more)
+    assert re.fullmatch(r"less in waves of \d\.\d\d to 3\.14 s \(up to 20 % at .* s\) than FSB\.", less)
 
 
 @given(st.lists(st.floats(-50.0, 50.0), min_size=1, max_size=40))

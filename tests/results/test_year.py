@@ -11,6 +11,7 @@ from hypothesis.extra import numpy as hnp
 
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
+from vsb.results.matrix_year import Absorbed
 from vsb.results.year import Bins, DesignYear, band_weights, frequencies, gain_percent, year
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.study.sections import Water
@@ -143,6 +144,12 @@ def test_band_weights_integrate_linear_functions(low, high):
     assert weights.sum(axis=1) == pytest.approx(2 * np.diff(inside), abs=1e-12)
     assert weights @ grid == pytest.approx(np.diff(inside**2), abs=1e-12)
     assert weights.min() >= 0
+
+
+def test_mean_damper_matrix_of_a_year_counts_hours():
+    weak, strong = np.eye(2), np.array([[3.0, 1.0], [1.0, 2.0]])
+    found = Absorbed(np.array([weak, strong]), np.array([0, 1, 1]), np.ones(3)).mean_matrix(np.array([0.7, 0.2, 0.1]))
+    np.testing.assert_allclose(found, 0.7 * weak + 0.3 * strong, rtol=1e-14)
 
 
 def test_rms_force_of_individual_dampers():

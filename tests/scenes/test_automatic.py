@@ -9,7 +9,17 @@ from conftest import varied
 
 from vsb.integrators.harmonic_balance import harmonic_balance, steady_power
 from vsb.motion.shell_forces import ElasticForce
-from vsb.scenes.automatic import RIGID, Description, Scenes, chosen, linear_power, motion_ladder, truncated
+from vsb.scenes.automatic import (
+    RIGID,
+    Choice,
+    Description,
+    LeftOut,
+    Scenes,
+    chosen,
+    linear_power,
+    motion_ladder,
+    truncated,
+)
 from vsb.scenes.rest import reference_shell, rubber_shell, study_basis
 from vsb.shell.deformed import DeformedShell
 from vsb.study.study import parse
@@ -53,6 +63,13 @@ def test_error_of_the_chosen_model_is_within_its_statement(scenes_of, design, pe
     whole = steady_power(scenes.system(scenes.full), 1e-8, scenes.buoy.spectrum.transfer)
     assert abs(scenes.power(choice.description) / whole - 1) <= choice.error + 1e-7
     assert choice.error <= tolerance
+
+
+def test_stated_error_contains_that_of_all_parts_together(scenes_of):
+    scenes, parts = scenes_of("FSB", swell(1e-3, 4.0)), np.array([0.003, 0.004, 0.002])
+    left_out = tuple(LeftOut("a part", error) for error in parts)
+    choice = Choice(scenes.full, left_out, scenes.scene(scenes.full))
+    assert np.prod(1 + parts) - 1 <= choice.error
 
 
 def test_body_exact_forces_are_chosen_in_high_waves_only(scenes_of):

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from design.conftest import DEVICE
@@ -17,12 +18,16 @@ import vsb
 from vsb.cli import main
 from vsb.design.compared import COMPETITOR, FLEXIBLE
 from vsb.design.evaluation import DesignModel
+from vsb.design.problem import POWER
+from vsb.design.searched import Outcome
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.report.design_answer import answer
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
 from vsb.stages.design_preview import check
+from vsb.stages.design_results import sensitivity_table
 from vsb.stages.make import work
+from vsb.stages.run import _best_so_far
 from vsb.study.design import PARTS, load_design
 from vsb.study.design_plan import DesignPlan
 from vsb.study.jobs import jobs, rules
@@ -55,6 +60,28 @@ def planned(folder, name="damper", variables=None, **changes):
     raw |= {"limits": {"load_factor": None, "static_strain": None}, "starts": 1} | changes
     (folder / f"{name}.yaml").write_text(yaml.safe_dump(raw, sort_keys=False))
     return DesignPlan(plan_of(str(folder / f"{name}.yaml")).loaded, root=str(folder / "results"))
+
+
+def test_sensitivity_is_the_exponent_of_a_power_law(folder):
+    """Of a power in proportion to the square of the damper: 2."""
+    power, damper = 700.0, np.array([3e4])
+    one = Outcome(
+        keys=tuple(DAMPER), start=damper, values=damper, objective=power, quantities={POWER: power},
+        gradients={POWER: 2 * power / damper}, multipliers={}, kkt=0.0, violation=0.0, curvatures=(), flat=(),
+        accepted=True, message="", evaluations=1, degree=None, truncation=None,
+    )  # fmt: skip
+    rows = sensitivity_table(planned(folder, "squared").design, {FLEXIBLE: one, COMPETITOR: one})[1]
+    assert [(row[1], row[-1]) for row in rows] == 2 * [("pto.damping", pytest.approx(2.0, rel=1e-12))]
+
+
+def test_best_of_all_starts_is_told_while_they_run(folder):
+    plan = planned(folder, "watched", starts=2)
+    assert _best_so_far(plan) == ""
+    for start, power in zip(plan.starts, (1030.0, 812.4), strict=True):
+        log = Path(plan.root, "logs", "design_start", f"{plan.name}-{start}.log")
+        log.parent.mkdir(parents=True, exist_ok=True)
+        log.write_text(f"best so far: {power} W with pto.damping 5000\n")
+    assert _best_so_far(plan) == "best so far: 1030.0 W with pto.damping 5000"
 
 
 @pytest.fixture(scope="module")

@@ -37,6 +37,13 @@ def test_page_computes_the_optimal_powers_of_the_study(small, tables, tmp_path):
     assert [design["name"] for design in data["designs"] if design["reference"]] == [small.study.reference_design]
 
 
+def test_sea_of_a_spectrum_has_the_energy_of_its_height(small, tmp_path):
+    data = living(small, small.study.model_copy(update={"waves": (Jonswap(kind="jonswap", hs=0.4, tp=4.0),)}))
+    expression = "Array.from(seaSquares(data.seas[0], unpackedGrid(data.grids[0])))"
+    squares = evaluated([html.text_of("algebra.js")], expression, data, tmp_path)
+    assert 4 * np.sqrt(np.sum(squares) / 2) == pytest.approx(0.4, rel=0.01)
+
+
 def test_seas_from_two_directions_have_their_own_ports(small):
     """With equal numbers for a buoy in heave, which is axisymmetric."""
     wave = RegularWave(kind="regular", amplitude=0.1, period=3.0)

@@ -13,7 +13,7 @@ import vsb
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
 from vsb.stages import report
-from vsb.stages.verify import stale_products, study_faults, verify
+from vsb.stages.verify import differences, stale_products, study_faults, verify
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
 
@@ -88,6 +88,11 @@ def test_copied_results_are_valid_without_snakemakes_records(place):
     assert verify("small.yaml") == [f"small.yaml: {len(PLAN.ids)} files are what they should be"]
     for folder in ("results", "results/small"):
         assert verify(folder) == [f"{folder}: {len(PLAN.ids)} files are what they should be"]
+
+
+def test_change_of_a_study_is_told_from_what_it_was_to_what_it_is(place):
+    assert differences(PLAN) == ""
+    assert differences(plan_of(pto={**RAW["pto"], "damping": 5000.0})) == "pto.damping 8000.0 -> 5000.0"
 
 
 def test_copied_results_are_continued(place):

@@ -117,6 +117,25 @@ def test_yaw_of_a_round_body_does_not_spoil_the_verdict(green):
     assert max(each.own.attrs[name] for each in solved for name in ("symmetry", "far_field", "haskind")) < 0.1
 
 
+@pytest.mark.parametrize(
+    ("fewer", "waves", "expected"),
+    [((0.7, 0.9, 0.9), (0.95, 0.97), 0.3 / 0.6), ((0.9, 0.8, 0.9), (1.0, 0.9), 0.2 / 0.6 + 0.1)],
+)
+def test_estimate_is_the_change_over_r_minus_1_and_what_both_meshes_miss(fewer, waves, expected):
+    """Panels 1.6 times as large change mass, damping and force; far field and Haskind differ from damping and force."""
+    pair, wave = ("omega", "influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
+    matrices = {name: (pair, np.ones((1, 1, 1))) for name in NAMES[:2]}
+    forces = {name: (wave, np.full((1, 1, 1), 0.5 + 0j)) for name in ("Froude_Krylov_force", "diffraction_force")}
+    dofs_of = {"influenced_dof": ["Heave"], "radiating_dof": ["Heave"]}
+    own = xr.Dataset(matrices | forces, {"omega": [1.0], "wave_direction": [0.0], **dofs_of})
+    whole = with_excitation(own)
+    other = xr.Dataset({name: whole[name] * share for name, share in zip(NAMES, fewer, strict=True)})
+    known = xr.Dataset({name: whole[name] * share for name, share in zip(NAMES[1:], waves, strict=True)})
+    limit = xr.Dataset({"added_mass_inf": (pair[1:], [[1.0]])})
+    infinite = Block(limit.assign_attrs(resolution_ratio=1.6), limit, xr.Dataset())
+    assert error_estimate([Block(own, other, known)], infinite, np.ones(1)) == pytest.approx(expected, rel=1e-12)
+
+
 def smooth(omega, directions, sizes, centre):
     """Coefficients of two motions in closed form, of a body at a place."""
     w = np.asarray(omega)[:, None, None]
