@@ -12,6 +12,7 @@ from vsb.motion.frequency import compliance, normal_modes, softest, unrestrained
 from vsb.motion.linear import Channel, LinearSystem, one_channel
 from vsb.motion.port import LinearPto
 from vsb.scenes.rest import design_motions, study_basis
+from vsb.study.device import MaxwellBranch
 
 
 def power(buoy_of, study, design, omega):
@@ -40,6 +41,16 @@ def test_stiff_shell_approaches_the_rigid_buoy(buoy_of, seed):
         study = varied(seed, device={"young_modulus": modulus, "damping": {"alpha": 0.0, "beta": 0.0}})
         gains.append(np.abs(power(buoy_of, study, "VSWEC", omega) / power(buoy_of, study, "FSB", omega) - 1).max())
     assert gains[0] / gains[1] == pytest.approx(100, rel=0.2)  # flexibility is first order in 1/E
+
+
+def test_fast_branch_of_a_viscous_shell_is_a_damper(buoy_of, seed):
+    """Of its ratio times its time, beside the stiffness of the shell."""
+    omega, buoy = np.linspace(0.5, 6.0, 12), buoy_of(seed)
+    viscous = replace(buoy, maxwell=(MaxwellBranch(ratio=10.0, time=1e-4),))
+    damped = replace(buoy, structural_damping=buoy.structural_damping + 1e-3 * buoy.stiffness_parts["structural"])
+    motions = design_motions(seed, study_basis(seed), "VSWEC")
+    found, expected, plain = (one.rao(omega, motions) for one in (viscous, damped, buoy))
+    assert np.abs(found - expected).max() < 1e-3 * np.abs(expected - plain).max()
 
 
 @pytest.mark.parametrize(("structural", "pto", "radiated"), [(0.0, 0.0, 0.0), (70.0, 250.0, 400.0)])
