@@ -263,10 +263,8 @@ def left_out(
         See `vsb.scenes.mode_convergence.bending_degree`.
     """
     first, last = changes
-    powers = (0.0, first, last)
-    beyond = float(further([np.asarray(change) for change in powers]))
-    if bending is not None:
-        beyond = further_about_rings(powers, degrees, bending)
+    powers = [np.asarray(change) for change in (0.0, first, last)]
+    beyond = float(further(powers) if bending is None else further_about_rings(powers, degrees, bending))
     low, high = min(0.0, last - beyond), max(0.0, last + beyond)
     grows = abs(last - first) > abs(first)
     return None if grows and max(-low, high) > tolerance else (low, high)

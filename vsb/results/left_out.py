@@ -13,8 +13,8 @@ from vsb.scenes.mode_convergence import (
     JUDGED,
     SAMPLED,
     ModeConvergence,
+    beyond,
     directed,
-    further,
     mean_sea,
     motion_of_port,
     powers_of_ports,
@@ -22,7 +22,7 @@ from vsb.scenes.mode_convergence import (
 )
 from vsb.scenes.ports import BuoyOfShape, buoy_at
 from vsb.study.sections import DEGREES, Modes
-from vsb.study.specs import BuoySystem
+from vsb.study.specs import AnyBuoy, BuoySystem
 from vsb.study.study import Study
 from vsb.study.waves import Wave
 from vsb.tools.arrays import FloatArray
@@ -69,11 +69,11 @@ def modes_left_out(
     convergence = ModeConvergence(study, tuple(directed(wave, sea) for wave, sea in seas), families)
     powers, modes = powers or convergence.powers_by_degree, study.modes
     known = modes.basis == "full" and modes.max_degree in powers
-    before, tried = powers[modes.max_degree] if known else convergence.powers(modes), list(powers.values())
-    power, gain = _relative(_bounds(before, tried), before), np.zeros((*before.shape, len(ENDS)))
+    before = powers[modes.max_degree] if known else convergence.powers(modes)
+    power, gain = _relative(_bounds(study, before, powers), before), np.zeros((*before.shape, len(ENDS)))
     if (reference := study.reference_design) is not None:
         at = list(study.designs).index(reference)
-        gain = _bounds(_gains(before, at), [_gains(one, at) for one in tried])
+        gain = _bounds(study, _gains(before, at), {n: _gains(one, at) for n, one in powers.items()})
     if not study.at_equilibrium:  # else the shape at rest depends on the modes, too
         power[[i for i, design in enumerate(study.designs.values()) if not design.flexible]] = 0.0
     dims = ("design", "wave", "take_off", "end")
@@ -111,7 +111,7 @@ def gain_of_year(
 
     Notes
     -----
-    With the full basis lower degrees of it are compared, in the water given; see `further`. About an equilibrium each
+    With the full basis lower degrees of it are compared, in the water given; see `beyond`. About an equilibrium each
     degree has its own shape at rest and water, since the rigid design depends on them, too. With another basis, or too
     few modes for that, powers of ascending degrees of the full basis are computed as in `modes_left_out`.
     """
@@ -123,6 +123,7 @@ def gain_of_year(
     heaving = buoy.model_copy(update={"motion": "heave"})
     lower = [degree for degree in DEGREES if degree <= buoy.modes.max_degree / LEAST_RATIO][-2:]
     nested = buoy.modes.basis == "full" and lower
+    degrees = [*lower, buoy.modes.max_degree]
     if nested and not buoy.at_equilibrium and motion_of_port(buoy) == "heave":
         omega = waves[designs[at]].port.omega
         squares, water = (climate.mean_density @ band_weights(omega, climate))[None], floating.swept.at(omega)
@@ -130,23 +131,24 @@ def gain_of_year(
         for n in reversed(lower):
             at_degree = buoy_at(heaving, floating.reference, water, n)
             seen.insert(0, at_degree.several_ports() if study.pto.several else at_degree.ports())
-        tried = [powers_of_ports(ports, study.pto, squares) for ports in seen]
-        before = tried[-1]
+        tried = {n: powers_of_ports(ports, study.pto, squares) for n, ports in zip(degrees, seen, strict=True)}
+        before = tried[degrees[-1]]
     else:
         convergence = ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)])
         before = convergence.powers(buoy.modes)
         if nested:  # the shape at rest, and with it the rigid design, depends on the modes, too
-            tried = [*(convergence.powers(Modes(basis="full", degree=n)) for n in lower), before]
+            tried = {n: convergence.powers(Modes(basis="full", degree=n)) for n in lower}
+            tried[degrees[-1]] = before
         else:
-            tried = list(convergence.powers_by_degree.values())
-    gain = _bounds(_gains(before, at), [_gains(one, at) for one in tried])[:, 0, :JUDGED]
+            tried = dict(convergence.powers_by_degree)
+    gain = _bounds(buoy, _gains(before, at), {n: _gains(one, at) for n, one in tried.items()})[:, 0, :JUDGED]
     return np.stack([gain[..., 0].min(axis=1), gain[..., 1].max(axis=1)], axis=-1)
 
 
-def _bounds(before: FloatArray, tried: Sequence[FloatArray]) -> FloatArray:
+def _bounds(study: AnyBuoy, before: FloatArray, tried: Mapping[int, FloatArray]) -> FloatArray:
     """Range (..., end) about zero of what all modes change: to the highest of the degrees tried, and beyond it."""
-    change = tried[-1] - before
-    missed = further(tried) + SAMPLED * np.abs(change)
+    change = tried[max(tried)] - before
+    missed = beyond(study, tried) + SAMPLED * np.abs(change)
     return np.stack([np.minimum(change, 0.0) - missed, np.maximum(change, 0.0) + missed], axis=-1)
 
 

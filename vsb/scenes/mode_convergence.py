@@ -32,7 +32,6 @@ from vsb.shell.shell import Shell
 from vsb.study.directions import IN_PLANE, RIGID, Motion
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
-from vsb.study.study import Study
 from vsb.study.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
 from vsb.study.waves import IrregularSea, RegularWave, SeaOfFile, StillWater, Wave
 from vsb.tools.arrays import FloatArray
@@ -227,7 +226,7 @@ class ModeConvergence:
                 if len(found) < 2:
                     raise
                 break
-            if len(found) > 2 and self.worst(further(list(found.values()))) <= self.study.modes.tolerance / 2:
+            if len(found) > 2 and self.worst(beyond(self.study, found)) <= self.study.modes.tolerance / 2:
                 break
         return found
 
@@ -245,7 +244,7 @@ class ModeConvergence:
     @cached_property
     def further(self) -> FloatArray:
         """What degrees beyond the highest tried may change, shape of the powers [W]."""
-        return further(list(self.powers_by_degree.values()))
+        return beyond(self.study, self.powers_by_degree)
 
     @property
     def converged(self) -> FloatArray:
@@ -345,6 +344,23 @@ def _of_matrices(ports: Ports, pto: Pto, design: str, squares: FloatArray, toget
     return [fixed, optimal, diagonal, for_all]
 
 
+def beyond(study: AnyBuoy, powers: Mapping[int, FloatArray]) -> FloatArray:
+    """Return what degrees beyond the last may change, of each design, shape of the powers.
+
+    Parameters
+    ----------
+    powers : mapping degree -> ndarray, shape (design, ...)
+        Powers or gains with two or more ascending degrees of the full basis.
+    """
+    degrees, values = list(powers), list(powers.values())
+    change = further(values)
+    for row, design in enumerate(study.designs):
+        bending = bending_degree(study, design)
+        if bending is not None:
+            change[row] = further_about_rings([one[row] for one in values], degrees, bending)
+    return change
+
+
 def further(powers: Sequence[FloatArray]) -> FloatArray:
     """Return what degrees beyond the last may change, shape of the powers [W]: the span of the last three powers.
 
@@ -366,27 +382,28 @@ def further(powers: Sequence[FloatArray]) -> FloatArray:
     return np.where(step > previous, SAFETY * (step + previous), falling)
 
 
-def further_about_rings(powers: Sequence[float], degrees: Sequence[int], bending: float) -> float:
-    """Return what degrees beyond the last may change where a load acts at a ring of the shell [W].
+def further_about_rings(powers: Sequence[FloatArray], degrees: Sequence[int], bending: float) -> FloatArray:
+    """Return what degrees beyond the last may change where a load acts at a ring of the shell, shape of the powers [W].
 
     Below `bending_degree` each degree yields about as much to such a load as the one before, more or less with its
     amplitude at the ring: the steepest change per degree seen counts up to `RESOLVED` times that degree. Beyond it
-    errors fall like 1/degree, unevenly. `SAFETY` times the larger of that and of both steps.
+    errors fall like 1/degree, unevenly. `SAFETY` times the larger of that and of both last steps.
 
     Parameters
     ----------
-    powers : sequence of float [W]
-        With three ascending degrees of `DEGREES`.
+    powers : sequence of ndarray [W]
+        With two or more ascending degrees of `DEGREES`.
     degrees : sequence of int
     bending : float
         See `bending_degree`.
     """
-    steps = np.abs(np.diff(powers))
-    per_degree = float((steps / np.diff(degrees)).max())
-    return SAFETY * max(float(steps.sum()), per_degree * (RESOLVED * bending - degrees[-1]))
+    steps, widths = np.abs(np.diff(powers[-3:], axis=0)), np.diff(degrees[-3:])
+    per_degree = (steps.T / widths).T.max(axis=0)
+    missing = max(RESOLVED * bending - degrees[-1], 0.0)
+    return np.asarray(SAFETY * np.maximum(steps.sum(axis=0), missing * per_degree))
 
 
-def bending_degree(study: Study, design: str) -> float | None:
+def bending_degree(study: AnyBuoy, design: str) -> float | None:
     """Return the degree at which the shell is as stiff by bending as by its membrane; None if no load acts at a ring.
 
     D n^4/r^4 = E h/r^2 with D = E h^3/(12 (1 - nu^2)), r the largest radius or half the height. Clamps, take-offs at
