@@ -79,7 +79,7 @@ def test_gains_of_the_full_basis_agree_with_independent_multipoles(vented, conve
 
 def test_clamped_shell_needs_the_highest_degree(converged):
     assert converged.degree == DEGREES[-1]
-    assert 1e-3 < converged.worst(converged.further) < 0.01
+    assert not converged.met  # two clamped shells may still change by 1.6 %
 
 
 def test_interval_of_a_truncated_basis_contains_the_converged_gain(vented, converged):
@@ -278,3 +278,22 @@ def test_bound_of_further_degrees_holds_where_one_step_is_small_by_chance():
     """Powers of a pressurised buoy by degree (6, 9, 14, then 30) whose last step is a seventh of what follows."""
     powers = [np.array([value]) for value in (1.0, 1.0 + 9e-5, 1.0 + 9.7e-5, 1.0 + 14.7e-5)]
     assert abs(powers[3] - powers[2]) < further(powers[:3])
+
+
+def test_interval_of_a_shell_clamped_at_a_ring_contains_the_powers_of_many_modes(seed):
+    """The steps from degree 6 to 14 are small, those beyond it are not: bending about the clamp takes part from 28 on."""
+    study = varied(
+        seed,
+        device={"young_modulus": 9.16e8, "thickness": 0.0084, "density": 1100.0},
+        designs={"FSB": {"flexible": False}, "CLAMPED": {"clamp": 97.5}},
+        waves=[{"kind": "regular", "amplitude": 0.1, "period": period} for period in (2.5, 3.0, 3.5, 5.0)],
+        modes={"basis": "full", "degree": 6},
+    )
+    found = convergence(study)
+    powers = {n: found.powers(Modes(basis="full", degree=n))[1] for n in (6, 9, 14, 60)}
+    few = {n: powers[n][None] for n in (6, 9, 14)}
+    assert np.any(np.abs(powers[60] - powers[14]) > further([*few.values()])[0])  # as if no load acted at a ring
+    bounds = left_out(study).power.sel(design="CLAMPED")
+    change = powers[60] / powers[6] - 1
+    assert np.all(bounds.sel(end="low") <= change)
+    assert np.all(change <= bounds.sel(end="high"))

@@ -82,6 +82,14 @@ def test_check_compares_a_given_degree_with_the_tolerance(asked, planned):
     assert line(basis="membrane", degree=90).startswith("doubt")
 
 
+def test_check_says_where_the_highest_degree_may_not_meet_the_tolerance(seed, tmp_path):
+    clamped = {"FSB": {"flexible": False}, "VSWEC90": {"clamp": 90}}
+    study = varied(seed, modes={"basis": "full", "degree": 90}, designs=clamped)
+    (line,) = degree_lines(StudyPlan(study, root=str(tmp_path)))
+    assert line.startswith("doubt")
+    assert "degree 90 may not meet modes.tolerance" in line
+
+
 def test_control_levels_need_no_search_of_their_own(asked, tmp_path):
     """What the plan found is what the ladder would find: seas, families of realisations and designs are the same.
 

@@ -40,7 +40,7 @@ from vsb.waves.seas import Sea, expected, sea
 
 SAFETY = 2.0
 """Of the last steps of the list, for what all further degrees may change where powers do not approach a limit yet."""
-RESOLVED = 1.5
+RESOLVED = 2.0
 """Degree that resolves what bends about a loaded ring, in terms of `bending_degree`."""
 PROBED = (0.4, 0.7, 1.0, 1.3)
 """Frequencies of regular waves that stand for the seas of a study in still water, in sqrt(g/radius)."""
@@ -275,11 +275,17 @@ class ModeConvergence:
 
     @cached_property
     def degree(self) -> int:
-        """Least degree of the list whose powers and gains are within the tolerance of those of all modes."""
-        for degree, power in self.powers_by_degree.items():
-            if self.worst(np.abs(self.converged - power) + self.further) <= self.study.modes.tolerance:
-                return degree
-        return max(self.powers_by_degree)
+        """Least degree whose powers and gains are within the tolerance of those of all modes, or the highest tried."""
+        return next((degree for degree in self.powers_by_degree if self._meets(degree)), max(self.powers_by_degree))
+
+    @property
+    def met(self) -> bool:
+        """Whether the tolerance is met with that degree."""
+        return self._meets(self.degree)
+
+    def _meets(self, degree: int) -> bool:
+        missing = np.abs(self.converged - self.powers_by_degree[degree]) + self.further
+        return self.worst(missing) <= self.study.modes.tolerance
 
 
 def one_of_each_family(waves: Sequence[Wave]) -> list[int]:

@@ -51,30 +51,40 @@ def with_degree(plan: Plan) -> Plan:
         return plan
     if isinstance(plan, StudyPlan):
         given = plan.study.modes.degree is not None
-        return plan if given else StudyPlan(_with(plan.study, degree_needed(plan)), root=plan.root)
+        return plan if given else StudyPlan(_with(plan.study, degree_needed(plan).degree), root=plan.root)
     if (base := plan.loaded.base.buoy) is None:
         return plan
     if base.modes.degree is not None or "modes.degree" in plan.loaded.campaign.vary.keys:
         return plan
-    return CampaignPlan(plan.loaded.model_copy(update={"base": _with(base, degree_needed(plan))}), root=plan.root)
+    return CampaignPlan(
+        plan.loaded.model_copy(update={"base": _with(base, degree_needed(plan).degree)}), root=plan.root
+    )
 
 
-def degree_needed(plan: StudyPlan | CampaignPlan) -> int:
+class Needed(NamedTuple):
+    """Least degree of the full basis that meets `modes.tolerance`, or the highest there is."""
+
+    degree: int
+    met: bool  # whether the tolerance is met with it
+
+
+def degree_needed(plan: StudyPlan | CampaignPlan) -> Needed:
     """Return the least degree of the full basis that meets `modes.tolerance`, whatever degree is given.
 
     Raises `ConfigError` if the shell of a study does not carry its load, so that it has no modes about its equilibrium.
     """
     if isinstance(plan, StudyPlan):
-        return _degree(plan.degree, plan.root)
+        search = _search(plan.degree, plan.root)
+        return Needed(search.degree, search.met)
     studies = [study_at(plan.base, point) for point in extremes(plan.loaded.campaign.vary.points)]
     specs = [StudyPlan(study).degree.model_copy(update={"climate": plan.climate}) for study in studies]
-    degrees = [DEGREES[0]]
+    found = [NONE_FLEXIBLE]
     for spec in {content_id(spec): spec for spec in specs}.values():
         try:
-            degrees.append(_degree(spec, plan.root, plan.loaded.climate_path))
+            found.append(_search(spec, plan.root, plan.loaded.climate_path))
         except (ConfigError, ConvergenceError):
             continue  # a shell that does not carry its load: the campaign says that it is not viable
-    return max(degrees)
+    return Needed(max(one.degree for one in found), all(one.met for one in found))
 
 
 def degree_lines(plan: StudyPlan | CampaignPlan) -> list[str]:
@@ -89,12 +99,18 @@ def degree_lines(plan: StudyPlan | CampaignPlan) -> list[str]:
         needed = degree_needed(plan)
     except (ConfigError, ConvergenceError) as error:
         return [f"doubt        modes: degree {modes.degree} is given; what it leaves out is not known: {error}"]
-    if modes.basis == "full" and modes.degree >= needed:
-        return [f"ok           modes: degree {modes.degree} meets modes.tolerance {modes.tolerance:g}"]
-    return [
-        f"doubt        modes: {modes.basis}, degree {modes.degree}, but modes.tolerance {modes.tolerance:g} needs the "
-        f"full basis to degree {needed}: what is left out is estimated in the run and widens the intervals"
-    ]
+    estimated = "what is left out is estimated in the run and widens the intervals"
+    if modes.basis != "full" or modes.degree < needed.degree:
+        return [
+            f"doubt        modes: {modes.basis}, degree {modes.degree}, but modes.tolerance {modes.tolerance:g} needs "
+            f"the full basis to degree {needed.degree}: {estimated}"
+        ]
+    if not needed.met:
+        return [
+            f"doubt        modes: degree {modes.degree} may not meet modes.tolerance {modes.tolerance:g}, and higher "
+            f"degrees are not computed: {estimated}"
+        ]
+    return [f"ok           modes: degree {modes.degree} meets modes.tolerance {modes.tolerance:g}"]
 
 
 def extremes(points: Sequence[Point]) -> list[Point]:
@@ -118,16 +134,20 @@ class ModeSearch(NamedTuple):
     """What a search for the degree of the shell modes found."""
 
     degree: int
+    met: bool  # whether the tolerance is met with it
     powers: dict[str, dict[str, Any]]  # by degree and design, lists (sea, take-off) [W]
 
 
-def _degree(spec: DegreeSpec, root: str, climate_path: str = "") -> int:
-    """The degree that meets the tolerance, from where it is kept or looked for now."""
+NONE_FLEXIBLE = ModeSearch(DEGREES[0], True, {})
+
+
+def _search(spec: DegreeSpec, root: str, climate_path: str = "") -> ModeSearch:
+    """The search for the degree that meets the tolerance, from where it is kept or made now."""
     if spec.buoy is None or not spec.buoy.flexible:
-        return DEGREES[0]
+        return NONE_FLEXIBLE
     path = degree_path(root, spec)
     if (kept := stored_search(path)) is not None:
-        return kept.degree
+        return kept
     from vsb.scenes.mode_convergence import mode_convergence  # only now: it imports what solves
     from vsb.stages.climate import read_climate
     from vsb.tools.files import write_text
@@ -140,17 +160,17 @@ def _degree(spec: DegreeSpec, root: str, climate_path: str = "") -> int:
         str(degree): dict(zip(spec.buoy.designs, power.tolist(), strict=True))
         for degree, power in search.powers_by_degree.items()
     }
-    found = ModeSearch(search.degree, powers)
+    found = ModeSearch(search.degree, search.met, powers)
     entry = {**found._asdict(), "checksum": _checksum(path, found), "spec": canonical(spec)}
     write_text(path, json.dumps(entry) + "\n")
-    return found.degree
+    return found
 
 
 def stored_search(path: str) -> ModeSearch | None:
     """Return what a search found; None if it is not there, or not what it should be."""
     try:
         kept = json.loads(Path(path).read_text(encoding="utf-8"))
-        found = ModeSearch(int(kept["degree"]), kept["powers"])
+        found = ModeSearch(int(kept["degree"]), bool(kept["met"]), kept["powers"])
         return found if kept["checksum"] == _checksum(path, found) else None
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return None
