@@ -114,10 +114,6 @@ def test_errors_in_a_design_file(folder, changes, message):
         ({"pto": {"damping": 8000.0, "force_limit": 1000.0}}, "a nonlinear take-off"),
         ({"pto": {"damping": 8000.0, "port": "volume"}}, "pto.port that a rigid buoy does not move.*needs heave"),
         ({"pto": {"damping": 8000.0, "port": {"colatitude": 0, "against": "frame"}}}, "a rigid buoy does not move"),
-        (
-            {"device": SPHEROID, "modes": {"degree": 4}},
-            "limits.load_factor: received 1.5, and buckling is known of the sphere alone",
-        ),
         ({"pto": {"damping": 8000.0, "efficiency": 0.9}}, r"design.yaml:2: study: pto.efficiency: received 0.9"),
     ],
 )
@@ -141,19 +137,15 @@ def test_a_climate_is_known_by_its_contents_wherever_it_lies(folder):
     assert not any(str(folder) in need for job in jobs(plans[0]) for need in job.needs)
 
 
-def test_the_height_of_a_spheroid_may_be_varied_and_its_buckling_is_said_to_be_unknown(folder):
+def test_the_height_of_a_spheroid_may_be_varied_by_rigid_buoys_too(folder):
     raw = {**yaml.safe_load(SEED.read_text()), "device": SPHEROID, "modes": {"degree": 4}}
     (folder / "seed.yaml").write_text(yaml.safe_dump(raw))
     variables = {"device.shape.spheroid.height": [2.0, 5.0], "device.thickness": [0.05, 0.1]}
-    loaded = load_design(written(folder, variables=variables, limits={"load_factor": None, "beam": 4.8}))
+    loaded = load_design(written(folder, variables=variables, limits={"load_factor": 2.0, "beam": 4.8}))
     assert [one.key for one in loaded.competing] == ["device.shape.spheroid.height"]
-    assert loaded.notes == [
-        "device.shape: buckling is known of the sphere alone and is no limit here; check it otherwise"
-    ]
+    assert loaded.notes == []
     with pytest.raises(ConfigError, match=r"seed.yaml has no device.shape.capsule.length"):
-        load_design(
-            written(folder, variables={"device.shape.capsule.length": [1.0, 2.0]}, limits={"load_factor": None})
-        )
+        load_design(written(folder, variables={"device.shape.capsule.length": [1.0, 2.0]}))
 
 
 def test_a_clamp_and_structural_damping_may_be_varied(folder):

@@ -182,7 +182,6 @@ class DesignModel:
         slopes = hull(buoy, stepped)
         if study.flexible:
             slopes["static_strain"] = static_strain(buoy, stepped)
-        if study.flexible and study.device.shape is None:  # prestress is known of the sphere alone
             factors = inverse_load_factors(study, keys)
             slopes |= {f"load_factor_inverse_{i}": factor for i, factor in enumerate(factors)}
         count = len(self.variables)

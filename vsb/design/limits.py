@@ -9,7 +9,8 @@ from scipy.optimize import minimize_scalar
 
 from vsb.design.resting import OF_DAMPING, RestingBuoy, Stepped, with_variable
 from vsb.scenes.rest import complete_loaded_shell, loaded_shell
-from vsb.shell.loaded import buckling_pencil
+from vsb.shell.loaded import LoadedShell, buckling_pencil
+from vsb.shell.lobes import Lobes, lobed_buckling, lobed_pencil
 from vsb.shell.modes import rigid_basis
 from vsb.shell.shell import gauss_rule, length
 from vsb.study.study import Study
@@ -95,11 +96,16 @@ def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:
 
     Eigenvalues kappa of -K_1 x = kappa K_0 x (`vsb.shell.loaded.buckling_pencil`): 1 buckles under its load, 0 and less
     under no load. They are smooth where load factors leap to infinity. With x^T K_0 x = 1
-    dkappa = -x^T (dK_1 + kappa dK_0) x.
+    dkappa = -x^T (dK_1 + kappa dK_0) x. On other meridians than the sphere's those of lobes around the axis are among
+    them (`vsb.shell.lobes`).
     """
     loaded = complete_loaded_shell(study)
     elastic, load = buckling_pencil(loaded)
     kappa, x = eigh(-load, elastic, subset_by_index=[len(load) - FACTORS, len(load) - 1])
+    found = [Lobes(float(k), 0, shape) for k, shape in zip(kappa, x.T, strict=True)]
+    if loaded.basis.shell.rest is not None:
+        found += lobed_buckling(loaded, FACTORS)
+    found = sorted(found, key=lambda one: -one.inverse_load_factor)[:FACTORS]
     rigid = RestingBuoy(study, loaded_shell(study, rigid_basis(study.device)), np.zeros(1))  # it floats undeformed
     slopes = []
     for key in keys:
@@ -108,9 +114,18 @@ def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:
             continue
         step = rigid.with_step(key)
         changed = with_variable(loaded, key, 1j * step.size, study.device)
-        d_elastic, d_load = map(
-            np.imag, buckling_pencil(replace(changed, centre_height=step.buoy.loaded.centre_height))
-        )
-        change = [-v @ (d_load + k * d_elastic) @ v / step.size for k, v in zip(kappa, x.T, strict=True)]
-        slopes.append(change)
-    return [(float(kappa[j]), [float(change[j]) for change in slopes]) for j in range(FACTORS)[::-1]]
+        changed = replace(changed, centre_height=step.buoy.loaded.centre_height)
+        slopes.append([change / step.size for change in _changes(changed, found)])
+    return [(one.inverse_load_factor, [change[j] for change in slopes]) for j, one in enumerate(found)]
+
+
+def _changes(changed: LoadedShell, shapes: Sequence[Lobes]) -> list[float]:
+    """Imaginary parts of inverse load factors of a shell with an imaginary step, by the shapes of the one without."""
+    axisymmetric = buckling_pencil(changed) if any(one.order == 0 for one in shapes) else None
+    found = []
+    for kappa, order, x in shapes:
+        whole = axisymmetric if order == 0 else None
+        pencil = [x @ one @ x for one in whole] if whole else lobed_pencil(changed, order, x[:, None])
+        elastic, load = (np.imag(one).item() for one in pencil)
+        found.append(-float(load + kappa * elastic))
+    return found

@@ -137,16 +137,14 @@ def viability_checks(study: Study) -> list[Check]:
     """
     if study.at_equilibrium:
         return [_path_check(study)] if Shell.of(study.device).rubber else []
-    if study.device.shape is not None:
-        text = "buckling is computed of the sphere alone: whether this shell carries its load is not known"
-        return [Check("computed_buckling", 1.0, 1.0, "-", "doubt", text)]
     found = computed_buckling(study)
-    text = f"static load over the linear buckling load, into a shape of degree {found.degree}"
+    into = f"azimuthal order {found.order}" if found.order else f"degree {found.degree}"
+    text = f"static load over the linear buckling load, into a shape of {into}"
     carried = found.load_factor < 1.0 and study.device.internal_pressure > 0 and carries_load(study)
     if carried:
         text += "; advice only: along the nonlinear path of the growing load the shell comes to a stable rest shape, "
         text += "which reference_shape: equilibrium computes"
-    elif found.load_factor < 1.0:
+    elif found.load_factor < 1.0 and study.device.shape is None:
         text += _viable_text(study)
     check = check_at_most("computed_buckling", 1 / found.load_factor, 1.0, "-", text)
     return [replace(check, verdict="doubt") if carried else check]

@@ -18,6 +18,7 @@ from vsb.motion.viscous import loss, stiffening
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium
+from vsb.shell.lobes import with_lobes
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw
 from vsb.study.directions import RIGID
@@ -127,8 +128,9 @@ def complete_loaded_shell(study: AtRest) -> LoadedShell:
 
 
 def computed_buckling(study: AtRest) -> Buckling:
-    """Return the linear buckling of the loaded shell in a basis that resolves it."""
-    return buckling(complete_loaded_shell(study))
+    """Return the linear buckling of the loaded shell in a basis that resolves it; of the sphere's the axisymmetric."""
+    loaded = complete_loaded_shell(study)
+    return buckling(loaded) if loaded.basis.shell.rest is None else with_lobes(loaded)
 
 
 @lru_cache(maxsize=4)

@@ -170,6 +170,14 @@ class ElasticShell:
 
 
 def converged_degree(shell: Shell) -> int:
-    """Return 1.6 times the classical degree of buckling, sqrt(r/h) [12 (1 - nu^2)]^(1/4), and at least 40."""
+    """Return 1.6 times the classical degree of buckling, sqrt(r/h) [12 (1 - nu^2)]^(1/4), and at least 40.
+
+    On other meridians than the sphere's times the most by which they stretch the angle, max |(x', z')|/r.
+    """
     slenderness = (shell.radius / shell.thickness).real
-    return max(40, math.ceil(1.6 * math.sqrt(slenderness * math.sqrt(12 * (1 - shell.poisson_ratio.real**2)))))
+    degree = max(40, math.ceil(1.6 * math.sqrt(slenderness * math.sqrt(12 * (1 - shell.poisson_ratio.real**2)))))
+    if shell.rest is None:
+        return degree
+    at = shell.at_rest(np.linspace(0.0, np.pi, 4 * len(shell.rest.axial) + 41))
+    stretch = float(np.hypot(at.dx.real, at.dz.real).max()) / shell.radius.real
+    return math.ceil(degree * max(1.0, stretch - 1e-9))

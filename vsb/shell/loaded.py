@@ -1,7 +1,8 @@
 """The loaded shell: one potential energy, and from it force, tangent stiffness, equilibrium and buckling.
 
 Potential = membrane + bending energy - work of the internal pressure + hydrostatic potential + weight, over heave and
-the axisymmetric modes. Buckling into shapes that vary with azimuth is outside this space, as are imperfections.
+the axisymmetric modes. Buckling into shapes that vary with azimuth is that of `vsb.shell.lobes`; imperfections are left
+out.
 """
 
 import math
@@ -126,8 +127,14 @@ class LoadedShell:
 
     @cached_property
     def first_order(self) -> FloatArray:
-        """Modal amplitudes to first order in the load, K_unloaded^-1 force(0), heave zero, shape (dof,) [m]."""
+        """Modal amplitudes to first order in the load, K_unloaded^-1 force(0), heave zero, shape (dof,) [m].
+
+        The whole weight hangs evenly over the shell's area, from functions with momentum of their own as well.
+        """
         force = self.force(np.zeros(len(self.basis.labels)))
+        if self.basis.shell.rest is not None:
+            momentum = self.basis.integrated("mass")[0]
+            force = force - self.gravity * self.basis.total_mass * momentum / momentum[0]
         return np.append(0.0, np.linalg.solve(self.unloaded_stiffness[1:, 1:], force[1:]))
 
     def linear_resultants(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -136,6 +143,11 @@ class LoadedShell:
         basis = complete_basis(self.basis.shell, degree, self.basis.total_mass)
         complete = self if basis == self.basis else replace(self, elastic=ElasticShell(basis))
         return complete.elastic.linear_resultants(complete.first_order, colatitude)
+
+    @cached_property
+    def ring_resultants(self) -> tuple[FloatArray, FloatArray]:
+        """The same at the quadrature points of the elastic shell."""
+        return self.linear_resultants(self.elastic.rings[0])
 
     @cached_property
     def prestress_stiffness(self) -> FloatArray:
@@ -147,8 +159,10 @@ class LoadedShell:
         part of first order in the load, less what classical buckling omits, strain and rotation before buckling (of
         relative order N/C); `stiffness` at an `equilibrium` has those too.
         """
-        forces, q = self.linear_resultants(self.elastic.rings[0]), np.zeros(len(self.basis.labels))
-        return self.elastic.geometric_stiffness(*forces) - self.pressure_inside * self.elastic.volume_hessian(q)
+        q = np.zeros(len(self.basis.labels))
+        return self.elastic.geometric_stiffness(
+            *self.ring_resultants
+        ) - self.pressure_inside * self.elastic.volume_hessian(q)
 
     @property
     def pressure_inside(self) -> float:
@@ -274,6 +288,7 @@ class Buckling:
     load_factor: float  # least factor that buckles the shell; inf: none does [-]
     degree: int  # Legendre degree with most of the mode's elastic energy
     linear_strain: float  # largest strain of the linear static solution: over-estimates large ones [-]
+    order: int = 0  # number of waves around the axis; above 0 the degree remains that of axisymmetric buckling
 
 
 def buckling_pencil(loaded: LoadedShell) -> tuple[FloatArray, FloatArray]:

@@ -237,8 +237,7 @@ def _check_buoy(campaign: Campaign, study: Study, floats_by: Mapping[str, float]
     """
     if study.device.shape is not None:
         raise ConfigError(
-            f"{source}: study: received {campaign.study} with device.shape, whose buckling, which a year is judged by, "
-            "is known of the sphere alone; needs a spherical buoy"
+            f"{source}: study: received {campaign.study} with device.shape; a campaign needs a spherical buoy"
         )
     check_no_direction(campaign.climate, source)
     varied = {*campaign.vary.keys}

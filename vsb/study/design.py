@@ -273,8 +273,6 @@ class LoadedDesign(Section):
                 f"variables: none that a rigid buoy has ({', '.join(OF_RIGID)}), so the competitor is that of "
                 "the study as it is, and the gain over it is that of size as well"
             )
-        if self.base.device.shape is not None:
-            found.append("device.shape: buckling is known of the sphere alone and is no limit here; check it otherwise")
         bound = [name for name in ("force_rms", "stroke_rms") if name in limits]
         if bound and "pto.damping" not in keys:
             found.append(
@@ -373,12 +371,6 @@ def _check_study(problem: Optimisation, study: Study, mistakes: _Mistakes) -> No
             "study",
             f"{problem.study} has a pto.port that a rigid buoy does not move, so there is nothing to compare with; "
             "needs heave, or a place of the shell against the sea bed; vsb.gradient has derivatives of other ports",
-        )
-    if study.device.shape is not None and problem.limits.load_factor is not None:
-        mistakes.add(
-            ("limits", "load_factor"),
-            f"received {problem.limits.load_factor:g}, and buckling is known of the sphere alone, not of device.shape; "
-            "needs load_factor: null, and walls that do not buckle by the bounds of device.thickness",
         )
     if study.pto.nonlinear:
         mistakes.add(

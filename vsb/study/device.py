@@ -150,7 +150,7 @@ def check_shape(study: Any) -> None:
         raise ValueError("modes.degree 0: device.shape needs at least 1")
     if (study.reference_shape, device.internal_pressure, device.gas) != ("undeformed", 0.0, None):
         raise ValueError(
-            "device.shape: prestress and buckling are known of the sphere alone; needs reference_shape: undeformed "
+            "device.shape: prestress is known of the sphere alone; needs reference_shape: undeformed "
             "and no device.internal_pressure or device.gas"
         )
 

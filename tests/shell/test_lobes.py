@@ -1,0 +1,108 @@
+"""Buckling into lobes around the axis: closed forms of sphere and spheroids, rigid motions, finer displacements."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from vsb.shell.deformed import rigid_buoy
+from vsb.shell.elastic import ElasticShell, converged_degree
+from vsb.shell.loaded import LoadedShell, buckling, complete_basis, complete_shell
+from vsb.shell.lobes import displacements, lobed_buckling, lobed_degree, lobed_pencil, most_lobes, with_lobes
+from vsb.shell.shell import Shell
+from vsb.study.meridian import RestMeridian, capsule, spheroid
+
+RHO, G = 1025.0, 9.81
+SPHERE = Shell(radius=2.0, thickness=0.04, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
+EGG = RestMeridian((2.0, 0.1), (0.1, 1.8, 0.15))
+
+
+def loaded(shell, pressure=0.0, height=-0.4, gravity=G, degree=None):
+    """A shell that floats with its middle so high, or without weight under a pressure."""
+    mass = RHO * rigid_buoy(shell, height).volume(200)
+    basis = complete_basis(shell, degree or converged_degree(shell), mass)
+    return LoadedShell(ElasticShell(basis), height, RHO, gravity, pressure)
+
+
+def pressed(shell, degree=None):
+    """A shell under a pressure of 1 Pa from outside."""
+    return loaded(shell, -1.0, gravity=0.0, degree=degree)
+
+
+def test_every_order_of_the_sphere_has_the_axisymmetric_buckling_load():
+    """A degree n that buckles does in all 2 n + 1 shapes of it."""
+    sphere = pressed(SPHERE)
+    expected = buckling(sphere)
+    found = lobed_buckling(sphere, expected.degree + 2)
+    same = {one.order for one in found if one.inverse_load_factor * expected.load_factor > 1 - 1e-9}
+    assert same == set(range(1, expected.degree + 1))
+    assert found[0].inverse_load_factor * expected.load_factor == pytest.approx(1.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("height", [6.0, 8.0])
+def test_thin_long_spheroids_buckle_at_the_load_of_mushtari_and_galimov(height):
+    """At the equator into lobes, under 1/(2 (b/r)^2 - 1) of the sphere's load, b half the height.
+
+    The lobes are as long as the curvature stays the same: an excess like sqrt(h/r), extrapolated. Their whole number
+    scatters it.
+    """
+
+    def excess(thickness):
+        sphere = dataclasses.replace(SPHERE, thickness=thickness)
+        classical = sphere.buckling_pressure / (2 * (height / 4) ** 2 - 1)
+        found = with_lobes(pressed(dataclasses.replace(sphere, rest=spheroid(2.0, height))))
+        assert found.order > 5
+        return found.load_factor / classical - 1
+
+    thick, thin = excess(0.04), excess(0.01)
+    assert 0.0 < thin < 0.65 * thick
+    assert 2 * thin - thick == pytest.approx(0.0, abs=0.015)
+
+
+def test_flat_spheroids_and_the_floating_sphere_buckle_axisymmetrically_first(seed):
+    """Their loads are those of `test_loaded`: lobes of order 1 follow closely where a pole buckles."""
+    flat = pressed(dataclasses.replace(SPHERE, rest=spheroid(2.0, 3.0)))
+    spheres = [complete_shell(seed.device, seed.centre_height, seed.water, pressure) for pressure in (0.0, 16.3e3)]
+    for one in (flat, *spheres):
+        assert with_lobes(one) == buckling(one)
+
+
+def test_tension_makes_no_lobes():
+    assert lobed_buckling(loaded(SPHERE, 100.0, gravity=0.0), 1)[0].inverse_load_factor < 1e-12
+
+
+@pytest.mark.parametrize("rest", [spheroid(2.0, 3.0), spheroid(2.0, 6.0), capsule(2.0, 2.0), EGG])
+def test_rigid_motions_strain_nothing_and_pitch_meets_the_metacentre(rest):
+    """The load's stiffness against pitch is m g times the metacentric height over the centroid of the wall.
+
+    Up to h/r, for membrane forces alone carry the load there.
+    """
+    floating = loaded(dataclasses.replace(SPHERE, thickness=0.01, rest=rest, radius=rest.radius))
+    (phi, area), (elastic, load) = floating.elastic.rings, lobed_pencil(floating, 1)
+    psi, at = displacements(1, lobed_degree(floating, 1), phi), floating.basis.shell.at_rest(phi)
+    fields, root = np.concatenate([psi.x, psi.w, psi.z], axis=1).T, np.sqrt(np.tile(area, 3))
+    none, one, weight = 0 * phi, 1 + 0 * phi, floating.basis.total_mass * G
+    motions = np.array([[one, -one, none], [at.z, -at.z, -at.x]]).reshape(2, -1).T
+    q = np.linalg.lstsq(fields * root[:, None], motions * root[:, None], rcond=None)[0]
+    assert np.abs(fields @ q - motions).max() < 1e-6
+    scale = np.abs(elastic).max()
+    assert np.abs(q.T @ elastic @ q).max() < 1e-11 * scale
+    assert np.abs(load @ q[:, 0]).max() < 1e-6 * weight
+    volume, centroid = floating.basis.total_mass / RHO, np.sum(at.z * area) / np.sum(area)
+    metacentre = np.pi / 4 * rest.radius_at(0.4) ** 4 / volume + rest.centroid_below(0.4)
+    assert q[:, 1] @ load @ q[:, 1] == pytest.approx(weight * (metacentre - centroid), abs=1e-3 * weight * 2.0)
+
+
+@pytest.mark.parametrize("rest", [spheroid(2.0, 3.0), spheroid(2.0, 6.0), capsule(2.0, 1.0), EGG])
+def test_more_displacements_and_orders_change_nothing(rest):
+    """Loads of a floating shell with a third more degrees; further orders than are searched hold no larger factor."""
+    shell = dataclasses.replace(SPHERE, rest=rest, radius=rest.radius)
+    degree = converged_degree(shell)
+    coarse, fine = (lobed_buckling(loaded(shell, degree=n), 4) for n in (degree, degree * 4 // 3))
+    assert [one.order for one in coarse] == [one.order for one in fine]
+    for one, other in zip(coarse, fine, strict=True):
+        assert one.inverse_load_factor == pytest.approx(other.inverse_load_factor, rel=1e-5)
+    for order in range(int(most_lobes(shell)) + 1, 2 * int(most_lobes(shell)), 5):
+        elastic, load = lobed_pencil(loaded(shell), order)
+        below = load + coarse[-1].inverse_load_factor * elastic
+        assert np.linalg.eigvalsh(below)[0] > 0

@@ -1,0 +1,266 @@
+"""Linear buckling of a loaded shell of revolution into lobes around its axis, shapes of azimuthal order m >= 1.
+
+Displacements s_x cos(m theta) away from the axis, s_z cos(m theta) along it and w sin(m theta) around it. With the
+tangent t and the normal n of the meridian, s its length, and primes for derivatives by it, the displacement psi has
+
+    e_s = t.psi_s,  e_theta = (s_x + m w)/x,  gamma = w' + t.psi_theta/x,
+    beta_s = n.psi_s,  beta_theta = n.psi_theta/x,
+    kappa_s = -beta_s',  kappa_theta = -(x' beta_s + m beta_theta)/x,
+    2 kappa_stheta = (m beta_s + x' beta_theta)/x - beta_theta' + (k_theta - k_s)(w' - t.psi_theta/x)/2
+
+(Sanders, Q. Appl. Math. 21, 1963; k are the curvatures of meridian and parallel; with m = 0 they are those of
+`vsb.shell.ritz`). The membrane forces of the load do work on half the squared gradient of psi. Pressure and still water
+follow the shell. The load, its membrane forces and the axisymmetric buckling are those of `vsb.shell.loaded`.
+
+On a smooth closed surface the Cartesian components of a smooth displacement are smooth: s_z is a sum of spherical
+harmonics of order m, s_x + w of order m + 1 and s_x - w of order m - 1, in cos(phi) of the meridian's angle.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eigh
+
+from vsb.shell.deformed import rigid_buoy
+from vsb.shell.loaded import Buckling, LoadedShell, buckling
+from vsb.shell.shell import Curve, Shell, bend, curve, gauss_rule, length
+from vsb.study.meridian import RestMeridian
+from vsb.tools.arrays import FloatArray
+
+
+class Displacement(NamedTuple):
+    """Amplitudes away from the axis, around it and along it, and their derivatives by phi, each (shape, point) [-]."""
+
+    x: FloatArray
+    w: FloatArray
+    z: FloatArray
+    dx: FloatArray
+    dw: FloatArray
+    dz: FloatArray
+    ddx: FloatArray
+    ddz: FloatArray
+
+    def around(self, order: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the components of the derivative by theta: away from the axis, around it, along it."""
+        return -order * self.x - self.w, order * self.w + self.x, -order * self.z
+
+
+def harmonics(order: int, degree: int, phi: FloatArray) -> FloatArray:
+    """Return normalised associated Legendre functions of cos(phi) and two derivatives by phi, (3, function, point).
+
+    Of degrees `order` to `degree`, int P^2 sin(phi) dphi = 1; analytic in phi, which lies between the poles.
+    """
+    sin, cos = np.sin(phi), np.cos(phi)
+    n = np.arange(order, degree + 1)[:, None]
+    ratio = np.sqrt((n**2 - order**2) / (4 * n**2 - 1))
+    start = math.sqrt(math.prod(1 + 1 / (2 * i) for i in range(1, order + 1)) / 2)
+    p = np.zeros((len(n) + 1, len(phi)), np.result_type(phi))  # row 0: of degree order - 1
+    p[1] = start * sin**order
+    for i in range(1, len(n)):
+        p[i + 1] = (cos * p[i] - ratio[i - 1] * p[i - 1]) / ratio[i]
+    before, p = p[:-1], p[1:]
+    dp = (n * cos * p - (2 * n + 1) * ratio * before) / sin
+    return np.array([p, dp, -cos / sin * dp - (n * (n + 1) - order**2 / sin**2) * p])
+
+
+def displacements(order: int, degree: int, phi: FloatArray) -> Displacement:
+    """Return displacements of an order m >= 1 whose Cartesian components are harmonics to a degree.
+
+    Those of s_x - w, s_z and s_x + w, one after the other; the first of order 1 is surge.
+    """
+    apart, along, together = (harmonics(m, degree, phi) for m in (order - 1, order, order + 1))
+    none = np.zeros_like
+    x, dx, ddx = np.concatenate([apart, none(along), together], axis=1)
+    w, dw, _ = np.concatenate([-apart, none(along), together], axis=1)
+    z, dz, ddz = np.concatenate([none(apart), along, none(together)], axis=1)
+    return Displacement(x, w, z, dx, dw, dz, ddx, ddz)
+
+
+@lru_cache(maxsize=64)
+def _at_nodes(order: int, degree: int, points: int) -> Displacement:
+    """The same at the points of a quadrature in cos(phi); not to be written to."""
+    return displacements(order, degree, np.arccos(gauss_rule(points)[0]))
+
+
+@lru_cache(maxsize=8)
+def _meridian(meridian: RestMeridian, points: int) -> tuple[Curve, tuple[FloatArray, FloatArray]]:
+    """A meridian and its second derivatives there; not to be written to."""
+    phi = np.arccos(gauss_rule(points)[0])
+    return curve(meridian, phi), bend(meridian, phi)
+
+
+@lru_cache(maxsize=8)
+def _wet(shell: Shell, centre_height: float) -> list[tuple[float, float]]:
+    """Parts of a meridian under water [rad]; not to be written to."""
+    return rigid_buoy(shell, centre_height).wet_segments
+
+
+class _Strains(NamedTuple):
+    """Strains and changes of curvature along, around and sheared, then gradients along and around the surface."""
+
+    membrane: tuple[FloatArray, FloatArray, FloatArray]
+    bending: tuple[FloatArray, FloatArray, FloatArray]
+    along: tuple[FloatArray, FloatArray, FloatArray]
+    around: tuple[FloatArray, FloatArray, FloatArray]
+
+
+def _strains(psi: Displacement, m: int, at: Curve, bent: tuple[FloatArray, FloatArray]) -> _Strains:
+    """Strains of displacements of order m on a meridian."""
+    slope, (ddx, ddz) = length(at.dx, at.dz), bent
+    tx, tz = at.dx / slope, at.dz / slope
+    stretched = (at.dx * ddx + at.dz * ddz) / slope**2
+    along = psi.dx / slope, psi.dw / slope, psi.dz / slope
+    ax, aw, az = psi.around(m)
+    around = ax / at.x, aw / at.x, az / at.x
+    rotation, other = -tz * along[0] + tx * along[2], -tz * around[0] + tx * around[2]
+    turned = (-ddz * psi.dx - at.dz * psi.ddx + ddx * psi.dz + at.dx * psi.ddz) / slope**2 - 2 * stretched * rotation
+    dax, daz = -m * psi.dx - psi.dw, -m * psi.dz
+    change = (-ddz * ax - at.dz * dax + ddx * az + at.dx * daz) / (slope * at.x)
+    other_turned = change - other * (stretched + at.dx / at.x)
+    sheared = tx * around[0] + tz * around[2]
+    curved = -tz / at.x - (at.dz * ddx - at.dx * ddz) / slope**3
+    twist = (m * rotation + tx * other) / at.x - other_turned / slope + curved * (along[1] - sheared) / 2
+    return _Strains(
+        (tx * along[0] + tz * along[2], around[1], along[1] + sheared),
+        (-turned / slope, -(tx * rotation + m * other) / at.x, twist),
+        along,
+        around,
+    )
+
+
+def _energy(strains: tuple[FloatArray, FloatArray, FloatArray], ratio: float, area: FloatArray) -> FloatArray:
+    """Hessian of int [a^2 + b^2 + 2 nu a b + (1 - nu) c^2/2] dA/2, cos^2 and sin^2 being a half around."""
+    a, b, c = strains
+    half = area / 2
+    first, second = a + ratio * b, b + ratio * a
+    return np.asarray((half * first) @ a.T + (half * second) @ b.T + ((1 - ratio) / 2 * half * c) @ c.T)
+
+
+def _follower(psi: Displacement, m: int, at: Curve, weight: FloatArray) -> FloatArray:
+    """Return pi int psi_j.dN_k with N = r_phi x r_theta, weights those of dphi: the Hessian of a volume."""
+    ax, aw, az = psi.around(m)
+    changed = (-at.x * psi.dz - at.dz * aw, at.dz * ax - at.dx * az, at.x * psi.dx + at.dx * aw)
+    each = zip((psi.x, psi.w, psi.z), changed, strict=True)
+    return np.asarray(np.pi * sum((weight * one) @ other.T for one, other in each))
+
+
+def lobed_degree(loaded: LoadedShell, order: int) -> int:
+    """Return the degree of an order's displacements: that of the axisymmetric basis, or half of it above the order."""
+    degree = loaded.basis.highest_degree
+    return max(degree, order + degree // 2)
+
+
+def lobed_pencil(loaded: LoadedShell, order: int, shapes: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+    """Return K_0 and K_1 of K(L) = K_0 + L K_1 over displacements of an order, as `vsb.shell.loaded.buckling_pencil`.
+
+    Parameters
+    ----------
+    loaded : LoadedShell
+        In a basis that resolves its axisymmetric buckling; also with a complex step.
+    order : int
+        Azimuthal order m >= 1.
+    shapes : ndarray, shape (displacement, shape), optional
+        Combinations of its `displacements` to `lobed_degree`; all of them if not given.
+
+    Returns
+    -------
+    tuple of ndarray, each (shape, shape) [N/m]
+    """
+    shell, (phi, area), degree = loaded.basis.shell, loaded.elastic.rings, lobed_degree(loaded, order)
+
+    def combined(psi: Displacement) -> Displacement:
+        return psi if shapes is None else Displacement(*(shapes.T @ part for part in psi))
+
+    psi, (at, bent) = combined(_at_nodes(order, degree, len(phi))), _meridian(shell.meridian, len(phi))
+    found, nu = _strains(psi, order, at, bent), shell.poisson_ratio
+    elastic = shell.membrane_stiffness * _energy(found.membrane, nu, area)
+    elastic = elastic + shell.bending_stiffness * _energy(found.bending, nu, area)
+    meridional, hoop = (force * area / 2 for force in loaded.ring_resultants)
+    load = np.asarray(sum((meridional * one) @ one.T for one in found.along))
+    load = load + sum((hoop * one) @ one.T for one in found.around)
+    if loaded.internal_pressure:
+        weight = area / (2 * np.pi * at.x * length(at.dx, at.dz))
+        load = load - loaded.pressure_inside * _follower(psi, order, at, weight)
+    load = load + _water(loaded, order, degree, combined)
+    return elastic, (load + load.T) / 2
+
+
+def _water(
+    loaded: LoadedShell, order: int, degree: int, combined: Callable[[Displacement], Displacement]
+) -> FloatArray:
+    """Stiffness of still water, -rho g pi int [s_z psi.N + z psi.dN] over the wet shell, as of `DeformedShell`."""
+    shell, found = loaded.basis.shell, np.zeros(1)
+    node, weight = gauss_rule(2 * (degree + len(shell.meridian.axial)) + 30)
+    for a, b in _wet(shell, loaded.centre_height):
+        phi, dphi = (a + b) / 2 + (b - a) / 2 * node, (b - a) / 2 * weight
+        psi, at = combined(displacements(order, degree, phi)), shell.at_rest(phi)
+        across = at.x * (at.dx * psi.z - at.dz * psi.x)
+        found = found + np.pi * (across * dphi) @ psi.z.T
+        found = found + _follower(psi, order, at, (loaded.centre_height + at.z) * dphi)
+    return -loaded.water_density * loaded.gravity * found
+
+
+class Lobes(NamedTuple):
+    """A shape the shell buckles into."""
+
+    inverse_load_factor: float  # kappa: load over buckling load [-]
+    order: int  # m: number of waves around the axis
+    shape: FloatArray  # over `displacements`, x^T K_0 x = 1
+
+
+def lobed_buckling(loaded: LoadedShell, count: int) -> list[Lobes]:
+    """Return the lobed shapes of the largest inverse load factors, descending.
+
+    Eigenvalues kappa of -K_1 x = kappa K_0 x, order by order to `most_lobes`, and on while an order has one of the
+    largest above zero.
+
+    Parameters
+    ----------
+    loaded : LoadedShell
+        In a basis that resolves its axisymmetric buckling.
+    count : int
+        How many.
+
+    Notes
+    -----
+    The buoy heaves without surge and pitch: of order 1 the first two of `displacements` are left out. The first is
+    surge, which costs nothing; without the second the rotation in the mean over the solid angle is zero.
+    """
+    most, order = most_lobes(loaded.basis.shell), 0
+    found: list[Lobes] = []
+    while order <= most or any(one.order == order and one.inverse_load_factor > 0 for one in found):
+        order += 1
+        held = 2 if order == 1 else 0
+        elastic, load = (matrix[held:, held:] for matrix in lobed_pencil(loaded, order))
+        last = len(load) - 1
+        kappa, x = eigh(-load, elastic, subset_by_index=[max(0, last + 1 - count), last])
+        shapes = np.concatenate([np.zeros((held, x.shape[1])), x]).T
+        found += [Lobes(float(k), order, shape) for k, shape in zip(kappa, shapes, strict=True)]
+        found = sorted(found, key=lambda one: -one.inverse_load_factor)[:count]
+    return found
+
+
+def most_lobes(shell: Shell) -> float:
+    """Return the number of lobes at which bending alone is as stiff as curvature makes a wall, the most along it.
+
+    x k with k^4 = 12 (1 - nu^2) c^2/h^2, c the larger principal curvature: of shapes with more waves stiffness grows
+    faster than the work of the membrane forces.
+    """
+    phi = np.pi * (np.arange(200) + 0.5) / 200
+    at, (ddx, ddz) = shell.at_rest(phi), bend(shell.meridian, phi)
+    slope = length(at.dx, at.dz)
+    curvature = np.maximum(np.abs(ddx * at.dz - at.dx * ddz) / slope**3, np.abs(at.dz / (at.x * slope)))
+    wave = np.sqrt(math.sqrt(12 * (1 - shell.poisson_ratio**2)) * curvature / shell.thickness)
+    return float((at.x * wave).max())
+
+
+def with_lobes(loaded: LoadedShell) -> Buckling:
+    """Return the linear buckling of a shell into axisymmetric and lobed shapes, whichever comes first."""
+    found, (lobes,) = buckling(loaded), lobed_buckling(loaded, 1)
+    if lobes.inverse_load_factor <= 1 / found.load_factor:
+        return found
+    return replace(found, load_factor=1 / lobes.inverse_load_factor, order=lobes.order)
