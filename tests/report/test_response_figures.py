@@ -1,5 +1,7 @@
 """Response amplitude operators and excitation: amplitudes in the units of their axes, phases without jumps."""
 
+import io
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -43,6 +45,15 @@ def test_response_has_a_row_for_every_motion_and_the_port_and_a_curve_for_every_
         for label, share in (("FSB, waves to 0°", 1.0), ("VSWEC, waves to 45°", 1 / 3)):
             assert test_curves.curve(axes[2 * row], label)[1][near] == pytest.approx(share * size)
             assert test_curves.curve(axes[2 * row + 1], label)[1][near] == pytest.approx(np.degrees(OMEGA[near]))
+
+
+def test_design_without_a_motion_has_no_phase_of_it_at_several_headings():
+    held = raos()
+    held.loc[{"design": test_curves.DESIGNS[1], "dof": "Surge"}] = 0.0
+    figure = drawn("rao", raos=held)
+    figure.savefig(io.BytesIO(), format="svg")
+    amplitude, phase = figure.axes[:2]
+    assert (len(amplitude.lines), len(phase.lines)) == (4, 2)
 
 
 def test_of_many_headings_the_excitation_shows_those_of_the_waves():

@@ -142,7 +142,8 @@ def _drawn(data: StudyData, omega: FloatArray, rows: Mapping[str, Sequence[Curve
         angles = phases([values for values, _ in curves], shown)
         for (values, look), angle in zip(curves, angles, strict=True):
             left.plot(omega, np.abs(values), **look)
-            right.plot(omega, angle, **look)
+            if np.isfinite(angle).any():  # matplotlib places no markers on a line without points
+                right.plot(omega, angle, **look)
         largest = max(float(np.abs(values[shown]).max(initial=0.0)) for values, _ in curves)
         left.set(ylabel=label, ylim=(0.0, 1.08 * largest or 1.0))
         _limit_phase(right, np.concatenate([angle[shown] for angle in angles]))
