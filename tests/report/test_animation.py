@@ -13,6 +13,7 @@ from vsb.report.animation import (
     PER_PERIOD,
     PERIODS,
     PLANE,
+    View,
     frames_data,
     in_motion,
     shapes_data,
@@ -53,7 +54,7 @@ def modes():
 
 def frames(water=None, waves=SWELL):
     runs = {"FSB": run(LABELS[:1]), "VSWEC": run(LABELS)}
-    return frames_data("a swell", runs, waves, (0.0, 60.0), PERIOD, 3.4, water or Water(), LABELS[1:])
+    return frames_data("a swell", runs, waves, (0.0, 60.0), PERIOD, View(3.4), water or Water(), LABELS[1:])
 
 
 def test_frames_show_the_last_periods_of_the_run():
@@ -88,13 +89,15 @@ def test_surge_and_pitch_are_drawn_in_their_plane(drift):
     labels = ["Heave", "Membrane0", "Surge", "Pitch", "Membrane1c1", "Sway", "Membrane1s1"]
     place = xr.DataArray(50.0 + drift * TIME, {"time": TIME}, ("time",))
     drifting = run(labels) + place * xr.DataArray([0, 0, 1.0, 0, 0, 0, 0], {"dof": labels}, ("dof",))
-    found = frames_data("", {"A": drifting}, SWELL, (0.0, 60.0), PERIOD, 3.4, Water(), ["Membrane0", "Membrane1c1"])
+    found = frames_data(
+        "", {"A": drifting}, SWELL, (0.0, 60.0), PERIOD, View(3.4), Water(), ["Membrane0", "Membrane1c1"]
+    )
     (one,) = found["designs"]
     assert one["modes"] == 2
     surge = unpacked(one["surge"])
     assert (surge.min(), surge.max()) == (pytest.approx(-3.0, rel=0.02), pytest.approx(3.0, rel=0.02))
     np.testing.assert_allclose(unpacked(one["pitch"]), 4.0 * unpacked(one["heave"]), atol=1e-3)
-    moving = {"designs": [{"name": "A"}], "factor": 1.0, "seas": [found]}
+    moving = {"designs": [{"name": "A"}], "factor": 1.0, "shapes": {}, "seas": [found]}
     assert in_motion(moving)["view"] == PLANE
     assert in_motion({**moving, "seas": [frames()]})["view"] == FROM_LEFT
     assert in_motion(None) is None
@@ -103,7 +106,7 @@ def test_surge_and_pitch_are_drawn_in_their_plane(drift):
 def in_page(data, words):
     """A page with nothing but moving buoys."""
     scripts = "".join(f"<script>{html.text_of(name)}</script>" for name in html.SCRIPTS)
-    body = html.page("buoys.html.j2", animated={"words": words, "view": FROM_LEFT})
+    body = html.page("buoys.html.j2", animated={"title": "Buoys", "words": words, "view": FROM_LEFT})
     stored = f'<script type="application/json" id="buoys-data">{as_script(data)}</script>'
     return f"<!doctype html><html><head></head><body>{body}{stored}{scripts}</body></html>"
 

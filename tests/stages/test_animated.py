@@ -5,16 +5,16 @@ import pytest
 
 from vsb.report.animation import PER_PERIOD, PERIODS
 from vsb.report.interactive import packed
-from vsb.stages.report import ANIMATED_SEAS, animated_study
+from vsb.stages.animated import ANIMATED_SEAS, animated_study
 from vsb.stages.stored import Inputs
 from vsb.tools.files import load
 
 
 @pytest.fixture
 def moved(small):
-    paths = {**small.hydro_files, **small.response_files}
+    paths = {**small.hydro_files, **small.response_files, "modes": f"{small.folder}/modes.nc"}
     inputs = Inputs(small.study, f"{small.folder}/trajectories", paths)
-    return animated_study(inputs, load(f"{small.folder}/modes.nc"), words(small.study))
+    return animated_study(inputs, words(small.study))
 
 
 def words(study):

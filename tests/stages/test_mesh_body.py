@@ -1,5 +1,8 @@
 """A study of a mesh, from panels to the page, and its limits of a stiff and of a held body."""
 
+import base64
+import json
+import re
 import shutil
 from contextlib import chdir
 from pathlib import Path
@@ -30,6 +33,11 @@ FILE = {
     "wave_direction": [0.0, 30.0],
     "lid": 0,
 }
+
+
+def unpacked(text):
+    """Numbers of a page."""
+    return np.frombuffer(base64.b64decode(text), dtype="<f4")
 
 
 def study(folder, **changes):
@@ -97,6 +105,27 @@ def test_study_of_a_mesh_from_panels_to_page(found):
     assert "Does the flexible body absorb more power than the rigid one?" in found.report.read_text()
     figures = {path.stem for path in (Path(found.folder) / "raft" / "figures").glob("*.svg")}
     assert figures == set(found.plan.figures)
+
+
+def test_page_shows_the_body_moving_as_its_response_says(found, tmp_path, monkeypatch):
+    """The hull's ends rise by |sum RAO_i psi_i| a, at the phase of the wave that is drawn."""
+    data = json.loads(re.search(r'id="buoys-data">(.+?)</script>', found.report.read_text(), re.DOTALL)[1])
+    outline, displacement = (unpacked(data["shapes"][name]) for name in ("outline", "displacement"))
+    (sea,), omega = data["seas"], 2 * np.pi / 5.0
+    wave = np.exp(-1j * omega * (sea["start"] + sea["step"] * np.arange(sea["frames"])))
+    for design, frames in zip(data["designs"], sea["designs"], strict=True):
+        amplitudes = unpacked(frames["shell"]).reshape(len(wave), -1)
+        rao = found.response.rao.sel(design=design["name"])
+        rao = rao.sel(wave_direction=np.deg2rad(30.0), method="nearest") if "wave_direction" in rao.dims else rao
+        expected = 0.2 * rao.interp(omega=omega, method="cubic").values @ displacement.reshape(len(DOFS), -1)
+        drawn = amplitudes @ displacement.reshape(len(DOFS), -1)
+        phasor = np.linalg.lstsq(np.column_stack([wave.real, -wave.imag]), drawn, rcond=None)[0]
+        np.testing.assert_allclose(phasor[0] + 1j * phasor[1], expected, atol=0.02 * np.abs(expected).max())
+    assert outline.reshape(-1, 2).min(axis=0) == pytest.approx([-10.0, -2.0])
+    surface = unpacked(sea["surface"]).reshape(len(wave), -1)
+    np.testing.assert_allclose(surface[:, surface.shape[1] // 2], 0.2 * wave.real, atol=1e-4)
+    monkeypatch.setattr("vsb.api.plots.PERIODS_SHOWN", 0.2)
+    found.plot.animate("hinged", magnify=3.0).save(tmp_path / "barge.gif", writer="pillow", dpi=20)
 
 
 @pytest.mark.parametrize("design", ["rigid", "flexible", "hinged"])

@@ -1,6 +1,6 @@
 """Figures of opened results for notebooks and papers: matplotlib axes in, axes out; a design keeps its colour."""
 
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -9,12 +9,16 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 
 from vsb.errors import ConfigError
+from vsb.hydro.bodies.outline import OUTLINE
 from vsb.motion.linear import direction_index
+from vsb.report.animation import displaced_outline, largest_motion, outline_data, surface, without_drift
 from vsb.report.canvas import bin_edges, number_cells, style
 from vsb.report.shell_figures import outline
 from vsb.results.year import HEIGHT, PERIOD
+from vsb.scenes.floating_system import heading, study_sea
+from vsb.study.body import AnyStudy
 from vsb.study.quantities import ROTATIONS, motion_of
-from vsb.study.study import BaseStudy
+from vsb.tools.arrays import FloatArray
 
 FRAMES_PER_PERIOD = 24
 PERIODS_SHOWN = 4
@@ -26,7 +30,7 @@ class StudyResults(Protocol):
     """What figures of a study are drawn from: `vsb.Results`."""
 
     @property
-    def study(self) -> BaseStudy:
+    def study(self) -> AnyStudy:
         """The study."""
 
     @property
@@ -46,6 +50,16 @@ class StudyResults(Protocol):
 
     def period(self, wave: str | None = None) -> float:
         """Period of a sea."""
+
+
+class _Moving(NamedTuple):
+    """What an animation draws, frame by frame."""
+
+    x: FloatArray  # (frame, point) [m]
+    z: FloatArray
+    place: FloatArray  # of the surface, along x (place,) [m]
+    surface: FloatArray  # (frame, place) [m]
+    heights: tuple[float, float]  # that are seen [m]
 
 
 class CampaignResults(Protocol):
@@ -144,7 +158,9 @@ class StudyPlots:
         return axes
 
     def animate(self, design: str, wave: str | None = None, magnify: float = 1.0) -> FuncAnimation:
-        """Return an animation of a buoy's meridian and the water at its axis, the last periods of the window.
+        """Return an animation of the last periods of the window: a buoy's meridian, or a body's hull cut along x.
+
+        The water is the undisturbed surface, around a buoy the one at its axis.
 
         Show it in a notebook with `IPython.display.HTML(animation.to_jshtml())`, or write it with `animation.save`.
 
@@ -152,34 +168,56 @@ class StudyPlots:
         ----------
         design, wave : str
         magnify : float
-            Factor on the deformation of the shell, not on heave and waves.
+            Factor on the deformation of the shell, not on heave and waves; of a body on motion and waves.
         """
         results = self._results
-        modes, run = results.modes, results.trajectory(design, wave)
-        if "order" in modes and bool((modes["order"] > 0).any()):
-            raise ConfigError("motion: an animation in Python is of axisymmetric motion; needs motion: heave")
-        end = results.study.simulation.window[1]
-        first = results.study.simulation.window[0]
+        run, (first, end) = results.trajectory(design, wave), results.study.simulation.window
         period = results.period(wave)
         time = np.arange(max(first, end - PERIODS_SHOWN * period), end, period / FRAMES_PER_PERIOD)
-        at = run.interp(time=time)
-        outlines = [outline(modes, at.isel(time=i), magnify) for i in range(len(time))]
-        x = np.array([one[0] for one in outlines])
-        heave = at.position.sel(dof="Heave").values[:, None]
-        z = modes.attrs["centre_height"] + heave + np.array([one[1] for one in outlines])
+        seen = (self._meridian if results.study.buoy else self._hull)(run.interp(time=time), wave, magnify)
         figure, axes = plt.subplots()
-        width = SEEN * float(np.abs(x).max())
         (hull,) = axes.plot([], [], **style(design, list(results.study.designs)))
         (water,) = axes.plot([], [], color="#0072B2", linewidth=1)
-        axes.set(xlim=(-width, width), ylim=(-width, width), aspect="equal", xlabel="x [m]", ylabel="z [m]")
+        axes.set(xlim=seen.place[[0, -1]], ylim=seen.heights, aspect="equal", xlabel="x [m]", ylabel="z [m]")
 
         def draw(frame: int) -> tuple[Any, ...]:
-            hull.set_data(x[frame], z[frame])
-            water.set_data([-width, width], [float(at.elevation[frame])] * 2)
+            hull.set_data(seen.x[frame], seen.z[frame])
+            water.set_data(seen.place, seen.surface[frame])
             axes.set_title(f"{design}, t = {time[frame]:.2f} s")
             return hull, water
 
         return FuncAnimation(figure, draw, frames=len(time), interval=1e3 * period / FRAMES_PER_PERIOD)
+
+    def _meridian(self, at: xr.Dataset, wave: str | None, magnify: float) -> "_Moving":
+        """A buoy at some times; in any wave its surface is the one at the axis."""
+        modes = self._results.modes
+        if "order" in modes and bool((modes["order"] > 0).any()):
+            raise ConfigError("motion: an animation in Python is of axisymmetric motion; needs motion: heave")
+        outlines = np.array([outline(modes, at.isel(time=i), magnify) for i in range(at.sizes["time"])])
+        x, heave = outlines[:, 0], at.position.sel(dof="Heave").values[:, None]
+        z = modes.attrs["centre_height"] + heave + outlines[:, 1]
+        width = SEEN * float(np.abs(x).max())
+        level = np.repeat(at.elevation.values[:, None], 2, axis=1)
+        return _Moving(x, z, np.array([-width, width]), level, (-width, width))
+
+    def _hull(self, at: xr.Dataset, wave: str | None, magnify: float) -> "_Moving":
+        """A body at some times, and the surface along the middle of its hull."""
+        study, ds = self._results.study, self._results.database
+        if OUTLINE not in ds:
+            raise ConfigError("body: its coefficients come without a mesh to animate; needs a body of a mesh")
+        sea = next(one for one in study.waves if not wave or wave == one.label)
+        waves, towards = study_sea(study, sea, ds), np.deg2rad(heading(sea))
+        if waves.heading is not None:
+            raise ConfigError("waves: an animation of a body is in waves of one direction; received a spread sea")
+        view, data = outline_data(ds, magnify * largest_motion(ds, at))
+        place = view.middle[0] + view.width * np.linspace(-1, 1, view.across)
+        along = place * np.cos(towards) + view.middle[1] * np.sin(towards)
+        level = magnify * surface(waves, at.time.values, along, study.water)
+        rest = ds[OUTLINE].values[..., ::2]
+        lines = rest + magnify * (displaced_outline(ds, without_drift(at.position)) - rest)
+        apart = np.full((*lines.shape[:2], 1, 2), np.nan)  # lines are drawn in one stroke, with gaps
+        points = np.concatenate([lines, apart], axis=2).reshape(len(lines), -1, 2)
+        return _Moving(points[..., 0], points[..., 1], place, level, (-data["bottom"], data["top"]))
 
     def _curves(self, values: xr.DataArray, label: str, ax: Axes | None) -> Axes:
         """Values of all designs over frequency."""

@@ -52,6 +52,10 @@ register(
         "reference_amplitude": Variable(
             ("influenced_dof",), "m", "heave and modal amplitudes of the shape the coefficients are for"
         ),
+        "outline": Variable(("line", "end", "xyz"), "m", "wetted hull cut along x through the middle of each part"),
+        "outline_displacement": Variable(
+            ("influenced_dof", "line", "end", "xyz"), "1", "displacement of the outline per unit amplitude"
+        ),
         # radiation model
         "kernel": Variable(("time", *PAIR), "kg/s^2", "retardation kernel"),
         "kernel_state_space": Variable(("time", *PAIR), "kg/s^2", "retardation kernel of the state space"),

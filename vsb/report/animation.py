@@ -1,12 +1,15 @@
-"""Animated buoys of a page: frames of stored runs, thinned, and the shapes of the shell."""
+"""Animated buoys and bodies of a page: frames of stored runs, thinned, and the shapes of the shell or hull."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from vsb.hydro.bodies.outline import DISPLACED, OUTLINE
 from vsb.report.interactive import as_script, packed
+from vsb.report.shell_figures import round_factor
+from vsb.study.quantities import motion_of
 from vsb.study.sections import Water
 from vsb.tools.arrays import FloatArray
 from vsb.waves.dispersion import wavenumber
@@ -19,9 +22,13 @@ PERIODS = 8
 COLATITUDES = 46
 """Points of a meridian."""
 ACROSS = 9
-"""Points of the water surface."""
+"""Points of the water surface around a buoy."""
+ACROSS_BODY = 65
+"""Points of the water surface around a body, which may be longer than waves."""
 SEEN = 1.7
 """Half the width of the water around a buoy [radii]."""
+LIVELY = 400
+"""Moments of a run at which the motion of a body is measured."""
 RIGID = {"heave": "Heave", "surge": "Surge", "pitch": "Pitch"}
 """Rigid motions in the plane that is drawn, by their name in the page's data."""
 FROM_LEFT = "Waves come from the left; dotted: undeformed."
@@ -29,6 +36,19 @@ PLANE = (
     "The view is the vertical plane of surge, about its mean; a drifting buoy is followed. Waves towards 0 degrees "
     "come from the left; dotted: undeformed, with the line from the centre to the top."
 )
+HULL = (
+    "The view is the vertical plane along x, {:.3g} m wide: the wetted hull cut through the middle of each body, surge "
+    "about its mean, and the undisturbed water at y = {:g} m. Waves towards 0 degrees come from the left; dotted: at "
+    "rest."
+)
+
+
+class View(NamedTuple):
+    """A piece of water that is drawn."""
+
+    width: float  # half of it [m]
+    middle: tuple[float, float] = (0.0, 0.0)  # x and y [m]
+    across: int = ACROSS  # points of the surface
 
 
 def shapes_data(modes: xr.Dataset) -> dict[str, Any]:
@@ -58,7 +78,7 @@ def frames_data(
     waves: Sea,
     span: tuple[float, float],
     period: float,
-    width: float,
+    view: View,
     water: Water,
     shell: Sequence[str],
     direction: float = 0.0,
@@ -75,16 +95,16 @@ def frames_data(
         Its last `PERIODS` are shown.
     period : float
         Of the sea [s].
-    width : float
-        Half the width of the water [m].
+    view : View
     shell : sequence of str
-        Labels of the shell modes.
+        Labels of the shell modes, of a body of all its degrees of freedom.
     direction : float
         The waves travel to, from the x axis [rad].
     """
     start, end = max(span[0], span[1] - PERIODS * period), span[1]
     time = np.linspace(start, end, int(PER_PERIOD * (end - start) / period) + 2)
-    place = width * np.cos(direction) * np.linspace(-1, 1, ACROSS)
+    x, y = view.middle[0] + view.width * np.linspace(-1, 1, view.across), view.middle[1]
+    place = x * np.cos(direction) + y * np.sin(direction)
     return {
         "words": words,
         "start": float(time[0]),
@@ -107,15 +127,21 @@ def surface(waves: Sea, time: FloatArray, place: FloatArray, water: Water) -> Fl
 
 def _amplitudes(run: xr.DataArray, time: FloatArray, shell: Sequence[str]) -> dict[str, Any]:
     """Motions in the plane that is drawn at some times, surge without its drift; no shell of a rigid design."""
-    found = {
-        str(label): np.interp(time, run.time.values, column)
-        for label, column in zip(run.dof.values, run.values.T, strict=True)
-    }
-    if "Surge" in found:
-        found["Surge"] = found["Surge"] - _drift(time, found["Surge"])
+    moved = np.array([np.interp(time, run.time.values, column) for column in run.values.T]).T
+    at = without_drift(xr.DataArray(moved, {"time": time, "dof": run.dof.values}, ("time", "dof")))
+    found = dict(zip(map(str, at.dof.values), at.values.T, strict=True))
     rigid = {name: packed(found[label]) for name, label in RIGID.items() if label in found}
-    moved = [found[label] for label in shell if label in found]
-    return {**rigid, "modes": len(moved), "shell": packed(np.array(moved).T.ravel())}
+    none = np.zeros(len(time))
+    shown = [found.get(label, none) for label in shell] if set(shell) & set(found) else []
+    return {**rigid, "modes": len(shown), "shell": packed(np.array(shown).T.ravel())}
+
+
+def without_drift(position: xr.DataArray) -> xr.DataArray:
+    """Return positions, dims (time, dof), with the surge of every body about its mean and drift."""
+    time, values = position.time.values, position.values.copy()
+    for i in (i for i, label in enumerate(position.dof.values) if motion_of(str(label)) == "Surge"):
+        values[:, i] -= _drift(time, values[:, i])
+    return position.copy(data=values)
 
 
 def _drift(time: FloatArray, surge: FloatArray) -> FloatArray:
@@ -131,17 +157,71 @@ def largest_shell(run: xr.DataArray, shell: Sequence[str]) -> float:
     return float(abs(moved).max()) if moved.size else 0.0
 
 
+def displaced_outline(ds: xr.Dataset, position: xr.DataArray) -> FloatArray:
+    """Return the lines of a body displaced in the x-z plane, shape (time, line, end, xz) [m].
+
+    Parameters
+    ----------
+    ds : Dataset
+        Its hydro database, with `outline` and `outline_displacement` psi.
+    position : DataArray, dims (time, dof) [m, rad]
+        Amplitudes q: points x move to x + sum_i q_i psi_i(x), as linear theory has it, rotations included.
+    """
+    moved = ds[DISPLACED].sel(influenced_dof=position.dof.values).values[..., ::2]
+    return np.asarray(ds[OUTLINE].values[..., ::2] + np.tensordot(position.values, moved, 1))
+
+
+def largest_motion(ds: xr.Dataset, run: xr.Dataset) -> float:
+    """Return the largest displacement in a run of a body without its drift, or elevation if that is larger [m]."""
+    seen = run.isel(time=np.linspace(0, run.sizes["time"] - 1, LIVELY).astype(int))
+    moved = displaced_outline(ds, without_drift(seen.position)) - ds[OUTLINE].values[..., ::2]
+    return max(float(np.abs(moved).max()), float(np.abs(run.elevation).max()))
+
+
+def outline_data(ds: xr.Dataset, largest: float) -> tuple[View, dict[str, Any]]:
+    """Return the view of a body, and the data of its lines: factor on motion and waves, shapes, what is seen of z.
+
+    Parameters
+    ----------
+    ds : Dataset
+        Its hydro database, with `outline` and `outline_displacement`.
+    largest : float
+        Motion that must fit into the view [m].
+    """
+    points = ds[OUTLINE].values
+    low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+    size, middle = max(high[0] - low[0], -low[2]) / 2, (low + high) / 2
+    factor = round_factor(largest, size)
+    beside = max(0.35 * size, 1.3 * factor * largest)
+    view = View(float(size + beside), (float(middle[0]), float(middle[1])), ACROSS_BODY)
+    shapes = {
+        "outline": packed(points[..., ::2].ravel()),
+        "displacement": packed(ds[DISPLACED].values[..., ::2].ravel()),
+    }
+    seen = {"middle": list(view.middle), "top": float(beside), "bottom": float(beside - low[2])}
+    return view, {"factor": factor, "shapes": shapes, **seen}
+
+
 def in_motion(animated: Mapping[str, Any] | None) -> dict[str, Any] | None:
     """Return what a page says of animated buoys, and their data for its scripts; None of none."""
     if animated is None:
         return None
     seas, factor = animated["seas"], animated["factor"]
-    scale = f"shell displacement is magnified {factor:g} times, heave and waves are" if factor > 1 else "all is"
+    of_body = "outline" in animated["shapes"]
     names = [design["name"] for design in animated["designs"]]
-    shown = f"{', '.join(names)}{' side by side' if len(names) > 1 else ''}"
-    if any("surge" in design for sea in seas for design in sea["designs"]):
+    shown = f"{', '.join(names)}{' side by side' if len(names) > 1 and not of_body else ''}"
+    if factor <= 1:
+        scale = "all is to scale"
+    elif of_body:
+        scale = f"motion and waves are magnified {factor:g} times"
+    else:
+        scale = f"shell displacement is magnified {factor:g} times, heave and waves are to scale"
+    if of_body:
+        view = HULL.format(2 * animated["width"], round(animated["middle"][1], 3) + 0.0)
+    elif any("surge" in design for sea in seas for design in sea["designs"]):
         view = PLANE
     else:
         view = "Dotted: undeformed." if all(sea["calm"] for sea in seas) else FROM_LEFT
-    words = f"{animated.get('message', '')} {shown}; {scale} to scale.".strip()
-    return {"words": words, "view": view, "data": as_script(animated)}
+    words = f"{animated.get('message', '')} {shown}; {scale}.".strip()
+    title = "The body in the waves" if of_body else "The buoys in the waves"
+    return {"title": title, "words": words, "view": view, "data": as_script(animated)}

@@ -30,7 +30,6 @@ from vsb.report.campaign_answer import (
 from vsb.report.campaign_figures import is_mapped
 from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
-from vsb.report.page import STILL as STILL_BODY
 from vsb.study.campaign import CONSTRAINED
 from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import kind_of
@@ -61,6 +60,7 @@ MAPPED = "; hatched: the interval of the gain includes zero; grey: not viable"
 MOST_ROWS = 24
 NO_SLIDER = "No slider of the damping and no curve over it: the take-off has a damper matrix."
 STILL = "No animation: no design is viable at the point of the answer, or its take-off is not one damper."
+STILL_BODY = "No animation: the page of a study of this body has one, if its mesh is known."
 
 
 @dataclass(frozen=True)

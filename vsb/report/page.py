@@ -43,7 +43,7 @@ DETAILS = (
 """Measures of the whole run, start-up included."""
 MISSING = ("", None)
 """A quantity that does not exist, in a table for people and in data."""
-STILL = "No animation: the surface of a body is not stored with its coefficients."
+STILL = "No animation: the coefficients of this body come without its mesh."
 MOST_WARNINGS = 3
 """Failed checks listed at the top of a page."""
 SAME = 1.0

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from vsb.report.animation import PER_PERIOD, PERIODS, SEEN, frames_data, largest_shell, shapes_data
+from vsb.report.animation import PER_PERIOD, PERIODS, SEEN, View, frames_data, largest_shell, shapes_data
 from vsb.report.campaign_answer import TUNED, leading, shown_place, where
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.campaign_page import CampaignReport, render
@@ -127,7 +127,7 @@ def animated_year(
         "width": width,
         "factor": round_factor(largest, radius),
         "shapes": shapes_data(modes),
-        "seas": [frames_data(words, runs, waves, span, period, width, study.water, shell)],
+        "seas": [frames_data(words, runs, waves, span, period, View(width), study.water, shell)],
         "message": f"In {words}: a realisation of its spectrum by linear theory, {TUNED[tuned]}{at}.",
     }
 

@@ -16,19 +16,18 @@ import xarray as xr
 import yaml
 
 from vsb import __version__
-from vsb.report.animation import PERIODS, SEEN, frames_data, largest_shell, shapes_data
 from vsb.report.band import lowest
 from vsb.report.canvas import PORT, StudyData
 from vsb.report.figures import draw
-from vsb.report.interactive import Grid, InteractiveSea, designs_data, study_data, thinned
+from vsb.report.interactive import Grid, InteractiveSea, study_data, thinned
 from vsb.report.page import Report, render
-from vsb.report.shell_figures import round_factor
 from vsb.report.sketch import sketches
 from vsb.report.svg import drawn
 from vsb.results.comparison import in_direction
 from vsb.results.force_steps import SeenPort, force_steps
 from vsb.results.statistics import families
-from vsb.scenes.floating_system import FloatingSystem, band, floating_system, heading, study_sea
+from vsb.scenes.floating_system import FloatingSystem, band, floating_system
+from vsb.stages.animated import animated_study
 from vsb.stages.stored import Inputs
 from vsb.study.blocks import no_witness
 from vsb.study.body import CONTENTS, AnyStudy, BodyFile
@@ -49,7 +48,7 @@ from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
 from vsb.waves.dispersion import group_velocity
-from vsb.waves.seas import NO_WAVES, Sea, components
+from vsb.waves.seas import components
 from vsb.waves.spectra import jonswap_spectrum, spectrum
 
 FREQUENCIES = 2000
@@ -121,49 +120,6 @@ def _slowest(study: AnyStudy, response: xr.Dataset) -> float:
     if study.buoy and not study.needs_bem:
         return study.buoy.heave_frequency
     return float(response.wet_natural_frequency.min()) if response.wet_natural_frequency.size else 1.0
-
-
-ANIMATED_SEAS = 4
-"""Most seas whose motion a page holds."""
-
-
-def animated_study(stored: Inputs, modes: xr.Dataset, words: Mapping[str, str]) -> dict[str, Any]:
-    """Return the motion of all designs in the first seas of a study, its still water left out where there are waves.
-
-    Parameters
-    ----------
-    modes : Dataset
-        Of rule `modes`.
-    words : mapping
-        Every sea in words, by its label.
-    """
-    study = stored.study.buoy
-    assert study is not None  # a body has no shell to draw
-    waves = [wave for wave in study.drawn_waves if not isinstance(wave, StillWater)]
-    shown = waves or study.drawn_waves
-    width, shell = SEEN * study.device.radius, list(map(str, modes.mode.values))
-    seas, largest, duration = [], 0.0, study.simulation.duration
-    for wave in itertools.islice(shown, ANIMATED_SEAS):
-        runs = {design: stored.runs[design, wave.label].position for design in study.designs}
-        window, water = study.simulation.window, study.water
-        largest = max(largest, *(largest_shell(run.sel(time=slice(*window)), shell) for run in runs.values()))
-        moved = _drawn_sea(stored, wave) if study.needs_bem else NO_WAVES
-        period = duration / PERIODS if isinstance(wave, StillWater) else 2 * math.pi / wave.omega
-        towards = math.radians(heading(wave))
-        seas.append(frames_data(words[wave.label], runs, moved, window, period, width, water, shell, towards))
-    return {
-        "designs": designs_data(list(study.designs), study.reference_design),
-        "width": width,
-        "factor": round_factor(largest, study.device.radius),
-        "shapes": shapes_data(modes),
-        "seas": seas,
-    }
-
-
-def _drawn_sea(stored: Inputs, wave: Wave) -> Sea:
-    """A sea as its surface is drawn along its direction; of a spread one the line through the buoy does not tell it."""
-    found = study_sea(stored.study, wave, stored.database)
-    return found if found.heading is None else NO_WAVES
 
 
 MOST = 10_000
@@ -338,7 +294,7 @@ def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **fi
         sketches=sketches(buoy) if buoy else (),
         thing="buoy" if buoy else "body",
         flexible=study.flexible,
-        animated=animated_study(stored, stored.modes, _seas(study)) if buoy else None,
+        animated=animated_study(stored, _seas(study)),
         interactive=interactive_study(study, stored.path("database"), stored.response, found["within_limits"]),
         no_slider=no_slider(study),
         figures={n: read_text(f"{files['figures']}/{n}.svg", manifest, study_id) for n in stored.plan.figures},

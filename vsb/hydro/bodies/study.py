@@ -29,6 +29,7 @@ from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.hydro.bodies.lid import first_irregular_frequency, interior_lid
 from vsb.hydro.bodies.mesh import rotation_centre
+from vsb.hydro.bodies.outline import cut
 from vsb.hydro.bodies.solver import BodyProblem, unit_wave
 from vsb.hydro.bodies.verdict import (
     BELOW_IRREGULAR,
@@ -351,7 +352,7 @@ def _database(
         "bem_seconds": sum(block.attrs["seconds"] for block in blocks),
         **_at_rest(body),
     }
-    complete = ds.assign({name: (PAIR, matrix) for name, matrix in matrices.items()})
+    complete = ds.assign({name: (PAIR, matrix) for name, matrix in matrices.items()}).assign(cut(body))
     if (errors := signed_errors(found)) is not None:
         error = stiffness_error(body, stiffness, found.resolution_ratio, water.density, water.gravity)
         complete = complete.merge(errors.assign({f"hydrostatic_stiffness_{ESTIMATE}": ((ESTIMATE, *PAIR), error)}))

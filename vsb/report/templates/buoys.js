@@ -1,4 +1,4 @@
-// The buoys in the waves, side by side and to scale, their shells magnified: played, paused, or stepped by hand.
+// The buoys or the body in the waves, designs side by side: played, paused, or stepped by hand.
 "use strict";
 
 class Buoys {
@@ -77,46 +77,66 @@ class Buoys {
     return [out * sine + down * cosine, out * cosine - down * sine];
   }
 
+  /** How many designs stand side by side, and the widest piece of water of each. */
+  layout(room) {
+    const { length } = this.data.designs;
+    return [room < 480 ? Math.min(2, length) : length, 260];
+  }
+
+  /** What of the height is seen above still water and below, and the factor on waves. */
+  seen() {
+    return [this.data.width, this.data.width, 1];
+  }
+
   /** Draw a frame: every design in its piece of water. */
   draw(frame) {
     this.frame = frame;
     this.part("moment").value = frame;
     this.part("moment-says").textContent = `${(this.sea.start + frame * this.sea.step).toFixed(2)} s`;
     const { designs, width } = this.data;
-    const columns = this.canvas.clientWidth < 480 ? Math.min(2, designs.length) : designs.length;
-    const cell = Math.min(this.canvas.clientWidth / columns, 260);
+    const [columns, widest] = this.layout(this.canvas.clientWidth);
+    const cell = Math.min(this.canvas.clientWidth / columns, widest);
+    const scale = (cell / 2 - 4) / width;
+    const [top, bottom] = this.seen().map((height) => height * scale);
+    const row = top + bottom + 26;
     const ratio = globalThis.devicePixelRatio || 1;
-    this.canvas.style.height = `${(cell + 18) * Math.ceil(designs.length / columns)}px`;
+    this.canvas.style.height = `${row * Math.ceil(designs.length / columns)}px`;
     this.canvas.width = this.canvas.clientWidth * ratio;
     this.canvas.height = this.canvas.clientHeight * ratio;
     const pen = this.canvas.getContext("2d");
     pen.scale(ratio, ratio);
     designs.forEach((design, i) => {
       pen.save();
-      pen.translate((i % columns) * cell + cell / 2, Math.floor(i / columns) * (cell + 18) + cell / 2 + 14);
-      this.drawBuoy(pen, design, this.sea.designs[i], frame, (cell / 2 - 4) / width);
+      pen.translate((i % columns) * cell + cell / 2, Math.floor(i / columns) * row + top + 18);
+      this.drawWater(pen, design, frame, scale);
+      this.drawHull(pen, design, this.sea.designs[i], frame, scale);
       pen.restore();
     });
   }
 
-  /** One buoy in its water; up is up. */
-  drawBuoy(pen, look, design, frame, scale) {
+  /** The name of a design over its piece of water; up is up. */
+  drawWater(pen, look, frame, scale) {
     const half = this.data.width * scale;
+    const [top, bottom, factor] = this.seen();
     pen.fillStyle = "#1c2430";
     pen.font = '12px "DejaVu Sans", Verdana, sans-serif';
     pen.textAlign = "center";
-    pen.fillText(look.name, 0, -half - 3);
+    pen.fillText(look.name, 0, -top * scale - 3);
     pen.beginPath();
-    pen.rect(-half, -half, 2 * half, 2 * half);
+    pen.rect(-half, -top * scale, 2 * half, (top + bottom) * scale);
     pen.clip();
     pen.beginPath();
-    pen.moveTo(-half, half);
+    pen.moveTo(-half, bottom * scale);
     for (let k = 0; k < this.across; k++) {
-      pen.lineTo(half * ((2 * k) / (this.across - 1) - 1), -scale * this.sea.surface[frame * this.across + k]);
+      pen.lineTo(half * ((2 * k) / (this.across - 1) - 1), -scale * factor * this.sea.surface[frame * this.across + k]);
     }
-    pen.lineTo(half, half);
+    pen.lineTo(half, bottom * scale);
     pen.fillStyle = "#d5ebf8";
     pen.fill();
+  }
+
+  /** A buoy: its meridian on both sides, and dotted the one at rest. */
+  drawHull(pen, look, design, frame, scale) {
     const [right, left] = [this.meridian(design, frame), this.meridian(design, frame, true)];
     const rest = Array.from(this.shape.colatitude, (_, i) => this.point(i, 0, 0));
     const line = (points) => {
@@ -147,5 +167,53 @@ class Buoys {
     const across = (design.surge ? design.surge[frame] : 0) + x * Math.cos(turn) + z * Math.sin(turn);
     const height = this.shape.centre + design.heave[frame] + z * Math.cos(turn) - x * Math.sin(turn);
     return [scale * across, -scale * height];
+  }
+}
+
+/** A body of any shape: the lines of its hull, displaced by its degrees of freedom; motion and waves magnified alike. */
+class Body extends Buoys {
+  layout(room) {
+    return [room < 640 ? 1 : Math.min(2, this.data.designs.length), 480];
+  }
+
+  seen() {
+    return [this.data.top, this.data.bottom, this.data.factor];
+  }
+
+  /** Ends of the lines, x and z [m] in turn: x + factor sum q psi(x). */
+  lines(design, frame) {
+    const { outline, displacement } = this.shape;
+    return outline.map((at, i) => {
+      let moved = 0;
+      for (let n = 0; n < design.modes; n++) moved += design.shell[frame * design.modes + n] * displacement[n * outline.length + i];
+      return at + this.data.factor * moved;
+    });
+  }
+
+  drawHull(pen, look, design, frame, scale) {
+    const [middle] = this.data.middle;
+    const line = (ends) => {
+      pen.beginPath();
+      for (let i = 0; i < ends.length; i += 2) pen[i % 4 ? "lineTo" : "moveTo"](scale * (ends[i] - middle), -scale * ends[i + 1]);
+      pen.stroke();
+    };
+    pen.strokeStyle = look.colour;
+    pen.lineWidth = 2;
+    line(this.lines(design, frame));
+    pen.setLineDash([2, 4]);
+    pen.lineWidth = 1;
+    pen.strokeStyle = "#566170";
+    line(this.shape.outline);
+    pen.setLineDash([]);
+    const half = this.data.width / 2;
+    const bar = [5, 2, 1].map((digit) => digit * 10 ** Math.floor(Math.log10(half))).find((length) => length <= half);
+    const [left, low] = [6 - this.data.width * scale, this.data.bottom * scale - 6];
+    pen.beginPath();
+    pen.moveTo(left, low);
+    pen.lineTo(left + bar * scale, low);
+    pen.stroke();
+    pen.fillStyle = "#1c2430";
+    pen.textAlign = "left";
+    pen.fillText(`${bar} m`, left, low - 4);
   }
 }

@@ -12,7 +12,7 @@
   const root = document.getElementById("live");
   if (data) globalThis.interactive = data.kind === "study" ? new InteractiveStudy(data, root) : new InteractiveYear(data, root);
   const motion = held("buoys-data");
-  if (motion) globalThis.buoys = new Buoys(motion, document.getElementById("buoys"));
+  if (motion) globalThis.buoys = new (motion.shapes.outline ? Body : Buoys)(motion, document.getElementById("buoys"));
   const contents = document.querySelector("nav");
   for (const part of [...document.querySelectorAll("section.screen:not([hidden])")].reverse()) {
     const link = document.createElement("a");
