@@ -204,7 +204,7 @@ def test_solved_barge_is_exported_and_imported_in_both_formats(solved, tmp_path,
     ):
         back = files.load(tmp_path / f"{name}.nc")
         assert back.influenced_dof.values.tolist() == labels
-        kept = [name for name in ds.data_vars if not name.endswith("_error")]  # which no such file has a place for
+        kept = [n for n in ds.data_vars if not n.endswith("_error") and "outline" not in n]  # no such file holds these
         assert set(back.data_vars) == {*kept, "structural_damping_matrix"}
         for key in kept:
             assert back[key].values == pytest.approx(
