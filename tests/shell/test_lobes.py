@@ -5,11 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
+from vsb.shell.azimuthal import complete_order
 from vsb.shell.deformed import rigid_buoy
 from vsb.shell.elastic import ElasticShell, converged_degree
 from vsb.shell.loaded import LoadedShell, buckling, complete_basis, complete_shell
-from vsb.shell.lobes import displacements, lobed_buckling, lobed_degree, lobed_pencil, most_lobes, with_lobes
-from vsb.shell.shell import Shell
+from vsb.shell.lobes import displacements, lobed_buckling, lobed_degree, lobed_pencil, most_lobes, strains, with_lobes
+from vsb.shell.orders import prestress_stiffness
+from vsb.shell.shell import Shell, bend, curve
 from vsb.study.meridian import RestMeridian, capsule, spheroid
 
 RHO, G = 1025.0, 9.81
@@ -106,3 +108,62 @@ def test_more_displacements_and_orders_change_nothing(rest):
         elastic, load = lobed_pencil(loaded(shell), order)
         below = load + coarse[-1].inverse_load_factor * elastic
         assert np.linalg.eigvalsh(below)[0] > 0
+
+
+@pytest.mark.parametrize("rest", [spheroid(2.0, 6.0), EGG])
+@pytest.mark.parametrize("order", [1, 4])
+def test_strains_are_those_of_the_deformed_surface(rest, order):
+    """First and second fundamental form to first order, by a complex step: Sanders' measure is dK - (k e + e k)/2.
+
+    The surface X = (x + s_x cos, w sin, z + s_z cos) in the frame that turns with theta; K_ab = -X_ab.n.
+    """
+    phi, m, theta, step = np.linspace(0.3, 2.9, 7), order, 0.7, 1e-30j
+    cos, sin = np.cos(m * theta), np.sin(m * theta)
+    psi, at, (ddx, ddz) = displacements(m, 6, phi), curve(rest, phi), bend(rest, phi)
+    membrane, bending, *_ = strains(psi, m, at, (ddx, ddz))
+    ax, aw, az = psi.around(m)
+
+    def vector(x, w, z):
+        return np.array(np.broadcast_arrays(x, w, z))
+
+    by_phi = vector(at.dx + step * psi.dx * cos, step * psi.dw * sin, at.dz + step * psi.dz * cos)
+    by_theta = vector(step * ax * sin, at.x + step * aw * cos, step * az * sin)
+    across = np.cross(by_phi, by_theta, axis=0)
+    normal = across / np.sqrt((across**2).sum(axis=0))
+    second = (  # the part of X_phi,phi along theta is of second order in its product with n
+        vector(ddx + step * psi.ddx * cos, 0 * psi.x, ddz + step * psi.ddz * cos),
+        vector(step * m * ax * cos - by_theta[1], 0 * psi.x, step * m * az * cos),
+        vector(
+            -step * (m * psi.dx + psi.dw) * sin, at.dx + step * (m * psi.dw + psi.dx) * cos, -step * m * psi.dz * sin
+        ),
+    )
+    slope = np.hypot(at.dx, at.dz)
+    scales = slope**2, at.x**2, slope * at.x
+    along, around, twist = (-(one * normal).sum(axis=0) / scale for one, scale in zip(second, scales, strict=True))
+    (e, t, g), size = (
+        (by_phi**2).sum(axis=0) / 2 / scales[0], (by_theta**2).sum(axis=0) / 2 / scales[1],
+        (by_phi * by_theta).sum(axis=0) / scales[2],
+    ), step.imag  # fmt: skip
+    for found, expected, around_axis in zip(membrane, (e, t, g), (cos, cos, sin), strict=True):
+        assert found * around_axis == pytest.approx(expected.imag / size, rel=1e-9, abs=1e-9)
+    changes = (
+        along.imag - along.real * e.imag, around.imag - around.real * t.imag,
+        2 * twist.imag - (along.real + around.real) / 2 * g.imag,
+    )  # fmt: skip
+    for found, expected, around_axis in zip(bending, changes, (cos, cos, sin), strict=True):
+        assert found * around_axis == pytest.approx(expected / size, rel=1e-9, abs=1e-9)
+
+
+def test_energies_of_the_floating_sphere_are_those_of_its_degrees(seed):
+    """Shapes of one degree of `vsb.shell.orders`, whose elastic, prestress and hydrostatic stiffness are their own."""
+    sphere = complete_shell(seed.device, seed.centre_height, seed.water, 9e3)
+    (phi, area), basis = sphere.elastic.rings, complete_order(sphere, 3, 6)
+    (v, u, w), psi = basis.field(phi), displacements(3, lobed_degree(sphere, 3), phi)
+    sin, cos, root = np.sin(phi), np.cos(phi), np.sqrt(np.tile(area, 3))[:, None]
+    motions = np.concatenate([v * sin + u * cos, w, v * cos - u * sin], axis=1).T
+    q = np.linalg.lstsq(np.concatenate([psi.x, psi.w, psi.z], axis=1).T * root, motions * root, rcond=None)[0]
+    elastic, load = lobed_pencil(sphere, 3, q)
+    water = basis.hydrostatic_stiffness(sphere.centre_height, sphere.water_density, sphere.gravity)
+    prestress = prestress_stiffness(basis, sphere) + (water + water.T) / 2
+    for found, expected in ((elastic, basis.stiffness), (load, prestress)):
+        assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())

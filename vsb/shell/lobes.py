@@ -99,7 +99,7 @@ def _wet(shell: Shell, centre_height: float) -> list[tuple[float, float]]:
     return rigid_buoy(shell, centre_height).wet_segments
 
 
-class _Strains(NamedTuple):
+class Strains(NamedTuple):
     """Strains and changes of curvature along, around and sheared, then gradients along and around the surface."""
 
     membrane: tuple[FloatArray, FloatArray, FloatArray]
@@ -108,7 +108,7 @@ class _Strains(NamedTuple):
     around: tuple[FloatArray, FloatArray, FloatArray]
 
 
-def _strains(psi: Displacement, m: int, at: Curve, bent: tuple[FloatArray, FloatArray]) -> _Strains:
+def strains(psi: Displacement, m: int, at: Curve, bent: tuple[FloatArray, FloatArray]) -> Strains:
     """Strains of displacements of order m on a meridian."""
     slope, (ddx, ddz) = length(at.dx, at.dz), bent
     tx, tz = at.dx / slope, at.dz / slope
@@ -124,7 +124,7 @@ def _strains(psi: Displacement, m: int, at: Curve, bent: tuple[FloatArray, Float
     sheared = tx * around[0] + tz * around[2]
     curved = -tz / at.x - (at.dz * ddx - at.dx * ddz) / slope**3
     twist = (m * rotation + tx * other) / at.x - other_turned / slope + curved * (along[1] - sheared) / 2
-    return _Strains(
+    return Strains(
         (tx * along[0] + tz * along[2], around[1], along[1] + sheared),
         (-turned / slope, -(tx * rotation + m * other) / at.x, twist),
         along,
@@ -132,9 +132,9 @@ def _strains(psi: Displacement, m: int, at: Curve, bent: tuple[FloatArray, Float
     )
 
 
-def _energy(strains: tuple[FloatArray, FloatArray, FloatArray], ratio: float, area: FloatArray) -> FloatArray:
+def _energy(parts: tuple[FloatArray, FloatArray, FloatArray], ratio: float, area: FloatArray) -> FloatArray:
     """Hessian of int [a^2 + b^2 + 2 nu a b + (1 - nu) c^2/2] dA/2, cos^2 and sin^2 being a half around."""
-    a, b, c = strains
+    a, b, c = parts
     half = area / 2
     first, second = a + ratio * b, b + ratio * a
     return np.asarray((half * first) @ a.T + (half * second) @ b.T + ((1 - ratio) / 2 * half * c) @ c.T)
@@ -176,7 +176,7 @@ def lobed_pencil(loaded: LoadedShell, order: int, shapes: FloatArray | None = No
         return psi if shapes is None else Displacement(*(shapes.T @ part for part in psi))
 
     psi, (at, bent) = combined(_at_nodes(order, degree, len(phi))), _meridian(shell.meridian, len(phi))
-    found, nu = _strains(psi, order, at, bent), shell.poisson_ratio
+    found, nu = strains(psi, order, at, bent), shell.poisson_ratio
     elastic = shell.membrane_stiffness * _energy(found.membrane, nu, area)
     elastic = elastic + shell.bending_stiffness * _energy(found.bending, nu, area)
     meridional, hoop = (force * area / 2 for force in loaded.ring_resultants)
