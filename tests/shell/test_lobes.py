@@ -9,7 +9,7 @@ from vsb.shell.azimuthal import complete_order
 from vsb.shell.deformed import rigid_buoy
 from vsb.shell.elastic import ElasticShell, converged_degree
 from vsb.shell.loaded import LoadedShell, buckling, complete_basis, complete_shell
-from vsb.shell.lobes import displacements, lobed_buckling, lobed_degree, lobed_pencil, most_lobes, strains, with_lobes
+from vsb.shell.lobes import LobedShell, displacements, strains, with_lobes
 from vsb.shell.orders import prestress_stiffness
 from vsb.shell.shell import Shell, bend, curve
 from vsb.study.meridian import RestMeridian, capsule, spheroid
@@ -35,7 +35,7 @@ def test_every_order_of_the_sphere_has_the_axisymmetric_buckling_load():
     """A degree n that buckles does in all 2 n + 1 shapes of it."""
     sphere = pressed(SPHERE)
     expected = buckling(sphere)
-    found = lobed_buckling(sphere, expected.degree + 2)
+    found = LobedShell(sphere, 40).buckling(expected.degree + 2)
     same = {one.order for one in found if one.inverse_load_factor * expected.load_factor > 1 - 1e-9}
     assert same == set(range(1, expected.degree + 1))
     assert found[0].inverse_load_factor * expected.load_factor == pytest.approx(1.0, rel=1e-9)
@@ -70,7 +70,7 @@ def test_flat_spheroids_and_the_floating_sphere_buckle_axisymmetrically_first(se
 
 
 def test_tension_makes_no_lobes():
-    assert lobed_buckling(loaded(SPHERE, 100.0, gravity=0.0), 1)[0].inverse_load_factor < 1e-12
+    assert LobedShell.of(loaded(SPHERE, 100.0, gravity=0.0)).buckling(1)[0].inverse_load_factor < 1e-12
 
 
 @pytest.mark.parametrize("rest", [spheroid(2.0, 3.0), spheroid(2.0, 6.0), capsule(2.0, 2.0), EGG])
@@ -80,8 +80,8 @@ def test_rigid_motions_strain_nothing_and_pitch_meets_the_metacentre(rest):
     Up to h/r, for membrane forces alone carry the load there.
     """
     floating = loaded(dataclasses.replace(SPHERE, thickness=0.01, rest=rest, radius=rest.radius))
-    (phi, area), (elastic, load) = floating.elastic.rings, lobed_pencil(floating, 1)
-    psi, at = displacements(1, lobed_degree(floating, 1), phi), floating.basis.shell.at_rest(phi)
+    (phi, area), (elastic, load) = floating.elastic.rings, LobedShell(floating, 40).pencil(1)
+    psi, at = displacements(1, 40, phi), floating.basis.shell.at_rest(phi)
     fields, root = np.concatenate([psi.x, psi.w, psi.z], axis=1).T, np.sqrt(np.tile(area, 3))
     none, one, weight = 0 * phi, 1 + 0 * phi, floating.basis.total_mass * G
     motions = np.array([[one, -one, none], [at.z, -at.z, -at.x]]).reshape(2, -1).T
@@ -97,15 +97,15 @@ def test_rigid_motions_strain_nothing_and_pitch_meets_the_metacentre(rest):
 
 @pytest.mark.parametrize("rest", [spheroid(2.0, 3.0), spheroid(2.0, 6.0), capsule(2.0, 1.0), EGG])
 def test_more_displacements_and_orders_change_nothing(rest):
-    """Loads of a floating shell with a third more degrees; further orders than are searched hold no larger factor."""
-    shell = dataclasses.replace(SPHERE, rest=rest, radius=rest.radius)
-    degree = converged_degree(shell)
-    coarse, fine = (lobed_buckling(loaded(shell, degree=n), 4) for n in (degree, degree * 4 // 3))
+    """Loads of a floating shell with twice the degree; further orders than are searched hold no larger factor."""
+    floating = loaded(dataclasses.replace(SPHERE, rest=rest, radius=rest.radius))
+    lobed = LobedShell.of(floating)
+    coarse, fine = (one.buckling(4) for one in (lobed, LobedShell(floating, 2 * lobed.degree)))
     assert [one.order for one in coarse] == [one.order for one in fine]
     for one, other in zip(coarse, fine, strict=True):
-        assert one.inverse_load_factor == pytest.approx(other.inverse_load_factor, rel=1e-5)
-    for order in range(int(most_lobes(shell)) + 1, 2 * int(most_lobes(shell)), 5):
-        elastic, load = lobed_pencil(loaded(shell), order)
+        assert one.inverse_load_factor == pytest.approx(other.inverse_load_factor, rel=1e-6)
+    for order in range(int(lobed.most_lobes) + 1, 2 * int(lobed.most_lobes), 5):
+        elastic, load = lobed.pencil(order)
         below = load + coarse[-1].inverse_load_factor * elastic
         assert np.linalg.eigvalsh(below)[0] > 0
 
@@ -158,11 +158,11 @@ def test_energies_of_the_floating_sphere_are_those_of_its_degrees(seed):
     """Shapes of one degree of `vsb.shell.orders`, whose elastic, prestress and hydrostatic stiffness are their own."""
     sphere = complete_shell(seed.device, seed.centre_height, seed.water, 9e3)
     (phi, area), basis = sphere.elastic.rings, complete_order(sphere, 3, 6)
-    (v, u, w), psi = basis.field(phi), displacements(3, lobed_degree(sphere, 3), phi)
+    (v, u, w), psi = basis.field(phi), displacements(3, 20, phi)
     sin, cos, root = np.sin(phi), np.cos(phi), np.sqrt(np.tile(area, 3))[:, None]
     motions = np.concatenate([v * sin + u * cos, w, v * cos - u * sin], axis=1).T
     q = np.linalg.lstsq(np.concatenate([psi.x, psi.w, psi.z], axis=1).T * root, motions * root, rcond=None)[0]
-    elastic, load = lobed_pencil(sphere, 3, q)
+    elastic, load = LobedShell(sphere, 20).pencil(3, q)
     water = basis.hydrostatic_stiffness(sphere.centre_height, sphere.water_density, sphere.gravity)
     prestress = prestress_stiffness(basis, sphere) + (water + water.T) / 2
     for found, expected in ((elastic, basis.stiffness), (load, prestress)):

@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 from vsb.design.resting import OF_DAMPING, RestingBuoy, Stepped, with_variable
 from vsb.scenes.rest import complete_loaded_shell, loaded_shell
 from vsb.shell.loaded import LoadedShell, buckling_pencil
-from vsb.shell.lobes import Lobes, lobed_buckling, lobed_pencil
+from vsb.shell.lobes import LobedShell, Lobes
 from vsb.shell.modes import rigid_basis
 from vsb.shell.shell import gauss_rule, length
 from vsb.study.study import Study
@@ -104,7 +104,7 @@ def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:
     kappa, x = eigh(-load, elastic, subset_by_index=[len(load) - FACTORS, len(load) - 1])
     found = [Lobes(float(k), 0, shape) for k, shape in zip(kappa, x.T, strict=True)]
     if loaded.basis.shell.rest is not None:
-        found += lobed_buckling(loaded, FACTORS)
+        found += LobedShell.of(loaded).buckling(FACTORS)
     found = sorted(found, key=lambda one: -one.inverse_load_factor)[:FACTORS]
     rigid = RestingBuoy(study, loaded_shell(study, rigid_basis(study.device)), np.zeros(1))  # it floats undeformed
     slopes = []
@@ -122,10 +122,10 @@ def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:
 def _changes(changed: LoadedShell, shapes: Sequence[Lobes]) -> list[float]:
     """Imaginary parts of inverse load factors of a shell with an imaginary step, by the shapes of the one without."""
     axisymmetric = buckling_pencil(changed) if any(one.order == 0 for one in shapes) else None
-    found = []
+    lobed, found = LobedShell.of(changed), []
     for kappa, order, x in shapes:
         whole = axisymmetric if order == 0 else None
-        pencil = [x @ one @ x for one in whole] if whole else lobed_pencil(changed, order, x[:, None])
+        pencil = [x @ one @ x for one in whole] if whole else lobed.pencil(order, x[:, None])
         elastic, load = (np.imag(one).item() for one in pencil)
         found.append(-float(load + kappa * elastic))
     return found

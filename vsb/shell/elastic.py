@@ -169,13 +169,14 @@ class ElasticShell:
         return -((dz * weight * shape) @ shape.T + mixed + mixed.T)
 
 
-def converged_degree(shell: Shell) -> int:
+def converged_degree(shell: Shell, least: int = 40) -> int:
     """Return 1.6 times the classical degree of buckling, sqrt(r/h) [12 (1 - nu^2)]^(1/4), and at least 40.
 
     On other meridians than the sphere's times the most by which they stretch the angle, max |(x', z')|/r.
     """
     slenderness = (shell.radius / shell.thickness).real
-    degree = max(40, math.ceil(1.6 * math.sqrt(slenderness * math.sqrt(12 * (1 - shell.poisson_ratio.real**2)))))
+    critical = math.sqrt(slenderness * math.sqrt(12 * (1 - shell.poisson_ratio.real**2)))
+    degree = max(least, math.ceil(1.6 * critical))
     if shell.rest is None:
         return degree
     at = shell.at_rest(np.linspace(0.0, np.pi, 4 * len(shell.rest.axial) + 41))

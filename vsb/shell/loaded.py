@@ -145,11 +145,6 @@ class LoadedShell:
         return complete.elastic.linear_resultants(complete.first_order, colatitude)
 
     @cached_property
-    def ring_resultants(self) -> tuple[FloatArray, FloatArray]:
-        """The same at the quadrature points of the elastic shell."""
-        return self.linear_resultants(self.elastic.rings[0])
-
-    @cached_property
     def prestress_stiffness(self) -> FloatArray:
         """Geometric stiffness of the load and follower part of its pressure on the undeformed sphere, (dof, dof) [N/m].
 
@@ -159,10 +154,8 @@ class LoadedShell:
         part of first order in the load, less what classical buckling omits, strain and rotation before buckling (of
         relative order N/C); `stiffness` at an `equilibrium` has those too.
         """
-        q = np.zeros(len(self.basis.labels))
-        return self.elastic.geometric_stiffness(
-            *self.ring_resultants
-        ) - self.pressure_inside * self.elastic.volume_hessian(q)
+        forces, q = self.linear_resultants(self.elastic.rings[0]), np.zeros(len(self.basis.labels))
+        return self.elastic.geometric_stiffness(*forces) - self.pressure_inside * self.elastic.volume_hessian(q)
 
     @property
     def pressure_inside(self) -> float:

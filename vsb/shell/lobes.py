@@ -17,19 +17,21 @@ harmonics of order m, s_x + w of order m + 1 and s_x - w of order m - 1, in cos(
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh
 
 from vsb.shell.deformed import rigid_buoy
+from vsb.shell.elastic import converged_degree
 from vsb.shell.loaded import Buckling, LoadedShell, buckling
 from vsb.shell.shell import Curve, Shell, bend, curve, gauss_rule, length
-from vsb.study.meridian import RestMeridian
 from vsb.tools.arrays import FloatArray
+
+LEAST = 28
+"""Least degree of displacements."""
 
 
 class Displacement(NamedTuple):
@@ -86,19 +88,6 @@ def _at_nodes(order: int, degree: int, points: int) -> Displacement:
     return displacements(order, degree, np.arccos(gauss_rule(points)[0]))
 
 
-@lru_cache(maxsize=8)
-def _meridian(meridian: RestMeridian, points: int) -> tuple[Curve, tuple[FloatArray, FloatArray]]:
-    """A meridian and its second derivatives there; not to be written to."""
-    phi = np.arccos(gauss_rule(points)[0])
-    return curve(meridian, phi), bend(meridian, phi)
-
-
-@lru_cache(maxsize=8)
-def _wet(shell: Shell, centre_height: float) -> list[tuple[float, float]]:
-    """Parts of a meridian under water [rad]; not to be written to."""
-    return rigid_buoy(shell, centre_height).wet_segments
-
-
 class Strains(NamedTuple):
     """Strains and changes of curvature along, around and sheared, then gradients along and around the surface."""
 
@@ -133,11 +122,10 @@ def strains(psi: Displacement, m: int, at: Curve, bent: tuple[FloatArray, FloatA
 
 
 def _energy(parts: tuple[FloatArray, FloatArray, FloatArray], ratio: float, area: FloatArray) -> FloatArray:
-    """Hessian of int [a^2 + b^2 + 2 nu a b + (1 - nu) c^2/2] dA/2, cos^2 and sin^2 being a half around."""
+    """Hessian of int [a^2 + b^2 + 2 nu a b + (1 - nu) c^2/2]/2 over areas."""
     a, b, c = parts
-    half = area / 2
     first, second = a + ratio * b, b + ratio * a
-    return np.asarray((half * first) @ a.T + (half * second) @ b.T + ((1 - ratio) / 2 * half * c) @ c.T)
+    return np.asarray((area * first) @ a.T + (area * second) @ b.T + ((1 - ratio) / 2 * area * c) @ c.T)
 
 
 def _follower(psi: Displacement, m: int, at: Curve, weight: FloatArray) -> FloatArray:
@@ -148,62 +136,6 @@ def _follower(psi: Displacement, m: int, at: Curve, weight: FloatArray) -> Float
     return np.asarray(np.pi * sum((weight * one) @ other.T for one, other in each))
 
 
-def lobed_degree(loaded: LoadedShell, order: int) -> int:
-    """Return the degree of an order's displacements: that of the axisymmetric basis, or half of it above the order."""
-    degree = loaded.basis.highest_degree
-    return max(degree, order + degree // 2)
-
-
-def lobed_pencil(loaded: LoadedShell, order: int, shapes: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
-    """Return K_0 and K_1 of K(L) = K_0 + L K_1 over displacements of an order, as `vsb.shell.loaded.buckling_pencil`.
-
-    Parameters
-    ----------
-    loaded : LoadedShell
-        In a basis that resolves its axisymmetric buckling; also with a complex step.
-    order : int
-        Azimuthal order m >= 1.
-    shapes : ndarray, shape (displacement, shape), optional
-        Combinations of its `displacements` to `lobed_degree`; all of them if not given.
-
-    Returns
-    -------
-    tuple of ndarray, each (shape, shape) [N/m]
-    """
-    shell, (phi, area), degree = loaded.basis.shell, loaded.elastic.rings, lobed_degree(loaded, order)
-
-    def combined(psi: Displacement) -> Displacement:
-        return psi if shapes is None else Displacement(*(shapes.T @ part for part in psi))
-
-    psi, (at, bent) = combined(_at_nodes(order, degree, len(phi))), _meridian(shell.meridian, len(phi))
-    found, nu = strains(psi, order, at, bent), shell.poisson_ratio
-    elastic = shell.membrane_stiffness * _energy(found.membrane, nu, area)
-    elastic = elastic + shell.bending_stiffness * _energy(found.bending, nu, area)
-    meridional, hoop = (force * area / 2 for force in loaded.ring_resultants)
-    load = np.asarray(sum((meridional * one) @ one.T for one in found.along))
-    load = load + sum((hoop * one) @ one.T for one in found.around)
-    if loaded.internal_pressure:
-        weight = area / (2 * np.pi * at.x * length(at.dx, at.dz))
-        load = load - loaded.pressure_inside * _follower(psi, order, at, weight)
-    load = load + _water(loaded, order, degree, combined)
-    return elastic, (load + load.T) / 2
-
-
-def _water(
-    loaded: LoadedShell, order: int, degree: int, combined: Callable[[Displacement], Displacement]
-) -> FloatArray:
-    """Stiffness of still water, -rho g pi int [s_z psi.N + z psi.dN] over the wet shell, as of `DeformedShell`."""
-    shell, found = loaded.basis.shell, np.zeros(1)
-    node, weight = gauss_rule(2 * (degree + len(shell.meridian.axial)) + 30)
-    for a, b in _wet(shell, loaded.centre_height):
-        phi, dphi = (a + b) / 2 + (b - a) / 2 * node, (b - a) / 2 * weight
-        psi, at = combined(displacements(order, degree, phi)), shell.at_rest(phi)
-        across = at.x * (at.dx * psi.z - at.dz * psi.x)
-        found = found + np.pi * (across * dphi) @ psi.z.T
-        found = found + _follower(psi, order, at, (loaded.centre_height + at.z) * dphi)
-    return -loaded.water_density * loaded.gravity * found
-
-
 class Lobes(NamedTuple):
     """A shape the shell buckles into."""
 
@@ -212,55 +144,129 @@ class Lobes(NamedTuple):
     shape: FloatArray  # over `displacements`, x^T K_0 x = 1
 
 
-def lobed_buckling(loaded: LoadedShell, count: int) -> list[Lobes]:
-    """Return the lobed shapes of the largest inverse load factors, descending.
+@dataclass(frozen=True)
+class LobedShell:
+    """A loaded shell and the shapes of azimuthal orders m >= 1 that it may buckle into."""
 
-    Eigenvalues kappa of -K_1 x = kappa K_0 x, order by order to `most_lobes`, and on while an order has one of the
-    largest above zero.
+    loaded: LoadedShell  # in a basis that resolves its membrane forces; also with a complex step
+    degree: int  # of the displacements
 
-    Parameters
-    ----------
-    loaded : LoadedShell
-        In a basis that resolves its axisymmetric buckling.
-    count : int
-        How many.
+    @classmethod
+    def of(cls, loaded: LoadedShell) -> "LobedShell":
+        """Return a loaded shell with displacements that resolve its buckling."""
+        return cls(loaded, converged_degree(loaded.basis.shell, LEAST))
 
-    Notes
-    -----
-    The buoy heaves without surge and pitch: of order 1 the first two of `displacements` are left out. The first is
-    surge, which costs nothing; without the second the rotation in the mean over the solid angle is zero.
-    """
-    most, order = most_lobes(loaded.basis.shell), 0
-    found: list[Lobes] = []
-    while order <= most or any(one.order == order and one.inverse_load_factor > 0 for one in found):
-        order += 1
-        held = 2 if order == 1 else 0
-        elastic, load = (matrix[held:, held:] for matrix in lobed_pencil(loaded, order))
-        last = len(load) - 1
-        kappa, x = eigh(-load, elastic, subset_by_index=[max(0, last + 1 - count), last])
-        shapes = np.concatenate([np.zeros((held, x.shape[1])), x]).T
-        found += [Lobes(float(k), order, shape) for k, shape in zip(kappa, shapes, strict=True)]
-        found = sorted(found, key=lambda one: -one.inverse_load_factor)[:count]
-    return found
+    @property
+    def shell(self) -> Shell:
+        """The shell itself."""
+        return self.loaded.basis.shell
+
+    def degree_of(self, order: int) -> int:
+        """Return the highest degree of an order's displacements: `degree`, or half of it above the order."""
+        return max(self.degree, order + self.degree // 2)
+
+    @cached_property
+    def points(self) -> int:
+        """Points of the quadrature in cos(phi)."""
+        degree = self.degree_of(math.ceil(self.most_lobes))
+        return degree + self.loaded.basis.highest_degree // 2 + 2 * len(self.shell.meridian.axial) + 40
+
+    @cached_property
+    def rings(self) -> tuple[Curve, tuple[FloatArray, FloatArray], FloatArray, tuple[FloatArray, FloatArray]]:
+        """Meridian, its second derivatives, weights of dphi and membrane forces [N/m] at the points."""
+        (cos, weight), meridian = gauss_rule(self.points), self.shell.meridian
+        phi = np.arccos(cos)
+        return curve(meridian, phi), bend(meridian, phi), weight / np.sin(phi), self.loaded.linear_resultants(phi)
+
+    @cached_property
+    def wet(self) -> list[tuple[float, float]]:
+        """Parts of the meridian under water [rad]."""
+        return rigid_buoy(self.shell, self.loaded.centre_height).wet_segments
+
+    @cached_property
+    def most_lobes(self) -> float:
+        """Number of lobes at which bending alone is as stiff as curvature makes a wall, the most along it.
+
+        x k with k^4 = 12 (1 - nu^2) c^2/h^2, c the larger principal curvature: of shapes with more waves stiffness
+        grows faster than the work of the membrane forces.
+        """
+        phi, shell = np.pi * (np.arange(200) + 0.5) / 200, self.shell
+        at, (ddx, ddz) = shell.at_rest(phi), bend(shell.meridian, phi)
+        slope = length(at.dx, at.dz)
+        curved = (ddx * at.dz - at.dx * ddz) / slope**3, at.dz / (at.x * slope)
+        curvature = np.maximum(*(np.abs(np.real(one)) for one in curved))
+        wave = np.sqrt(math.sqrt(12 * (1 - shell.poisson_ratio.real**2)) * curvature / shell.thickness.real)
+        return float((at.x.real * wave).max())
+
+    def pencil(self, order: int, shapes: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return K_0 and K_1 of K(L) = K_0 + L K_1 over displacements of an order, each (shape, shape) [N/m].
+
+        As `vsb.shell.loaded.buckling_pencil` of axisymmetric ones.
+
+        Parameters
+        ----------
+        order : int
+            Azimuthal order m >= 1.
+        shapes : ndarray, shape (displacement, shape), optional
+            Combinations of its `displacements` to `degree_of` it; all of them if not given.
+        """
+        shell, (at, bent, dphi, forces), degree = self.shell, self.rings, self.degree_of(order)
+        psi = _combined(_at_nodes(order, degree, self.points), shapes)
+        found, nu, area = strains(psi, order, at, bent), shell.poisson_ratio, np.pi * at.x * length(at.dx, at.dz) * dphi
+        elastic = shell.membrane_stiffness * _energy(found.membrane, nu, area)
+        elastic = elastic + shell.bending_stiffness * _energy(found.bending, nu, area)
+        meridional, hoop = (force * area for force in forces)
+        load = np.asarray(sum((meridional * one) @ one.T for one in found.along))
+        load = load + sum((hoop * one) @ one.T for one in found.around)
+        if self.loaded.internal_pressure:
+            load = load - self.loaded.pressure_inside * _follower(psi, order, at, dphi)
+        load = load + self._water(order, shapes)
+        return elastic, (load + load.T) / 2
+
+    def _water(self, order: int, shapes: FloatArray | None) -> FloatArray:
+        """Stiffness of still water, -rho g pi int [s_z psi.N + z psi.dN] over the wet shell, as of `DeformedShell`."""
+        loaded, degree, found = self.loaded, self.degree_of(order), np.zeros(1)
+        node, weight = gauss_rule(degree + len(self.shell.meridian.axial) + 30)
+        for a, b in self.wet:
+            phi, dphi = (a + b) / 2 + (b - a) / 2 * node, (b - a) / 2 * weight
+            psi, at = _combined(displacements(order, degree, phi), shapes), self.shell.at_rest(phi)
+            across = at.x * (at.dx * psi.z - at.dz * psi.x)
+            found = found + np.pi * (across * dphi) @ psi.z.T
+            found = found + _follower(psi, order, at, (loaded.centre_height + at.z) * dphi)
+        return -loaded.water_density * loaded.gravity * found
+
+    def buckling(self, count: int) -> list[Lobes]:
+        """Return so many lobed shapes of the largest inverse load factors, descending.
+
+        Eigenvalues kappa of -K_1 x = kappa K_0 x, order by order to `most_lobes`, and on while an order has one of the
+        largest above zero.
+
+        Notes
+        -----
+        The buoy heaves without surge and pitch: of order 1 the first two of `displacements` are left out. The first is
+        surge, which costs nothing; without the second the rotation in the mean over the solid angle is zero.
+        """
+        order, found = 0, list[Lobes]()
+        while order <= self.most_lobes or any(one.order == order and one.inverse_load_factor > 0 for one in found):
+            order += 1
+            held = 2 if order == 1 else 0
+            elastic, load = (matrix[held:, held:] for matrix in self.pencil(order))
+            last = len(load) - 1
+            kappa, x = eigh(-load, elastic, subset_by_index=[max(0, last + 1 - count), last])
+            shapes = np.concatenate([np.zeros((held, x.shape[1])), x]).T
+            found += [Lobes(float(k), order, shape) for k, shape in zip(kappa, shapes, strict=True)]
+            found = sorted(found, key=lambda one: -one.inverse_load_factor)[:count]
+        return found
 
 
-def most_lobes(shell: Shell) -> float:
-    """Return the number of lobes at which bending alone is as stiff as curvature makes a wall, the most along it.
-
-    x k with k^4 = 12 (1 - nu^2) c^2/h^2, c the larger principal curvature: of shapes with more waves stiffness grows
-    faster than the work of the membrane forces.
-    """
-    phi = np.pi * (np.arange(200) + 0.5) / 200
-    at, (ddx, ddz) = shell.at_rest(phi), bend(shell.meridian, phi)
-    slope = length(at.dx, at.dz)
-    curvature = np.maximum(np.abs(ddx * at.dz - at.dx * ddz) / slope**3, np.abs(at.dz / (at.x * slope)))
-    wave = np.sqrt(math.sqrt(12 * (1 - shell.poisson_ratio**2)) * curvature / shell.thickness)
-    return float((at.x * wave).max())
+def _combined(psi: Displacement, shapes: FloatArray | None) -> Displacement:
+    """Combinations of displacements, or all as they are."""
+    return psi if shapes is None else Displacement(*(shapes.T @ part for part in psi))
 
 
 def with_lobes(loaded: LoadedShell) -> Buckling:
     """Return the linear buckling of a shell into axisymmetric and lobed shapes, whichever comes first."""
-    found, (lobes,) = buckling(loaded), lobed_buckling(loaded, 1)
+    found, (lobes,) = buckling(loaded), LobedShell.of(loaded).buckling(1)
     if lobes.inverse_load_factor <= 1 / found.load_factor:
         return found
     return replace(found, load_factor=1 / lobes.inverse_load_factor, order=lobes.order)

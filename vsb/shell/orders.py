@@ -420,8 +420,8 @@ def prestress_stiffness(basis: OrderBasis, loaded: LoadedShell) -> FloatArray:
     if not basis.modes:
         return np.zeros((len(basis.labels),) * 2)
     colatitude, area = loaded.elastic.rings
-    found = geometric_stiffness(basis, colatitude, area, *loaded.ring_resultants)
-    return found - loaded.pressure_inside * volume_hessian(basis)
+    forces = loaded.linear_resultants(colatitude)
+    return geometric_stiffness(basis, colatitude, area, *forces) - loaded.pressure_inside * volume_hessian(basis)
 
 
 def _of_shapes(basis: OrderBasis, matrix: FloatArray) -> FloatArray:
