@@ -170,7 +170,7 @@ class ElasticShell:
 
 
 def converged_degree(shell: Shell, least: int = 40) -> int:
-    """Return 1.6 times the classical degree of buckling, sqrt(r/h) [12 (1 - nu^2)]^(1/4), and at least 40.
+    """Return 1.6 times the classical degree of buckling, sqrt(r/h) [12 (1 - nu^2)]^(1/4), and no less than `least`.
 
     On other meridians than the sphere's times the most by which they stretch the angle, max |(x', z')|/r.
     """
