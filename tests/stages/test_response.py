@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from conftest import varied
 
+from vsb.motion.frequency import frequency_grid, with_others
 from vsb.motion.port import LinearPto
 from vsb.report.band import gain_band
 from vsb.scenes.floating_system import floating_system
@@ -55,6 +56,15 @@ def test_optimal_damping_beside_a_spring(small, ds, tmp_path):
     for name, damping in (("best_power", np.abs(seen)), ("absorbed_power", small.study.pto.damping)):
         power = (0.5 * damping * force2 / np.abs(seen + damping) ** 2).transpose("design", "omega")
         np.testing.assert_allclose(sprung[name].values, power.values, rtol=1e-8, atol=1e-9)
+
+
+def test_frequencies_equal_but_for_round_off_are_one():
+    """The spline through two of them would have slopes of round-off over round-off."""
+    wave = 2 * np.pi / 2.5
+    grid = frequency_grid(0.5, 1.0, 3.0, [wave, 2.0 * (1 + 1e-15)])
+    assert wave in grid
+    omega = with_others(grid, grid[3:6] * (1 + 1e-14))
+    assert len(omega) == len(grid) == 22
 
 
 def test_frequency_grid_resolves_resonances_and_extreme_gains(small, ds):

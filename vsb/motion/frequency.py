@@ -151,11 +151,24 @@ def _allowed_parts(directions: FloatArray, motions: FloatArray) -> FloatArray:
     return np.stack([allowed_part(direction, motions) for direction in directions.T], axis=-1)
 
 
+SAME = 1e-9
+"""Relative difference of frequencies that are the same but for round-off."""
+
+
+def with_others(omega: FloatArray, others: Iterable[float]) -> FloatArray:
+    """Return ascending frequencies with others but those that differ by round-off alone: splines would magnify it."""
+    kept = omega
+    for one in others:
+        if np.all(np.abs(kept - one) > SAME * one):
+            kept = np.append(kept, one)
+    return np.sort(kept)
+
+
 def frequency_grid(step: float, lowest: float, omega_max: float, extra: Iterable[float]) -> FloatArray:
     """Return the frequencies of a response: a grid of a fifth of the solved step, and the extra ones."""
     first, last = int(np.ceil(5 * lowest / step - 1e-9)), int(np.floor(5 * omega_max / step + 1e-9))
     grid = [round(step / 5 * i, 10) for i in range(first, last + 1)]
-    return np.array(sorted({*grid, *extra}))
+    return with_others(np.array([*extra]), grid)
 
 
 SLIDING = ("Surge", "Sway", "Yaw")

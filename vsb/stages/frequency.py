@@ -205,7 +205,7 @@ def at_several_ports(spec: ResponseSpec, floating: FloatingSystem, omega: FloatA
 def refined(omega: FloatArray, extra: Iterable[float]) -> FloatArray:
     """Return frequencies with others between them, `PARTS` to a step, and further ones [rad/s]."""
     between = [float(w) for ends in pairwise(omega) for w in np.linspace(*ends, PARTS, endpoint=False)]
-    return np.array(sorted({*between, float(omega[-1]), *extra}))
+    return response.with_others(np.array([*extra]), [*between, float(omega[-1])])
 
 
 def with_resonances(spec: ResponseSpec, floating: FloatingSystem, omega: FloatArray) -> FloatArray:
@@ -213,8 +213,8 @@ def with_resonances(spec: ResponseSpec, floating: FloatingSystem, omega: FloatAr
     pto = NO_TAKE_OFF if spec.pto.several else LinearPto(0.0, spec.pto.stiffness, floating.port)
     modes = [replace(floating.linear, pto=pto).natural_modes(motions) for motions in floating.motions.values()]
     near = [natural * (1 + ratio * side) for natural, ratio in modes for side in (-1, 0, 1)]
-    every = np.concatenate([omega, *near])
-    return np.unique(every[(every >= omega[0]) & (every <= omega[-1])])
+    found = np.concatenate([omega[:0], *near])
+    return response.with_others(omega, found[(found > omega[0]) & (found < omega[-1])])
 
 
 def best_powers(spec: ResponseSpec, floating: FloatingSystem, direction: float, omega: FloatArray) -> xr.DataArray:
