@@ -92,8 +92,9 @@ def test_new_campaign_is_of_a_study_and_a_table_of_seas(tmp_path, monkeypatch, c
         main(["init", "sub/b.yaml", "--campaign", "buoy.yaml", "--body"])
 
 
-def test_check_fails_where_the_ledger_would(tmp_path, capsys):
+def test_check_fails_where_the_ledger_would(tmp_path, monkeypatch, capsys):
     """A shell open to constant pressure buckles under its draft; the example, which internal pressure holds, does not."""
+    monkeypatch.chdir(tmp_path)  # no results of an earlier "soft" there
     init(str(tmp_path / "soft.yaml"))
     text = (tmp_path / "soft.yaml").read_text()
     soft = text.replace("internal_pressure: 16.5e3", "internal_pressure: 0.0").replace(

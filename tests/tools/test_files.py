@@ -144,7 +144,7 @@ def test_file_of_another_id_is_refused(tmp_path):
     path = tmp_path / "a.nc"
     save(rao(np.ones((1, 3, 2))).assign_attrs(spec_id="a" * 16), path)
     assert load(path, expected="a" * 16).equals(rao(np.ones((1, 3, 2))))
-    with pytest.raises(DatabaseError, match=r"a.nc: holds 'a{16}', needs 'b{16}': stale or foreign; delete it, or let"):
+    with pytest.raises(DatabaseError, match=r"a.nc: holds 'a{16}', needs 'b{16}': stale or foreign; delete it and run"):
         load(path, expected="b" * 16)
     rewritten(path, lambda file: file.delncattr("checksum"))
     assert load(path).equals(rao(np.ones((1, 3, 2))))  # of before the stamps
