@@ -67,5 +67,7 @@ def test_pickled_objects_are_never_read(tmp_path):
     header = '{"dims": {"a": ["x"]}, "coords": [], "attrs": {}, "kinds": {"a": ["|O", [1]]}}'
     np.savez(path, **{".": np.array(header), "|O": np.array([{}], dtype=object)})
     seal(path)
-    with pytest.raises(DatabaseError, match=r"one.npz: no packed dataset \(.*allow_pickle=False.*\); delete it and run"):
+    with pytest.raises(
+        DatabaseError, match=r"one.npz: no packed dataset \(.*allow_pickle=False.*\); delete it and run"
+    ):
         packed.read(path)
