@@ -329,20 +329,33 @@ def more_orders(folder: Path) -> Claim:
     return Claim(figures, drawing, {"papers_shell": raw_of(study)})
 
 
+def band_mean(values: FloatArray, omega: FloatArray) -> float:
+    """Return the mean over a band of frequencies, which crowd at resonances: of the integral."""
+    return float(np.trapezoid(values, omega) / np.ptp(omega))
+
+
+def over_band(power: FloatArray, rigid: FloatArray, omega: FloatArray) -> dict[str, float]:
+    """Return how a power compares with that of the rigid design over a band of frequencies."""
+    return {
+        "frequencies with a gain [%]": 100 * band_mean(np.where(power > rigid, 1.0, 0.0), omega),
+        "gain in power, mean over all frequencies [%]": 100 * (band_mean(power, omega) / band_mean(rigid, omega) - 1),
+    }
+
+
 def flexible_barge(folder: Path) -> Claim:
     """A barge with a take-off at its bow: rigid, bending, and with a hinge amidships as well."""
     raw = barge()
     plan = body_plan(raw, folder)
     ds = computed(plan).sel(wave_direction=0.0)
     some = ds.best_power.sel(omega=slice(2 * np.pi / 12, 2 * np.pi / 5))
-    mean = some.mean("omega")
-    figures = {}
+    omega = some.omega.values
+    figures: dict[str, float] = {}
+    rigid = some.sel(design="rigid").values
     for design in ("flexible", "hinged"):
-        better = some.sel(design=design) > some.sel(design="rigid")
-        figures[f"{design}: frequencies with a gain [%]"] = 100 * float(better.mean())
-        figures[f"{design}: gain in power, mean over all frequencies [%]"] = 100 * float(
-            mean.sel(design=design) / mean.sel(design="rigid") - 1
-        )
+        figures |= {
+            f"{design}: {what}": value
+            for what, value in over_band(some.sel(design=design).values, rigid, omega).items()
+        }
         resonances = ds.wet_natural_frequency[(ds.wet_design == design).values]
         figures[f"{design}: natural periods above 5 s"] = int((2 * np.pi / resonances > 5).sum())
     first = ds.wet_natural_frequency[(ds.wet_design == "rigid").values]
@@ -358,7 +371,7 @@ def flexible_barge(folder: Path) -> Claim:
     for design in ("rigid", "flexible", "hinged"):
         ports = equation.ports(floating.motions[design], along)
         each = [best_matrix(ports.at(np.array([i])), np.ones(1), "uniform").power for i in range(len(some.omega))]
-        absorbed[design] = float(np.mean(each))
+        absorbed[design] = band_mean(np.array(each), omega)
         for values, ax in zip((some.sel(design=design).values, np.array(each)), panels, strict=True):
             ax.plot(2 * np.pi / some.omega, values / 1e3, **LOOKS[design])
     for ax, title in zip(panels, ("take-off at the bow", "five equal take-offs"), strict=True):
@@ -383,13 +396,12 @@ def wec_sim_barge(folder: Path) -> Claim:
     raw |= {"study": "wec_sim_barge", "body": {**raw["body"], "stiffness": stiffness}}
     ds = computed(body_plan(raw, folder)).sel(wave_direction=0.0)
     some = ds.best_power.sel(omega=slice(2 * np.pi / 12, 2 * np.pi / 5))
-    rigid, flexible = (some.sel(design=design) for design in ("rigid", "flexible"))
+    rigid, flexible = (some.sel(design=design).values for design in ("rigid", "flexible"))
     at = ds.best_power.interp(omega=2 * np.pi / 8, method="cubic") / 1e3
     figures = {
         "waves of 8 s and 1 m amplitude: rigid [kW]": float(at.sel(design="rigid")),
         "waves of 8 s and 1 m amplitude: flexible [kW]": float(at.sel(design="flexible")),
-        "frequencies with a gain [%]": 100 * float((flexible > rigid).mean()),
-        "gain in power, mean over all frequencies [%]": 100 * float(flexible.mean() / rigid.mean() - 1),
+        **over_band(flexible, rigid, some.omega.values),
     }
     drawing, (ax,) = axes()
     for design in ("rigid", "flexible"):
@@ -460,8 +472,7 @@ def elastic_disc(folder: Path) -> Claim:
         equation = replace(given, stiffness=given.stiffness + stiffer * ds.structural_stiffness.values)
         dampers, power = powers("flexible", equation)
         name = f"D = {share:g} rho g a^4"
-        figures[f"{name}: frequencies with a gain [%]"] = 100 * float(np.mean(power > rigid))
-        figures[f"{name}: gain in power, mean over all frequencies [%]"] = 100 * float(power.mean() / rigid.mean() - 1)
+        figures |= {f"{name}: {what}": value for what, value in over_band(power, rigid, omega).items()}
         figures[f"{name}: largest power in terms of lambda/2 pi"] = float((power / limit).max())
         look = LOOKS["flexible"] | {"linestyle": dash, "label": f"D = {share:g} " + r"$\rho g a^4$"}
         left.plot(2 * np.pi / omega, power / limit, **look)
@@ -568,14 +579,14 @@ def bulge_tube(folder: Path) -> Claim:
         stiffer = ((share * waves) ** 2 - 1)[:, None, None] * elastic
         equation = replace(given, stiffening=stiffer)
         best = equation.port(floating.motions["tube"], floating.port).best_power
-        widths[share] = float((best / flux).mean() / (2 * TUBE_RADIUS))
+        widths[share] = band_mean(best / flux, omega) / (2 * TUBE_RADIUS)
         figures[f"bulges at {share:g} of the waves' speed: capture width in diameters"] = widths[share]
         if share == 1.0:
             loss = 0.1 * (elastic + stiffer) / omega[:, None, None]
             best = (
                 replace(equation, damping=given.damping + loss).port(floating.motions["tube"], floating.port).best_power
             )
-            lossy = float((best / flux).mean() / (2 * TUBE_RADIUS))
+            lossy = band_mean(best / flux, omega) / (2 * TUBE_RADIUS)
             figures["the same, loss factor of the wall 0.1"] = lossy
             ax.plot(share, lossy, "s", color=LOOKS["flexible"]["color"], label="loss factor of the wall 0.1")
     ax.plot(list(widths), list(widths.values()), "o-", color=LOOKS["flexible"]["color"], label="wall without loss")

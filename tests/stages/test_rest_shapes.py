@@ -68,9 +68,9 @@ def test_time_and_frequency_domain_agree_and_energy_is_conserved(oblate):
     checks = json.loads(Path(f"{oblate.folder}/validity.json").read_text())
     checks = checks["checks"] if isinstance(checks, dict) else checks
     verdicts = {check["name"]: check["verdict"] for check in checks}
-    assert [name for name, verdict in verdicts.items() if verdict == "fail"] == ["modes_left_out"]  # it has few
+    failed = {name for name, verdict in verdicts.items() if verdict == "fail"}
+    assert failed == {"computed_buckling", "modes_left_out"}  # it is thin and soft, and has few modes
     assert verdicts["time_and_frequency_domain"] == verdicts["energy_residual"] == verdicts["power_limit"] == "ok"
-    assert verdicts["computed_buckling"] == "doubt"
 
 
 def test_body_exact_motion_in_small_waves_is_linear(oblate):
