@@ -144,7 +144,7 @@ def conjugated(ball, tmp_path, monkeypatch):
 
 @pytest.mark.usefixtures("conjugated")
 def test_conjugated_excitation_stops_a_study_that_keeps_no_surge(capsys):
-    """Surge, which the study does not use, tells that the file's phases have the other sign."""
+    """Surge, which the study does not use, shows that the file's phases have the other sign."""
     for name, code in (("sound", 0), ("turned", 2)):
         assert main(["check", of_ball(name)]) == code
     assert "check 'phases' failed" in capsys.readouterr().err

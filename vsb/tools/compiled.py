@@ -89,6 +89,7 @@ class _Turn:
         if self.depth == 0:
             with suppress(OSError):
                 os.close(self.lock)
+            self.lock = -1  # its number may soon be another file's
 
 
 _TURN = _Turn()
