@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from vsb.errors import ConfigError
+from vsb.study.records import impossible
 from vsb.study.sections import Water
-from vsb.waves.climate import Climate, height_and_period, impossible, is_doubt, of_records, realised
+from vsb.waves.climate import Climate, height_and_period, is_doubt, of_records, realised
 from vsb.waves.dispersion import wavenumber
 
 

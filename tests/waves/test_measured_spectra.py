@@ -63,10 +63,14 @@ def test_netcdf_layouts(tmp_path, ds):
         ),
         (
             spectra(efth="m2/Hz"),
-            "received efth over time, site, freq, dir in 'm2/Hz', needs m2/Hz, with directions m2/H",
+            "received efth over time, site, freq, dir in 'm2/Hz' with frequencies in Hz, needs m2/Hz/degree",
         ),
-        (spectra(efth="J/m2/Hz"), "received spectral density in 'J/m2/Hz', needs m2/Hz, m2/Hz/degree or m2/Hz/rad"),
-        (spectra(freq="rad/s"), "received freq in 'rad/s', needs Hz"),
+        (
+            spectra(efth="J/m2/Hz"),
+            "received efth over time, site, freq, dir in 'J/m2/Hz' .* needs m2/Hz/degree, m2/Hz/rad",
+        ),
+        (spectra(freq="rad/s"), r"in 'm\^\{2\}.s.degree\^\{-1\}' with frequencies in rad/s, needs .* m2 s/rad/degree"),
+        (spectra(freq="s"), "received freq in 's', needs Hz or rad/s"),
         (spectra().isel(time=[]), "s.nc: received no record along time, needs one or more$"),
         (
             spectra().assign_coords(time=[0.0, 0.04]),
@@ -113,11 +117,26 @@ DIALECTS = {
     "SWAN, one-dimensional": (90.0 * spectra().sum("dir")).rename(efth="density", freq="frequency"),
     "NDBC": (90.0 * spectra().sum("dir")).rename(efth="spectral_wave_density", freq="frequency", site="latitude"),
     "frequencies descending": spectra().isel(freq=[2, 1, 0]),
+    "over angular frequency": (90.0 / (2 * np.pi) * spectra().sum("dir")).assign_coords(
+        freq=("freq", 2 * np.pi * BANDS, {"units": "radian s-1"})
+    ),
+    "over angular frequency and direction": (spectra() / (2 * np.pi)).assign_coords(
+        freq=("freq", 2 * np.pi * BANDS, {"units": "rad/s"})
+    ),
 }
 UNITS = dict(
     zip(
         DIALECTS,
-        ("m2 s rad-1", "m2 s degree-1", "m**2 s radian**-1", "m2 s", "(meter * meter)/Hz", "m2/Hz/degr"),
+        (
+            "m2 s rad-1",
+            "m2 s degree-1",
+            "m**2 s radian**-1",
+            "m2 s",
+            "(meter * meter)/Hz",
+            "m2/Hz/degr",
+            "m2 s rad-1",
+            "m2/(rad/s)/deg",
+        ),
         strict=True,
     )
 )

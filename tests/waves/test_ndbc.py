@@ -92,3 +92,37 @@ def test_text_errors_are_one_line(written, text, message):
         read_ndbc(written(text))
     assert "\n" not in str(caught.value)
     assert "given.txt" in str(caught.value)
+
+
+BANDS = 0.03 + 0.02 * np.arange(20)
+
+
+def same_header(values):
+    head = "#YY  MM DD hh mm " + " ".join(f"{f:.4f}" for f in BANDS)
+    return head + "\n" + "".join(f"2020 01 01 {h:02d} 00 {' '.join(map(str, row))}\n" for h, row in enumerate(values))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (same_header(np.full((6, 20), 0.8) - 0.01 * np.arange(20)), r"numbers up to 0.8 .* coefficients r1 or r2 \(swr1"),
+        (same_header(np.full((6, 20), 80) - np.arange(20)), "up to 80 with a median of 70.5, which are .* in hundredths"),
+        (same_header(np.full((6, 20), 280.0) - np.arange(20)), r"which are directions in degrees \(swdir, swdir2\), no dens"),
+        ("#YY MM DD hh mm alpha1_1 (freq_1) alpha1_2 (freq_2) ... >\n2020 01 01 00 00 281.0 (0.033) 290.0 (0.038)\n",
+         r"line 1: received mean directions \(swdir\), no densities; needs the spectral wave density \(swden\)"),
+    ],
+)  # fmt: skip
+def test_files_of_directions_are_not_read_as_densities(written, text, message):
+    """Their headers are those of densities: r1 of a year read as densities was a sea of 2.35 m in place of 1.74 m."""
+    with pytest.raises(ConfigError, match=message):
+        read_ndbc(written(text))
+    jonswap = 5.0 * (BANDS / 0.1) ** -5.0 * np.exp(-1.25 * (BANDS / 0.1) ** -4.0)
+    for height in (0.02, 1.0, 20.0):  # calm seas have small densities, too
+        assert read_ndbc(written(same_header(np.round(height * np.outer(np.ones(6), jonswap), 6)))).hs.size == 6
+
+
+def test_a_file_most_of_whose_records_cannot_be_used_is_doubted(written):
+    rows = "".join(f"96 01 01 {h:02d} 999.0 1.0 1.0\n" for h in range(2, 9))
+    assert any(
+        "2 of 9: more than half of the records are not used" in note for note in read_ndbc(written(TEXT + rows)).notes
+    )

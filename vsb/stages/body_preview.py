@@ -27,7 +27,7 @@ from vsb.stages.coefficients import REMEDY, judged, of_own_mass
 from vsb.study.body import BodyFile
 from vsb.study.plan import BodyPlan
 from vsb.study.quantities import content_id
-from vsb.study.waves import IrregularSea, SeaOfFile, StillWater, Wave
+from vsb.study.waves import IrregularSea, SeaOfFile, StillWater, Wave, file_lines
 from vsb.tools.files import load
 
 
@@ -143,6 +143,7 @@ def summary(plan: BodyPlan) -> list[str]:
         f"hydro        {len(omega)} frequencies from {omega[0]:g} to {omega[-1]:g} rad/s, "
         f"{'solved of the mesh' if plan.solves_panels else 'read from ' + plan.files[study.body.kind]}",
         f"database     {plan.database_path}{there}",
+        *file_lines(study.waves),
     ]
     if mesh and isinstance(file := study.body.file, BodyFile):
         memory, seconds = cost(file, mesh)

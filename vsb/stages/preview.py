@@ -15,7 +15,7 @@ from vsb.study.plan import StudyPlan
 from vsb.study.quantities import content_id
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study
-from vsb.study.waves import RegularWave, StillWater, Wave
+from vsb.study.waves import RegularWave, StillWater, Wave, file_lines
 from vsb.tools.files import load
 
 SECONDS_PER_SPECTRAL_JOB = 2.0
@@ -67,6 +67,7 @@ def summary(plan: StudyPlan) -> list[str]:
         f"study        {study.study}: {', '.join(study.designs)} in {', '.join(wave.label for wave in study.waves)}",
         f"modes        {len(plan.mode_labels)} shell modes ({study.modes.basis}, degree {study.modes.max_degree})",
         *(_bem_lines(plan) if study.needs_bem else ["hydro        assumed pressure: no BEM"]),
+        *file_lines(study.waves),
         *_latching_lines(study),
         *_switching_lines(study),
     ]

@@ -397,12 +397,14 @@ KEYS: dict[str, dict[str, Key]] = {
         "file": Key(
             "",
             "elevation.csv",
-            "file of two columns, time [s] in equal steps and elevation [m] at the buoy's axis; or step and elevation",
+            "file of two columns, time in equal steps and elevation at the buoy's axis, in s and m or as their header "
+            "says; or step and elevation",
         ),
     },
     "Samples": {
         "step": Key("s", "0.5", "time between samples"),
         "elevation": Key("m", str([0.1, -0.2] * 16), "elevation at each instant, from the start of the run"),
+        "notes": Key("", "[columns left out: wind]", "what its file holds beside, and how it was read"),
     },
     "TabulatedSea": {
         **_GOING,
@@ -411,7 +413,8 @@ KEYS: dict[str, dict[str, Key]] = {
         "file": Key(
             "",
             "spectrum.csv",
-            "file of two columns, frequency [Hz] and density [m^2/Hz], or of a table over frequency and direction",
+            "file of two columns, frequency and density, in Hz and m^2/Hz or as their header says, or of a table over "
+            "frequency and direction",
         ),
     },
     "SpectrumTable": {
@@ -419,6 +422,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "variance_density": Key("m^2/Hz", "[0.0, 1.5, 0.0]", "density at each, linear between them"),
         "directions": Key("degrees", "[0.0, 30.0]", "directions the waves travel to, from the x axis"),
         "shares": Key("-", "[[0.5, 0.5], [0.5, 0.5], [0.5, 0.5]]", "shares of each frequency's energy, by direction"),
+        "notes": Key("", "[columns left out: phase]", "what its file holds beside, and how it was read"),
     },
     "Simulation": {
         "duration": Key("s", "60.0", "time simulated"),

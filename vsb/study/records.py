@@ -5,7 +5,8 @@ Imports nothing heavy unless there is a record: the Snakefile reads a study at e
 
 import math
 import re
-import zlib
+from collections.abc import Iterable
+from datetime import UTC, datetime
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -14,8 +15,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 from pydantic import Field, model_validator
 
 from vsb.errors import ConfigError
-from vsb.study.quantities import Positive, Section, content_id
-from vsb.tools.bounded import read_unpacked
+from vsb.study.quantities import Brief, Positive, content_id
+from vsb.tools import units
+from vsb.tools.columns import Columns, read_columns
+from vsb.tools.units import number
 from vsb.tools.words import shortened
 
 if TYPE_CHECKING:
@@ -27,23 +30,37 @@ HIGHEST = 50.0
 """Largest elevation [m]; missing values are often written as 99 or 999."""
 UNEVEN = 1e-6
 """Largest deviation of an instant from equal steps, in steps and at least in seconds."""
+ROUNDED = 0.1
+"""Largest rounding of instants, in steps, within which their steps count as equal."""
 TAIL = 0.005
 """Share of the variance that lies below the lowest frequency a record needs solved [-]."""
 LEFT_OUT = 0.01
 """Largest share of the variance of a record that may lie outside the band solved [-]."""
+STANDARD_GRAVITY = 9.81
+STEEPEST = 0.1
+"""Largest possible steepness, Hs over g Te^2/(2 pi): waves as high as a seventh of their length break [-]."""
+HIGHEST_SEA = 40.0
+"""Largest possible Hs [m]."""
 
 
-class Samples(Section):
+def impossible(hs: Any, te: Any) -> Any:
+    """Return whether seas are steeper or higher than possible, of numbers or arrays; many of them mean wrong units."""
+    return (2 * math.pi * hs / (STANDARD_GRAVITY * te**2) > STEEPEST) | (hs > HIGHEST_SEA)
+
+
+class Samples(Brief):
     """Elevations [m] at the buoy's axis at equal steps of time [s], as a sum of harmonics of their own length.
 
     Still water is the mean of the record. The harmonics a_k = conj(2 X_k/N), X the discrete Fourier transform of the N
     samples, have frequencies 2 pi k/(N step), and Re sum_k a_k exp(-i omega_k t) passes through every sample.
     """
 
+    BRIEF = ("notes",)
     step: Positive
     elevation: Annotated[
         tuple[Annotated[float, Field(ge=-HIGHEST, le=HIGHEST)], ...], Field(min_length=FEWEST, max_length=MOST)
     ]
+    notes: tuple[str, ...] = ()  # what the file holds beside, and how it was read
 
     @model_validator(mode="after")
     def _moves(self) -> Self:
@@ -113,33 +130,32 @@ class Samples(Section):
     @cached_property
     def digest(self) -> str:
         """Eight hexadecimal digits that name the record by what it holds."""
-        return content_id(self)[:8]
+        return content_id(self.model_dump(exclude={"notes"}))[:8]
 
 
 def read_record(path: Path, where: str) -> dict[str, Any]:
-    """Return step [s] and elevations [m] of a file of two columns, time [s] and elevation [m].
+    """Return step [s], elevations [m] and notes of a file of two columns, time and elevation.
 
-    Columns are separated by commas, semicolons or blanks; a line of their names may stand first, and lines that begin
-    with # are left out. The file may be packed with gzip. Raises `ConfigError` if it cannot be read, a row is not two
-    numbers, or the instants are not equally spaced.
+    Times are in seconds, another unit that the file states, or dates; elevations in metres or a unit that it states:
+    see `vsb.tools.columns.read_columns`. The file may be packed with gzip. Raises `ConfigError` if it cannot be read, a
+    row is not two numbers, or the instants are not equally spaced.
 
     Parameters
     ----------
     where : str
         Place in the study, for messages about the file as a whole.
     """
-    rows = text_rows(path, where, "two columns, time [s] and elevation [m]")
+    table = read_columns(path, where, "two columns, time [s] and elevation [m]")
+    of_time, of_elevation, seconds, metres, notes = _two_columns(path, table)
     known: list[tuple[int, float, float]] = []
-    for i, (n, words) in enumerate(rows):
-        try:
-            time, elevation = map(float, words)
-        except ValueError:
-            if i == 0:
-                continue  # names of the columns
+    for n, cells in table.rows:
+        values = [_seconds(cells[of_time]), number(cells[of_elevation]) if of_elevation < len(cells) else None]
+        if values[0] is None or values[1] is None or (not table.header and len(cells) != 2):
             raise ConfigError(
-                f"{path}:{n}: received {shortened(repr(' '.join(words)))}, needs two numbers, time [s] and "
+                f"{path}:{n}: received {shortened(repr(' '.join(cells)))}, needs two numbers, time [s] and "
                 "elevation [m]"
-            ) from None
+            )
+        time, elevation = seconds * values[0], metres * values[1]
         if not (math.isfinite(time) and abs(elevation) <= HIGHEST):
             raise ConfigError(
                 f"{path}:{n}: elevation: received {elevation:g} m at {time:g} s, needs at most {HIGHEST:g} m: missing "
@@ -148,34 +164,93 @@ def read_record(path: Path, where: str) -> dict[str, Any]:
         known.append((n, time, elevation))
     if not FEWEST <= len(known) <= MOST:
         raise ConfigError(f"{where}: received {len(known)} samples in {path.name}, needs {FEWEST} to {MOST}")
-    return {"step": _step(path, known), "elevation": [elevation for _, _, elevation in known]}
+    written = seconds * _written_to(cells[of_time] for _, cells in table.rows)
+    held: dict[str, Any] = {
+        "step": _step(path, known, written),
+        "elevation": [one for *_, one in known],
+        "notes": notes,
+    }
+    if not all(table.units) and len({*held["elevation"]}) > 1:
+        of_file = Samples(**held)
+        check_possible(str(path), of_file.hs, 2 * math.pi / of_file.energy_frequency, "time in s, elevation in m")
+    return held
 
 
-def text_rows(path: Path, where: str, needed: str) -> list[tuple[int, list[str]]]:
-    """Return the lines of a text file, packed with gzip or not, each its number and its words.
+def check_possible(source: str, hs: float, te: float, needed: str) -> None:
+    """Check the steepness of a sea whose file states no units; raises `ConfigError`.
 
-    Words are separated by commas, semicolons or blanks; empty lines and those that begin with # are left out.
-    Raises `ConfigError` with the place in a study and what is needed if the file cannot be read.
+    Parameters
+    ----------
+    hs, te : float [m], [s]
+    needed : str
+        Units the numbers were taken in.
     """
-    try:
-        lines = read_unpacked(path).decode("utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError, EOFError, zlib.error) as error:
-        reason = (isinstance(error, OSError) and error.strerror) or "it is no text"
+    if impossible(hs, te):
         raise ConfigError(
-            f"{where}: received {path.name}, which cannot be read ({reason}); needs a text file of {needed}"
-        ) from None
-    return [
-        (n, re.split(r"\s*[,;]\s*|\s+", line.strip()))
-        for n, line in enumerate(lines, 1)
-        if line.strip() and line.strip()[0] != "#"
-    ]
+            f"{source}: received waves of Hs {hs:.4g} m with Te {te:.4g} s, which are physically impossible; needs "
+            f"{needed}, or the units in the names of the columns"
+        )
 
 
-def _step(path: Path, known: list[tuple[int, float, float]]) -> float:
-    """The step of equally spaced instants, else `ConfigError`."""
+_Read = tuple[int, int, float, float, list[str]]
+"""Columns of time and elevation, factors to s and m, notes."""
+TIMES = {"t", "time", "date", "datetime", "timestamp", "zeit", "seconds", "elapsedtime", "validtime"}
+ELEVATIONS = {
+    "eta", "η", "zeta", "elevation", "surface", "surfaceelevation", "waveelevation", "freesurface", "heave", "z",
+    "level", "waterlevel", "wave", "seasurfaceelevation", "displacement", "height", "h", "wavegauge",
+}  # fmt: skip
+
+
+def _two_columns(path: Path, table: Columns) -> _Read:
+    """Which columns are time and elevation, by their units, then names, then places."""
+    if not table.header:
+        return 0, 1, 1.0, 1.0, []
+    line = f"{path}: received the columns {shortened(repr(table.header))}"
+    columns = range(len(table.names))
+    of_time = [i for i in columns if table.units[i] and units.scale(table.units[i], units.SECOND)]
+    of_time = of_time or [i for i in columns if table.plain[i] in TIMES and not table.units[i]] or [0]
+    rest = [i for i in columns if i != of_time[0]]
+    chosen = [i for i in rest if table.units[i] and units.scale(table.units[i], units.METRE)]
+    named = [i for i in chosen or rest if table.plain[i] in ELEVATIONS and not (table.units[i] and not chosen)]
+    chosen = named if len(chosen) != 1 and named else chosen or (rest if len(rest) == 1 else [])
+    if len(chosen) != 1:
+        several = f"{len(chosen)} of them elevations" if chosen else "none of them known as an elevation"
+        raise ConfigError(f"{line}, {several}; needs time and one elevation, such as time [s], elevation [m]")
+    time, elevation = of_time[0], chosen[0]
+    seconds, metres = (
+        units.scale(table.units[i], powers) if table.units[i] else 1.0
+        for i, powers in ((time, units.SECOND), (elevation, units.METRE))
+    )
+    if seconds is None or metres is None:
+        wrong = table.label(time if seconds is None else elevation)
+        raise ConfigError(f"{line}; needs times in s and elevations in m, or units of these, no {wrong}")
+    notes = []
+    if (seconds, metres) != (1.0, 1.0):
+        notes.append(f"{table.label(time)} and {table.label(elevation)} turned into s and m")
+    elif not (table.units[time] and table.units[elevation]):
+        notes.append("units that are not stated taken as s and m")
+    if left := [table.label(i) for i in rest if i != elevation]:
+        notes.append(f"columns left out: {', '.join(left)}")
+    return time, elevation, seconds, metres, notes
+
+
+def _seconds(cell: str) -> float | None:
+    """A cell as a number, or a date as seconds."""
+    if (value := number(cell)) is not None:
+        return value
+    try:
+        date = datetime.fromisoformat(cell.replace("/", "-"))
+    except ValueError:
+        return None
+    return (date.replace(tzinfo=date.tzinfo or UTC) - datetime(2000, 1, 1, tzinfo=UTC)).total_seconds()
+
+
+def _step(path: Path, known: list[tuple[int, float, float]], written: float) -> float:
+    """The step of equally spaced instants, but for rounding in files `written` to so many seconds; `ConfigError`."""
     times = [time for _, time, _ in known]
     usual = sorted(later - earlier for earlier, later in pairwise(times))[len(times) // 2]
-    allowed = UNEVEN * max(1.0, abs(usual))
+    rounding = written if written <= ROUNDED * usual else 0.0
+    allowed = max(UNEVEN * max(1.0, abs(usual)), rounding)
     for (_, before, _), (n, time, _) in pairwise(known):
         if not (usual > 0 and abs(time - before - usual) <= 2 * allowed):
             raise ConfigError(
@@ -189,3 +264,9 @@ def _step(path: Path, known: list[tuple[int, float, float]]) -> float:
             f"{path}: time: received steps that differ, by up to {uneven:.2g} s in all; needs equal steps"
         )
     return step
+
+
+def _written_to(cells: Iterable[str]) -> float:
+    """The last decimal that numbers of a file are written to; 0 of dates and powers of ten."""
+    digits = [re.fullmatch(r"[-+]?\d+[.,]?(\d*)", cell) for cell in cells]
+    return 10.0 ** -max(len(found[1]) for found in digits if found) if digits and all(digits) else 0.0

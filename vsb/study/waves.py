@@ -7,6 +7,7 @@ import bisect
 import copy
 import math
 from abc import abstractmethod
+from collections.abc import Iterable
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
@@ -434,6 +435,11 @@ class SeaOfFile(IrregularSea):
         return f"Hs{self.hs:.3g}_Te{2 * math.pi / self.omega:.3g}_{self.file.digest}"
 
     @property
+    def description(self) -> str:
+        """The sea in words, and how its file was read."""
+        return super().description + (f" ({'; '.join(self.file.notes)})" if self.file.notes else "")
+
+    @property
     def _size_in_words(self) -> str:
         """Height and period in words."""
         return f"Hs = {self.hs:.3g} m and Te = {2 * math.pi / self.omega:.3g} s"
@@ -511,6 +517,12 @@ class TabulatedSea(SeaOfFile, SpectralSea):
 def directions_of(wave: Travelling) -> tuple[float, ...]:
     """Return the directions the waves of a sea go to, the mean one first where they are spread about it [degrees]."""
     return wave.directions if isinstance(wave, SpectralSea) else (wave.direction,)
+
+
+def file_lines(waves: Iterable[Travelling | StillWater]) -> list[str]:
+    """Return the lines `vsb check` prints of seas of files: how each was read, and what was left out."""
+    seas = (wave for wave in waves if isinstance(wave, SeaOfFile))
+    return list(dict.fromkeys(f"file         {sea.family}: {note}" for sea in seas for note in sea.file.notes))
 
 
 _DIRECTIONAL = {"directions", "shares"}

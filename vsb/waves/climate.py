@@ -12,8 +12,9 @@ from typing import Self
 import numpy as np
 
 from vsb.errors import ConfigError
+from vsb.study.records import impossible
 from vsb.study.sections import Water
-from vsb.tools.arrays import BoolArray, FloatArray
+from vsb.tools.arrays import FloatArray
 from vsb.waves.dispersion import group_velocity
 from vsb.waves.seas import Sea
 
@@ -21,17 +22,12 @@ YEAR_HOURS = 8766.0
 """Hours of a mean year, as in IEC TS 62600-100 [h]."""
 OUTSIDE = 0.01
 """Part of a year's variance that may lie at frequencies without coefficients of a device."""
-STANDARD_GRAVITY = 9.81
-STEEPEST = 0.1
-"""Largest possible steepness, Hs over g Te^2/(2 pi): waves as high as a seventh of their length break [-]."""
 FAULTY = 0.01
 """Part of the records that may be physically impossible; with more the units are wrong."""
-HIGHEST = 40.0
-"""Largest possible Hs [m]."""
 AGREEMENT = 0.02
 """Relative difference allowed between Hs and that of the spectrum: tables round, bands cut tails."""
-PARTIAL, CUT = "stand for a year", "too much to be left out"
-"""Words of the notes on records of a part of the year only, and on bands that end too early."""
+PARTIAL, CUT, FEW = "stand for a year", "too much to be left out", "more than half of the records are not used"
+"""Words of the notes on records of a part of the year only, on bands that end too early, and on faulty files."""
 LARGEST_TAIL = 0.05
 """Share of the variance beyond the bands from which on a year is doubted."""
 
@@ -209,12 +205,8 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
         found.append(f"{int(wrong.sum())} physically impossible records left out")
     spectra, count = spectra[~wrong], int((~wrong).sum())
     found += [f"{count} spectra used", _tail(omega, spectra)]
+    found += [f"{count} of {len(density)}: {FEW}"] if count < len(density) / 2 else []
     return Climate.of_spectra(omega, spectra, np.full(count, 1 / count), source, found)
-
-
-def impossible(hs: FloatArray, te: FloatArray) -> BoolArray:
-    """Return whether seas are steeper or higher than possible, shape (sea,); many of them mean wrong units."""
-    return np.asarray((2 * np.pi * hs / (STANDARD_GRAVITY * te**2) > STEEPEST) | (hs > HIGHEST))
 
 
 def _tail(omega: FloatArray, density: FloatArray) -> str:
@@ -231,7 +223,7 @@ def _tail(omega: FloatArray, density: FloatArray) -> str:
 
 def is_doubt(note: str) -> bool:
     """Return whether a note on a climate puts its year in doubt."""
-    return PARTIAL in note or CUT in note
+    return any(words in note for words in (PARTIAL, CUT, FEW))
 
 
 def climate_line(note: str) -> str:

@@ -4,7 +4,6 @@ The units decide, not the name of the program: densities are per Hz, and with di
 """
 
 import gzip
-import re
 from collections.abc import Iterable
 from datetime import datetime
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vsb.errors import ConfigError
+from vsb.tools import units
 from vsb.tools.arrays import FloatArray
 from vsb.tools.bounded import bounded_reading, open_regular
 from vsb.waves.climate import Climate, of_records
@@ -29,18 +29,12 @@ NAMES = {
     "time": ("time", "waveTime"),
 }
 """Names of wavespectra, WAVEWATCH III, SWAN, the National Data Buoy Center and CDIP; the first of each is ours."""
-FREQUENCY = {"hz", "hertz", "s-1", "s^-1", "s^{-1}", "1/s"}
 FLAGS, USABLE = "waveFlagPrimary", (1, 2)
 """CDIP's verdict on each record, and its values good and not evaluated."""
 NETCDF, SWAN = (b"CDF", b"\x89HDF"), b"SWAN"
 """First characters of netCDF and of SWAN's text."""
 ERA5 = "d2fd"
 """Variable of ERA5: decimal logarithms."""
-_SHORT = (
-    (r"met(?:er|re)s?", "m"), (r"hertz", "hz"), (r"sec(?:ond)?s?", "s"), (r"deg(?:r(?:ees?)?)?", "deg"),
-    (r"rad(?:ians?)?", "rad"), (r"²", "2"), (r"\*\*|[^a-z0-9/-]", ""), (r"^mm", "m2"),
-)  # fmt: skip
-_DENSITY = re.compile(r"m2(?:s|/hz|hz-1)(?:/(deg|rad)|(deg|rad)-1)?")
 
 
 def read_spectra(path: str | Path) -> Climate:
@@ -63,7 +57,7 @@ def read_spectra(path: str | Path) -> Climate:
         raise ConfigError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
     if not begin.startswith((*NETCDF, SWAN)):
         return read_ndbc(path)
-    stored = _by_wavespectra(path, "swan") if begin == SWAN else _opened(path)
+    stored = _per_hertz(path, _by_wavespectra(path, "swan") if begin == SWAN else _opened(path))
     spectra, hertz = stored.efth, np.asarray(stored.freq.values, dtype=float)
     if {"time", "freq"} - {*spectra.dims} or len(hertz) < 2 or not hertz[0] > 0 or not np.all(np.diff(hertz) > 0):
         raise ConfigError(
@@ -74,9 +68,8 @@ def read_spectra(path: str | Path) -> Climate:
             raise ConfigError(f"{path}: received {spectra.sizes[name]} along {name}, needs one: select a site")
         spectra = spectra.isel({name: 0})
     if "dir" in spectra.dims:
-        around = 360.0 if _per_angle(path, stored) == "deg" else 2 * np.pi
         _check_all_around(path, stored.dir.values)
-        spectra = spectra.mean("dir", skipna=False) * around
+        spectra = spectra.mean("dir", skipna=False) * 2 * np.pi
     density = spectra.transpose("time", "freq").values.astype(float) / (2 * np.pi)
     kept, notes = calendar(_dates(path, stored.time.values))
     if FLAGS in stored:
@@ -106,36 +99,28 @@ def _opened(path: str | Path) -> "xr.Dataset":
     for name, theirs in found.items():
         if name != "time" and theirs and stored[theirs].dtype.kind not in "iuf":
             raise ConfigError(f"{path}: received {theirs} of type {stored[theirs].dtype}, needs numbers")
-    unit = str(stored[found["freq"]].attrs.get("units", ""))
-    if unit and unit.lower().replace(" ", "") not in FREQUENCY:
-        raise ConfigError(f"{path}: received {found['freq']} in {unit!r}, needs Hz")
-    ds = stored.rename({theirs: ours for ours, theirs in found.items() if theirs and theirs != ours})
-    per = _per_angle(path, ds)
-    if (per is not None) != ("dir" in ds.efth.dims):
+    return stored.rename({theirs: ours for ours, theirs in found.items() if theirs and theirs != ours})
+
+
+def _per_hertz(path: str | Path, ds: "xr.Dataset") -> "xr.Dataset":
+    """Spectra with ascending frequencies in Hz and densities in m^2/Hz, with directions in m^2/Hz/rad."""
+    stated, directional = str(ds.freq.attrs.get("units", "")), "dir" in ds.efth.dims
+    axis = units.frequency(stated) if stated else units.Frequency(1.0)
+    if axis is None or axis.period:
+        raise ConfigError(f"{path}: received freq in {stated!r}, needs Hz or rad/s")
+    unit = str(ds.efth.attrs.get("units", "")) or ("m2/Hz/degree" if directional else "m2/Hz")  # as wavespectra has it
+    if (factor := units.density(unit, axis, directional)) is None:
         over = ", ".join(map(str, ds.efth.dims))
         raise ConfigError(
-            f"{path}: received {found['efth']} over {over} in {ds.efth.attrs['units']!r}, needs m2/Hz, with directions "
-            "m2/Hz/degree or m2/Hz/rad"
+            f"{path}: received {ds.efth.name} over {over} in {unit!r} with frequencies in {stated or 'Hz'}, needs "
+            + ("m2/Hz/degree, m2/Hz/rad or m2 s/rad/degree" if directional else "m2/Hz or m2 s/rad")
         )
-    return ds.sortby("freq")
+    return ds.assign(efth=factor * ds.efth).assign_coords(freq=axis.factor * ds.freq.values).sortby("freq")
 
 
 def _among(variables: Iterable[Any], names: tuple[str, ...]) -> str | None:
     """The first of some names that is among those of a file."""
     return next((name for name in names if name in variables), None)
-
-
-def _per_angle(path: str | Path, ds: "xr.Dataset") -> str | None:
-    """Angle in the units of spectral density: deg, rad or none; wavespectra's own where they are not stated."""
-    unit = str(ds.efth.attrs.get("units", ""))
-    if not unit:
-        return "deg" if "dir" in ds.efth.dims else None
-    short = unit.lower()
-    for long, brief in _SHORT:
-        short = re.sub(long, brief, short)
-    if not (match := _DENSITY.fullmatch(short)):
-        raise ConfigError(f"{path}: received spectral density in {unit!r}, needs m2/Hz, m2/Hz/degree or m2/Hz/rad")
-    return match[1] or match[2]
 
 
 def _hertz(path: str | Path, ds: "xr.Dataset") -> dict[str, float]:

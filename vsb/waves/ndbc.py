@@ -19,6 +19,19 @@ HIGHEST_HZ = 5.0
 DATE = ("YY", "MM", "DD", "hh", "mm")
 METEOROLOGICAL = {"WVHT", "SWVHT", "WSPD"}
 """Columns of the National Data Buoy Center's files without spectra."""
+DIRECTIONAL = {
+    "alpha1": "mean directions (swdir)", "alpha2": "principal directions (swdir2)",
+    "r1": "the first directional coefficient r1 (swr1)", "r2": "the second directional coefficient r2 (swr2)",
+}  # fmt: skip
+"""What the National Data Buoy Center's files beside those of densities hold, by their headers."""
+BOUNDED = {
+    1.0: "directional coefficients r1 or r2 (swr1, swr2)",
+    100.0: "directional coefficients r1 or r2 in hundredths (swr1, swr2)",
+    360.0: "directions in degrees (swdir, swdir2)",
+}
+"""Likewise by their largest number; their headers are those of densities."""
+EVEN, FEW_BANDS = 0.1, 10
+"""Median over the largest number from which on numbers are no densities, which differ by magnitudes; bands needed."""
 
 
 def read_ndbc(path: str | Path) -> Climate:
@@ -44,6 +57,8 @@ def read_ndbc(path: str | Path) -> Climate:
     for i, row in lines[1:]:
         if row[0].lstrip("#") == head[0].lstrip("#") and row[1:] != head[1:]:
             raise ConfigError(f"{path}, line {i}: received another header, needs one set of frequencies: cut the file")
+    if meant := DIRECTIONAL.get(head[5].split("_")[0] if len(head) > 5 else ""):
+        raise ConfigError(f"{path}, line 1: received {meant}, no densities; needs the spectral wave density (swden)")
     if head[5:6] == ["Sep_Freq"]:
         hertz, rows = _bracketed(path, rows)
         dates = 5
@@ -58,8 +73,21 @@ def read_ndbc(path: str | Path) -> Climate:
     times = [_time(path, i, row[:dates]) for i, row in rows]
     values = _numbers(path, [(i, [NONE.get(word, word) for word in row[dates:]]) for i, row in rows])
     density = np.where(values >= MISSING, np.nan, values) / (2 * np.pi)
+    _check_densities(path, 2 * np.pi * density)
     kept, notes = calendar(times)
     return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
+
+
+def _check_densities(path: str | Path, values: FloatArray) -> None:
+    """Raise where numbers are no densities but bounded quantities of direction, whose files look the same."""
+    known = values[~np.isnan(values)]
+    if not known.size or values.shape[1] < FEW_BANDS or np.median(known) < EVEN * known.max():
+        return
+    if meant := next((meant for largest, meant in BOUNDED.items() if known.max() <= largest), ""):
+        raise ConfigError(
+            f"{path}: received numbers up to {known.max():g} with a median of {np.median(known):.3g}, which are "
+            f"{meant}, no densities; needs the spectral wave density (swden)"
+        )
 
 
 def _bracketed(path: str | Path, rows: list[tuple[int, list[str]]]) -> tuple[FloatArray, list[tuple[int, list[str]]]]:

@@ -13,10 +13,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from vsb.errors import ConfigError
+from vsb.study.records import impossible
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import read_text
 from vsb.tools.words import LONGEST, shortened
-from vsb.waves.climate import FAULTY, YEAR_HOURS, Climate, band_edges, impossible
+from vsb.waves.climate import FAULTY, YEAR_HOURS, Climate, band_edges
 from vsb.waves.spectra import jonswap_spectrum
 
 Spectrum = Literal["jonswap", "pierson_moskowitz"]

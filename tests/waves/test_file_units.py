@@ -1,0 +1,158 @@
+"""Units, names and decimal commas of spectra and records as other programs write them; what is none is refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+from vsb.errors import ConfigError
+from vsb.study.waves import Jonswap, RecordedSea, TabulatedSea
+from vsb.tools.units import Frequency, density, frequency, number, unit
+from vsb.waves.spectra import spectrum
+
+HERTZ = np.linspace(0.05, 1.2, 231)
+SEA = Jonswap(kind="jonswap", hs=1.0, tp=4.0)
+DENSITY = 2 * np.pi * spectrum(SEA, 2 * np.pi * HERTZ)
+TIME = 0.5 * np.arange(240)
+ELEVATION = 0.3 * np.cos(2 * np.pi * TIME / 4.0) + 0.1 * np.cos(2 * np.pi * TIME / 7.5 + 1.0)
+
+
+def columns(head, *values, between=",", digits=8):
+    rows = [between.join(f"{one:.{digits}f}" for one in row) for row in zip(*values, strict=True)]
+    return "\n".join([*([head] if head else []), *rows]) + "\n"
+
+
+def of_file(kind, tmp_path, text):
+    (tmp_path / "sea.csv").write_text(text, encoding="utf-8")
+    return {"spectrum": TabulatedSea, "record": RecordedSea}[kind](kind=kind, file=tmp_path / "sea.csv")
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("m^2/Hz", 1.0), ("m2 s", 1.0), ("M²/HZ", 1.0), ("(meter*meter)/hertz", 1.0), ("m^{2} s", 1.0),
+        ("m^2 s/rad", 2 * math.pi), ("m**2.s.radian**-1", 2 * math.pi), ("m²·s·rad⁻¹", 2 * math.pi),
+        ("m^2/(rad/s)", 2 * math.pi), ("cm^2/Hz", 1e-4), ("mm2 s", 1e-6), ("ft^2/Hz", 0.3048**2),
+        ("m", None), ("J/m2/Hz", None), ("m2/Hz/deg", None), ("m2 s deg-1", None), ("m2/Hz/", None), ("m2/(Hz", None),
+    ],
+)  # fmt: skip
+def test_densities_in_any_notation(text, meant):
+    assert density(text, Frequency(1.0), False) == (None if meant is None else pytest.approx(meant))
+
+
+def test_directional_densities_say_per_which_angle_and_frequency():
+    """Per hertz and angle by default; over rad/s a density per radian alone does not say which radian it means."""
+    hertz, angular = frequency("Hz"), frequency("rad s^-1")
+    assert density("m2/Hz/degree", hertz, True) == pytest.approx(180 / math.pi)
+    assert density("m2 s rad-1", hertz, True) == pytest.approx(1.0)
+    assert density("m2 s/rad/deg", angular, True) == pytest.approx(360.0)
+    assert density("m2 s rad-1", angular, True) is None
+    assert density("m2 s", angular, False) == pytest.approx(2 * math.pi)
+
+
+@pytest.mark.parametrize(
+    ("cell", "value"), [("1,5", 1.5), ("1.5", 1.5), ("-1,5e-3", -1.5e-3), ("1,234.5", None), ("1_0", None)]
+)
+def test_decimal_commas(cell, value):
+    assert number(cell) == value
+    assert unit("4s") is None
+
+
+SPECTRA = {
+    "rad/s": columns("omega [rad/s],S [m^2 s/rad]", 2 * np.pi * HERTZ, DENSITY / 2 / np.pi),
+    "per rad/s over Hz": columns("f [Hz],S [m^2 s/rad]", HERTZ, DENSITY / 2 / np.pi),
+    "per Hz over rad/s": columns("w (rad/s),S (m^2/Hz)", 2 * np.pi * HERTZ, DENSITY),
+    "per second over rad/s": columns("w (rad/s);S (m²·s)", 2 * np.pi * HERTZ, DENSITY / 2 / np.pi, between=";"),
+    "periods": columns("T [s],S [m^2/Hz]", 1 / HERTZ[::-1], DENSITY[::-1]),
+    "square centimetres": columns("f [Hz],S [cm^2/Hz]", HERTZ, 1e4 * DENSITY),
+    "decimal commas": columns("f;S", HERTZ, DENSITY, between=";").replace(".", ","),
+    "decimal commas between blanks": columns("", HERTZ, DENSITY, between=" ").replace(".", ","),
+    "decimal commas between tabs": columns("f [Hz]\tS [m2/Hz]", HERTZ, DENSITY, between="\t").replace(".", ","),
+    "units in a line of their own": columns("omega,S\n(rad/s),(m^2.s/rad)", 2 * np.pi * HERTZ, DENSITY / 2 / np.pi),
+    "header as a comment": columns("# omega [rad/s] S [m^2 s/rad]", 2 * np.pi * HERTZ, DENSITY / 2 / np.pi, between=" "),
+    "MHKiT": columns(",JONSWAP (4s)", HERTZ, DENSITY),
+    "units in names": columns("freq_hz,energy density m^2/Hz", HERTZ, DENSITY),
+    "a title": columns("Site A, 2010\n\nf [Hz],S [m^2/Hz]", HERTZ, DENSITY),
+    "frequency and period": columns("T [s];f [Hz];E [m2/Hz];dir [deg]", 1 / HERTZ, HERTZ, DENSITY, HERTZ, between=";"),
+    "quoted": '"f","S"\n' + "".join(f'"{f:.6f}","{s:.8f}"\n' for f, s in zip(HERTZ, DENSITY, strict=True)).replace(".", ","),
+}  # fmt: skip
+"""One sea: JONSWAP of Hs 1 m and Tp 4 s."""
+
+
+@pytest.mark.parametrize("dialect", SPECTRA)
+def test_one_spectrum_in_many_notations(dialect, tmp_path):
+    """A factor 2 pi in the density is a factor 2.5 in Hs: units that a file states are read, not skipped."""
+    wave = of_file("spectrum", tmp_path, SPECTRA[dialect])
+    assert wave.hs == pytest.approx(1.0, rel=1e-3)
+    assert 2 * np.pi / wave.omega == pytest.approx(3.618, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (columns("f [Hz],a [m]", HERTZ, DENSITY), r"a \[m\] is an amplitude and no density; needs S = a\^2/\(2 df\)"),
+        (columns("f,amplitude", HERTZ, DENSITY), "amplitude is an amplitude and no density"),
+        (columns("omega,S", HERTZ, DENSITY), r"of which omega and S state no unit; needs those of both, such as omega"),
+        (columns("f,S [m^2 s/rad]", HERTZ, DENSITY), "of which f state no unit"),
+        (columns("f [Hz],S [J/m^2/Hz]", HERTZ, DENSITY), r"sea.csv:1: received the unit 'J/m\^2/Hz' of S, needs"),
+        (columns("f [Hz],S [m]", HERTZ, DENSITY), "is an amplitude and no density"),
+        (columns("f [m],S [m2/Hz]", HERTZ, DENSITY), r"needs frequencies in Hz or rad/s, or periods in s, no f \[m\]"),
+        (columns("f,S1,S2", HERTZ, DENSITY, DENSITY), "none of them known as a density; needs one"),
+        (columns("f,S,E", HERTZ, DENSITY, DENSITY), "2 of them densities; needs one"),
+        (columns("# all in rad/s and m^2 s/rad\nf,S", HERTZ, DENSITY), "sea.csv:1: .* states 'rad/s', but not of which"),
+        (columns("", 2 * np.pi * HERTZ, DENSITY / 2 / np.pi), "Hs 0.9992 m with Te 0.5758 s, which are physically impossible"),
+        (columns("f,S", HERTZ, DENSITY).replace("\n0.06", "\n0.06,1.0,", 1), "sea.csv:4: received .*, needs 2 numbers"),
+    ],
+)  # fmt: skip
+def test_what_a_spectrum_may_not_be_is_refused(text, message, tmp_path):
+    with pytest.raises(ConfigError, match=message) as caught:
+        of_file("spectrum", tmp_path, text)
+    assert "\n" not in str(caught.value)
+
+
+def test_columns_left_out_and_units_taken_are_noted(tmp_path):
+    wave = of_file("spectrum", tmp_path, columns("f,S,phase", HERTZ, DENSITY, HERTZ))
+    assert wave.file.notes == ("units that are not stated taken as Hz and m^2/Hz", "columns left out: phase")
+    assert "columns left out: phase" in wave.description
+    plain = of_file("spectrum", tmp_path, columns("", HERTZ, DENSITY))
+    assert plain.file.notes == ()
+    assert plain.label == wave.label  # the same sea, whatever its file says beside
+
+
+RECORDS = {
+    "plain": columns("", TIME, ELEVATION),
+    "milliseconds": columns("time [ms],eta [m]", 1000 * TIME, ELEVATION),
+    "centimetres": columns("t [s],eta [cm]", TIME, 100 * ELEVATION),
+    "millimetres in a name": columns("time_s;elevation_mm", TIME, 1000 * ELEVATION, between=";").replace(".", ","),
+    "feet": columns("t (s)\teta (ft)", TIME, ELEVATION / 0.3048, between="\t"),
+    "days": columns("time [d],eta [m]", TIME / 86400, ELEVATION, digits=10),
+    "dates": "time,eta\n" + "".join(f"2020-01-01 00:{t // 60:02.0f}:{t % 60:04.1f},{e:.8f}\n" for t, e in zip(TIME, ELEVATION, strict=True)),
+    "dates between blanks": "".join(f"2020/01/01 00:{t // 60:02.0f}:{t % 60:04.1f} {e:.8f}\n" for t, e in zip(TIME, ELEVATION, strict=True)),
+    "other columns": columns("t [s],wind [m/s],eta [m],flag", TIME, TIME, ELEVATION, TIME),
+    "rounded times": columns("t,eta", TIME * 0.78125 / 0.5, ELEVATION, digits=2),
+}  # fmt: skip
+"""One record of two periods, 4 s and 7.5 s."""
+
+
+@pytest.mark.parametrize("dialect", RECORDS)
+def test_one_record_in_many_notations(dialect, tmp_path):
+    wave = of_file("record", tmp_path, RECORDS[dialect])
+    assert wave.hs == pytest.approx(4 * ELEVATION.std(), rel=2e-2)
+    assert wave.file.step == pytest.approx(0.78125 if dialect == "rounded times" else 0.5, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (columns("t [s],a [m/s^2]", TIME, ELEVATION), r"needs times in s and elevations in m, or units of these, no a"),
+        (columns("t [s],eta [V]", TIME, ELEVATION), r"sea.csv:1: received the unit 'V' of eta, needs lengths"),
+        (columns("t,eta1,eta2", TIME, ELEVATION, ELEVATION), "none of them known as an elevation"),
+        (columns("t [s],eta1 [m],eta2 [m]", TIME, ELEVATION, ELEVATION), "2 of them elevations"),
+        (columns("", 737791 + TIME / 86400, ELEVATION, digits=9), "which are physically impossible; needs time in s"),
+        (columns("", TIME, ELEVATION, ELEVATION), "sea.csv:1: received .* needs two numbers"),
+    ],
+)
+def test_what_a_record_may_not_be_is_refused(text, message, tmp_path):
+    with pytest.raises(ConfigError, match=message) as caught:
+        of_file("record", tmp_path, text)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,217 @@
+"""Text files of columns: their names, their units, decimal commas, and the lines that are none.
+
+Imports nothing heavy: the Snakefile reads a study at every parse.
+"""
+
+import csv
+import re
+import zlib
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from vsb.errors import ConfigError
+from vsb.tools.bounded import read_unpacked
+from vsb.tools.units import number, unit
+from vsb.tools.words import shortened
+
+COMMENT = ("#", "%", "//")
+"""Beginnings of lines that are no rows; names and units of the columns may stand there."""
+_DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ]\d\d?:\d\d.*)?|\d{4}/\d\d?/\d\d?([T ]\d\d?:\d\d.*)?")
+_SPACED_DATE = re.compile(r"(\d{4}[-/]\d\d?[-/]\d\d?) +(\d\d?:\d\d)")
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
+_WORD = re.compile(r"[^\s\[(]*(?:\s*(?:\[[^\]]*\]|\([^)]*\)))+|\S+")
+_LOOSE = {"cm", "mm", "ft", "feet", "ms"}
+"""Units of one word that a title may state for all columns."""
+
+
+class Columns(NamedTuple):
+    """Rows of a file with the names and units of its columns."""
+
+    names: tuple[str, ...]  # as written; empty where there is none
+    units: tuple[str, ...]  # as written; empty where none is stated
+    header: str  # as written, empty if there is none
+    rows: list[tuple[int, list[str]]]  # each with its line
+
+    @property
+    def plain(self) -> tuple[str, ...]:
+        """Names in small letters without blanks, quotes and marks of formulas."""
+        return tuple(re.sub(r"[\s_{}$\"'#%\\]", "", name).lower() for name in self.names)
+
+    def label(self, i: int) -> str:
+        """A column in words."""
+        stated = f" [{self.units[i]}]" if self.units[i] else ""
+        return f"{self.names[i] or f'column {i + 1}'}{stated}"
+
+
+def text_of(path: Path, where: str, needed: str) -> str:
+    """Return the text of a file, packed with gzip or not; `ConfigError` names its place in a study."""
+    try:
+        data = read_unpacked(path)
+        encoding = "utf-16" if data.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
+        return data.decode(encoding)
+    except (OSError, UnicodeError, EOFError, zlib.error) as error:
+        reason = (isinstance(error, OSError) and error.strerror) or "it is no text"
+        raise ConfigError(
+            f"{where}: received {path.name}, which cannot be read ({reason}); needs a text file of {needed}"
+        ) from None
+
+
+def read_columns(path: Path, where: str, needed: str) -> Columns:
+    """Return the columns of a text file, packed with gzip or not.
+
+    Columns are separated by semicolons, tabs, commas or blanks; numbers may have decimal commas. Lines of names, and
+    of units, may stand before the rows, as comments or not. Raises `ConfigError` if the file is no text, rows differ in
+    length, or a title states a unit that no column does.
+
+    Parameters
+    ----------
+    where : str
+        Place in the study, for messages about the file as a whole.
+    needed : str
+        What the file should hold, for messages.
+    """
+    lines = [
+        (n, _SPACED_DATE.sub(r"\1T\2", line.strip(" \r\n\ufeff")))
+        for n, line in enumerate(text_of(path, where, needed).splitlines(), 1)
+        if line.strip(" \t\r\n\ufeff,;")
+    ]
+    plain = [(n, line) for n, line in lines if not line.startswith(COMMENT)]
+    delimiter = _delimiter([line for _, line in plain])
+    split = [(n, _cells(line, delimiter)) for n, line in plain]
+    first = next((i for i, (_, cells) in enumerate(split) if _is_datum(cells[0])), len(split))
+    rows = _even(path, split[first:], needed)
+    if not rows:
+        return Columns((), (), "", [])
+    before = [(n, line) for n, line in lines if n < rows[0][0]]
+    names, units, used = _heads(before, delimiter, len(rows[0][1]))
+    header = " ".join(line for n, line in before if n in used)
+    for name, stated in zip(names, units, strict=True):
+        if stated and unit(stated) is None:
+            raise ConfigError(
+                f"{path}:{max(used)}: received the unit {shortened(repr(stated))} of {name or 'a column'}, needs "
+                "lengths, times, frequencies and their products, such as m, cm, s, Hz, rad/s, m^2/Hz, m^2 s/rad"
+            )
+    if not all(units):
+        _check_titles(path, [(n, line) for n, line in before if n not in used])
+    return Columns(names, units, header, rows)
+
+
+def _heads(
+    before: list[tuple[int, str]], delimiter: str, width: int
+) -> tuple[tuple[str, ...], tuple[str, ...], set[int]]:
+    """Names and units of the columns from the lines before the rows, and the numbers of these lines.
+
+    A comment is a line of names only if it states a unit: most comments are words.
+    """
+    names: tuple[int, list[tuple[str, str]]] | None = None
+    units: tuple[int, list[str]] | None = None
+    for n, line in before:
+        cells = _trimmed(_cells(line.lstrip("#%/ "), delimiter))
+        if len(cells) != width:
+            continue
+        pairs = [_stated(cell) for cell in cells]
+        if _all_units(cells):
+            units = n, [_unit_alone(cell) for cell in cells]
+        elif not line.startswith(COMMENT) or any(stated for _, stated in pairs):
+            names, units = (n, pairs), None
+    named = names[1] if names else [("", "")] * width
+    below = units[1] if units else [""] * width
+    return (
+        tuple(name for name, _ in named),
+        tuple(stated or lower for (_, stated), lower in zip(named, below, strict=True)),
+        {found[0] for found in (names, units) if found},
+    )
+
+
+def _delimiter(lines: Sequence[str]) -> str:
+    """What separates cells: a semicolon, a tab, a comma, or blanks (empty)."""
+    for delimiter in (";", "\t"):
+        if any(delimiter in line for line in lines):
+            return delimiter
+    data = [line for line in lines if line[0] in "+-.0123456789"]
+    if not any("," in line for line in data or lines):
+        return ""
+    decimal = bool(data) and all(
+        len(cells := line.split()) > 1 and "." not in line and all(_is_plain(cell) for cell in cells) for line in data
+    )
+    return "" if decimal else ","
+
+
+def _is_plain(cell: str) -> bool:
+    """Whether a cell has a decimal comma, or no comma."""
+    return "," not in cell or bool(_DECIMAL_COMMA.fullmatch(cell))
+
+
+def _cells(line: str, delimiter: str) -> list[str]:
+    """Cells of a line; a name keeps the unit in brackets behind it."""
+    if not delimiter or delimiter not in line:
+        return [cell.strip('"') for cell in (_WORD.findall(line) if line[:1].isalpha() else line.split())]
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+    except csv.Error:
+        return [cell.strip() for cell in line.split(delimiter)]
+
+
+def _trimmed(cells: list[str]) -> list[str]:
+    """Cells without empty ones at the end."""
+    last = max((i for i, cell in enumerate(cells) if cell), default=-1)
+    return cells[: last + 1]
+
+
+def _is_datum(cell: str) -> bool:
+    """Whether a cell is a number or a date."""
+    return number(cell) is not None or bool(_DATE.fullmatch(cell))
+
+
+def _even(path: Path, rows: list[tuple[int, list[str]]], needed: str) -> list[tuple[int, list[str]]]:
+    """Rows of equal length, without columns at the end that are empty throughout."""
+    if not rows:
+        return rows
+    width = max(len(_trimmed(cells)) for _, cells in rows)
+    usual = Counter(min(len(cells), width) for _, cells in rows).most_common(1)[0][0]
+    for n, cells in rows:
+        if len(_trimmed(cells)) > usual or len(cells) < usual:
+            raise ConfigError(
+                f"{path}:{n}: received {shortened(repr(' '.join(cells)))}, needs {usual} numbers as the other rows: "
+                f"{needed}"
+            )
+    return [(n, cells[:usual]) for n, cells in rows]
+
+
+def _stated(cell: str) -> tuple[str, str]:
+    """Name and unit of a cell such as `S [m^2/Hz]`, `S (m^2/Hz)`, `S, m^2/Hz` or `time_s`."""
+    if square := re.fullmatch(r"(.*?)\s*\[(.*)\]", cell):
+        return square[1], square[2].strip()
+    if (round_ := re.fullmatch(r"(.*?)\s*\((.*)\)", cell)) and (unit(round_[2]) or re.search(r"[/^]", round_[2])):
+        return round_[1], round_[2].strip()
+    if (spaced := re.fullmatch(r"(\w{3,})(?:, *|[ _])(\S+)", cell)) and unit(spaced[2]):
+        return spaced[1], spaced[2]
+    return ("", cell) if re.search(r"[/^²]|^hz$", cell.lower()) and unit(cell) else (cell, "")
+
+
+def _unit_alone(cell: str) -> str:
+    """The unit a cell is, in brackets or not; empty if it is none."""
+    bare = re.sub(r"^[\[(](.*)[\])]$", r"\1", cell).strip()
+    return bare if unit(bare) else ""
+
+
+def _all_units(cells: list[str]) -> bool:
+    """Whether the cells of a line are units, and one of them cannot be a name."""
+    there = [cell for cell in cells if cell]
+    certain = (len(cell) > 2 or cell.lower() in ("hz", "cm", "mm", "ft", "ms") for cell in there)
+    return bool(there) and all(map(_unit_alone, there)) and any(certain)
+
+
+def _check_titles(path: Path, titles: list[tuple[int, str]]) -> None:
+    """Raise where a line that is not read states a unit other than those columns have where they state none."""
+    for n, line in titles:
+        words = [*re.findall(r"[\[(](.*?)[\])]", line), *(word.strip(",.:;()[]\"'") for word in line.split())]
+        for word in words:
+            compound = re.search(r"[/^²]", word) and word.lower() not in ("m2/hz", "m^2/hz", "m²/hz", "m**2/hz")
+            if (compound or word.lower() in _LOOSE) and unit(word):
+                raise ConfigError(
+                    f"{path}:{n}: received {shortened(repr(line))}, which states {word!r}, but not of which column; "
+                    "needs units in the names of the columns, such as time [s]"
+                )
