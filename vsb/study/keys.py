@@ -404,7 +404,7 @@ KEYS: dict[str, dict[str, Key]] = {
     "Samples": {
         "step": Key("s", "0.5", "time between samples"),
         "elevation": Key("m", str([0.1, -0.2] * 16), "elevation at each instant, from the start of the run"),
-        "notes": Key("", "[columns left out: wind]", "what its file holds beside, and how it was read"),
+        "notes": Key("", "['columns left out: wind']", "what its file holds beside, and how it was read"),
     },
     "TabulatedSea": {
         **_GOING,
@@ -422,7 +422,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "variance_density": Key("m^2/Hz", "[0.0, 1.5, 0.0]", "density at each, linear between them"),
         "directions": Key("degrees", "[0.0, 30.0]", "directions the waves travel to, from the x axis"),
         "shares": Key("-", "[[0.5, 0.5], [0.5, 0.5], [0.5, 0.5]]", "shares of each frequency's energy, by direction"),
-        "notes": Key("", "[columns left out: phase]", "what its file holds beside, and how it was read"),
+        "notes": Key("", "['columns left out: phase']", "what its file holds beside, and how it was read"),
     },
     "Simulation": {
         "duration": Key("s", "60.0", "time simulated"),
