@@ -21,7 +21,7 @@ from pydantic import (
 
 from vsb.errors import ConfigError
 from vsb.study.drag import BodyDrag, check_followed
-from vsb.study.hulls import BoxHull, CapsuleHull, CylinderHull, SphereHull
+from vsb.study.hulls import BoxHull, CapsuleHull, CylinderHull, ScaledMesh, SphereHull
 from vsb.study.quantities import RIGID, Brief, Count, Finite, Name, NonNegative, Number, Positive, Section, is_rigid
 from vsb.study.reading import read_yaml, validated
 from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Published, Simulation, Water
@@ -125,15 +125,21 @@ DRY = ("mass", "density", "centre_of_mass", "radii_of_gyration", "rotation_point
 """Keys of the dry body, for modes that are made here; a file of displacements has its own."""
 
 
+def _mesh_kind(value: object) -> str:
+    """Which kind of mesh is meant, by its form."""
+    if isinstance(value, str):
+        return "path"
+    return "scaled" if isinstance(value, ScaledMesh) or (isinstance(value, dict) and "file" in value) else "hull"
+
+
+PlainHull = SphereHull | CylinderHull | CapsuleHull | BoxHull
 Mesh = Annotated[
     Annotated[str, Tag("path")]
-    | Annotated[
-        Annotated[SphereHull | CylinderHull | CapsuleHull | BoxHull, Field(discriminator="kind")],
-        Tag("hull"),
-    ],
-    Discriminator(lambda value: "path" if isinstance(value, str) else "hull"),
+    | Annotated[ScaledMesh, Tag("scaled")]
+    | Annotated[Annotated[PlainHull, Field(discriminator="kind")], Tag("hull")],
+    Discriminator(_mesh_kind),
 ]
-"""A mesh file, or a plain hull that is meshed here."""
+"""A mesh file, in metres or another unit, or a plain hull that is meshed here."""
 
 
 class BodyFile(Brief):
@@ -186,10 +192,12 @@ class BodyFile(Brief):
         """Masses are of rigid motions made here, and of one source."""
         given = [name for name in DRY if getattr(self, name) is not None]
         if self.rigid_motions is None:
-            if not isinstance(self.mesh, str):
+            if self.hull:
                 raise ValueError(
-                    f"modes: received {self.modes!r}; a {self.mesh.kind} needs rigid, or names such as Heave"
+                    f"modes: received {self.modes!r}; a {self.hull.kind} needs rigid, or names such as Heave"
                 )
+            if self.metres != 1:
+                raise ValueError("mesh: the unit of the displacements in the file of modes is unknown; needs metres")
             if self.panel is not None:
                 raise ValueError("panel: the file of modes has displacements of these panels alone; remove it")
             if given:
@@ -225,10 +233,28 @@ class BodyFile(Brief):
         return self.modes == "rigid" or (self.families is not None and self.families.rigid is True)
 
     @property
+    def hull(self) -> PlainHull | None:
+        """The plain hull, if it is no mesh file."""
+        return None if isinstance(self.mesh, str | ScaledMesh) else self.mesh
+
+    @property
+    def metres(self) -> float:
+        """Length of the unit of its mesh [m]."""
+        return self.mesh.metres if isinstance(self.mesh, ScaledMesh) else 1.0
+
+    @property
     def paths(self) -> dict[str, str]:
         """Names of the files it is read from, by key."""
-        mesh = {"mesh": self.mesh} if isinstance(self.mesh, str) else {}
+        file = self.mesh.file if isinstance(self.mesh, ScaledMesh) else self.mesh
+        mesh = {"mesh": file} if isinstance(file, str) else {}
         return mesh | ({"modes": str(self.modes)} if self.rigid_motions is None else {})
+
+    def with_files(self, names: Mapping[str, str]) -> Self:
+        """Return the same read from files of other names, by key."""
+        known: dict[str, object] = dict(names)
+        if isinstance(self.mesh, ScaledMesh) and "mesh" in names:
+            known["mesh"] = self.mesh.model_copy(update={"file": names["mesh"]})
+        return self.model_copy(update=known)
 
 
 CONTENTS = "sha256:"
@@ -522,7 +548,7 @@ def _of_a_mesh(study: BodyStudy, body: BodyFile, path: str, source: str, own_wat
         raise ConfigError(f"{source}: water: differs from that of {path}; needs the same, or none here")
     files = {name: str(Path(path).parent / file) for name, file in body.paths.items()}
     known = {name: _contents([file], f"{path}: {name}") for name, file in files.items()}
-    solved = body.model_copy(update={**known, "body": "body"})
+    solved = body.with_files(known).model_copy(update={"body": "body"})
     return LocatedBody(_known_by(study.model_copy(update={"water": body.water}), {"file": solved}), files)
 
 

@@ -51,8 +51,8 @@ def hull_panel_count(hull: SphereHull | CylinderHull | CapsuleHull | BoxHull) ->
 
 def panel_count(file: BodyFile, paths: Mapping[str, str]) -> float:
     """Return about how many panels a body has at most; `paths` are those of its files, by key."""
-    if not isinstance(file.mesh, str):
-        return hull_panel_count(file.mesh)
+    if file.hull:
+        return hull_panel_count(file.hull)
     path = paths.get("mesh", "")
     if not os.path.isfile(path):
         return _UNKNOWN

@@ -1,4 +1,4 @@
-"""Hulls that a body file may name instead of a mesh file: sphere, cylinder, capsule, box. Pure Python.
+"""Hulls that a body file names: a mesh file in a unit of its own, or a sphere, cylinder, capsule or box. Pure Python.
 
 `vsb.hydro.bodies.hulls` meshes them.
 """
@@ -7,7 +7,30 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from vsb.study.quantities import Number, Positive, Section
+from vsb.study.quantities import Brief, Number, Positive, Section
+
+LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048}
+"""Units of length [m]."""
+
+
+class ScaledMesh(Brief):
+    """A mesh file in a unit of length, or whose lengths times `scale` are metres."""
+
+    BRIEF = ("scale", "unit")
+    file: str
+    scale: Positive = 1.0
+    unit: Literal["m", "mm", "cm", "km", "in", "ft"] = "m"
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Self:
+        if self.scale != 1 and self.unit != "m":
+            raise ValueError(f"unit: received {self.unit} and scale {self.scale:g}; needs one of them")
+        return self
+
+    @property
+    def metres(self) -> float:
+        """Length of the unit of the file [m]."""
+        return self.scale * LENGTHS[self.unit]
 
 
 class Hull(Section):

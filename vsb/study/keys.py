@@ -477,14 +477,19 @@ KEYS: dict[str, dict[str, Key]] = {
         "axis": Key("", "x", "direction the hinge lies across"),
         "stiffness": Key("N m/rad", "1.0e+7", "spring by the angle between the two sides"),
     },
+    "ScaledMesh": {
+        "file": Key("", "hull.stl", "file of the hull's panels, path from the file's folder"),
+        "scale": Key("-", "0.001", "lengths of the file are multiplied by it to be metres"),
+        "unit": Key("", "mm", "unit of length of the file, in place of scale"),
+    },
     "BodyFile": {
         "body": Key("", "raft", "name of the body and of its database"),
         "panel": Key("m", "0.8", "longest edge: larger panels of the mesh, as of CAD, are divided into triangles"),
         "mesh": Key(
             "",
             "raft.stl",
-            "file of the hull's panels, normals outward, path from the file's folder; or a simple hull: "
-            "sphere, cylinder, capsule, box",
+            "file of the hull's panels, normals outward, path from the file's folder; {file: hull.stl, unit: mm} if it "
+            "is not in metres; or a simple hull: sphere, cylinder, capsule, box",
         ),
         "modes": Key(
             "",

@@ -60,7 +60,7 @@ KINDS = ("gdf", "dat", "hst", "nc", "STL", "vtu", "ply", "msh")
 @pytest.mark.parametrize("kind", KINDS)
 def test_mesh_files_of_other_programs_give_the_same_body(tmp_path, body, kind):
     """Extensions in capitals and NEMOH's .dat, which is Tecplot's as well, among them."""
-    vertices, faces = files.read_mesh(mesh_file(tmp_path, f"box.{kind}"))
+    vertices, faces, *_ = files.read_mesh(mesh_file(tmp_path, f"box.{kind}"))
     again = made(vertices, faces, rigid(vertices)[[2, 4]], LABELS)
     assert again.volumes == pytest.approx(body.volumes, rel=1e-6)
     assert again.triangles.area.sum(axis=0) == pytest.approx(body.triangles.area.sum(axis=0), abs=1e-4)
@@ -111,9 +111,10 @@ def test_panels_of_every_kind_are_read_in_the_order_of_the_file(tmp_path):
         ("quad", [[3, 6, 7, 4]]),
     ]
     meshio.Mesh(points, blocks).write(tmp_path / "mixed.vtk")
-    vertices, faces = files.read_mesh(tmp_path / "mixed.vtk")
+    vertices, faces, stated, notes = files.read_mesh(tmp_path / "mixed.vtk")
     assert vertices == pytest.approx(points)
     assert faces.tolist() == [[0, 3, 4, 1], [1, 4, 5, 5], [1, 5, 2, 2], [3, 6, 7, 4]]
+    assert (stated, notes) == (4, ("left out, no surface: 1 line",))
 
 
 def damaged(data, chance):

@@ -108,7 +108,9 @@ def test_mesh_is_cut_at_the_water_and_rigid_motions_stay_rigid(tmp_path, dims, a
     assert body.history == note
     data["vertices"] = ("vertex", "xyz"), vertices + np.array([0.0, 0.0, 9.0])
     xr.Dataset(data, coords={"dof": ["Heave", "Pitch"]}).to_netcdf(path := tmp_path / "high.nc")
-    with pytest.raises(ConfigError, match=r"mesh: none of .* panels lies below z = 0; needs the water's surface at z"):
+    with pytest.raises(
+        ConfigError, match=r"none of .* panels lies below z = 0, the lowest point at 7 m; needs .*draught"
+    ):
         read_body(path, path)
 
 
@@ -141,7 +143,7 @@ def test_bodies_beside_each_other_are_accepted(shift, tmp_path):
     [
         (boxes((1.0, 0.5, 0.0)), r"mesh: \d+ panels of float lie inside spar or on its wall, the first at \("),
         (boxes((0.2, 0.1, 0.0), (1.0, 0.8, 0.5)), r"mesh: \d+ panels of spar lie inside float"),
-        (boxes((4.0, 0.0, 0.0)), r"mesh: panel \d+ at \(2, .*\) is there twice; needs it once"),
+        (boxes((4.0, 0.0, 0.0)), r"4 panels lie .* in pairs, the first at \(2, .*: the walls of float and spar"),
         (two(disc_and_walls((3.0, 5.0), 48), disc_and_walls((0.0, 3.0), 36)), r"of ring|of float lie inside spar"),
     ],
     ids=["overlapping", "inside", "shared wall", "round walls of one radius"],

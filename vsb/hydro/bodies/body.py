@@ -24,9 +24,11 @@ from vsb.hydro.bodies.mesh import (
     check_vertices,
     gaps,
     owners,
+    panel_edges,
     parts,
     rigid_motion,
     text_of,
+    without_thickness,
 )
 from vsb.hydro.bodies.sections import Beam
 from vsb.study.quantities import RIGID, body_of
@@ -213,11 +215,33 @@ def _check_panels(body: FlexibleBody) -> None:
         raise ConfigError(
             f"mesh: encloses {body.volumes.max():.4g} m^3; needs normals that point into the water: flip them"
         )
+    if len(body.gaps.open):
+        _check_thickness(body)
     check_closed(body.gaps)
     if np.ptp(body.volumes) > CLOSED * body.volumes.max():
         raise ConfigError(
             "mesh: encloses {:.6g}, {:.6g} and {:.6g} m^3 by the normals' x, y and z; needs a surface that is closed "
             "below z = 0 with all normals into the water".format(*body.volumes)
+        )
+
+
+def check_draught(vertices: FloatArray, depth: float) -> None:
+    """Raise `ConfigError` unless a hull, shape (vertex, xyz) [m], floats clear of the sea bed."""
+    if depth <= (draught := -float(vertices[:, 2].min())):
+        raise ConfigError(
+            f"water.depth: received {depth:g} m, needs more than the body's draught of {draught:.6g} m: hulls that "
+            "stand on the sea bed are not solved"
+        )
+
+
+def _check_thickness(body: FlexibleBody) -> None:
+    """Plates without thickness and walls inside are named before what they leave open."""
+    corners = owners(body.vertices)[body.faces]
+    if (thin := without_thickness(body.vertices, corners, body.part, -AT_SURFACE * body.size)).any():
+        raise ConfigError(
+            f"mesh: {np.count_nonzero(thin)} panels, the first at {text_of(body.centres[thin][0])}, enclose no volume: "
+            "a plate without thickness, which is not solved, or a wall inside the hull; needs the plate with its "
+            "thickness, or the wall deleted"
         )
 
 
@@ -273,11 +297,7 @@ def check_apart(body: FlexibleBody) -> None:
 
     Raises `ConfigError` if two of them overlap or touch, or a panel occurs twice.
     """
-    corners = np.sort(owners(body.vertices)[body.faces], axis=1)
-    _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
-    if (twice := first[count > 1]).size:
-        at = text_of(body.centres[twice[0]])
-        raise ConfigError(f"mesh: panel {twice[0]} at {at} is there twice; needs it once, and bodies apart")
+    _check_walls(body)
     part, normal = body.part, body.vector_areas
     before = body.centres + _BEFORE * normal / np.sqrt(np.linalg.norm(normal, axis=1, keepdims=True))
     for one, other in permutations(range(body.part_count), 2):
@@ -288,6 +308,28 @@ def check_apart(body: FlexibleBody) -> None:
                 f"its wall, the first at {text_of(body.centres[part == one][inside][0])}; needs bodies with water "
                 "between them, and of a hollow hull the outer surface alone"
             )
+
+
+def _check_walls(body: FlexibleBody) -> None:
+    """No panel may lie on another: both sides of a plate, or the walls of two bodies that touch."""
+    own = owners(body.vertices)[body.faces]
+    _, same, count = np.unique(np.sort(own, axis=1), axis=0, return_inverse=True, return_counts=True)
+    double = count[same.ravel()] > 1
+    if not double.any():
+        return
+    edges, panel = panel_edges(own)
+    _, place, uses = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    first = int(np.flatnonzero(double)[0])
+    where = f"{np.count_nonzero(double)} panels lie on each other in pairs, the first at {text_of(body.centres[first])}"
+    below = (body.vertices[edges][..., 2] < -AT_SURFACE * body.size).any(axis=1)
+    if (double[panel] & (uses[place.ravel()] == 2) & below).any():  # an edge of two of them alone
+        raise ConfigError(
+            f"mesh: {where}: the two sides of a plate without thickness, which is not solved; needs its thickness"
+        )
+    moved = np.abs(body.modes[:, double]).max(axis=2) > 0
+    names = sorted({body_of(label) for label, some in zip(body.labels, moved, strict=True) if some.any()} - {""})
+    whose = f"the walls of {' and '.join(names)} coincide" if len(names) > 1 else "the walls of two bodies coincide"
+    raise ConfigError(f"mesh: {where}: {whose}; needs water between bodies, or one surface around both")
 
 
 def _name(body: FlexibleBody, part: int) -> str:

@@ -9,12 +9,13 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, Triangles, check_apart
+from vsb.hydro.bodies.body import FlexibleBody, Triangles, check_apart, check_draught
 from vsb.hydro.bodies.families import Hull, LineMode, line_modes, structural_stiffness
-from vsb.hydro.bodies.files import length_unit, read_body, read_mesh, usable_panels, with_gaps_noted
+from vsb.hydro.bodies.files import read_body, usable_panels, with_gaps_noted
 from vsb.hydro.bodies.hulls import hull_panels
 from vsb.hydro.bodies.hydrostatics import columns_of
-from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, divided, gaps, owners, wetted
+from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, check_vertices, divided, gaps, owners, wetted
+from vsb.hydro.bodies.mesh_files import length_unit, read_mesh
 from vsb.hydro.bodies.plates import PlateMode, plate_modes, plate_stiffness
 from vsb.hydro.bodies.sections import Beam
 from vsb.study.body import BodyFile
@@ -40,16 +41,18 @@ def build_body(file: BodyFile, paths: Mapping[str, str | Path]) -> FlexibleBody:
     Raises `ConfigError`: in one line, whatever is wrong with the files, or missing of the dry body.
     """
     if file.rigid_motions is None:
-        return read_body(paths["mesh"], paths["modes"], file.water.gravity)
-    if not isinstance(file.mesh, str):
-        return _made_body(file, *hull_panels(file.mesh), [])
+        return read_body(paths["mesh"], paths["modes"], file.water)
+    if file.hull:
+        return _made_body(file, *hull_panels(file.hull), [])
     mesh = paths["mesh"]
-    vertices, faces = read_mesh(mesh)
-    kept, notes = usable_panels(mesh, vertices, faces)
-    if (unit := length_unit(mesh, file.water.gravity)) != 1:
-        vertices, notes = unit * vertices, [*notes, f"GRAV is in feet: lengths of the mesh multiplied by {unit:g}"]
+    found = read_mesh(mesh)
+    _, faces, notes = usable_panels(found)
+    if (unit := file.metres) != 1:
+        notes.append(f"lengths of the mesh multiplied by {unit:g}")
+    elif (unit := length_unit(mesh, file.water.gravity)) != 1:
+        notes.append(f"GRAV is in feet: lengths of the mesh multiplied by {unit:g}")
     try:
-        return _made_body(file, vertices, faces[kept], notes)
+        return _made_body(file, unit * found.vertices, faces, notes)
     except ConfigError as error:
         raise ConfigError(f"{mesh}: {error}") from None
 
@@ -57,11 +60,11 @@ def build_body(file: BodyFile, paths: Mapping[str, str | Path]) -> FlexibleBody:
 def _made_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: list[str]) -> FlexibleBody:
     """The body of a mesh in the rigid motions and the families of modes of a body file."""
     labels = list(file.rigid_motions or ())
+    check_vertices(vertices)
+    check_draught(vertices[np.unique(faces)], file.water.depth)
     rotates, weighed = bool(set(ROTATIONS) & set(labels)), file.mass is not None or file.density is not None
     centre = None if file.centre_of_mass is None else np.array(file.centre_of_mass)
     solid = filled(vertices, faces)
-    if solid is None and (solid := filled(vertices, _turned(faces))):
-        faces, notes = _turned(faces), [*notes, "panels turned: their normals pointed inward"]
     if solid is None and (needed := _missing(file, rotates)):
         raise ConfigError(f"{needed}: received none, and the mesh is not closed above the water; needs {_WHOLE}")
     if centre is None and solid:
@@ -76,7 +79,7 @@ def _made_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: lis
     if file.all_rigid and _still(points, panels, _motion("Yaw", pivot)):
         labels.remove("Yaw")
         notes = [*notes, "Yaw left out: it moves no water"]
-    if file.all_rigid and _turns_about_its_centre(file.mesh, pivot):
+    if file.all_rigid and _turns_about_its_centre(file.hull, pivot):
         labels = [label for label in labels if label not in ROTATIONS]
         notes = [*notes, "Roll and Pitch left out: about its own centre a sphere moves no water"]
     motions: list[Rigid | LineMode | PlateMode] = [_motion(label, pivot) for label in labels]
@@ -196,12 +199,6 @@ def filled(vertices: FloatArray, faces: IntArray) -> Solid | None:
         np.where(np.abs(place) < SAME * size, 0.0, place),
         np.where(np.abs(moments) < SAME * size**2, 0.0, moments),
     )
-
-
-def _turned(faces: IntArray) -> IntArray:
-    """Panels with opposite normals; triangles still repeat their last corner."""
-    triangle = (faces[:, 2] == faces[:, 3])[:, None]
-    return np.asarray(np.where(triangle, faces[:, [0, 2, 1, 1]], faces[:, [0, 3, 2, 1]]))
 
 
 def _motion(label: str, centre: FloatArray | None) -> Rigid:

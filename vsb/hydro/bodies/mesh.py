@@ -26,6 +26,7 @@ RIGID_TO = 1e-6
 _NO_MOTION = 1e-9  # relative to the largest displacement: round-off of a fit
 _LARGEST_BODY = 1e5  # [m]
 _MOST_TRIANGLES = 50_000
+_MOST_TRIED = 20  # parts looked at for being plates
 _BESIDE = 0.1  # width of a gap between two edges, relative to the longer of them
 
 
@@ -122,12 +123,52 @@ def divided(vertices: FloatArray, faces: IntArray, size: float) -> tuple[FloatAr
     raise ConfigError(f"panel: received {size:g} m, which makes more than {_MOST_TRIANGLES} panels; needs larger ones")
 
 
-def check_vertices(x: FloatArray) -> None:
-    """Raise `ConfigError` unless points, shape (vertex, xyz), can be those of a body in metres."""
+def triangulated(points: FloatArray) -> IntArray | None:
+    """Return the triangles of a plane polygon by its corners, shape (corner, xyz) -> (triangle, 3); None if it crosses.
+
+    Ears are cut: convex corners whose triangle holds no other corner, not even on its sides, so that corners along a
+    straight side stay corners of panels (Meisters, Amer. Math. Monthly 82, 1975: every simple polygon has two).
+    """
+    doubled = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    size = float(np.linalg.norm(doubled))
+    if size <= 0:
+        return None
+    plane = np.linalg.svd(doubled[None] / size)[2][1:]
+    plane = plane if np.cross(*plane) @ doubled > 0 else plane[::-1]
+    flat, left, found = points @ plane.T, list(range(len(points))), []
+
+    def doubled_area(a: int, b: int, c: int | list[int]) -> FloatArray:
+        (x, y), (u, v) = flat[b] - flat[a], np.moveaxis(flat[c] - flat[a], -1, 0)
+        return np.asarray(x * v - y * u)
+
+    while len(left) > 2:
+        for k, b in enumerate(left):
+            a, c = left[k - 1], left[(k + 1) % len(left)]
+            others = [p for p in left if p not in (a, b, c)]
+            sides = [doubled_area(*side, others) >= -FLAT * size for side in ((a, b), (b, c), (c, a))]
+            if doubled_area(a, b, c) > FLAT * size and not np.all(sides, axis=0).any():
+                found.append([a, b, c])
+                del left[k]
+                break
+        else:
+            return None
+    return np.array(found)
+
+
+def check_finite(x: FloatArray) -> None:
+    """Raise `ConfigError` unless points, shape (vertex, xyz), are finite."""
     if not np.isfinite(x).all():
         raise ConfigError("mesh: a vertex is NaN or infinite; needs finite coordinates")
+
+
+def check_vertices(x: FloatArray) -> None:
+    """Raise `ConfigError` unless points, shape (vertex, xyz), can be those of a body in metres."""
+    check_finite(x)
     if np.abs(x).max(initial=0.0) > _LARGEST_BODY:
-        raise ConfigError(f"mesh: reaches {np.abs(x).max():.3g} m; needs at most {_LARGEST_BODY:g} m: is it in metres?")
+        raise ConfigError(
+            f"mesh: reaches {np.abs(x).max():.3g} m; needs at most {_LARGEST_BODY:g} m: is it in metres? else give its "
+            "unit, mesh: {file: ..., unit: mm}"
+        )
 
 
 def text_of(point: FloatArray) -> str:
@@ -149,6 +190,7 @@ class Gaps(NamedTuple):
     place: FloatArray  # (xyz) [m], there
     beside: IntArray  # (n, 2): panels on both sides of such gaps
     open: FloatArray  # (edge, 2, xyz) [m]: edges that have no other beside them
+    crowded: BoolArray  # (edge,): those of them that belong to three panels or more
     turned: FloatArray  # (edge, 2, xyz) [m]: edges along which panels face opposite ways
     low: FloatArray  # (xyz) [m]: least and largest coordinates of the panels
     high: FloatArray
@@ -185,18 +227,19 @@ def gaps(vertices: FloatArray, corners: IntArray, surface: float) -> Gaps:
     `corners`, shape (panel, 4), are the numbers of vertices, one number for vertices that coincide.
     """
     edges, panel = panel_edges(corners)
-    pairs, place = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True)
+    pairs, place, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
     net = np.bincount(place.ravel(), weights=np.where(edges[:, 0] < edges[:, 1], 1, -1)).astype(int)
     of = np.empty(len(pairs), dtype=int)
     of[place.ravel()] = panel
     single = net != 0  # edges without one that runs the other way
-    edges, panel, net = np.where(net[single, None] > 0, pairs[single], pairs[single, ::-1]), of[single], net[single]
+    edges = np.where(net[single, None] > 0, pairs[single], pairs[single, ::-1])
+    panel, net, crowded = of[single], net[single], count[single] > 2
     below = (vertices[edges][..., 2] < surface).any(axis=1)
-    ends, panel = vertices[edges[below]], panel[below]
+    ends, panel, crowded = vertices[edges[below]], panel[below], crowded[below]
     turned = vertices[edges[np.abs(net) >= 2]]
     low, high = (end(vertices[corners], axis=(0, 1)) for end in (np.min, np.max))
     if not len(ends):
-        return Gaps(0.0, np.zeros(3), np.empty((0, 2), dtype=int), ends, turned, low, high)
+        return Gaps(0.0, np.zeros(3), np.empty((0, 2), dtype=int), ends, crowded, turned, low, high)
     length, width = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), np.full(len(ends), np.inf)
     middle = ends.mean(axis=1)
     near, joins = cKDTree(middle).query_pairs(1.1 * float(length.max()), output_type="ndarray"), []
@@ -211,7 +254,48 @@ def gaps(vertices: FloatArray, corners: IntArray, surface: float) -> Gaps:
         joins.append(np.column_stack([panel[a[beside]], panel[b[beside]]]))
     matched = np.isfinite(width)
     widest = int(np.argmax(np.where(matched, width, -1.0)))
-    return Gaps(float(width[widest]), middle[widest], np.concatenate(joins), ends[~matched], turned, low, high)
+    beside, ends, crowded = np.concatenate(joins), ends[~matched], crowded[~matched]
+    return Gaps(float(width[widest]), middle[widest], beside, ends, crowded, turned, low, high)
+
+
+def turned_outward(vertices: FloatArray, faces: IntArray) -> IntArray:
+    """Return panels all of which have their normals into the water, as far as that can be decided.
+
+    Neighbours run along their common edge in opposite directions. Of a connected part the side that is outward follows
+    from the volume it encloses, if it is closed below the water, else from most of its panels. Parts where three panels
+    meet at an edge, or without two sides, stay as they are.
+    """
+    corners = owners(vertices)[faces]
+    edges, panel = panel_edges(corners)
+    _, place, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    place, forward = place.ravel(), edges[:, 0] < edges[:, 1]
+    order = np.argsort(place, kind="stable")
+    first = (np.cumsum(count) - count)[count == 2]
+    tolerance = AT_SURFACE * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    i, j, opposed = panel[order[first]], panel[order[first + 1]], forward[order[first]] != forward[order[first + 1]]
+    n, other = len(faces), np.where(opposed, 0, len(faces))
+    ends = np.concatenate([i, i + n]), np.concatenate([j + other, j + n - other])  # panels as they are, and turned
+    graph = coo_matrix((np.ones(2 * len(i)), ends), shape=(2 * n, 2 * n))
+    group = connected_components(graph, directed=False)[1]
+    _, root, part = np.unique(np.minimum(group[:n], group[n:]), return_index=True, return_inverse=True)
+    sign = np.where(group[:n] == group[:n][root][part], 1, -1)
+    crowded, open_below = count[place] > 2, (count[place] == 1) & (vertices[edges][..., 2] < -tolerance).any(axis=1)
+    fixed = np.isin(part, part[panel[crowded]]) | (group[:n] == group[n:])
+    is_open = np.isin(np.arange(len(root)), part[panel[open_below]])
+    corner = vertices[np.stack([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])]
+    area = np.cross(corner[:, :, 1] - corner[:, :, 0], corner[:, :, 2] - corner[:, :, 0]) / 2
+    middle = corner.mean(axis=(0, 2))
+    centre = np.array([np.bincount(part, x) for x in middle.T]).T / np.bincount(part)[:, None]
+    flux = ((corner.mean(axis=2) - centre[part]) * area)[..., :2].sum(axis=(0, 2)) * sign
+    outward = np.sign(np.where(is_open, np.bincount(part, sign), np.bincount(part, flux)))
+    turned = (sign * outward[part] < 0) & ~fixed
+    return np.where(turned[:, None], reversed_panels(faces), faces)
+
+
+def reversed_panels(faces: IntArray) -> IntArray:
+    """Return panels with opposite normals; triangles still repeat their last corner."""
+    triangle = (faces[:, 2] == faces[:, 3])[:, None]
+    return np.asarray(np.where(triangle, faces[:, [0, 2, 1, 1]], faces[:, [0, 3, 2, 1]]))
 
 
 def check_closed(found: Gaps) -> None:
@@ -226,16 +310,48 @@ def check_closed(found: Gaps) -> None:
     on = np.abs(ends).max(axis=1)[:, :2] < 1e-6 * np.abs(ends).max()
     beside = on.any(axis=0) & (np.minimum(-found.low, found.high)[:2] < 1e-6 * np.abs(ends).max())  # on one side of it
     if on[:, beside].any(axis=1).all():
-        names = " and ".join(f"{name} = 0" for k, name in enumerate("xy") if (on[:, k] & ~on[:, 1 - k]).any())
+        planes = [f"{name} = 0" for k, name in enumerate("xy") if (on[:, k] & ~on[:, 1 - k]).any()]
+        side = f"; if {planes[0]} is its waterline it lies on its side: turn it, z is up" if len(planes) == 1 else ""
         raise ConfigError(
-            f"mesh: open along {names}, where {len(ends)} edges belong to one panel only: a half or quarter of a body; "
-            "needs the whole wetted surface: mirror it, or set the symmetry flags of its file (ISX, ISY of a GDF)"
+            f"mesh: open along {' and '.join(planes)}, where {len(ends)} edges belong to one panel only: a half or "
+            "quarter of a body; needs the whole wetted surface: mirror it, or set the symmetry flags of its file (ISX, "
+            f"ISY of a GDF){side}"
         )
     longest = int(np.argmax(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)))
+    several = "to three panels or more" if found.crowded[longest] else "to one panel only"
     raise ConfigError(
-        f"mesh: open at {text_of(ends[longest].mean(axis=0))}: {len(ends)} edges below z = 0 belong to one panel only; "
+        f"mesh: open at {text_of(ends[longest].mean(axis=0))}: {len(ends)} edges below z = 0 belong {several}; "
         "needs a surface that is closed below z = 0: add missing panels, let corners meet, or delete a wall inside"
     )
+
+
+def without_thickness(vertices: FloatArray, corners: IntArray, part: IntArray, surface: float) -> BoolArray:
+    """Return the panels of an open surface without which the rest is closed, shape (panel,): plates, or walls inside.
+
+    They are connected parts (`parts`) that are flat or meet two other panels at an edge; a hull with a hole is neither.
+    """
+    edges, panel = panel_edges(corners)
+    _, place, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    below = (vertices[edges][..., 2] < surface).any(axis=1)
+    at, every = count[place.ravel()], np.arange(part.max() + 1)
+    free, crowded = (np.unique(part[panel[below & found]]) for found in (at == 1, at > 2))
+    thin = [p for p in every if p in crowded or _is_flat(vertices[corners[part == p]])]
+    thin.sort(key=lambda p: int(np.count_nonzero(part == p)))
+    tried = [[p for p in thin if p in free], *([p] for p in thin)]
+    for some in tried[:_MOST_TRIED]:
+        chosen = np.isin(part, some)
+        if some and not chosen.all():
+            rest = gaps(vertices, corners[~chosen], surface)
+            if not len(rest.open) and not len(rest.turned):
+                return chosen
+    return np.zeros(len(corners), dtype=bool)
+
+
+def _is_flat(corner: FloatArray) -> bool:
+    """Whether points lie in a plane, shape (..., xyz)."""
+    points = corner.reshape(-1, 3)
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(spread[2] <= AT_SURFACE * spread[0])
 
 
 # Rigid motions of points
@@ -332,7 +448,10 @@ def wetted(vertices: FloatArray, faces: IntArray) -> Wetted | None:
         return None
     below = np.flatnonzero((height[faces] < 0).any(axis=1))
     if not len(below):
-        raise ConfigError(f"mesh: none of {len(faces)} panels lies below z = 0; needs the water's surface at z = 0")
+        raise ConfigError(
+            f"mesh: none of {len(faces)} panels lies below z = 0, the lowest point at {height[faces].min():.4g} m; "
+            "needs the water's surface at z = 0: move it down by its draught"
+        )
     points, panels, parent = immersed_panels(level, faces[below])
     whole = ~without_area(points, panels)
     panels, parent = panels[whole], parent[whole]

@@ -20,6 +20,7 @@ from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.body import (
     SYMMETRIES,
     FlexibleBody,
+    check_draught,
     check_symmetry,
     detected_symmetry,
     panel_diameters,
@@ -125,10 +126,7 @@ def check_solvable(study: BodyFile, body: FlexibleBody) -> None:
     if study.symmetry != "auto":
         check_symmetry(body, study.symmetry)
     water = study.water
-    if water.depth <= (draught := -float(body.vertices[:, 2].min())):
-        raise ConfigError(
-            f"water.depth: received {water.depth:g} m, needs more than the body's draught of {draught:.6g} m"
-        )
+    check_draught(body.vertices, water.depth)
     memory, _ = cost(study, body)
     if memory > _MOST_GIGABYTES:
         raise ConfigError(
