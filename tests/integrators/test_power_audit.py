@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import fit_radiation
-from vsb.integrators.audit import TERMS, energies, residual
+from vsb.integrators.audit import TERMS, absorbed_power, energies, residual
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import METHODS
 from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
@@ -88,13 +88,14 @@ def integral(time, power):
 
 
 def taken_by_law(pto, scene, motion, q, v, port):
-    """Power of the take-off [W] for laws that depend on stroke and velocity only."""
+    """Power of the take-off [W] for laws that depend on stroke and velocity only, its spring storing what it takes."""
     rest = float(port @ scene.motions @ scene.rest) if "water" in scene.forces and scene.origin.size else 0.0
     speed, stroke = v @ port, q @ port - rest
     if pto.law == "coulomb":
         return pto.force_limit * np.abs(speed)
     if pto.nonlinear:
-        return np.clip(pto.damping * speed + pto.stiffness * stroke, -pto.force_limit, pto.force_limit) * speed
+        spring, most = pto.stiffness * stroke, pto.force_limit
+        return (np.clip(pto.damping * speed + spring, -most, most) - np.clip(spring, -most, most)) * speed
     return pto.damping * speed**2
 
 
@@ -160,6 +161,8 @@ def test_work_of_every_force_equals_force_times_velocity(model, design, name, me
         kept = kept + 0.5 * np.sum(own**2 - own[0] ** 2, axis=1)
     assert found["pto"] == pytest.approx(-integral(time, power["pto"]) - kept, abs=close * largest)
     assert found["pto"][-1] > 0.05 * largest
+    absorbed = absorbed_power(system, motion, system.forces(motion))
+    assert found["pto"] == pytest.approx(integral(time, absorbed), abs=close * largest)
 
     wave = sum((power[key] for key in EXCITING if key in power), np.zeros(len(time)))
     if not (kinked and scene.water):  # there the balance alone separates work and stored energy

@@ -7,17 +7,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.hydro.statespace import RadiationModel
-from vsb.integrators.audit import energies, residual
+from vsb.integrators.audit import absorbed_power, energies, residual
 from vsb.integrators.exact import propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.periodic import Trials, periodic_power
 from vsb.integrators.simulate import legs, simulate
 from vsb.integrators.switching import Switching
-from vsb.motion.forces import Damper, EndStop, Excitation, RadiationMemory, Spring, TakeOff
+from vsb.motion.forces import Damper, EndStop, Excitation, RadiationMemory, Spring, SpringDamper, TakeOff
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.study.sections import Simulation
@@ -143,8 +144,11 @@ def test_motion_agrees_with_an_independent_integrator_and_its_audit_closes(name)
 
 @pytest.mark.parametrize("law", [TakeOff(B, 0.8, 1.5), TakeOff(B, 0.8, -0.2)], ids=["spring", "negative spring"])
 def test_law_without_limits_equals_the_linear_take_off(shell, law):
-    """Three modes with radiation memory, the port a combination of them."""
-    law = replace(law, direction=np.array([1.0, 0.3, -0.2]))
+    """Three modes with radiation memory, the port a combination of them, the spring in the take-off or in the mooring.
+
+    A spring, and a limit that is never reached, absorb nothing: energy and power are those of the damper alone.
+    """
+    law = replace(law, direction=np.array([1.0, 0.3, -0.2]), limit=1e4)
     outer = np.outer(law.direction, law.direction)
     linear = {"pto": Damper(law.damping * outer), "spring": Spring(law.stiffness * outer)}
     time, start = np.linspace(0.0, 20.0, 1001), (np.array([0.1, 0.2, -0.1]), np.array([0.3, 0.0, 0.1]))
@@ -155,6 +159,17 @@ def test_law_without_limits_equals_the_linear_take_off(shell, law):
         assert getattr(motion, part) == pytest.approx(getattr(expected, part), abs=1e-11)
     force = -(expected.velocity @ outer * law.damping + expected.position @ outer * law.stiffness)
     assert motion.forces["pto"] == pytest.approx(force, abs=1e-10)
+    damper = law.damping * (expected.velocity @ law.direction) ** 2
+    both = {"pto": SpringDamper(law.stiffness * outer, law.damping * outer, np.zeros(3))}
+    absorbed = []
+    for forces in ({"pto": law}, both, {"pto": linear["pto"], "mooring": linear["spring"]}):
+        system = System.of(replace(shell, forces={**shell.forces, **forces}))
+        motion = Switching(system).follow(time, start)[0] if system.switching else propagate(system, time, start)
+        assert absorbed_power(system, motion, system.forces(motion)) == pytest.approx(damper, abs=1e-10)
+        absorbed.append(energies(system, motion)["pto"])
+    for one in absorbed:
+        assert one == pytest.approx(absorbed[-1], abs=1e-10 * absorbed[-1][-1])
+    assert absorbed[-1][-1] == pytest.approx(CubicSpline(time, damper).integrate(*time[[0, -1]]), rel=1e-6)
 
 
 def test_coulomb_friction_decay_has_its_closed_form():

@@ -6,7 +6,6 @@ import pytest
 import xarray as xr
 
 from vsb.report.canvas import (
-    force_of,
     grid_of_axes,
     heave_force,
     period_axis,
@@ -33,8 +32,6 @@ def test_forces_are_kilonewtons():
     assert heave_force(run, "excitation").values.tolist() == [6.5]
     assert heave_force(run, "pto").values.tolist() == [7.0]
     assert heave_force(run, "drag").values.tolist() == [0.0]
-    assert force_of(run, "pto").values.tolist() == [[7.0, 9e6]]
-    assert force_of(run, "drag").values.tolist() == [[0.0, 0.0]]
 
 
 def test_no_settings_of_a_user_change_a_figure():

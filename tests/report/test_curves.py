@@ -37,7 +37,13 @@ def run(design, scale):
         name: (("time", "dof"), scale * size * np.sin(np.outer(TIME, 1.0 + 0.1 * k + 0.01 * np.arange(len(dofs)))))
         for k, (name, size) in enumerate(zip(names, sizes, strict=True))
     }
-    scalars = {"volume": 30 + np.sin(TIME), "area": 50 + np.cos(TIME), "elevation": 0.2 * np.sin(3 * TIME)}
+    power = scale * np.cos(1.7 * TIME) ** 2
+    scalars = {
+        "power_absorbed": power,
+        "volume": 30 + np.sin(TIME),
+        "area": 50 + np.cos(TIME),
+        "elevation": 0.2 * np.sin(3 * TIME),
+    }
     terms = ["pto", "radiated", "structural", "stored", "wave"]
     energy = (("time", "term"), scale * 1e3 * np.outer(TIME, np.arange(1, 6)))
     plain = {name: ("time", values) for name, values in scalars.items()}
@@ -69,7 +75,7 @@ SERIES = {
         ("power take-off force [kN]", lambda r: r.pto[:, 0]),
     ],
     "power_energy": [
-        ("absorbed power [kW]", lambda r: -(r.pto * r.velocity).sum("dof")),
+        ("absorbed power [kW]", lambda r: r.power_absorbed),
         ("absorbed energy [kJ]", lambda r: r.energy[:, 0]),
     ],
     "volume_area": [("enclosed volume [m³]", lambda r: r.volume), ("surface area [m²]", lambda r: r.area)],

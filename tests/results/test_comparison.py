@@ -45,7 +45,7 @@ def harmonic_run(velocity=2.0, damping=100.0, period=4.0):
         {
             "position": (motion, velocity / w * np.sin(w * time)[:, None]),
             "velocity": (motion, v[:, None]),
-            "pto": (motion, -damping * v[:, None]),
+            "power_absorbed": ("time", damping * v**2),
             "energy": (("time", "term"), energy[:, None]),
         },
         coords={"time": time, "dof": ["Heave"], "term": ["pto"]},
@@ -65,7 +65,9 @@ def test_merit_of_harmonic_motion_is_its_closed_form():
 
 def test_driving_take_off_has_negative_mean_power():
     run = harmonic_run()
-    found = merit(run.assign(pto=-run.pto, energy=-run.energy), WAVE, regular(WAVE), Water(), (21.0, 39.9))
+    found = merit(
+        run.assign(power_absorbed=-run.power_absorbed, energy=-run.energy), WAVE, regular(WAVE), Water(), (21.0, 39.9)
+    )
     assert found.power_peak == pytest.approx(0.0, abs=1e-3)
     assert found.power_mean == pytest.approx(-200.0, rel=1e-8)
 
@@ -121,7 +123,8 @@ def still_run(energy, residual):
     motion = {name: (("time", "dof"), np.zeros((len(time), 1))) for name in ("position", "velocity")}
     absorbed = (("time", "term"), energy * (time / time[-1])[:, None])
     coords = {"time": time, "dof": ["Heave"], "term": ["pto"]}
-    return xr.Dataset(motion | {"energy": absorbed}, coords, {"energy_residual": residual})
+    power = {"power_absorbed": ("time", np.full(len(time), energy / time[-1]))}
+    return xr.Dataset(motion | power | {"energy": absorbed}, coords, {"energy_residual": residual})
 
 
 @pytest.mark.parametrize(("rigid", "gain"), [(1e3, 50.0), (1e-7, None), (0.0, None)])

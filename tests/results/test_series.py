@@ -52,6 +52,7 @@ def test_rotations_and_ports_have_their_units():
             "velocity": (("time", "dof"), np.outer(np.ones(5), [1.0, 0.5])),
             "pto": (("time", "dof"), np.outer(np.ones(5), [-6.0, -3.0])),
             "end_stop": (("time", "dof"), np.outer(np.ones(5), [-2.0, -1.0])),
+            "power_absorbed": ("time", np.full(5, 6.0)),
         },
         {"time": time, "dof": dof},
     )
@@ -59,7 +60,8 @@ def test_rotations_and_ports_have_their_units():
     assert found.ptos_velocity.values == pytest.approx(np.full(5, 1.25))
     assert found.ptos_forceInternalMechanics.values == pytest.approx(np.full(5, -6.0))
     assert found.ptos_forceTotal.values == pytest.approx(np.full(5, -8.0))
-    assert found.power_absorbed.values == pytest.approx(np.full(5, 7.5))
+    assert found.ptos_powerInternalMechanics.values == pytest.approx(np.full(5, -7.5))
+    assert found.power_absorbed.values == pytest.approx(np.full(5, 6.0))  # the rest is in a spring
     heads = next(csv.reader([as_csv(found).splitlines()[0]]))
     assert {"bodies_position_Heave [m]", "bodies_position_Pitch [rad]", "bodies_forceTotal_Pitch [N m]"} < set(heads)
 

@@ -215,6 +215,26 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     return {**energy, **held}
 
 
+def absorbed_power(system: System, motion: Motion, named: Mapping[str, FloatArray]) -> FloatArray:
+    """Return the power the take-off absorbs along a motion, shape (time,) [W]; `energies` has its integral as `pto`.
+
+    What a spring, or the gas of a chamber, stores and gives back is not absorbed (C7).
+
+    Parameters
+    ----------
+    named : mapping
+        See `System.forces`.
+    """
+    scene, name = system.scene, system.scene.take_off
+    if name not in scene.forces:
+        return np.zeros(len(motion.time))
+    if (memory := scene.memories.get(name)) is not None:
+        states = motion.memory[:, scene.remembered[name]]
+        return np.asarray(np.einsum("ti,ti->t", states @ memory.radiated, states))
+    q, v = motion.position @ scene.motions.T, motion.velocity @ scene.motions.T
+    return scene.forces[name].absorbed_power(q, v, named[name])
+
+
 def terms(energy: Mapping[str, FloatArray]) -> tuple[str, ...]:
     """Return the terms of an audit, the waves' work first, what is stored last: `TERMS` and forces of their own."""
     others = [term for term in energy if term not in (*TERMS, "turned")]

@@ -9,7 +9,7 @@ import xarray as xr
 
 from vsb.errors import ConvergenceError, StabilityError
 from vsb.hydro.retardation import DampingSpectrum
-from vsb.integrators.audit import START, Balance, energies, terms
+from vsb.integrators.audit import START, Balance, absorbed_power, energies, terms
 from vsb.integrators.collocation import collocated
 from vsb.integrators.exact import convolve, propagate, steady_state
 from vsb.integrators.exponential import integrate
@@ -41,7 +41,7 @@ class Leg(NamedTuple):
 
 
 def recorded(system: System, leg: Leg, sea: Sea | None, window: tuple[float, float]) -> xr.Dataset:
-    """Return the record of a leg: motion, forces by name, energies, elevation.
+    """Return the record of a leg: motion, forces by name, absorbed power, energies, elevation.
 
     Every readable instant of a short run. Of a long one a part of them, and those in the window [s] where a coordinate,
     a velocity or the absorbed power is extreme: figures of merit are those of all instants.
@@ -50,17 +50,19 @@ def recorded(system: System, leg: Leg, sea: Sea | None, window: tuple[float, flo
     motion, scene = leg.motion, system.scene
     carried = [i for i, row in enumerate(scene.motions) if scene.flexible or row.any()]
     labels, motions = [scene.labels[i] for i in carried], scene.motions[carried]
-    named = {name: force[:, carried] for name, force in system.forces(motion).items()}
+    forces = system.forces(motion)
+    absorbed = absorbed_power(system, motion, forces)
+    named = {name: force[:, carried] for name, force in forces.items()}
     series = {"position": motion.position @ motions.T, "velocity": motion.velocity @ motions.T} | named
     kept = np.append(np.arange(0, len(motion.time) - 1, leg.stride * leg.thinning), len(motion.time) - 1)
     if leg.thinning > 1:
-        power = np.sum(named.get(scene.take_off, 0.0 * series["velocity"]) * series["velocity"], axis=1, keepdims=True)
-        watched = np.hstack([series["position"], series["velocity"], power])
+        watched = np.hstack([series["position"], series["velocity"], absorbed[:, None]])
         kept = np.union1d(kept, _extremes(watched, (motion.time > window[0] - 1e-9) & (motion.time < window[1] + 1e-9)))
     balance = terms(leg.energy)
     run = xr.Dataset(
         {
             **{name: (("time", "dof"), values[kept]) for name, values in series.items()},
+            "power_absorbed": ("time", absorbed[kept]),
             "energy": (("time", "term"), np.stack([leg.energy[term][kept] for term in balance], axis=1)),
         },
         coords={"time": motion.time[kept], "dof": labels, "term": list(balance)},

@@ -478,6 +478,7 @@ class Switching:
         }
         position, works = z[:, :n] @ self.system.position.T, dict(zip(TERMS, found.works[:, kept], strict=True))
         held = self.system.beyond_tangents(position)
+        spring = self.law.potential_energy(position @ self.system.scene.motions.T)
         motion = Motion(
             time,
             position,
@@ -486,7 +487,7 @@ class Switching:
             z[:, 2 * n : len(self.system.matrix)],
             clock.perf_counter() - begun,
             forces,
-            works | {"wave": works["wave"] + held - held[0]},
+            works | {"wave": works["wave"] + held - held[0], "pto": works["pto"] - spring + spring[0]},
         )
         return motion, len(track.events)
 

@@ -87,6 +87,17 @@ class Force(ABC):
         d = self.linear().damping
         return np.zeros(len(v)) if d is None else np.einsum("ti,ti->t", v @ d, v)
 
+    def absorbed_power(self, q: FloatArray, v: FloatArray, force: FloatArray) -> FloatArray:
+        """Return the power a take-off absorbs, -force.v less the rate of its potential energy, shape (time,) [W].
+
+        Parameters
+        ----------
+        q, v : ndarray, shape (time, dof) [m], [m/s]
+        force : ndarray, shape (time, dof) [N]
+            Its own along the motion, which q and v may not tell.
+        """
+        return self.dissipated_power(v)
+
     def frequencies(self) -> FloatArray:
         """Return the frequencies of its waves, shape (component,) [rad/s]."""
         return np.zeros(0)
@@ -327,8 +338,10 @@ class WaterPressure(Force):
 class TakeOff(Force):
     """f = -b clip(c V + k S, -limit, limit); for a time `latching_time` after each reversal of V, c differs and k is 0.
 
-    The force of friction at rest and the latching times are part of the motion, which gives this force. Raises
-    `ValueError` of friction without a limit: it would never move.
+    Its spring stores what a port that moves slowly would give it, U = int clip(k S, -limit, limit) dS, and absorbs
+    nothing: without latching the power absorbed, (clip(c V + k S) - clip(k S)) V, is never negative, and c V^2 below
+    the limit. The force of friction at rest and the latching times are part of the motion, which gives this force.
+    Raises `ValueError` of friction without a limit: it would never move.
     """
 
     direction: FloatArray  # b (dof,) [-]
@@ -363,6 +376,17 @@ class TakeOff(Force):
             )
         return np.asarray(-np.outer(wanted, self.direction))
 
+    def potential_energy(self, q: FloatArray) -> FloatArray:
+        """Return the energy U of its spring."""
+        stroke = q @ self.direction - self.rest
+        held = np.clip(self.stiffness * stroke, -self.limit, self.limit)
+        return np.asarray(held * stroke - (held**2 / (2 * self.stiffness) if self.stiffness else 0.0))
+
+    def absorbed_power(self, q: FloatArray, v: FloatArray, force: FloatArray) -> FloatArray:
+        """Return -f.v less the rate of U."""
+        held = np.clip(self.stiffness * (q @ self.direction - self.rest), -self.limit, self.limit)
+        return np.asarray(-np.einsum("ti,ti->t", force, v) - held * (v @ self.direction))
+
 
 @dataclass(frozen=True)
 class PortForce(Force):
@@ -395,6 +419,10 @@ class PortForce(Force):
                 f"{stroke.shape}"
             )
         return np.asarray(np.outer(found, self.direction))
+
+    def absorbed_power(self, q: FloatArray, v: FloatArray, force: FloatArray) -> FloatArray:
+        """Return -f.v: what such a law stores is not known."""
+        return np.asarray(-np.einsum("ti,ti->t", force, v))
 
 
 @dataclass(frozen=True)

@@ -63,6 +63,7 @@ register(
         "structural_damping": Variable(_MOTION, "N", "structural damping force"),
         "viscous": Variable(_MOTION, "N", "force of the viscous branches of the shell's material"),
         "elevation": Variable(("time",), "m", "undisturbed wave elevation at the buoy's axis"),
+        "power_absorbed": Variable(("time",), "W", "power absorbed by the take-off, its spring left out"),
         "energy": Variable(("time", "term"), "J", "energy since the start"),
     }
 )

@@ -183,11 +183,6 @@ def shown_window(data: StudyData, wave: str) -> tuple[float, float]:
     return max(start, end - PERIODS * data.periods[wave]), end
 
 
-def force_of(run: xr.Dataset, name: str) -> xr.DataArray:
-    """A force [kN]; zero where the scene has no such force."""
-    return run[name] / 1e3 if name in run else 0.0 * run.velocity
-
-
 def heave_force(run: xr.Dataset, name: str) -> xr.DataArray:
     """Heave component of a force [kN]; zero where the scene has no such force."""
     parts = (name, "froude_krylov", "diffraction") if name == "excitation" else (name,)

@@ -12,7 +12,6 @@ from vsb.report.band import useful_band
 from vsb.report.canvas import (
     StudyData,
     folded,
-    force_of,
     grid_of_axes,
     heave_force,
     legend_above,
@@ -171,7 +170,7 @@ def power_energy(data: StudyData, wave: str) -> Figure:
     for design in data.designs:
         run, line = data.runs[design, wave], style(design, data.designs)
         inside = run.sel(time=slice(*shown_window(data, wave)))
-        top.plot(inside.time, -(force_of(inside, "pto") * inside.velocity).sum("dof"), **line)
+        top.plot(inside.time, inside.power_absorbed / 1e3, **line)
         bottom.plot(run.time, run.energy.sel(term="pto") / 1e3, **line)
     top.set(ylabel="absorbed power [kW]", xlabel="time [s]", xlim=shown_window(data, wave))
     bottom.set(ylabel="absorbed energy [kJ]", xlabel="time [s]", xlim=(0, float(run.time[-1])))

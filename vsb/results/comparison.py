@@ -79,16 +79,14 @@ def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[flo
         displacement, rate = run.stroke.values, run.stroke_rate.values
     else:
         displacement, rate = run.position.values[:, 0], run.velocity.values[:, 0]
-    velocity = run.velocity.values[inside]
     absorbed: FloatArray = run.energy.sel(term="pto").values
-    force = run.pto.values[inside] if "pto" in run else np.zeros_like(velocity)
     start, end = averaging_window(wave, window)
     mean = float(np.diff(CubicSpline(time, absorbed)([start, end]))[0] / (end - start))
     flux = energy_flux(sea, water)
     return Merit(
         float(np.ptp(displacement[inside])),
         float(np.ptp(rate[inside])),
-        float(np.max(-np.sum(force * velocity, axis=1))) + 0.0,  # no negative zero
+        float(run.power_absorbed.values[inside].max()) + 0.0,  # no negative zero
         mean,
         float(absorbed[-1]) + 0.0,
         mean / flux if flux else None,

@@ -35,8 +35,8 @@ WORDS = {
     "ptos_velocity": "velocity of the take-off's port",
     "ptos_forceTotal": "force of take-off and end stop at the port",
     "ptos_forceInternalMechanics": "force of the take-off at the port",
-    "ptos_powerInternalMechanics": "that force times the velocity of the port, negative where power is absorbed",
-    "power_absorbed": "power the take-off absorbs",
+    "ptos_powerInternalMechanics": "that force times the velocity of the port, a spring's share included",
+    "power_absorbed": "power absorbed by the take-off, without what its spring gives back",
 }
 """Variable -> its meaning; what stands before the first _ is a field of WEC-Sim's `output`, what follows one of it."""
 
@@ -78,8 +78,7 @@ def time_series(run: xr.Dataset, port: xr.DataArray) -> xr.Dataset:
     found |= {"ptos_position": run.position @ moving, "ptos_velocity": velocity}
     found["ptos_forceTotal"] = total([name for name in forces if name not in own]) @ along
     found["ptos_forceInternalMechanics"] = force @ along
-    power = (force * run.velocity).sum("dof")
-    found |= {"ptos_powerInternalMechanics": power, "power_absorbed": -power}
+    found |= {"ptos_powerInternalMechanics": (force * run.velocity).sum("dof"), "power_absorbed": run.power_absorbed}
     units = {"ptos_position": kind.motion_unit, "ptos_velocity": kind.rate_unit, "wave_elevation": "m"}
     units |= {"ptos_powerInternalMechanics": "W", "power_absorbed": "W"}
     units |= {"bodies_position": "m", "bodies_velocity": "m/s"}
