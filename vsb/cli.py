@@ -52,7 +52,7 @@ def check(args: argparse.Namespace) -> int:
 
     Nothing is solved.
     """
-    plan = plan_of(args.config)
+    plan = plan_of(args.config, keep=False)
     check_name(plan)
     lines = summary(plan)
     print(*lines, sep="\n")
@@ -84,7 +84,7 @@ def shell(args: argparse.Namespace) -> int:
     """Print dry natural frequencies of both branches, the paper's Ritz column, and the buckling pressure."""
     from vsb.stages import preview
 
-    table = preview.shell_table(with_degree(StudyPlan(load(args.config))).study)
+    table = preview.shell_table(with_degree(StudyPlan(load(args.config)), keep=False).study)
     print(json.dumps(table, indent=1) if args.json else preview.shell_text(table))
     return 0
 

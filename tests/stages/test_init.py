@@ -52,7 +52,9 @@ def test_radius_scales_the_study_by_froude_similarity(tmp_path, radius):
     [
         ("there.yaml", None, "there.yaml: exists already; give a new name"),
         ("study", None, "study: received a name without .yaml, needs one such as my_buoy.yaml"),
-        ("9x.yaml", None, "9x.yaml: study: received '9x'; needs letters"),
+        ("9x.yaml", None, "'9x.yaml': received '9x'; needs letters"),
+        ("a\nb.yaml", None, r"'a\\nb.yaml': received 'a\\nb'; needs letters"),  # a line of YAML ended there
+        ("a\\1b.yaml", None, r"'a\\\\1b.yaml': received"),  # a reference to a group in a pattern
         ("hydro.yaml", None, "hydro.yaml: study: received 'hydro'; 'hydro' is the name of a results folder"),
         ("a.yaml", float("nan"), "--radius: received nan m, needs 0.01 to 100 m"),
         ("a.yaml", 101.0, "--radius: received 101 m, needs 0.01 to 100 m"),
@@ -88,6 +90,9 @@ def test_new_campaign_is_of_a_study_and_a_table_of_seas(tmp_path, monkeypatch, c
     assert (plan.name, plan.loaded.campaign.study, len(plan.members)) == ("year", "../buoy.yaml", 2)
     with pytest.raises(ConfigError, match=r"year_site\.csv: exists already; give the campaign a new name"):
         init_campaign("sub/year.yml", "buoy.yaml")
+    (tmp_path / "my: buoys").mkdir()
+    init("my: buoys/buoy.yaml")
+    assert init_campaign("one.yaml", "my: buoys/buoy.yaml") == "one_site.csv"  # a path YAML needs in quotes
     with pytest.raises(SystemExit):
         main(["init", "sub/b.yaml", "--campaign", "buoy.yaml", "--body"])
 

@@ -1,10 +1,12 @@
 """Jobs of a study outside Snakemake: they make every product once and in order, and only what is missing or stale."""
 
+import shlex
 from dataclasses import replace
 
 import pytest
 from conftest import SEED, shipped, varied
 
+from vsb.cli import parser
 from vsb.stages.make import due
 from vsb.stages.stage import STAGES
 from vsb.study import study as config
@@ -47,6 +49,13 @@ def test_jobs_of_a_campaign_make_all_its_products_in_order():
         assert set(job.files) == set(stages[job.stage].files), job.stage
         made += job.makes
     assert set(plan.products) <= set(made)
+
+
+def test_command_of_a_job_reads_paths_that_begin_with_a_dash():
+    """A climate named -clim.csv or a hull -hull.stl was taken for an option."""
+    job = Job("design_start", None, {"climate": "-clim of a site.csv", "out": "--out.nc"}, ("--out.nc",))
+    read = parser().parse_args([job.stage, *shlex.split(job.options)])
+    assert (read.climate, read.out) == ("-clim of a site.csv", "--out.nc")
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vsb.study.sections import Water
 from vsb.study.waves import Jonswap, OchiHubble, PiersonMoskowitz, RegularWave, StillWater, WhiteNoise
+from vsb.waves.climate import Climate
 from vsb.waves.seas import FEW, Sea, components, irregular, sea, superposed
-from vsb.waves.spectra import jonswap_spectrum, share_above, share_below, spectrum
+from vsb.waves.spectra import jonswap_spectrum, sea_energy, share_above, share_below, spectrum
 
 
 def test_realisations_differ_by_phase_only_and_repeat_by_seed():
@@ -155,3 +157,24 @@ def test_one_hour_of_a_sea_loses_no_digits():
     found = superposed(waves.omega, waves.amplitude[:, None], time)[some]
     assert len(waves.omega) > 7000
     assert np.abs(found - direct(waves.omega, waves.amplitude[:, None], time[some])).max() < 1e-11
+
+
+@pytest.mark.parametrize("depth", [np.inf, 12.0])
+@pytest.mark.parametrize(
+    "wave",
+    [
+        Jonswap(kind="jonswap", hs=2.0, tp=8.0),
+        OchiHubble(
+            kind="ochi_hubble", swell={"hs": 1.0, "tp": 12.0}, wind_sea={"hs": 1.5, "tp": 6.0, "peakedness": 2.0}
+        ),
+        WhiteNoise(kind="white_noise", hs=1.0, band=(0.5, 1.5)),
+    ],
+    ids=lambda wave: getattr(wave, "kind", None),
+)
+def test_energy_of_a_sea_is_that_of_a_climate_with_its_spectrum(wave, depth):
+    """Two routes: moments of the sea's own bands, and a year that consists of this sea alone in even narrow bands."""
+    water = Water(depth=depth)
+    omega = np.arange(0.1, 30.0, 1e-2) + 5e-3
+    year = Climate.of_spectra(omega, spectrum(wave, omega)[None], np.ones(1), "one sea")
+    found = sea_energy(wave, water)
+    assert found == pytest.approx((year.hs[0], year.te[0], year.flux(water)[0]), rel=2e-3)

@@ -103,23 +103,23 @@ def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
         return [*checks, *static, wrinkling_check(study)]
     if study.device.shape is not None:
         return [*checks, *static]
-    return [classical_check(study, reference, all(check.verdict != "fail" for check in checks)), *checks, *static]
+    classical, carried = classical_check(study, reference), all(check.verdict != "fail" for check in checks)
+    decides = classical.verdict == "ok" or not carried
+    return [*([classical] if decides else []), *checks, *static]
 
 
-def classical_check(study: Study, reference: ReferenceShell, carried: bool) -> Check:
-    """Return the classical criterion of buckling under uniform pressure; only a remark if the shell is `carried`.
+def classical_check(study: Study, reference: ReferenceShell) -> Check:
+    """Return the classical criterion of buckling under uniform pressure.
 
-    A shell with internal pressure hangs in the water and is pressed at its keel alone, which the criterion ignores.
+    A shell with internal pressure hangs in the water and is pressed at its keel alone, which the criterion ignores: it
+    says nothing of a shell that is computed to carry its own load.
     """
     shell, water = Shell.of(study.device), study.water
     keel = max(0.0, water.density * water.gravity * reference.keel_depth - pressure_at_rest(study, reference))
     classical = shell.buckling_pressure
     text = f"net pressure at the keel {plain(keel)} Pa over the classical buckling pressure {plain(classical)} Pa"
-    consequence = "above 1 the shell would buckle and the design is not viable"
-    if carried:
-        consequence = "of a uniform pressure; a remark, for the shell is computed to carry its own load"
-    check = check_at_most("buckling", keel / classical, 1.0, "-", f"{text}: {consequence}")
-    return replace(check, verdict="ok") if carried else check
+    text += ": above 1 the shell would buckle and the design is not viable"
+    return check_at_most("buckling", keel / classical, 1.0, "-", text)
 
 
 def pressure_at_rest(study: Study, reference: ReferenceShell) -> float:

@@ -11,6 +11,7 @@ from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.plans import Plan
+from vsb.study.waves import RegularWave, StillWater
 
 MODULES: dict[type, str] = {
     StudyPlan: "preview", BodyPlan: "body_preview", CampaignPlan: "campaign_preview", DesignPlan: "design_preview",
@@ -30,5 +31,31 @@ def check_plan(plan: Plan) -> None:
 
 def summary(plan: Plan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and what to doubt."""
-    lines: list[str] = _of(plan).summary(plan)
-    return [*lines, *(degree_lines(plan) if isinstance(plan, StudyPlan | CampaignPlan) else [])]
+    first, *others = _of(plan).summary(plan)
+    degrees = degree_lines(plan, keep=False) if isinstance(plan, StudyPlan | CampaignPlan) else []
+    return [first, *sea_lines(plan), *others, *degrees]
+
+
+def sea_lines(plan: Plan) -> list[str]:
+    """Return height, energy period and energy flux of each sea of a study, or their means over the year of a climate.
+
+    None where no coefficients are computed: there the period of a regular wave is used alone.
+    """
+    if isinstance(plan, CampaignPlan | DesignPlan):
+        from vsb.stages.climate import read_climate
+
+        seas = read_climate(plan.climate, plan.loaded.climate_path)
+        return [f"seas         {len(seas.hours)} over the year: {seas.means(plan.loaded.base.water)}"]
+    from vsb.waves.spectra import sea_energy
+
+    found = {}
+    for wave in plan.study.waves if plan.study.needs_bem else ():
+        if isinstance(wave, StillWater):
+            continue
+        energy = sea_energy(wave, plan.study.water)
+        flux = f"{energy.flux / 1000:.3g} kW/m"
+        if isinstance(wave, RegularWave):
+            found[wave.label] = f"height {energy.height:.3g} m, period {energy.period:.3g} s, {flux}"
+        else:
+            found[wave.family] = f"Hs {energy.height:.3g} m, Te {energy.period:.3g} s, {flux}"
+    return [f"sea          {name}: {text}" for name, text in found.items()]

@@ -1,5 +1,6 @@
 """Command init: a commented study of one's own, of a buoy or of a body, or a campaign, from shipped ones."""
 
+import json
 import os
 import re
 from pathlib import Path
@@ -67,6 +68,7 @@ def init_campaign(path: str, study: str) -> str:
     if site.exists():
         raise ConfigError(f"{site}: exists already; give the campaign a new name")
     load(study)
+    base = base if re.fullmatch(r"[\w./-]+", base) else json.dumps(base)  # quoted as YAML reads it
     text = _adapted(CAMPAIGN, target, campaign=target.stem, study=base, climate=f"{{scatter: {site.name}}}")
     text = re.sub("# or {scatter:.*", "# percent of the year: put your site's in its place, or {spectra: FILE}", text)
     write_text(site, SITE)
@@ -106,6 +108,8 @@ def _new(path: str) -> Path:
         raise ConfigError(f"{path}: exists already; give a new name")
     if target.suffix not in (".yaml", ".yml"):
         raise ConfigError(f"{path}: received a name without .yaml, needs one such as my_buoy.yaml")
+    if not (target.stem.isidentifier() and target.stem.isascii()):  # before it is put into YAML
+        raise ConfigError(f"{path!r}: received {target.stem!r}; needs letters, digits and _, first a letter")
     return target
 
 

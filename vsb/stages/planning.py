@@ -1,6 +1,7 @@
 """The plan of a file: its shell modes converged before anything else is planned, for their degree stands in every id.
 
-A degree is looked for once: it is kept under `hydro/degrees` of the results, by all that it follows from.
+A degree is looked for once: a run keeps it under `hydro/degrees` of the results, by all that it follows from. What only
+looks, as `vsb check` does, writes nothing.
 """
 
 import hashlib
@@ -24,9 +25,9 @@ from vsb.study.study import Study
 from vsb.study.vary import Point
 
 
-def plan_of(path: str) -> Plan:
+def plan_of(path: str, *, keep: bool = True) -> Plan:
     """Return the plan of a study file, of a buoy or of a body, or of a campaign file; see `with_degree`."""
-    return with_degree(plans.plan_of(path))
+    return with_degree(plans.plan_of(path), keep=keep)
 
 
 def planned(raw: dict[str, Any], source: str) -> Plan:
@@ -35,29 +36,29 @@ def planned(raw: dict[str, Any], source: str) -> Plan:
 
 
 @overload
-def with_degree(plan: StudyPlan) -> StudyPlan: ...
+def with_degree(plan: StudyPlan, *, keep: bool = True) -> StudyPlan: ...
 @overload
-def with_degree(plan: StudyPlan | BodyPlan) -> StudyPlan | BodyPlan: ...
+def with_degree(plan: StudyPlan | BodyPlan, *, keep: bool = True) -> StudyPlan | BodyPlan: ...
 @overload
-def with_degree(plan: Plan) -> Plan: ...
-def with_degree(plan: Plan) -> Plan:
+def with_degree(plan: Plan, *, keep: bool = True) -> Plan: ...
+def with_degree(plan: Plan, *, keep: bool = True) -> Plan:
     """Return a plan whose shell modes have a degree: the one given, or the least that meets `modes.tolerance`.
 
     Of a campaign it is the largest of those of its study and of the points with the least and the largest value of each
-    key. Raises `ConfigError` if the shell of a study does not carry its load, so that it has no modes about its
-    equilibrium.
+    key. The degree found is kept in the folder of results, unless told not to. Raises `ConfigError` if the shell of a
+    study does not carry its load, so that it has no modes about its equilibrium.
     """
     if isinstance(plan, BodyPlan | DesignPlan):  # an optimum has modes of its own
         return plan
     if isinstance(plan, StudyPlan):
         given = plan.study.modes.degree is not None
-        return plan if given else StudyPlan(_with(plan.study, degree_needed(plan).degree), root=plan.root)
+        return plan if given else StudyPlan(_with(plan.study, degree_needed(plan, keep=keep).degree), root=plan.root)
     if (base := plan.loaded.base.buoy) is None:
         return plan
     if base.modes.degree is not None or "modes.degree" in plan.loaded.campaign.vary.keys:
         return plan
     return CampaignPlan(
-        plan.loaded.model_copy(update={"base": _with(base, degree_needed(plan).degree)}), root=plan.root
+        plan.loaded.model_copy(update={"base": _with(base, degree_needed(plan, keep=keep).degree)}), root=plan.root
     )
 
 
@@ -68,26 +69,26 @@ class Needed(NamedTuple):
     met: bool  # whether the tolerance is met with it
 
 
-def degree_needed(plan: StudyPlan | CampaignPlan) -> Needed:
+def degree_needed(plan: StudyPlan | CampaignPlan, *, keep: bool = True) -> Needed:
     """Return the least degree of the full basis that meets `modes.tolerance`, whatever degree is given.
 
     Raises `ConfigError` if the shell of a study does not carry its load, so that it has no modes about its equilibrium.
     """
     if isinstance(plan, StudyPlan):
-        search = _search(plan.degree, plan.root)
+        search = _search(plan.degree, plan.root, keep=keep)
         return Needed(search.degree, search.met)
     studies = [study_at(plan.base, point) for point in extremes(plan.loaded.campaign.vary.points)]
     specs = [StudyPlan(study).degree.model_copy(update={"climate": plan.climate}) for study in studies]
     found = [NONE_FLEXIBLE]
     for spec in {content_id(spec): spec for spec in specs}.values():
         try:
-            found.append(_search(spec, plan.root, plan.loaded.climate_path))
+            found.append(_search(spec, plan.root, plan.loaded.climate_path, keep=keep))
         except (ConfigError, ConvergenceError):
             continue  # a shell that does not carry its load: the campaign says that it is not viable
     return Needed(max(one.degree for one in found), all(one.met for one in found))
 
 
-def degree_lines(plan: StudyPlan | CampaignPlan) -> list[str]:
+def degree_lines(plan: StudyPlan | CampaignPlan, *, keep: bool = True) -> list[str]:
     """Return what `vsb check` says of a given degree: nothing where the degree follows from the tolerance."""
     study = plan.study if isinstance(plan, StudyPlan) else plan.loaded.base.buoy
     if study is None:
@@ -96,7 +97,7 @@ def degree_lines(plan: StudyPlan | CampaignPlan) -> list[str]:
     if not study.flexible or not study.needs_bem or modes.degree is None or varied:
         return []
     try:
-        needed = degree_needed(plan)
+        needed = degree_needed(plan, keep=keep)
     except (ConfigError, ConvergenceError) as error:
         return [f"doubt        modes: degree {modes.degree} is given; what it leaves out is not known: {error}"]
     estimated = "what is left out is estimated in the run and widens the intervals"
@@ -141,26 +142,34 @@ class ModeSearch(NamedTuple):
 NONE_FLEXIBLE = ModeSearch(DEGREES[0], True, {})
 
 
-def _search(spec: DegreeSpec, root: str, climate_path: str = "") -> ModeSearch:
+_FOUND: dict[str, ModeSearch] = {}
+"""Searches of this process by content id, those that are not kept in files among them."""
+
+
+def _search(spec: DegreeSpec, root: str, climate_path: str = "", *, keep: bool = True) -> ModeSearch:
     """The search for the degree that meets the tolerance, from where it is kept or made now."""
     if spec.buoy is None or not spec.buoy.flexible:
         return NONE_FLEXIBLE
     path = degree_path(root, spec)
     if (kept := stored_search(path)) is not None:
         return kept
+    if not keep and (known := _FOUND.get(content_id(spec))):
+        return known
     from vsb.scenes.mode_convergence import mode_convergence  # only now: it imports what solves
     from vsb.stages.climate import read_climate
     from vsb.tools.files import write_text
 
     tolerance = f"modes.tolerance {spec.buoy.modes.tolerance:g}"
-    words = f"finding how many shell modes meet {tolerance}: seconds, once, kept in {path}"
+    words = f"finding how many shell modes meet {tolerance}: seconds{f', once, kept in {path}' if keep else ''}"
     print(words, file=sys.stderr, flush=True)
     search = mode_convergence(spec, read_climate(spec.climate, climate_path) if spec.climate else None)
     powers = {
         str(degree): dict(zip(spec.buoy.designs, power.tolist(), strict=True))
         for degree, power in search.powers_by_degree.items()
     }
-    found = ModeSearch(search.degree, search.met, powers)
+    found = _FOUND[content_id(spec)] = ModeSearch(search.degree, search.met, powers)
+    if not keep:
+        return found
     entry = {**found._asdict(), "checksum": _checksum(path, found), "spec": canonical(spec)}
     write_text(path, json.dumps(entry) + "\n")
     return found

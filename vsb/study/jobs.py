@@ -44,8 +44,8 @@ class Job:
 
     @property
     def options(self) -> str:
-        """Options of its command."""
-        return " ".join(f"--{option} {shlex.quote(path)}" for option, path in self.files.items())
+        """Options of its command; a path may begin with '-'."""
+        return " ".join(f"--{option}={shlex.quote(path)}" for option, path in self.files.items())
 
 
 @dataclass(frozen=True)

@@ -102,6 +102,11 @@ class Climate:
         speed = np.array([group_velocity(w, water.depth, water.gravity) for w in self.omega])
         return np.asarray(water.density * water.gravity * (self.density @ (speed * np.diff(self.edges))))
 
+    def means(self, water: Water) -> str:
+        """Return mean height, mean energy period and mean energy flux of the year in words."""
+        hs, te, flux = (float(self.hours @ one) for one in (self.hs, self.te, self.flux(water)))
+        return f"mean Hs {hs:.3g} m, mean Te {te:.3g} s, {flux / 1000:.3g} kW/m"
+
     @cached_property
     def mean_density(self) -> FloatArray:
         """The mean spectrum of the year, shape (omega,) [m^2 s]."""

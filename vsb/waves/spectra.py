@@ -4,12 +4,25 @@ Spectra that were measured are read in `vsb.waves.measured_spectra`.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from vsb.study.sections import Water
 from vsb.study.spectrum_table import SpectrumTable
-from vsb.study.waves import Irregular, Jonswap, OchiHubble, RecordedSea, SeaOfFile, SeaPart, TabulatedSea, WhiteNoise
+from vsb.study.waves import (
+    Irregular,
+    Jonswap,
+    OchiHubble,
+    RecordedSea,
+    RegularWave,
+    SeaOfFile,
+    SeaPart,
+    TabulatedSea,
+    WhiteNoise,
+)
 from vsb.tools.arrays import FloatArray
+from vsb.waves.dispersion import group_velocity
 
 SMOOTHED = 0.05
 """Of the frequency of the energy period: width of the bands a record's spectrum is averaged over."""
@@ -80,6 +93,56 @@ def band_variances(wave: SeaOfFile, low: FloatArray, high: FloatArray) -> FloatA
     edges = spacing * (np.arange(len(wave.file.omega) + 1) + 0.5)
     below = np.concatenate([[0.0], np.cumsum(wave.file.variances)])
     return np.asarray(np.interp(high, edges, below) - np.interp(low, edges, below))
+
+
+class SeaEnergy(NamedTuple):
+    """Height, energy period and energy flux of a sea."""
+
+    height: float  # significant height of an irregular sea, crest to trough of regular waves [m]
+    period: float  # energy period of an irregular sea, Te = 2 pi m_-1/m_0 [s]
+    flux: float  # rho g int v_g S dw, per metre of crest [W/m]
+
+
+BANDS, HIGHEST = 2000, 40.0
+"""Bands a spectrum is summed over, to this multiple of its highest peak frequency: beyond it lies 1e-6 of JONSWAP's."""
+
+
+def sea_energy(wave: RegularWave | Irregular, water: Water) -> SeaEnergy:
+    """Return height, period and energy flux of a sea in water of a depth (IEC TS 62600-101).
+
+    Examples
+    --------
+    In deep water the flux is rho g^2 Hs^2 Te/(64 pi):
+
+    >>> from vsb.study.waves import Jonswap
+    >>> sea = sea_energy(Jonswap(kind="jonswap", hs=2.0, tp=8.0), Water())
+    >>> round(sea.period, 2), round(sea.flux / (1025 * 9.81**2 * 2.0**2 * sea.period / (64 * math.pi)), 6)
+    (7.24, 1.0)
+    """
+    if isinstance(wave, RegularWave):
+        omega, variance = np.array([wave.omega]), np.array([wave.amplitude**2 / 2])
+        height = 2 * wave.amplitude
+    else:
+        (omega, variance), height = _bands(wave), wave.hs
+    speed = np.array([group_velocity(w, water.depth, water.gravity) for w in omega])
+    period = 2 * np.pi * float(variance @ (1 / omega) / variance.sum())
+    return SeaEnergy(height, period, water.density * water.gravity * float(variance @ speed))
+
+
+def _bands(wave: Irregular) -> tuple[FloatArray, FloatArray]:
+    """Middles [rad/s] and variances [m^2] of the bands of an irregular sea."""
+    if isinstance(wave, RecordedSea):
+        return wave.file.omega, wave.file.variances
+    if isinstance(wave, TabulatedSea | WhiteNoise):
+        low, high = wave.band if isinstance(wave, WhiteNoise) else wave.file.omega[[0, -1]]
+        edges = np.linspace(low, high, BANDS + 1)
+    else:
+        low, high = wave.reach
+        edges = np.geomspace(low, HIGHEST * high, BANDS + 1)
+    middle = (edges[1:] + edges[:-1]) / 2
+    if isinstance(wave, TabulatedSea):
+        return middle, band_variances(wave, edges[:-1], edges[1:])
+    return middle, spectrum(wave, middle) * np.diff(edges)
 
 
 def share_above(wave: Irregular, omega: float) -> float:
