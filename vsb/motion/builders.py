@@ -81,7 +81,7 @@ def linear_scene(
         ]
         forces["excitation"] = Excitation(together(seas).omega, np.concatenate(phasors))
     mass = system.mass + (system.added_mass_inf if added_mass_inf is None else added_mass_inf)
-    return Scene(labels, mass, forces, free, heave=_heave(labels, mass, free))
+    return Scene(labels, mass, forces, free, heave=unit_heave(labels, mass, free))
 
 
 def together(waves: Mapping[Any, Sea]) -> Sea:
@@ -90,7 +90,7 @@ def together(waves: Mapping[Any, Sea]) -> Sea:
     return Sea(np.concatenate([sea.omega for sea in seas]), np.concatenate([sea.amplitude for sea in seas]))
 
 
-def _heave(labels: Sequence[str], mass: FloatArray, free: FloatArray) -> FloatArray:
+def unit_heave(labels: Sequence[str], mass: FloatArray, free: FloatArray) -> FloatArray:
     """Return y of a unit of heave, of the first body that heaves, or of the first motion there is, shape (free,).
 
     Where a design couples it with other motions it is the motion q = N y nearest to heave alone in kinetic energy:

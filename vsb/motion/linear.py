@@ -6,7 +6,7 @@ their coefficients are interpolated. A body's database may be its own, or come f
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -39,6 +39,8 @@ _UNEVEN = 1e-6  # asymmetry of a matrix, relative to its largest entry, that is 
 _UNRESTRAINED = 1e-9  # square of a growth rate, relative to the largest of a frequency, that is round-off
 _BESIDE = 2  # frequencies to either side of a negative damping that are left out of a channel
 _FEWEST = 4  # points of a spline
+_KEPT = 32  # frequencies whose eigenvalues are kept
+_TURNS = 12  # of a natural frequency and its shape, before bisection
 
 
 @dataclass(frozen=True)
@@ -195,12 +197,17 @@ class LinearSystem:
         """
         self.check_band(omega)
         added_mass, damping, excitation = self._splines
-        force = excitation(omega).astype(complex)
         if damping is not None:
+            force = excitation(omega).astype(complex)
             return Coefficients(added_mass(omega), damping(omega), force[:, self.heading_index])
+        force = self.most_exciting_force(omega)
         radiated = np.sum([channel.damping(omega, force) for channel in self._channels], axis=0)
         shares = self._shares(omega)
         return Coefficients(added_mass(omega), radiated, np.asarray(force * shares, dtype=complex))
+
+    def most_exciting_force(self, omega: FloatArray) -> ComplexArray:
+        """Return the excitation of a shell by the waves that excite each motion most, shape (omega, dof) [N/m]."""
+        return np.asarray(self._splines[2](omega), dtype=complex)
 
     def diffraction(self, omega: FloatArray) -> ComplexArray:
         """Return the diffraction force on a shell per wave amplitude, shape (omega, dof) [N/m]; in the band solved."""
@@ -318,11 +325,19 @@ class LinearSystem:
             )
         return np.asarray(shapes[:, values <= size])
 
-    def natural_modes(self, motions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def natural_modes(self, motions: FloatArray, highest: float = np.inf) -> tuple[FloatArray, FloatArray]:
         """Return wet natural frequencies [rad/s] and damping ratios [-] with the take-off, ascending.
 
         Raises `StabilityError` if the system is unstable at rest.
 
+        Parameters
+        ----------
+        motions : ndarray, shape (dof, free)
+        highest : float
+            Frequencies above are left out but for the first [rad/s].
+
+        Notes
+        -----
         w_i solves 1 = w^2 mu_i(w), the i-th eigenvalue, largest first, of M + A(w) against K + C. The stiffness is
         positive definite; inertia need not be, as the added mass of a nearly immersed buoy is negative at some
         frequencies. Unrestrained motions have no frequency; the others carry them along without force. The ratio counts
@@ -331,31 +346,106 @@ class LinearSystem:
         """
         loose = self.unrestrained(motions.T @ self.held @ motions, motions)
         held = null_space(loose.T) if loose.size else np.eye(motions.shape[1])
-        results = [self._natural_mode(motions, loose, held, i) for i in range(held.shape[1])]
-        frequency, ratio = np.array(results).reshape(-1, 2).T
+        problem = _WetModes(self, motions, loose, held)
+        count = held.shape[1] if highest == np.inf else min(problem.count_below(highest) + 1, held.shape[1])
+        frequency = np.array([problem.frequency(i) for i in range(count)])
+        ratio = np.array([self._damping_ratio(w, problem.shape(w, i)) for i, w in enumerate(frequency)])
         order = np.argsort(frequency)
         return frequency[order], ratio[order]
 
-    def _natural_mode(self, motions: FloatArray, loose: FloatArray, held: FloatArray, i: int) -> tuple[float, float]:
-        """One wet natural frequency and its damping ratio."""
-        place, kept = held.shape[1] - 1 - i, motions @ held
+    def _damping_ratio(self, omega: float, shape: FloatArray) -> float:
+        """Damping ratio [-] of a natural mode of unit stiffness, shape (dof,)."""
+        total = self.damping_at(np.asarray(omega)) + self.spectrum.at(np.array([omega]))[0]
+        return float(omega * (shape @ total @ shape) / 2)
 
-        def eigen(omega: float) -> tuple[float, FloatArray]:
-            k = kept.T @ self.held_at(np.asarray(omega)) @ kept
-            inertia = motions.T @ (self.mass + self.added_mass_at(omega)) @ motions
+
+@dataclass(frozen=True)
+class _WetModes:
+    """The eigenvalue problem of `LinearSystem.natural_modes` in the motions of a design, projected once."""
+
+    system: LinearSystem
+    motions: FloatArray  # (dof, free)
+    loose: FloatArray  # unrestrained (free, loose)
+    held: FloatArray  # the others (free, held)
+    _known: dict[float, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
+
+    @cached_property
+    def _mass(self) -> FloatArray:
+        """Inertia with the added mass at infinite frequency, (free, free) [kg]."""
+        return self._projected(self.system.mass + self.system.added_mass_inf)
+
+    @cached_property
+    def _damping(self) -> FloatArray:
+        """Radiation damping at the solved frequencies, one row each (omega, free x free) [kg/s]."""
+        damping = self.system.spectrum.damping
+        return self._projected(damping).reshape(len(damping), -1)
+
+    @cached_property
+    def _unit(self) -> DampingSpectrum:
+        """The damping of one in turn at each solved frequency: what follows from the damping is linear in these."""
+        omega = self.system.spectrum.omega
+        return DampingSpectrum(omega, np.eye(len(omega))[:, None])
+
+    def _projected(self, matrix: FloatArray) -> FloatArray:
+        """A matrix in the motions allowed."""
+        return np.asarray(self.motions.T @ matrix @ self.motions)
+
+    def _inertia(self, omega: float) -> FloatArray:
+        """M + A at a frequency, (free, free) [kg]."""
+        if not self.system.axisymmetric:
+            return self._projected(self.system.mass + self.system.added_mass_at(omega))
+        weights = self._unit.added_mass_difference(np.array([omega]))[0, 0]
+        return np.asarray(self._mass + (weights @ self._damping).reshape(self._mass.shape))
+
+    def _eigen(self, omega: float) -> tuple[FloatArray, FloatArray]:
+        """All w^2 mu_i, largest first, and their shapes of unit stiffness (free, held)."""
+        if omega not in self._known:
+            if len(self._known) == _KEPT:
+                self._known.clear()
+            stiffness = (self.motions @ self.held).T @ self.system.held_at(np.asarray(omega)) @ self.motions @ self.held
+            inertia, loose, held = self._inertia(omega), self.loose, self.held
             along = held - loose @ np.linalg.solve(loose.T @ inertia @ loose, loose.T @ inertia @ held)
-            values, vectors = eigh(along.T @ inertia @ along, k, subset_by_index=[place, place])
-            return float(omega**2 * values[0]), along @ vectors[:, 0]
+            values, vectors = eigh(along.T @ inertia @ along, stiffness)
+            self._known[omega] = omega**2 * values[::-1], (along @ vectors)[:, ::-1]
+        return self._known[omega]
 
+    def shape(self, omega: float, i: int) -> FloatArray:
+        """Return the shape of a natural mode at its frequency, of unit stiffness, shape (dof,)."""
+        return np.asarray(self.motions @ self._eigen(omega)[1][:, i])
+
+    def count_below(self, omega: float) -> int:
+        """Return how many natural frequencies lie below one."""
+        return int(np.count_nonzero(self._eigen(omega)[0] > 1.0))
+
+    def frequency(self, i: int) -> float:
+        """Return the i-th natural frequency [rad/s]: of w^2 mu_i - 1, one root.
+
+        By the root of its Rayleigh quotient, whose error is the square of that of the shape, until both agree; where
+        shapes cross, by bisection of the eigenvalue itself.
+        """
         upper = 1.0
-        while eigen(upper)[0] <= 1.0:
+        while self._eigen(upper)[0][i] <= 1.0:
             upper *= 2
             if upper > FASTEST:
                 raise DatabaseError("added mass at infinite frequency takes a mode's inertia; lower hydro.tolerance")
-        omega = float(brentq(lambda w: eigen(w)[0] - 1.0, 1e-3, upper, xtol=1e-10))
-        shape = omega * motions @ eigen(omega)[1]  # unit modal mass
-        total = self.damping_at(np.asarray(omega)) + self.spectrum.at(np.array([omega]))[0]
-        return omega, float(shape @ total @ shape / (2 * omega))
+        omega = upper
+        for _ in range(_TURNS if self.system.axisymmetric and not self.loose.size else 0):
+            before, omega = omega, self._rayleigh(self._eigen(omega)[1][:, i], upper)
+            if abs(omega - before) < 1e-10:
+                return omega
+        return float(brentq(lambda w: self._eigen(w)[0][i] - 1.0, 1e-3, upper, xtol=1e-10))
+
+    def _rayleigh(self, shape: FloatArray, upper: float) -> float:
+        """Frequency of a motion in a shape (free,) alone [rad/s]; `upper` if its inertia leaves it none below."""
+        mass, damping = shape @ self._mass @ shape, self._damping @ np.outer(shape, shape).ravel()
+        moved = self.motions @ shape
+
+        def beyond(omega: float) -> float:
+            weights = self._unit.added_mass_difference(np.array([omega]))[0, 0]
+            stiffness = moved @ self.system.held_at(np.asarray(omega)) @ moved
+            return float(omega**2 * (mass + weights @ damping) - stiffness)
+
+        return float(brentq(beyond, 1e-3, upper, xtol=1e-11)) if beyond(1e-3) < 0 < beyond(upper) else upper
 
 
 def direction_index(known: FloatArray, direction: float) -> int | None:

@@ -25,7 +25,11 @@ register(
         "matched_power": Variable(
             ("...", "design", "omega"), "W/m^2", "largest mean power of any force per squared wave amplitude"
         ),
-        "wet_natural_frequency": Variable(("wet_mode",), "rad/s", "natural angular frequency in water"),
+        "wet_natural_frequency": Variable(
+            ("wet_mode",),
+            "rad/s",
+            "natural angular frequency in water; of a shell to twice the end of the band, and the first above",
+        ),
         "wet_damping_ratio": Variable(("wet_mode",), "1", "damping ratio in water, power take-off included"),
         # dependence of the power on the shape of the coefficients
         "power_slope": Variable(("design", "shape_dof", "omega"), "W/m^3", "derivative of absorbed power by the shape"),

@@ -176,7 +176,7 @@ class DesignInTime:
 
     def decay_time(self, omega_max: float) -> float:
         """Return the longest decay time 1/(zeta omega) of natural motions up to a frequency, beside the damper [s]."""
-        omega, ratio = replace(self.buoy, pto=self.take_off).natural_modes(self.motions)
+        omega, ratio = replace(self.buoy, pto=self.take_off).natural_modes(self.motions, omega_max)
         return float(np.max(1 / (ratio * omega)[omega <= omega_max], initial=0.0))
 
     def powers(self, sea: Sea, settings: Simulation, model: Model = "body_exact") -> tuple[float, float]:

@@ -12,15 +12,17 @@ import numpy as np
 from vsb.errors import DatabaseError
 from vsb.hydro.retardation import DampingSpectrum
 from vsb.hydro.statespace import RadiationModel
-from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
+from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene, unit_heave
 from vsb.motion.forces import AssumedPressure
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
+from vsb.motion.reduced import ReducedMotions, reduced_motions
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.scenes import automatic
-from vsb.scenes.drag import dragged_port, linearised, with_drag
+from vsb.scenes.drag import dragged, dragged_port, linearised, with_drag
 from vsb.scenes.floating_system import (
+    FloatingSystem,
     floating_system,
     heading,
     heading_in,
@@ -137,7 +139,7 @@ class _FromBem(NamedTuple):
     shape: DeformedShell  # reference shape
     radiation: RadiationModel
     sea: Sea
-    motions: FloatArray  # of the design
+    motions: FloatArray  # of the design; of a linear model reduced ones (`vsb.motion.reduced`)
     notes: dict[str, Any]  # of the take-off
     held: FloatArray  # clamps of the design (constraint, dof)
     orders: Sequence[OrderBasis]  # beside heave and axisymmetric modes
@@ -197,7 +199,7 @@ def _dampers(floating: LinearSystem, motions: FloatArray, sea: Sea) -> list[floa
 
 def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     """What a scene of one design in one sea is made of; a damper is tuned to that sea, or to those named."""
-    (design,), (wave,), (system, _) = run.designs, run.waves, _buoy_of(run)
+    (design,), (wave,), (system, hydro) = run.designs, run.waves, _buoy_of(run)
     floating, model = floating_system(system, paths["database"]), radiation_model(paths["radiation"])
     shape, motions, ds = floating.shell, floating.motions[design], floating.linear.database
     orders = order_bases(system, shape.basis)
@@ -208,10 +210,23 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     notes = tuned_notes(run.pto, pto)
     notes |= linearised(system, floating, design, pto, wave, spectral)
     buoy = replace(floating.towards(heading_in(wave, waves)), pto=pto)
+    if hydro.model == "linear":
+        reduced = _reduced(floating, design, system)
+        motions, notes = reduced.motions, notes | reduced.notes
     held = all_clamp_rows(system.designs[design].clamp, shape.basis, orders)
     if not orders:
         held = np.concatenate([held, mooring_rows(system, shape.basis)])
     return _FromBem(buoy, shape, model, waves, motions, notes, held, orders)
+
+
+def _reduced(floating: FloatingSystem, design: str, system: BuoySystem) -> ReducedMotions:
+    """The motions of a design that waves, take-off, drag and initial conditions in heave excite."""
+    linear, motions = floating.linear, floating.motions[design]
+    loaded = floating.port.reshape(len(motions), -1)
+    if system.plates:
+        loaded = np.column_stack([loaded, dragged(system.plates, linear.labels).T])
+    heave = unit_heave(linear.labels, linear.mass + linear.added_mass_inf, motions)
+    return reduced_motions(linear, motions, loaded, heave)
 
 
 def tuned_notes(pto: Pto, linear: LinearPto) -> dict[str, Any]:

@@ -123,6 +123,8 @@ TAKE_OFF = {True: "best_damping at each frequency", False: "the given damping"}
 
 PARTS = 5
 """Steps of a response in one of the database."""
+BEYOND = 2.0
+"""End of the natural frequencies listed of a shell, over the end of the band; a shell may have hundreds above."""
 
 
 def run_response(spec: ResponseSpec, database: str, out: str) -> None:
@@ -211,10 +213,16 @@ def refined(omega: FloatArray, extra: Iterable[float]) -> FloatArray:
 def with_resonances(spec: ResponseSpec, floating: FloatingSystem, omega: FloatArray) -> FloatArray:
     """Return frequencies with those of the natural motions without a damper, and beside them at half their power."""
     pto = NO_TAKE_OFF if spec.pto.several else LinearPto(0.0, spec.pto.stiffness, floating.port)
-    modes = [replace(floating.linear, pto=pto).natural_modes(motions) for motions in floating.motions.values()]
+    highest = natural_to(floating)
+    modes = [replace(floating.linear, pto=pto).natural_modes(each, highest) for each in floating.motions.values()]
     near = [natural * (1 + ratio * side) for natural, ratio in modes for side in (-1, 0, 1)]
     found = np.concatenate([omega[:0], *near])
     return response.with_others(omega, found[(found > omega[0]) & (found < omega[-1])])
+
+
+def natural_to(floating: FloatingSystem) -> float:
+    """Return the frequency up to which natural motions are listed [rad/s]: of a shell `BEYOND` the end of the band."""
+    return BEYOND * floating.band[1] if floating.shape else np.inf
 
 
 def best_powers(spec: ResponseSpec, floating: FloatingSystem, direction: float, omega: FloatArray) -> xr.DataArray:
@@ -268,14 +276,17 @@ def at_port(spec: ResponseSpec, seen: Mapping[str, Port], reached: int) -> xr.Da
 
 
 def natural(spec: ResponseSpec, floating: FloatingSystem) -> xr.Dataset:
-    """Return wet natural frequencies and damping ratios of all designs; an unrestrained motion has none."""
+    """Return wet natural frequencies and damping ratios of all designs; an unrestrained motion has none.
+
+    Of a shell those to `natural_to`, and the first above.
+    """
     wet: list[tuple[str, float, float]] = []
     for design in spec.designs:
         pto = LinearPto(spec.pto.damper(design) or 0.0, spec.pto.stiffness, floating.port)
         if spec.pto.several:
             given = given_matrix(spec.pto, design, floating.port.shape[1])
             pto = NO_TAKE_OFF if given is None else LinearPto(given, port=floating.port)
-        modes = replace(floating.linear, pto=pto).natural_modes(floating.motions[design])
+        modes = replace(floating.linear, pto=pto).natural_modes(floating.motions[design], natural_to(floating))
         wet += [(design, float(frequency), float(ratio)) for frequency, ratio in zip(*modes, strict=True)]
     return xr.Dataset(
         {
