@@ -5,7 +5,7 @@ MARKS ?= not slow
 BIN := .venv/bin
 READY := .venv/.installed
 
-.PHONY: verification study benchmark barge claims hard-cases torture cluster-test test test-all lint unit format docs links container lock docs-lock clean help
+.PHONY: verification study benchmark barge claims published hard-cases torture cluster-test test test-all lint unit format docs links container lock docs-lock clean help
 
 study: $(READY) ## run the example study and its year, or others: make study [CONFIG=config/seed.yaml]
 	@for one in $(CONFIG); do $(BIN)/vsb run $$one || exit; done
@@ -20,6 +20,9 @@ barge: $(READY) ## any body by the general route: a flexible barge
 
 claims: $(READY) ## published claims about flexible devices, recomputed: tables, figures and studies of docs/claims.md
 	@$(BIN)/python -m examples.claims results/claims
+
+published: $(READY) ## every number, table and picture of README and docs that a command writes, anew; or some: make published [SOURCE=study]
+	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m examples.published $(SOURCE)
 
 hard-cases: $(READY) ## table of the cases that break other codes
 	@$(BIN)/python -m benchmarks hard-cases config/hard_cases.yaml results/hard_cases.csv

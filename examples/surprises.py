@@ -9,8 +9,7 @@ prints the figures of every case; some of them by name:
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -264,16 +263,21 @@ def table(name: str, figures: Figures) -> str:
     return "\n".join(lines) + "\n"
 
 
-def run(cases: Mapping[str, Callable[[Path], Figures]], args: argparse.Namespace) -> int:
+def chosen(names: Sequence[str], known: Iterable[str]) -> list[str]:
+    """Return the names of cases, of all if none is given; `ConfigError` if one is unknown."""
+    if unknown := set(names) - set(known):
+        raise ConfigError(f"case: received {', '.join(sorted(unknown))}, needs some of {', '.join(known)}")
+    return list(names or known)
+
+
+def run(args: argparse.Namespace) -> int:
     """Print the figures of some cases, or of all."""
-    if unknown := set(args.cases) - set(cases):
-        raise ConfigError(f"case: received {', '.join(sorted(unknown))}, needs some of {', '.join(cases)}")
-    for name in args.cases or cases:
-        print(table(name, cases[name](Path(args.folder))), flush=True)
+    for name in chosen(args.cases, CASES):
+        print(table(name, CASES[name](Path(args.folder))), flush=True)
     return 0
 
 
-main = command("surprises", __doc__, partial(run, CASES), "{folder}/", folder="FOLDER", cases="CASE...")
+main = command("surprises", __doc__, run, "{folder}/", folder="FOLDER", cases="CASE...")
 
 if __name__ == "__main__":
     sys.exit(main(None))
