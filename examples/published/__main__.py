@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from PIL import Image
 
 import vsb
 from examples.published.pages import Value, Values, up_to_date
@@ -92,6 +93,9 @@ def draw(report: Path, answer_shown: str) -> None:
         options = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", f"--user-data-dir={profile}"]
         options += [f"--window-size={size}", f"--screenshot={PICTURE}", "--virtual-time-budget=4000", report.as_uri()]
         subprocess.run([browser, *options], check=True, stderr=subprocess.DEVNULL, timeout=300)
+    with Image.open(PICTURE) as image:
+        few = image.convert("RGB").quantize(256)  # a third of the size
+    few.save(PICTURE, optimize=True)
     update("picture", {"values": {"answer": answer_shown, "sha256": digest(PICTURE)}})
 
 
