@@ -73,7 +73,7 @@ def test_tension_makes_no_lobes():
     assert LobedShell.of(loaded(SPHERE, 100.0, gravity=0.0)).buckling(1)[0].inverse_load_factor < 1e-12
 
 
-@pytest.mark.parametrize("rest", [spheroid(2.0, 3.0), spheroid(2.0, 6.0), capsule(2.0, 2.0), EGG])
+@pytest.mark.parametrize("rest", [spheroid(2.0, 3.0), spheroid(2.0, 6.0), EGG])
 def test_rigid_motions_strain_nothing_and_pitch_meets_the_metacentre(rest):
     """The load's stiffness against pitch is m g times the metacentric height over the centroid of the wall.
 
@@ -95,15 +95,34 @@ def test_rigid_motions_strain_nothing_and_pitch_meets_the_metacentre(rest):
     assert q[:, 1] @ load @ q[:, 1] == pytest.approx(weight * (metacentre - centroid), abs=1e-3 * weight * 2.0)
 
 
-@pytest.mark.parametrize("rest", [spheroid(2.0, 3.0), spheroid(2.0, 6.0), capsule(2.0, 1.0), EGG])
-def test_more_displacements_and_orders_change_nothing(rest):
-    """Loads of a floating shell with twice the degree; further orders than are searched hold no larger factor."""
+def test_strain_of_a_capsule_that_pitches_falls_with_the_degree():
+    """Smooth displacements follow z of a meridian whose curvature jumps to 1/n^2, and their strains to 1/n."""
+    floating, energy = loaded(dataclasses.replace(SPHERE, thickness=0.01, rest=capsule(2.0, 2.0))), []
+    phi, area = floating.elastic.rings
+    at, root = floating.basis.shell.at_rest(phi), np.sqrt(np.tile(area, 3))
+    for degree in (20, 40, 80):
+        psi = displacements(1, degree, phi)
+        fields = np.concatenate([psi.x, psi.w, psi.z], axis=1).T
+        q = np.linalg.lstsq(fields * root[:, None], np.concatenate([at.z, -at.z, -at.x]) * root, rcond=None)[0]
+        energy.append(q @ LobedShell(floating, degree).pencil(1)[0] @ q)
+    assert energy[0] > 4 * energy[1] > 16 * energy[2]
+
+
+@pytest.mark.parametrize(
+    ("rest", "apart"),
+    [(spheroid(2.0, 3.0), 1e-6), (spheroid(2.0, 6.0), 1e-6), (capsule(2.0, 1.0), 2e-3), (EGG, 1e-6)],
+)
+def test_more_displacements_and_orders_change_nothing(rest, apart):
+    """Loads of a floating shell with twice the degree; further orders than are searched hold no larger factor.
+
+    Smooth displacements follow the wall of a capsule, whose curvature jumps, with a power of the degree only.
+    """
     floating = loaded(dataclasses.replace(SPHERE, rest=rest, radius=rest.radius))
     lobed = LobedShell.of(floating)
     coarse, fine = (one.buckling(4) for one in (lobed, LobedShell(floating, 2 * lobed.degree)))
     assert [one.order for one in coarse] == [one.order for one in fine]
     for one, other in zip(coarse, fine, strict=True):
-        assert one.inverse_load_factor == pytest.approx(other.inverse_load_factor, rel=1e-6)
+        assert one.inverse_load_factor == pytest.approx(other.inverse_load_factor, rel=apart)
     for order in range(int(lobed.most_lobes) + 1, 2 * int(lobed.most_lobes), 5):
         elastic, load = lobed.pencil(order)
         below = load + coarse[-1].inverse_load_factor * elastic

@@ -9,11 +9,12 @@ from vsb.shell import ritz
 from vsb.shell.modes import bending_block, mass_block, membrane_block
 from vsb.shell.ritz import heave, matrices, natural_modes
 from vsb.shell.shell import Shell, bend, curve
-from vsb.study.meridian import capsule, spheroid
+from vsb.study.meridian import RestMeridian, capsule, spheroid
 
 SEED = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
 OBLATE = Shell(2.0, 0.01, 10e6, 0.3, 2700.0, spheroid(2.0, 3.0))
 PROLATE = Shell(2.0, 0.05, 10e6, 0.3, 2700.0, spheroid(2.0, 6.0))
+EGG = RestMeridian((1.0, 0.05), (0.0, 1.3, 0.05))
 CAPSULE = Shell(1.0, 0.02, 10e6, 0.3, 2700.0, capsule(1.0, 1.0))
 
 
@@ -124,7 +125,15 @@ def solid(of, degree):
     return np.sqrt(np.abs(eigh(stiffness / size, mass / size, eigvals_only=True)))
 
 
-@pytest.mark.parametrize(("meridian", "thickness"), [(spheroid(2.0, 3.0), 0.04), (capsule(1.0, 1.0), 0.04)])
+def test_frequencies_of_a_thin_capsule_are_those_of_the_solid():
+    """Where its curvature jumps both follow with a power of the degree; shear and rotation lower those of the solid."""
+    thin = shell(capsule(1.0, 1.0), 0.02)
+    apart = solid(thin, 50)[1 : 1 + MODES] / natural_modes(thin, 60).omega[:MODES] - 1
+    assert np.all((apart < 0) & (apart > -1.2e-3))
+    assert abs(apart[0]) < 1e-4
+
+
+@pytest.mark.parametrize(("meridian", "thickness"), [(spheroid(2.0, 3.0), 0.04), (EGG, 0.04)])
 def test_a_thin_shell_is_the_limit_of_the_solid(meridian, thickness):
     """Apart by the square of the thickness in the lowest mode; the next ones by a little less than that, for they turn
     from membrane to bending somewhere along the meridian; never by more than shear and rotation of a solid's sections.

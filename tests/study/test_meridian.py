@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.study.meridian import JUNCTION, RestMeridian, capsule, spheroid, through
+from vsb.study.meridian import RestMeridian, capsule, spheroid, through
 
 
 @settings(max_examples=15)
@@ -37,19 +37,31 @@ def test_area_and_curvature_of_spheroids():
     assert prolate.sharpest == pytest.approx(a**2 / c, rel=1e-3)  # at the poles
 
 
-def test_capsule_has_smooth_junctions():
-    body = capsule(1.5, 3.0)
-    assert (body.radius, body.top, body.keel) == pytest.approx((1.5, 3.0, -3.0), rel=1e-12)
-    plain = math.pi * 1.5**2 * 3.0 + 4 / 3 * math.pi * 1.5**3
-    assert 0.001 < 1 - body.volume / plain < 0.02
-    middle, cap = body.curvatures(math.pi / 2), body.curvatures(0.02)
-    assert middle == pytest.approx((0.0, 1 / 1.5), abs=1e-5)
-    assert cap == pytest.approx((1 / 1.5, 1 / 1.5), rel=0.03)
-    length = 2 * math.pi * 1.5 / 4 + 1.5  # of the arc from a pole to the middle
-    bends = [body.curvatures(math.pi / 2 * s / length)[0] for s in (2.3, 2.31, 2.4, 2.41, 2.5, 2.51)]
-    assert all(a > b > 0 for a, b in itertools.pairwise(bends))
-    steepest = max(abs(b - a) / 0.01 for a, b in zip(bends[::2], bends[1::2], strict=True))
-    assert steepest == pytest.approx(1 / (math.sqrt(2 * math.pi) * JUNCTION * 1.5**2), rel=0.05)  # a Gaussian's
+def test_capsule_is_a_cylinder_between_two_hemispheres():
+    r, length = 1.5, 3.0
+    body = capsule(r, length)
+    assert (body.radius, body.top, body.keel) == pytest.approx((r, r + length / 2, -r - length / 2), rel=1e-12)
+    assert body.volume == pytest.approx(math.pi * r**2 * length + 4 / 3 * math.pi * r**3, rel=1e-13)
+    assert body.area == pytest.approx(2 * math.pi * r * length + 4 * math.pi * r**2, rel=1e-13)
+    assert body.sharpest == pytest.approx(r, rel=1e-12)
+    for phi in np.linspace(0.01, math.pi - 0.01, 41):
+        x, z, _, _ = body.at(phi)
+        beyond = max(abs(z) - length / 2, 0.0)
+        assert math.hypot(x, beyond) == pytest.approx(r, rel=1e-12)
+        assert body.curvatures(phi) == pytest.approx((1 / r if beyond else 0.0, 1 / r), abs=1e-12)
+    for draft in (0.7, r, 2.9, 5.2):  # in the lower cap, where it ends, in the cylinder, in the upper cap
+        cap = math.pi * min(draft, r) ** 2 * (3 * r - min(draft, r)) / 3
+        upper = max(draft - r - length, 0.0)
+        below = cap + math.pi * r**2 * min(max(draft - r, 0.0), length) + math.pi * upper * (r**2 - upper**2 / 3)
+        assert body.volume_below(body.lowest + draft) == pytest.approx(below, rel=1e-12)
+        assert body.draft_of(below) == pytest.approx(draft, rel=1e-12)
+
+
+def test_capsule_tends_to_the_sphere():
+    body, sphere = capsule(1.5, 1e-9), capsule(1.5, 0.0)
+    assert sphere.volume == pytest.approx(4 / 3 * math.pi * 1.5**3, rel=1e-13)
+    for phi in np.linspace(0.0, math.pi, 19):
+        assert body.at(phi) == pytest.approx(sphere.at(phi), abs=1e-8)
 
 
 def _points(shape, count):

@@ -12,7 +12,7 @@ from vsb.scenes.rest import complete_loaded_shell, loaded_shell
 from vsb.shell.loaded import LoadedShell, buckling_pencil
 from vsb.shell.lobes import LobedShell, Lobes
 from vsb.shell.modes import rigid_basis
-from vsb.shell.shell import gauss_rule, length
+from vsb.shell.shell import length, meridian_rule
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 
@@ -48,9 +48,10 @@ def hull(buoy: RestingBuoy, stepped: Sequence[Stepped]) -> dict[str, Slopes]:
 
 def _surface(buoy: RestingBuoy) -> AnyArray:
     """Area of the hull, int 2 pi x ds."""
-    node, weight = gauss_rule(8 * buoy.loaded.basis.turns + 48)
-    at = buoy.shape.curve(np.pi / 2 * (node + 1))
-    return np.asarray(np.pi**2 * (at.x * length(at.dx, at.dz)) @ weight)
+    basis = buoy.loaded.basis
+    phi, weight = meridian_rule(basis.shell.meridian.junctions, 8 * basis.turns + 48)
+    at = buoy.shape.curve(phi)
+    return np.asarray(2 * np.pi * (at.x * length(at.dx, at.dz)) @ weight)
 
 
 def _highest(function: Callable[[FloatArray], FloatArray], buoy: RestingBuoy) -> FloatArray:

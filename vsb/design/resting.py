@@ -19,7 +19,7 @@ from vsb.shell.loaded import LoadedShell, complete_basis, equilibrium
 from vsb.shell.modes import rigid_basis
 from vsb.shell.shell import Curve, Shell
 from vsb.study.device import Device
-from vsb.study.meridian import RestMeridian, capsule, spheroid
+from vsb.study.meridian import ClosedMeridian, capsule, spheroid, through
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 
@@ -162,7 +162,7 @@ def value_of(study: Study, key: str) -> float:
     return float(found)
 
 
-def _reshaped(device: Device, name: str, step: complex) -> RestMeridian:
+def _reshaped(device: Device, name: str, step: complex) -> ClosedMeridian:
     """The meridian of a device at rest with a step of its radius or of a number of its shape."""
     steps: dict[str, Any] = {name: step}
     shape, radius = device.shape, device.radius + steps.get("radius", 0.0)
@@ -172,7 +172,7 @@ def _reshaped(device: Device, name: str, step: complex) -> RestMeridian:
     if shape.capsule:
         return capsule(radius, shape.capsule.length + steps.get(LENGTH, 0.0))
     factor = radius / device.radius  # a profile is scaled to its radius
-    return shape.meridian(device.radius).scaled(factor, factor)
+    return through(shape.profile or (), device.radius).scaled(factor, factor)
 
 
 def with_variable(loaded: LoadedShell, key: str, step: complex, device: Device) -> LoadedShell:

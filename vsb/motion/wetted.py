@@ -11,6 +11,7 @@ z' = sum k b_k U_{k-1}(c) and T = sum k a_k T_k(c). Sums over points come before
 runs along one of the two. `vsb.shell.deformed.DeformedShell` computes the same without compilation.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -19,12 +20,17 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from vsb.shell.modes import ModeBasis
-from vsb.study.meridian import RestMeridian
+from vsb.shell.shell import curve
+from vsb.study.meridian import ClosedMeridian, RestMeridian
 from vsb.tools.arrays import FloatArray
 from vsb.tools.compiled import njit
 
 REORDERED = {"reassoc", "contract", "nsz"}
 """What the compiler may do to sums: add in any order, fuse; never assume that there are no NaN."""
+
+
+ARC_TERMS = 96
+"""Terms that stand for a meridian whose curvature jumps: they follow it to 1e-5 of its radius, its volume to 1e-7."""
 
 
 class Shape(NamedTuple):
@@ -216,10 +222,11 @@ class WetShell:
     @cached_property
     def shape(self) -> Shape:
         """Tables of the compiled loops; as many points as integrate their polynomials exactly."""
-        highest, shell = self.basis.turns, self.basis.shell
+        shell, rest = self.basis.shell, _series(self.basis.shell.meridian)
+        highest = self.basis.highest_degree + len(rest[1]) - 2
         node, weight = np.polynomial.legendre.leggauss(2 * highest + 3)
         grid = -np.cos(np.linspace(0.0, np.pi, 6 * (highest + 1) + 1))
-        at_rest = _at_rest(shell.meridian, highest + 2)
+        at_rest = _at_rest(rest, highest + 2)
         at_rest[1, 0] += self.centre_height
         on_grid = np.ascontiguousarray(chebyshev.chebvander(grid, highest + 1).T)
         return Shape(shell.radius, at_rest, _of_shapes(self.basis, highest + 2), node, weight, grid, on_grid)
@@ -240,13 +247,29 @@ class WetShell:
         return _along(self.shape, np.ascontiguousarray(q, dtype=float))
 
 
-def _at_rest(rest: RestMeridian, terms: int) -> FloatArray:
-    """Chebyshev coefficients of X, z, z' and T of a meridian at rest, shape (4, term) [m]."""
+def _series(rest: ClosedMeridian) -> tuple[Sequence[float], Sequence[float]]:
+    """Terms a_1, a_2, ... and b_0, b_1, ... of a meridian at rest [m]; of one with junctions the first `ARC_TERMS`.
+
+    By the discrete orthogonality of sines and cosines at many midpoints.
+    """
+    if isinstance(rest, RestMeridian):
+        return rest.radial, rest.axial
+    count = 64 * ARC_TERMS
+    phi = np.pi * (np.arange(count) + 0.5) / count
+    angles, at = np.outer(np.arange(ARC_TERMS), phi), curve(rest, phi)
+    radial, axial = 2 / count * np.sin(angles) @ at.x, 2 / count * np.cos(angles) @ at.z
+    axial[0] /= 2
+    return radial[1:].tolist(), axial.tolist()
+
+
+def _at_rest(rest: tuple[Sequence[float], Sequence[float]], terms: int) -> FloatArray:
+    """Chebyshev coefficients of X, z, z' and T of a meridian at rest by its terms, shape (4, term) [m]."""
     out = np.zeros((4, terms))
-    for k, a in enumerate(rest.radial, 1):
+    radial, axial = rest
+    for k, a in enumerate(radial, 1):
         out[0] += a * _second_kind(k - 1, terms)
         out[3, k] += k * a
-    for k, b in enumerate(rest.axial):
+    for k, b in enumerate(axial):
         out[1, k] += b
         out[2] += k * b * _second_kind(k - 1, terms)
     return out

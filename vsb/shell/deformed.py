@@ -1,7 +1,7 @@
 """The deformed shell in water: waterline, wet quadrature, volume, area, hydrostatic force and its exact Jacobian."""
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -11,7 +11,8 @@ from numpy.polynomial.legendre import legder, legvander
 
 from vsb.errors import ConfigError
 from vsb.shell.modes import ModeBasis
-from vsb.shell.shell import Curve, Shell, gauss_rule, length
+from vsb.shell.shell import Curve, Shell, arc_chord, gauss_rule, length, meridian_rule, parts
+from vsb.study.meridian import ArcMeridian, RestMeridian
 from vsb.tools.arrays import FloatArray
 
 
@@ -83,9 +84,9 @@ class DeformedShell:
         area : float [m^2]
             Its derivative by the amplitudes is area times the sum of both.
         """
-        node, weight = gauss_rule(4 * self.basis.turns + 24)
-        m = self.meridian(upper + (lower - upper) * (1 + node) / 2)
-        weight, arc = np.pi * (lower - upper) * weight, length(m.dx, m.dz)
+        phi, weight = self._rule(4 * self.basis.turns + 24, [(upper, lower)])
+        m = self.meridian(phi)
+        weight, arc = 2 * np.pi * weight, length(m.dx, m.dz)
         area: float = np.dot(weight, m.x * arc)
         hoop = m.shape_x @ (weight * arc) / area
         along = (m.dshape_x * m.dx + m.dshape_z * m.dz) @ (weight * m.x / arc) / area
@@ -114,21 +115,39 @@ class DeformedShell:
             at.dz + dv * cos - v * sin - du * sin - u * cos,
         )
 
+    def chord(self, start: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the vectors from colatitudes to those that lie an offset further, each shape (point,) [m].
+
+        By products, as sin(k b) - sin(k a) = 2 cos(k (a + b)/2) sin(k (b - a)/2): a difference of coordinates of near
+        points would be all round-off.
+        """
+        radial, axial = self._terms
+        k, half = np.arange(len(radial)), offset / 2
+        middle, turned = np.outer(k, start + half), np.sin(np.outer(k, half))
+        across, up = 2 * radial @ (np.cos(middle) * turned), -2 * axial @ (np.sin(middle) * turned)
+        rest = self.basis.shell.meridian
+        if isinstance(rest, ArcMeridian):
+            further, down = _chord_of_arcs(rest, start, offset)
+            return np.asarray(across + further), np.asarray(up - down)
+        return np.asarray(across), np.asarray(up)
+
     @cached_property
-    def terms(self) -> tuple[FloatArray, FloatArray]:
+    def _terms(self) -> tuple[FloatArray, FloatArray]:
         """Terms of x = sum a_k sin(k phi) and z = sum b_k cos(k phi), k = 0, 1, ..., each shape (term,) [m].
 
-        Those of the displacement by the discrete orthogonality of sines and cosines at midpoints.
+        Those of the displacement by the discrete orthogonality of sines and cosines at midpoints, and those of a smooth
+        meridian at rest.
         """
         rest, displaced = self.basis.shell.meridian, self.basis.highest_degree + 2
         phi = np.pi * (np.arange(displaced) + 0.5) / displaced
         angles, m = np.outer(np.arange(displaced), phi), self.meridian(phi)
         x, z = self.modal_amplitude @ m.shape_x, self.centre_height + self.modal_amplitude @ m.shape_z
-        radial, axial = np.zeros((2, max(displaced, len(rest.radial) + 1, len(rest.axial))))
+        of_radius, of_height = (rest.radial, rest.axial) if isinstance(rest, RestMeridian) else ((), ())
+        radial, axial = np.zeros((2, max(displaced, len(of_radius) + 1, len(of_height))))
         radial[:displaced], axial[:displaced] = 2 / displaced * np.sin(angles) @ x, 2 / displaced * np.cos(angles) @ z
         axial[0] /= 2
-        radial[1 : len(rest.radial) + 1] += rest.radial
-        axial[: len(rest.axial)] += rest.axial
+        radial[1 : len(of_radius) + 1] += of_radius
+        axial[: len(of_height)] += of_height
         return radial, axial
 
     @cached_property
@@ -190,10 +209,17 @@ class DeformedShell:
 
     def _wet_points(self, points: int) -> Iterator[tuple[FloatArray, FloatArray]]:
         """Colatitudes and weights of Gauss-Legendre quadrature, `points` per wet segment, some at a time."""
-        rule = gauss_rule(points + 2 * (self.basis.turns - self.basis.highest_degree))
-        for a, b in self.wet_segments:
-            for node, weight in zip(*map(_parts, rule), strict=True):
-                yield (a + b) / 2 + (b - a) / 2 * node, (b - a) / 2 * weight
+        rule = self._rule(points + 2 * (self.basis.turns - self.basis.highest_degree), self.wet_segments)
+        if len(rule[0]):
+            yield from zip(*map(_parts, rule), strict=True)
+
+    def _rule(self, points: int, segments: Sequence[tuple[float, float]]) -> tuple[FloatArray, FloatArray]:
+        """Colatitudes and weights of Gauss-Legendre quadrature, so many on each part of segments between junctions."""
+        node, weight = gauss_rule(points)
+        junctions = self.basis.shell.meridian.junctions
+        pieces = [piece for ends in segments for piece in parts(junctions, *ends)]
+        phi = [(a + b) / 2 + (b - a) / 2 * node for a, b in pieces]
+        return np.ravel(phi), np.ravel([(b - a) / 2 * weight for a, b in pieces])
 
     def volume(self, points: int = 40) -> float:
         """Return the volume of displaced water [m^3], -int 2 pi x z n_z: pi x^2 dz integrated by parts at z = 0.
@@ -231,6 +257,23 @@ class DeformedShell:
             force = force + (m.z * m.x * normal_j) @ weight
             jacobian = jacobian + normal_j @ (ring * m.shape_z + weight * m.z * m.shape_x).T + turned
         return 2 * np.pi * density * gravity * force, -2 * np.pi * density * gravity * jacobian
+
+
+def _chord_of_arcs(rest: ArcMeridian, start: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """How far across and down a meridian of arcs leads from angles to those an offset further, each (point,) [m].
+
+    Where both lie on one arc all digits of the offset count; else those of what lies on each.
+    """
+    across, down, rate = np.zeros_like(start), np.zeros_like(start), rest.length / np.pi
+    edges = (0.0, *rest.junctions, np.pi)
+    first, last = (np.searchsorted(rest.junctions, phi, side="right") for phi in (start, start + offset))
+    for i, arc in enumerate(rest.starts):
+        a, b = (np.clip(phi, edges[i], edges[i + 1]) for phi in (start, start + offset))
+        step = np.where((first == i) & (last == i), offset, b - a)
+        tangent = arc.tangent + arc.curvature * (rate * a - arc.arc)
+        one = arc_chord(np.full_like(a, arc.curvature), tangent, rate * step)
+        across, down = across + one[0], down + one[1]
+    return across, down
 
 
 def check_meridian(shell: DeformedShell) -> None:
@@ -308,9 +351,8 @@ def enclosed(basis: ModeBasis, modal_amplitude: FloatArray) -> tuple[FloatArray,
     volume, area : ndarray, shape (time,)
         -int pi x^2 dz and int 2 pi x ds over the deformed meridian.
     """
-    node, weight = gauss_rule(4 * basis.turns + 24)  # enough for the volume to be exact
-    m = DeformedShell(basis, 0.0).meridian(np.arccos(node))
-    weight = weight / np.sqrt(1 - node**2)
+    phi, weight = meridian_rule(basis.shell.meridian.junctions, 4 * basis.turns + 24)  # the volume is exact
+    m = DeformedShell(basis, 0.0).meridian(phi)
     x, dx, dz = (
         m.x + modal_amplitude @ m.shape_x,
         m.dx + modal_amplitude @ m.dshape_x,

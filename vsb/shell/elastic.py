@@ -9,7 +9,7 @@ import numpy as np
 
 from vsb.shell.deformed import DeformedShell, Meridian
 from vsb.shell.modes import ModeBasis, curvature_shapes, strain_shapes
-from vsb.shell.shell import Shell, gauss_rule, length
+from vsb.shell.shell import Shell, length, meridian_rule
 from vsb.tools.arrays import FloatArray
 
 
@@ -27,14 +27,12 @@ class Tables(NamedTuple):
 @lru_cache(maxsize=16)
 def _tables(basis: ModeBasis, points: int) -> Tables:
     """Shapes at a number of quadrature points, cached for all materials; not to be written to."""
-    cos, weight = gauss_rule(points)
-    colatitude, area = np.arccos(cos), 2 * np.pi * basis.shell.radius**2 * weight
-    if basis.shell.rest is not None:
-        at = basis.shell.at_rest(colatitude)
-        area = 2 * np.pi * at.x * length(at.dx, at.dz) * weight / np.sin(colatitude)
+    colatitude, dphi = meridian_rule(basis.shell.meridian.junctions, points)
+    at = basis.shell.at_rest(colatitude)
+    area = 2 * np.pi * at.x * length(at.dx, at.dz) * dphi
     meridian = DeformedShell(basis, 0.0).meridian(colatitude)
     strains, curvatures = strain_shapes(basis, colatitude), curvature_shapes(basis, colatitude)
-    return Tables(colatitude, area, weight / np.sin(colatitude), strains, curvatures, meridian)
+    return Tables(colatitude, area, dphi, strains, curvatures, meridian)
 
 
 @dataclass(frozen=True)
@@ -179,6 +177,6 @@ def converged_degree(shell: Shell, least: int = 40) -> int:
     degree = max(least, math.ceil(1.6 * critical))
     if shell.rest is None:
         return degree
-    at = shell.at_rest(np.linspace(0.0, np.pi, 4 * len(shell.rest.axial) + 41))
+    at = shell.at_rest(np.linspace(0.0, np.pi, 4 * shell.rest.terms + 41))
     stretch = float(np.hypot(at.dx.real, at.dz.real).max()) / shell.radius.real
     return math.ceil(degree * max(1.0, stretch - 1e-9))

@@ -27,7 +27,7 @@ from scipy.linalg import eigh
 from vsb.shell.deformed import rigid_buoy
 from vsb.shell.elastic import converged_degree
 from vsb.shell.loaded import Buckling, LoadedShell, buckling
-from vsb.shell.shell import Curve, Shell, bend, curve, gauss_rule, length
+from vsb.shell.shell import Curve, Shell, bend, curve, gauss_rule, length, meridian_rule, parts
 from vsb.tools.arrays import FloatArray
 
 LEAST = 28
@@ -83,9 +83,9 @@ def displacements(order: int, degree: int, phi: FloatArray) -> Displacement:
 
 
 @lru_cache(maxsize=64)
-def _at_nodes(order: int, degree: int, points: int) -> Displacement:
-    """The same at the points of a quadrature in cos(phi); not to be written to."""
-    return displacements(order, degree, np.arccos(gauss_rule(points)[0]))
+def _at_nodes(order: int, degree: int, points: int, junctions: tuple[float, ...]) -> Displacement:
+    """The same at the points of a quadrature along a meridian; not to be written to."""
+    return displacements(order, degree, meridian_rule(junctions, points)[0])
 
 
 class Strains(NamedTuple):
@@ -167,16 +167,16 @@ class LobedShell:
 
     @cached_property
     def points(self) -> int:
-        """Points of the quadrature in cos(phi)."""
+        """Points of the quadrature along the meridian."""
         degree = self.degree_of(math.ceil(self.most_lobes))
-        return degree + self.loaded.basis.highest_degree // 2 + 2 * len(self.shell.meridian.axial) + 40
+        return degree + self.loaded.basis.highest_degree // 2 + 2 * self.shell.meridian.terms + 40
 
     @cached_property
     def rings(self) -> tuple[Curve, tuple[FloatArray, FloatArray], FloatArray, tuple[FloatArray, FloatArray]]:
         """Meridian, its second derivatives, weights of dphi and membrane forces [N/m] at the points."""
-        (cos, weight), meridian = gauss_rule(self.points), self.shell.meridian
-        phi = np.arccos(cos)
-        return curve(meridian, phi), bend(meridian, phi), weight / np.sin(phi), self.loaded.linear_resultants(phi)
+        meridian = self.shell.meridian
+        phi, dphi = meridian_rule(meridian.junctions, self.points)
+        return curve(meridian, phi), bend(meridian, phi), dphi, self.loaded.linear_resultants(phi)
 
     @cached_property
     def wet(self) -> list[tuple[float, float]]:
@@ -211,7 +211,7 @@ class LobedShell:
             Combinations of its `displacements` to `degree_of` it; all of them if not given.
         """
         shell, (at, bent, dphi, forces), degree = self.shell, self.rings, self.degree_of(order)
-        psi = _combined(_at_nodes(order, degree, self.points), shapes)
+        psi = _combined(_at_nodes(order, degree, self.points, shell.meridian.junctions), shapes)
         found, nu, area = strains(psi, order, at, bent), shell.poisson_ratio, np.pi * at.x * length(at.dx, at.dz) * dphi
         elastic = shell.membrane_stiffness * _energy(found.membrane, nu, area)
         elastic = elastic + shell.bending_stiffness * _energy(found.bending, nu, area)
@@ -226,8 +226,8 @@ class LobedShell:
     def _water(self, order: int, shapes: FloatArray | None) -> FloatArray:
         """Stiffness of still water, -rho g pi int [s_z psi.N + z psi.dN] over the wet shell, as of `DeformedShell`."""
         loaded, degree, found = self.loaded, self.degree_of(order), np.zeros(1)
-        node, weight = gauss_rule(degree + len(self.shell.meridian.axial) + 30)
-        for a, b in self.wet:
+        node, weight = gauss_rule(degree + self.shell.meridian.terms + 30)
+        for a, b in (part for ends in self.wet for part in parts(self.shell.meridian.junctions, *ends)):
             phi, dphi = (a + b) / 2 + (b - a) / 2 * node, (b - a) / 2 * weight
             psi, at = _combined(displacements(order, degree, phi), shapes), self.shell.at_rest(phi)
             across = at.x * (at.dx * psi.z - at.dz * psi.x)

@@ -174,7 +174,7 @@ class ModeBasis:
     @property
     def turns(self) -> int:
         """Highest degree of the deformed meridian: the shapes' and, other than for the sphere, its own."""
-        return self.highest_degree + (len(self.shell.rest.axial) - 2 if self.shell.rest else 0)
+        return self.highest_degree + (self.shell.rest.terms - 2 if self.shell.rest else 0)
 
     @cached_property
     def pole_radial_displacement(self) -> FloatArray:

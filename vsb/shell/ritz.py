@@ -21,8 +21,8 @@ import numpy as np
 from scipy.linalg import eigh
 
 from vsb.errors import ConvergenceError
-from vsb.shell.shell import Shell, bend, curve, gauss_rule, legendre, length
-from vsb.study.meridian import RestMeridian
+from vsb.shell.shell import Shell, bend, curve, legendre, length, meridian_rule
+from vsb.study.meridian import ClosedMeridian
 from vsb.tools.arrays import FloatArray
 
 CONVERGED = 1e-11
@@ -45,7 +45,7 @@ class Strains:
     hoop_bending: FloatArray
 
 
-def strains(meridian: RestMeridian, degree: int, phi: FloatArray) -> Strains:
+def strains(meridian: ClosedMeridian, degree: int, phi: FloatArray) -> Strains:
     """Return the strains of a shell by radial displacements of degrees 0..degree and meridional ones of 1..degree.
 
     Parameters
@@ -94,7 +94,7 @@ def matrices(shell: Shell, degree: int) -> Matrices:
     The points of the quadrature are doubled until nothing changes. Raises `ConvergenceError` if `MOST_POINTS` do not
     suffice.
     """
-    points = 32 + 2 * (degree + len(shell.meridian.axial))
+    points = 32 + 2 * (degree + shell.meridian.terms)
     coarse = _integrated(shell, degree, points)
     while points < MOST_POINTS:
         points *= 2
@@ -116,7 +116,7 @@ def _near(a: FloatArray, b: FloatArray) -> bool:
 
 
 def _integrated(shell: Shell, degree: int, points: int) -> Matrices:
-    """The same by so many points of Gauss-Legendre quadrature in cos phi."""
+    """The same by so many points of quadrature."""
     found, area, mass = _of_unit_wall(shell.meridian, degree, points)
     membrane = shell.membrane_stiffness * _energy(found.meridional, found.hoop, shell.poisson_ratio, area)
     bending = shell.bending_stiffness * _energy(found.meridional_bending, found.hoop_bending, shell.poisson_ratio, area)
@@ -124,12 +124,11 @@ def _integrated(shell: Shell, degree: int, points: int) -> Matrices:
 
 
 @lru_cache(maxsize=8)
-def _of_unit_wall(meridian: RestMeridian, degree: int, points: int) -> tuple[Strains, FloatArray, FloatArray]:
+def _of_unit_wall(meridian: ClosedMeridian, degree: int, points: int) -> tuple[Strains, FloatArray, FloatArray]:
     """For walls of any material: strains and areas (point,) [m^2] at the points, mass of one of unit mass per area."""
-    cos, weight = gauss_rule(points)
-    phi = np.arccos(cos)
+    phi, dphi = meridian_rule(meridian.junctions, points)
     at = curve(meridian, phi)
-    area = 2 * np.pi * at.x * length(at.dx, at.dz) * weight / np.sin(phi)
+    area = 2 * np.pi * at.x * length(at.dx, at.dz) * dphi
     p, dp, _ = legendre(degree, phi)
     radial, meridional = (p * area) @ p.T, (dp[1:] * area) @ dp[1:].T
     none = np.zeros((degree + 1, degree))

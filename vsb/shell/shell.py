@@ -1,6 +1,8 @@
 """Closed shell of revolution: meridian and material; for the sphere also natural frequencies and classical buckling."""
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import NamedTuple
@@ -11,7 +13,7 @@ from scipy.special import legendre_p_all
 from vsb.shell.materials import HookeLaw, Incompressible, Law, Wall, law_of
 from vsb.study.device import Device
 from vsb.study.material import Hookean
-from vsb.study.meridian import RestMeridian, spheroid
+from vsb.study.meridian import ArcMeridian, ClosedMeridian, RestMeridian, spheroid
 from vsb.tools.arrays import AnyArray, FloatArray
 
 
@@ -24,8 +26,11 @@ class Curve(NamedTuple):
     dz: FloatArray
 
 
-def curve(meridian: RestMeridian, phi: FloatArray) -> Curve:
-    """Return a meridian at angles, shape (point,) [rad]; analytic in its terms and in angles of a complex step."""
+def curve(meridian: ClosedMeridian, phi: FloatArray) -> Curve:
+    """Return a meridian at angles, shape (point,) [rad]; analytic in its numbers and in angles of a complex step."""
+    if isinstance(meridian, ArcMeridian):
+        return _on_arcs(meridian, phi)[0]
+    assert isinstance(meridian, RestMeridian)
     (a, j), (b, k) = _numbered(meridian)
     if np.iscomplexobj(phi):
         (sin_j, cos_j), (sin_k, cos_k) = ((np.sin(np.outer(n, phi)), np.cos(np.outer(n, phi))) for n in (j, k))
@@ -33,6 +38,29 @@ def curve(meridian: RestMeridian, phi: FloatArray) -> Curve:
     (_, x), (dx, _) = _sums(np.concatenate([np.zeros((2, 1)), np.array([a, j * a])], axis=1), phi).swapaxes(0, 1)
     (z, _), (_, fall) = _sums(np.array([b, k * b]), phi).swapaxes(0, 1)
     return Curve(x, z, dx, -fall)
+
+
+def _on_arcs(meridian: ArcMeridian, phi: FloatArray) -> tuple[Curve, tuple[FloatArray, FloatArray]]:
+    """A meridian of arcs at angles, and its second derivatives."""
+    which = np.searchsorted(np.real(meridian.junctions), np.real(phi), side="right")
+    curvature, arc, x, z, tangent = np.array(meridian.starts)[which].T
+    rate = meridian.length / np.pi
+    along = rate * phi - arc
+    across, down = arc_chord(curvature, tangent, along)
+    dx, dz, bent = (
+        rate * np.cos(tangent + curvature * along),
+        -rate * np.sin(tangent + curvature * along),
+        rate * curvature,
+    )
+    return Curve(x + across, z - down, dx, dz), (bent * dz, -bent * dx)
+
+
+def arc_chord(curvature: FloatArray, tangent: FloatArray, arc: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return how far across and down arcs lead, of `vsb.study.meridian.ArcMeridian`, each shape (point,) [m]."""
+    half = curvature * arc / 2
+    straight = half == 0.0
+    chord = arc * np.where(straight, 1.0, np.sin(half) / np.where(straight, 1.0, half))
+    return chord * np.cos(tangent + half), chord * np.sin(tangent + half)
 
 
 def _sums(coefficients: AnyArray, phi: FloatArray) -> AnyArray:
@@ -60,8 +88,11 @@ def length(dx: FloatArray, dz: FloatArray) -> FloatArray:
     return np.sqrt(dx**2 + dz**2) if np.iscomplexobj(dx) or np.iscomplexobj(dz) else np.hypot(dx, dz)
 
 
-def bend(meridian: RestMeridian, phi: FloatArray) -> tuple[FloatArray, FloatArray]:
+def bend(meridian: ClosedMeridian, phi: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the second derivatives of radius and height by the angle, each shape (point,) [m]."""
+    if isinstance(meridian, ArcMeridian):
+        return _on_arcs(meridian, phi)[1]
+    assert isinstance(meridian, RestMeridian)
     (a, j), (b, k) = _numbered(meridian)
     return -(j**2 * a) @ np.sin(np.outer(j, phi)), -(k**2 * b) @ np.cos(np.outer(k, phi))
 
@@ -79,6 +110,34 @@ def gauss_rule(points: int) -> tuple[FloatArray, FloatArray]:
     for values in rule:
         values.setflags(write=False)
     return rule
+
+
+FEWEST_ON_PART = 16
+"""Points of a quadrature on each part of a meridian with junctions, beside its share of them."""
+
+
+def parts(junctions: Sequence[float], start: float, end: float) -> list[tuple[float, float]]:
+    """Return the parts of a meridian between two angles that its junctions leave [rad]."""
+    inside = [phi for phi in junctions if np.real(start) < np.real(phi) < np.real(end)]
+    return list(itertools.pairwise((start, *inside, end)))
+
+
+def meridian_rule(junctions: Sequence[float], points: int) -> tuple[FloatArray, FloatArray]:
+    """Return angles and weights of dphi of Gauss-Legendre quadrature in cos(phi) from pole to pole, each (point,) [rad].
+
+    On a meridian with junctions `points` are shared among the parts between them, `FEWEST_ON_PART` more on each.
+    """
+    if not junctions:
+        cos, weight = gauss_rule(points)
+        return np.arccos(cos), weight / np.sin(np.arccos(cos))
+    found = []
+    for a, b in parts(junctions, 0.0, math.pi):
+        node, weight = gauss_rule(FEWEST_ON_PART + math.ceil(points * np.real(b - a) / math.pi))
+        top, bottom = np.cos(a), np.cos(b)
+        phi = np.arccos((top + bottom) / 2 + (top - bottom) / 2 * node)
+        found.append((phi, (top - bottom) / 2 * weight / np.sin(phi)))
+    phis, weights = zip(*found, strict=True)
+    return np.concatenate(phis), np.concatenate(weights)
 
 
 def legendre(degree: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -116,7 +175,7 @@ class Shell:
     young_modulus: float  # of small strains [Pa]
     poisson_ratio: float  # of small strains [-]
     density: float  # [kg/m^3]
-    rest: RestMeridian | None = None  # another meridian than the sphere's
+    rest: ClosedMeridian | None = None  # another meridian than the sphere's
     rubber: Incompressible | None = None  # in place of Hooke's law
 
     def __post_init__(self) -> None:
@@ -141,7 +200,7 @@ class Shell:
         if self.rest is not None and not (stepped or self.rest.stepped):
             self._check_rest(self.rest)
 
-    def _check_rest(self, rest: RestMeridian) -> None:
+    def _check_rest(self, rest: ClosedMeridian) -> None:
         """Check that another meridian is of this radius, and nowhere too sharp for a thin shell."""
         if not math.isclose(rest.radius, self.radius, rel_tol=1e-9):
             raise ValueError(f"a meridian needs the shell's radius, {self.radius} m, got {rest.radius} m.")
@@ -175,7 +234,7 @@ class Shell:
         return replace(self, young_modulus=1.0, density=1.0, rubber=None)
 
     @property
-    def meridian(self) -> RestMeridian:
+    def meridian(self) -> ClosedMeridian:
         """The meridian at rest, about an origin in the middle of its height."""
         return self.rest or spheroid(self.radius, 2 * self.radius)
 

@@ -12,7 +12,7 @@ from vsb.shell.modes import Mode
 from vsb.shell.orders import OrderBasis
 from vsb.shell.shell import curve
 from vsb.stages.stage import stamp
-from vsb.study.meridian import RestMeridian
+from vsb.study.meridian import ClosedMeridian
 from vsb.study.quantities import content_id
 from vsb.study.specs import DisplaySpec, ModesSpec
 from vsb.study.study import Study
@@ -45,7 +45,7 @@ def shell_modes(study: Study | ModesSpec, reference: ReferenceShell) -> xr.Datas
     return modes.assign_attrs(radius=study.device.radius, centre_height=height)
 
 
-def _beyond_sphere(rest: RestMeridian, radius: float) -> tuple[tuple[str, FloatArray], tuple[str, FloatArray]]:
+def _beyond_sphere(rest: ClosedMeridian, radius: float) -> tuple[tuple[str, FloatArray], tuple[str, FloatArray]]:
     """What leads from the sphere to another meridian at rest, along e_r and e_phi [m]."""
     at, sin, cos = curve(rest, COLATITUDES), np.sin(COLATITUDES), np.cos(COLATITUDES)
     return ("colatitude", at.x * sin + at.z * cos - radius), ("colatitude", at.x * cos - at.z * sin)

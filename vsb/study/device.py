@@ -15,7 +15,7 @@ from pydantic import ConfigDict, Field, SerializerFunctionWrapHandler, model_ser
 
 from vsb.errors import ConfigError
 from vsb.study.material import Hookean, Material, with_moduli
-from vsb.study.meridian import RestMeridian, capsule, spheroid, through
+from vsb.study.meridian import ClosedMeridian, capsule, spheroid, through
 from vsb.study.quantities import Brief, Finite, NonNegative, Number, Positive, Section, mass_or_draft, within
 from vsb.study.sections import Hydro, Water
 from vsb.tools.bounded import LARGEST_STUDY, read_bounded
@@ -31,7 +31,7 @@ class Spheroid(Section):
 
 
 class Capsule(Section):
-    """A cylinder between two hemispheres by its length [m], the curvature passing smoothly from one to the other."""
+    """A cylinder between two hemispheres by its length [m]."""
 
     length: Annotated[NonNegative, within(0.0, 1e4, "m", "no buoy is larger")]
 
@@ -52,7 +52,7 @@ class Shape(Section):
             raise ValueError(f"received {' and '.join(given) or 'none'}: needs one of spheroid, capsule and profile")
         return self
 
-    def meridian(self, radius: float) -> RestMeridian:
+    def meridian(self, radius: float) -> ClosedMeridian:
         """Return the meridian of a largest radius [m].
 
         Raises `ValueError` if it bounds no body, or is too slender or too flat.
@@ -118,7 +118,7 @@ def _points(path: Path, where: str) -> list[list[float]]:
     return points
 
 
-def shell_mass(meridian: RestMeridian | None, radius: float, thickness: float, density: float) -> float:
+def shell_mass(meridian: ClosedMeridian | None, radius: float, thickness: float, density: float) -> float:
     """Return the mass of a shell [kg], a sphere without another meridian."""
     area = 4 * math.pi * radius**2 if meridian is None else meridian.area
     return area * thickness * density
@@ -290,7 +290,7 @@ class Device(Section):
         return shell_mass(self.meridian, self.radius, self.thickness, self.density)
 
     @property
-    def meridian(self) -> RestMeridian | None:
+    def meridian(self) -> ClosedMeridian | None:
         """Meridian at rest about the middle of its height; none of a sphere."""
         return self.shape.meridian(self.radius) if self.shape else None
 

@@ -102,7 +102,7 @@ KEYS: dict[str, dict[str, Key]] = {
     },
     "Shape": {
         "spheroid": Key("", "{height: 3.0}", "ellipsoid of revolution; the radius is that of its equator"),
-        "capsule": Key("", "{length: 1.0}", "cylinder between two hemispheres, the curvature smooth where they join"),
+        "capsule": Key("", "{length: 1.0}", "cylinder between two hemispheres"),
         "profile": Key(
             "",
             "profile.csv",

@@ -8,25 +8,26 @@ meridian is therefore
     x = sum_k a_k sin k phi,    z = sum_k b_k cos k phi,
 
 and sin phi times, or just, a polynomial in cos phi. The sphere is a_1 = b_1 = r, a spheroid a_1 and b_1 alone.
+
+A meridian of circular arcs and straight lines, such as a capsule's, has one tangent where they join and a curvature
+that jumps there: its `junctions`. Whatever integrates along a meridian does so between them.
 """
 
+import bisect
 import cmath
 import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 SAMPLES = 400
 """Points of the meridian at which it is judged, beside eight for each of its terms."""
-JUNCTION = 0.15
-"""Of the radius: the curvature of a capsule is smoothed over about twice as much to either side of a junction."""
 MOST_TERMS = 160
 """Terms of a meridian at most."""
-SMALL = 1e-11
-"""Of the radius: terms of a capsule below it are left out."""
 SMALL_OF_PROFILES = 1e-7
-"""Likewise of a profile, whose spline has terms without end."""
+"""Of the radius: terms of a profile below it are left out, for its spline has terms without end."""
 MISFIT = 2e-4
 """Of the radius: a smooth meridian passes through the points of a profile to within this."""
 ON_AXIS = 1e-9
@@ -42,18 +43,14 @@ def _gauss(count: int) -> tuple[tuple[float, float], ...]:
     return tuple(zip(((1 + nodes) / 2).tolist(), (weights / 2).tolist(), strict=True))
 
 
-@dataclass(frozen=True)
-class RestMeridian:
-    """A closed meridian by its terms, clear of the axis between its poles and of itself; checked when made."""
-
-    radial: tuple[float, ...]  # a_1, a_2, ... [m]
-    axial: tuple[float, ...]  # b_0, b_1, ... [m]
+class ClosedMeridian:
+    """A closed meridian, clear of the axis between its poles and of itself, by an angle phi; checked when made."""
 
     def __post_init__(self) -> None:
-        """Refuse what bounds no body; terms with the imaginary part of a complex step are judged without it."""
+        """Refuse what bounds no body; numbers with the imaginary part of a complex step are judged without it."""
         if self.stepped:
             return
-        if not all(map(math.isfinite, (*self.radial, *self.axial))):
+        if not all(map(math.isfinite, self._numbers)):
             raise ValueError("received NaN or infinite numbers; needs finite ones")
         _check_clear_of_axis(self)
         if (crossing := _crossing(self._samples)) is not None:
@@ -63,29 +60,37 @@ class RestMeridian:
             )
 
     @property
+    def _numbers(self) -> tuple[float, ...]:
+        """All numbers it is made of."""
+        raise NotImplementedError
+
+    @property
+    def terms(self) -> int:
+        """How many terms of a series turn as often as it does: the points of a quadrature grow with it."""
+        raise NotImplementedError
+
+    @property
+    def junctions(self) -> tuple[float, ...]:
+        """Angles between the poles where its curvature jumps, ascending [rad]; none of a smooth meridian."""
+        return ()
+
+    def _with_bend(self, phi: float) -> tuple[float, float, float, float, float, float]:
+        """Radius, height, their slopes and second derivatives by phi."""
+        raise NotImplementedError
+
+    @property
     def stepped(self) -> bool:
-        """Whether its terms have imaginary parts, for derivatives by a complex step."""
-        return any(isinstance(term, complex) for term in (*self.radial, *self.axial))
+        """Whether its numbers have imaginary parts, for derivatives by a complex step."""
+        return any(isinstance(number, complex) for number in self._numbers)
 
     def at(self, phi: float) -> tuple[float, float, float, float]:
         """Return radius, height and their slopes by phi at an angle [m]."""
         return self._with_bend(phi)[:4]
 
-    def _with_bend(self, phi: float) -> tuple[float, float, float, float, float, float]:
-        """Radius, height, their slopes and second derivatives by phi; (e^(i phi))^k in place of k sines and cosines."""
-        x, dx, ddx, z, dz, ddz = 0.0, 0.0, 0.0, self.axial[0], 0.0, 0.0
-        turn, turned = cmath.rect(1.0, phi), 1.0 + 0.0j
-        for k, (a, b) in enumerate(itertools.zip_longest(self.radial, self.axial[1:], fillvalue=0.0), 1):
-            turned *= turn
-            sin, cos = turned.imag, turned.real
-            x, dx, ddx = x + a * sin, dx + k * a * cos, ddx - k * k * a * sin
-            z, dz, ddz = z + b * cos, dz - k * b * sin, ddz - k * k * b * cos
-        return x, z, dx, dz, ddx, ddz
-
     @cached_property
     def _bends(self) -> tuple[tuple[float, ...], ...]:
         """`_with_bend` at angles evenly spaced from the top to the keel."""
-        count = SAMPLES + 8 * max(len(self.radial), len(self.axial))
+        count = SAMPLES + 8 * self.terms
         return tuple(self._with_bend(math.pi * i / count) for i in range(count + 1))
 
     @cached_property
@@ -107,19 +112,21 @@ class RestMeridian:
     @property
     def top(self) -> float:
         """Height of the top pole [m]."""
-        return sum(self.axial)
+        return self.at(0.0)[1]
 
     @property
     def keel(self) -> float:
         """Height of the bottom pole [m]."""
-        return sum(-b if k % 2 else b for k, b in enumerate(self.axial))
+        return self.at(math.pi)[1]
 
     def _integral(self, of: Callable[[float], float], parts: Sequence[tuple[float, float]]) -> float:
         """Integral over parts of the meridian, by as many points as its terms need in each, a multiple of eight."""
-        terms, total = max(len(self.radial), len(self.axial)), 0.0
-        for a, b in parts:
-            rule = _gauss(24 + 8 * math.ceil(terms * (b - a) / (4 * math.pi)))
-            total += sum((b - a) * w * of(a + (b - a) * u) for u, w in rule)
+        total = 0.0
+        for start, end in parts:
+            edges = (start, *(phi for phi in self.junctions if start < phi < end), end)
+            for a, b in itertools.pairwise(edges):
+                rule = _gauss(24 + 8 * math.ceil(self.terms * (b - a) / (4 * math.pi)))
+                total += sum((b - a) * w * of(a + (b - a) * u) for u, w in rule)
         return total
 
     def _below(self, height: float) -> list[tuple[float, float]]:
@@ -217,10 +224,120 @@ class RestMeridian:
         """Height of its highest point [m]."""
         return max(z for _, _, z in self._samples)
 
+
+@dataclass(frozen=True)
+class RestMeridian(ClosedMeridian):
+    """A smooth closed meridian by its terms."""
+
+    radial: tuple[float, ...]  # a_1, a_2, ... [m]
+    axial: tuple[float, ...]  # b_0, b_1, ... [m]
+
+    @property
+    def _numbers(self) -> tuple[float, ...]:
+        return (*self.radial, *self.axial)
+
+    @property
+    def terms(self) -> int:
+        """The number of its terms."""
+        return max(len(self.radial), len(self.axial))
+
+    def _with_bend(self, phi: float) -> tuple[float, float, float, float, float, float]:
+        """As of every meridian; (e^(i phi))^k in place of k sines and cosines."""
+        x, dx, ddx, z, dz, ddz = 0.0, 0.0, 0.0, self.axial[0], 0.0, 0.0
+        turn, turned = cmath.rect(1.0, phi), 1.0 + 0.0j
+        for k, (a, b) in enumerate(itertools.zip_longest(self.radial, self.axial[1:], fillvalue=0.0), 1):
+            turned *= turn
+            sin, cos = turned.imag, turned.real
+            x, dx, ddx = x + a * sin, dx + k * a * cos, ddx - k * k * a * sin
+            z, dz, ddz = z + b * cos, dz - k * b * sin, ddz - k * k * b * cos
+        return x, z, dx, dz, ddx, ddz
+
+    @property
+    def top(self) -> float:
+        """Height of the top pole [m]."""
+        return sum(self.axial)
+
+    @property
+    def keel(self) -> float:
+        """Height of the bottom pole [m]."""
+        return sum(-b if k % 2 else b for k, b in enumerate(self.axial))
+
     def scaled(self, across: float, along: float, up: float = 0.0) -> "RestMeridian":
         """Return it stretched across and along its axis, then moved up [m]."""
         axial = tuple(along * b for b in self.axial)
         return RestMeridian(tuple(across * a for a in self.radial), (axial[0] + up, *axial[1:]))
+
+
+class ArcStart(NamedTuple):
+    """Where an arc begins: its curvature, length from the top, radius, height, angle of the tangent below the level."""
+
+    curvature: float  # [1/m]
+    arc: float  # [m]
+    x: float  # [m]
+    z: float  # [m]
+    tangent: float  # [rad]
+
+
+@dataclass(frozen=True)
+class ArcMeridian(ClosedMeridian):
+    """Circular arcs and straight lines from the top to the keel, each going on in the tangent of the one before.
+
+    Height zero is the middle between top and keel. phi goes with the length of the arc. On an arc of curvature k from
+    (x0, z0) with a tangent psi0 below the level, a length u further,
+
+        x = x0 + u sinc(k u/2) cos(psi0 + k u/2),    z = z0 - u sinc(k u/2) sin(psi0 + k u/2),
+
+    sinc(t) = sin(t)/t, of lines and arcs alike and analytic in lengths and curvatures of a complex step.
+    """
+
+    lengths: tuple[float, ...]  # [m]
+    arc_curvatures: tuple[float, ...]  # [1/m]; positive towards the axis
+
+    @property
+    def _numbers(self) -> tuple[float, ...]:
+        return (*self.lengths, *self.arc_curvatures)
+
+    @cached_property
+    def length(self) -> float:
+        """Length of the arc from the top to the keel [m]."""
+        return sum(self.lengths)
+
+    @cached_property
+    def terms(self) -> int:
+        """How many terms of a series turn as often as its most curved arc."""
+        return 3 + math.ceil(max(abs(complex(k * self.length)) for k in self.arc_curvatures) / math.pi)
+
+    @cached_property
+    def junctions(self) -> tuple[float, ...]:
+        """Angles between the poles where its curvature jumps, ascending [rad]."""
+        return tuple(math.pi * start.arc / self.length for start in self.starts[1:])
+
+    @cached_property
+    def starts(self) -> tuple[ArcStart, ...]:
+        """Where each arc begins."""
+        arc, x, z, tangent, found = 0.0, 0.0, 0.0, 0.0, []
+        for length, curvature in zip(self.lengths, self.arc_curvatures, strict=True):
+            found.append(ArcStart(curvature, arc, x, z, tangent))
+            across, down = arc_chord(curvature, tangent, length)
+            arc, x, z, tangent = arc + length, x + across, z - down, tangent + curvature * length
+        return tuple(start._replace(z=start.z - z / 2) for start in found)
+
+    def _with_bend(self, phi: float) -> tuple[float, float, float, float, float, float]:
+        start = self.starts[bisect.bisect_right([complex(angle).real for angle in self.junctions], phi)]
+        rate = self.length / math.pi
+        across, down = arc_chord(start.curvature, start.tangent, rate * phi - start.arc)
+        of = cmath if self.stepped else math
+        tangent = start.tangent + start.curvature * (rate * phi - start.arc)
+        dx, dz, bend = rate * of.cos(tangent), -rate * of.sin(tangent), rate * start.curvature
+        return start.x + across, start.z - down, dx, dz, bend * dz, -bend * dx
+
+
+def arc_chord(curvature: float, tangent: float, length: float) -> tuple[float, float]:
+    """Return how far across and down an arc leads that begins with a tangent at an angle below the level [m]."""
+    of = cmath if isinstance(curvature * length + tangent, complex) else math
+    half = curvature * length / 2
+    chord = length * (of.sin(half) / half if half else 1.0)
+    return chord * of.cos(tangent + half), chord * of.sin(tangent + half)
 
 
 def _curvatures(x: float, _: float, dx: float, dz: float, ddx: float, ddz: float) -> tuple[float, float]:
@@ -229,7 +346,7 @@ def _curvatures(x: float, _: float, dx: float, dz: float, ddx: float, ddz: float
     return (ddx * dz - dx * ddz) / slope**3, -dz / (x * slope)
 
 
-def _check_clear_of_axis(meridian: RestMeridian) -> None:
+def _check_clear_of_axis(meridian: ClosedMeridian) -> None:
     """Raise `ValueError` if a meridian meets the axis between its poles, or leaves them inwards."""
     _, x, z = min(meridian._samples[1:-1], key=lambda at: at[1])
     if x <= 0 or meridian.at(0.0)[2] <= 0 or meridian.at(math.pi)[2] >= 0:
@@ -264,31 +381,15 @@ def spheroid(radius: float, height: float) -> RestMeridian:
 
 
 @lru_cache(maxsize=32)
-def capsule(radius: float, length: float) -> RestMeridian:
-    """Return a cylinder of a length between two hemispheres [m], of radius and height those of the plain capsule.
+def capsule(radius: float, length: float) -> ClosedMeridian:
+    """Return a cylinder of a length between two hemispheres [m]; without length the sphere.
 
-    Of the plain one the curvature 1/r jumps to 0; here it passes smoothly (a Gaussian of `JUNCTION` radii), so that
-    the meridian is smooth to all orders. Its angle phi goes with the length of the arc.
-
-    The tangent turns by psi' = 1 + sum c_k cos k phi, c_k = 4 P/(2 pi^2 r) sin(k w)/k exp(-(k s)^2/2) of even k, with
-    P the perimeter, w = pi^2 r/P half of a cap and s = 2 pi `JUNCTION` r/P; then x' = cos psi, z' = -sin psi.
     Radius and length may be complex, for derivatives by a complex step.
     """
-    of = cmath if isinstance(radius + length, complex) else math
-    perimeter = 2 * (math.pi * radius + length)
-    half, blur = math.pi**2 * radius / perimeter, 2 * math.pi * JUNCTION * radius / perimeter
-    even = range(2, min(MOST_TERMS, 2 + int(9 / blur.real)), 2)
-    turn = {
-        k: 2 * perimeter / (math.pi**2 * radius) * of.sin(k * half) / k * of.exp(-0.5 * (k * blur) ** 2) for k in even
-    }
-    count = 2 * MOST_TERMS
-    angles = [math.pi * (i + 0.5) / count for i in range(count)]
-    tangents = [phi + sum(c * math.sin(k * phi) / k for k, c in turn.items()) for phi in angles]
-    slopes = _terms([of.cos(psi) for psi in tangents], [of.sin(psi) for psi in tangents], SMALL)
-    radial, axial = ([term / k for k, term in enumerate(terms, 1)] for terms in slopes)
-    across = radius / (sum(radial[::4]) - sum(radial[2::4]))  # by the radius at phi = pi/2
-    along = (2 * radius + length) / (2 * sum(axial[::2]))  # and the height from pole to pole
-    return RestMeridian(tuple(across * a for a in radial), (0.0, *(along * b for b in axial)))
+    if not length:
+        return spheroid(radius, 2 * radius)
+    cap = math.pi * radius / 2
+    return ArcMeridian((cap, length, cap), (1 / radius, 0.0, 1 / radius))
 
 
 def _terms(even: Sequence[float], odd: Sequence[float], small: float) -> tuple[list[float], list[float]]:

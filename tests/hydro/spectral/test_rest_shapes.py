@@ -86,6 +86,20 @@ def test_reciprocity_and_haskind_of_shell_modes(body):
     assert np.abs(found.radiation_damping.values - implied).max() < 1e-8 * np.abs(implied).max()
 
 
+@pytest.mark.parametrize(("draft", "depth"), [(3.5, np.inf), (2.0, np.inf), (1.995, np.inf), (4.5, np.inf), (3.5, 4.0)])
+def test_capsule_converges_spectrally_on_each_side_of_its_junctions(draft, depth):
+    """Also where the waterline meets a junction, or nearly does, and over a level bottom."""
+    meridian, found = capsule(2.0, 2.0), []
+    body = _at_rest(meridian, -(meridian.lowest + draft))
+    for nodes in (16, 48):
+        problem = SpectralProblem(body, displacements(["Heave"]), DENSITY, GRAVITY, nodes, depth=depth)
+        found.append(with_excitation(problem.solve([2.618])))
+    for name in ("added_mass", "radiation_damping", "excitation_force"):
+        assert found[0][name].values == pytest.approx(found[1][name].values, rel=1e-5), name
+    implied = haskind_damping(found[1], depth, DENSITY, GRAVITY).real
+    assert implied == pytest.approx(found[1].radiation_damping.values, rel=1e-7)
+
+
 SPHEROID = {
     "device": {"shape": {"spheroid": {"height": 3.0}}, "young_modulus": 3e7, "mass": 12880.529879718},
     "designs": {"FSB": {"flexible": False}, "VSWEC": {}},

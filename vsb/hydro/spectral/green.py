@@ -28,7 +28,7 @@ from scipy.special import jv
 
 from vsb.errors import ConfigError
 from vsb.hydro.dofs import bessel
-from vsb.hydro.spectral.meridian import WetMeridian, unit_rule
+from vsb.hydro.spectral.meridian import Piece, WetMeridian, unit_rule
 from vsb.tools.arrays import ComplexArray, FloatArray
 
 _CUTOFF = 6.0
@@ -201,19 +201,22 @@ class FiniteDepthWavePart:
 
         Under the keel a ring is near its image: the nodes' polynomials are integrated on as many points as that takes.
         """
-        t, weight = unit_rule(self.image_points)
-        p, (x, z) = self.meridian.at(t), self.meridian.targets
-        apart, height = x[:, None] - p.x, z[:, None] + p.z + 2 * self.depth
-        values = p.influence(self.meridian.order, apart, height, 1.0) * weight * p.rate
-        return np.asarray(values @ self.meridian.interpolation(t) / self.meridian.areas)
+        found = []
+        for piece in self.meridian.pieces:
+            t, weight = piece._replace(nodes=self._image_points(piece)).rule
+            p, (x, z) = self.meridian.at(t), self.meridian.targets
+            apart, height = x[:, None] - p.x, z[:, None] + p.z + 2 * self.depth
+            values = p.influence(self.meridian.order, apart, height, 1.0) * weight * p.rate
+            found.append(values @ self.meridian.interpolation(t))
+        return np.asarray(sum(found) / self.meridian.areas)
 
-    @property
-    def image_points(self) -> int:
+    def _image_points(self, piece: Piece) -> int:
         """Number of Gauss points for the image: a target's kernel is singular about t +- 2i (z + d)/(ds/dt)."""
-        t, p = unit_rule(self.meridian.nodes)[0], self.meridian.points
-        pole = 2 * (t + 2j * (p.z + self.depth) * p.x / p.rate) - 1
+        t, p = self.meridian.rule[0], self.meridian.points
+        pole = t + 2j * (p.z + self.depth) * p.x / p.rate
+        pole = 2 * (pole - piece.start) / (piece.end - piece.start) - 1
         ellipse = np.log(np.abs(pole + np.sqrt(pole - 1) * np.sqrt(pole + 1)).min())  # Bernstein's, through the pole
-        return _ELEMENT + int(np.ceil((self.meridian.nodes + _NEGLIGIBLE_ON_PATH / ellipse) / 2))
+        return _ELEMENT + int(np.ceil((piece.nodes + _NEGLIGIBLE_ON_PATH / ellipse) / 2))
 
     def _reflected(self, alpha: ComplexArray | float) -> ComplexArray:
         """Influence with a surface that reflects by alpha along the path."""

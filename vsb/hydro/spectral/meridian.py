@@ -10,11 +10,13 @@ in m from elliptic integrals is stable, far from it their series in q converges.
 """
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.special import ellipe, ellipkm1, hyp2f1, poch, roots_legendre
 
 from vsb.hydro.dofs import bessel
@@ -155,15 +157,19 @@ class Points(NamedTuple):
         return np.exp(np.outer(self.z, k)) * np.stack([value, (k * n_z - bend) * value + k * n_x * lower])
 
 
-def _rule_about(t: float, longest: float) -> tuple[FloatArray, FloatArray]:
+def _rule_about(t: float, longest: float, breaks: Sequence[float]) -> tuple[FloatArray, FloatArray]:
     """Distances from t and weights of a rule on [0, 1] for a logarithm at t and its mirror images beyond both ends.
 
-    Intervals double from t on, up to a longest one within which the integrated polynomials turn little.
+    Intervals double from t on, up to a longest one within which the integrated polynomials turn little; `breaks`, where
+    these change, part them.
     """
     offsets, weights = [], []
+    nearest = min(t, 1 - t, *(abs(t - each) for each in breaks))
     for sign, end in ((-1, t), (1, 1 - t)):
-        doubling = 2.0 ** np.arange(np.ceil(np.log2(2 * end / min(t, 1 - t) + 1)) + 1) - 1
+        doubling = 2.0 ** np.arange(np.ceil(np.log2(2 * end / nearest + 1)) + 1) - 1
         edges = doubling * end / doubling[-1]
+        inside = [sign * (each - t) for each in breaks if 0 < sign * (each - t) < end]
+        edges = np.unique(np.append(edges, inside))
         parts = [np.linspace(a, b, int(np.ceil((b - a) / longest)) + 1)[:-1] for a, b in itertools.pairwise(edges)]
         for a, b in itertools.pairwise(np.append(np.concatenate(parts), end)):
             u, w = unit_rule(16) if a else log_rule()
@@ -172,13 +178,61 @@ def _rule_about(t: float, longest: float) -> tuple[FloatArray, FloatArray]:
     return np.concatenate(offsets), np.concatenate(weights)
 
 
+_FURTHER = 4
+"""Nodes of each piece of a meridian with junctions beside its share."""
+_MERGED = 0.02
+"""Pieces shorter than this in t are none of their own: near the waterline they measure 1e-5 of the meridian or less."""
+
+
+class Piece(NamedTuple):
+    """A smooth piece of the wet meridian between two values of t, and its number of nodes."""
+
+    start: float
+    end: float
+    nodes: int
+
+    @property
+    def rule(self) -> tuple[FloatArray, FloatArray]:
+        """Gauss-Legendre nodes and weights in t, each shape (node,)."""
+        t, weight = unit_rule(self.nodes)
+        return self.start + (self.end - self.start) * t, (self.end - self.start) * weight
+
+
 @dataclass(frozen=True)
 class WetMeridian:
-    """The wet side of a shell at Gauss points in t, 0 at the waterline and 1 at the keel, for one azimuthal order."""
+    """The wet side of a shell at Gauss points in t, 0 at the waterline and 1 at the keel, for one azimuthal order.
+
+    Where the curvature of the meridian jumps, normals and potentials are smooth on either side alone: each side has
+    nodes of its own.
+    """
 
     shell: DeformedShell
-    nodes: int
+    nodes: int  # on a smooth meridian; where there are junctions some more
     order: int = 0
+
+    @cached_property
+    def pieces(self) -> list[Piece]:
+        """The smooth pieces, from the waterline to the keel."""
+        edges = [0.0]
+        for junction in self.shell.basis.shell.meridian.junctions:
+            if self._colatitude(np.array([_MERGED]))[0][0] < junction:
+                at = brentq(lambda t, to=junction: self._colatitude(np.array([t]))[0][0] - to, 0.0, 1.0, xtol=1e-15)
+                edges += [at] if at - edges[-1] > _MERGED and 1 - at > _MERGED else []
+        if len(edges) == 1:
+            return [Piece(0.0, 1.0, self.nodes)]
+        ends = itertools.pairwise((*edges, 1.0))
+        return [Piece(a, b, _FURTHER + max(2, round((b - a) * self.nodes))) for a, b in ends]
+
+    @cached_property
+    def rule(self) -> tuple[FloatArray, FloatArray]:
+        """Nodes and weights in t of all pieces, each shape (node,)."""
+        t, weight = zip(*(piece.rule for piece in self.pieces), strict=True)
+        return np.concatenate(t), np.concatenate(weight)
+
+    @property
+    def count(self) -> int:
+        """Number of nodes."""
+        return sum(piece.nodes for piece in self.pieces)
 
     @property
     def waterline(self) -> float:
@@ -194,19 +248,16 @@ class WetMeridian:
     def chord(self, start: FloatArray, offset: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the vector from t = start to start + `offset`, radial and vertical, each shape (point,) [m].
 
-        By products, as sin(k b) - sin(k a) = 2 cos(k (a + b)/2) sin(k (b - a)/2) and (b^n - a^n)/(b - a) is a sum of
-        a^i b^(n-1-i): a difference of coordinates near the waterline would be all round-off.
+        By products, as (b^n - a^n)/(b - a) is a sum of a^i b^(n-1-i): a difference of coordinates near the waterline
+        would be all round-off.
         """
 
         def quotient(power: int) -> FloatArray:
             return np.asarray(sum(start**i * (start + offset) ** (power - 1 - i) for i in range(power)))
 
         extra, span = _CROWDING - _KEEL_SLOPE, np.pi - self.waterline
-        half = span * offset * ((1 + extra) * quotient(_CROWDING) - extra * quotient(_CROWDING + 1)) / 2
-        radial, axial = self.shell.terms
-        k = np.arange(len(radial))
-        middle, turned = np.outer(k, self._colatitude(start)[0] + half), np.sin(np.outer(k, half))
-        return np.asarray(2 * radial @ (np.cos(middle) * turned)), np.asarray(-2 * axial @ (np.sin(middle) * turned))
+        further = span * offset * ((1 + extra) * quotient(_CROWDING) - extra * quotient(_CROWDING + 1))
+        return self.shell.chord(self._colatitude(start)[0], further)
 
     def at(self, t: FloatArray) -> Points:
         """Return the points at t."""
@@ -219,12 +270,12 @@ class WetMeridian:
     @cached_property
     def points(self) -> Points:
         """The shell at the Gauss points."""
-        return self.at(unit_rule(self.nodes)[0])
+        return self.at(self.rule[0])
 
     @cached_property
     def areas(self) -> FloatArray:
         """Area per radian of azimuth that each node stands for, shape (node,) [m^2]."""
-        return unit_rule(self.nodes)[1] * self.points.rate
+        return self.rule[1] * self.points.rate
 
     @cached_property
     def targets(self) -> tuple[FloatArray, FloatArray]:
@@ -242,17 +293,26 @@ class WetMeridian:
         return np.concatenate([self.points.x, radius]), np.concatenate([self.points.z, height])
 
     def interpolation(self, t: FloatArray) -> FloatArray:
-        """Return the values at t of the polynomials that are one at one node, shape (point, node); barycentric."""
-        node, weight = unit_rule(self.nodes)
-        scale = (-1.0) ** np.arange(self.nodes) * np.sqrt(node * (1 - node) * weight)
-        apart = t[:, None] - node
-        terms = scale / np.where(apart == 0.0, 1e-300, apart)
-        return np.asarray(terms / terms.sum(axis=1, keepdims=True))
+        """Return the values at t of the polynomials that are one at one node, shape (point, node); barycentric.
+
+        Each is zero beyond its own piece.
+        """
+        found, at, last = np.zeros((len(t), self.count)), 0, self.pieces[-1]
+        for piece in self.pieces:
+            node, weight = unit_rule(piece.nodes)
+            here = (t >= piece.start) & ((t < piece.end) | (piece is last))
+            scale = (-1.0) ** np.arange(piece.nodes) * np.sqrt(node * (1 - node) * weight)
+            apart = (t[here, None] - piece.start) / (piece.end - piece.start) - node
+            terms = scale / np.where(apart == 0.0, 1e-300, apart)
+            found[here, at : at + piece.nodes] = terms / terms.sum(axis=1, keepdims=True)
+            at += piece.nodes
+        return found
 
     def _singular_row(self, i: int) -> FloatArray:
         """Integrals over the shell of 1/r, 1/r' at node i, shape (2 sources, 2 potential and derivative, node)."""
-        start = unit_rule(self.nodes)[0][i]
-        offset, weight = _rule_about(float(start), _LONGEST_IN_NODES / self.nodes)
+        start = self.rule[0][i]
+        breaks = [piece.start for piece in self.pieces[1:]]
+        offset, weight = _rule_about(float(start), _LONGEST_IN_NODES / self.nodes, breaks)
         points = self.at(start + offset)
         dx, dz = self.chord(np.full_like(offset, start), offset)
         both = (-dz, -1.0), (self.points.z[i] + points.z, 1.0)
@@ -262,8 +322,8 @@ class WetMeridian:
     @cached_property
     def rankine(self) -> FloatArray:
         """Influence of 1/r and 1/r', shape (2 sources, 2 potential and derivative, target, node) [m, -]."""
-        on = np.stack([self._singular_row(i) for i in range(self.nodes)], axis=2)
-        p, (x, z) = self.points, (a[self.nodes :, None] for a in self.targets)
+        on = np.stack([self._singular_row(i) for i in range(self.count)], axis=2)
+        p, (x, z) = self.points, (a[self.count :, None] for a in self.targets)
         inside = np.stack([p.influence(self.order, x - p.x, z + sign * p.z, sign) for sign in (-1.0, 1.0)])
         return np.concatenate([on, inside * self.areas], axis=2)
 
@@ -273,9 +333,9 @@ class WetMeridian:
         Least squares in the norm of the surface; an interior equation counts as much as all of the surface.
         """
         root = np.sqrt(self.areas)
-        inside = len(double) - self.nodes
+        inside = len(double) - self.count
         rows = np.concatenate([root, np.full(inside, np.sqrt(root @ root))])[:, None]
         matrix = -double * rows / root
-        matrix[: self.nodes] += 2 * np.pi * np.eye(self.nodes)
+        matrix[: self.count] += 2 * np.pi * np.eye(self.count)
         adjoint = matrix.conj().T
         return np.asarray(np.linalg.solve(adjoint @ matrix, adjoint @ (rows * right)) / root[:, None])

@@ -24,10 +24,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
 from vsb.hydro.dofs import normal_velocities
-from vsb.hydro.spectral.meridian import unit_rule
+from vsb.hydro.spectral.meridian import WetMeridian, unit_rule
 from vsb.hydro.spectral.solver import SpectralProblem
 from vsb.shell.shell import Curve
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -46,11 +47,16 @@ class ShapeDerivative(NamedTuple):
     excitation_change: ComplexArray  # (omega, direction, displacement)
 
 
-def slope_matrix(nodes: int) -> FloatArray:
+def slope_matrix(meridian: WetMeridian) -> FloatArray:
     """Return the derivatives by t, at the nodes, of the polynomials that are one at one node, shape (node, node).
 
     See Berrut and Trefethen, Barycentric Lagrange Interpolation (2004), section 9.
     """
+    return block_diag(*(_slopes(piece.nodes) / (piece.end - piece.start) for piece in meridian.pieces))
+
+
+def _slopes(nodes: int) -> FloatArray:
+    """The same of one piece from 0 to 1."""
     t, weight = unit_rule(nodes)
     scale = (-1.0) ** np.arange(nodes) * np.sqrt(t * (1 - t) * weight)
     apart = t[:, None] - t + np.eye(nodes)
@@ -77,8 +83,8 @@ def shape_derivative(problem: SpectralProblem, omegas: list[float], directions: 
         raise ConfigError(f"displacements: received azimuthal order {problem.order}; shape derivatives need order 0")
     m, phi = problem.meridian, problem.potentials(omegas).swapaxes(1, 2)  # (omega, displacement and wave, node)
     p, area, w = m.points, m.areas, problem.velocities
-    w_all = np.vstack([w, np.zeros(m.nodes)])  # the body is held in the incident wave
-    slope = (phi @ slope_matrix(m.nodes).T) * (p.x / p.rate)  # by the length of the arc
+    w_all = np.vstack([w, np.zeros(m.count)])  # the body is held in the incident wave
+    slope = (phi @ slope_matrix(m).T) * (p.x / p.rate)  # by the length of the arc
     at, moved, (x_i, z_i) = m.shell.curve(p.colatitude), directions(p.colatitude), _components(problem, p.colatitude)
     normal, tangential = moved.x * p.n_x + moved.z * p.n_z, moved.x * p.n_z - moved.z * p.n_x
     turned = (moved.dx[:, None] * z_i - moved.dz[:, None] * x_i) / np.hypot(at.dx, at.dz)

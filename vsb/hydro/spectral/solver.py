@@ -124,7 +124,7 @@ class SpectralProblem:
         columns: list[tuple[FloatArray | ComplexArray, ...]] = []
         for omega, incident, potentials in self._solved(omegas):
             forces = self.onto @ potentials
-            froude_krylov = self.gravity * (self.onto @ incident[: self.meridian.nodes])
+            froude_krylov = self.gravity * (self.onto @ incident[: self.meridian.count])
             radiated, total = forces[:, :-1], self.gravity * forces[:, -1]
             columns.append((radiated.real, omega * radiated.imag, froude_krylov, total - froude_krylov))
         return solved_dataset(omegas, self.displacements, columns)
@@ -190,7 +190,7 @@ def incident_wave(problem: SpectralProblem) -> IncidentWave:
     radius = float(m.shell.meridian(np.array([m.waterline])).x[0])
 
     def froude_krylov(omega: FloatArray) -> ComplexArray:
-        incident = problem.incident(problem.wavenumbers(list(omega)))[:, : m.nodes]
+        incident = problem.incident(problem.wavenumbers(list(omega)))[:, : m.count]
         return np.asarray(problem.gravity * (incident @ problem.onto.T)[:, None])
 
     return IncidentWave(lambda omega: radius * problem.wavenumbers(list(omega)), froude_krylov, problem.order)
