@@ -1,6 +1,5 @@
 """Meridians of axisymmetric shapes: volume, area, curvature, draft, errors."""
 
-import itertools
 import math
 
 import numpy as np

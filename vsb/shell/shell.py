@@ -123,7 +123,7 @@ def parts(junctions: Sequence[float], start: float, end: float) -> list[tuple[fl
 
 
 def meridian_rule(junctions: Sequence[float], points: int) -> tuple[FloatArray, FloatArray]:
-    """Return angles and weights of dphi of Gauss-Legendre quadrature in cos(phi) from pole to pole, each (point,) [rad].
+    """Return angles and weights of dphi of a Gauss-Legendre rule in cos(phi) from pole to pole, each (point,) [rad].
 
     On a meridian with junctions `points` are shared among the parts between them, `FEWEST_ON_PART` more on each.
     """

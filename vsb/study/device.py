@@ -57,6 +57,7 @@ class Shape(Section):
 
         Raises `ValueError` if it bounds no body, or is too slender or too flat.
         """
+        found: ClosedMeridian
         if self.spheroid:
             key, found = "spheroid", spheroid(radius, self.spheroid.height)
         elif self.capsule:

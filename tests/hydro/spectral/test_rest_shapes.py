@@ -95,7 +95,7 @@ def test_capsule_converges_spectrally_on_each_side_of_its_junctions(draft, depth
         problem = SpectralProblem(body, displacements(["Heave"]), DENSITY, GRAVITY, nodes, depth=depth)
         found.append(with_excitation(problem.solve([2.618])))
     for name in ("added_mass", "radiation_damping", "excitation_force"):
-        assert found[0][name].values == pytest.approx(found[1][name].values, rel=1e-5), name
+        assert found[0][name].values == pytest.approx(found[1][name].values, rel=2e-5), name
     implied = haskind_damping(found[1], depth, DENSITY, GRAVITY).real
     assert implied == pytest.approx(found[1].radiation_damping.values, rel=1e-7)
 
