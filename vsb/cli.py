@@ -135,7 +135,7 @@ def import_wamit(args: argparse.Namespace) -> int:
     """Read WAMIT's output, including generalized modes, into a hydro database and print its checks."""
     from vsb.stages import coefficients
 
-    names = (*coefficients.FACTS, "axisymmetric")
+    names = (*coefficients.FACTS, "axisymmetric", "bodies", "modes")
     found = coefficients.import_wamit(args.folder, args.name, args.out, **{name: getattr(args, name) for name in names})
     return _imported(*found, args.out)
 
@@ -209,6 +209,18 @@ def stage(args: argparse.Namespace) -> int:
         raise ConfigError("standard input: received a terminal, needs the specification of the rule as JSON")
     one.run(vars(args), sys.stdin.read() if one.spec else "")
     return 0
+
+
+def count(text: str) -> int:
+    """Return a whole number from 1 in an argument; argparse's error if it is none."""
+    if not (text.isdecimal() and 1 <= int(text) <= 1000):
+        raise argparse.ArgumentTypeError(f"received {text!r}, needs a whole number from 1")
+    return int(text)
+
+
+def counts(text: str) -> list[int]:
+    """Return whole numbers with commas between them."""
+    return [count(word) for word in text.split(",")]
 
 
 class Parser(argparse.ArgumentParser):
@@ -309,6 +321,9 @@ def _add_imports(commands: Any) -> None:
     one.add_argument("--gravity", type=float, default=9.81, help="GRAV [m/s^2] (default: 9.81)")
     one.add_argument("--length", type=float, default=1.0, help="ULEN [m] (default: 1)")
     one.add_argument("--depth", type=float, default=float("inf"), help="HBOT [m] (default: deep water)")
+    one.add_argument("--bodies", type=count, metavar="N", help="NBODY, if there is no .mmx, which states it")
+    text = "modes of each body, six and its generalized ones, such as 7,6"
+    one.add_argument("--modes", type=counts, metavar="N,N", help=text)
     one.set_defaults(writes=("{out}",))
     one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
     one = _command(

@@ -54,7 +54,7 @@ def check(plan: BodyPlan) -> CheckedBody:
         check_repairable(study.hydro.repair, body.database.omega.values)
         checks = quality.judged(of_own_mass(mesh_checks(source.file, mesh), source, body), study.hydro.accept, REMEDY)
     else:
-        ds = read_source(source.kind, files[source.kind], study.water, source.length)
+        ds = read_source(source.kind, files[source.kind], study.water, source.length, source.bodies, source.modes)
         check_water(study.water, ds)
         body, _, checks, _ = judged(plan.database, within_band(ds, study.hydro.omega_max))
     floating = floating_body(study, body)

@@ -51,7 +51,8 @@ def run_coefficients(spec: BodySpec, out: str, **files: str) -> None:
         mesh = build_body(spec.body.file, files)
         found, _ = solved(spec.body.file, mesh, files["folder"], files["green"])
     else:
-        found = read_source(spec.body.kind, files[spec.body.kind], spec.water, spec.body.length)
+        body = spec.body
+        found = read_source(body.kind, files[body.kind], spec.water, body.length, body.bodies, body.modes)
     check_water(spec.water, found)
     store(spec, within_band(found, spec.omega_max), out)
 
@@ -127,11 +128,29 @@ Verdict = tuple[list[database.Check], list[str], list[str]]
 """Checks, what was left out of the file or of the checks, and what to look at where a check does not hold."""
 
 
-def import_wamit(folder: str, name: str, out: str, *, axisymmetric: bool, **facts: float) -> Verdict:
+def import_wamit(
+    folder: str,
+    name: str,
+    out: str,
+    *,
+    axisymmetric: bool,
+    bodies: int | None = None,
+    modes: Sequence[int] | None = None,
+    **facts: float,
+) -> Verdict:
     """Read WAMIT's output into a database file and return the verdict on it; facts of the run as in `FACTS`."""
     for option, unit in FACTS.items():
         check_positive(f"--{option}", facts[option], unit, infinite=option == "depth")
-    ds = wamit.import_wamit(folder, name, labels=None, **facts)
+    ds = wamit.import_wamit(
+        folder,
+        name,
+        density=facts["density"],
+        gravity=facts["gravity"],
+        length=facts["length"],
+        depth=facts["depth"],
+        bodies=bodies,
+        modes=modes,
+    )
     return _stored(ds, out, axisymmetric, checks.WAMIT_WORDS)
 
 

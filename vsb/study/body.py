@@ -38,6 +38,8 @@ Direction = Annotated[Number, Field(ge=-360, le=360)]
 RigidMotion = Literal["Surge", "Sway", "Heave", "Roll", "Pitch", "Yaw"]
 MOST_MODES = 20
 """Modes of bending, or polynomials."""
+MOST_BODIES = 100
+"""Bodies in a file of another code."""
 MOST_DEGREE = 12
 """Degree of a plate's polynomials."""
 
@@ -259,9 +261,8 @@ class BodyFile(Brief):
 
 CONTENTS = "sha256:"
 """What begins the name of a file known by its contents."""
-WAMIT = (".1", ".3", ".hst", ".3fk", ".3sc", ".mmx")
-"""WAMIT's files of one run; the first three must be there."""
-NEEDED = 3
+WAMIT = (".1", ".3", ".2", ".hst", ".3fk", ".3sc", ".mmx")
+"""WAMIT's files of one run; `.1`, `.3` (or `.2`) and `.hst` must be there."""
 KINDS = ("file", "database", "wamit", "bemio")
 _SHORTEST = 1.0  # period a record of still water shows [s]
 CHECKS = (
@@ -319,6 +320,8 @@ class Body(Brief):
     wamit: str | None = None
     bemio: str | None = None
     length: Positive = 1.0
+    bodies: Annotated[Count, Field(ge=1, le=MOST_BODIES)] | None = None
+    modes: tuple[Annotated[Count, Field(ge=1, le=1000)], ...] | None = None
     mass: Matrix | None = None
     damping: Matrix | None = None
     stiffness: Matrix | None = None
@@ -330,6 +333,11 @@ class Body(Brief):
             raise ValueError(f"received {' and '.join(given) or 'no source'}; needs one of {', '.join(KINDS)}")
         if self.length != 1.0 and given != ["wamit"]:
             raise ValueError(f"length {self.length:g} m: is WAMIT's ULEN, which {given[0]} does not have; remove it")
+        for key in ("bodies", "modes"):
+            if getattr(self, key) is not None and given != ["wamit"]:
+                raise ValueError(f"{key}: is for WAMIT's files, which do not state it; {given[0]} does; remove it")
+        if self.bodies and self.modes and len(self.modes) != self.bodies:
+            raise ValueError(f"modes {list(self.modes)}: needs a number for each of {self.bodies} bodies")
         return self
 
     @property
@@ -531,10 +539,17 @@ def located(raw: object, source: str) -> LocatedBody:
         file = validated(BodyFile, read_yaml(path, "a body file, as `vsb body` takes"), str(path))
         return _of_a_mesh(study, file, str(path), source, own_water)
     files = {body.kind: str(path)}
-    names = [f"{path}{ending}" for ending in WAMIT] if body.kind == "wamit" else [str(path)]
-    needed = names[:NEEDED] if body.kind == "wamit" else names
-    held = [name for name in names if name in needed or Path(name).is_file()]
+    held = wamit_files(str(path)) if body.kind == "wamit" else [str(path)]
     return LocatedBody(_known_by(study, {body.kind: _contents(held, f"{source}: body.{body.kind}")}), files)
+
+
+def wamit_files(path: str) -> list[str]:
+    """Return WAMIT's files of a run by their path without endings: those needed, there or not, and others there."""
+    there = [ending for ending in WAMIT if os.path.isfile(path + ending)]
+    force = ".2" if ".2" in there and ".3" not in there else ".3"
+    return [
+        path + ending for ending in WAMIT if ending in (".1", ".hst", force) or (ending in there and ending != ".2")
+    ]
 
 
 def load_body(path: str | Path) -> LocatedBody:

@@ -319,9 +319,11 @@ KEYS: dict[str, dict[str, Key]] = {
     "Body": {
         "file": Key("", "my_body.yaml", "a body file, as `vsb body` takes; `body: my_body.yaml` is the same"),
         "database": Key("", "body.nc", "a hydro database of this project, or capytaine's; of several bodies too"),
-        "wamit": Key("", "folder/name", "WAMIT's files name.1, .3, .hst and, if there, .3fk, .3sc and .mmx"),
+        "wamit": Key("", "folder/name", "WAMIT's files name.1, .3 (or .2), .hst and, if there, .3fk, .3sc and .mmx"),
         "bemio": Key("", "body.h5", "BEMIO's .h5, as WEC-Sim reads it"),
         "length": Key("m", "1.0", "ULEN of WAMIT's run"),
+        "bodies": Key("-", "2", "bodies of WAMIT's run (NBODY), which its files state in .mmx only"),
+        "modes": Key("-", "[7, 6]", "modes of each of WAMIT's bodies: six, and its generalized ones (NEWMDS)"),
         "mass": Key(
             "kg",
             "{Heave: 4.0e+6, Pitch: 2.1e+9, Surge Pitch: 0.0}",

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 from vsb.study import figure_names
 from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, panel_solver, witness_spec
-from vsb.study.body import NEEDED, PHYSICS, WAMIT, BodyFile, BodyStudy
+from vsb.study.body import PHYSICS, BodyFile, BodyStudy, wamit_files
 from vsb.study.quantities import content_id, id_in, result_id
 from vsb.study.sections import RECORDS_PER_PERIOD, Modes, thinning
 from vsb.study.specs import (
@@ -550,8 +550,8 @@ class BodyPlan(ResultsPlan):
     @property
     def inputs(self) -> list[str]:
         """Files the database is made from."""
-        endings = {"wamit": WAMIT[:NEEDED]}
-        files = [f"{path}{ending}" for kind, path in self.files.items() for ending in endings.get(kind, ("",))]
+        each = [wamit_files(path)[:3] if kind == "wamit" else [path] for kind, path in self.files.items()]
+        files = [path for paths in each for path in paths]
         return [*files, f"{self.green_folder}.done"] if self.solves_panels else files
 
     @property

@@ -161,7 +161,9 @@ FOREIGN = {
 
 def test_output_of_wamit_with_generalized_modes(tmp_path):
     """ULEN = 2, rho = 1000, g = 10: rho L^3 = 8000 kg, rho g L^2 = 40000 N/m; of modes 1, 3 and 9, 1 is uncoupled."""
-    ds = import_wamit(written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0, length=2.0, depth=30.0)
+    ds = import_wamit(
+        written(tmp_path, FOREIGN), "buoy", density=1000.0, gravity=10.0, length=2.0, depth=30.0, bodies=1
+    )
     assert ds.influenced_dof.values.tolist() == ["Surge", "Heave", "Mode9"]
     assert ds.omega.values == pytest.approx([np.pi / 2, np.pi])
     assert ds.wave_direction.values == pytest.approx([np.pi / 2])
@@ -232,7 +234,7 @@ BROKEN = {
 def test_broken_files_are_refused_by_name_and_line(tmp_path, case):
     texts, message = BROKEN[case]
     with pytest.raises(DatabaseError, match=message) as error:
-        import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0)
+        import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0, bodies=1)
     assert "\n" not in str(error.value)
 
 
@@ -287,3 +289,89 @@ def test_failed_periods_are_left_out(tmp_path):
     assert found.added_mass.values.tolist() == np.delete(sound.added_mass.values, [3, 7], axis=0).tolist()
     assert "left out: 2 periods, from " in found.attrs["history"]
     assert found.attrs["history"].endswith(" s, of which A and B are NaN")
+
+
+def two_bodies(folder, modes=13):
+    """Two bodies, the first with one generalized mode: A = n^2 in units of WAMIT of mode n, ULEN = 10 m."""
+    pairs = [(i, j) for i in range(1, modes + 1) for j in range(1, modes + 1)]
+    radiation = [
+        f" {period:.6E} {i:5d} {j:5d} {(i == j) * i**2:.6E} {(i == j) * 0.1:.6E}"
+        for period in (5.0, 8.0)
+        for i, j in pairs
+    ]
+    force = [f" {period:.6E} 0.0 {i:5d} 1.0 0.0 1.0 0.0" for period in (5.0, 8.0) for i in range(1, modes + 1)]
+    texts = {".1": radiation, ".3": force, ".hst": [f" {i:5d} {j:5d} {float(i == j):.6E}" for i, j in pairs]}
+    return written(folder, {ending: "header\n" + "\n".join(lines) + "\n" for ending, lines in texts.items()})
+
+
+def read_two(folder, **given):
+    return import_wamit(folder, "buoy", density=1000.0, gravity=10.0, length=10.0, **given)
+
+
+def test_roll_of_a_second_body_has_its_lengths_once_its_modes_are_known(tmp_path):
+    """Mode 11 is roll of body 2 behind seven modes of body 1, one of twelve: 121 rho L^5, which L^3 would make 100 times less."""
+    ds = read_two(two_bodies(tmp_path), modes=[7, 6])
+    labels = ds.influenced_dof.values.tolist()
+    assert labels[5:9] == ["body1__Yaw", "body1__Mode7", "body2__Surge", "body2__Sway"]
+    inertia = dict(zip(labels, np.diagonal(ds.added_mass.values[0]), strict=True))
+    assert inertia["body2__Roll"] == pytest.approx(121 * 1000.0 * 10.0**5)
+    assert inertia["body1__Mode7"] == pytest.approx(49 * 1000.0 * 10.0**3)
+    assert "body1 modes 1 to 7, body2 modes 8 to 13" in ds.attrs["history"]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({}, r"buoy.1: holds modes up to 13, and without .mmx nothing says of how many bodies; needs .*--bodies"),
+        ({"bodies": 2}, r"holds modes up to 13 of 2 bodies, which have more than six each; needs .* such as 7,6"),
+        ({"modes": [6, 6]}, r"received modes 6,6; needs the number of modes of each body"),
+        ({"modes": [9, 4]}, r"received modes 9,4; needs .* six rigid ones among them"),
+        ({"bodies": 3, "modes": [7, 6]}, r"received 3 bodies and modes of 2"),
+        ({"modes": [7, 6], "labels": ["a"]}, r"is of 2 bodies; needs no labels"),
+    ],
+)
+def test_bodies_are_asked_for_never_guessed(tmp_path, given, message):
+    with pytest.raises(DatabaseError, match=message):
+        read_two(two_bodies(tmp_path), **given)
+
+
+def test_bodies_that_contradict_the_mmx_file_are_refused(tmp_path):
+    rm3(tmp_path)
+    with pytest.raises(DatabaseError, match=r"rm3.mmx: is of 2 bodies, received 1; needs the files of one run"):
+        import_wamit(tmp_path, "rm3", density=1000.0, gravity=9.81, bodies=1)
+
+
+def test_generalized_modes_of_one_body_need_no_more_than_that_there_is_one(tmp_path):
+    assert read_two(two_bodies(tmp_path, 8), bodies=1).influenced_dof.values.tolist()[-2:] == ["Mode7", "Mode8"]
+
+
+def test_fields_of_fortran_that_touch_are_read(tmp_path):
+    """A sign ends the field before, 7.9-116 is 7.9E-116; digits that could be cut in two ways are refused."""
+    texts = dict(FOREIGN)
+    texts[".1"] = (
+        texts[".1"]
+        .replace("4.000000E-01  5.000000E-02", "4.000000E-01-5.000000E-02")
+        .replace("7.000000D-02", "7.9-116")
+    )
+    texts[".3"] = (
+        texts[".3"]
+        .replace("5.000000E+00  5.313010E+01", "5.000000E+00 -5.313010E+01")
+        .replace("6.000000E+00 -8.000000E+00", "6.000000E+00-8.000000E+00")
+    )
+    ds = import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0, bodies=1)
+    assert ds.radiation_damping.values[1, 1, 2] == pytest.approx(-0.05 * 1000 * np.pi)
+    assert ds.radiation_damping.values[1, 2, 2] == pytest.approx(7.9e-116 * 1000 * np.pi)
+    assert ds.excitation_force.values[0, 0, 1] == pytest.approx(1e4 * (6 + 8j))
+    texts[".1"] = texts[".1"].replace("4.500000E-01  5.500000E-02", "123456.123456234567.123456")
+    with pytest.raises(DatabaseError, match=r"line 13: .*is not of 4 or 5 finite numbers"):
+        import_wamit(written(tmp_path, texts), "buoy", density=1000.0, gravity=10.0, bodies=1)
+
+
+def test_haskinds_excitation_serves_where_there_is_no_other(tmp_path):
+    folder = written(tmp_path, {ending: text for ending, text in FOREIGN.items() if ending != ".3"})
+    with pytest.raises(DatabaseError, match=r"buoy\.3: cannot be read .*, nor is there a \.2"):
+        import_wamit(folder, "buoy", density=1000.0, gravity=10.0, bodies=1)
+    (folder / "buoy.2").write_text(FOREIGN[".3"])
+    ds = import_wamit(folder, "buoy", density=1000.0, gravity=10.0, bodies=1)
+    assert ds.excitation_force.values[0, 0, 1] == pytest.approx(1e4 * (6 + 8j))
+    assert "excitation of .2, by Haskind's relation, as there is no .3" in ds.attrs["history"]

@@ -21,7 +21,14 @@ from vsb.tools.stamps import check_output
 FORMATS = ("wamit", "bemio")
 
 
-def read_source(kind: str, path: str, water: Water, length: float = 1.0) -> xr.Dataset:
+def read_source(
+    kind: str,
+    path: str,
+    water: Water,
+    length: float = 1.0,
+    bodies: int | None = None,
+    modes: Sequence[int] | None = None,
+) -> xr.Dataset:
     """Return a hydro database: this project's, or one of another code, which is not yet checked.
 
     Raises `DatabaseError` if the file is none of its kind.
@@ -36,11 +43,20 @@ def read_source(kind: str, path: str, water: Water, length: float = 1.0) -> xr.D
         Of WAMIT's run, whose files do not state it.
     length : float
         WAMIT's ULEN [m].
+    bodies, modes : int and sequence of int, optional
+        Number of WAMIT's bodies, and of the modes of each, where its files do not state it.
     """
     if kind == "wamit":
-        folder, name = Path(path).parent, Path(path).name
-        density, gravity, depth = water.density, water.gravity, water.depth
-        return import_wamit(folder, name, density=density, gravity=gravity, length=length, depth=depth)
+        return import_wamit(
+            Path(path).parent,
+            Path(path).name,
+            density=water.density,
+            gravity=water.gravity,
+            length=length,
+            depth=water.depth,
+            bodies=bodies,
+            modes=modes,
+        )
     if kind == "bemio":
         return read_bemio(path)
     return open_database(path) if is_own(path) else read_capytaine(path)

@@ -40,9 +40,14 @@ from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.bounded import read_bounded
 
 _FORCES = {"excitation_force": ".3", "Froude_Krylov_force": ".3fk", "diffraction_force": ".3sc"}
+_HASKIND = ".2"  # the excitation by Haskind's relation
 _LIMITS = {"added_mass_zero": -1.0, "added_mass_inf": 0.0}  # by the period that stands for the frequency
 _DRY = ("inertia_matrix", "structural_damping_matrix", "structural_stiffness")  # columns of the .mmx file
 _Table = dict[tuple[float, ...], list[float]]
+_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[ED][-+]?\d+|[-+]\d{3}(?![\d.]))?"
+_FIELDS = re.compile(rf"[-+]?{_NUMBER}(?:[-+]{_NUMBER})+|[-+]?{_NUMBER}")
+"""Numbers of Fortran's fields, whose signs may follow the digits before without a space: 1.0E+00-2.0E+00."""
+_RIGID = 6  # modes of every body, computed or not
 
 
 class _Scales(NamedTuple):
@@ -154,23 +159,31 @@ def import_wamit(
     length: float = 1.0,
     depth: float = np.inf,
     labels: Sequence[str] | None = None,
+    bodies: int | None = None,
+    modes: Sequence[int] | None = None,
 ) -> xr.Dataset:
-    """Return a hydro database read from WAMIT's files NAME.1, NAME.3, NAME.hst and, if there, .3fk, .3sc and .mmx.
+    """Return a hydro database read from WAMIT's files NAME.1, .3 (or .2), .hst and, if there, .3fk, .3sc and .mmx.
 
     Parameters
     ----------
     density, gravity, length, depth : float
         Of the WAMIT run (rho, GRAV, ULEN, HBOT), which are in its control files only.
     labels : sequence of str, optional
-        Names of the modes, ascending; default those in the first line, where `wamit_texts` writes them, or Surge, ...,
-        Yaw, Mode7, Mode8, ...
+        Names of the modes of one body, ascending; default those in the first line, where `wamit_texts` writes them, or
+        Surge, ..., Yaw, Mode7, Mode8, ...
+    bodies : int, optional
+        Number of bodies (NBODY).
+    modes : sequence of int, optional
+        Number of modes of each body, 6 + NEWMDS, whether they were computed or not.
 
     Notes
     -----
-    Modes from 7 on are generalized ones, or of the next bodies if `.mmx` says that there are several, which then have
-    six each: body1__Surge, ..., body2__Yaw. All modes that `.1` lists are kept. Pairs that no period lists are zero:
-    WAMIT leaves out what symmetry makes zero. Damping and stiffness in `.mmx` are those of WAMIT's "external force
-    matrices" (IALTFRC = 2); a file with a mass matrix alone (IALTFRC = 1) gives volumes, and of one body centres, only.
+    Only `.mmx` states how many bodies there are; beyond mode 6 it must be there, or `bodies` or `modes` given, and
+    where a body of several has generalized modes, `modes`: they are never guessed. Labels of several bodies are
+    body1__Surge, ..., body1__Mode7, ..., body2__Surge, .... All modes that `.1` lists are kept. Pairs that no period
+    lists are zero: WAMIT leaves out what symmetry makes zero. Excitation is that of `.3`, without it that of `.2`.
+    Damping and stiffness in `.mmx` are those of WAMIT's "external force matrices" (IALTFRC = 2); a file with a mass
+    matrix alone (IALTFRC = 1) gives volumes, and of one body centres, only.
     """
     path = str(Path(folder) / name)
     table = _table(f"{path}.1", _lines(f"{path}.1", "PER I J A B"), (1, 2), (4, 5), "PER I J A, and B where PER > 0")
@@ -178,45 +191,82 @@ def import_wamit(
     table = {key: row for key, row in table.items() if key[0] not in failed}
     if not table:
         raise DatabaseError(f"{path}.1: all coefficients are NaN at every period; needs some that were solved.")
-    modes = sorted({int(mode) for key in table for mode in key[1:]})
-    dry = _read_dry(f"{path}.mmx", modes, gravity, length) if Path(f"{path}.mmx").is_file() else _Dry(1, {}, {})
-    names, numbers = _named(path, modes, dry.bodies, labels)
-    mass, stiffness, force = _scales(density, gravity, length, numbers)
+    numbers = sorted({int(mode) for key in table for mode in key[1:]})
+    dry = _read_dry(f"{path}.mmx", numbers, gravity, length) if Path(f"{path}.mmx").is_file() else _Dry(None, {}, {})
+    counts = _modes_of_bodies(path, numbers, dry.bodies, bodies, modes)
+    names, kinds = _named(path, numbers, counts, labels)
+    mass, stiffness, force = _scales(density, gravity, length, kinds)
     check_positive("depth", depth, "m", infinite=True)
-    waves, radiated = _radiation(f"{path}.1", table, modes)
+    waves, radiated = _radiation(f"{path}.1", table, numbers)
     variables: dict[str, Any] = {key: mass * values for key, values in radiated.items()}
     restoring = _table(f"{path}.hst", _lines(f"{path}.hst", "I J C"), (0, 1), (3,), "I J C")
-    springs = _values(f"{path}.hst", restoring, modes, modes)[..., 0]
-    if not Path(f"{path}.mmx").is_file():  # which would say how many bodies there are
-        _check_one_body(path, modes, springs)
+    springs = _values(f"{path}.hst", restoring, numbers, numbers)[..., 0]
     variables["hydrostatic_stiffness"] = stiffness * springs
-    headings, forces = _read_forces(path, waves, modes, failed)
+    headings, forces = _read_forces(path, waves, numbers, failed)
     variables |= {key: force * x for key, x in forces.items()}
     dropped = "added_mass_zero" not in radiated and any(key[0] < 0 for key in table)
     stated = re.search(r"rotations about (\S+) (\S+) (\S+) modes", _lines(f"{path}.1", "")[0])
     centre = [float(x) for x in stated.groups()] if stated else [0.0, 0.0, 0.0]  # WAMIT's: the body's own origin
     history = f"read from WAMIT's files {name}"
+    if len(counts) > 1:
+        ends = np.cumsum(counts).tolist()
+        spans = [
+            f"body{k} modes {end - size + 1} to {end}"
+            for k, (end, size) in enumerate(zip(ends, counts, strict=True), 1)
+        ]
+        history += f"; {', '.join(spans)}"
+    if not Path(f"{path}.3").is_file():
+        history += "; excitation of .2, by Haskind's relation, as there is no .3"
     if failed:
         history += (
             f"; left out: {len(failed)} periods, from {min(failed):g} to {max(failed):g} s, of which A and B are NaN"
         )
     history += "; left out: zero frequency, not of all pairs" * dropped
     attrs = dict(zip(WATER, (density, gravity, str(depth)), strict=True), source="WAMIT", history=history, **dry.facts)
-    attrs |= {"rotation_centre": centre} if dry.bodies == 1 else {}
+    attrs |= {"rotation_centre": centre} if len(counts) == 1 else {}
     return assembled(path, (names, 2 * np.pi / np.array(waves), headings), variables | dry.matrices, attrs)
 
 
-def _named(path: str, modes: list[int], bodies: int, labels: Sequence[str] | None) -> tuple[list[str], list[int]]:
+def _modes_of_bodies(
+    path: str, numbers: list[int], stated: int | None, bodies: int | None, modes: Sequence[int] | None
+) -> list[int]:
+    """Modes of each body, of which `numbers` were computed, from what `.mmx` states and what is given."""
+    last, ours = numbers[-1], " modes " in _lines(f"{path}.1", "")[0]
+    where = "--bodies and --modes, in a study body.bodies and body.modes"
+    if modes and len(modes) != (bodies or len(modes)):
+        raise DatabaseError(f"{path}.1: received {bodies} bodies and modes of {len(modes)}; needs modes of each body.")
+    given = len(modes) if modes else bodies
+    if stated and given and stated != given:
+        raise DatabaseError(f"{path}.mmx: is of {stated} bodies, received {given}; needs the files of one run.")
+    count = given or stated or (1 if last <= _RIGID or ours else None)
+    if count is None:
+        raise DatabaseError(
+            f"{path}.1: holds modes up to {last}, and without .mmx nothing says of how many bodies; needs the number "
+            f"of bodies, 1 if all further modes are generalized ones of one, and of the modes of each ({where})."
+        )
+    if not modes and count > 1 and last > _RIGID * count:
+        raise DatabaseError(
+            f"{path}.1: holds modes up to {last} of {count} bodies, which have more than six each; needs the number of "
+            f"modes of each, such as {','.join([str(last - _RIGID * (count - 1)), *['6'] * (count - 1)])} ({where})."
+        )
+    counts = list(modes or ([last] if count == 1 else [_RIGID] * count))
+    if modes and (min(counts) < _RIGID or not sum(counts[:-1]) < last <= sum(counts)):
+        raise DatabaseError(
+            f"{path}.1: holds modes up to {last}; received modes {','.join(map(str, counts))}; needs the number of "
+            f"modes of each body, six rigid ones among them, computed or not ({where})."
+        )
+    return counts
+
+
+def _named(path: str, modes: list[int], counts: list[int], labels: Sequence[str] | None) -> tuple[list[str], list[int]]:
     """Names of the modes, and their numbers among those of their body."""
-    if bodies > 1:
-        if modes[-1] > 6 * bodies or labels:
-            raise DatabaseError(
-                f"{path}.1: holds modes up to {modes[-1]} of {bodies} bodies; needs six of each and no labels, "
-                "because the files do not say which body a further mode belongs to."
-            )
-        numbers = [(mode - 1) % 6 + 1 for mode in modes]
-        of = [(mode - 1) // 6 + 1 for mode in modes]
-        return [f"body{k}__{name}" for k, name in zip(of, mode_labels(numbers), strict=True)], numbers
+    if len(counts) > 1:
+        if labels:
+            raise DatabaseError(f"{path}.1: is of {len(counts)} bodies; needs no labels, which are of one body.")
+        ends = np.cumsum(counts)
+        of = np.searchsorted(ends, modes)
+        numbers = [mode - int(ends[k]) + counts[k] for mode, k in zip(modes, of, strict=True)]
+        return [f"body{k + 1}__{name}" for k, name in zip(of, mode_labels(numbers), strict=True)], numbers
     stated = {
         int(n): label for n, label in re.findall(r" (\d+)=(\w+)", _lines(f"{path}.1", "")[0].partition("modes")[2])
     }
@@ -224,26 +274,6 @@ def _named(path: str, modes: list[int], bodies: int, labels: Sequence[str] | Non
     if [min(n, GENERALIZED) for n in mode_numbers(names)] != [min(mode, GENERALIZED) for mode in modes]:
         raise DatabaseError(f"{path}.1: holds modes {modes}; needs as many labels of these, received {names}.")
     return names, modes
-
-
-def _check_one_body(path: str, modes: list[int], stiffness: FloatArray) -> None:
-    """Refuse modes from 7 on with the stiffness of rigid bodies: in heave, roll and pitch, uncoupled between sixes.
-
-    Only modes that come in sixes or with gaps in their numbers, as generalized modes do not, can be rigid bodies.
-    """
-    body, kind = divmod(np.array(modes) - 1, 6)
-    beyond = body > 0
-    count = int(np.count_nonzero(beyond))
-    consecutive = modes[len(modes) - count :] == list(range(GENERALIZED, GENERALIZED + count))
-    if not count or (count % 6 and consecutive):
-        return
-    apart = not stiffness[body[:, None] != body].any()
-    still = not stiffness[beyond & np.isin(kind, (0, 1, 5))].any()
-    if apart and still and all(stiffness[body == k].any() for k in set(body[beyond])):
-        raise DatabaseError(
-            f"{path}.hst: modes {modes[-count]} to {modes[-1]} restore in heave, roll or pitch, apart from modes 1 "
-            "to 6, like another rigid body; needs .mmx, which says how many bodies there are (NBODY)."
-        )
 
 
 def _radiation(path: str, table: _Table, modes: list[int]) -> tuple[list[float], dict[str, FloatArray]]:
@@ -270,7 +300,8 @@ def _lines(path: str, columns: str) -> list[str]:
     try:
         return read_bounded(path).decode(errors="replace").splitlines()
     except OSError as error:
-        raise DatabaseError(f"{path}: cannot be read ({error.strerror}); needs lines {columns}.") from None
+        other = ", nor is there a .2" if path.endswith(".3") else ""
+        raise DatabaseError(f"{path}: cannot be read ({error.strerror}){other}; needs lines {columns}.") from None
 
 
 def _table(path: str, lines: list[str], modes: tuple[int, ...], counts: tuple[int, ...], columns: str) -> _Table:
@@ -278,7 +309,7 @@ def _table(path: str, lines: list[str], modes: tuple[int, ...], counts: tuple[in
     table: _Table = {}
     for number, line in enumerate(lines, 1):
         try:
-            row = [float(word.upper().replace("D", "E")) for word in line.split()]
+            row = _numbers(line)
         except ValueError:
             row = [] if number == 1 else [math.nan]
         key = tuple(row[: modes[-1] + 1])
@@ -289,6 +320,24 @@ def _table(path: str, lines: list[str], modes: tuple[int, ...], counts: tuple[in
     if not table:
         raise DatabaseError(f"{path}: holds no data; needs lines {columns}.")
     return table
+
+
+def _numbers(line: str) -> list[float]:
+    """Numbers of a line as Fortran writes them: D for E, fields that touch, 7.9-116 for 7.9E-116; else ValueError.
+
+    Only a sign can end a field that touches the next: digits alone could be cut in several ways.
+    """
+    found = []
+    for word in line.upper().split():
+        try:
+            found.append(float(word.replace("D", "E")))
+        except ValueError:
+            if not _FIELDS.fullmatch(word):
+                raise
+            for number in re.findall(rf"[-+]?{_NUMBER}", word):
+                exponent = re.sub(r"(?<=[\d.])(?=[-+]\d{3}$)", "E", number) if not {*"ED"} & {*number} else number
+                found.append(float(exponent.replace("D", "E")))
+    return found
 
 
 def _problem(row: list[float], modes: tuple[int, ...], counts: tuple[int, ...]) -> str:
@@ -325,7 +374,10 @@ def _read_forces(
     """Headings [deg] and phasors (C1), shape (period, heading, mode); periods may differ from .1 in the last digit."""
     forces: dict[str, ComplexArray] = {}
     headings: list[float] = []
-    for name, file in ((name, f"{path}{extension}") for name, extension in _FORCES.items()):
+    endings = dict(_FORCES)
+    if not Path(f"{path}.3").is_file() and Path(f"{path}{_HASKIND}").is_file():
+        endings["excitation_force"] = _HASKIND
+    for name, file in ((name, f"{path}{extension}") for name, extension in endings.items()):
         if not forces or Path(file).is_file():
             columns = "PER BETA I MOD PHASE RE IM"
             table = _table(file, _lines(file, columns), (2,), (7,), columns)
@@ -346,7 +398,7 @@ def _read_forces(
 class _Dry(NamedTuple):
     """Contents of the .mmx file."""
 
-    bodies: int
+    bodies: int | None  # as stated
     matrices: dict[str, FloatArray]  # mass, damping and stiffness, (mode, mode)
     facts: dict[str, Any]  # attributes: displaced volumes, and centres of the only body
 
