@@ -141,7 +141,7 @@ def import_wamit(args: argparse.Namespace) -> int:
 
 
 def import_bemio(args: argparse.Namespace) -> int:
-    """Read a BEMIO .h5 file of one body into a hydro database and print its checks."""
+    """Read a BEMIO .h5 file into a hydro database and print its checks."""
     from vsb.stages import coefficients
 
     return _imported(*coefficients.import_bemio(args.file, args.out, axisymmetric=args.axisymmetric), args.out)

@@ -1,12 +1,13 @@
 """Studies of bodies read from files: sources, content ids, keys that are refused."""
 
 import math
+from pathlib import Path
 
 import pytest
 import yaml
 
 from vsb.errors import ConfigError
-from vsb.study.body import BodyFile, BodyStudy, is_body, load_body, located
+from vsb.study.body import BodyFile, BodyStudy, is_body, load_body, located, wamit_files
 from vsb.study.quantities import canonical
 from vsb.study.reading import validated
 from vsb.study.study import parse
@@ -42,6 +43,14 @@ def study(**changes):
             for method in ("exact", "convolution")
         ),
         ({"body": {}}, "received no source; needs one of file, database, wamit, bemio"),
+        (
+            {"body": {"database": "a", "bodies": 2}},
+            "bodies: is for WAMIT's files, which do not state it; database does",
+        ),
+        (
+            {"body": {"wamit": "a", "bodies": 2, "modes": [7, 6, 6]}},
+            r"modes \[7, 6, 6\]: needs a number for each of 2 bod",
+        ),
         (
             {"hydro": {"repair": ["symmetry"]}},
             r"\['symmetry'\]: cannot be repaired; needs some of positive_damping, kramers",
@@ -119,3 +128,21 @@ def test_lowest_frequency_of_the_panels(gravity, depth):
     validated(BodyFile, {**RAFT, "water": water, "omega": [1.0001 * lowest, 9.0]}, "raft.yaml")
     with pytest.raises(ConfigError, match=rf"in {depth:g} m of water needs at least {lowest:.4g}$"):
         validated(BodyFile, {**RAFT, "water": water, "omega": [0.9999 * lowest, 9.0]}, "raft.yaml")
+
+
+def test_a_run_of_wamit_is_known_by_the_excitation_it_has_and_by_its_bodies(tmp_path):
+    """`.2` counts only where `.3` is missing; the modes of each body make another body of the same files."""
+    for ending in (".1", ".2", ".hst", ".mmx"):
+        (tmp_path / f"two{ending}").write_text(ending)
+
+    def found(**body):
+        (tmp_path / "two.yaml").write_text(yaml.safe_dump({**RAW, "body": {"wamit": "two", **body}}))
+        return load_body(tmp_path / "two.yaml").study.body
+
+    by_haskind = found()
+    assert found(modes=[7, 6]).wamit == by_haskind.wamit
+    assert canonical(found(modes=[7, 6])) != canonical(by_haskind) == canonical(found())
+    assert [Path(name).suffix for name in wamit_files(str(tmp_path / "two"))] == [".1", ".2", ".hst", ".mmx"]
+    (tmp_path / "two.3").write_text(".3")
+    assert [Path(name).suffix for name in wamit_files(str(tmp_path / "two"))] == [".1", ".3", ".hst", ".mmx"]
+    assert found().wamit != by_haskind.wamit

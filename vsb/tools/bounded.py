@@ -79,6 +79,17 @@ def bounded_reading(path: str | Path) -> Iterator[None]:
         yield
 
 
+def reason_of(error: BaseException) -> str:
+    """Return why a file cannot be read, in words of our own: those of a library mean nothing to whoever named it."""
+    if isinstance(error, TimeoutError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return "it announces more than it holds"
+    if isinstance(error, OSError) and (error.errno or 0) > 0:
+        return str(error.strerror)
+    return "it is damaged, cut short or not what its name says"
+
+
 @contextmanager
 def bounded_memory(more: int) -> Iterator[None]:
     """Bound the additional memory of this process [bytes], else `MemoryError`; only on Linux."""

@@ -18,7 +18,7 @@ import psutil
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.arrays import AnyArray
-from vsb.tools.bounded import read_unpacked
+from vsb.tools.bounded import read_unpacked, reason_of
 from vsb.tools.variables import check_finite, described
 
 if TYPE_CHECKING:
@@ -255,8 +255,7 @@ def read_groups(path: str | Path) -> "dict[str, xr.Dataset]":
                 groups[name.removeprefix("/") or ROOT] = ds.load()
         found = checksum(groups)
     except Exception as error:  # a damaged file may raise anything in the libraries that read it
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise DatabaseError(f"{path}: cannot be read as netCDF ({reason}); delete it and run again.") from None
+        raise DatabaseError(f"{path}: cannot be read as netCDF ({reason_of(error)}); {DELETE}.") from None
     if groups[ROOT].attrs.get("checksum", found) != found:
         raise DatabaseError(f"{path}: {CHANGED}; {DELETE}.")
     return groups
@@ -308,7 +307,10 @@ def load(path: str | Path, group: str = ROOT, *, expected: str | None = None) ->
     try:
         return described(merged(groups[group]))
     except (DatabaseError, ValueError) as error:
-        raise DatabaseError(f"{path}: not a file of this project ({error}); delete or move it and run again.") from None
+        reason = error if isinstance(error, DatabaseError) else reason_of(error)
+        raise DatabaseError(
+            f"{path}: not a file of this project ({reason}); delete or move it and run again."
+        ) from None
 
 
 def check_stamp(attrs: Mapping[str, Any], expected: str, path: str | Path) -> None:

@@ -6,6 +6,7 @@ import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.capytaine import read_capytaine
+from vsb.tools.files import merged
 
 LABELS = ["float__Heave", "spar__Heave"]
 OMEGA = np.array([0.0, 0.5, 1.0, 1.5, np.inf])
@@ -44,6 +45,21 @@ def test_file_of_two_bodies_is_read(tmp_path):
     assert found.excitation_force.values[0, 1, 0] == pytest.approx(2 * (1 + 1j))
     assert (found.attrs["water_density"], found.attrs["water_depth"]) == (1000.0, "inf")
     assert found.attrs["history"] == "read from rm3.nc"
+
+
+def test_native_complex_numbers_and_names_as_bytes_are_read(tmp_path):
+    """As `to_netcdf(auto_complex=True)` writes them, and names as arrays of characters; the numbers are the same."""
+    dataset().to_netcdf(tmp_path / "a.nc")
+    native = merged(dataset())
+    names = {dim: (dim, np.array(LABELS, dtype="S")) for dim in ("influenced_dof", "radiating_dof")}
+    native.assign_coords(names).to_netcdf(tmp_path / "b.nc", auto_complex=True)
+    as_bytes = dataset().assign_coords(complex=("complex", np.array(["re", "im"], dtype="S")), **names)
+    as_bytes.to_netcdf(tmp_path / "c.nc")
+    expected = read_capytaine(tmp_path / "a.nc")
+    for name in ("b.nc", "c.nc"):
+        found = read_capytaine(tmp_path / name)
+        assert found.equals(expected)
+        assert list(map(str, found.influenced_dof.values)) == LABELS
 
 
 SOLVED = ("added_mass", "radiation_damping", "diffraction_force")

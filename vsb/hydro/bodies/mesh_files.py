@@ -25,7 +25,7 @@ from vsb.errors import ConfigError
 from vsb.hydro.bodies.mesh import check_finite, text_of, triangulated
 from vsb.hydro.panels.rings import read_panels
 from vsb.tools.arrays import FloatArray, IntArray
-from vsb.tools.bounded import bounded_reading
+from vsb.tools.bounded import bounded_reading, reason_of
 
 PANEL_FILES = {".pnl": "pnl", ".hst": "hst", ".mar": "mar", ".nemoh": "mar", ".hams": "pnl"}
 """Formats capytaine reads and meshio does not; meshio keeps the order of the vertices, which displacements refer to."""
@@ -69,16 +69,8 @@ def one_line(path: str | Path, what: str, needed: str) -> Iterator[io.StringIO]:
         raise ConfigError(
             f"{path}: the Python package {error.name}, which reads such files, is missing; needs it, or another format"
         ) from None
-    except TimeoutError as error:
-        raise ConfigError(f"{path}: cannot be read as {what} ({error}); needs {needed}") from None
-    except MemoryError:
-        raise ConfigError(
-            f"{path}: cannot be read as {what} (it announces more than it holds); needs {needed}"
-        ) from None
-    except (Exception, SystemExit):
-        raise ConfigError(
-            f"{path}: cannot be read as {what}: it is damaged, cut short or not what its name says; needs {needed}"
-        ) from None
+    except (Exception, SystemExit) as error:
+        raise ConfigError(f"{path}: cannot be read as {what} ({reason_of(error)}); needs {needed}") from None
 
 
 def read_mesh(path: str | Path) -> MeshFile:

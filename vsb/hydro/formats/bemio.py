@@ -294,7 +294,7 @@ def _from_bemio(found: _Entries, source: str) -> xr.Dataset:
     omega, headings = (found.numbers(f"{_WAVES}{name}") for name in ("w", "wave_dir"))
     found.check_same(f"{_WAVES}T", 2 * np.pi / omega, f"periods of {_WAVES}w", len(omega))
     scaled = bool(np.all(found.numbers(f"{_WAVES}scaled")))
-    variables = {}
+    variables, history = {}, [f"read from {Path(source).name}"]
     for place, (name, by) in _MATRICES.items():
         inside = place.removeprefix("/body1/")
         if place.startswith(_HYDRO) or any(found.find(f"/{part.group}/{inside}") is not None for part in parts):
@@ -305,9 +305,11 @@ def _from_bemio(found: _Entries, source: str) -> xr.Dataset:
             force = _forces(found, parts, f"hydro_coeffs/excitation/{folder}", (len(headings), len(omega)))
             if not folder or np.isfinite(force).all():
                 variables[name] = force.T * (1.0 if scaled else rho * g)
+            else:
+                history.append(f"left out: {name}, which holds NaN")
     depth = found.text(f"{_WAVES}water_depth")
     water = rho, g, "inf" if "inf" in depth else str(float(depth))
-    attrs = dict(zip(WATER, water, strict=True), source="BEMIO", history=f"read from {Path(source).name}")
+    attrs = dict(zip(WATER, water, strict=True), source="BEMIO", history="; ".join(history))
     labels = [label for part in parts for label in part.labels]
     return assembled(source, (labels, omega, headings), variables, attrs | _facts(found, parts))
 

@@ -13,7 +13,7 @@ import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.hydro.formats.common import WATER, assembled, point_of, readable, volume_of
-from vsb.tools.arrays import BoolArray, FloatArray
+from vsb.tools.arrays import AnyArray, BoolArray, FloatArray
 from vsb.tools.files import merged
 from vsb.tools.variables import VARIABLES
 
@@ -40,9 +40,24 @@ def read_capytaine(path: str | Path) -> xr.Dataset:
     """
     with readable(path, "a hydro database of capytaine's"):
         with xr.open_dataset(path, engine="netcdf4") as opened:
-            ds = merged(opened.load())
+            ds = merged(_in_plain_types(opened.load()))
         found = _from_capytaine(ds, str(path))
     return found
+
+
+def _in_plain_types(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset with native complex numbers, which netCDF shows as pairs, as complex ones, and bytes as text."""
+
+    def plain(values: AnyArray) -> AnyArray:
+        if values.dtype.names and len(values.dtype.names) == 2:
+            re, im = (values[name] for name in values.dtype.names)
+            return np.asarray(re + 1j * im)
+        whole_text = values.dtype.kind == "O" and all(isinstance(value, bytes) for value in values.ravel())
+        return np.char.decode(values.astype(bytes), "utf-8") if values.dtype.kind == "S" or whole_text else values
+
+    found = {name: (v.dims, plain(v.values), v.attrs) for name, v in ds.variables.items()}
+    data, coords = ({name: found[name] for name in names} for names in (ds.data_vars, ds.coords))
+    return xr.Dataset(data, coords, ds.attrs)
 
 
 def _failed(ds: xr.Dataset) -> BoolArray:

@@ -21,7 +21,7 @@ from vsb.hydro.database import transformed
 from vsb.hydro.variables import PAIR
 from vsb.study.quantities import RIGID, ROTATIONS, is_rigid, of_bodies
 from vsb.tools.arrays import FloatArray
-from vsb.tools.bounded import bounded_reading
+from vsb.tools.bounded import bounded_reading, reason_of
 from vsb.tools.variables import VARIABLES, check_finite, described
 
 GENERALIZED = 7
@@ -49,8 +49,7 @@ def readable(path: str | Path, needed: str) -> Iterator[None]:
     except DatabaseError:
         raise
     except _DAMAGE as error:
-        why = " ".join(str(error).split()) or type(error).__name__
-        raise DatabaseError(f"{path}: cannot be read: {why}; needs {needed}.") from None
+        raise DatabaseError(f"{path}: cannot be read: {reason_of(error)}; needs {needed}.") from None
 
 
 class Floating(NamedTuple):

@@ -14,7 +14,7 @@ from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.hydro.formats.checks import coefficient_checks
 from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.study.sections import Water
-from vsb.tools.bounded import open_regular
+from vsb.tools.bounded import open_regular, reason_of
 from vsb.tools.files import write_text
 from vsb.tools.stamps import check_output
 
@@ -68,7 +68,7 @@ def is_own(path: str) -> bool:
         with open_regular(path), netCDF4.Dataset(path) as file:
             return "separate_sweep" in file.ncattrs()
     except (OSError, RuntimeError) as error:
-        raise DatabaseError(f"{path}: cannot be read: {error}; needs a hydro database as netCDF.") from None
+        raise DatabaseError(f"{path}: cannot be read: {reason_of(error)}; needs a hydro database as netCDF.") from None
 
 
 def source_checks(ds: xr.Dataset, dofs: Sequence[str] | None = None) -> tuple[list[Check], list[str]]:
