@@ -12,7 +12,7 @@ from vsb.study.body import BodyFile, BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
 from vsb.study.keys import KEYS
-from vsb.study.reading import Schema, schema_of
+from vsb.study.schema import Schema, schema_of
 from vsb.study.study import Study
 from vsb.tools.commands import commands
 
@@ -47,7 +47,9 @@ FILES = {
 
 KEYS_PREFACE = """\
 Generated from the models that check a file, so it is complete. Units are SI; numbers may be written
-`1.0e+7` or `10000000.0`, infinity `.inf`. Editors with a YAML language server complete and check files by `vsb schema`:
+`1.0e+7` or `10000000.0`, infinity `.inf`, or with a unit of the same kind: `15 mm`, `6.5 ft`, `30 %`, `8 kN s/m`.
+A key with several units takes plain numbers.
+Editors with a YAML language server complete and check files by `vsb schema`:
 save its output as `vsb.schema.json` and begin a study with `# yaml-language-server: $schema=vsb.schema.json`."""
 COMMANDS_PREFACE = """\
 `vsb COMMAND --help` shows the same. Exit code 0 is success, 1 a failed check, 2 a mistake in a file or command,
@@ -122,6 +124,8 @@ def allowed(its: Schema) -> str:
 
 def bounds(form: Schema) -> str:
     """The range or the choices of one form of a value."""
+    if "anyOf" in form:
+        return allowed(form)
     if "enum" in form:
         return ", ".join(f"`{choice}`" for choice in form["enum"])
     if form.get("type") == "array" and isinstance(form.get("items"), dict):

@@ -25,7 +25,7 @@ from vsb.stages import planning
 from vsb.stages.body_preview import check
 from vsb.study.body import BodyFile, BodyStudy, load_body
 from vsb.study.plans import plan_of
-from vsb.study.reading import dotted, schema_of
+from vsb.study.schema import dotted, schema_of
 from vsb.study.study import Study, load
 from vsb.tools.commands import commands, long_options
 from vsb.waves.scatter import read_scatter

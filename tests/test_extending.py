@@ -35,9 +35,9 @@ from vsb.shell.ritz import natural_modes
 from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages.stage import Stage
 from vsb.study import keys, specs, take_off, waves
+from vsb.study.keys import UNITS
 from vsb.study.meridian import RestMeridian
 from vsb.study.quantities import canonical, content_id
-from vsb.study.vary import UNITS
 from vsb.tools.files import write_text
 from vsb.tools.stamps import faults, read_manifest, record
 

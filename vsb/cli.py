@@ -64,7 +64,7 @@ def schema(args: argparse.Namespace) -> int:
     from vsb.study.body import BodyFile, BodyStudy
     from vsb.study.campaign import Campaign
     from vsb.study.design import Optimisation
-    from vsb.study.reading import schema_of
+    from vsb.study.schema import schema_of
 
     models: dict[str, type[Section]] = {"study": Study, "campaign": Campaign, "design": Optimisation}
     models |= {"body-study": BodyStudy, "body": BodyFile}

@@ -15,7 +15,7 @@ from vsb.study.body import BodyFile, BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
 from vsb.study.keys import KEYS
-from vsb.study.reading import schema_of
+from vsb.study.schema import schema_of
 from vsb.study.study import Study
 from vsb.tools.shipped import HOME
 
@@ -55,15 +55,63 @@ def test_invalid_yaml(tmp_path, text, message):
 
 
 @pytest.mark.parametrize(
-    ("text", "line", "column"), [("a: 1\nb: 2\na: 2\n", 3, 1), ("a: 1\n\n  - : [\n", 3, 5), ("a: !x 1\n", 1, 4)]
+    ("text", "line", "words"),
+    [
+        ("a: 1\nb: 2\na: 2\n", 3, "key 'a' is given twice, first in line 1"),
+        ("a: !x 1\n", 1, "could not determine a constructor .*line 1, column 4"),
+        ("a:\n  b: 1\n\tc: 2\n", 3, "a tab stands in column 1; write spaces there"),
+        ("a: 1\nwaves: [{kind: still}\nb: 2\n", 2, r"the bracket \[ in column 8 is not closed"),
+        ("a: {b: 1, c: 2\nd: 3\n", 1, r"the bracket \{ in column 4 is not closed"),
+        ("a: {b: [1, 2}\n", 1, r"the bracket \[ of line 1 is closed by }"),
+        ("a: {b: 1}}\n", 1, "the bracket } closes none that is open"),
+        ("a: {b: 1 c: 2}\n", 1, "a comma is missing between two values, before column 11"),
+        ("a:\n  b: 1\n   c: 2\n", 3, "indented by 3 spaces, the line above by 2"),
+        ("a:\n    b: 1\n  c: 2\n", 3, "indented by 2 spaces, the line above by 4"),
+        ("a:\n  b: 1\n  - 3\n", 3, "a list item, with a dash, stands among keys"),
+        ("a:\n  b 1  # two\n  c: 2\n", 2, "a colon is missing behind the key; write b: and its value"),
+        ("a: 1\nb\n  c: 2\n", 2, "a colon is missing behind the key; write b: and its value"),
+        ("a:1\nb: 2\n", 1, "a space is missing behind the colon; write a: and its value"),
+        ("a: b: c\n", 1, "two colons in one line"),
+        ("a: 1\nb: 'c\nd: 1\n", 2, "the quotation mark ' in column 4 is not closed"),
+        ("a: @b\n", 1, "a text cannot begin with @"),
+        ("a: *.csv\n", 1, r"a text cannot begin with \*"),
+        ("a: 1\n---\nb: 1\n", 2, "--- begins a second document"),
+        ("a: 1\nb: \x00\n", 2, "a character of number 0 is no text"),
+    ],
 )
-def test_lines_are_counted_from_one(tmp_path, text, line, column):
+def test_errors_of_yaml_are_plain_and_name_the_line_to_mend(tmp_path, text, line, words):
+    """PyYAML names the line it could not go on in: a bracket or a colon is missing above it."""
     file = tmp_path / "odd.yaml"
     file.write_text(text)
-    with pytest.raises(ConfigError) as error:
+    with pytest.raises(ConfigError, match=words) as error:
         config.load(file)
     assert str(error.value).startswith(f"{file}:{line}: not valid YAML (")
-    assert f", line {line}, column {column}" in str(error.value)
+
+
+def test_a_file_of_another_encoding_is_named_as_such(tmp_path):
+    file = tmp_path / "odd.yaml"
+    file.write_bytes("a: 1\nb: \u00e9\n".encode("latin-1"))
+    with pytest.raises(ConfigError, match=r"odd\.yaml:2: is no text in UTF-8"):
+        config.load(file)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("pto: {damping 8000.0}", "unknown key; needs a colon and a space, damping: 8000.0"),
+        ("pto: {damping:8000.0}", "unknown key; needs a colon and a space, damping: 8000.0"),
+        ("pto: {damping = 8000.0}", "unknown key; needs a colon and a space, damping: 8000.0"),
+        ("pto:\n  damping:8000.0", "pto: .* needs a mapping of keys and values: a space behind every colon"),
+        ("-kind: still", "unknown key; a space is missing behind the dash"),
+        ("\u00a0pto: 3", "unknown key; it holds blanks that are no spaces"),
+    ],
+)
+def test_valid_yaml_that_was_meant_otherwise_is_told(tmp_path, text, words):
+    file = tmp_path / "odd.yaml"
+    file.write_text(f"study: a\n{text}\n")
+    with pytest.raises(ConfigError) as error:
+        config.load(file)
+    assert any(re.search(words, line) for line in error.value.mistakes), error.value.mistakes
 
 
 def test_missing_file():

@@ -11,6 +11,8 @@ from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.plans import Plan
+from vsb.study.study import BaseStudy
+from vsb.study.unlikely import units_doubted, unlikely_units
 from vsb.study.waves import RegularWave, StillWater
 
 MODULES: dict[type, str] = {
@@ -24,16 +26,28 @@ def _of(plan: Plan) -> Any:
     return importlib.import_module(f"vsb.stages.{MODULES[type(plan)]}")
 
 
+def _study(plan: Plan) -> BaseStudy:
+    """The study of a plan, or the one a campaign or a design problem begins with."""
+    return plan.study if isinstance(plan, StudyPlan | BodyPlan) else plan.loaded.base
+
+
 def check_plan(plan: Plan) -> None:
     """Raise what would fail later in a run; raises `ConfigError` or `DatabaseError`."""
-    _of(plan).check(plan)
+    with units_doubted(_study(plan)):
+        _of(plan).check(plan)
+
+
+def unit_lines(plan: Plan) -> list[str]:
+    """Return what is to be said of numbers that are likely only in another unit."""
+    return [f"doubt        units: {line}" for line in unlikely_units(_study(plan))]
 
 
 def summary(plan: Plan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and what to doubt."""
-    first, *others = _of(plan).summary(plan)
+    with units_doubted(_study(plan)):
+        first, *others = _of(plan).summary(plan)
     degrees = degree_lines(plan, keep=False) if isinstance(plan, StudyPlan | CampaignPlan) else []
-    return [first, *sea_lines(plan), *others, *degrees]
+    return [first, *sea_lines(plan), *others, *unit_lines(plan), *degrees]
 
 
 def sea_lines(plan: Plan) -> list[str]:

@@ -22,6 +22,7 @@ from vsb.study.quantities import canonical, content_id
 from vsb.study.sections import DEGREES
 from vsb.study.specs import DegreeSpec
 from vsb.study.study import Study
+from vsb.study.unlikely import units_doubted
 from vsb.study.vary import Point
 
 
@@ -51,8 +52,10 @@ def with_degree(plan: Plan, *, keep: bool = True) -> Plan:
     if isinstance(plan, BodyPlan | DesignPlan):  # an optimum has modes of its own
         return plan
     if isinstance(plan, StudyPlan):
-        given = plan.study.modes.degree is not None
-        return plan if given else StudyPlan(_with(plan.study, degree_needed(plan, keep=keep).degree), root=plan.root)
+        if plan.study.modes.degree is not None:
+            return plan
+        with units_doubted(plan.study):
+            return StudyPlan(_with(plan.study, degree_needed(plan, keep=keep).degree), root=plan.root)
     if (base := plan.loaded.base.buoy) is None:
         return plan
     if base.modes.degree is not None or "modes.degree" in plan.loaded.campaign.vary.keys:

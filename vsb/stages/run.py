@@ -22,7 +22,7 @@ import psutil
 
 from vsb.errors import ConfigError, VsbError
 from vsb.stages import make, slurm
-from vsb.stages.check import check_plan
+from vsb.stages.check import check_plan, unit_lines
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.planning import plan_of
 from vsb.study.campaign_plan import CampaignPlan
@@ -50,6 +50,8 @@ def run(args: argparse.Namespace) -> int:
     plan = plan_of(args.config)
     check_name(plan)
     check_plan(plan)
+    for words in unit_lines(plan):
+        print(words, file=sys.stderr)
     for folder in (".", plan.root):  # snakemake writes to both
         check_folder(folder)
     check_options(args.snakemake, plan)

@@ -15,7 +15,8 @@ from vsb.errors import ConfigError
 from vsb.study.campaign import ClimateFile, Verify, check_no_direction, sections, study_at
 from vsb.study.keys import KEYS, Key
 from vsb.study.quantities import Count, Name, NonNegative, Positive, Section
-from vsb.study.reading import Located, nearest, range_at, read_yaml, schema_of, validated
+from vsb.study.reading import Located, nearest, read_yaml, validated
+from vsb.study.schema import range_at, schema_of
 from vsb.study.study import Study, not_reserved
 from vsb.study.study import load as load_study
 from vsb.tools.bounded import sha256_of

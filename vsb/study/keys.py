@@ -624,3 +624,12 @@ KEYS: dict[str, dict[str, Key]] = {
     },
 }
 """Section of the models -> key -> what it means."""
+AT_PORT = {f"pto.{name}": key.at_port for name, key in KEYS["Pto"].items() if key.at_port}
+"""Keys of a take-off whose units depend on its port: field of `PortKind`."""
+_UNITS: dict[str, set[str]] = {}
+for _section in KEYS.values():
+    for _name, _key in _section.items():
+        if _key.unit not in ("", "-"):
+            _UNITS.setdefault(_name, set()).add(_key.unit)
+UNITS = {name: units.pop() if len(units) == 1 else "SI" for name, units in _UNITS.items()}
+"""Units of numbers by the last word of their key; others have none."""

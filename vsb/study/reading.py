@@ -1,10 +1,8 @@
 """Reading of YAML files into checked values: one line for every mistake, with the file's line it stands in."""
 
 import difflib
-import math
 import re
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from functools import cache
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -13,109 +11,11 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from vsb.errors import ConfigError
-from vsb.study.keys import KEYS
+from vsb.study.schema import Schema, dotted, keys_at, schema_of
+from vsb.study.written_units import changed, needed, other_units, unit_of, with_units_read
+from vsb.study.yaml_words import yaml_mistake
 from vsb.tools.bounded import LARGEST_STUDY, read_bounded
 from vsb.tools.words import LONGEST, shortened
-
-Schema = dict[str, Any]
-DIALECT = "https://json-schema.org/draft/2020-12/schema"
-_BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
-"""JSON's words for the bounds of numbers."""
-
-
-@cache
-def schema_of(model: type[BaseModel]) -> Schema:
-    """Return the JSON schema of a model, not to be changed: types, ranges, defaults, choices, what every key means."""
-    found: Schema = _with_bounds(model.model_json_schema())
-    for name, section in {model.__name__: found, **found.get("$defs", {})}.items():
-        for key, place in section.get("properties", {}).items():
-            place.pop("title", None)
-            if said := KEYS.get(name, {}).get(key):
-                unit = f" [{said.unit}]" if said.unit else ""
-                place |= {"description": said.meaning + unit, "examples": [yaml.safe_load(said.example)]}
-            if isinstance(default := place.get("default"), dict):
-                default |= _described_defaults(found, place, default)
-    return {"$schema": DIALECT, **found}
-
-
-def _described_defaults(schema: Schema, place: Schema, default: Schema) -> Schema:
-    """Defaults of a section by its keys, auto as it is written."""
-    said = {
-        key: its["default"]
-        for form in _forms(schema, place)
-        for key, its in form["properties"].items()
-        if "default" in its
-    }
-    return {key: said.get(key, value) for key, value in default.items()}
-
-
-def _with_bounds(node: Any) -> Any:
-    """The same with bounds in JSON's words, where a number is checked after it was read, and infinity in YAML's."""
-    if isinstance(node, list):
-        return [_with_bounds(item) for item in node]
-    if not isinstance(node, dict):
-        return ".inf" if node == math.inf else node
-    number = node.get("type") in ("number", "integer")
-    return {(_BOUNDS.get(key, key) if number else key): _with_bounds(value) for key, value in node.items()}
-
-
-def keys_at(schema: Schema, place: Sequence[str | int]) -> dict[str, Schema]:
-    """Return the keys a mapping may have, by name: at a place such as ("waves", 0); names of kinds may be among it."""
-    nodes = [schema]
-    for part in place:
-        nodes = [child for node in nodes for child in _schemas_below(schema, node, part)] or nodes
-    forms = [form for node in nodes for form in _forms(schema, node)]
-    return {key: its for form in forms for key, its in form.get("properties", {}).items()}
-
-
-def _forms(schema: Schema, node: Schema) -> Iterator[Schema]:
-    """What a node may be."""
-    if "$ref" in node:
-        node = schema["$defs"][node["$ref"].rpartition("/")[2]]
-    several = node.get("anyOf") or node.get("oneOf")
-    if several:
-        for one in several:
-            yield from _forms(schema, one)
-    else:
-        yield node
-
-
-def _schemas_below(schema: Schema, node: Schema, part: str | int) -> Iterator[Schema]:
-    """What stands below a node: a key, any key, an item, or one of several kinds."""
-    if isinstance(part, str) and part in (kinds := node.get("discriminator", {}).get("mapping", {})):
-        yield {"$ref": kinds[part]}
-        return
-    for form in _forms(schema, node):
-        if isinstance(part, str) and part in (known := form.get("properties", {})):
-            yield known[part]
-        else:
-            yield from _unnamed(form)
-
-
-def _unnamed(form: Schema) -> list[Schema]:
-    """What stands in a list, or in a mapping of names of one's own."""
-    inner = [form.get("items"), form.get("additionalProperties"), *form.get("patternProperties", {}).values()]
-    return [one for one in inner if isinstance(one, dict)]
-
-
-def range_at(schema: Schema, place: Sequence[str]) -> tuple[float, float]:
-    """Return the least and the largest number a key may have, at a place such as ("device", "mass")."""
-    forms = list(_forms(schema, keys_at(schema, place[:-1])[place[-1]]))
-    while forms and forms[0].get("type") != "number":
-        forms += [inner for one in _unnamed(forms.pop(0)) for inner in _forms(schema, one)]
-    ends = [[end for name, end in forms[0].items() if name.lower().endswith(of)] for of in ("minimum", "maximum")]
-    return max([-math.inf, *ends[0]]), min([math.inf, *ends[1]])
-
-
-def dotted(schema: Schema, node: Schema | None = None, prefix: str = "") -> Iterator[str]:
-    """Yield the names of all keys, those of sections within sections with dots; lists and own names are left out."""
-    for form in _forms(schema, node or schema):
-        for key, its in form.get("properties", {}).items():
-            yield prefix + key
-            yield from dotted(schema, its, f"{prefix}{key}.")
-        for inner in _unnamed(form):
-            yield from dotted(schema, inner, prefix)
-
 
 SAME = {
     "nonlinear": {"body_exact": "body_exact"},
@@ -191,16 +91,15 @@ class _UniqueKeyLoader(yaml.SafeLoader):
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         """Build a mapping; a repeated key is an error."""
-        seen: set[object] = set()
+        seen: dict[object, int] = {}
         for key_node, _ in node.value:
             if key_node.tag == "tag:yaml.org,2002:merge":
                 continue
             key = self.construct_object(key_node, deep=deep)
             if key in seen:
-                raise yaml.MarkedYAMLError(
-                    problem=f"key {shortened(repr(key))} is given twice", problem_mark=key_node.start_mark
-                )
-            seen.add(key)
+                problem = f"key {shortened(repr(key))} is given twice, first in line {seen[key]}"
+                raise yaml.MarkedYAMLError(problem=problem, problem_mark=key_node.start_mark)
+            seen[key] = key_node.start_mark.line + 1
         return super().construct_mapping(node, deep)
 
     def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
@@ -264,15 +163,20 @@ def read_yaml(path: str | Path, wanted: str) -> object:
         What kind of file is needed, in words.
     """
     try:
-        data = _loaded(read_bounded(path, LARGEST_STUDY).decode())
+        text = read_bounded(path, LARGEST_STUDY).decode()
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}); give the path of {wanted}") from None
+    except UnicodeDecodeError as error:
+        line = error.object.count(b"\n", 0, error.start) + 1
+        raise ConfigError(f"{path}:{line}: is no text in UTF-8; save it as such") from None
+    try:
+        return _loaded(text)
     except RecursionError:
         raise ConfigError(f"{path}: not valid YAML (nested too deeply); give {wanted}") from None
     except (yaml.YAMLError, TypeError, ValueError) as error:
-        line, words = _yaml_words(error)
-        raise ConfigError(f"{path}{line}: not valid YAML ({words})") from None
-    return data
+        mistake = yaml_mistake(error, text)
+        place = "" if mistake.line is None else f":{mistake.line}"
+        raise ConfigError(f"{path}{place}: not valid YAML ({mistake.words})") from None
 
 
 def _loaded(text: str) -> object:
@@ -297,15 +201,6 @@ def _written_out(node: yaml.Node, known: dict[int, float]) -> float:
     return known[id(node)]
 
 
-def _yaml_words(error: Exception) -> tuple[str, str]:
-    """The line an error of YAML is in, as it follows a file's name, and what it says."""
-    if not isinstance(error, yaml.MarkedYAMLError) or error.problem_mark is None:
-        return "", " ".join(str(error).split())
-    said = [(error.problem, error.problem_mark), (error.context, error.context_mark)]
-    words = [f"{text}, line {mark.line + 1}, column {mark.column + 1}" for text, mark in said if text and mark]
-    return f":{error.problem_mark.line + 1}", " ".join(", ".join(words).split())
-
-
 def validated(model: type[Model], raw: object, source: str) -> Model:
     """Return a model from nested mappings.
 
@@ -316,16 +211,29 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
         raise ConfigError(
             f"{source}: received {type(raw).__name__}, needs a mapping with keys {', '.join(model.model_fields)}"
         )
+    given = in_si(model, raw)
     try:
-        return model.model_validate(raw)
+        return model.model_validate(given)
     except ValidationError as error:
         found = _ordered(error)
         lines = [
-            f"{source}{_line_of(one, raw)}: {_message(one, error.title, raw, model)}" for one in found[:MOST_REPORTED]
+            f"{source}{_line_of(one, given)}: {_message(one, error.title, given, model)}{_guess(one, given, model)}"
+            for one in found[:MOST_REPORTED]
         ]
         rest = len(found) - len(lines)
         last = [f"{source}: and {rest} more mistakes like these"] if rest else []
         raise ConfigError(lines[0] + _more(found), [*lines, *last]) from None
+
+
+def in_si(model: type[BaseModel], raw: dict[str, Any]) -> dict[str, Any]:
+    """Return nested mappings with the numbers a file writes with a unit as those of its keys' units, 15 mm as 0.015."""
+    found: dict[str, Any] = with_units_read(raw, model, _rebuilt)
+    return found
+
+
+def _rebuilt(old: Any, values: dict[Any, Any]) -> dict[Any, Any]:
+    """A mapping of other values that knows the lines of the one it replaces."""
+    return Located(values, old.node) if isinstance(old, Located) else values
 
 
 def one_line(error: ValidationError, raw: object) -> str:
@@ -359,13 +267,47 @@ def _more(found: Sequence[object]) -> str:
 
 
 def _line_of(error: ErrorDetails, raw: dict[str, Any]) -> str:
-    """The line a mistake stands in, as it follows a file's name; a check of a whole section begins with its key."""
-    if not isinstance(raw, Located):
-        return ""
+    """The line a mistake stands in, as it follows a file's name."""
+    line = raw.line(_place_of(error, raw)) if isinstance(raw, Located) else None
+    return "" if line is None else f":{line}"
+
+
+def _place_of(error: ErrorDetails, raw: dict[str, Any]) -> Place:
+    """Keys of a mistake as the file has them; a check of a whole section begins with its key."""
     words = re.match(r"\w+(\.\w+)*", error["msg"]) if error["type"] == "value_error" else None
     named = [int(part) if part.isdigit() else part for part in words[0].split(".")] if words else []
-    line = raw.line([*_written(error, raw), *named])
-    return "" if line is None else f":{line}"
+    return [*_written(error, raw), *named]
+
+
+OUT_OF_RANGE = ("value_error", "greater_than", "greater_than_equal", "less_than", "less_than_equal")
+"""Mistakes, by pydantic's name, of numbers that may be meant in another unit."""
+
+
+def _guess(error: ErrorDetails, raw: dict[str, Any], model: type[BaseModel]) -> str:
+    """Ask for the unit a number out of range was probably meant in: the first with which its mistake is gone."""
+    place = tuple(_place_of(error, raw))
+    while place and _value_at(raw, place) is None:
+        place = place[:-1]
+    if error["type"] not in OUT_OF_RANGE or not isinstance(_value_at(raw, place), int | float):
+        return ""
+    for text, value in other_units(model, raw, place):
+        try:
+            model.model_validate(changed(raw, place, value, _rebuilt))
+        except ValidationError as left:
+            if any(tuple(_place_of(one, raw))[: len(place)] == place for one in _ordered(left)):
+                continue
+        return f"; did you mean {text}?"
+    return ""
+
+
+def _value_at(raw: object, place: Place) -> object:
+    """What stands at a place; None outside the file."""
+    for part in place:
+        inner = _inside(raw, part)
+        if inner is None:
+            return None
+        raw = inner[0]
+    return raw
 
 
 def _written(error: ErrorDetails, raw: object) -> Place:
@@ -390,7 +332,7 @@ def _message(error: ErrorDetails, title: str, raw: object, model: type[BaseModel
     place = _written(error, raw)
     key = shortened(".".join(map(str, place))) or _in_words(title)
     received = "" if isinstance(error["input"], dict | BaseModel) else f" received {shortened(repr(error['input']))};"
-    return " ".join(f"{key}:{received} {_needed(error, place, schema_of(model) if model else {})}".split())
+    return " ".join(f"{key}:{received} {_needed(error, place, raw, model)}".split())
 
 
 def _in_words(title: str) -> str:
@@ -428,11 +370,13 @@ _WORDS = {
 """Mistakes in words of this project, by pydantic's name."""
 
 
-def _needed(error: ErrorDetails, place: Place, schema: dict[str, Any]) -> str:
+def _needed(error: ErrorDetails, place: Place, raw: object, model: type[BaseModel] | None) -> str:
     """What is needed in place of what was received, and what was probably meant."""
-    kind, ctx = error["type"], error.get("ctx", {})
+    kind, ctx, schema = error["type"], error.get("ctx", {}), schema_of(model) if model else {}
     if kind == "extra_forbidden":
         key, within = str(place[-1]), error["loc"][:-1]
+        if misread := _misread_key(key):
+            return f"unknown key; {misread}"
         meant = (same(key, keys_at(schema, within)) or hint(schema, place[:-1], key)) if schema else ""
         return "unknown key; " + (f"did you mean {meant}?" if meant else "remove it or correct its spelling")
     if kind == "missing":
@@ -445,8 +389,21 @@ def _needed(error: ErrorDetails, place: Place, schema: dict[str, Any]) -> str:
         return "kind: missing, but required"
     if kind == "float_parsing" and re.fullmatch(r"\s*[+-]?\d+,\d+\s*", str(error["input"])):
         return "needs a number with a decimal point, not a comma"
+    if model and isinstance(text := error["input"], str) and (said := needed(text, unit_of(model, raw, place))):
+        return said
+    if kind in ("model_type", "dict_type", "model_attributes_type") and re.match(r"\w+:\S", str(error["input"])):
+        return "needs a mapping of keys and values: a space behind every colon"
     what = error["msg"] if kind == "value_error" else _WORDS.get(kind, "needs another value").format(**ctx)
     return what + (_meant(error["input"], str(ctx["expected"])) if kind == "literal_error" else "")
+
+
+def _misread_key(key: str) -> str:
+    """What is wrong with a key that holds more than a name; empty of a name."""
+    if key.startswith("-"):
+        return "a space is missing behind the dash of a list"
+    if found := re.fullmatch(r"(\w+)(?:\s*=\s*|:| +)(\S.*)", key):
+        return f"needs a colon and a space, {found[1]}: {shortened(found[2])}"
+    return "it holds blanks that are no spaces" if re.search(r"[^\S ]", key) else ""
 
 
 def _meant(received: object, choices: str) -> str:

@@ -56,6 +56,7 @@ from vsb.study.waves import (
     directions_of,
     with_files,
 )
+from vsb.tools.ports import PortKind
 
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks", "trash")
 
@@ -149,6 +150,20 @@ class BaseStudy(WithDesigns):
         """Check that figures are published of designs there are; `ValueError`."""
         if self.published and (absent := sorted(set(self.published.values) - set(self.designs))):
             raise ValueError(f"published.values {absent}: no such design; needs some of {', '.join(self.designs)}")
+
+    @classmethod
+    def kind_of_port(cls, raw: Mapping[str, Any]) -> PortKind | None:
+        """Return what the take-off of a file acts with, before the file is checked; None if that cannot be said."""
+        section = raw.get("pto", {})
+        if not isinstance(section, Mapping):
+            return None
+        port = dict(section) if "ports" in section else section.get("port", "heave")
+        if isinstance(port, Mapping) and isinstance(port.get("dof"), str):
+            port = {"dofs": {port["dof"]: 1.0}}
+        try:
+            return port_kind(port)
+        except (AttributeError, TypeError):  # its check reports it
+            return None
 
     @property
     def needs_bem(self) -> bool:

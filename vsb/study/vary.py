@@ -9,32 +9,26 @@ import math
 import random
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
 from typing import Any, Self
 
-from vsb.study.keys import KEYS
+from vsb.study.keys import AT_PORT, UNITS
 from vsb.study.quantities import Section
 from vsb.study.take_off import port_kind
 from vsb.tools.ports import FORCE, PortKind
+from vsb.tools.si_units import BASE, parsed_unit
 from vsb.tools.words import shortened
 
-DIMENSIONS = {
-    "m": 1.0, "s": 0.5, "rad": 0.0, "degrees": 0.0, "kg": 3.0, "N": 3.0, "Pa": 1.0, "J": 4.0, "W": 3.5, "Hz": -0.5,
-    "1": 0.0, "-": 0.0,
-}  # fmt: skip
-"""Power of the length scale that each unit goes with at equal Froude number and the same density and gravity."""
+FROUDE_POWERS = {"m": Fraction(1), "kg": Fraction(3), "s": Fraction(1, 2), "rad": Fraction(0)}
+"""Power of the length scale that each base unit goes with at equal Froude number and the same density and gravity."""
 STAYS = ("depth", "atmospheric_pressure")
 """Keys that are not scaled, whatever their unit: those of water and air."""
 
 
 def length_power(unit: str) -> float:
     """Return the power of the length scale a unit such as N s/m or rad/(m s) goes with, at equal Froude number."""
-
-    def power(product: str) -> float:
-        factors = (factor.partition("^") for factor in product.strip("()").split())
-        return sum(DIMENSIONS[symbol] * float(exponent or 1) for symbol, _, exponent in factors)
-
-    above, _, below = unit.partition("/")
-    return power(above) - power(below)
+    powers = parsed_unit(unit).powers
+    return float(sum(power * FROUDE_POWERS[base] for base, power in zip(BASE, powers, strict=True)))
 
 
 def scaled(raw: Any, scale: float, power: float = 0.0) -> Any:
@@ -123,15 +117,6 @@ MOST_POINTS = 10_000
 """Points of a campaign: each is validated and named by its content whenever the plan is read, 1 ms."""
 SECTIONS = ("device", "body", "reference_shape", "modes", "designs", "water", "hydro", "pto")
 """Sections of a study whose keys can be varied: its waves are the climate's, its simulation makes no year."""
-AT_PORT = {f"pto.{name}": key.at_port for name, key in KEYS["Pto"].items() if key.at_port}
-"""Keys of a take-off whose units depend on its port: field of `PortKind`."""
-_UNITS: dict[str, set[str]] = {}
-for _section in KEYS.values():
-    for _name, _key in _section.items():
-        if _key.unit not in ("", "-"):
-            _UNITS.setdefault(_name, set()).add(_key.unit)
-UNITS = {name: units.pop() if len(units) == 1 else "SI" for name, units in _UNITS.items()}
-"""Units of numbers by the last word of their key; others have none."""
 FROUDE = {
     name: length_power(unit)
     for name, unit in UNITS.items()
