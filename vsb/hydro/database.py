@@ -240,9 +240,10 @@ def with_symmetrized(ds: xr.Dataset) -> xr.Dataset:
     return with_history(ds.assign(even), "added mass and damping symmetrized")
 
 
-def with_history(ds: xr.Dataset, entry: str) -> xr.Dataset:
-    """Return the dataset with one more entry in its history."""
-    return ds.assign_attrs(history=f"{ds.attrs.get('history', '')}; {entry}".lstrip("; "))
+def with_history(ds: xr.Dataset, *entries: str) -> xr.Dataset:
+    """Return the dataset with more entries in its history."""
+    said = [ds.attrs["history"]] if ds.attrs.get("history") else []
+    return ds.assign_attrs(history="; ".join([*said, *entries]))
 
 
 def with_structure(ds: xr.Dataset, reference: ReferenceShell) -> xr.Dataset:

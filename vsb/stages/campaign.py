@@ -3,13 +3,14 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import xarray as xr
 
 from vsb.errors import DatabaseError
 from vsb.hydro import database, orders, quality
+from vsb.hydro.database import Check
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.results.campaign import as_csv, gathered, stacked, with_verification
@@ -22,6 +23,7 @@ from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
 from vsb.stages.climate import read_climate
 from vsb.stages.make import solve
+from vsb.stages.water import refined
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.campaign_plan import Member, members
 from vsb.study.plan import StudyPlan, database_path
@@ -127,24 +129,35 @@ def _of_order(plan: StudyPlan, basis: ModeBasis, family: OrderBasis | None) -> L
     """The coefficients of one azimuthal order, judged; none of a family: of heave and axisymmetric modes."""
     study, order, water = plan.study, family.order if family else 0, plan.study.water
     paths = [plan.block_path(block) for block in plan.sweep_blocks if block.order == order]
-    blocks = [load(path, expected=Path(path).stem) for path in paths]
-    whole = database.with_excitation(database.merged_blocks(blocks))
-    _judge(study, blocks, orders.in_wet_modes(whole, family) if family else database.in_modes(whole, basis), order)
-    raw = database.with_symmetrized(whole)
+    blocks = {Path(path).stem: load(path, expected=Path(path).stem) for path in paths}
+    made, _ = refined(blocks, lambda found: _Swept.of(study, list(found.values()), basis, family), study.hydro.accept)
+    quality.judged(made.checks, study.hydro.accept)
+    raw = database.with_symmetrized(made.whole)
     if order:
         raw = orders.with_haskind_damping(raw, order, water.depth, water.density, water.gravity)
-    raw = raw.assign_attrs({name: max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in STATED})
+    raw = raw.assign_attrs(made.errors)
     count = raw.sizes["influenced_dof"]
     return LinearSystem(raw, np.zeros((count, count)), LinearPto(0.0))
 
 
-def _judge(study: Study, blocks: Sequence[xr.Dataset], sweep: xr.Dataset, order: int) -> None:
-    """Judge coefficients as those of a database are."""
-    tolerance = study.hydro.tolerance
-    precision = min(1.0, tolerance / COARSEST_SWEEP) if not study.uses_panels else 1.0
-    checks = quality.estimate_checks([block.attrs for block in blocks], tolerance)
-    checks += quality.verdict(sweep, None, study.water, precision, order)
-    quality.judged(checks, study.hydro.accept)
+class _Swept(NamedTuple):
+    """Coefficients of one azimuthal order from blocks, judged as those of a database are, and errors stated of them."""
+
+    whole: xr.Dataset
+    checks: list[Check]
+    errors: dict[str, float]
+
+    @classmethod
+    def of(cls, study: Study, blocks: Sequence[xr.Dataset], basis: ModeBasis, family: OrderBasis | None) -> Self:
+        """Return the coefficients of blocks; none of a family: of heave and axisymmetric modes."""
+        whole = database.with_excitation(database.merged_blocks(blocks))
+        wet = orders.in_wet_modes(whole, family) if family else database.in_modes(whole, basis)
+        tolerance, order = study.hydro.tolerance, family.order if family else 0
+        precision = min(1.0, tolerance / COARSEST_SWEEP) if not study.uses_panels else 1.0
+        checks = quality.estimate_checks([block.attrs for block in blocks], tolerance)
+        checks += quality.verdict(wet, None, study.water, precision, order)
+        errors = {name: max(float(block.attrs.get(name, 0.0)) for block in blocks) for name in STATED}
+        return cls(whole, checks, errors)
 
 
 def run_campaign(spec: CampaignSpec, batches: str, verifications: str, out: str, table: str, manifest: str) -> None:

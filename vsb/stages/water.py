@@ -2,15 +2,16 @@
 
 import json
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
+from typing import NamedTuple, Protocol, Self, TypeVar
 
 import xarray as xr
 
 from vsb import __version__
-from vsb.errors import DatabaseError
+from vsb.errors import ConvergenceError, DatabaseError
 from vsb.hydro import database, orders, quality
-from vsb.hydro.database import Check
+from vsb.hydro.database import Check, with_history
 from vsb.hydro.dofs import displacements
 from vsb.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, converged, converged_on_grid
 from vsb.hydro.variables import PAIR
@@ -23,6 +24,10 @@ from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.specs import DatabaseSpec, LoadedShape, SpectralSpec
 from vsb.tools.files import load, save
 
+REFINED = (0.1, 0.01)
+"""Shares of the tolerance to which blocks of a database that fails a check are solved again, one after the other."""
+REFINABLE = ("haskind", "rank_one", "symmetry", "positive_damping", "irregular_frequencies")
+"""Checks that fail of motions which move little water: their coefficients are small parts of the largest entry."""
 FILM = 1e-4
 """Thickness of a shell that moves as a whole, of no consequence, in radii."""
 
@@ -61,13 +66,9 @@ def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:
     precision = min(1.0, spec.tolerance / COARSEST_SWEEP) if solver == "spectral" else 1.0
     reference = reference_shell(spec)
     families = order_bases(spec, reference.basis)
-    parts = [_Part(spec, reference, found, basis) for basis in (None, *(one for one in families if not one.odd))]
-    swept = [part.in_modes(spec.sweep) for part in parts]
-    infinite = [name for name in spec.sweep if "omega" not in found[name].dims]
-    asked = [part.in_modes([*spec.tabulated, *infinite]) for part in parts] if spec.tabulated else None
-    checks = quality.estimate_checks([block.attrs for block in found.values()], spec.tolerance)
-    for i, part in enumerate(parts):
-        checks += part.verdict(swept[i], asked[i] if asked else None, precision)
+    (parts, swept, asked, checks), history = refined(
+        found, lambda blocks: _Assembled.of(spec, reference, blocks, families, precision), spec.accept
+    )
     attrs = {
         "title": "hydro database of an axisymmetric shell in heave and its modes",
         "source": f"vsb {__version__}",
@@ -86,11 +87,75 @@ def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:
     }
     everywhere = _whole(spec, parts, swept, families)
     if asked is None:
-        kept = everywhere.sel(omega=slice(None, spec.omega_max + 1e-9))
+        kept = with_history(everywhere.sel(omega=slice(None, spec.omega_max + 1e-9)), *history)
         database.save_database(kept.assign_attrs(kept.attrs, **attrs), None, out)
     else:
-        tabulated = _whole(spec, parts, asked, families)
+        tabulated = with_history(_whole(spec, parts, asked, families), *history)
         database.save_database(tabulated.assign_attrs(tabulated.attrs, **attrs), everywhere, out)
+
+
+class Assessed(Protocol):
+    """What is made of blocks, and the verdict on it."""
+
+    @property
+    def checks(self) -> list[Check]:
+        """The verdict."""
+        ...
+
+
+Made = TypeVar("Made", bound=Assessed)
+
+
+def refined(
+    blocks: Mapping[str, xr.Dataset], assemble: Callable[[Mapping[str, xr.Dataset]], Made], accept: Sequence[str]
+) -> tuple[Made, list[str]]:
+    """Return what is made of blocks, solved again more finely while a check fails that this may mend, and its history.
+
+    Blocks of panels stay as they are: their mesh would be another one.
+
+    Parameters
+    ----------
+    blocks : mapping of xarray.Dataset
+        By their ids, as of `run_spectral`.
+    assemble : callable
+        Makes of blocks what has checks.
+    accept : sequence of str
+        Checks whose failure is accepted.
+    """
+    made, history = assemble(blocks), []
+    for share in REFINED:
+        failing = {check.name for check in made.checks if check.verdict == "fail"} - set(accept)
+        if not failing & set(REFINABLE):
+            break
+        try:
+            blocks = {name: _solved_again(block, share) for name, block in blocks.items()}
+        except ConvergenceError:
+            break
+        worse, made = made, assemble(blocks)
+        history.append(_refinement(worse.checks, made.checks, failing, share))
+    return made, history
+
+
+def _solved_again(block: xr.Dataset, share: float) -> xr.Dataset:
+    """A block solved again to a share of its tolerances; `ConvergenceError` where its solver does not reach it."""
+    raw = json.loads(block.attrs["spec"])
+    if raw["solver"] != "spectral":
+        raise ConvergenceError("panels: solved again they need another mesh")
+    spec = SpectralSpec.model_validate(raw)
+    begun, problem, omega = clock.perf_counter(), spectral_problem(spec), list(spec.omega)
+    if spec.interpolation:
+        solved = converged_on_grid(problem, omega, share * spec.tolerance, share * spec.interpolation)
+    else:
+        solved = converged(problem, omega, share * spec.tolerance)
+    seconds = block.attrs["seconds"] + clock.perf_counter() - begun
+    return solved.assign_attrs(**{key: block.attrs[key] for key in ("spec", "spec_id")}, seconds=seconds)
+
+
+def _refinement(before: Sequence[Check], after: Sequence[Check], names: Set[str], share: float) -> str:
+    """What a refinement changed, for the history of a database."""
+    pairs = zip(before, after, strict=True)
+    changes = (f"{one.name} {one.value:.3g} became {new.value:.3g}" for one, new in pairs if one.name in names)
+    return f"solved again to {share:g} of the tolerance: {', '.join(changes)}"
 
 
 def _at_rest(spec: DatabaseSpec) -> dict[str, object]:
@@ -103,6 +168,34 @@ def _at_rest(spec: DatabaseSpec) -> dict[str, object]:
         "centre_of_buoyancy": [0.0, 0.0, height + rest.centroid_below(-height)],
         "centre_of_mass": [0.0, 0.0, height + (spec.device.centre_of_mass or 0.0)],
     }
+
+
+class _Assembled(NamedTuple):
+    """The degrees of freedom of every order from the same blocks, and the verdict on them."""
+
+    parts: "list[_Part]"
+    swept: list[xr.Dataset]
+    asked: list[xr.Dataset] | None  # frequencies tabulated, if any are
+    checks: list[Check]
+
+    @classmethod
+    def of(
+        cls,
+        spec: DatabaseSpec,
+        reference: ReferenceShell,
+        found: Mapping[str, xr.Dataset],
+        families: Sequence[OrderBasis],
+        precision: float,
+    ) -> Self:
+        """Return the blocks found expressed in the modes, and their checks."""
+        parts = [_Part(spec, reference, found, basis) for basis in (None, *(one for one in families if not one.odd))]
+        swept = [part.in_modes(spec.sweep) for part in parts]
+        infinite = [name for name in spec.sweep if "omega" not in found[name].dims]
+        asked = [part.in_modes([*spec.tabulated, *infinite]) for part in parts] if spec.tabulated else None
+        checks = quality.estimate_checks([block.attrs for block in found.values()], spec.tolerance)
+        for i, part in enumerate(parts):
+            checks += part.verdict(swept[i], asked[i] if asked else None, precision)
+        return cls(parts, swept, asked, checks)
 
 
 @dataclass(frozen=True)
