@@ -24,7 +24,7 @@ from vsb.errors import ConfigError, ConvergenceError
 from vsb.report.design_answer import answer
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
-from vsb.stages.design_preview import check
+from vsb.stages.design_preview import check, summary
 from vsb.stages.design_results import sensitivity_table
 from vsb.stages.make import work
 from vsb.stages.run import _best_so_far
@@ -72,6 +72,13 @@ def test_sensitivity_is_the_exponent_of_a_power_law(folder):
     )  # fmt: skip
     rows = sensitivity_table(planned(folder, "squared").design, {FLEXIBLE: one, COMPETITOR: one})[1]
     assert [(row[1], row[-1]) for row in rows] == 2 * [("pto.damping", pytest.approx(2.0, rel=1e-12))]
+
+
+def test_front_far_from_what_the_buoys_have_is_doubted(folder):
+    """Static proofs do not know forces: one buoy of each search is evaluated for the cost."""
+    lines = summary(planned(folder, "front", pareto={"force_rms": [1e-9, 1e4]}))
+    doubts = [line for line in lines if line.startswith("doubt        pareto")]
+    assert [line.partition(", and")[0] for line in doubts] == 2 * ["doubt        pareto.force_rms: received 1e-09"]
 
 
 def test_best_of_all_starts_is_told_while_they_run(folder):
@@ -248,8 +255,8 @@ def test_a_climate_beyond_the_frequencies_solved_is_refused(folder):
 
 
 def test_starts_none_of_which_rests_are_named(folder):
-    """No mass from 60 to 70 t floats a sphere of radius 2 m."""
-    plan = planned(folder, "sunk", {"device.mass": [6e4, 7e4]})
+    """Shells of 1 to 10 kPa buckle before they carry their load."""
+    plan = planned(folder, "sunk", {"device.young_modulus": [1e3, 1e4]})
     for job in jobs(plan):
         if job.stage == "design_start":
             work(job)

@@ -61,6 +61,60 @@ def test_a_design_file_names_variables_limits_and_a_competitor(folder):
     assert not is_design({"campaign": "year"})
 
 
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"device.mass": [10, 20]}, r"design.yaml:13: variables.device.mass: the shell alone has at least 665.* kg"),
+        (
+            {"device.mass": [9e5, 9.1e5]},
+            r"variables.device.mass: every buoy sinks: the largest displaces 7.546e\+04 kg",
+        ),
+        ({"device.radius": [3, 4]}, r"limits.beam: received 4.8 m, which no buoy of VSWEC can keep: .* at least 6 m"),
+        (
+            {"device.radius": [2, 2.0000000001]},
+            r"device.radius: received \[2, 2.0000000001\], needs .* by more than 1e-06",
+        ),
+        ({"limits": {"beam": 1.0}}, r"limits.beam: received 1 m, which no buoy of VSWEC can keep"),
+        ({"limits": {"draft": 0.01}}, r"limits.draft: received 0.01 m, which no buoy of VSWEC can keep"),
+        ({"limits": {"mass": 100}}, r"limits.mass: received 100 kg, which no buoy of VSWEC can keep: .* 7000 kg"),
+        ({"pareto": {"beam": [0.5, 4.0]}}, r"pareto.beam: received 0.5 m, which no buoy of VSWEC can keep"),
+        ({"pareto": {"force_rms": [1e4, 1e4]}}, "pareto.force_rms: received 10000, 10000; needs every value once"),
+    ],
+)
+def test_what_no_buoy_of_the_ranges_can_meet_is_refused(folder, changes, message):
+    """Before anything is solved, and by whatever reads the file: the ranges or limits leave no buoy that floats."""
+    variables = RAW["variables"] | {key: value for key, value in changes.items() if "." in key}
+    others = {key: value for key, value in changes.items() if "." not in key}
+    with pytest.raises(ConfigError, match=message):
+        load_design(written(folder, **{"limits": RAW["limits"], **others, "variables": variables}))
+
+
+@pytest.mark.parametrize(
+    ("changes", "doubt"),
+    [
+        ({"limits": {"load_factor": 1e9, "beam": 4.8}}, "limits.load_factor: received 1e+09, usual are 1 to 20"),
+        ({"limits": {"static_strain": 50, "beam": 4.8}}, "limits.static_strain: received 50, usual are 0.0001 to 1"),
+        (
+            {"uncertain": {"device.young_modulus": 1}},
+            "uncertain.device.young_modulus: received 1, a standard deviation",
+        ),
+        ({"device.radius": [0.02, 400]}, "variables.device.radius: received 0.02 to 400, of which VSWEC floats within"),
+        ({"device.mass": [1e3, 1e6]}, "variables.device.mass: received 1000 to 1e+06, of which VSWEC floats within"),
+        (
+            {"pto.stiffness": [1e10, 1e11]},
+            "variables.pto.stiffness: received 1e+10 to 1e+11, all of which hold the buoy",
+        ),
+        ({"pto.damping": [1e9, 1e10]}, "variables.pto.damping: received 1e+09 to 1e+10, all of which hold the buoy"),
+    ],
+)
+def test_what_is_probably_a_slip_is_doubted(folder, changes, doubt):
+    variables = RAW["variables"] | {key: value for key, value in changes.items() if "." in key}
+    others = {key: value for key, value in changes.items() if "." not in key}
+    doubts = load_design(written(folder, **{"limits": RAW["limits"], **others, "variables": variables})).doubts
+    assert any(line.startswith(doubt) for line in doubts)
+    assert load_design(written(folder)).doubts == []
+
+
 def test_what_to_know_before_solving(folder):
     """Power grows with size; and a damper that is optimal for power does not give way to a limit of its force."""
     assert load_design(written(folder)).notes == []

@@ -13,7 +13,8 @@ import numpy as np
 
 from vsb.design.evaluation import Evaluation, Quantity
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.study.design import DIVISORS, PARTS, THINNEST_RATIO, Objective, Variable
+from vsb.study.design import DIVISORS, PARTS, Objective, Variable
+from vsb.study.feasible import THINNEST_RATIO
 from vsb.tools.arrays import FloatArray
 
 POWER: Literal["annual_mean_power"] = "annual_mean_power"

@@ -1,32 +1,53 @@
 """Checks of a design problem before anything is solved, and what `vsb check` prints of it."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from time import process_time
+from typing import NamedTuple
 
 from vsb.design.optimise import first_possible
-from vsb.design.problem import Problem
+from vsb.design.problem import Point, Problem
 from vsb.design.searched import degrees_of, places, problem_of
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.stages.climate import read_climate
 from vsb.study.campaign import study_at
-from vsb.study.design import Variable, unit_of
+from vsb.study.design import PARTS, Variable, unit_of
 from vsb.study.design_plan import DesignPlan
+from vsb.study.specs import Search
 from vsb.study.vary import unit
 from vsb.waves.climate import OUTSIDE, Climate, climate_line
 
-JOB_SECONDS, RESULTS_SECONDS = 5.0, 10.0
-"""CPU time of a process of its own, and of tables, figures and report [s]."""
+JOB_SECONDS, RESULTS_SECONDS = 2.4, 14.0
+"""CPU time of a process of its own with what Snakemake does of it, and of Snakemake, tables, figures and report [s]."""
 COMPARED = 12
 """Evaluations of the buoys compared: twin, sphere, and finer ones for the numerical error."""
 MORE_MODES = 1.5
 """Cost of an evaluation with the degrees of shell modes beyond the first, in terms of the first."""
 
 
+REPEATED = 3
+"""Times a buoy is evaluated for its time: on a busy machine one of them may take twice as long."""
+FAR = 100.0
+"""Times the value of the study's buoy from which on a limit is probably a slip."""
+
+
 def check(plan: DesignPlan) -> None:
     """Raise what would fail later in a design problem; raises `ConfigError`."""
-    source, loaded = plan.loaded.source, plan.loaded
-    seas = read_climate(plan.climate, loaded.climate_path)
-    study = study_at(plan.flexible.base, {})
+    _problems(plan, read_climate(plan.climate, plan.loaded.climate_path))
+
+
+class Prepared(NamedTuple):
+    """The problem of one search, and the CPU time it took to set up [s]."""
+
+    search: Search
+    starts: tuple[str, ...]  # ids
+    problem: Problem
+    seconds: float
+
+
+def _problems(plan: DesignPlan, seas: Climate) -> list[Prepared]:
+    """The problems of the flexible buoy and of its competitor; raises where derivatives of their year are not known."""
+    source, study = plan.loaded.source, study_at(plan.flexible.base, {})
     outside = seas.variance_outside(0.0, study.hydro.omega_max)
     if outside > OUTSIDE:
         raise ConfigError(
@@ -34,22 +55,47 @@ def check(plan: DesignPlan) -> None:
             f"which the water is solved; needs at most {OUTSIDE:.0%}, a larger hydro.omega_max in the study"
         )
     study_at(plan.rigid.base, {})
-    _problems(plan, seas)
+    found = []
+    for search, starts in ((plan.flexible, plan.starts), (plan.rigid, plan.rigid_starts)):
+        begun = process_time()
+        try:
+            problem = problem_of(search, seas, degrees_of(search)[0])
+        except ConfigError as error:
+            raise ConfigError(f"{source}: study: {error}") from None
+        found.append(Prepared(search, tuple(starts), problem, process_time() - begun))
+    return found
 
 
-def _problems(plan: DesignPlan, seas: Climate) -> list[Problem]:
-    """The problems of the flexible buoy and of its competitor; raises where derivatives of their year are not known."""
+class Tried(NamedTuple):
+    """A buoy of a search evaluated, and the CPU time of that [s]; or why none rests."""
+
+    point: Point | None
+    seconds: float
+    reason: str = ""
+
+
+def _tried(one: Prepared, seed: int) -> Tried:
+    """The buoy that the first start begins at."""
+    problem = one.problem
     try:
-        return [problem_of(search, seas, degrees_of(search)[0]) for search in (plan.flexible, plan.rigid)]
-    except ConfigError as error:
-        raise ConfigError(f"{plan.loaded.source}: study: {error}") from None
+        place = first_possible(problem, places(problem, len(one.starts), seed, 0))[0].place
+    except ConvergenceError as error:
+        return Tried(None, 0.0, str(error))
+    seconds = []
+    for _ in range(REPEATED):
+        problem.known.clear()  # a repeated evaluation, without what the first one prepares
+        begun = process_time()
+        point = problem.at(place)
+        seconds.append(process_time() - begun)
+    return Tried(point, min(seconds))
 
 
 def summary(plan: DesignPlan) -> list[str]:
-    """Return the lines `vsb check` prints of a design problem: variables, limits, cost."""
-    check(plan)
-    problem, search = plan.loaded.problem, plan.flexible
+    """Return the lines `vsb check` prints of a design problem: variables, limits, cost, and what is probably a slip."""
     seas = read_climate(plan.climate, plan.loaded.climate_path)
+    prepared = _problems(plan, seas)
+    problem, search = plan.loaded.problem, plan.flexible
+    tried = [_tried(one, problem.seed) for one in prepared]
     limits = ", ".join(f"{name} {value:g} {unit_of(name)}".removesuffix(" 1") for name, value in search.limits.items())
     left = sum(not Path(path).exists() for path in plan.start_paths)
     points, kept = sum(map(len, problem.pareto.values())), ", ".join(one.key for one in plan.rigid.variables)
@@ -61,10 +107,32 @@ def summary(plan: DesignPlan) -> list[str]:
         f"competitor   {plan.loaded.rigid}, optimised in {kept or 'nothing'}",
         f"jobs         {left} of {len(plan.start_paths)} starts to do, {points} points of Pareto fronts"
         + (f", {problem.verify.seas} seas in time" if problem.verify else ""),
-        f"cost         {_cost(plan, seas, points)}" + (", runs in time apart" if problem.verify else ""),
+        f"cost         {_cost(plan, prepared, tried)}" + (", runs in time apart" if problem.verify else ""),
         *(f"note         {note}" for note in plan.loaded.notes),
+        *(f"doubt        {doubt}" for doubt in [*plan.loaded.doubts, *_far_limits(plan, prepared, tried)]),
         *map(climate_line, seas.notes),
     ]
+
+
+def _far_limits(plan: DesignPlan, prepared: Sequence[Prepared], tried: Sequence[Tried]) -> list[str]:
+    """Limits and values of fronts far from what the buoys evaluated have, and searches none of whose buoys rests."""
+    found, problem = [], plan.loaded.problem
+    for one, end in zip(prepared, tried, strict=True):
+        if end.point is None:
+            found.append(f"variables: of {one.search.design}, {end.reason}; other starts may find one")
+            continue
+        given = [("limits", name, value) for name, value in one.search.limits.items()]
+        given += [("pareto", name, value) for name, values in problem.pareto.items() for value in values]
+        for section, name, value in given:
+            known = [end.point.evaluation.quantities.get(part) for part in PARTS.get(name, (name,))]
+            has = max((quantity.value for quantity in known if quantity), default=0.0)
+            if has > FAR * value:
+                words = f"{has:.3g} {unit_of(name)}".removesuffix(" 1")
+                found.append(
+                    f"{section}.{name}: received {value:g}, and the first buoy of {one.search.design} has {words}: "
+                    f"{has / value:.2g} times more"
+                )
+    return found
 
 
 def evaluations_of_start(variables: int) -> int:
@@ -77,28 +145,20 @@ def evaluations_of_point(variables: int) -> int:
     return variables + 6
 
 
-def _cost(plan: DesignPlan, seas: Climate, points: int) -> str:
+def _cost(plan: DesignPlan, prepared: Sequence[Prepared], tried: Sequence[Tried]) -> str:
     """Evaluations and CPU time of what is left to do, from one evaluation of each kind of buoy in this process."""
     evaluations, seconds, problem = 0, RESULTS_SECONDS, plan.loaded.problem
-    for search, starts in ((plan.flexible, plan.starts), (plan.rigid, plan.rigid_starts)):
-        left, count = sum(not Path(plan.start_path(name)).exists() for name in starts), len(search.variables)
-        degrees = search.degrees[:3] or (None,)
-        begun = process_time()
-        one = problem_of(search, seas, degrees[0])
-        built = process_time() - begun
-        try:
-            place = first_possible(one, places(one, len(starts), problem.seed, 0))[0].place
-        except ConvergenceError as error:
-            return f"not known: of {search.design}, {error}"
-        begun = process_time()
-        one.known.clear()  # a repeated evaluation, without what the first one prepares
-        one.at(place)
-        each = process_time() - begun
-        more = MORE_MODES * (len(degrees) - 1)
+    points = sum(map(len, problem.pareto.values()))
+    for one, end in zip(prepared, tried, strict=True):
+        if end.point is None:
+            return f"not known: of {one.search.design}, {end.reason}"
+        left = sum(not Path(plan.start_path(name)).exists() for name in one.starts)
+        count, more = len(one.search.variables), MORE_MODES * (len(one.search.degrees[:3] or (None,)) - 1)
         of_starts, of_points = left * evaluations_of_start(count), points * evaluations_of_point(count)
         evaluations += of_starts + of_points
-        seconds += left * (JOB_SECONDS + (1 + more) * built + (1 + more) * each) + (points > 0) * (JOB_SECONDS + built)
-        seconds += (of_starts + of_points + COMPARED) * each
+        each = JOB_SECONDS + one.seconds
+        seconds += left * (each + more * (one.seconds + end.seconds)) + len(problem.pareto) * each
+        seconds += (of_starts + of_points + COMPARED) * end.seconds
     return f"about {evaluations} evaluations, {seconds:.0f} s on one core"
 
 

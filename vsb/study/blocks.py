@@ -252,8 +252,9 @@ class HydroPlan:
 
     def _grid(self, first: int, last: int) -> list[float]:
         """Frequencies of the absolute grid, as round as its step [rad/s]."""
-        digits = max(0, -math.floor(math.log10(self.step))) + 5
-        return [round(self.step * i, digits) for i in range(first, last + 1)]
+        step = self.step
+        digits = max(0, -math.floor(math.log10(step))) + 5
+        return [round(step * i, digits) for i in range(first, last + 1)]
 
     @property
     def highest_omega(self) -> float:

@@ -3,6 +3,7 @@
 Imports nothing heavy: the Snakefile reads a design file at every parse.
 """
 
+import dataclasses
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -13,6 +14,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
 
 from vsb.errors import ConfigError
 from vsb.study.campaign import ClimateFile, Verify, check_no_direction, sections, study_at
+from vsb.study.feasible import Ranges, Unmet
 from vsb.study.keys import KEYS, Key
 from vsb.study.quantities import Count, Name, NonNegative, Positive, Section
 from vsb.study.reading import Located, nearest, read_yaml, validated
@@ -60,8 +62,17 @@ PARTS = {
 """Limits of which several parts must be met, with names of their own, and a multiplier each."""
 OF_SIZE = ("beam", "surface", "volume", "force_rms")
 """Limits of which one must hold where the radius is free, or power grows with it up to its bound."""
-THINNEST_RATIO = 10.0
-"""Radius over thickness that thin-shell theory needs at least: an implied limit."""
+NARROWEST = 1e-6
+"""Width of a range in terms of its larger end, below which it is none."""
+USUAL = {"load_factor": (1.0, 20.0), "static_strain": (1e-4, 1.0)}
+"""Limits outside of which a slip is likely."""
+MOST_UNCERTAIN = 0.3
+"""Relative standard deviation beyond which a budget of first derivatives says little."""
+MOSTLY = 0.5
+"""Part of a range of radius or mass that some buoy must reach."""
+STILL = 100.0
+"""Stiffness or damper of a take-off, in terms of the water's stiffness or the damper it is critical with, that holds
+a buoy still."""
 _ENDS = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
 _BOUNDS: dict[str, Any] = {
     "type": "object",
@@ -143,8 +154,11 @@ def _variable(key: str, given: object) -> Variable:
     least, most = range_at(schema_of(Study), key.split("."))
     if not (math.isfinite(low) and math.isfinite(high)):
         raise ValueError(f"{key}: received {given!r}, needs finite bounds")
-    if not low < high:
-        raise ValueError(f"{key}: received {given!r}, needs the lower bound first, and another above it")
+    if not high - low > NARROWEST * max(abs(low), abs(high)):
+        raise ValueError(
+            f"{key}: received {given!r}, needs the lower bound first, and another above it by more than {NARROWEST:g} "
+            "of its size; what is not varied stands in the study alone"
+        )
     if not (least < low and high < most):
         need = f"above {least:g}" if math.isinf(most) else f"between {least:g} and {most:g}"
         raise ValueError(f"{key}: received {given!r}, needs bounds {need}")
@@ -258,6 +272,61 @@ class LoadedDesign(Section):
         return {**found, "designs": {self.rigid: {"flexible": False}}}
 
     @property
+    def ranges(self) -> dict[str, Ranges]:
+        """What decides how the flexible buoy and its competitor float, by design."""
+        return _ranges(self.problem, self.base)
+
+    @property
+    def doubts(self) -> list[str]:
+        """What is probably a slip: limits, uncertainties and ranges that no engineer would give."""
+        problem, variables, found = self.problem, {one.key: one for one in self.problem.variables}, []
+        for name, value in problem.limits.given.items():
+            low, high = USUAL.get(name, (0.0, math.inf))
+            if not low <= value <= high:
+                found.append(f"limits.{name}: received {value:g}, usual are {low:g} to {high:g}")
+        for key, share in problem.uncertain.items():
+            if share > MOST_UNCERTAIN:
+                found.append(
+                    f"uncertain.{key}: received {share:g}, a standard deviation of {100 * share:g} %; the budget is of "
+                    f"first derivatives, which hold to about {100 * MOST_UNCERTAIN:g} %"
+                )
+        for design, ranges in self.ranges.items():
+            reached = ranges.judged()
+            for name in ("radius", "mass") if not isinstance(reached, Unmet) else ():
+                one = variables.get(f"device.{name}")
+                if one is None or one.key not in ranges.bounds:
+                    continue
+                low, high = (one.clipped(end) for end in getattr(reached, name))
+                if one.scaled(high) - one.scaled(low) < MOSTLY:
+                    found.append(
+                        f"variables.{one.key}: received {one.low:g} to {one.high:g}, of which {design} floats within "
+                        f"the limits at {low:.3g} to {high:.3g} at most"
+                    )
+        return [*found, *self._held_still]
+
+    @property
+    def _held_still(self) -> list[str]:
+        """Springs and dampers of a take-off in heave all of which are so stiff that no buoy moves."""
+        if self.base.pto.port != "heave":
+            return []
+        radius, mass = (max(self.ranges[self.rigid].ends(name)) for name in ("radius", "mass"))
+        stiffness = self.base.water.density * self.base.water.gravity * math.pi * radius**2
+        critical = 2 * math.sqrt(stiffness * mass)
+        most = {
+            "pto.stiffness": (stiffness, "the stiffness of the water"),
+            "pto.damping": (critical, "the critical damping of the largest buoy"),
+        }
+        found = []
+        for one in self.problem.variables:
+            value, words = most.get(one.key, (math.inf, ""))
+            if one.low > STILL * value:
+                found.append(
+                    f"variables.{one.key}: received {one.low:g} to {one.high:g}, all of which hold the buoy still: at "
+                    f"least {one.low / value:.2g} times {words}"
+                )
+        return found
+
+    @property
     def notes(self) -> list[str]:
         """What is to be said about the problem before it is solved."""
         problem, limits = self.problem, self.problem.limits.given
@@ -317,6 +386,8 @@ def read(raw: object, source: str) -> LoadedDesign:
             f"received {problem.climate.file}, which cannot be read ({error.strerror}); needs the path of a file, "
             "relative to this one",
         )
+    mistakes.check()
+    _check_reachable(problem, study, mistakes)
     mistakes.check()
     loaded = LoadedDesign(problem=problem, source=source, base=study, climate_path=str(climate), climate_id=digest)
     try:
@@ -413,16 +484,6 @@ def _check_variables(problem: Optimisation, study: Study, given: object, mistake
             f"received {problem.limits.mass:g} kg, and the mass is {study.device.mass:g} kg; needs device.mass among "
             "the variables",
         )
-    radius, thickness = keys.get("device.radius"), keys.get("device.thickness")
-    largest = radius.high if radius else study.device.radius
-    least = thickness.low if thickness else study.device.thickness
-    if THINNEST_RATIO * least > largest:
-        place = ("variables", "device.thickness" if thickness else "device.radius")
-        mistakes.add(
-            place,
-            f"thickness from {least:g} m and radius up to {largest:g} m leave no thin shell; needs thickness below "
-            f"radius/{THINNEST_RATIO:g}",
-        )
 
 
 def _check_competitor(problem: Optimisation, mistakes: _Mistakes) -> None:
@@ -437,9 +498,53 @@ def _check_competitor(problem: Optimisation, mistakes: _Mistakes) -> None:
             )
 
 
+def _ranges(problem: Optimisation, study: Study) -> dict[str, Ranges]:
+    """What decides how the flexible buoy and its competitor float, by design."""
+    flexible, rigid = problem.optimise or first_flexible(study), study.reference_design or "FSB"
+    chosen = problem.competitor.variables
+    ends = {one.key: (one.low, one.high) for one in problem.variables}
+    competing = {key: pair for key, pair in ends.items() if key in (OF_RIGID if chosen is None else chosen)}
+    limits, device, water = problem.limits, study.device, study.water
+    return {
+        flexible: Ranges(device, water, ends, limits.given, study.at_equilibrium),
+        rigid: Ranges(device, water, competing, limits.without_shell().given, deforms=False),
+    }
+
+
+def _check_reachable(problem: Optimisation, study: Study, mistakes: _Mistakes) -> None:
+    """Check that some buoy of the ranges may float within the limits, and within each value of a front."""
+    keys = [one.key for one in problem.variables]
+    for design, ranges in _ranges(problem, study).items():
+        found = ranges.judged()
+        if isinstance(found, Unmet):
+            if (limit := problem.limits.given.get(found.demand)) is not None:
+                mistakes.add(("limits", found.demand), _refusal(found.demand, limit, design, found))
+                return
+            first = ("device.mass", "device.radius", "device.thickness")[:: -1 if found.demand == "thin" else 1]
+            key = next((key for key in first if key in keys), keys[0])
+            mistakes.add(("variables", key), f"{found.why} (design {design})")
+            return
+        for name, values in problem.pareto.items():
+            for value in values:
+                at = dataclasses.replace(ranges, limits={**ranges.limits, name: value}).judged()
+                if isinstance(at, Unmet):
+                    mistakes.add(("pareto", name), _refusal(name, value, design, at))
+                    return
+
+
+def _refusal(limit: str, value: float, design: str, found: Unmet) -> str:
+    """What is said of a limit that no buoy of a design can keep."""
+    received = f"{value:g} {unit_of(limit)}".removesuffix(" 1")
+    return f"received {received}, which no buoy of {design} can keep: {found.why}"
+
+
 def _check_others(problem: Optimisation, study: Study, mistakes: _Mistakes) -> None:
     """Check Pareto fronts and uncertain inputs."""
-    for name in problem.pareto:
+    for name, values in problem.pareto.items():
+        if len(set(values)) < len(values):
+            mistakes.add(
+                ("pareto", name), f"received {', '.join(f'{one:g}' for one in values)}; needs every value once"
+            )
         if name not in (known := Limits.model_fields):
             near = nearest(name, known)
             mistakes.add(

@@ -354,6 +354,8 @@ def waterline_radius(shape: Shape | None, radius: float, centre: float) -> float
     return shape.meridian(radius).radius_at(-centre)
 
 
+NEAREST_POLE = 0.01
+"""Of the radius: least distance of the waterline from top and keel."""
 HEAVIEST = 1e300
 """Mass [kg] that stands in where the real one cannot be computed."""
 BAND = 5.4

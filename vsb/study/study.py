@@ -13,6 +13,7 @@ from pydantic import Field, field_validator, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.device import (
+    NEAREST_POLE,
     Device,
     centre_height,
     check_shape,
@@ -238,8 +239,6 @@ LEAST_WINDOW = 0.02
 """Of a period: least length of the window of the statistics, four instants recorded."""
 MOST_INSTANTS, MOST_CONVOLVED = 5e7, 2**16
 """Instants a run records at most; a convolution, whose cost is their square."""
-NEAREST_POLE = 0.01
-"""Of the radius: least distance of the waterline from top and keel."""
 CHECKS = (
     "error_estimate", "interpolation_error", "limit_difference", "symmetry", "positive_damping", "rank_one", "haskind",
     "irregular_frequencies", "kramers_kronig",
