@@ -15,6 +15,7 @@ from stages.test_members import planned, with_seas
 from vsb import __version__
 from vsb.cli import main, parser
 from vsb.study.plan import StudyPlan
+from vsb.study.quantities import canonical
 from vsb.study.study import load
 from vsb.tools.commands import commands
 
@@ -254,3 +255,59 @@ def test_earlier_output_of_a_command_is_replaced(small, tmp_path, arguments):
     run = next(iter(Path(small.folder, "trajectories").iterdir()))
     arguments = [one.format(out=tmp_path, run=run) for one in arguments]
     assert main(arguments) == main(arguments) == 0
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "message"),
+    [
+        (["import-wamit", "out", "small", "own.nc"], ["series", "{run}", "own.nc"], "hydro database of vsb, no time s"),
+        (
+            ["series", "{run}", "own.csv"],
+            ["compare", "small.yaml", "--out", "own.csv"],
+            "time series of vsb, no table of",
+        ),
+        (
+            ["series", "{run}", "own.nc"],
+            ["import-wamit", "out", "small", "own.nc"],
+            "time series of vsb, no hydro data",
+        ),
+    ],
+)
+def test_an_output_replaces_its_own_kind_only(small, tmp_path, monkeypatch, capsys, first, second, message):
+    """A database took a week to solve: no time series takes its place, though both are outputs of this package."""
+    run = next(iter(Path(small.folder, "trajectories").iterdir())).absolute()
+    assert main(["export", "small.yaml", str(tmp_path / "out")]) == 0
+    named = [
+        [str(tmp_path / one) if one.startswith("own") or one == "out" else one.format(run=run) for one in line]
+        for line in (first, second)
+    ]
+    assert main(named[0]) in (0, 1)
+    own = next(tmp_path.glob("own.*"))
+    before, _ = own.read_bytes(), capsys.readouterr()
+    assert f"is a {message}" in error_line(named[1], capsys)
+    assert own.read_bytes() == before
+    assert main(named[0]) in (0, 1)
+
+
+def test_a_rule_replaces_its_own_products_only(workplace, capsys, monkeypatch):
+    """Called by hand it replaced a study, and any other file."""
+    Path("small.yaml").write_text(yaml.safe_dump(SMALL))
+    given(monkeypatch, canonical(StudyPlan(load("small.yaml")).modes))
+    assert main(["modes", "--out", "modes.nc"]) == 0
+    given(monkeypatch, canonical(StudyPlan(load("small.yaml")).modes))
+    assert main(["modes", "--out", "modes.nc"]) == 0
+    Path("text.nc").write_text("mine")
+    for name in ("small.yaml", "text.nc"):
+        before = Path(name).read_bytes()
+        given(monkeypatch, canonical(StudyPlan(load("small.yaml")).modes))
+        line = error_line(["modes", "--out", name], capsys)
+        assert f"{name}: is no earlier output of the rule modes, and would be lost" in line
+        assert Path(name).read_bytes() == before
+    given(monkeypatch, canonical(StudyPlan(load("small.yaml")).display))
+    Path("mine").mkdir()
+    Path("mine/letter.txt").write_text("mine")
+    line = error_line(["display", "--out", "mine", "--manifest", "mine/manifest.json"], capsys)
+    assert "mine: is no earlier output of the rule display" in line
+    given(monkeypatch, canonical(StudyPlan(load("small.yaml")).display))
+    line = error_line(["display", "--out", "modes.nc", "--manifest", "small.yaml"], capsys)
+    assert "is no earlier output of the rule display" in line

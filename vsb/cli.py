@@ -5,7 +5,7 @@ import json
 import os
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -194,7 +194,8 @@ def compare(args: argparse.Namespace) -> int:
 
         if odd := [name for name in (*one.files, *one.optional) if name != "out" and vars(args)[name]]:
             args.command.error(f"--{odd[0]} is of the rule compare, which takes no studies")
-        _check_outputs(args, [args.out] if args.out else [])
+        kind = "page" if args.out and Path(args.out).suffix == ".html" else "table of studies"
+        _check_outputs(args, {args.out: kind} if args.out else {})
         print(side_by_side.compare(args.studies, args.out))
         return 0
     if missing := [name for name in one.files if vars(args)[name] is None]:
@@ -207,7 +208,9 @@ def stage(args: argparse.Namespace) -> int:
     one: Stage = args.stage
     if one.spec and sys.stdin.isatty():
         raise ConfigError("standard input: received a terminal, needs the specification of the rule as JSON")
-    one.run(vars(args), sys.stdin.read() if one.spec else "")
+    text = sys.stdin.read() if one.spec else ""
+    one.check_outputs(vars(args), text)
+    one.run(vars(args), text)
     return 0
 
 
@@ -244,7 +247,7 @@ def parser() -> argparse.ArgumentParser:
         epilog=f"rules of the workflow, each a command that reads its specification from standard input:\n{rules}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    top.set_defaults(writes=())
+    top.set_defaults(writes={})
     top.add_argument("--version", action="version", version=f"vsb {__version__}")
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
     _add_commands(commands)
@@ -290,10 +293,10 @@ def _add_commands(commands: Any) -> None:
     one.add_argument("--json", action="store_true", help="print JSON")
     words = "how much the coefficients depend on the shape"
     one = _command(commands, "shape-dependence", words, shape_dependence, config="CONFIG", out="OUT")
-    one.set_defaults(writes=("{out}.nc", "{out}.svg"))
+    one.set_defaults(writes={"{out}.nc": "shape dependence", "{out}.svg": "figure"})
     words = "hydro database of any mesh with any displacements"
     one = _command(commands, "body", words, body, config="CONFIG", out="FOLDER")
-    one.set_defaults(writes=("{out}/",))
+    one.set_defaults(writes={"{out}/": ""})
 
 
 def _add_compare(commands: Any) -> None:
@@ -311,10 +314,10 @@ def _add_imports(commands: Any) -> None:
     """Declare what exchanges databases with other codes."""
     words = "database as WAMIT files and WEC-Sim .h5"
     one = _command(commands, "export", words, export, config="CONFIG|DATABASE.nc", folder="FOLDER")
-    one.set_defaults(writes=("{folder}/",))
+    one.set_defaults(writes={"{folder}/": ""})
     words = "time series of a run with WEC-Sim's names"
     one = _command(commands, "series", words, series, config="TRAJECTORY.nc", out="OUT.csv|OUT.nc")
-    one.set_defaults(writes=("{out}",))
+    one.set_defaults(writes={"{out}": "time series"})
     words, places = "hydro database from WAMIT's output", {"folder": "FOLDER", "name": "NAME", "out": "DATABASE.nc"}
     one = _command(commands, "import-wamit", words, import_wamit, **places)
     one.add_argument("--density", type=float, default=1025.0, help="of the water [kg/m^3] (default: 1025)")
@@ -324,25 +327,25 @@ def _add_imports(commands: Any) -> None:
     one.add_argument("--bodies", type=count, metavar="N", help="NBODY, if there is no .mmx, which states it")
     text = "modes of each body, six and its generalized ones, such as 7,6"
     one.add_argument("--modes", type=counts, metavar="N,N", help=text)
-    one.set_defaults(writes=("{out}",))
+    one.set_defaults(writes={"{out}": "hydro database"})
     one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
     one = _command(
         commands, "import-bemio", "hydro database from BEMIO's .h5", import_bemio, file="FILE.h5", out="DATABASE.nc"
     )
     one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
-    one.set_defaults(writes=("{out}",))
+    one.set_defaults(writes={"{out}": "hydro database"})
 
 
-def _check_outputs(args: argparse.Namespace, names: Sequence[str]) -> None:
-    """Check that files, and folders, whose names end in /, can be written without losing what a command reads."""
-    for name in names:
+def _check_outputs(args: argparse.Namespace, kinds: Mapping[str, str]) -> None:
+    """Check that files, by name and kind, and folders, whose names end in /, can be written and nothing is lost."""
+    for name, kind in kinds.items():
         from vsb.tools.files import check_folder
         from vsb.tools.stamps import check_output
 
         if name.endswith("/"):
             check_folder(name.removesuffix("/"))
         else:
-            check_output(name, _inputs(args))
+            check_output(name, _inputs(args), kind)
 
 
 def _inputs(args: argparse.Namespace) -> set[Path]:
@@ -392,7 +395,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def answer(line: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
     """Run the command of a parser, whose `handler` gets the arguments; a user's mistake is one line and exit code 2.
 
-    `writes` of a command names the files, and the folders, whose names end in /, that it must be able to write.
+    `writes` of a command names the files and their kinds, and the folders, whose names end in /, that it must be able
+    to write.
     """
     args, rest = line.parse_known_args(argv)
     handler: Handler = args.handler
@@ -401,7 +405,7 @@ def answer(line: argparse.ArgumentParser, argv: Sequence[str] | None) -> int:
         line.error(f"unrecognized arguments: {' '.join(rest)}" + (f"; did you mean {near}?" if near else ""))
     args.snakemake = rest
     try:
-        _check_outputs(args, [name.format(**vars(args)) for name in args.writes])
+        _check_outputs(args, {name.format(**vars(args)): kind for name, kind in args.writes.items()})
         code = handler(args)
         sys.stdout.flush()
         return code

@@ -26,12 +26,15 @@ from vsb.tools.words import shortened
 
 MANIFEST = "manifest.json"
 _BEGINNINGS = {
-    ".csv": rb"study,point,design,sea,tuning,|time \[s\],(wave_elevation \[m\],)?bodies_position",
-    ".html": rb'(?s:.*)<meta name="generator" content="vsb">',
-    ".svg": rb"(?s:.*)<dc:title>vsb</dc:title>",
+    "table of studies": (".csv", rb"study,point,design,sea,tuning,"),
+    "page": (".html", rb'(?s:.*)<meta name="generator" content="vsb">'),
+    "time series": (".csv", rb"time \[s\],(wave_elevation \[m\],)?bodies_position"),
+    "figure": (".svg", rb"(?s:.*)<dc:title>vsb</dc:title>"),
+    "WAMIT file": ("", rb" WAMIT's form: ULEN "),
 }
-"""How texts begin that are written under a name the user chooses; others: `_WAMIT`."""
-_WAMIT = rb" WAMIT's form: ULEN "
+"""Endings and beginnings of texts that are written under a name the user chooses, by what they are."""
+_MARKS = {"ptos_forceTotal": "time series", "tried_error": "shape dependence", "added_mass": "hydro database"}
+"""Variables that only netCDF files of one kind have, by the first that is there."""
 _LONGEST = 4096
 
 
@@ -97,11 +100,11 @@ def _inside(folder: Path, name: str) -> str:
     return os.path.normpath(folder / name)
 
 
-def check_output(path: str | Path, inputs: Iterable[str | Path]) -> None:
-    """Check that an output file named by a user can be written and replaces at most earlier output.
+def check_output(path: str | Path, inputs: Iterable[str | Path], kind: str) -> None:
+    """Check that an output file named by a user can be written and replaces at most earlier output of its own kind.
 
-    Raises `DatabaseError` if it cannot be written, or is an input, a study file, a product of a run or a file of the
-    user.
+    Raises `DatabaseError` if it cannot be written, or is an input, a study file, a product of a run, a file of the user
+    or an output of another kind.
 
     Parameters
     ----------
@@ -109,29 +112,75 @@ def check_output(path: str | Path, inputs: Iterable[str | Path]) -> None:
         File to write.
     inputs : iterable of paths
         Files that are read.
+    kind : str
+        What is written, as `kind_of` names it.
     """
     check_file(path)
     if not os.path.exists(path):
         return
+    found = kind_of(Path(path))
     kinds = {
         "an input of this command": any(os.path.exists(one) and os.path.samefile(path, one) for one in inputs),
         "a study file": Path(path).suffix in (".yaml", ".yml"),
         "a product of a run": _is_product(Path(os.path.abspath(path))),
-        "no earlier output of vsb": not _is_output(Path(path)),
+        "no earlier output of vsb": found is None,
+        f"a {found} of vsb, no {kind}": found != kind,
     }
-    for kind in (kind for kind, found in kinds.items() if found):
-        raise DatabaseError(f"{path}: is {kind}, which would be lost; needs another name for the output")
+    for words in (words for words, true in kinds.items() if true):
+        raise DatabaseError(f"{path}: is {words}, which would be lost; needs another name for the output")
 
 
-def _is_output(path: Path) -> bool:
-    """Whether a file was written by this package, under a name that a user chose."""
+def check_product(path: str | Path, rule: str, stage: str) -> None:
+    """Check that a file which a rule of the workflow writes replaces at most an earlier product of it.
+
+    Of netCDF that is one whose specification is of the same stage. A folder may be empty, or hold results. Raises
+    `DatabaseError` if it is a file of the user, or of another stage.
+    """
+    place = Path(os.path.abspath(path))
+    if place.is_dir():
+        own = not any(place.iterdir()) or any((folder / MANIFEST).is_file() for folder in (place, *place.parents[:3]))
+        own = own or any(carries_stamp(file) for file in place.glob("*.nc"))
+    elif place.suffix == ".nc":
+        own = not place.exists() or (carries_stamp(place) and _stage_of(place) in (stage, None))
+    else:
+        own = not place.exists() or place.name == MANIFEST or kind_of(place) is not None or _is_product(place)
+    if not own:
+        raise DatabaseError(f"{path}: is no earlier output of the rule {rule}, and would be lost; needs another name")
+
+
+def kind_of(path: Path) -> str | None:
+    """Return what of this package a file is that stands under a name of the user's; None if it is none of it."""
     if path.suffix in (".nc", ".h5"):
-        return carries_stamp(path)
+        if not carries_stamp(path):
+            return None
+        names, _ = _held(path)
+        of_netcdf = next((kind for name, kind in _MARKS.items() if name in names), "result")
+        return "BEMIO file" if path.suffix == ".h5" else of_netcdf
     try:
         with path.open("rb") as file:
-            return bool(re.match(_BEGINNINGS.get(path.suffix, _WAMIT), file.read(_LONGEST)))
+            begin = file.read(_LONGEST)
     except OSError:
-        return False
+        return None
+    endings = {ending for ending, _ in _BEGINNINGS.values()}
+    suffix = path.suffix if path.suffix in endings else ""
+    return next((kind for kind, (end, text) in _BEGINNINGS.items() if end == suffix and re.match(text, begin)), None)
+
+
+def _stage_of(path: Path) -> str | None:
+    """Stage that made a netCDF file, by its specification; None if it states none."""
+    stage = re.search(r'"stage":"(\w+)"', _held(path)[1])
+    return stage[1] if stage else None
+
+
+def _held(path: Path) -> tuple[set[str], str]:
+    """Names of the variables of a netCDF file, and its specification; none if it is damaged."""
+    import netCDF4
+
+    try:
+        with netCDF4.Dataset(path) as file:
+            return {*file.variables}, str(file.getncattr("spec")) if "spec" in file.ncattrs() else ""
+    except OSError:
+        return set(), ""
 
 
 def _is_product(path: Path) -> bool:

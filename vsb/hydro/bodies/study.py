@@ -80,7 +80,7 @@ def read_study(config: str | Path, out: str | Path) -> tuple[BodyFile, FlexibleB
     """Return a body file and its body, whose `history` records repairs; `out` may hold no input."""
     study, folder = read_config(config, BodyFile), Path(config).parent
     paths = {name: folder / file for name, file in study.paths.items()}
-    check_output(Path(out, f"{study.body}.nc"), list(paths.values()))
+    check_output(Path(out, f"{study.body}.nc"), list(paths.values()), "hydro database")
     return study, build_body(study, paths)
 
 

@@ -84,7 +84,7 @@ def _contents(ds: xr.Dataset, source: str, form: str) -> dict[str, Any]:
 def _written(contents: Mapping[Path, Any], inputs: Collection[str | Path]) -> list[Path]:
     """Write files, none if one of them may not be, and return their paths."""
     for path in contents:
-        check_output(path, inputs)
+        check_output(path, inputs, "BEMIO file" if path.suffix == ".h5" else "WAMIT file")
     for path, content in contents.items():
         if isinstance(content, str):
             write_text(path, content)
