@@ -78,8 +78,9 @@ def test_gains_of_the_full_basis_agree_with_independent_multipoles(vented, conve
 
 
 def test_clamped_shell_needs_the_highest_degree(converged):
+    """Alone its modes are off by 0.5 % at degree 60 still; what all degrees do at the clamp is known."""
     assert converged.degree == DEGREES[-1]
-    assert not converged.met  # two clamped shells may still change by 1.6 %
+    assert converged.met
 
 
 def test_interval_of_a_truncated_basis_contains_the_converged_gain(vented, converged):
@@ -87,7 +88,7 @@ def test_interval_of_a_truncated_basis_contains_the_converged_gain(vented, conve
     modes = {"basis": "membrane", "degree": 6}
     study = varied(vented, modes=modes)
     found, before = left_out(study), converged.powers(Modes(**modes))
-    rich = converged.powers(Modes(basis="full", degree=90))
+    rich = converged.converged
     rigid = before[list(study.designs).index("FSB")]
     for name, change in (("power", rich / before - 1), ("gain", 100 * (rich - before) / rigid)):
         low, high = (found[name].sel(end=end).values for end in ("low", "high"))

@@ -11,7 +11,7 @@ from conftest import EXAMPLE, varied
 
 from vsb.results.left_out import modes_left_out
 from vsb.scenes.floating_system import study_sea
-from vsb.scenes.mode_convergence import one_of_each_family
+from vsb.scenes.mode_convergence import from_lists, one_of_each_family
 from vsb.stages.planning import degree_lines, plan_of, stored_search, with_degree
 from vsb.study.plan import StudyPlan, degree_path
 from vsb.study.quantities import content_id
@@ -84,7 +84,7 @@ def test_check_compares_a_given_degree_with_the_tolerance(asked, planned):
 
 def test_check_says_where_the_highest_degree_may_not_meet_the_tolerance(seed, tmp_path):
     clamped = {"FSB": {"flexible": False}, "VSWEC90": {"clamp": 90}}
-    study = varied(seed, modes={"basis": "full", "degree": 90}, designs=clamped)
+    study = varied(seed, modes={"basis": "full", "degree": 90, "tolerance": 1e-3}, designs=clamped)
     (line,) = degree_lines(StudyPlan(study, root=str(tmp_path)))
     assert line.startswith("doubt")
     assert "degree 90 may not meet modes.tolerance" in line
@@ -102,7 +102,7 @@ def test_control_levels_need_no_search_of_their_own(asked, tmp_path):
     study = varied(asked, waves=[*gusts, record], simulation={"duration": 10.0, "window": [0.0, 10.0]})
     plan = with_degree(StudyPlan(study, root=str(tmp_path)))
     spec, search = plan.ladder, stored_search(degree_path(plan.root, plan.degree))
-    powers = {int(n): np.array([power[design] for design in spec.designs]) for n, power in search.powers.items()}
+    powers = from_lists(search.powers, spec.designs)
     solved = xr.Dataset(coords={"omega": [plan.first_omega, plan.highest_omega]})
     seas = [(wave, study_sea(spec, expected(wave), solved)) for wave in spec.waves]
     families = one_of_each_family(spec.waves)

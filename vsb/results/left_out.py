@@ -13,7 +13,9 @@ from vsb.scenes.mode_convergence import (
     JUDGED,
     SAMPLED,
     ModeConvergence,
+    Powers,
     beyond,
+    completed,
     directed,
     mean_sea,
     motion_of_port,
@@ -21,6 +23,7 @@ from vsb.scenes.mode_convergence import (
     take_offs,
 )
 from vsb.scenes.ports import BuoyOfShape, buoy_at
+from vsb.scenes.ring_loads import all_degrees_answer, ports_of_all_degrees
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem
 from vsb.study.study import Study
@@ -39,7 +42,7 @@ def modes_left_out(
     study: BuoySystem,
     seas: Sequence[tuple[Wave, Sea]],
     families: Sequence[int] | None = None,
-    powers: Mapping[int, FloatArray] | None = None,
+    powers: Mapping[int, Powers] | None = None,
 ) -> xr.Dataset:
     """Return how far powers and gains may lie from those of a shell with all its modes.
 
@@ -61,19 +64,22 @@ def modes_left_out(
 
     Notes
     -----
-    The change from the basis of the study to the full basis of the highest degree tried, and what further degrees may
-    change (`vsb.scenes.mode_convergence`).
+    The change from the basis of the study to the full basis of the highest degree tried, completed by what all further
+    degrees do at loaded rings, and what further degrees may change (`vsb.scenes.mode_convergence`).
     """
     if not study.flexible or not seas:
         return xr.Dataset()
     convergence = ModeConvergence(study, tuple(directed(wave, sea) for wave, sea in seas), families)
     powers, modes = powers or convergence.powers_by_degree, study.modes
     known = modes.basis == "full" and modes.max_degree in powers
-    before = powers[modes.max_degree] if known else convergence.powers(modes)
-    power, gain = _relative(_bounds(study, before, powers), before), np.zeros((*before.shape, len(ENDS)))
+    before = powers[modes.max_degree].plain if known else convergence.powers(modes)
+    tried, complete = completed(powers), convergence.completes
+    power = _relative(_bounds(study, before, tried, complete=complete), before)
+    gain = np.zeros((*before.shape, len(ENDS)))
     if (reference := study.reference_design) is not None:
         at = list(study.designs).index(reference)
-        gain = _bounds(study, _gains(before, at), {n: _gains(one, at) for n, one in powers.items()})
+        gains = {n: _gains(one, at) for n, one in tried.items()}
+        gain = _bounds(study, _gains(before, at), gains, complete=complete)
     if not study.at_equilibrium:  # else the shape at rest depends on the modes, too
         power[[i for i, design in enumerate(study.designs.values()) if not design.flexible]] = 0.0
     dims = ("design", "wave", "take_off", "end")
@@ -120,7 +126,7 @@ def gain_of_year(
     if not isinstance(floating, BuoyOfShape) or not floating.study.flexible:
         return np.zeros((len(designs), len(ENDS)))
     buoy = floating.study
-    heaving = buoy.model_copy(update={"motion": "heave"})
+    heaving, complete = buoy.model_copy(update={"motion": "heave"}), False
     lower = [degree for degree in DEGREES if degree <= buoy.modes.max_degree / LEAST_RATIO][-2:]
     nested = buoy.modes.basis == "full" and lower
     degrees = [*lower, buoy.modes.max_degree]
@@ -128,11 +134,15 @@ def gain_of_year(
         omega = waves[designs[at]].port.omega
         squares, water = (climate.mean_density @ band_weights(omega, climate))[None], floating.swept.at(omega)
         seen: list[Mapping[str, Port | Ports]] = [{design: one.port for design, one in waves.items()}]
-        for n in reversed(lower):
-            at_degree = buoy_at(heaving, floating.reference, water, n)
-            seen.insert(0, at_degree.several_ports() if study.pto.several else at_degree.ports())
+        before = powers_of_ports(seen[0], study.pto, squares)
+        if complete := all_degrees_answer(heaving):
+            basis, whole = floating.reference.basis, buoy_at(heaving, floating.reference, water)
+            seen = [ports_of_all_degrees(heaving, basis, whole, n) for n in degrees]
+        else:
+            for n in reversed(lower):
+                at_degree = buoy_at(heaving, floating.reference, water, n)
+                seen.insert(0, at_degree.several_ports() if study.pto.several else at_degree.ports())
         tried = {n: powers_of_ports(ports, study.pto, squares) for n, ports in zip(degrees, seen, strict=True)}
-        before = tried[degrees[-1]]
     else:
         convergence = ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)])
         before = convergence.powers(buoy.modes)
@@ -140,15 +150,16 @@ def gain_of_year(
             tried = {n: convergence.powers(Modes(basis="full", degree=n)) for n in lower}
             tried[degrees[-1]] = before
         else:
-            tried = dict(convergence.powers_by_degree)
-    gain = _bounds(buoy, _gains(before, at), {n: _gains(one, at) for n, one in tried.items()})[:, 0, :JUDGED]
+            tried, complete = completed(convergence.powers_by_degree), convergence.completes
+    gains = {n: _gains(one, at) for n, one in tried.items()}
+    gain = _bounds(buoy, _gains(before, at), gains, complete=complete)[:, 0, :JUDGED]
     return np.stack([gain[..., 0].min(axis=1), gain[..., 1].max(axis=1)], axis=-1)
 
 
-def _bounds(study: AnyBuoy, before: FloatArray, tried: Mapping[int, FloatArray]) -> FloatArray:
+def _bounds(study: AnyBuoy, before: FloatArray, tried: Mapping[int, FloatArray], *, complete: bool) -> FloatArray:
     """Range (..., end) about zero of what all modes change: to the highest of the degrees tried, and beyond it."""
     change = tried[max(tried)] - before
-    missed = beyond(study, tried) + SAMPLED * np.abs(change)
+    missed = beyond(study, tried, complete=complete) + SAMPLED * np.abs(change)
     return np.stack([np.minimum(change, 0.0) - missed, np.maximum(change, 0.0) + missed], axis=-1)
 
 

@@ -2,14 +2,15 @@
 
 Bending makes a shell of thickness h answer over lengths sqrt(r h), so Legendre degrees to about 3 sqrt(r/h) take part,
 more beside a clamp. Powers are computed with the full basis of ascending degrees of a fixed nested list, at the
-frequencies of the seas alone, until what further degrees may change is small.
+frequencies of the seas alone, until what further degrees may change is small. Where a load acts at a ring of a sphere
+the static answer of all further degrees to it is part of what powers converge to (`vsb.scenes.ring_loads`).
 """
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from vsb.motion.tuning import best_dampers, best_pairs, mean_power
 from vsb.scenes.floating_system import heading
 from vsb.scenes.ports import ShapeWater, buoy_at
 from vsb.scenes.rest import order_bases, reference_shell
+from vsb.scenes.ring_loads import all_degrees_answer, ports_of_all_degrees
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.orders import goes_with_sine
@@ -62,6 +64,13 @@ JUDGED = 2
 """Number of take-offs, the first ones, whose powers are to be within the tolerance."""
 SHELL_MODE = re.compile(r"[A-Za-z]+(\d+)([cs]\d+)?")
 """Label of a shell mode: degree; azimuthal order, if it has one."""
+
+
+class Powers(NamedTuple):
+    """Mean powers of the designs of a study with the full basis to a degree, (design, sea, take-off) [W]."""
+
+    plain: FloatArray  # of these modes alone
+    complete: FloatArray  # with the static answer of all further degrees at loaded rings, where it is known
 
 
 class Sampled(NamedTuple):
@@ -179,14 +188,28 @@ class ModeConvergence:
 
     def powers(self, modes: Modes) -> FloatArray:
         """Return mean powers with a basis, shape (design, sea, take-off) [W]."""
+        return self._of_modes(modes).plain
+
+    def _of_modes(self, modes: Modes, *, completed: bool = False) -> Powers:
+        """Mean powers with a basis, completed at rings or alone."""
         study = self._with(modes)
         reference = reference_shell(study)
         if study.at_equilibrium or modes.max_degree > self._degrees[-1]:
             water = self._solved(reference.shape, max(1, modes.max_degree), SOLVED_EACH)
         else:
             water = self._undeformed_water
-        ports, squares = self._ports(study, reference, water), self._sampled.squares
-        return powers_of_ports(ports, study.pto, squares.reshape(len(squares), -1), self.families)
+        squares = self._sampled.squares
+        squares = squares.reshape(len(squares), -1)
+        plain = powers_of_ports(self._ports(study, reference, water), study.pto, squares, self.families)
+        if not (completed and self.completes and any(loaded_at_ring(study, design) for design in study.designs)):
+            return Powers(plain, plain)
+        ports = ports_of_all_degrees(study, reference.basis, buoy_at(study, reference, water))
+        return Powers(plain, powers_of_ports(ports, study.pto, squares, self.families))
+
+    @property
+    def completes(self) -> bool:
+        """Whether the answer of all further degrees at loaded rings is known."""
+        return self._motion == "heave" and all_degrees_answer(self._with(Modes(basis="full", degree=1)))
 
     def _ports(self, study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> Mapping[str, Port | Ports]:
         """Ports of the designs, in waves of one direction after the other.
@@ -213,21 +236,25 @@ class ModeConvergence:
         return found
 
     @cached_property
-    def powers_by_degree(self) -> Mapping[int, FloatArray]:
+    def powers_by_degree(self) -> Mapping[int, Powers]:
         """Powers by degree of the full basis, up to where further degrees change less than half the tolerance.
 
-        Or to where the water around the shell can be solved: of shapes other than spheres that is less than the list.
+        And on, where a load acts at a ring, until the modes alone meet it. Or to where the water around the shell can
+        be solved: of shapes other than spheres that is less than the list.
         """
-        found: dict[int, FloatArray] = {}
+        found: dict[int, Powers] = {}
         for degree in self._degrees:
             try:
-                found[degree] = self.powers(Modes(basis="full", degree=degree)) if found else self._first
+                found[degree] = self._of_modes(Modes(basis="full", degree=degree), completed=True)
             except ConvergenceError:  # the water around a deformed shell is not resolved to so high degrees
                 if len(found) < 2:
                     raise
                 break
-            if len(found) > 2 and self.worst(beyond(self.study, found)) <= self.study.modes.tolerance / 2:
-                break
+            if len(found) > 2:
+                left = beyond(self.study, completed(found), complete=self.completes)
+                missing = np.abs(found[degree].complete - found[degree].plain) + left
+                if self.worst(left) <= self.study.modes.tolerance / 2 and self._tolerable(missing):
+                    break
         return found
 
     @cached_property
@@ -244,12 +271,12 @@ class ModeConvergence:
     @cached_property
     def further(self) -> FloatArray:
         """What degrees beyond the highest tried may change, shape of the powers [W]."""
-        return beyond(self.study, self.powers_by_degree)
+        return beyond(self.study, completed(self.powers_by_degree), complete=self.completes)
 
     @property
     def converged(self) -> FloatArray:
-        """Powers with the highest degree tried, shape (design, sea, take-off) [W]."""
-        return self.powers_by_degree[max(self.powers_by_degree)]
+        """Powers with the highest degree tried, completed at rings, shape (design, sea, take-off) [W]."""
+        return self.powers_by_degree[max(self.powers_by_degree)].complete
 
     @cached_property
     def _size(self) -> FloatArray:
@@ -284,7 +311,10 @@ class ModeConvergence:
         return self._meets(self.degree)
 
     def _meets(self, degree: int) -> bool:
-        missing = np.abs(self.converged - self.powers_by_degree[degree]) + self.further
+        return self._tolerable(np.abs(self.converged - self.powers_by_degree[degree].plain) + self.further)
+
+    def _tolerable(self, missing: FloatArray) -> bool:
+        """Whether what may be missing from powers is within the tolerance."""
         return self.worst(missing) <= self.study.modes.tolerance
 
 
@@ -350,20 +380,48 @@ def _of_matrices(ports: Ports, pto: Pto, design: str, squares: FloatArray, toget
     return [fixed, optimal, diagonal, for_all]
 
 
-def beyond(study: AnyBuoy, powers: Mapping[int, FloatArray]) -> FloatArray:
+def completed(powers: Mapping[int, Powers]) -> dict[int, FloatArray]:
+    """Return powers by degree with the answer of all further degrees at loaded rings."""
+    return {degree: one.complete for degree, one in powers.items()}
+
+
+def as_lists(powers: Mapping[int, Powers], study: AnyBuoy) -> dict[str, dict[str, list[Any]]]:
+    """Return powers by degree and design as lists, for JSON; see `from_lists`."""
+    return {
+        str(degree): dict(zip(study.designs, np.stack(one, axis=1).tolist(), strict=True))
+        for degree, one in powers.items()
+    }
+
+
+def from_lists(stored: Mapping[str, Mapping[str, list[Any]]], designs: Iterable[str]) -> dict[int, Powers]:
+    """Return powers by degree from lists, (plain or complete, sea, take-off) of each design, of designs in order."""
+    names = list(designs)
+    return {
+        int(degree): Powers(*np.array([by_design[name] for name in names]).swapaxes(0, 1))
+        for degree, by_design in stored.items()
+    }
+
+
+def beyond(study: AnyBuoy, powers: Mapping[int, FloatArray], *, complete: bool = False) -> FloatArray:
     """Return what degrees beyond the last may change, of each design, shape of the powers.
 
     Parameters
     ----------
     powers : mapping degree -> ndarray, shape (design, ...)
         Powers or gains with two or more ascending degrees of the full basis.
+    complete : bool
+        Whether they hold the answer of all further degrees at loaded rings.
     """
     degrees, values = list(powers), list(powers.values())
     change = further(values)
     for row, design in enumerate(study.designs):
         bending = bending_degree(study, design)
-        if bending is not None:
+        if bending is None:
+            continue
+        if not complete or len(degrees) == 2:
             change[row] = further_about_rings([one[row] for one in values], degrees, bending)
+        elif degrees[-1] < bending:
+            change[row] *= SAFETY  # what bends about the rings is not resolved: steps may be small by chance
     return change
 
 
@@ -409,14 +467,18 @@ def further_about_rings(powers: Sequence[FloatArray], degrees: Sequence[int], be
     return np.asarray(SAFETY * np.maximum(steps.sum(axis=0), missing * per_degree))
 
 
+def loaded_at_ring(study: AnyBuoy, design: str) -> bool:
+    """Return whether a clamp, a take-off at the shell or a mooring acts at a ring of the shell of a design."""
+    held = study.pto.held
+    return bool(study.designs[design].clamp or study.pto.on_shell or (held and held.place == "ring"))
+
+
 def bending_degree(study: AnyBuoy, design: str) -> float | None:
     """Return the degree at which the shell is as stiff by bending as by its membrane; None if no load acts at a ring.
 
-    D n^4/r^4 = E h/r^2 with D = E h^3/(12 (1 - nu^2)), r the largest radius or half the height. Clamps, take-offs at
-    the shell and moorings of a ring act at rings.
+    D n^4/r^4 = E h/r^2 with D = E h^3/(12 (1 - nu^2)), r the largest radius or half the height. See `loaded_at_ring`.
     """
-    pto = study.pto
-    if not (study.designs[design].clamp or pto.on_shell or (pto.held and pto.held.place == "ring")):
+    if not loaded_at_ring(study, design):
         return None
     shell = Shell.of(study.device)
     return float((12 * (1 - shell.poisson_ratio**2)) ** 0.25 * np.sqrt(shell.reach / shell.thickness))

@@ -23,6 +23,7 @@ from vsb.motion.port import LinearPto, Port
 from vsb.report.band import with_extremes
 from vsb.results.ladder import as_csv, study_ladder
 from vsb.scenes.floating_system import FloatingSystem, floating_system, stored_body
+from vsb.scenes.mode_convergence import from_lists
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.stages.planning import stored_search
 from vsb.stages.stage import stamp
@@ -302,9 +303,8 @@ def run_ladder(spec: LadderSpec, database: str, out: str, levels: str, manifest:
 
     The search for the degree of its shell modes, where it is stored, is not repeated.
     """
-    search, designs = stored_search(degrees), list(spec.designs)
-    by_degree = search.powers if search else {}
-    powers = {int(degree): np.array([power[design] for design in designs]) for degree, power in by_degree.items()}
+    search = stored_search(degrees)
+    powers = from_lists(search.powers if search else {}, spec.designs)
     found = study_ladder(spec, database, powers)
     write_text(out, as_csv(found))
     write_text(levels, json.dumps([level._asdict() for level in found], indent=1, allow_nan=False) + "\n")

@@ -139,7 +139,7 @@ class ModeSearch(NamedTuple):
 
     degree: int
     met: bool  # whether the tolerance is met with it
-    powers: dict[str, dict[str, Any]]  # by degree and design, lists (sea, take-off) [W]
+    powers: dict[str, dict[str, Any]]  # by degree and design, lists (plain or completed at rings, sea, take-off) [W]
 
 
 NONE_FLEXIBLE = ModeSearch(DEGREES[0], True, {})
@@ -158,7 +158,7 @@ def _search(spec: DegreeSpec, root: str, climate_path: str = "", *, keep: bool =
         return kept
     if not keep and (known := _FOUND.get(content_id(spec))):
         return known
-    from vsb.scenes.mode_convergence import mode_convergence  # only now: it imports what solves
+    from vsb.scenes.mode_convergence import as_lists, mode_convergence  # only now: it imports what solves
     from vsb.stages.climate import read_climate
     from vsb.tools.files import write_text
 
@@ -166,10 +166,7 @@ def _search(spec: DegreeSpec, root: str, climate_path: str = "", *, keep: bool =
     words = f"finding how many shell modes meet {tolerance}: seconds{f', once, kept in {path}' if keep else ''}"
     print(words, file=sys.stderr, flush=True)
     search = mode_convergence(spec, read_climate(spec.climate, climate_path) if spec.climate else None)
-    powers = {
-        str(degree): dict(zip(spec.buoy.designs, power.tolist(), strict=True))
-        for degree, power in search.powers_by_degree.items()
-    }
+    powers = as_lists(search.powers_by_degree, spec.buoy)
     found = _FOUND[content_id(spec)] = ModeSearch(search.degree, search.met, powers)
     if not keep:
         return found
