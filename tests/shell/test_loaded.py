@@ -11,9 +11,10 @@ from vsb.errors import ConvergenceError
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.elastic import ElasticShell, converged_degree
 from vsb.shell.loaded import Gas, LoadedShell, buckling, complete_basis, complete_shell, equilibrium, viable_pressure
-from vsb.shell.modes import mode_basis
+from vsb.shell.lobes import LobedShell, with_lobes
+from vsb.shell.modes import ModeBasis, mode_basis, natural_shapes
 from vsb.shell.shell import Shell
-from vsb.study.meridian import spheroid
+from vsb.study.meridian import capsule, spheroid
 
 RHO, G = 1025.0, 9.81
 SHELL = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
@@ -310,3 +311,85 @@ def test_trapped_gas_loses_pressure_as_the_shell_expands(pressure):
 
 
 # other sizes
+
+
+# other rest shapes than the sphere ----------------------------------------------------------------------------------
+
+
+def shaped(rest, pressure, degree, thickness=0.02, modulus=1.5e8, gas=None):
+    """A shell of another meridian, half of its height immersed, in all functions to a degree."""
+    shell = Shell(rest.radius, thickness, modulus, 0.3, 1100.0, rest)
+    return floating(complete(degree, shell, RHO * rest.volume_below(0.0)), pressure, gas)
+
+
+def test_spheroid_of_equal_axes_rests_as_the_sphere():
+    """Closed forms of the sphere against quadrature on curvatures: rest shape, stiffness there, buckling."""
+    mass = RHO * 2 / 3 * np.pi * 8
+    sphere = floating(complete(24, mass=mass), 16500.0)
+    ball = shaped(spheroid(2.0, 4.0), 16500.0, 24, SHELL.thickness, SHELL.young_modulus)
+    q = equilibrium(sphere)
+    assert np.abs(q).max() > 0.2
+    assert equilibrium(ball) == pytest.approx(q, abs=1e-10)
+    stiffness = sphere.stiffness(q)
+    assert ball.stiffness(q) == pytest.approx(stiffness, abs=1e-9 * np.abs(stiffness).max())
+    assert buckling(ball).load_factor == pytest.approx(buckling(sphere).load_factor, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("rest", "apart"), [(spheroid(2.0, 6.0), 1e-3), (spheroid(2.0, 3.0), 1e-3), (capsule(2.0, 12.0), 5e-3)]
+)
+def test_membrane_forces_of_inflated_shells_are_those_of_equilibrium(rest, apart):
+    """N_phi = p r_2/2 and N_theta = p r_2 (1 - r_2/2 r_1) with the radii of curvature: p r/2 and p r of a cylinder.
+
+    Apart by bending, near the junctions of a capsule where N_theta of the membrane jumps.
+    """
+    inflated = weightless(complete(40, Shell(2.0, 0.005, 1e7, 0.3, 2700.0, rest)), 1e3)
+    phi = np.array([0.4, math.pi / 2])
+    k_1, k_2 = np.array([rest.curvatures(angle) for angle in phi]).T
+    meridional, hoop = inflated.linear_resultants(phi)
+    assert meridional == pytest.approx(1e3 / (2 * k_2), rel=apart)
+    assert hoop == pytest.approx(1e3 / k_2 * (1 - k_1 / (2 * k_2)), rel=apart)
+
+
+@pytest.mark.parametrize("gas", [None, GAS])
+@pytest.mark.parametrize("rest", [spheroid(2.0, 6.0), capsule(2.0, 2.0)])
+def test_force_and_stiffness_of_any_meridian_are_derivatives_of_the_energy(rest, gas):
+    loaded = shaped(rest, 2e4, 5, gas=gas)
+    q = 0.02 * np.sin(1.7 * np.arange(len(loaded.basis.labels)) + 0.4)
+    momentum = loaded.basis.integrated("mass")[0]
+
+    def energy(q):
+        """The wall's, the pressure's and the weight's, which hangs evenly from the wall, and the water's over its depth."""
+        water = 0.0
+        for phi, weight in DeformedShell(loaded.basis, 0.0, q)._wet_points(200):
+            at = DeformedShell(loaded.basis, 0.0, q).meridian(phi)
+            water += np.pi * RHO * G * (at.x**2 * at.z * at.dz) @ weight
+        hung = loaded.basis.total_mass * G * momentum @ q / momentum[0]
+        return loaded.elastic.energy(q) + loaded.contents_energy(q) + water + hung
+
+    force, stiffness = loaded.force_and_stiffness(q)
+    assert force == pytest.approx(-derivative(energy, q), abs=1e-7 * np.abs(force).max())
+    assert stiffness == pytest.approx(-derivative(loaded.force, q), abs=1e-7 * np.abs(stiffness).max())
+
+
+def test_capsule_rests_alike_in_natural_modes_and_in_plain_functions():
+    """Of the same degree both span the same displacements; modes have no momentum, plain functions have."""
+    plain = shaped(capsule(2.0, 2.0), 2.5e4, 8)
+    shell, mass = plain.basis.shell, plain.basis.total_mass
+    modes = floating(ElasticShell(ModeBasis(shell, natural_shapes(shell, 8), mass, bending=True)), 2.5e4)
+    phi = np.linspace(0.1, 3.0, 9)
+    one, other = (DeformedShell(each.basis, 0.0, equilibrium(each)).curve(phi) for each in (plain, modes))
+    assert one.x == pytest.approx(other.x, abs=1e-9)
+    assert one.z == pytest.approx(other.z, abs=1e-9)
+    assert np.abs(one.x - shell.at_rest(phi).x).max() > 1e-2
+
+
+def test_pressure_that_carries_a_spheroid_counts_its_lobes(seed):
+    """Under still water and weight: lobes need more pressure than axisymmetric shapes, and there the load factor is 1."""
+    given = {"shape": {"spheroid": {"height": 5.0}}, "thickness": 0.03, "young_modulus": 2e7, "mass": 2.1e4}
+    device = seed.device.model_validate(seed.device.model_dump() | given)
+    height = -(device.meridian.lowest + device.meridian.draft_of(2.1e4 / RHO))
+    lobes = lambda loaded: LobedShell.of(loaded).pencils()  # noqa: E731
+    without, pressure = (viable_pressure(device, height, seed.water, *more)[0] for more in ((), (lobes,)))
+    assert pressure > without
+    assert with_lobes(complete_shell(device, height, seed.water, pressure)).load_factor == pytest.approx(1.0, rel=1e-5)

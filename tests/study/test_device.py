@@ -110,15 +110,21 @@ def test_profile_in_a_file(tmp_path):
         (OBLATE, {"hydro": {"solver": "panels"}}, "hydro.solver: panels are those of the sphere"),
         (OBLATE, {"modes": {"basis": "membrane", "degree": 3}}, "modes.basis 'membrane': modes of another shape"),
         (OBLATE, {"modes": {"basis": "full", "degree": 0}}, "modes.degree 0: device.shape needs at least 1"),
-        (OBLATE, {"device": {"internal_pressure": 1e4}}, "prestress is known of the sphere alone"),
-        (OBLATE, {"device": {"gas": {}}}, "prestress is known of the sphere alone"),
-        (OBLATE, {"reference_shape": "equilibrium"}, "prestress is known of the sphere alone"),
+        (OBLATE, {"reference_shape": "equilibrium", "device": {"material": {"law": "neo_hookean", "mu": 1e7}}},
+         "wrinkles of rubber are known of the sphere alone"),
         (OBLATE, {"motion": "planar", "device": {"centre_of_mass": -0.3, "ballast_inertia": 8e3}},
          "motion 'planar': is known of the sphere alone; device.shape needs heave")],
 )  # fmt: skip
 def test_unsupported_combinations_are_refused(shape, changes, message):
     with pytest.raises(ConfigError, match=message):
         parse(raw(shape, **changes))
+
+
+@pytest.mark.parametrize("shape", [OBLATE, {"capsule": {"length": 1.0}}])
+@pytest.mark.parametrize("reference", ["undeformed", "equilibrium"])
+def test_any_shape_may_be_pressurised(shape, reference):
+    study = parse(raw(shape, reference_shape=reference, device={"internal_pressure": 1e4, "gas": {}, "mass": 1.2e4}))
+    assert study.device.internal_pressure == 1e4
 
 
 @pytest.fixture

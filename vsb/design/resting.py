@@ -106,8 +106,7 @@ class RestingBuoy:
         load, frame = self.loaded.force(self.modal_amplitude), self.frame
         if frame is None:
             return np.linalg.solve(self.matrices.stiffness, load)
-        weight = self.loaded.gravity * self.loaded.basis.inertia[0]  # hangs on the frame
-        return frame @ np.linalg.solve(self.matrices.stiffness, frame.T @ (load + weight) - weight)
+        return frame @ np.linalg.solve(self.matrices.stiffness, frame.T @ load)
 
     def with_step(self, key: str) -> "Stepped":
         """Return the buoy at rest with an imaginary step of a variable of its device, floating freely.

@@ -6,8 +6,8 @@ from typing import Any
 from vsb.tools.words import plain, short
 
 ADVICE = {
-    "buckling": "raise device.internal_pressure (of a sphere) to carry the load, or device.thickness",
-    "computed_buckling": "raise device.internal_pressure (of a sphere) to carry the load, or device.thickness",
+    "buckling": "raise device.internal_pressure to carry the load, or device.thickness",
+    "computed_buckling": "raise device.internal_pressure to carry the load, or device.thickness",
     "static_deformation": "reference_shape: equilibrium if it is undeformed, or a stiffer shell",
     "static_strain": "a stiffer shell",
     "load_path": "a thicker or stiffer shell; with rubber less device.internal_pressure may help, or device.gas",

@@ -25,6 +25,7 @@ from vsb.scenes.viability import MOST_LOAD, rubber_load_factor, static_modal_amp
 from vsb.shell.azimuthal import softest_order
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.loaded import viable_pressure
+from vsb.shell.lobes import LobedShell
 from vsb.shell.materials import Range
 from vsb.shell.shell import Shell
 from vsb.shell.surface import largest_displacement
@@ -133,21 +134,34 @@ def viability_checks(study: Study) -> list[Check]:
 
     With internal pressure linear buckling is advice: a shell that comes to a stable rest shape along the nonlinear
     path of the growing load carries it, and the check is a doubt at most. About the equilibrium there is nothing to
-    add: a shell that buckles on that path is refused there. How near rubber is to the end of that path is reported.
+    add of a sphere: a shell that buckles on that path is refused there. How near rubber is to the end of that path is
+    reported. Of other shapes the path is axisymmetric, so lobes around the axis are judged by linear theory everywhere.
     """
     if study.at_equilibrium:
-        return [_path_check(study)] if Shell.of(study.device).rubber else []
+        if Shell.of(study.device).rubber:
+            return [_path_check(study)]
+        return [_lobes_check(study)] if study.device.shape is not None else []
     found = computed_buckling(study)
     into = f"azimuthal order {found.order}" if found.order else f"degree {found.degree}"
     text = f"static load over the linear buckling load, into a shape of {into}"
-    carried = found.load_factor < 1.0 and study.device.internal_pressure > 0 and carries_load(study)
+    pressed = study.device.internal_pressure > 0 and not found.order
+    carried = found.load_factor < 1.0 and pressed and carries_load(study)
     if carried:
         text += "; advice only: along the nonlinear path of the growing load the shell comes to a stable rest shape, "
         text += "which reference_shape: equilibrium computes"
-    elif found.load_factor < 1.0 and study.device.shape is None:
+    elif found.load_factor < 1.0:
         text += _viable_text(study)
     check = check_at_most("computed_buckling", 1 / found.load_factor, 1.0, "-", text)
     return [replace(check, verdict="doubt") if carried else check]
+
+
+def _lobes_check(study: Study) -> Check:
+    """Return the static load over that of linear buckling into lobes around the axis."""
+    (found,) = LobedShell.of(complete_loaded_shell(study)).buckling(1)
+    text = f"static load over the linear buckling load, into a shape of azimuthal order {found.order}"
+    if found.inverse_load_factor > 1.0:
+        text += _viable_text(study)
+    return check_at_most("computed_buckling", max(0.0, found.inverse_load_factor), 1.0, "-", text)
 
 
 def _path_check(study: Study) -> Check:
@@ -181,7 +195,9 @@ def wrinkling_check(study: Study) -> Check:
 def _viable_text(study: Study) -> str:
     """Say from which internal pressure the shell is viable, and at what strain."""
     try:
-        pressure, found = viable_pressure(study.device, study.centre_height, study.water)
+        sphere = study.device.shape is None
+        lobes = (lambda _: ()) if sphere else (lambda loaded: LobedShell.of(loaded).pencils())
+        pressure, found = viable_pressure(study.device, study.centre_height, study.water, lobes)
     except ConvergenceError as error:
         return f"; {error}"
     strain = f"{100 * found.linear_strain:.2g} % linear strain at rest"

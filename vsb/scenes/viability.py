@@ -25,7 +25,7 @@ from vsb.scenes.rest import (
 )
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.elastic import ElasticShell
-from vsb.shell.loaded import LoadedShell, stable_path
+from vsb.shell.loaded import Buckling, LoadedShell, stable_path
 from vsb.shell.modes import ModeBasis
 from vsb.study.body import BodyStudy
 from vsb.study.material import Hookean
@@ -131,7 +131,7 @@ def buckling_margin(study: Study) -> float:
     Without trapped gas the load is that of weight, water and internal pressure, which does not depend on the modulus:
     the buckling load is proportional to it. Rubber at its equilibrium is followed along the growing load instead, to
     `MOST_LOAD` at most. As in the checks of a study, a shell that buckles by linear theory but comes to a stable rest
-    shape along the growing load carries it: 0.
+    shape along the growing load carries it: 0; not if it buckles into lobes, which that path does not see.
     """
     if not study.flexible:
         return 1.0
@@ -139,10 +139,12 @@ def buckling_margin(study: Study) -> float:
     if rubber and study.at_equilibrium:
         return 1.0 - 1.0 / rubber_load_factor(complete_loaded_shell(study))
     if rubber or study.device.gas:
-        margin = 1.0 - 1.0 / computed_buckling(study).load_factor
+        found = computed_buckling(study)
+        margin = 1.0 - 1.0 / found.load_factor
     else:
-        margin = 1.0 - MODULUS / study.device.young_modulus * _load_share(_at_modulus(study))
-    if margin < 0 and (study.at_equilibrium or study.device.internal_pressure > 0):
+        found = _buckling_at_modulus(_at_modulus(study))
+        margin = 1.0 - MODULUS / study.device.young_modulus / found.load_factor
+    if margin < 0 and not found.order and (study.at_equilibrium or study.device.internal_pressure > 0):
         return 0.0 if carries_load(study) else margin
     return margin
 
@@ -161,8 +163,8 @@ def _at_modulus(study: Study) -> str:
 
 
 @lru_cache(maxsize=4096)
-def _load_share(text: str) -> float:
-    """Static load over buckling load of the shell of a text of `_at_modulus` [-]."""
+def _buckling_at_modulus(text: str) -> Buckling:
+    """Linear buckling of the shell of a text of `_at_modulus`."""
     raw = json.loads(text)
     study = parse({"study": "shell", "designs": {"shell": {}}, "waves": [{"kind": "still"}], **raw}, source="shell")
-    return 1.0 / computed_buckling(study).load_factor
+    return computed_buckling(study)

@@ -6,6 +6,7 @@ out.
 """
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -48,7 +49,29 @@ class LoadedShell:
     def _contents(self) -> tuple[float, float, float]:
         """Adiabatic index, outer pressure and undeformed volume; constant pressure is a gas of index 0."""
         index, outside = (self.gas.adiabatic_index, self.gas.atmospheric_pressure) if self.gas else (0.0, 0.0)
-        return index, outside, self.basis.shell.volume if self.gas else 1.0
+        if self.gas is None:
+            return index, outside, 1.0
+        sphere = self.basis.shell.rest is None
+        return index, outside, self.basis.shell.volume if sphere else self.elastic.volume(self._undisplaced)
+
+    @property
+    def _undisplaced(self) -> FloatArray:
+        """Amplitudes of zero."""
+        return np.zeros(len(self.basis.labels))
+
+    @cached_property
+    def _weighed(self) -> FloatArray:
+        """The mass that gravity moves per unit of each amplitude, shape (dof,) [kg].
+
+        That of the heave row of the inertia: a mode orthogonal to rigid heave has none. So the ballast hangs from the
+        shell as the shell's own weight does, evenly over its area. Functions of other meridians than the sphere's, that
+        have momentum of their own, raise as much of it as of the shell.
+        """
+        basis = self.basis
+        if basis.shell.rest is None:
+            return basis.inertia[0]
+        momentum = basis.integrated("mass")[0]
+        return np.asarray(basis.total_mass * momentum / momentum[0])
 
     def pressure(self, q: FloatArray) -> float:
         """Return the internal gauge pressure, (p_atm + p_i)(V_0/V)^gamma - p_atm for a trapped gas [Pa]."""
@@ -68,17 +91,13 @@ class LoadedShell:
         return DeformedShell(self.basis, self.centre_height, q), 4 * self.basis.highest_degree + 40
 
     def force(self, q: FloatArray) -> FloatArray:
-        """Return minus the gradient of the total potential, shape (dof,) [N].
-
-        The weight acts as -g times the heave row of the inertia: a mode orthogonal to rigid heave feels none. So the
-        ballast hangs from the shell as the shell's own weight does, evenly over its area.
-        """
+        """Return minus the gradient of the total potential, shape (dof,) [N]."""
         return self._force(q, self._hydrostatics(q)[0])
 
     def _force(self, q: FloatArray, water: FloatArray) -> FloatArray:
         """The same, with that of the water given."""
         pressure = self.pressure(q) * self.elastic.volume_gradient(q)
-        return np.asarray(self.elastic.force(q) + pressure + water - self.gravity * self.basis.inertia[0])
+        return np.asarray(self.elastic.force(q) + pressure + water - self.gravity * self._weighed)
 
     def pressure_stiffness(self, q: FloatArray) -> FloatArray:
         """Return the follower part of a constant internal pressure, -p d2V/dq2, shape (dof, dof) [N/m]."""
@@ -122,19 +141,13 @@ class LoadedShell:
     @cached_property
     def unloaded_stiffness(self) -> FloatArray:
         """Stiffness at zero load: the shell and, if trapped, the gas at rest, shape (dof, dof) [N/m]."""
-        q = np.zeros(len(self.basis.labels))
+        q = self._undisplaced
         return self.elastic.stiffness(q) + self.scaled(0.0).gas_stiffness(q)
 
     @cached_property
     def first_order(self) -> FloatArray:
-        """Modal amplitudes to first order in the load, K_unloaded^-1 force(0), heave zero, shape (dof,) [m].
-
-        The whole weight hangs evenly over the shell's area, from functions with momentum of their own as well.
-        """
-        force = self.force(np.zeros(len(self.basis.labels)))
-        if self.basis.shell.rest is not None:
-            momentum = self.basis.integrated("mass")[0]
-            force = force - self.gravity * self.basis.total_mass * momentum / momentum[0]
+        """Modal amplitudes to first order in the load, K_unloaded^-1 force(0), heave zero, shape (dof,) [m]."""
+        force = self.force(self._undisplaced)
         return np.append(0.0, np.linalg.solve(self.unloaded_stiffness[1:, 1:], force[1:]))
 
     def linear_resultants(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -312,23 +325,39 @@ def complete_shell(device: Device, centre_height: float, water: Water, internal_
     return LoadedShell(ElasticShell(basis), centre_height, water.density, water.gravity, internal_pressure, device.gas)
 
 
-def viable_pressure(device: Device, centre_height: float, water: Water) -> tuple[float, Buckling]:
+Pencil = tuple[FloatArray, FloatArray]
+"""K_0 and K_1 of K(L) = K_0 + L K_1 over some shapes [N/m]."""
+
+
+def viable_pressure(
+    device: Device,
+    centre_height: float,
+    water: Water,
+    further: Callable[[LoadedShell], Sequence[Pencil]] = lambda _: (),
+) -> tuple[float, Buckling]:
     """Return the least internal pressure [Pa, gauge] with a buckling load factor of at least 1, and the latter.
 
     K_0 + K_1(p) is linear in p, so its least eigenvalue is concave: above its maximum more pressure does not
     help, below it the root is unique; raises `ConvergenceError` if no pressure suffices. For trapped gas it is the
     pressure at the undeformed volume, which falls as the shell expands. Imperfect shells buckle earlier than computed.
+
+    Parameters
+    ----------
+    further : callable
+        Pencils of a loaded shell beside `buckling_pencil`, such as those of lobes; the `Buckling` is without them.
     """
     empty = complete_shell(device, centre_height, water, 0.0)
-    elastic, load = buckling_pencil(empty)
     breathing = 2 * empty.basis.shell.membrane_stiffness * (1 + device.poisson_ratio) / device.radius  # fails at it
     left = (replace(empty, internal_pressure=breathing).pressure_inside - empty.pressure_inside) / breathing
     highest = breathing / left
-    added = (buckling_pencil(replace(empty, internal_pressure=highest))[1] - load) / highest
+    below, above = ([buckling_pencil(one), *further(one)] for one in (empty, replace(empty, internal_pressure=highest)))
 
     def least(pressure: float) -> float:
-        matrix = elastic + load + pressure * added
-        return float(eigh(matrix, elastic, eigvals_only=True, subset_by_index=[0, 0])[0])
+        share = pressure / highest
+        return min(
+            float(eigh(k + (1 - share) * a + share * b, k, eigvals_only=True, subset_by_index=[0, 0])[0])
+            for (k, a), (_, b) in zip(below, above, strict=True)
+        )
 
     best = float(minimize_scalar(lambda p: -least(p), bounds=(0.0, highest), options={"xatol": 1e-6 * highest}).x)
     if least(best) < 0.0:

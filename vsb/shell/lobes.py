@@ -26,7 +26,7 @@ from scipy.linalg import eigh
 
 from vsb.shell.deformed import rigid_buoy
 from vsb.shell.elastic import converged_degree
-from vsb.shell.loaded import Buckling, LoadedShell, buckling
+from vsb.shell.loaded import Buckling, LoadedShell, Pencil, buckling
 from vsb.shell.shell import Curve, Shell, bend, curve, gauss_rule, length, meridian_rule, parts
 from vsb.tools.arrays import FloatArray
 
@@ -249,14 +249,27 @@ class LobedShell:
         order, found = 0, list[Lobes]()
         while order <= self.most_lobes or any(one.order == order and one.inverse_load_factor > 0 for one in found):
             order += 1
-            held = 2 if order == 1 else 0
-            elastic, load = (matrix[held:, held:] for matrix in self.pencil(order))
+            elastic, load = self._without_rigid_motion(order)
             last = len(load) - 1
             kappa, x = eigh(-load, elastic, subset_by_index=[max(0, last + 1 - count), last])
-            shapes = np.concatenate([np.zeros((held, x.shape[1])), x]).T
+            shapes = np.concatenate([np.zeros((_held(order), x.shape[1])), x]).T
             found += [Lobes(float(k), order, shape) for k, shape in zip(kappa, shapes, strict=True)]
             found = sorted(found, key=lambda one: -one.inverse_load_factor)[:count]
         return found
+
+    def _without_rigid_motion(self, order: int) -> Pencil:
+        """`pencil` over the displacements that strain the shell."""
+        elastic, load = (matrix[_held(order) :, _held(order) :] for matrix in self.pencil(order))
+        return elastic, load
+
+    def pencils(self) -> list[Pencil]:
+        """Return K_0 and K_1 of all orders to `most_lobes`."""
+        return [self._without_rigid_motion(order) for order in range(1, math.ceil(self.most_lobes) + 1)]
+
+
+def _held(order: int) -> int:
+    """How many of the first displacements of an order are left out, see `LobedShell.buckling`."""
+    return 2 if order == 1 else 0
 
 
 def _combined(psi: Displacement, shapes: FloatArray | None) -> Displacement:

@@ -149,10 +149,10 @@ def check_shape(study: Any) -> None:
         )
     if study.flexible and study.modes.degree == 0:
         raise ValueError("modes.degree 0: device.shape needs at least 1")
-    if (study.reference_shape, device.internal_pressure, device.gas) != ("undeformed", 0.0, None):
+    if study.reference_shape == "equilibrium" and not isinstance(device.material, Hookean):
         raise ValueError(
-            "device.shape: prestress is known of the sphere alone; needs reference_shape: undeformed "
-            "and no device.internal_pressure or device.gas"
+            "reference_shape 'equilibrium': wrinkles of rubber are known of the sphere alone; device.shape with a "
+            "material of rubber needs undeformed"
         )
 
 
