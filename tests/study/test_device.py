@@ -110,14 +110,19 @@ def test_profile_in_a_file(tmp_path):
         (OBLATE, {"hydro": {"solver": "panels"}}, "hydro.solver: panels are those of the sphere"),
         (OBLATE, {"modes": {"basis": "membrane", "degree": 3}}, "modes.basis 'membrane': modes of another shape"),
         (OBLATE, {"modes": {"basis": "full", "degree": 0}}, "modes.degree 0: device.shape needs at least 1"),
-        (OBLATE, {"reference_shape": "equilibrium", "device": {"material": {"law": "neo_hookean", "mu": 1e7}}},
-         "wrinkles of rubber are known of the sphere alone"),
         (OBLATE, {"motion": "planar", "device": {"centre_of_mass": -0.3, "ballast_inertia": 8e3}},
          "motion 'planar': is known of the sphere alone; device.shape needs heave")],
 )  # fmt: skip
 def test_unsupported_combinations_are_refused(shape, changes, message):
     with pytest.raises(ConfigError, match=message):
         parse(raw(shape, **changes))
+
+
+def test_rubber_of_another_shape_at_its_equilibrium_is_refused():
+    given = raw(OBLATE, reference_shape="equilibrium", device={"material": {"law": "neo_hookean", "mu": 1e7}})
+    given["device"] = without(given["device"], "young_modulus", "poisson_ratio")
+    with pytest.raises(ConfigError, match="wrinkles of rubber are known of the sphere alone"):
+        parse(given)
 
 
 @pytest.mark.parametrize("shape", [OBLATE, {"capsule": {"length": 1.0}}])
