@@ -7,7 +7,15 @@ import pytest
 from scipy.special import gamma as gamma_function
 
 from vsb.errors import ConfigError
-from vsb.waves.scatter import climate_of_cells, energy_over_peak_period, jonswap_bands, read_scatter, read_table
+from vsb.waves.climate import is_doubt
+from vsb.waves.scatter import (
+    climate_of_cells,
+    energy_over_peak_period,
+    energy_period_over,
+    jonswap_bands,
+    read_scatter,
+)
+from vsb.waves.scatter_table import read_table
 from vsb.waves.spectra import jonswap_spectrum
 
 SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "PacWave-South_Oregon_Wave-Resource.csv"
@@ -31,6 +39,16 @@ def test_shipped_table():
         FULL.replace(",", " ; ").replace(".", ","),
         'Hs/Te,"6,5","7,5"\n"0,25",10,20\n"0,75",0,70\n',
         "Hs (m) / T_e (s);6,5;7,5;\n0,25;10,0;20,0;\n0,75;;70,0;\n",
+        "Hs/Te,6.5,7.5,Total\n0.25,10,20,30\n0.75,0,70,70\nTotal,10,90,100\n",
+        "Hs [m] vs Te [s];6,5;7,5;Sum;Cum. %\n0,25;10;20;30;30\n0,75;-;70;70;100\nSum;10;90;;\n",
+        ",Te [s],,\nHs [m],6.5,7.5\n0.25,10,20\n0.75,\u2013,70\n",
+        "Hm0 (m),,\nTm-10 (s),0-0.5,0.5-1\n6-7,10,0\n7-8,20,70\n",
+        "Occurrence [%] of Hs and Te\n,6.5,7.5\n0.25,10,20\n0.75,,70\n",
+        ";6,5;7,5\n0,25;10;20\n0,75;;70\n",
+        "Hs/Te   6.5   7.5\n0.25    10    20\n0.75     0    70\n",
+        "Hs/Te 6.5 7.5 Total\n<0.5 10 20 30\n0.5-1.0 0 70 70\n",
+        "Hs (ft) / Te (s),6-7,>7\n0-1.640419947,10,20\n1.640419947-3.280839895,0,70\nSource: a buoy\n",
+        "month,Hs,Te,depth,%\n1,0.25,6.5,20,10\n1,0.25,7.5,20,20\n1,0.75,7.5,20,30\n2,0.75,7.5,20,40\n",
         "Te/Hs,0.25,0.75\n6.5,10,0\n7.5,20,70\n",
         "Hs/Te;6,0-7,0;7 \u2013 8\n0-0,5;100;200\n0,5-1;0;700\n",
         "Hs,Te,Occurrence [%]\n0.25,6.5,10\n0.25,7.5,20\n0.75,7.5,70\n0.75,6.5,0\n",
@@ -51,12 +69,21 @@ def test_layouts_of_one_table(written, text):
     ("text", "message"),
     [
         ("a,b,c\n1,2,3\n", "received no line that names Hs and Te or Tp"),
-        ("\n\nHs/Tz,6.5,7.5\n0.25,10,90\n", "line 3: received the corner 'Hs/Tz', needs Hs/Te or Hs/Tp"),
+        ("\n\nHmax/Te,6.5,7.5\n0.25,10,90\n", "line 3: received the corner 'Hmax/Te', needs Hs/Te, Hs/Tp or Hs/Tz"),
+        (
+            "Hs/Te,6.5,7.5,Total\n0.25,10,20,40\n0.75,0,70,70\n",
+            "line 2: received '40' in the column 'Total', needs the sum",
+        ),
+        ("Hs/Te,6.5,7.5\n0.25,10,20\n0.75,0,70\nSum,10,70\n", "line 4: received '70' in the row 'Sum', needs .* 90$"),
+        (
+            "Power matrix [kW]\nHs/Te,6.5,7.5\n0.25,10,20\n",
+            r"line 1: received 'Power matrix \[kW\]', a power matrix; needs",
+        ),
+        ("Hs/Te,<6,>7\n0.25,10,90\n", "line 1: received open bins alone, needs the centre of a bin"),
+        (",6.5,7.5\n6.5,10,20\n7.5,0,70\n", "received no line that names Hs and Te or Tp"),
         ("Hs,Te,Tp,count\n0.25,6.5,7,100\n", "line 1: received both Te and Tp, needs one of them"),
         ("Hs,Te,Anteil\n0.25,6.5,1\n", "line 1: received the columns 'Hs', 'Te', 'Anteil', needs one more that is"),
-        ("Hs [ft]/Te,6.5,7.5\n0.25,10,90\n", r"line 1: received the unit 'ft' in 'Hs \[ft\]', needs m and s"),
-        ("Hs/Te,6.5,7.5,Total\n0.25,10,90,100\n", "line 1: received 'Total', needs the centre of a bin"),
-        ("Hs/Te,6.5,7.5\n0.25,10,90\nSum,10,90\n", "line 3: received 'Sum', needs the centre of a bin"),
+        ("Hs [s]/Te,6.5,7.5\n0.25,10,90\n", r"line 1: received the unit 's' in 'Hs \[s\]', needs m and s"),
         ("Hs/Te,6.5,7.5\n0,10,90\n", "line 2: received the bin '0', needs the centre of a bin above 0"),
         ("Hs/Te,6.5,7.5\n0.25,10\n", "line 2: received 2 cells, needs 3 as the header has"),
         ("a site\n\nHs/Te,6.5,7.5\n\n0.25,10,x\n", "line 5: received 'x', needs an occurrence of 0 or more"),
@@ -95,15 +122,41 @@ def test_sum_of_occurrences_is_noted(written, text, note):
     assert read_scatter(written(text)).notes[0] == f"2 occupied cells of Hs and Te, which sum to {note}"
 
 
+def test_cells_that_are_no_numbers_are_noted(written):
+    """A trace counts half its bound; a bin open at an end is as wide as its neighbour; labels one too many are edges."""
+    climate = read_scatter(written("Hs/Tz,4,6,8,10\n0-1,40,20,-\n>1,<0.1,30,10\n"))
+    assert climate.hours.sum() == pytest.approx(1.0)
+    assert climate.hours.min() == pytest.approx(0.05 / 100.05)
+    assert set(climate.hs) == {0.5, 1.5}
+    assert climate.te / energy_period_over("tz", 3.3) == pytest.approx([5.0, 7.0, 5.0, 7.0, 9.0])
+    assert set(climate.notes[1:]) == {
+        "labels of the columns read as the edges of their bins, one more than there are cells",
+        "bins that are open at an end taken as wide as their neighbours: >1",
+        "1 empty cells read as none",
+        "1 cells of less than a bound read as half of it",
+        "Te = 1.162 Tz of these spectra",
+        "JONSWAP spectra, gamma 3.3",
+    }
+
+
+def test_axes_that_no_corner_names_are_doubted(written):
+    doubt = "the columns, of smaller numbers, read as Hs, the others as Tp, which the file does not state"
+    climate = read_scatter(written("Tp (s) against Hs (m)\n\n,0.25,0.75\n6.5,10,0\n7.5,20,70\n"))
+    assert doubt in climate.notes
+    assert is_doubt(doubt)
+
+
 @pytest.mark.parametrize("text", ["6-9", "6 \u2013 9", "6 to 9", "6..9", "6.0-9,0", "7,5"])
 def test_bin_is_given_by_its_centre_or_its_ends(written, text):
     assert read_table(written(f"Hs;Te;n\n0.25;{text};1\n")).period.tolist() == [7.5]
 
 
-def test_energy_over_peak_period():
-    """Pierson-Moskowitz in closed form, Gamma(5/4) 1.25^(-1/4); JONSWAP by DNV-RP-C205's (4.2 + g)/(5 + g)."""
+def test_energy_period_over_others():
+    """Pierson-Moskowitz in closed form, Gamma(5/4) 1.25^(-1/4), Tz = Tp (1.25 pi)^(-1/4); JONSWAP by DNV-RP-C205's fits."""
     assert energy_over_peak_period(1.0) == pytest.approx(gamma_function(1.25) * 1.25**-0.25, abs=1e-5)
     assert energy_over_peak_period(3.3) == pytest.approx(7.5 / 8.3, abs=1e-3)
+    assert energy_period_over("tz", 1.0) / energy_over_peak_period(1.0) == pytest.approx(1 / 0.7104, rel=1e-3)
+    assert energy_period_over("tz", 3.3) / energy_over_peak_period(3.3) == pytest.approx(1 / 0.7775, rel=2e-3)
 
 
 @pytest.mark.parametrize("gamma", [1.0, 3.3])

@@ -28,6 +28,8 @@ AGREEMENT = 0.02
 """Relative difference allowed between Hs and that of the spectrum: tables round, bands cut tails."""
 PARTIAL, CUT, FEW = "stand for a year", "too much to be left out", "more than half of the records are not used"
 """Words of the notes on records of a part of the year only, on bands that end too early, and on faulty files."""
+UNSTATED = "which the file does not state"
+"""Words of the notes on what a file was taken for."""
 LARGEST_TAIL = 0.05
 """Share of the variance beyond the bands from which on a year is doubted."""
 
@@ -228,7 +230,7 @@ def _tail(omega: FloatArray, density: FloatArray) -> str:
 
 def is_doubt(note: str) -> bool:
     """Return whether a note on a climate puts its year in doubt."""
-    return any(words in note for words in (PARTIAL, CUT, FEW))
+    return any(words in note for words in (PARTIAL, CUT, FEW, UNSTATED))
 
 
 def climate_line(note: str) -> str:
