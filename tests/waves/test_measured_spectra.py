@@ -191,13 +191,83 @@ def test_swan_text_packed_with_gzip_and_one_dimensional(tmp_path):
     (tmp_path / "s.spec.gz").write_bytes(gzip.compress(whole))
     assert read_spectra(tmp_path / "s.spec.gz").hs == pytest.approx([1.0, 2.0, 3.0], rel=1e-3)
     (tmp_path / "one.spec").write_bytes(whole.replace(b"NDIR", b"XXXX"))
-    with pytest.raises(ConfigError, match=r"one.spec: cannot be read by wavespectra's read_swan .* two-dimensional"):
+    with pytest.raises(
+        ConfigError, match=r"one.spec: cannot be read by wavespectra; needs two-dimensional spectra as SWAN"
+    ):
         read_spectra(tmp_path / "one.spec")
 
 
 def test_a_file_for_wavespectra_names_it_where_it_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "wavespectra", None)
-    with pytest.raises(
-        ConfigError, match=r"swan\.spec: received spectra as swan writes them, needs the package wavesp"
-    ):
+    with pytest.raises(ConfigError, match=r"swan\.spec: received .* SWAN writes them; needs the package wavespectra"):
         read_spectra(WRITTEN / "swan.spec")
+
+
+HERTZ = 0.02 + 0.01 * np.arange(40)
+SEA = 5 * 0.1**4 / HERTZ**5 * np.exp(-1.25 * (0.1 / HERTZ) ** 4) / 4  # Pierson-Moskowitz of Hs = 2 m, Tp = 10 s
+
+
+def triaxys(directional):
+    kind = "DIRECTIONAL SPECTRUM" if directional else "NON-DIRECTIONAL SPECTRUM"
+    head = (
+        f"TRIAXYS BUOY DATA REPORT\nVERSION = 5c.02.08\nTYPE     = {kind}\nDATE     = 2020 Jan 01 00:00(UTC)\n"
+        "NUMBER OF FREQUENCIES = 42\nINITIAL FREQUENCY (Hz) = 0.000\nFREQUENCY SPACING (Hz) = 0.010\n"
+    )
+    head += "RESOLVABLE FREQUENCY RANGE (Hz) = 0.02 TO 0.41\n"
+    spectrum = np.r_[0.0, 0.0, SEA]
+    if not directional:
+        rows = "".join(f" {0.01 * i:.3f} {s:.6E}\n" for i, s in enumerate(spectrum))
+        return head + "COLUMN 1 = FREQUENCY (Hz)\nCOLUMN 2 = SPECTRAL DENSITY (M^2/Hz)\n" + rows
+    shares = np.append(np.array([0.5, 0.2, 0.1, 0.2]), 0.5) / 90.0  # the last direction, 360, is the first again
+    rows = "".join(" ".join(f"{s * share:.6E}" for share in shares) + "\n" for s in spectrum)
+    return head + "DIRECTION SPACING (DEG) = 90.0\nROWS = FREQUENCY\n" + rows
+
+
+def datawell():
+    values = [3, 200, 7.1, SEA.max(), 10.0, 12.0, 7, 0.0, 0.0, 0.0, 180.0, 60.0]
+    rows = "".join(f"{f:.3f},{s / SEA.max():.6E},270.0,20.0,0.1,2.0\n" for f, s in zip(HERTZ, SEA, strict=True))
+    return "".join(f"{value}\n" for value in values) + rows
+
+
+def ww3_station():
+    directions = np.radians([90.0, 0.0, 270.0, 180.0])
+    table = np.outer([0.5, 0.2, 0.1, 0.2], SEA) / (np.pi / 2)
+    numbers = "\n".join(f" {value:.6E}" for value in table.ravel())
+    return (
+        f"'WAVEWATCH III SPECTRA'     {len(HERTZ)}     4     1 'made up                       '\n"
+        + "\n".join(f" {f:.3E}" for f in HERTZ) + "\n" + "\n".join(f" {d:.5E}" for d in directions)
+        + f"\n20200101 000000\n'POINT     '  45.00 -10.00   100.0   5.00 270.0   0.00 270.0\n{numbers}\n"
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("s.NONDIRSPEC", triaxys(False)),
+        ("s.DIRSPEC", triaxys(True)),
+        ("Buoy}2020-01-01T00h00Z.spt", datawell()),
+        ("s.spc", ww3_station()),
+    ],
+    ids=["TRIAXYS", "TRIAXYS over direction", "Datawell", "WAVEWATCH III"],
+)
+def test_texts_of_buoys_and_models_by_wavespectra(tmp_path, name, text):
+    """One sea, Pierson-Moskowitz of 2 m; densities per hertz, per degree, relative to their maximum, per radian."""
+    pytest.importorskip("wavespectra")
+    (tmp_path / name).write_text(text)
+    climate = read_spectra(tmp_path / name)
+    assert climate.hs == pytest.approx([2.0], rel=2e-2)
+    assert np.interp(2 * np.pi * HERTZ, climate.omega, climate.density[0] * 2 * np.pi) == pytest.approx(
+        SEA, rel=1e-4, abs=1e-6
+    )
+    (tmp_path / name).write_text(text[: len(text) // 2] + "\nx")
+    with pytest.raises(ConfigError, match=r"cannot be read by wavespectra; needs|needs .* frequencies") as caught:
+        read_spectra(tmp_path / name)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_date_that_is_no_date_names_the_unit_needed(tmp_path):
+    ds = spectra()
+    ds = ds.assign_coords(time=("time", [0.0, 1.0], {"units": "moons since 2020-01-01"}))
+    ds.to_netcdf(tmp_path / "s.nc")
+    with pytest.raises(ConfigError, match=r"s.nc: received times that are no dates; needs a date for every record"):
+        read_spectra(tmp_path / "s.nc")

@@ -91,11 +91,13 @@ def test_files_are_read_and_known_by_what_they_hold(form, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda rows: [*rows[:50], *rows[51:]], r"e.csv:51: time: received 12.5 s after 12 s, needs equal steps, here of 0.25 s"),
-        (lambda rows: [*rows[:9], "2.001,0.1", *rows[10:]], r"e.csv:10: time: received 2.001 s after 1.75 s"),
-        (lambda rows: [*rows[:9], "2.0,MM", *rows[10:]], r"e.csv:10: received '2.0 MM', needs two numbers"),
+        (lambda rows: [*rows[:50], *rows[51:]], r"e.csv:51: received 1 missing value at 12.25 s; needs none, or .* repair: \[gaps\]"),
+        (lambda rows: [*rows[:9], "2.001,0.1", *rows[10:]], r"e.csv:10: received 1 uneven time at 2.001 s; needs none, or beside the file in the study repair: \[times\]"),
+        (lambda rows: [*rows[:9], "2.0,MM", *rows[10:]], r"e.csv:10: received 1 missing value at 2 s"),
+        (lambda rows: [*rows[:9], "2.0,x", *rows[10:]], r"e.csv:10: received '2.0 x', needs two numbers"),
+        (lambda rows: [*rows[:9], "1.5,0.1", *rows[10:]], r"e.csv:10: time: received 1.5 s after 1.75 s, needs ascending times"),
         (lambda rows: [*rows[:9], "2.0,99.00", *rows[10:]], r"e.csv:10: elevation: received 99 m at 2 s, needs at most 50 m"),
-        (lambda rows: [*rows[:9], "2.0,nan", *rows[10:]], r"e.csv:10: elevation: received nan m at 2 s"),
+        (lambda rows: [*rows[:9], "2.0,nan", *rows[10:]], r"e.csv:10: received 1 missing value at 2 s"),
         (lambda rows: rows[:20], r"s.yaml: waves.0.file: received 19 samples in e.csv, needs 32 to 131072"),
         (lambda rows: [row.split(",")[0] + ",0.5" for row in rows], r"elevation: received 0.5 m throughout, needs waves"),
     ],
@@ -113,7 +115,7 @@ def test_missing_and_uneven_files_are_refused(tmp_path):
         read_record(tmp_path / "no.csv", "file")
     time, elevation = measured()
     (tmp_path / "drift.csv").write_text(text(time * (1 + 4e-6 * time), elevation))
-    with pytest.raises(ConfigError, match="time: received"):
+    with pytest.raises(ConfigError, match=r"drift.csv:\d+: received \d+ uneven times at"):
         read_record(tmp_path / "drift.csv", "file")
 
 

@@ -402,6 +402,12 @@ KEYS: dict[str, dict[str, Key]] = {
             "file of two columns, time in equal steps and elevation at the buoy's axis, in s and m or as their header "
             "says; or step and elevation",
         ),
+        "repair": Key(
+            "",
+            "[spikes, drift]",
+            "faults of the sensor that are repaired: gaps, times, spikes, steps of the level, drift",
+        ),
+        "accept": Key("", "[steps]", "what looks like spikes, steps, stuck or drift, but is of the sea"),
     },
     "Samples": {
         "step": Key("s", "0.5", "time between samples"),

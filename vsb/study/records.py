@@ -5,10 +5,8 @@ Imports nothing heavy unless there is a record: the Snakefile reads a study at e
 
 import math
 import re
-from collections.abc import Iterable
-from datetime import UTC, datetime
+from collections.abc import Collection, Sequence
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -16,8 +14,9 @@ from pydantic import Field, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.quantities import Brief, Positive, content_id
+from vsb.study.record_faults import Record, checked
 from vsb.tools import units
-from vsb.tools.columns import Columns, read_columns
+from vsb.tools.columns import Columns, dates, read_columns
 from vsb.tools.units import number
 from vsb.tools.words import shortened
 
@@ -30,6 +29,8 @@ HIGHEST = 50.0
 """Largest elevation [m]; missing values are often written as 99 or 999."""
 UNEVEN = 1e-6
 """Largest deviation of an instant from equal steps, in steps and at least in seconds."""
+MISSING = {"", "nan", "na", "n/a", "mm", "null", "none", "-", "--"}
+"""Words that stand for a missing elevation."""
 ROUNDED = 0.1
 """Largest rounding of instants, in steps, within which their steps count as equal."""
 TAIL = 0.005
@@ -133,47 +134,74 @@ class Samples(Brief):
         return content_id(self.model_dump(exclude={"notes"}))[:8]
 
 
-def read_record(path: Path, where: str) -> dict[str, Any]:
+def read_record(path: Path, where: str, repair: Collection[str] = (), accept: Collection[str] = ()) -> dict[str, Any]:
     """Return step [s], elevations [m] and notes of a file of two columns, time and elevation.
 
     Times are in seconds, another unit that the file states, or dates; elevations in metres or a unit that it states:
-    see `vsb.tools.columns.read_columns`. The file may be packed with gzip. Raises `ConfigError` if it cannot be read, a
-    row is not two numbers, or the instants are not equally spaced.
+    see `vsb.tools.columns.read_columns`. Raises `ConfigError` if it cannot be read, a row is not two numbers, or of a
+    fault of the sensor that is neither repaired nor accepted: see `vsb.study.record_faults`.
 
     Parameters
     ----------
     where : str
         Place in the study, for messages about the file as a whole.
+    repair, accept : collection of str
+        Faults that are repaired, and that are left as they are.
     """
     table = read_columns(path, where, "two columns, time [s] and elevation [m]")
     of_time, of_elevation, seconds, metres, notes = _two_columns(path, table)
-    known: list[tuple[int, float, float]] = []
-    for n, cells in table.rows:
-        values = [_seconds(cells[of_time]), number(cells[of_elevation]) if of_elevation < len(cells) else None]
-        if values[0] is None or values[1] is None or (not table.header and len(cells) != 2):
+    written = [cells[of_time] for _, cells in table.rows]
+    days = dates(written)
+    instants = [(day - days[0]).total_seconds() for day in days] if days else [number(cell) for cell in written]
+    lines: list[int] = []
+    times: list[float] = []
+    elevations: list[float] = []
+    for instant, (n, cells) in zip(instants, table.rows, strict=True):
+        cell = cells[of_elevation] if of_elevation < len(cells) else "none"
+        elevation = math.nan if cell.lower() in MISSING else number(cell)
+        if instant is None or elevation is None or (not table.header and len(cells) != 2):
             raise ConfigError(
                 f"{path}:{n}: received {shortened(repr(' '.join(cells)))}, needs two numbers, time [s] and "
                 "elevation [m]"
             )
-        time, elevation = seconds * values[0], metres * values[1]
-        if not (math.isfinite(time) and abs(elevation) <= HIGHEST):
+        if abs(elevation * metres) > HIGHEST and "gaps" not in repair:
             raise ConfigError(
-                f"{path}:{n}: elevation: received {elevation:g} m at {time:g} s, needs at most {HIGHEST:g} m: missing "
-                "values must be filled before, or the record cut"
+                f"{path}:{n}: elevation: received {elevation * metres:g} m at {seconds * instant:g} s, needs at most "
+                f"{HIGHEST:g} m: cut the record, or repair: [gaps] if this stands for a missing value"
             )
-        known.append((n, time, elevation))
-    if not FEWEST <= len(known) <= MOST:
-        raise ConfigError(f"{where}: received {len(known)} samples in {path.name}, needs {FEWEST} to {MOST}")
-    written = seconds * _written_to(cells[of_time] for _, cells in table.rows)
-    held: dict[str, Any] = {
-        "step": _step(path, known, written),
-        "elevation": [one for *_, one in known],
-        "notes": notes,
-    }
-    if not all(table.units) and len({*held["elevation"]}) > 1:
+        if not math.isfinite(instant) or (times and seconds * instant <= times[-1]):
+            last = f" after {times[-1]:.9g} s" if times else ""
+            raise ConfigError(f"{path}:{n}: time: received {seconds * instant:.9g} s{last}, needs ascending times")
+        lines.append(n)
+        times.append(seconds * instant)
+        elevations.append(elevation * metres if abs(elevation * metres) <= HIGHEST else math.nan)
+    if not FEWEST <= len(times) <= MOST:
+        raise ConfigError(f"{where}: received {len(times)} samples in {path.name}, needs {FEWEST} to {MOST}")
+    step, repaired, told = _without_faults(
+        path, lines, times, elevations, seconds * _written_to(written), repair, accept
+    )
+    held: dict[str, Any] = {"step": step, "elevation": repaired, "notes": [*notes, *told]}
+    if not all(table.units) and len({*repaired}) > 1:
         of_file = Samples(**held)
+        if abs(level := math.fsum(repaired) / len(repaired)) > of_file.hs:
+            held["notes"].append(f"its mean, {level:.4g} m, taken as still water")
         check_possible(str(path), of_file.hs, 2 * math.pi / of_file.energy_frequency, "time in s, elevation in m")
     return held
+
+
+def _without_faults(
+    path: Path, lines: list[int], times: list[float], elevations: list[float], written: float,
+    repair: Collection[str], accept: Collection[str],
+) -> tuple[float, list[float], list[str]]:  # fmt: skip
+    """Step, elevations and notes of a record without faults of its sensor, its times `written` to so many seconds."""
+    import numpy as np
+
+    usual = float(np.median(np.diff(times)))
+    if sum(elevation == elevation for elevation in elevations) < FEWEST:
+        raise ConfigError(f"{path}: received fewer than {FEWEST} elevations that are numbers, needs a record")
+    tolerance = max(UNEVEN * max(1.0, usual), written if written <= ROUNDED * usual else 0.0)
+    record = Record(path, np.array(times), np.array(elevations), lines, tolerance, repair, accept)
+    return *checked(record), record.notes
 
 
 def check_possible(source: str, hs: float, te: float, needed: str) -> None:
@@ -234,39 +262,7 @@ def _two_columns(path: Path, table: Columns) -> _Read:
     return time, elevation, seconds, metres, notes
 
 
-def _seconds(cell: str) -> float | None:
-    """A cell as a number, or a date as seconds."""
-    if (value := number(cell)) is not None:
-        return value
-    try:
-        date = datetime.fromisoformat(cell.replace("/", "-"))
-    except ValueError:
-        return None
-    return (date.replace(tzinfo=date.tzinfo or UTC) - datetime(2000, 1, 1, tzinfo=UTC)).total_seconds()
-
-
-def _step(path: Path, known: list[tuple[int, float, float]], written: float) -> float:
-    """The step of equally spaced instants, but for rounding in files `written` to so many seconds; `ConfigError`."""
-    times = [time for _, time, _ in known]
-    usual = sorted(later - earlier for earlier, later in pairwise(times))[len(times) // 2]
-    rounding = written if written <= ROUNDED * usual else 0.0
-    allowed = max(UNEVEN * max(1.0, abs(usual)), rounding)
-    for (_, before, _), (n, time, _) in pairwise(known):
-        if not (usual > 0 and abs(time - before - usual) <= 2 * allowed):
-            raise ConfigError(
-                f"{path}:{n}: time: received {time:.9g} s after {before:.9g} s, needs equal steps, here of {usual:.6g} "
-                "s throughout: gaps must be filled before, or the record cut"
-            )
-    step = (times[-1] - times[0]) / (len(times) - 1)
-    uneven = max(abs(time - times[0] - i * step) for i, time in enumerate(times))
-    if uneven > allowed:
-        raise ConfigError(
-            f"{path}: time: received steps that differ, by up to {uneven:.2g} s in all; needs equal steps"
-        )
-    return step
-
-
-def _written_to(cells: Iterable[str]) -> float:
+def _written_to(cells: Sequence[str]) -> float:
     """The last decimal that numbers of a file are written to; 0 of dates and powers of ten."""
     digits = [re.fullmatch(r"[-+]?\d+[.,]?(\d*)", cell) for cell in cells]
     return 10.0 ** -max(len(found[1]) for found in digits if found) if digits and all(digits) else 0.0

@@ -7,16 +7,17 @@ import bisect
 import copy
 import math
 from abc import abstractmethod
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.quantities import Brief, Count, Number, Positive, Section, within
 from vsb.study.reading import Located
+from vsb.study.record_faults import Acceptable, Repairable
 from vsb.study.records import LEFT_OUT, Samples, read_record
 from vsb.study.spectrum_table import SpectrumTable, read_spectrum
 
@@ -455,16 +456,23 @@ class SeaOfFile(IrregularSea):
 
 
 class RecordedSea(SeaOfFile):
-    """A sea that was measured: elevations at the buoy's axis, of which a run follows the beginning."""
+    """A sea that was measured: elevations at the buoy's axis, of which a run follows the beginning.
+
+    Faults of the sensor are repaired or accepted as the file is read: what was done stands in the notes of the file.
+    """
 
     kind: Literal["record"]
+    repair: tuple[Repairable, ...] = Field((), exclude=True)
+    accept: tuple[Acceptable, ...] = Field((), exclude=True)
     file: Samples
 
     @field_validator("file", mode="before", json_schema_input_type=str | Samples)
     @classmethod
-    def _read(cls, value: Any) -> Any:
+    def _read(cls, value: Any, info: ValidationInfo) -> Any:
         """A path stands for the file there."""
-        return read_record(Path(value), "file") if isinstance(value, str | Path) else value
+        if not isinstance(value, str | Path):
+            return value
+        return read_record(Path(value), "file", info.data.get("repair", ()), info.data.get("accept", ()))
 
     @property
     def amplitudes(self) -> Literal["fixed"]:  # type: ignore[override]
@@ -526,7 +534,13 @@ def file_lines(waves: Iterable[Travelling | StillWater]) -> list[str]:
 
 
 _DIRECTIONAL = {"directions", "shares"}
-_READERS = {"record": read_record, "spectrum": read_spectrum}
+_READERS: dict[str, Callable[..., dict[str, Any]]] = {"record": read_record, "spectrum": read_spectrum}
+
+
+def _faults_of(wave: dict[str, Any]) -> dict[str, list[str]]:
+    """Faults of a record that are to be repaired or accepted, as it is written; wrong ones are reported later."""
+    asked = {key: wave[key] for key in ("repair", "accept") if isinstance(wave.get(key), list | tuple)}
+    return {key: [str(name) for name in names] for key, names in asked.items()} if wave["kind"] == "record" else {}
 
 
 def with_files(raw: Any, source: str) -> Any:
@@ -549,7 +563,7 @@ def with_files(raw: Any, source: str) -> Any:
         if isinstance(kind := wave.get("kind"), str) and kind in _READERS:
             line = raw.line(("waves", i, "file")) if isinstance(raw, Located) else None
             where = f"{source}{'' if line is None else f':{line}'}: waves.{i}.file"
-            held = _READERS[kind](Path(source).parent / name, where)
+            held = _READERS[kind](Path(source).parent / name, where, **_faults_of(wave))
             found = copy.deepcopy(raw) if found is raw else found
             found["waves"][i]["file"] = {key: held[key] for key in held if not (heaves and key in _DIRECTIONAL)}
     return found

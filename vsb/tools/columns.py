@@ -7,7 +7,8 @@ import csv
 import re
 import zlib
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,8 +19,10 @@ from vsb.tools.words import shortened
 
 COMMENT = ("#", "%", "//")
 """Beginnings of lines that are no rows; names and units of the columns may stand there."""
-_DATE = re.compile(r"\d{4}-\d\d?-\d\d?([T ]\d\d?:\d\d.*)?|\d{4}/\d\d?/\d\d?([T ]\d\d?:\d\d.*)?")
-_SPACED_DATE = re.compile(r"(\d{4}[-/]\d\d?[-/]\d\d?) +(\d\d?:\d\d)")
+_DAY = r"\d{4}[-/]\d\d?[-/]\d\d?|\d\d?[./]\d\d?[./]\d{4}"
+_DATE = re.compile(rf"(?:{_DAY})(?:T\d\d?:\d\d\S*)?")
+_SPACED_DATE = re.compile(rf"({_DAY}) +(\d\d?:\d\d)")
+_ORDERS = ("%Y-%m-%d", "%Y/%m/%d", "%d.%m.%Y", "%m/%d/%Y", "%d/%m/%Y")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 _WORD = re.compile(r"[^\s\[(]*(?:\s*(?:\[[^\]]*\]|\([^)]*\)))+|\S+")
 _LOOSE = {"cm", "mm", "ft", "feet", "ms"}
@@ -58,7 +61,9 @@ def text_of(path: Path, where: str, needed: str) -> str:
         ) from None
 
 
-def read_columns(path: Path, where: str, needed: str) -> Columns:
+def read_columns(
+    path: Path, where: str, needed: str, looked_for: Callable[[str], object] = lambda name: None
+) -> Columns:
     """Return the columns of a text file, packed with gzip or not.
 
     Columns are separated by semicolons, tabs, commas or blanks; numbers may have decimal commas. Lines of names, and
@@ -71,6 +76,8 @@ def read_columns(path: Path, where: str, needed: str) -> Columns:
         Place in the study, for messages about the file as a whole.
     needed : str
         What the file should hold, for messages.
+    looked_for : callable, optional
+        Whether a name is one that is looked for: a comment with two of them is a line of names.
     """
     lines = [
         (n, _SPACED_DATE.sub(r"\1T\2", line.strip(" \r\n\ufeff")))
@@ -85,7 +92,7 @@ def read_columns(path: Path, where: str, needed: str) -> Columns:
     if not rows:
         return Columns((), (), "", [])
     before = [(n, line) for n, line in lines if n < rows[0][0]]
-    names, units, used = _heads(before, delimiter, len(rows[0][1]))
+    names, units, used = _heads(before, delimiter, len(rows[0][1]), looked_for)
     header = " ".join(line for n, line in before if n in used)
     for name, stated in zip(names, units, strict=True):
         if stated and unit(stated) is None:
@@ -99,23 +106,25 @@ def read_columns(path: Path, where: str, needed: str) -> Columns:
 
 
 def _heads(
-    before: list[tuple[int, str]], delimiter: str, width: int
+    before: list[tuple[int, str]], delimiter: str, width: int, looked_for: Callable[[str], object]
 ) -> tuple[tuple[str, ...], tuple[str, ...], set[int]]:
     """Names and units of the columns from the lines before the rows, and the numbers of these lines.
 
-    A comment is a line of names only if it states a unit: most comments are words.
+    A comment is a line of names only if it states a unit or has two that are looked for: most comments are words.
     """
     names: tuple[int, list[tuple[str, str]]] | None = None
     units: tuple[int, list[str]] | None = None
+    known = 0
     for n, line in before:
         cells = _trimmed(_cells(line.lstrip("#%/ "), delimiter))
         if len(cells) != width:
             continue
         pairs = [_stated(cell) for cell in cells]
-        if _all_units(cells):
+        here = sum(bool(looked_for(name)) for name, _ in pairs)
+        if _all_units(cells) or known > 1 > here:  # a line of units may leave some out
             units = n, [_unit_alone(cell) for cell in cells]
-        elif not line.startswith(COMMENT) or any(stated for _, stated in pairs):
-            names, units = (n, pairs), None
+        elif not line.startswith(COMMENT) or here > 1 or any(stated for _, stated in pairs):
+            names, units, known = (n, pairs), None, here
     named = names[1] if names else [("", "")] * width
     below = units[1] if units else [""] * width
     return (
@@ -123,6 +132,33 @@ def _heads(
         tuple(stated or lower for (_, stated), lower in zip(named, below, strict=True)),
         {found[0] for found in (names, units) if found},
     )
+
+
+def dates(cells: Sequence[str]) -> list[datetime]:
+    """Return cells as dates in universal time; none if they are no dates, or may be of two orders of day and month."""
+    try:
+        return [datetime.fromisoformat(cell).astimezone(UTC).replace(tzinfo=None) for cell in map(_zoned, cells)]
+    except ValueError:
+        pass
+    found = [days for order in _ORDERS if (days := _in_order(cells, order))]
+    return found[0] if len(found) == 1 else []
+
+
+def _zoned(cell: str) -> str:
+    """An ISO date with its zone, universal time where none is stated."""
+    return cell if re.search(r"T.*(Z|[-+]\d\d:?\d\d)$", cell) else f"{cell}{'' if 'T' in cell else 'T00:00'}Z"
+
+
+def _in_order(cells: Sequence[str], order: str) -> list[datetime]:
+    """Cells as dates of an order of year, month and day, none if one of them is not."""
+    found = []
+    for cell in cells:
+        clock = "T%H:%M:%S.%f" if "." in cell[11:] else "T%H:%M:%S" if cell.count(":") == 2 else "T%H:%M"
+        try:
+            found.append(datetime.strptime(cell, order + clock if "T" in cell else order))
+        except ValueError:
+            return []
+    return found
 
 
 def _delimiter(lines: Sequence[str]) -> str:

@@ -4,6 +4,7 @@ The units decide, not the name of the program: densities are per Hz, and with di
 """
 
 import gzip
+import zlib
 from collections.abc import Iterable
 from datetime import datetime
 from pathlib import Path
@@ -15,8 +16,10 @@ from vsb.errors import ConfigError
 from vsb.tools import units
 from vsb.tools.arrays import FloatArray
 from vsb.tools.bounded import bounded_reading, open_regular
+from vsb.tools.words import shortened
 from vsb.waves.climate import Climate, of_records
-from vsb.waves.ndbc import calendar, read_ndbc
+from vsb.waves.ndbc import SERIES, calendar, read_ndbc
+from vsb.waves.scatter_table import is_series
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -31,8 +34,20 @@ NAMES = {
 """Names of wavespectra, WAVEWATCH III, SWAN, the National Data Buoy Center and CDIP; the first of each is ours."""
 FLAGS, USABLE = "waveFlagPrimary", (1, 2)
 """CDIP's verdict on each record, and its values good and not evaluated."""
-NETCDF, SWAN = (b"CDF", b"\x89HDF"), b"SWAN"
-"""First characters of netCDF and of SWAN's text."""
+NETCDF = (b"CDF", b"\x89HDF")
+"""First characters of netCDF."""
+TEXTS = {b"SWAN": "swan", b"'WAVEWATCH III": "ww3_station", b"TRIAXYS BUOY": "triaxys"}
+"""First characters of texts that wavespectra reads, and the name of its reader."""
+DATAWELL = ".spt"
+"""End of the names of Datawell's files."""
+EXPECTED = {
+    "swan": "two-dimensional spectra as SWAN writes them",
+    "ww3_station": "spectra of one point as WAVEWATCH III writes them",
+    "triaxys": "a whole file of a TRIAXYS buoy, with its date, number, first value and spacing of frequencies",
+    "datawell": "a whole file of a Datawell buoy, with its date in its name as BUOY}2020-01-01T00h00Z.spt",
+    "era5": "ERA5's spectra d2fd over time, direction and frequency",
+}
+"""What is needed of a file for a reader of wavespectra."""
 ERA5 = "d2fd"
 """Variable of ERA5: decimal logarithms."""
 
@@ -46,32 +61,36 @@ def read_spectra(path: str | Path) -> Climate:
     ----------
     path : path
         Density over time, frequency [Hz] and perhaps direction, by one of `NAMES`, in m^2/Hz, m^2/Hz/degree or
-        m^2/Hz/radian as its units say; by wavespectra, netCDF of ERA5 and two-dimensional spectra in SWAN's text.
+        m^2/Hz/radian as its units say; by wavespectra, netCDF of ERA5 and the texts of SWAN, WAVEWATCH III, TRIAXYS and
+        Datawell.
     """
-    try:
-        with open_regular(path) as file:
-            packed = file.read(2) == b"\x1f\x8b"
-        with gzip.open(path) if packed else open_regular(path) as file:
-            begin = file.read(len(SWAN))
-    except (OSError, EOFError) as error:
-        raise ConfigError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
-    if not begin.startswith((*NETCDF, SWAN)):
+    begin = first_bytes(path)
+    if begin.startswith(NETCDF):
+        stored = _opened(path)
+    elif reader := next((name for start, name in TEXTS.items() if start in begin), ""):
+        stored = _by_wavespectra(path, reader)
+    elif Path(path).suffix.lower() == DATAWELL:
+        stored = _by_wavespectra(path, "datawell", {"dd": None})
+    else:
         return read_ndbc(path)
-    stored = _per_hertz(path, _by_wavespectra(path, "swan") if begin == SWAN else _opened(path))
+    stored, notes = _per_hertz(path, stored), []
+    if stored.freq.size and float(stored.freq[0]) == 0:
+        stored, notes = stored.isel(freq=slice(1, None)), ["the band at 0 Hz left out"]
     spectra, hertz = stored.efth, np.asarray(stored.freq.values, dtype=float)
     if {"time", "freq"} - {*spectra.dims} or len(hertz) < 2 or not hertz[0] > 0 or not np.all(np.diff(hertz) > 0):
-        raise ConfigError(
-            f"{path}: received {spectra.name} over {spectra.dims}, needs time and two frequencies or more above 0 Hz"
-        )
+        over = ", ".join(map(str, spectra.dims))
+        raise ConfigError(f"{path}: received spectra over {over}, needs time and two frequencies or more above 0 Hz")
     for name in [name for name in spectra.dims if name not in ("time", "freq", "dir")]:
         if spectra.sizes[name] != 1:
             raise ConfigError(f"{path}: received {spectra.sizes[name]} along {name}, needs one: select a site")
         spectra = spectra.isel({name: 0})
     if "dir" in spectra.dims:
-        _check_all_around(path, stored.dir.values)
+        spectra = _once_around(spectra)
+        _check_all_around(path, spectra.dir.values)
         spectra = spectra.mean("dir", skipna=False) * 2 * np.pi
     density = spectra.transpose("time", "freq").values.astype(float) / (2 * np.pi)
-    kept, notes = calendar(_dates(path, stored.time.values))
+    kept, dates = calendar(dates_of(path, stored.time.values))
+    notes = [*dates, *notes]
     if FLAGS in stored:
         unusable = ~np.isin(stored[FLAGS].values, USABLE)
         density[unusable] = np.nan
@@ -79,23 +98,54 @@ def read_spectra(path: str | Path) -> Climate:
     return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
 
 
-def _opened(path: str | Path) -> "xr.Dataset":
-    """Spectra of a netCDF file in our names, frequencies ascending."""
+def first_bytes(path: str | Path) -> bytes:
+    """Return the beginning of a file, packed with gzip or not; raises `ConfigError` if it cannot be read."""
+    try:
+        with open_regular(path) as file:
+            packed = file.read(2) == b"\x1f\x8b"
+        with gzip.open(path) if packed else open_regular(path) as file:
+            return file.read(64)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror or 'it is packed, and damaged'})") from None
+    except (EOFError, zlib.error):
+        raise ConfigError(f"{path}: received a packed file that is cut or damaged, needs a whole one") from None
+
+
+def load_netcdf(path: str | Path) -> "xr.Dataset":
+    """Return what a netCDF file holds; raises `ConfigError` if it cannot be read."""
     import xarray as xr  # here alone: text needs none
 
+    def loaded(*, decode_times: bool = True) -> "xr.Dataset":
+        with bounded_reading(path), xr.open_dataset(path, engine="netcdf4", decode_times=decode_times) as ds:
+            return ds.load()
+
     try:
-        with bounded_reading(path), xr.open_dataset(path, engine="netcdf4") as ds:
-            stored = ds.load()
+        return loaded()
     except MemoryError:
         raise ConfigError(f"{path}: cannot be read as netCDF (it announces more than it holds)") from None
-    except Exception as error:  # libraries raise errors of many types for damaged files
-        raise ConfigError(f"{path}: cannot be read as netCDF ({_reason(error)})") from None
+    except Exception:  # libraries raise errors of many types for damaged files
+        pass
+    try:
+        loaded(decode_times=False)
+    except Exception:
+        raise ConfigError(f"{path}: cannot be read as netCDF, it is cut or damaged; needs a whole file") from None
+    raise ConfigError(
+        f"{path}: received times that are no dates; needs a date for every record, in units such as 'hours since "
+        "2020-01-01'"
+    )
+
+
+def _opened(path: str | Path) -> "xr.Dataset":
+    """Spectra of a netCDF file in our names."""
+    stored = load_netcdf(path)
     if ERA5 in stored.variables:
         return _by_wavespectra(path, "era5", _hertz(path, stored))
     found = {ours: _among(stored.variables, names) for ours, names in NAMES.items()}
     for name in (name for name in ("efth", "freq", "time") if found[name] is None):
         names = ", ".join(sorted(map(str, stored.variables)))
-        raise ConfigError(f"{path}: received variables {names}; needs {' or '.join(NAMES[name])}")
+        if name == "efth" and is_series(map(str, stored.data_vars)):
+            raise ConfigError(f"{path}: received variables {names}, {SERIES}")
+        raise ConfigError(f"{path}: received variables {shortened(names)}; needs {' or '.join(NAMES[name])}")
     for name, theirs in found.items():
         if name != "time" and theirs and stored[theirs].dtype.kind not in "iuf":
             raise ConfigError(f"{path}: received {theirs} of type {stored[theirs].dtype}, needs numbers")
@@ -123,7 +173,7 @@ def _among(variables: Iterable[Any], names: tuple[str, ...]) -> str | None:
     return next((name for name in names if name in variables), None)
 
 
-def _hertz(path: str | Path, ds: "xr.Dataset") -> dict[str, float]:
+def _hertz(path: str | Path, ds: "xr.Dataset") -> dict[str, float | None]:
     """First frequency and ratio of ERA5's file where it states them; it mostly numbers them instead."""
     name = _among(ds.variables, ("frequency", "frequencyNumber"))
     values = np.arange(1.0, 3.0) if name is None else np.asarray(ds[name].values, dtype=float)
@@ -135,31 +185,34 @@ def _hertz(path: str | Path, ds: "xr.Dataset") -> dict[str, float]:
     return {"f0": float(values[0]), "df": ratio}
 
 
-def _by_wavespectra(path: str | Path, reader: str, options: dict[str, float] | None = None) -> "xr.Dataset":
+def _by_wavespectra(path: str | Path, reader: str, options: dict[str, float | None] | None = None) -> "xr.Dataset":
     """Spectra in our names, read by wavespectra's reader of a name; `ConfigError` if it is missing or cannot."""
     try:
         import wavespectra
     except ImportError:
         raise ConfigError(
-            f"{path}: received spectra as {reader} writes them, needs the package wavespectra to read them: "
-            "pip install 'vsb[spectra]'"
+            f"{path}: received {EXPECTED[reader]}; needs the package wavespectra to read them: pip install "
+            "'vsb[spectra]'"
         ) from None
     try:
         with bounded_reading(path):
-            return getattr(wavespectra, f"read_{reader}")(str(path), **options or {}).load().sortby("freq")  # type: ignore[no-any-return]
+            stored: xr.Dataset = getattr(wavespectra, f"read_{reader}")(str(path), **options or {}).load()
+            if "dir" not in stored.efth.dims:
+                stored.efth.attrs["units"] = "m2 s"  # it states the units of spectra over direction there, too
+            return stored.sortby("freq")
     except MemoryError:
-        raise ConfigError(f"{path}: cannot be read by wavespectra (it announces more than it holds)") from None
-    except Exception as error:  # libraries raise errors of many types for damaged files
-        more = ": of SWAN's text it reads two-dimensional spectra" if reader == "swan" else ""
-        raise ConfigError(f"{path}: cannot be read by wavespectra's read_{reader} ({_reason(error)}){more}") from None
+        raise ConfigError(f"{path}: announces more than it holds; needs {EXPECTED[reader]}") from None
+    except Exception:  # libraries raise errors of many types for damaged files
+        raise ConfigError(f"{path}: cannot be read by wavespectra; needs {EXPECTED[reader]}") from None
 
 
-def _reason(error: Exception) -> str:
-    """The message of an error in one line."""
-    return " ".join(str(error).split()) or type(error).__name__
+def _once_around(spectra: "xr.DataArray") -> "xr.DataArray":
+    """Spectra without a last direction that repeats the first, as 360 degrees repeat 0."""
+    first, last = float(spectra.dir[0]), float(spectra.dir[-1])
+    return spectra.isel(dir=slice(0, -1)) if len(spectra.dir) > 1 and last - first == 360.0 else spectra
 
 
-def _dates(path: str | Path, time: "npt.NDArray[np.generic]") -> list[datetime]:
+def dates_of(path: str | Path, time: "npt.NDArray[np.generic]") -> list[datetime]:
     """Dates of the records, one or more; plain numbers are refused."""
     if not time.size:
         raise ConfigError(f"{path}: received no record along time, needs one or more")

@@ -1,5 +1,6 @@
 """Spectra in the text files of the National Data Buoy Center."""
 
+import re
 from collections import Counter
 from datetime import datetime
 from itertools import pairwise
@@ -10,13 +11,20 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import read_text
+from vsb.tools.words import shortened
 from vsb.waves.climate import PARTIAL, Climate, of_records
+from vsb.waves.scatter_table import is_series
 
 MISSING, NONE = 999.0, {"MM": "999.0"}
 """Numbers of the text from which on a value is missing, and words for missing values."""
 HIGHEST_HZ = 5.0
 """Highest possible band [Hz]."""
 DATE = ("YY", "MM", "DD", "hh", "mm")
+SERIES = (
+    "which are series of heights and periods, no spectra; needs spectra, or climate: {scatter: FILE}, which counts the "
+    "series into a table of seas of one spectrum"
+)
+"""What is said of files of heights and periods where spectra are needed."""
 METEOROLOGICAL = {"WVHT", "SWVHT", "WSPD"}
 """Columns of the National Data Buoy Center's files without spectra."""
 DIRECTIONAL = {
@@ -52,8 +60,11 @@ def read_ndbc(path: str | Path) -> Climate:
         raise ConfigError(f"{path}: received {len(lines)} lines, needs a header with frequencies and rows of spectra")
     if METEOROLOGICAL & {*head}:
         raise ConfigError(
-            f"{path}: received the buoy's meteorological data, which holds no spectra; needs its spectral wave density"
+            f"{path}: received the buoy's meteorological data, which holds no spectra; needs its spectral wave "
+            "density, or climate: {scatter: FILE}, which counts WVHT and DPD into a table of seas of one spectrum"
         )
+    if is_series(re.split(r"[,;\s]+", " ".join(head))):
+        raise ConfigError(f"{path}, line 1: received {shortened(repr(' '.join(head)))}, {SERIES}")
     for i, row in lines[1:]:
         if row[0].lstrip("#") == head[0].lstrip("#") and row[1:] != head[1:]:
             raise ConfigError(f"{path}, line {i}: received another header, needs one set of frequencies: cut the file")

@@ -12,6 +12,7 @@ from vsb.study.records import impossible
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import FAULTY, YEAR_HOURS, Climate, band_edges
 from vsb.waves.scatter_table import Table, read_table
+from vsb.waves.series import read_series
 from vsb.waves.spectra import jonswap_spectrum
 
 Spectrum = Literal["jonswap", "pierson_moskowitz"]
@@ -33,12 +34,12 @@ def read_scatter(path: str | Path, spectrum: Spectrum = "jonswap", gamma: float 
     path : path
         CSV: a table whose corner says `Hs/Te`, `Hs/Tp` or `Hs/Tz` (or the other way round), or three columns named so
         with occurrences in percent, hours, shares or counts. Labels are centres of bins, or ranges; see
-        `vsb.waves.scatter_table`.
+        `vsb.waves.scatter_table`. Or a series of Hs and a period, which is counted; see `vsb.waves.series`.
     spectrum : {'jonswap', 'pierson_moskowitz'}
     gamma : float
         Peakedness of JONSWAP.
     """
-    table = read_table(path)
+    table = read_series(path) or read_table(path)
     share, total = _shares(path, table)
     gamma = gamma if spectrum == "jonswap" else 1.0
     ratio = energy_period_over(table.kind, gamma)

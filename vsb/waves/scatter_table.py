@@ -20,20 +20,34 @@ from vsb.tools.units import number, unit
 from vsb.tools.words import LONGEST, shortened
 from vsb.waves.climate import UNSTATED, YEAR_HOURS
 
-HEIGHT = {"hs", "hm0", "hsig", "h13", "h1/3", "significantwaveheight", "significantheight", "waveheight", "swh", "vhm0"}
+HEIGHT = {
+    "hs", "hm0", "hsig", "h13", "h1/3", "significantwaveheight", "significantheight", "waveheight", "swh", "vhm0",
+    "wvht", "wavehs", "seasurfacewavesignificantheight",
+}  # fmt: skip
 PERIODS = {
     "te": {
         "te", "tm10", "tm-10", "tm-1,0", "tm-1.0", "t-10", "t-1,0", "energyperiod", "meanenergyperiod",
-        "waveenergyperiod", "mwp", "vtm10",
+        "waveenergyperiod", "mwp", "vtm10", "t0m1",
+        "seasurfacewavemeanperiodfromvariancespectraldensityinversefrequencymoment",
     },
-    "tp": {"tp", "peakperiod", "wavepeakperiod", "tpeak", "peakwaveperiod", "pp1d", "vtpk"},
+    "t01": {
+        "t01", "tm01", "t0,1", "tm0,1", "mp1", "vtm01",
+        "seasurfacewavemeanperiodfromvariancespectraldensityfirstfrequencymoment",
+    },
     "tz": {
         "tz", "t02", "tm02", "t0,2", "tm0,2", "zerocrossingperiod", "zeroupcrossingperiod", "meanzerocrossingperiod",
-        "zeroupcrossingwaveperiod", "mp2", "vtm02",
+        "zeroupcrossingwaveperiod", "mp2", "vtm02", "apd", "wavetz", "seasurfacewavezeroupcrossingperiod",
+        "seasurfacewavemeanperiodfromvariancespectraldensitysecondfrequencymoment",
     },
-    "t01": {"t01", "tm01", "t0,1", "tm0,1", "mp1", "vtm01"},
+    "tp": {
+        "tp", "peakperiod", "wavepeakperiod", "tpeak", "peakwaveperiod", "pp1d", "vtpk", "dpd", "wavetp",
+        "seasurfacewaveperiodatvariancespectraldensitymaximum",
+    },
 }  # fmt: skip
-"""Names of the energy period, the peak period, the zero-crossing period and of m_0/m_1."""
+"""Names of the energy period, of m_0/m_1, of the zero-crossing and the peak period; the first is the most certain.
+
+Those of NDBC, CDIP, ERA5, Copernicus and the CF conventions among them.
+"""
 OCCURRENCE = {
     "occurrence", "occurrences", "percent", "percentage", "%", "hours", "h", "count", "counts", "frequency", "share",
     "probability", "n", "number", "hits", "occ", "freq",
@@ -113,6 +127,14 @@ def kind_of(name: str) -> str | None:
     """Return which quantity a name of a column is: hs, te, tp, tz, t01 or None."""
     plain = _plain(name)
     return next((kind for kind, spelled in {"hs": HEIGHT, **PERIODS}.items() if plain in spelled), None)
+
+
+def is_series(names: Iterable[str]) -> bool:
+    """Return whether names of columns or variables are those of a series: a height and a period, no occurrence."""
+    names = list(names)
+    kinds = {kind_of(name) for name in names}
+    counted = any(_plain(name) in OCCURRENCE or name.strip(" ()[]").lower() in OCCURRENCE for name in names)
+    return "hs" in kinds and bool(kinds & {*PERIODS}) and not counted
 
 
 def factor_of(path: str | Path, line: int, name: str) -> float:
