@@ -199,11 +199,13 @@ def _by_wavespectra(path: str | Path, reader: str, options: dict[str, float | No
             stored: xr.Dataset = getattr(wavespectra, f"read_{reader}")(str(path), **options or {}).load()
             if "dir" not in stored.efth.dims:
                 stored.efth.attrs["units"] = "m2 s"  # it states the units of spectra over direction there, too
-            return stored.sortby("freq")
+            if {stored.efth.dtype.kind, stored.freq.dtype.kind} <= {*"iuf"}:
+                return stored.sortby("freq")
     except MemoryError:
         raise ConfigError(f"{path}: announces more than it holds; needs {EXPECTED[reader]}") from None
     except Exception:  # libraries raise errors of many types for damaged files
-        raise ConfigError(f"{path}: cannot be read by wavespectra; needs {EXPECTED[reader]}") from None
+        pass
+    raise ConfigError(f"{path}: cannot be read by wavespectra; needs {EXPECTED[reader]}")
 
 
 def _once_around(spectra: "xr.DataArray") -> "xr.DataArray":
