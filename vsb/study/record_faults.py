@@ -6,7 +6,7 @@ is what changes more slowly than waves do. A wave that only looks like one of th
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
@@ -35,18 +35,18 @@ SHOWN = 3
 """Instants named in a message."""
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class Record:
     """A record while it is checked: instants [s], elevations [m], NaN where they are missing, lines of the file."""
 
     path: Path
     time: "FloatArray"
     elevation: "FloatArray"
-    lines: list[int]
+    lines: tuple[int, ...]
     tolerance: float  # deviation of instants from equal steps that counts as rounding [s]
     repair: Collection[str]
     accept: Collection[str]
-    notes: list[str] = field(default_factory=list)
+    notes: tuple[str, ...] = ()
 
     @property
     def crossing_period(self) -> float:
@@ -65,15 +65,13 @@ class Record:
 
         return float(np.median(np.diff(self.time)))
 
-    def reported(self, fault: Fault, what: str, at: Sequence[int]) -> bool:
-        """Return whether a fault is to be repaired; note it, or raise if it is neither that nor accepted."""
+    def reported(self, fault: Fault, what: str, at: Sequence[int]) -> tuple["Record", bool]:
+        """Return the record with a note of a fault, and whether it is to be repaired; raise if nothing is asked."""
         places = ", ".join(f"{self.time[i]:.6g} s" for i in at[:SHOWN]) + (", ..." if len(at) > SHOWN else "")
-        if fault in self.repair:
-            self.notes.append(f"repaired: {what} at {places}")
-            return True
-        if fault in self.accept:
-            self.notes.append(f"accepted: {what} at {places}")
-            return False
+        for asked, words in ((self.repair, "repaired"), (self.accept, "accepted")):
+            if fault in asked:
+                note = f"{words}: {what} at {places}"
+                return replace(self, notes=tuple(dict.fromkeys([*self.notes, note]))), asked is self.repair
         remedies = [f"repair: [{fault}]"] if fault in get_args(Repairable) else []
         remedies += [f"accept: [{fault}]"] if fault in get_args(Acceptable) else []
         raise ConfigError(
@@ -82,23 +80,21 @@ class Record:
         )
 
 
-def checked(record: Record) -> tuple[float, list[float]]:
-    """Return step [s] and elevations [m] of a record at equal steps; what was done is in its notes.
+def without_faults(record: Record) -> Record:
+    """Return a record at equal steps, its faults repaired or accepted as its notes say.
 
-    Raises `ConfigError` of a fault that is neither repaired nor accepted, with its line and time.
+    Raises `ConfigError` of a fault that is neither, with its line and time.
     """
-    _fill_gaps(record)
-    _even_times(record)
-    _check_stuck(record)
+    record = _even_times(_filled(record))
+    record = _not_stuck(record)
     for _ in range(PASSES):
-        if not _spikes_and_steps(record):
+        before, record = record, _smooth(record)
+        if record.elevation is before.elevation:
             break
-    _check_drift(record)
-    for fault in record.repair:
-        if not any(_WORDS.get(fault, "") in note for note in record.notes):
-            record.notes.append(f"repair: no {_WORDS[fault]} found")
-    record.notes[:] = dict.fromkeys(record.notes)
-    return float(record.time[-1] - record.time[0]) / (len(record.time) - 1), record.elevation.tolist()
+    record = _without_drift(record)
+    absent = [_WORDS[fault] for fault in record.repair if fault in _WORDS]
+    absent = [what for what in absent if not any(what in note for note in record.notes)]
+    return replace(record, notes=(*record.notes, *(f"repair: no {what} found" for what in absent)))
 
 
 _WORDS = {
@@ -107,25 +103,26 @@ _WORDS = {
 }  # fmt: skip
 
 
-def _report(record: Record, fault: Fault, at: list[int]) -> bool:
+def _report(record: Record, fault: Fault, at: list[int]) -> tuple[Record, bool]:
     """Report a fault that occurs at some samples; see `Record.reported`."""
     return record.reported(fault, f"{len(at)} {_WORDS[fault]}{'s' if len(at) > 1 else ''}", at)
 
 
-def _fill_gaps(record: Record) -> None:
+def _filled(record: Record) -> Record:
     """Rows that are missing are put in, values that are missing are interpolated, over a part of a wave at most."""
     import numpy as np
 
-    steps = np.diff(record.time)
-    whole = np.rint(steps / record.step).astype(int)
+    time, elevation, lines = record.time, record.elevation, list(record.lines)
+    whole = np.rint(np.diff(time) / record.step).astype(int)
     for i in np.flatnonzero(whole > 1)[::-1]:
-        inserted = np.linspace(record.time[i], record.time[i + 1], whole[i] + 1)[1:-1]
-        record.time = np.insert(record.time, i + 1, inserted)
-        record.elevation = np.insert(record.elevation, i + 1, np.full(len(inserted), np.nan))
-        record.lines[i + 1 : i + 1] = [record.lines[i + 1]] * len(inserted)
-    missing = np.isnan(record.elevation)
-    if not missing.any() or not _report(record, "gaps", np.flatnonzero(missing).tolist()):
-        return
+        inserted = np.linspace(time[i], time[i + 1], whole[i] + 1)[1:-1]
+        time = np.insert(time, i + 1, inserted)
+        elevation = np.insert(elevation, i + 1, np.full(len(inserted), np.nan))
+        lines[i + 1 : i + 1] = [lines[i + 1]] * len(inserted)
+    record, missing = replace(record, time=time, elevation=elevation, lines=tuple(lines)), np.isnan(elevation)
+    if not missing.any():
+        return record
+    record, _ = _report(record, "gaps", np.flatnonzero(missing).tolist())
     longest = LONGEST_GAP * record.crossing_period
     for first, last in _runs(missing):
         if (last - first + 2) * record.step > max(longest, 2 * record.step) or first == 0 or last == len(missing) - 1:
@@ -134,27 +131,25 @@ def _fill_gaps(record: Record) -> None:
                 f"{record.time[first]:.6g} s, needs at most {longest:.3g} s, half of the waves' period, within the "
                 "record: cut it there"
             )
-    record.elevation = _interpolated(record.time, record.elevation, missing)
+    return replace(record, elevation=_interpolated(time, elevation, missing))
 
 
-def _even_times(record: Record) -> None:
+def _even_times(record: Record) -> Record:
     """Instants that are not equally spaced: the elevations between them are interpolated."""
     import numpy as np
 
     even = np.linspace(record.time[0], record.time[-1], len(record.time))
     off = np.abs(record.time - even)
     if off.max() <= record.tolerance:
-        return
-    at = np.flatnonzero(off > record.tolerance).tolist()
-    if _report(record, "times", at):
-        from scipy.interpolate import CubicSpline
+        return replace(record, time=even)
+    from scipy.interpolate import CubicSpline
 
-        record.elevation = CubicSpline(record.time, record.elevation)(even)
-        record.time = even
+    record, _ = _report(record, "times", np.flatnonzero(off > record.tolerance).tolist())
+    return replace(record, time=even, elevation=CubicSpline(record.time, record.elevation)(even))
 
 
-def _spikes_and_steps(record: Record) -> bool:
-    """Find jumps that no wave makes, there and back or for good; return whether any were repaired."""
+def _smooth(record: Record) -> Record:
+    """Take out jumps that no wave makes, there and back or for good, or report them."""
     import numpy as np
 
     jumps = np.diff(record.elevation)
@@ -173,20 +168,20 @@ def _spikes_and_steps(record: Record) -> bool:
             end = last + 1
         else:
             steps.append(i + 1)
-    changed = False
-    if spikes and _report(record, "spikes", [first for first, _ in spikes]):
+    if spikes:
+        record, asked = _report(record, "spikes", [first for first, _ in spikes])
         bad = np.zeros(len(record.elevation), dtype=bool)
         for first, last in spikes:
             bad[first : last + 1] = True
-        record.elevation, changed = _interpolated(record.time, record.elevation, bad), True
-    if steps and _report(record, "steps", steps):
-        _level(record, steps)
-        changed = True
-    return changed
+        record = replace(record, elevation=_interpolated(record.time, record.elevation, bad)) if asked else record
+    if steps:
+        record, asked = _report(record, "steps", steps)
+        record = replace(record, elevation=_levelled(record, steps)) if asked else record
+    return record
 
 
-def _level(record: Record, steps: Sequence[int]) -> None:
-    """Take out steps of the level: each jump but for those beside it, or by a fit of all where that is closer.
+def _levelled(record: Record, steps: Sequence[int]) -> "FloatArray":
+    """Elevations without steps: each jump but for those beside it, or by a fit of all where that is closer.
 
     The fit is of a straight line and the steps; waves of period T and deviation s change it by s T/(pi length).
     """
@@ -201,8 +196,9 @@ def _level(record: Record, steps: Sequence[int]) -> None:
     left = record.elevation - sum(height * (places >= i) for height, i in zip(fitted, steps, strict=True))
     length = float(record.time[-1] - record.time[0]) / (len(steps) + 1)
     by_fit = float(left.std()) * record.crossing_period / (math.pi * length) < curved
-    for height, i in zip(fitted if by_fit else heights, steps, strict=True):
-        record.elevation = record.elevation - height * (places >= i)
+    chosen = fitted if by_fit else heights
+    steady = np.sum([height * (places >= i) for height, i in zip(chosen, steps, strict=True)], axis=0)
+    return np.asarray(record.elevation - steady)
 
 
 def _around(size: "FloatArray", i: int) -> float:
@@ -223,14 +219,14 @@ def _return(elevation: "FloatArray", i: int, around: float) -> int | None:
     return len(elevation) - 1 if i + 2 >= len(elevation) - 1 else None
 
 
-def _check_stuck(record: Record) -> None:
+def _not_stuck(record: Record) -> Record:
     """Report where a value stays the same for half a wave, but for still water before and after waves."""
     import numpy as np
 
     jumps = np.abs(np.diff(record.elevation))
     deviation = float(record.elevation.std())
     if not jumps.any() or deviation < 2 * float(jumps[jumps > 0].min()):
-        return
+        return record
     fewest = max(SHORTEST_STUCK, math.ceil(0.5 * record.crossing_period / record.step))
     found = []
     for first, last in _runs(jumps == 0):
@@ -238,11 +234,10 @@ def _check_stuck(record: Record) -> None:
         at_end = first == 0 or last == len(jumps) - 1
         if last - first + 2 >= fewest and not (calm and at_end):
             found.append(int(first))
-    if found:
-        _report(record, "stuck", found)
+    return _report(record, "stuck", found)[0] if found else record
 
 
-def _check_drift(record: Record) -> None:
+def _without_drift(record: Record) -> Record:
     """Take out what changes more slowly than waves do, or report it."""
     import numpy as np
 
@@ -251,10 +246,10 @@ def _check_drift(record: Record) -> None:
     crossings = int(((waves[:-1] < 0) & (waves[1:] >= 0)).sum())
     share = float(np.var(slow) / np.var(record.elevation)) if np.ptp(record.elevation) else 0.0
     if crossings < 3 or share <= max(DRIFT, 2 / crossings**2):
-        return
+        return record
     what = f"drift of {np.ptp(slow):.3g} m, {100 * share:.3g} % of the variance, largest"
-    if record.reported("drift", what, [int(np.abs(slow - slow.mean()).argmax())]):
-        record.elevation = waves
+    record, asked = record.reported("drift", what, [int(np.abs(slow - slow.mean()).argmax())])
+    return replace(record, elevation=waves) if asked else record
 
 
 def _slow(elevation: "FloatArray", step: float) -> "FloatArray":

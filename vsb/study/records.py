@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.quantities import Brief, Positive, content_id
-from vsb.study.record_faults import Record, checked
+from vsb.study.record_faults import Record, without_faults
 from vsb.tools import units
 from vsb.tools.columns import Columns, dates, read_columns
 from vsb.tools.units import number
@@ -177,9 +177,7 @@ def read_record(path: Path, where: str, repair: Collection[str] = (), accept: Co
         elevations.append(elevation * metres if abs(elevation * metres) <= HIGHEST else math.nan)
     if not FEWEST <= len(times) <= MOST:
         raise ConfigError(f"{where}: received {len(times)} samples in {path.name}, needs {FEWEST} to {MOST}")
-    step, repaired, told = _without_faults(
-        path, lines, times, elevations, seconds * _written_to(written), repair, accept
-    )
+    step, repaired, told = _checked(path, lines, times, elevations, seconds * _written_to(written), repair, accept)
     held: dict[str, Any] = {"step": step, "elevation": repaired, "notes": [*notes, *told]}
     if not all(table.units) and len({*repaired}) > 1:
         of_file = Samples(**held)
@@ -189,7 +187,7 @@ def read_record(path: Path, where: str, repair: Collection[str] = (), accept: Co
     return held
 
 
-def _without_faults(
+def _checked(
     path: Path, lines: list[int], times: list[float], elevations: list[float], written: float,
     repair: Collection[str], accept: Collection[str],
 ) -> tuple[float, list[float], list[str]]:  # fmt: skip
@@ -200,8 +198,9 @@ def _without_faults(
     if sum(elevation == elevation for elevation in elevations) < FEWEST:
         raise ConfigError(f"{path}: received fewer than {FEWEST} elevations that are numbers, needs a record")
     tolerance = max(UNEVEN * max(1.0, usual), written if written <= ROUNDED * usual else 0.0)
-    record = Record(path, np.array(times), np.array(elevations), lines, tolerance, repair, accept)
-    return *checked(record), record.notes
+    record = Record(path, np.array(times), np.array(elevations), tuple(lines), tolerance, repair, accept)
+    record = without_faults(record)
+    return record.step, record.elevation.tolist(), list(record.notes)
 
 
 def check_possible(source: str, hs: float, te: float, needed: str) -> None:
