@@ -140,6 +140,15 @@ def test_closing_line_of_a_run():
     assert closing_line(SWELL[:1], "FSB") == ""
     assert closing_line(SWELL, None) == ""
     even = closing_line([SWELL[0], line("A", 781.1, 0.0, 207.0, given_gain=0.0)], "FSB")
+    known = [
+        one | {"best_power_low": 0.99 * one["best_power"], "best_power_high": 1.02 * one["best_power"]} for one in SWELL
+    ]
+    known[1] |= {"best_low": -9.7, "best_high": -9.5}
+    assert closing_line(known, "FSB") == (
+        "mean power against the rigid FSB -9.6 % (-9.7 to -9.5 %) at optimal damping, +9.5 % at the given damping; "
+        "FSB absorbs most, 781.1 (773.3 to 796.7) W at optimal damping; "
+    )
+    assert closing_line(known[:1], "FSB") == "FSB absorbs 781.1 (773.3 to 796.7) W at optimal damping; "
     assert even == "mean power against the rigid FSB +0.0 % at optimal damping, +0.0 % at the given damping; "
 
 

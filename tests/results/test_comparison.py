@@ -30,7 +30,8 @@ WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
 STILL = StillWater(kind="still")
 CONTRACT = (
     "design,wave,displacement_pp,velocity_pp,power_peak,power_mean,energy,capture_width,energy_gain_percent,"
-    "energy_residual,damping,stiffness,power_gain_percent,low,high"
+    "energy_residual,damping,stiffness,power_gain_percent,low,high,power_low,power_high,"
+    "record_power_mean,record_power_low,record_power_high,record_start,record_end"
 )
 
 

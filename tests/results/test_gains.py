@@ -3,7 +3,6 @@
 import json
 
 import pytest
-import xarray as xr
 from conftest import varied
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,13 +12,10 @@ from vsb.results.budget import Budget, Source, mean_budget
 from vsb.results.gains import (
     equal_tuning,
     fair_damping_checks,
-    linearisation,
     reference_power_checks,
-    with_intervals,
     within_limits,
 )
 from vsb.results.ladder import ControlLevel
-from vsb.results.statistics import Line
 from vsb.study.take_off import Pto
 
 REGULAR = {"kind": "regular", "amplitude": 0.5, "period": 5.0}
@@ -129,80 +125,3 @@ def test_gain_over_a_negligible_reference_power_is_in_doubt(seas, levels):
     weak = [row._replace(power_mean=0.5) if row.rung == "best_damper" else row for row in levels]
     assert reference_power_checks(seas, weak)[0].verdict == "doubt"
     assert reference_power_checks(varied(seas, designs={"A": {}, "B": {}}), levels) == []
-
-
-# in runs ------------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def study(seed):
-    return varied(seed, designs={"FSB": {"flexible": False}, "A": {}}, waves=[REGULAR])
-
-
-@pytest.fixture
-def frequency(study):
-    """100 W of the rigid design, 80 W of the other in waves of 0.5 m."""
-    at = {"design": ["FSB", "A"], "omega": [study.waves[0].omega]}
-    return xr.Dataset({"absorbed_power": (("design", "omega"), [[400.0], [320.0]])}, at)
-
-
-def rows(study, powers):
-    label, base = study.waves[0].label, powers["FSB"]
-    return [
-        {"design": d, "wave": label, "power_mean": p, "power_gain_percent": 100 * (p / base - 1)}
-        for d, p in powers.items()
-    ]
-
-
-def runs(study, model, **more):
-    return {(d, study.waves[0].label): {"model": model, "energy_residual": 1e-9, **more} for d in study.designs}
-
-
-def levels_with(study, *sources):
-    label, at_best = study.waves[0].label, Budget((Source.within("c", 99.0),)).rows
-    given = level("A", label, "fixed", 8e3, 80.0)._replace(gain_error=Budget(sources).rows)
-    best = level("A", label, "best_damper", 8e3, 80.0)._replace(gain_error=at_best)
-    return [level("FSB", label, "fixed", 8e3, 80.0), given, best]
-
-
-def test_interval_of_a_gain_adds_the_errors_of_both_runs(study, frequency):
-    """Runs that differ by 1 % and 2 % from the frequency domain: 3 % of the ratio."""
-    sources = Source.within("coefficients", 0.5), Source("modes left out", -3.0, 0.0)
-    powers, attrs = rows(study, {"FSB": 101.0, "A": 81.6}), runs(study, "linear")
-    rigid, shell = with_intervals(study, powers, attrs, levels_with(study, *sources), frequency)
-    assert (rigid["low"], rigid["high"]) == (0.0, 0.0)
-    gain = shell["power_gain_percent"]
-    assert gain - shell["low"] == pytest.approx(3.5 + 0.03 * (100 + gain))
-    assert shell["high"] - gain == pytest.approx(0.5 + 0.03 * (100 + gain))
-
-
-def test_interval_of_a_nonlinear_run_includes_its_energy_residual(study, frequency):
-    attrs = runs(study, "body_exact", power_error=0.01)
-    attrs["A", study.waves[0].label]["energy_residual"] = 0.02
-    _, shell = with_intervals(study, rows(study, {"FSB": 100.0, "A": 60.0}), attrs, levels_with(study), frequency)
-    assert shell["high"] - shell["power_gain_percent"] == pytest.approx((0.02 + 0.02) * 60, rel=1e-6)
-
-
-def test_linearisation_error_is_one_sided(study, frequency):
-    """-20 % by linear theory, -40 % in time at the same damper."""
-    powers = rows(study, {"FSB": 100.0, "A": 60.0})
-    found = linearisation(study, powers, runs(study, "body_exact"), frequency, [])
-    (key,) = found
-    assert key == ("A", study.waves[0].label)
-    assert (found[key].low, found[key].high) == (pytest.approx(-20.0), 0.0)
-    assert linearisation(study, powers, runs(study, "linear"), frequency, []) == {}
-
-
-def test_linearisation_error_in_irregular_seas_includes_the_sampling_error(study, frequency):
-    """For random amplitudes only; linear theory is that in the same waves."""
-    lines = [
-        Line("FSB", "noise", "random", 4, 40, 100.0, 95.0, 105.0, 90.0, 100.0, None, None, None),
-        Line("A", "noise", "random", 4, 40, 60.0, 55.0, 65.0, 50.0, 80.0, -40.0, -43.0, -37.0),
-    ]
-    for amplitudes, half in (("random", 3.0), ("fixed", 0.0)):
-        drawn = [line._replace(amplitudes=amplitudes) for line in lines]
-        found = linearisation(
-            study, rows(study, {"FSB": 100.0, "A": 80.0}), runs(study, "body_exact"), frequency, drawn
-        )
-        assert found["A", "noise"].low == pytest.approx(-20.0 - half)
-        assert found["A", "noise"].high == pytest.approx(half)

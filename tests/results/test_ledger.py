@@ -146,7 +146,7 @@ def test_energy_outside_the_band_adds_up(lowest, highest, share):
     body = validated(
         BodyStudy, {"study": "a", "body": {"database": "-"}, "designs": {"a": {}}, "waves": waves}, "a.yaml"
     )
-    (_, same) = ledger.seas_checks(body, xr.Dataset(coords={"omega": [lowest, highest]}))
+    (_, same, _) = ledger.seas_checks(body, xr.Dataset(coords={"omega": [lowest, highest]}))
     assert same.value == cut.value
     assert f"beyond {lowest:g} to {highest:g} rad/s of the database" in same.explanation
 

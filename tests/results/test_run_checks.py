@@ -130,7 +130,10 @@ def test_errors_of_model_auto_add_up_in_the_gain(seed):
 
 
 def test_mean_power_is_compared_with_the_steady_state():
-    row, steady = {"design": "FSB", "wave": "w", "power_mean": 100.6}, {"steady_power": 100.0, "steady_decay": 0.1}
+    row, steady = (
+        {"design": "FSB", "wave": "w", "record_power_mean": 100.6},
+        {"steady_power": 100.0, "steady_decay": 0.1},
+    )
     (check,) = transient_checks({("FSB", "w"): steady}, [row])
     assert (check.verdict, check.value, check.limit) == ("doubt", pytest.approx(0.006), 0.005)
     (none,) = transient_checks({("FSB", "w"): {"no_steady_state": "it drifts"}}, [row])
@@ -161,7 +164,7 @@ def test_power_in_time_is_compared_with_the_frequency_domain():
     frequency = xr.Dataset({"absorbed_power": (("wave_direction", "design", "omega"), power)}, coords)
 
     def checks(mean, study=one, scale=1.0, **run):
-        rows = [{"design": "a", "wave": wave.label, "power_mean": mean}]
+        rows = [{"design": "a", "wave": wave.label, "record_power_mean": mean}]
         return agreement_checks(study, scale * frequency, rows, {("a", wave.label): {"model": "linear", **run}})
 
     for sign in (1, -1):
@@ -187,7 +190,7 @@ def test_tuned_run_is_compared_at_its_own_damping():
     frequency = xr.Dataset(values, {"design": ["a", "b"], "omega": [wave.omega]})
     runs = {("a", wave.label): {"model": "linear", TUNED: 5.0}, ("b", wave.label): {"model": "linear", TUNED: 7.0}}
     means = [0.25 * 0.5 * 5.0 * 5.0 * 9.0 / 50.0, 0.25 * 0.5 * 7.0 * 25.0 / 130.0]
-    rows = [{"design": d, "wave": wave.label, "power_mean": mean} for d, mean in zip("ab", means, strict=True)]
+    rows = [{"design": d, "wave": wave.label, "record_power_mean": mean} for d, mean in zip("ab", means, strict=True)]
     found = agreement_checks(one, frequency, rows, runs)
     assert [check.design for check in found] == ["a", "b"]
     assert [check.value for check in found] == pytest.approx([0.0, 0.0], abs=1e-12)

@@ -24,7 +24,7 @@ def test_mean_power_is_that_of_the_comparison(results, design):
     (wave,) = results.study.waves
     start, end = averaging_window(wave, results.study.simulation.window)
     work = CubicSpline(found.time.values, found.power_absorbed.values).integrate(start, end)
-    expected = results.comparison.set_index("design").power_mean[design]
+    expected = results.comparison.set_index("design").record_power_mean[design]
     assert work / (end - start) == pytest.approx(expected, rel=1e-6)
     assert np.allclose(found.ptos_powerInternalMechanics, found.ptos_forceTotal * found.ptos_velocity)
 

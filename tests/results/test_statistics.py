@@ -9,8 +9,8 @@ from conftest import varied
 
 from vsb.motion.port import Port
 from vsb.results import statistics as seastatistics
+from vsb.results.ledger import seas_checks
 from vsb.results.statistics import (
-    FEWEST_BATCHES,
     Line,
     Sample,
     batch_means,
@@ -22,6 +22,7 @@ from vsb.results.statistics import (
     statistics,
 )
 from vsb.scenes.build import TUNED
+from vsb.study.study import FEWEST_BATCHES, parse
 from vsb.waves.seas import Sea, expected, sea, superposed
 
 DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}}
@@ -248,12 +249,34 @@ def test_checks_of_irregular_seas_change_their_verdict_at_their_limit(seed, name
         assert found[name].value == pytest.approx(share * limit, rel=2e-3)
 
 
-def test_record_with_too_few_batches_is_reported(seed):
-    assert [check.name for check in statistical_checks(seed, line_of_100_watts(batches=6))] == [
-        "statistical_error", "spectral_prediction"
-    ]  # fmt: skip
-    short, _ = statistical_checks(seed, line_of_100_watts(batches=5))
-    assert (short.name, short.verdict, short.value) == ("record_length", "doubt", 1.2)
+def test_length_of_records_is_judged_before_anything_runs(seed):
+    """Of every irregular sea: 20 s are two batches of ten periods; what is linear does not rest on its record."""
+    sea = {"kind": "jonswap", "hs": 0.5, "tp": 1.0}
+    for amplitudes, realisations, verdict in (("fixed", 1, "doubt"), ("random", 2, "doubt"), ("fixed", 3, "ok")):
+        waves = [{**sea, "amplitudes": amplitudes, "realisations": realisations}]
+        exact = varied(seed, waves=waves, hydro={"model": "body_exact"}, published=None)
+        (found,) = (check for check in seas_checks(exact) if check.name == "record_length")
+        assert (found.verdict, found.value) == (verdict, pytest.approx(FEWEST_BATCHES / (2 * realisations)))
+        (found,) = (check for check in seas_checks(varied(seed, waves=waves)) if check.name == "record_length")
+        assert (found.verdict, found.value) == ("ok", 0.0)
+        assert "mean power of a sea is that of its spectrum" in found.explanation
+
+
+def test_records_last_as_long_as_an_interval_of_mean_power_needs_unless_they_are_given(seed):
+    """Six memories of ten peak periods after one of start-up, of all realisations together; of a spectrum as before."""
+    waves = [{"kind": "jonswap", "hs": 0.5, "tp": 6.0, "realisations": 2}]
+    base = {**seed.model_dump(exclude_unset=True), "waves": waves, "published": None}
+    base.pop("simulation")
+    exact = {**base, "hydro": {"model": "body_exact"}}
+    assert parse(exact).simulation.window == pytest.approx((60.0, 240.0))
+    assert parse(
+        {**base, "pto": {"damping": 8e3, "force_limit": 1e4, "law": "saturated"}}
+    ).simulation.duration == pytest.approx(240.0)
+    assert parse(base).simulation.window == (40.0, 60.0)
+    given = {"duration": 70.0, "window": [50.0, 70.0]}
+    assert parse({**exact, "simulation": given}).simulation.window == (50.0, 70.0)
+    again = parse(exact)
+    assert parse(again.model_dump()) == again
 
 
 def test_sharp_gain_of_a_scattered_power_is_ok(seed):

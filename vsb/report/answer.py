@@ -269,24 +269,44 @@ def tuning_table(lines: Lines) -> list[list[str]]:
 
 
 def closing_line(lines: Lines, reference: str | None, invalid: Lines = (), *, flexible: bool = True) -> str:
-    """Return the answer of a study in one line that another sentence continues; empty if there is no gain.
+    """Return the answer of a study in one line that another sentence continues; empty if there is none.
 
-    Only valid designs count; where there is none, the line says so and why. `flexible` says whether any design is.
+    Gains, and the largest mean power, with their intervals. Only valid designs count; where there is none, the line
+    says so and why. `flexible` says whether any design is.
     """
     others = valid_lines(lines, reference, invalid)
     if not others and invalid:
         return f"{no_answer(invalid)} "
     parts = [
-        f"{_range(gains)} at {where}"
-        for key, where in (("best_gain_percent", "optimal damping"), ("gain_percent", "the given damping"))
-        if (gains := [line[key] for line in others if line[key] is not None])
+        f"{_range([line for line in others if line[f'{of}gain_percent'] is not None], of)} at {where}"
+        for of, where in (("best_", "optimal damping"), ("", "the given damping"))
+        if any(line[f"{of}gain_percent"] is not None for line in others)
     ]
+    most = _most_absorbed(lines, invalid)
     if not (parts and reference):
-        return ""
-    return f"mean power against {the_rigid(reference) if flexible else reference} {', '.join(parts)}; "
+        return most
+    return f"mean power against {the_rigid(reference) if flexible else reference} {', '.join(parts)}; {most}"
 
 
-def _range(gains: Sequence[float]) -> str:
-    """One gain, or the smallest and the largest of several [%]."""
+def _range(lines: Lines, of: str) -> str:
+    """One gain with its interval, or the smallest and the largest of several [%]; `of` is what keys begin with."""
+    gains = [line[f"{of}gain_percent"] for line in lines]
     low, high = (f"{bound:+z.1f}" for bound in (min(gains), max(gains)))
-    return f"{low} %" if low == high else f"{low} to {high} %"
+    if len(lines) > 1:
+        return f"{low} %" if low == high else f"{low} to {high} %"
+    interval = interval_text(lines[0].get(f"{of}low"), lines[0].get(f"{of}high"))
+    return f"{low} %{interval and f' ({interval})'}"
+
+
+def _most_absorbed(lines: Lines, invalid: Lines) -> str:
+    """The largest mean power at optimal damping of what is valid, with its interval; empty without one."""
+    broken = {(line["design"], line["sea"]) for line in invalid}
+    valid = [line for line in lines if (line["design"], line["sea"]) not in broken]
+    best = max(valid, key=lambda line: float(line["best_power"]), default=None)
+    if best is None or best.get("best_power_low") is None:
+        return ""
+    (value, low, high), unit = watts([best["best_power"], best["best_power_low"], best["best_power_high"]])
+    interval = f" ({low} to {high})" if low != high else ""
+    where = f" in {best['sea']}" if len({line["sea"] for line in lines}) > 1 else ""
+    verb = "absorbs most," if len({line["design"] for line in lines}) > 1 else "absorbs"
+    return f"{best['design']} {verb} {value}{interval} {unit}{where} at optimal damping; "

@@ -16,6 +16,7 @@ from vsb.report.answer import (
     Answer,
     damping_in_words,
     headline,
+    interval_text,
     limited_statements,
     parts_table,
     shares_text,
@@ -194,7 +195,7 @@ def irregular_statements(
     where: str = GIVEN,
     unit: str = FORCE.damping_unit,
 ) -> list[str]:
-    """Return, for each irregular sea, mean power in time and its gain with its interval."""
+    """Return, for each irregular sea, mean power of the sea and its gain with its interval."""
     statements = []
     for name in dict.fromkeys(line["sea"] for line in lines):
         sea = [line for line in lines if line["sea"] == name]
@@ -209,11 +210,9 @@ def _gain_text(line: dict[str, Any], reference: str | None) -> str:
     """Gain over the reference in brackets, with its interval if there is one."""
     if line["design"] == reference or line["gain_percent"] in MISSING:
         return ""
-    bounds = ""
-    if line["gain_low"] not in MISSING:
-        of = "of the sea, 95 %" if line["amplitudes"] == "random" else "of these waves, numerical error only"
-        bounds = f"; {float(line['gain_low']):+z.1f} to {float(line['gain_high']):+z.1f} % {of}"
-    return f" ({float(line['gain_percent']):+z.1f} %{bounds})"
+    known = line["gain_low"] not in MISSING
+    interval = interval_text(float(line["gain_low"]), float(line["gain_high"])) if known else ""
+    return f" ({float(line['gain_percent']):+z.1f} %{interval and f'; {interval}'})"
 
 
 def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> str:
@@ -235,9 +234,14 @@ def measures(kind: PortKind, thing: str) -> list[Measure]:
         ("velocity_pp", superscripts(f"peak-to-peak {motion[1]}"), 1.0, ""),
         ("power_peak", "peak power [W]", 1.0, ""),
         ("power_mean", "mean power [W]", 1.0, ""),
+        ("power_low", "from [W]", 1.0, ""),
+        ("power_high", "to [W]", 1.0, ""),
         ("capture_width", "capture width [m]", 1.0, ""),
         ("damping", f"damping [{superscripts(kind.damping_unit)}]", 1.0, ""),
         ("power_gain_percent", "gain of mean power [%]", 1.0, "+z.1f"),
+        ("record_power_mean", "mean of the record [W]", 1.0, ""),
+        ("record_start", "record from [s]", 1.0, ""),
+        ("record_end", "to [s]", 1.0, ""),
     ]
 
 
@@ -258,8 +262,8 @@ def _cell(value: Any, form: str = "", factor: float = 1.0) -> str:
 
 
 STATISTICS = (
-    "design", "sea", "amplitudes", "realisations", "mean power [W]", "interval [W]", "linear, same waves [W]",
-    "linear, sea [W]", "gain [%]", "interval [%]",
+    "design", "sea", "amplitudes", "realisations", "mean power [W]", "interval [W]", "gain [%]", "interval [%]",
+    "linear theory, sea [W]", "mean of the records [W]", "linear theory, same waves [W]", "gain of the records [%]",
 )  # fmt: skip
 """Head of the table of irregular seas."""
 
@@ -274,9 +278,10 @@ def statistics_table(lines: Sequence[dict[str, Any]]) -> list[list[str]]:
     return [
         [
             *(str(line[key]) for key in ("design", "sea", "amplitudes", "realisations")),
-            _cell(line["power_mean"]), bounds(line, "power"), _cell(line["power_linear_record"]),
-            _cell(line["power_linear"]),
-            _cell(line["gain_percent"], "+z.1f"), bounds(line, "gain", "+z.1f"),
+            _cell(line["power_mean"]), bounds(line, "power"),
+            _cell(line["gain_percent"], "+z.1f"), bounds(line, "gain", "+z.1f"), _cell(line["power_linear"]),
+            _cell(line["record_power_mean"]), _cell(line["power_linear_record"]),
+            _cell(line["record_gain_percent"], "+z.1f"),
         ]
         for line in lines
     ]  # fmt: skip

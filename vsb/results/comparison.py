@@ -41,7 +41,7 @@ class Merit(NamedTuple):
     displacement_pp: float  # heave of a buoy, stroke of a body's port: highest to lowest in the window [m]
     velocity_pp: float  # its velocity, likewise [m/s]
     power_peak: float  # largest absorbed power in the window [W]
-    power_mean: float  # over whole wave periods at the end of the window [W]
+    power_mean: float  # over whole wave periods at the end of the window; of the sea by `vsb.results.mean_power` [W]
     energy: float  # absorbed over the whole run [J]
     capture_width: float | None  # mean power over the energy flux of the sea [m]; None in still water
 
@@ -49,7 +49,15 @@ class Merit(NamedTuple):
 TAKE_OFF = ("damping", "stiffness", "power_gain_percent")
 INTERVAL = ("low", "high")
 """Of the gain of mean power, by all known sources of error [%]."""
-COLUMNS = ("design", "wave", *Merit._fields, "energy_gain_percent", "energy_residual", *TAKE_OFF, *INTERVAL)
+POWER_INTERVAL = ("power_low", "power_high")
+"""Of mean power, likewise [W]."""
+OF_RECORD = ("record_power_mean", "record_power_low", "record_power_high", "record_start", "record_end")
+"""Mean power of the simulated record [W], the 95 % interval of the sea's by this record alone, and the times it is
+taken over [s]."""
+COLUMNS = (
+    "design", "wave", *Merit._fields, "energy_gain_percent", "energy_residual", *TAKE_OFF, *INTERVAL, *POWER_INTERVAL,
+    *OF_RECORD,
+)  # fmt: skip
 
 
 def energy_flux(sea: Sea, water: Water) -> float:
@@ -96,10 +104,16 @@ def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[flo
 def comparison(study: BaseStudy, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
     """Return one row per design in a sea; gains of energy and of mean power are over the first rigid design's.
 
-    Energy is that of the whole run, start-up included; in still water there is no gain of mean power. Intervals of
-    gains are left to `vsb.results.gains.with_intervals`.
+    Energy is that of the whole run, start-up included; in still water there is no gain of mean power. Mean powers are
+    those of the records: of the seas they are, with all intervals, left to `vsb.results.mean_power`.
+
+    Parameters
+    ----------
+    sea : Sea
+        Its energy flux is what capture widths are measured by.
     """
     window = study.simulation.window
+    record = averaging_window(wave, window)
     merits = {design: merit(runs[design], wave, sea, study.water, window) for design in study.designs}
     energy = gains({d: m.energy for d, m in merits.items()}, study.reference_design)
     power = gains({d: m.power_mean for d, m in merits.items()}, study.reference_design)
@@ -110,7 +124,8 @@ def comparison(study: BaseStudy, wave: Wave, runs: Runs, sea: Sea) -> list[Row]:
         gain = None if isinstance(wave, StillWater) else power[design]
         damper = damper_of(study, design, runs[design].attrs) if study.pto.law_has_damping else None
         take_off = (damper, study.pto.stiffness, gain)
-        rows.append({**row, **dict(zip(TAKE_OFF, take_off, strict=True)), **dict.fromkeys(INTERVAL)})
+        row |= dict(zip(TAKE_OFF, take_off, strict=True)) | dict.fromkeys((*INTERVAL, *POWER_INTERVAL, *OF_RECORD))
+        rows.append({**row, "record_power_mean": values.power_mean, "record_start": record[0], "record_end": record[1]})
     return rows
 
 

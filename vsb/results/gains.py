@@ -1,33 +1,36 @@
 """Gains over the rigid design: at equal tuning, within limits, in runs; each with the interval of all known errors."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from vsb.hydro.database import Check, Verdict
 from vsb.results.budget import Budget, Rows, Source, mean_budget
-from vsb.results.comparison import Attributes, Row, gains, linear_mean, relative_difference
+from vsb.results.comparison import Attributes, gains
 from vsb.results.ladder import ControlLevel
-from vsb.results.statistics import Line
+from vsb.results.mean_power import LEVELS, STATISTICS, MeanPower, MeanPowers, is_linear
 from vsb.scenes.drag import LINEARISED
 from vsb.study.study import BaseStudy
 from vsb.study.take_off import Pto, port_kind
-from vsb.study.waves import IrregularSea
+from vsb.study.waves import IrregularSea, Wave
 from vsb.tools.words import plain, superscripts
 
 LOST = 0.05
 """Part of its best damper's power that a design may lose before a comparison at the given damper is in doubt."""
 NEXT_TO_NOTHING = 1e3
 """Matched power over the rigid design's own best, above which gains over that design mean nothing."""
-LEVELS = {"fixed": "fixed", "each": "best_damper", "one": "best_damper_all_seas"}
-"""How the damper of a run is found -> the control level with the same damper."""
-IN_TIME, SIMPLIFIED = "simulation in time", "forces left out by hydro.model auto"
-LINEARISATION, STATISTICS = "linearisation", "statistics of the runs"
+LINEARISATION = "linearisation"
 
-Beyond = Mapping[tuple[str, str], Budget]
-"""Errors of a gain beyond linear theory and its numbers, by design and sea [percentage points]."""
+DAMPERS = ("linear", "saturated")
+"""Laws whose power is that of a damper; that of others is not what linear theory has of the damper."""
+
+
+class Beyond(NamedTuple):
+    """What linear theory leaves out of a mean power, relative to it [-], and of its gain [percentage points]."""
+
+    power: Budget = Budget()
+    gain: Budget = Budget()
 
 
 # at equal tuning and within limits, by linear theory ----------------------------------------------------------------
@@ -53,6 +56,10 @@ class Tuned(NamedTuple):
     low: float | None = None  # likewise at the given damper
     high: float | None = None
     errors: Rows = ()  # of the gain at its own best damper [percentage points], see `vsb.results.budget.Budget.rows`
+    best_power_low: float | None = None  # interval of the power at its own best damper [W]
+    best_power_high: float | None = None
+    power_low: float | None = None  # likewise at the given damper
+    power_high: float | None = None
 
 
 class Limited(NamedTuple):
@@ -66,27 +73,80 @@ class Limited(NamedTuple):
     high: float | None = None
 
 
-def equal_tuning(study: BaseStudy, levels: Sequence[ControlLevel], beyond: Beyond | None = None) -> list[Tuned]:
-    """Return one line per sea and design, from the control levels of a study.
+def equal_tuning(
+    study: BaseStudy, levels: Sequence[ControlLevel], means: MeanPowers | None = None, runs: Attributes | None = None
+) -> list[Tuned]:
+    """Return one line per sea and design, from the control levels of a study, and from its runs where they differ.
+
+    At the damper of the runs powers and gains are those of the runs. At another one they are of linear theory, their
+    intervals wider by what that leaves out at the damper of the runs (`linearisation`).
 
     Parameters
     ----------
-    beyond : mapping, optional
-        See `linearisation`.
+    means : mapping, optional
+        See `vsb.results.mean_power.mean_powers`.
+    runs : mapping, optional
+        Attributes of the runs.
     """
+    beyond = linearisation(study, means, runs, levels) if means and runs else {}
+    in_time = _levels_in_time(study, means, runs) if means and runs else {}
     found: list[Tuned] = []
     for sea, here in _by_sea(study, levels).items():
-        best, fixed = _means(here, "best_damper"), _means(here, "fixed")
-        best_gains = gains({d: power for d, (_, power) in best.items()}, study.reference_design)
-        fixed_gains = gains({d: power for d, (_, power) in fixed.items()}, study.reference_design) if fixed else {}
-        for design, (damper, best_power) in best.items():
-            more = (beyond or {}).get((design, sea), Budget())
-            at_best, at_given = (gain_budget(here, design, level) + more for level in ("best_damper", "fixed"))
-            given, power = fixed.get(design, (None, None))
-            share = power / best_power if power is not None and best_power > 0 else None
-            best_gain, gain = best_gains[design], fixed_gains.get(design)
-            line = (design, sea, damper, best_power, best_gain, given, power, gain, share)
-            found.append(Tuned(*line, *_interval(best_gain, at_best), *_interval(gain, at_given), at_best.rows))
+        best, fixed = (_at_level(study, here, sea, level, beyond, in_time) for level in ("best_damper", "fixed"))
+        for design, (damper, at_best) in best.items():
+            given, at_given = fixed.get(design, (None, None))
+            power, gain = (None, None) if at_given is None else (at_given.power, at_given.gain)
+            share = power / at_best.power if power is not None and at_best.power > 0 else None
+            line = (design, sea, damper, at_best.power, at_best.gain, given, power, gain, share)
+            of_gain, of_given_gain = (_ends(one, "gain") for one in (at_best, at_given))
+            of_power, of_given_power = (_ends(one, "power") for one in (at_best, at_given))
+            errors = at_best.gain_errors.rows
+            found.append(Tuned(*line, *of_gain, *of_given_gain, errors, *of_power, *of_given_power))
+    return found
+
+
+def _at_level(
+    study: BaseStudy,
+    levels: Sequence[ControlLevel],
+    sea: str,
+    level: str,
+    beyond: Mapping[tuple[str, str], Beyond],
+    in_time: Mapping[tuple[str, str, str], MeanPower],
+) -> dict[str, tuple[float | None, MeanPower]]:
+    """Damper and mean power of every design at a level in a sea, of all realisations."""
+    means = _means(levels, level)
+    if not means:
+        return {}
+    over = gains({design: power for design, (_, power) in means.items()}, study.reference_design)
+    found = {}
+    for design, (damper, power) in means.items():
+        if (mean := in_time.get((level, design, sea))) is None:
+            more = beyond.get((design, sea), Beyond())
+            own = mean_budget(
+                [Budget.of(one.power_error) for one in levels if (one.design, one.rung) == (design, level)]
+            )
+            of_gain = gain_budget(levels, design, level) + more.gain
+            mean = MeanPower(power, own + more.power.scaled(power) if power > 0 else own, over[design], of_gain)
+        found[design] = (damper, mean)
+    return found
+
+
+def _ends(mean: MeanPower | None, of: Literal["gain", "power"]) -> tuple[float | None, float | None]:
+    """Interval of gain or power, if it is known."""
+    if mean is None:
+        return None, None
+    return _interval(mean.gain, mean.gain_errors) if of == "gain" else mean.errors.interval(mean.power)
+
+
+def _levels_in_time(study: BaseStudy, means: MeanPowers, runs: Attributes) -> dict[tuple[str, str, str], MeanPower]:
+    """Mean powers of runs that are not linear, by the level with their damper, design and sea; of dampers alone."""
+    if study.pto.law not in DAMPERS:
+        return {}
+    seas = {wave.label: wave for wave in study.waves}
+    found = {}
+    for (design, label), mean in means.items():
+        if not is_linear(study, runs[design, label]):
+            found[LEVELS[study.tuning(seas[label])], design, _sea(seas[label])] = mean
     return found
 
 
@@ -116,11 +176,16 @@ def _interval(gain: float | None, errors: Budget) -> tuple[float | None, float |
 
 def _by_sea(study: BaseStudy, levels: Sequence[ControlLevel]) -> dict[str, list[ControlLevel]]:
     """Levels by the name of their sea, one for all realisations."""
-    seas = {wave.label: wave.family if isinstance(wave, IrregularSea) else wave.label for wave in study.waves}
+    seas = {wave.label: _sea(wave) for wave in study.waves}
     found: dict[str, list[ControlLevel]] = {}
     for one in levels:
         found.setdefault(seas[one.wave], []).append(one)
     return found
+
+
+def _sea(wave: Wave) -> str:
+    """Name of a sea, one for all realisations."""
+    return wave.family if isinstance(wave, IrregularSea) else wave.label
 
 
 def _means(levels: Sequence[ControlLevel], level: str) -> dict[str, tuple[float | None, float]]:
@@ -142,7 +207,7 @@ def fair_damping_checks(lines: Sequence[Tuned], pto: Pto) -> list[Check]:
 
     None for Coulomb friction, latching and declutching: their power is not that of the damper by linear theory.
     """
-    if pto.law not in ("linear", "saturated"):
+    if pto.law not in DAMPERS:
         return []
     checks, unit = [], superscripts(port_kind(pto.port).damping_unit)
     for line in lines:
@@ -173,98 +238,42 @@ def reference_power_checks(study: BaseStudy, levels: Sequence[ControlLevel]) -> 
 # in runs ------------------------------------------------------------------------------------------------------------
 
 
-def with_intervals(
-    study: BaseStudy,
-    rows: Sequence[Row],
-    runs: Attributes,
-    levels: Sequence[ControlLevel],
-    frequency: xr.Dataset | None,
-) -> list[Row]:
-    """Return the rows of a comparison with the intervals of their gains of mean power.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        See `vsb.results.comparison.comparison`.
-    runs : mapping (design, label) -> attributes of the run
-    levels : sequence of ControlLevel
-        The control levels; empty without linear hydrodynamics.
-    frequency : xarray.Dataset or None
-        The frequency response, likewise.
-
-    Notes
-    -----
-    Sources are those of the same gain by linear theory at the same damper, and what simulation in time adds: in a
-    regular wave by a linear model the distance from the frequency domain, transient included; else the energy that a
-    run leaves unbalanced. A row is of one realisation of a sea, so nothing is statistical.
-    """
-    reference, found = study.reference_design, []
-    waves = {wave.label: wave for wave in study.waves}
-    power = {(row["design"], row["wave"]): float(row["power_mean"]) for row in rows}
-    by_sea: dict[str, list[ControlLevel]] = {}
-    for one in levels:
-        by_sea.setdefault(one.wave, []).append(one)
-
-    def error_in_time(design: str, label: str) -> float:
-        """Relative error of the mean power of a run [-]."""
-        run = runs[design, label]
-        residual = float(str(run["energy_residual"]))
-        if frequency is None or not _is_linear(run):
-            return residual
-        expected = linear_mean(study, waves[label], frequency, design, run)
-        return residual if expected is None else max(residual, relative_difference(power[design, label], expected))
-
-    for row in rows:
-        if (gain := row["power_gain_percent"]) is None or reference is None:
-            found.append(row)
-            continue
-        design, label, budget = row["design"], row["wave"], Budget()
-        if design != reference:
-            both, ratio = (design, reference), abs(100 + gain)
-            budget = gain_budget(by_sea.get(label, ()), design, LEVELS[study.tuning(waves[label])])
-            budget += Budget((Source.within(IN_TIME, ratio * sum(error_in_time(one, label) for one in both)),))
-            simplified = sum(float(runs[one, label].get("power_error", 0.0)) for one in both)
-            budget += Budget((Source.within(SIMPLIFIED, ratio * simplified),) if simplified else ())
-        low, high = budget.interval(gain)
-        found.append({**row, "low": low, "high": high})
-    return found
-
-
 def linearisation(
-    study: BaseStudy, rows: Sequence[Row], runs: Attributes, frequency: xr.Dataset, lines: Sequence[Line]
-) -> dict[tuple[str, str], Budget]:
-    """Return how far gains by linear theory are from those of runs, by design and sea [percentage points].
+    study: BaseStudy, means: MeanPowers, runs: Attributes, levels: Sequence[ControlLevel]
+) -> dict[tuple[str, str], Beyond]:
+    """Return how far powers and gains by linear theory are from those of runs, by design and sea.
 
-    In a regular wave the difference of the gain in time from that of linear theory at the same damper; in irregular
-    seas likewise of all realisations, with the statistics of the runs. Nothing where all models are linear.
+    The difference at the damper of the runs, with their sampling error. Nothing where all models are linear, or where
+    the take-off is not.
     """
     reference, found = study.reference_design, {}
-    if reference is None or study.pto.nonlinear or all(_is_linear(run) for run in runs.values()):
+    if study.pto.nonlinear:
         return {}
-    means = {(row["design"], row["wave"]): float(row["power_mean"]) for row in rows}
     for wave in study.waves:
         label = wave.label
-        expected = {d: linear_mean(study, wave, frequency, d, runs[d, label]) for d in study.designs}
-        known = {design: value for design, value in expected.items() if value is not None}
-        if len(known) < len(expected) or all(_is_linear(runs[d, label]) for d in study.designs):
+        some = {design: means[design, label] for design in study.designs if (design, label) in means}
+        if not some or all(is_linear(study, runs[design, label]) for design in some):
             continue
-        linear, in_time = gains(known, reference), gains({d: means[d, label] for d in known}, reference)
-        for design in known:
-            there, here = in_time[design], linear[design]
-            if design != reference and there is not None and here is not None:
-                found[design, label] = Budget((Source.towards(LINEARISATION, there - here),))
-    for line in lines:
-        base = next(other for other in lines if other.sea == line.sea and other.design == reference)
-        if line.design == reference or line.gain_percent is None or not base.power_linear_record > 0:
-            continue
-        change = line.gain_percent - 100 * (line.power_linear_record / base.power_linear_record - 1)
-        sources = [Source.towards(LINEARISATION, change)]
-        if line.amplitudes == "random" and line.gain_low is not None and line.gain_high is not None:
-            sources.append(Source.within(STATISTICS, (line.gain_high - line.gain_low) / 2, "statistic"))
-        found[line.design, line.sea] = Budget(tuple(sources))
+        rung = LEVELS[study.tuning(wave)]
+        linear = {
+            one.design: float(runs[one.design, label].get(LINEARISED, one.power_mean or 0.0))
+            for one in levels
+            if (one.wave, one.rung) == (label, rung)
+        }
+        over = gains(linear, reference if reference in linear else None)
+        for design, mean in some.items():
+            of_power, of_gain = Budget(), Budget()
+            if (expected := linear.get(design, 0.0)) > 0:
+                away = Budget((Source.towards(LINEARISATION, mean.power / expected - 1),))
+                of_power = away + _sampled(mean.errors.scaled(1 / expected))
+            there = over.get(design)
+            if design != reference and there is not None and mean.gain is not None:
+                away = Budget((Source.towards(LINEARISATION, mean.gain - there),))
+                of_gain = away + _sampled(mean.gain_errors)
+            found[design, _sea(wave)] = Beyond(of_power, of_gain)
     return found
 
 
-def _is_linear(run: Mapping[str, Any]) -> bool:
-    """Whether a run is of a linear model without drag, which the frequency domain describes."""
-    return run["model"] == "linear" and LINEARISED not in run
+def _sampled(errors: Budget) -> Budget:
+    """The sampling error alone."""
+    return Budget(tuple(source for source in errors.sources if source.name == STATISTICS))

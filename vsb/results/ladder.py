@@ -34,6 +34,7 @@ from vsb.scenes.floating_system import (
     FloatingSystem,
     PortInSeas,
     band,
+    expected_sea,
     floating_system,
     heading,
     heading_in,
@@ -110,7 +111,10 @@ class Given(NamedTuple):
 
 
 def study_ladder(study: LadderSpec, database: str, powers: Mapping[int, Powers] | None = None) -> list[ControlLevel]:
-    """Return the levels of every design of a study in every sea, with expected amplitudes; still water has none.
+    """Return the levels of every design of a study in every sea; still water has none.
+
+    Powers are expectations over the spectrum, peaks those of a realisation as long as a run, with expected amplitudes,
+    in which the optimum within limits is looked for, too.
 
     Parameters
     ----------
@@ -124,7 +128,8 @@ def study_ladder(study: LadderSpec, database: str, powers: Mapping[int, Powers] 
     if not waves:
         return []
     ds = floating.linear.database
-    seas = {wave.label: study_sea(study, expected(wave), ds) for wave in waves}
+    records = {wave.label: study_sea(study, expected(wave), ds) for wave in waves}
+    seas = {wave.label: expected_sea(study, wave, ds) for wave in waves}
     families = one_of_each_family(waves)
     pairs = list(zip(waves, seas.values(), strict=True))
     left_out = modes_left_out(study.buoy, pairs, families, powers) if study.buoy else xr.Dataset()
@@ -133,15 +138,16 @@ def study_ladder(study: LadderSpec, database: str, powers: Mapping[int, Powers] 
         levels = several_levels(floating, seas, matrices)
         levels = with_errors(levels, floating, pairs, study.reference_design, left_out, matrices)
         return [*levels, *material_levels(study, floating, seas, levels)]
-    ports = {design: port_in_seas(floating, design, pairs) for design in study.designs}
+    both = [*pairs, *zip(waves, records.values(), strict=True)]
+    ports = {design: port_in_seas(floating, design, both) for design in study.designs}
     given = {design: Given(pto.damper(design), pto.stiffness, pto.efficiency) for design in study.designs}
     dragged = None
     if study.system.plates:
-        going = headings(pairs)
+        going = headings(both)
         dragged = {design: dragged_port(study.system, floating, design, going) for design in study.designs}
-    levels = levels_of(ports, seas, families, given, study.simulation.duration, dragged)
+    levels = levels_of(ports, records, families, given, study.simulation.duration, dragged)
     if pto.limited:
-        levels += constrained_levels(study, floating, seas)
+        levels += constrained_levels(study, floating, records)
         designs, labels = list(study.designs), list(seas)
         levels.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), CONTROL_LEVELS.index(r.rung)))
     levels = with_errors(levels, floating, pairs, study.reference_design, left_out)
@@ -208,9 +214,9 @@ def levels_of(
     Parameters
     ----------
     ports : mapping design -> PortInSeas
-        In these seas.
+        In these seas; where they are realisations, first in those that powers are of.
     seas : mapping wave label -> Sea
-        Without still water.
+        That peaks are of, without still water.
     families : sequence of int
         See `linear_levels`.
     given : mapping design -> Given
@@ -220,7 +226,8 @@ def levels_of(
         Where there is drag; the matched power is without it.
     """
     found: list[ControlLevel] = []
-    for design, (port, waves, places) in ports.items():
+    for design, (port, squares_of_all, places_of_all) in ports.items():
+        waves, places = squares_of_all[: len(seas)], places_of_all[-len(seas) :]
         matched, drag = waves @ port.matched_power, dragged[design] if dragged else None
         if drag is None:
             loads = linear_levels(port, waves, families, given[design])
@@ -238,8 +245,9 @@ def levels_of(
                 strokes.append(velocity / (-1j * port.omega))
             forces.append(port.matched_force[None])
             strokes.append((port.velocity - port.admittance * port.matched_force)[None] / (-1j * port.omega))
+            rms = np.sqrt(0.5 * np.abs(np.concatenate(forces)) ** 2 @ waves[i])
             force, stroke = (np.concatenate(each)[:, places[i]] * sea.amplitude for each in (forces, strokes))
-            rms, peaks = np.sqrt(0.5 * np.sum(np.abs(force) ** 2, axis=1)), _peaks(sea, force, stroke, time)
+            peaks = _peaks(sea, force, stroke, time)
             for j, name in enumerate([*loads, "matched"]):
                 load = loads.get(name)
                 power = float(load.power[i] if load else matched[i])

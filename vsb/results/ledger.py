@@ -19,6 +19,7 @@ from vsb.hydro.database import Check, Verdict, check_at_most, stored_checks
 from vsb.results.budget import MODES
 from vsb.results.comparison import Row
 from vsb.results.ladder import ControlLevel
+from vsb.results.statistics import batches_in, families
 from vsb.scenes.floating_system import band
 from vsb.scenes.rest import carries_load, complete_at_rest, complete_loaded_shell, computed_buckling, loaded_shell
 from vsb.scenes.viability import MOST_LOAD, rubber_load_factor, static_modal_amplitude, static_strain
@@ -34,8 +35,8 @@ from vsb.study.body import BodyStudy
 from vsb.study.keys import KEYS
 from vsb.study.quantities import leaves
 from vsb.study.sections import Water
-from vsb.study.study import BaseStudy, Study
-from vsb.study.waves import IrregularSea, RegularWave, StillWater, Wave
+from vsb.study.study import FEWEST_BATCHES, BaseStudy, Study
+from vsb.study.waves import IrregularSea, RecordedSea, RegularWave, StillWater, Wave
 from vsb.tools.words import plain
 from vsb.waves.dispersion import power_limit, wavenumber
 from vsb.waves.spectra import share_above, share_below
@@ -70,9 +71,35 @@ def angle_checks(study: BaseStudy) -> list[Check]:
 
 
 def seas_checks(study: Study | BodyStudy, database: xr.Dataset | None = None) -> list[Check]:
-    """Return whether linear wave theory, and the band of the database, cover the seas; that of a buoy is not needed."""
+    """Return whether linear wave theory, and the band of the database, cover the seas, and whether records are long.
+
+    The database of a buoy is not needed.
+    """
     omega_min, omega_max = band(study, database)
-    return [check for wave in study.waves for check in wave_checks(wave, study.water, omega_max, omega_min)]
+    checks = [check for wave in study.waves for check in wave_checks(wave, study.water, omega_max, omega_min)]
+    return [*checks, *record_checks(study)]
+
+
+def record_checks(study: Study | BodyStudy) -> list[Check]:
+    """Return whether the records of each irregular sea are long enough for an interval of its mean power.
+
+    Where hydrodynamics and take-off are linear mean power is the expectation over the spectrum, whatever the record.
+    """
+    (start, end), checks = study.simulation.window, []
+    for name, waves in families(study).items():
+        if study.power_of_spectrum:
+            whole = "the whole record" if isinstance(waves[0], RecordedSea) else "its spectrum"
+            text = f"mean power of a sea is that of {whole}: the {end - start:.4g} s simulated do not change it, and "
+            text += "their own mean may be far from it"
+            checks.append(check_at_most("record_length", 0.0, 1.0, "-", text, doubt=True, wave=name))
+            continue
+        batches = len(waves) * batches_in(end - start, waves[0].memory)
+        text = f"batches that an interval of mean power needs, {FEWEST_BATCHES}, over those of the records, {batches}, "
+        text += (
+            f"each of {waves[0].memory:.4g} s or more: with fewer the interval is as wide as the record is untypical"
+        )
+        checks.append(check_at_most("record_length", FEWEST_BATCHES / batches, 1.0, "-", text, doubt=True, wave=name))
+    return checks
 
 
 def wave_checks(wave: Wave, water: Water, omega_max: float, omega_min: float = 0.0) -> list[Check]:

@@ -163,7 +163,7 @@ def transient_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
             text = f"no steady state to compare with, the mean depends on the window: {attrs['no_steady_state']}"
             checks.append(Check("transient", 1.0, 0.0, "-", "doubt", text, **where))
         elif "steady_power" in attrs:
-            steady, mean = attrs["steady_power"], row["power_mean"]
+            steady, mean = attrs["steady_power"], row["record_power_mean"]
             text = f"mean power is {mean:.6g} W in the window, {steady:.6g} W in the steady state; "
             if "steady_decay" in attrs:
                 text += f"a period leaves {attrs['steady_decay']:.3g} of a transient"
@@ -200,7 +200,7 @@ def agreement_checks(study: BaseStudy, frequency: xr.Dataset, rows: Sequence[Row
     """
     checks, waves = [], {wave.label: wave for wave in study.waves if isinstance(wave, RegularWave)}
     for row in rows:
-        design, label, mean = row["design"], row["wave"], row["power_mean"]
+        design, label, mean = row["design"], row["wave"], row["record_power_mean"]
         run = runs[design, label]
         expected = linear_mean(study, waves[label], frequency, design, run) if label in waves else None
         if expected is None:

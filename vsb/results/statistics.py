@@ -18,14 +18,13 @@ from scipy.special import stdtrit
 from vsb.hydro.database import Check, check_at_most
 from vsb.results.comparison import in_direction, power_response, power_waves, relative_difference
 from vsb.scenes.drag import LINEARISED
-from vsb.study.study import BaseStudy
+from vsb.study.study import FEWEST_BATCHES, BaseStudy
 from vsb.study.waves import Irregular, IrregularSea
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.tools.words import plain
 from vsb.waves.seas import Sea, superposed
 
-FEWEST_BATCHES = 6
 CONFIDENCE = 0.95
 INSTANTS = 8
 """Instants per shortest period of a sea at which linear power is averaged."""
@@ -49,7 +48,7 @@ class Line(NamedTuple):
     amplitudes: str  # `random`: intervals are of the expected mean power of the sea, else of these realisations
     realisations: int
     batches: int
-    power_mean: float  # [W]
+    power_mean: float  # of the runs [W]
     power_low: float | None
     power_high: float | None
     power_linear: float  # spectral prediction of linear theory, of the sea [W]
@@ -57,6 +56,8 @@ class Line(NamedTuple):
     gain_percent: float | None  # of mean power over the first rigid design's
     gain_low: float | None
     gain_high: float | None
+    record_power_mean: float | None = None  # of the runs, where `power_mean` is of the sea [W]
+    record_gain_percent: float | None = None
 
 
 def student(freedom: float) -> float:
@@ -77,9 +78,14 @@ def batch_means(run: xr.Dataset, window: tuple[float, float], length: float) -> 
         Least length of a batch [s].
     """
     start, end = window
-    edges = np.linspace(start, end, max(1, int((end - start) / length + 1e-9)) + 1)
+    edges = np.linspace(start, end, batches_in(end - start, length) + 1)
     energy = CubicSpline(run.time.values, run.energy.sel(term="pto").values)(edges)
     return np.asarray(np.diff(energy) / np.diff(edges))
+
+
+def batches_in(record: float, length: float) -> int:
+    """Return how many batches of a length or more there are in a record, at least one; both in s."""
+    return max(1, int(record / length + 1e-9))
 
 
 def families(study: BaseStudy) -> dict[str, list[Irregular]]:
@@ -118,7 +124,14 @@ class Sample(NamedTuple):
 
 
 def sample(
-    study: BaseStudy, wave: Irregular, design: str, run: xr.Dataset, sea: Sea, spectral: Sea, response: xr.Dataset
+    study: BaseStudy,
+    wave: Irregular,
+    design: str,
+    run: xr.Dataset,
+    sea: Sea,
+    spectral: Sea,
+    response: xr.Dataset,
+    fine: Sea | None = None,
 ) -> Sample:
     """Return what statistics keep of the run of a design in a realisation of a sea.
 
@@ -128,11 +141,16 @@ def sample(
         The realisation, and the same with the amplitudes of the spectrum (`vsb.waves.seas.expected`).
     response : xarray.Dataset
         The frequency response of the study.
+    fine : Sea, optional
+        The spectrum in finer bands (`vsb.scenes.floating_system.expected_sea`), for expectations.
     """
-    window, linear, found = study.simulation.window, 0.0, []
+    window, found, whole = study.simulation.window, [], spectral if fine is None else fine
+    linear = sum(
+        linear_power(power_response(study, in_direction(response, going), design, run.attrs), whole.part(mine))
+        for going, mine in _parts(wave, whole)
+    )
     for going, mine in _parts(wave, sea):
         here = in_direction(response, going)
-        linear += linear_power(power_response(study, here, design, run.attrs), spectral.part(mine))
         transfer = power_waves(study, here, design, run.attrs)
         found.append((mine, CubicSpline(transfer.omega.values, transfer.values)(sea.omega[mine])))
     linear = float(run.attrs.get(LINEARISED, linear))
@@ -164,7 +182,9 @@ def linear_batches(omega: FloatArray, absorbed: ComplexArray, window: tuple[floa
     return np.array([np.trapezoid(power[i * steps : (i + 1) * steps + 1]) / steps for i in range(count)])
 
 
-def record_covariance(first: ComplexArray, second: ComplexArray, spacing: float, length: float) -> float:
+def record_covariance(
+    first: ComplexArray, second: ComplexArray, spacing: float, length: float, *, random: bool = True
+) -> float:
     """Return the covariance of the mean powers of two designs over records of one Gaussian sea [W^2].
 
     Parameters
@@ -175,6 +195,8 @@ def record_covariance(first: ComplexArray, second: ComplexArray, spacing: float,
         Of the components in frequency [rad/s].
     length : float
         Of the records [s].
+    random : bool
+        Whether amplitudes are random; fixed ones, under random phases, leave out the terms j = k.
 
     Notes
     -----
@@ -187,7 +209,18 @@ def record_covariance(first: ComplexArray, second: ComplexArray, spacing: float,
     spectra = np.sum(np.abs(np.fft.fft(product, 2 * count, axis=0)) ** 2, axis=1)
     lagged = np.fft.ifft(spectra).real[:count]  # sum_j Re(a_j* a_{j+m})
     weight = np.sinc(np.arange(count) * spacing * length / (2 * np.pi)) ** 2
-    return float(2 * weight @ lagged - lagged[0])
+    return float(2 * weight @ lagged - (1 + (not random)) * lagged[0])
+
+
+def record_interval(mean: float, own: Sample, length: float, *, random: bool) -> tuple[float, float]:
+    """Return the 95 % interval of the mean power of a sea by the mean of one record of a length [s] alone [W].
+
+    Scatter as by linear theory, in proportion to the mean.
+    """
+    variance = record_covariance(own.components, own.components, own.spacing, length, random=random)
+    expected = float(np.sum(np.abs(own.components) ** 2))
+    half = student(np.inf) * float(np.sqrt(max(variance, 0.0))) * (mean / expected if expected else 0.0)
+    return mean - half, mean + half
 
 
 def half_width(samples: FloatArray, alike: FloatArray, covariance: FloatArray) -> float:
@@ -254,7 +287,7 @@ def statistics(study: BaseStudy, samples: Mapping[tuple[str, str], Sample]) -> l
 def _of_sea(study: BaseStudy, waves: Sequence[Irregular], samples: Mapping[tuple[str, str], Sample]) -> list[Line]:
     """One line per design in one irregular sea."""
     designs, reference = list(study.designs), study.reference_design
-    records = {design: _together([samples[design, wave.label] for wave in waves]) for design in designs}
+    records = {design: together([samples[design, wave.label] for wave in waves]) for design in designs}
     base = records.get(reference or "")
     random, length = waves[0].amplitudes == "random", float(np.diff(study.simulation.window)[0])
     tolerance, lines = study.hydro.tolerance, []
@@ -277,7 +310,7 @@ def _of_sea(study: BaseStudy, waves: Sequence[Irregular], samples: Mapping[tuple
     return lines
 
 
-def _together(some: Sequence[Sample]) -> Sample:
+def together(some: Sequence[Sample]) -> Sample:
     """The realisations of a sea one after the other; their components are the same."""
     batches, linear_batches = (np.concatenate([getattr(one, name) for one in some]) for name in Sample._fields[:2])
     linear = float(np.mean([one.linear for one in some]))
@@ -307,40 +340,31 @@ def linear_power(power: xr.DataArray, sea: Sea) -> float:
 
 
 def statistical_checks(study: BaseStudy, lines: Sequence[Line]) -> list[Check]:
-    """Return whether records are long enough for a confidence interval, and agree with linear theory."""
-    checks = []
+    """Return how well mean powers in irregular seas are known, and whether runs agree with linear theory."""
+    checks, linear = [], study.hydro.model == "linear" and not study.pto.nonlinear
     for line in lines:
         where = {"design": line.design, "wave": line.sea}
-        if line.amplitudes == "random" and line.power_low is None:
-            text = f"the record is too short for a confidence interval: it has {line.batches} batches of ten peak "
-            text += (
-                f"periods or more, needs {FEWEST_BATCHES}; lengthen simulation.duration and window, or ask for more "
-            )
-            text += "realisations"
-            checks.append(
-                check_at_most("record_length", FEWEST_BATCHES / line.batches, 1.0, "-", text, doubt=True, **where)
-            )
-        elif line.amplitudes == "random":
+        if line.power_low is not None:
             share, text = _sharpness(line, [other for other in lines if other.sea == line.sea])
             checks.append(check_at_most("statistical_error", share, 0.1, "-", text, doubt=True, **where))
-        if study.hydro.model == "linear" and not study.pto.nonlinear:
+        if linear:
             limit = AGREEMENT_WITH_DRAG if study.plates else AGREEMENT
-            expected = line.power_linear_record
+            expected, mean = line.power_linear_record, line.record_power_mean
             text = f"relative difference of mean power from linear theory in the same waves, {plain(expected)} W"
-            difference = relative_difference(line.power_mean, expected)
+            difference = relative_difference(line.power_mean if mean is None else mean, expected)
             checks.append(check_at_most("spectral_prediction", difference, limit, "-", text, doubt=True, **where))
     return checks
 
 
 def _sharpness(line: Line, sea: Sequence[Line]) -> tuple[float, str]:
-    """Relative statistical error of the gains in the same waves if they are known, else of power; and its words."""
+    """Relative error of the gains in the same waves if they are known, else of power; and its words."""
     low, mean, high = line.power_low or 0.0, line.power_mean, line.power_high or 0.0
     share = 0.5 * (high - low) / abs(mean) if mean else 0.0
     gains = [_half_gain(one) for one in ([line] if line.gain_low is not None else sea)]
     known = [half for half in gains if half is not None]
     if not known:
-        return share, f"half the 95 % confidence interval of mean power, {plain(mean)} W, over it"
-    text = f"half the 95 % confidence interval of the gain in the same waves; that of mean power is {100 * share:.2g} %"
+        return share, f"half the interval of mean power, {plain(mean)} W, over it"
+    text = f"half the interval of the gain in the same waves; that of mean power is {100 * share:.2g} %"
     return max(known), text
 
 

@@ -23,6 +23,7 @@ from vsb.scenes import automatic
 from vsb.scenes.drag import dragged, dragged_port, linearised, with_drag
 from vsb.scenes.floating_system import (
     FloatingSystem,
+    expected_sea,
     floating_system,
     heading,
     heading_in,
@@ -49,7 +50,7 @@ from vsb.study.take_off import Pto, SeveralPorts
 from vsb.study.waves import RegularWave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
-from vsb.waves.seas import NO_WAVES, Sea, expected
+from vsb.waves.seas import NO_WAVES, Sea
 
 UNFOLLOWED = 1e-3
 """Share of a sea's variance that may lie where a radiation memory does not follow the coefficients."""
@@ -203,8 +204,8 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     floating, model = floating_system(system, paths["database"]), radiation_model(paths["radiation"])
     shape, motions, ds = floating.shell, floating.motions[design], floating.linear.database
     orders = order_bases(system, shape.basis)
-    waves, spectral = (study_sea(run, w, ds) for w in (wave, expected(wave)))
-    others = [(w, study_sea(run, expected(w), ds)) for w in run.seas]
+    waves, spectral = study_sea(run, wave, ds), expected_sea(run, wave, ds)
+    others = [(w, expected_sea(run, w, ds)) for w in run.seas]
     dragged = partial(dragged_port, system) if system.plates else None
     pto = tuned_take_off(run.pto, design, floating, others or [(wave, spectral)], dragged)
     notes = tuned_notes(run.pto, pto)
@@ -245,11 +246,11 @@ def body_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     floating = floating_system(system, paths["database"])
     body = floating.linear
     waves = study_sea(run, wave, body.database)
-    tuned_in = [(one, study_sea(run, expected(one), body.database)) for one in run.seas or (wave,)]
+    tuned_in = [(one, expected_sea(run, one, body.database)) for one in run.seas or (wave,)]
     dragged = partial(dragged_port, system) if system.plates else None
     pto = tuned_take_off(run.pto, design, floating, tuned_in, dragged)
     notes = {"model": "linear"} | ({} if run.pto.tuning == "fixed" else {TUNED: float(pto.damping)})
-    notes |= linearised(system, floating, design, pto, wave, study_sea(run, expected(wave), body.database))
+    notes |= linearised(system, floating, design, pto, wave, expected_sea(run, wave, body.database))
     motions = floating.motions[design]
     equipped = replace(floating.towards(heading(wave)), pto=pto)
     memory = body_memory(paths["radiation"])

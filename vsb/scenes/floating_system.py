@@ -32,9 +32,9 @@ from vsb.study.quantities import is_rigid
 from vsb.study.specs import AnyBuoy, BodySystem, LadderSpec, SimulateSpec, SystemSpec
 from vsb.study.study import Study
 from vsb.study.take_off import DofPort
-from vsb.study.waves import SeaOfFile, StillWater, Wave
+from vsb.study.waves import SeaOfFile, SpectralSea, StillWater, Wave, WhiteNoise
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
-from vsb.waves.seas import Sea, sea
+from vsb.waves.seas import Sea, expected, sea
 
 AnyBody = BodyStudy | BodySystem
 """A body with its designs and take-off."""
@@ -274,11 +274,37 @@ def study_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
 
     Of a spectrum next to nothing lies below the first frequency of a buoy's database, of what a file holds there may.
     """
+    return _within_band(study, wave, ds, study.simulation.duration)
+
+
+def _within_band(study: InSeas, wave: Wave, ds: xr.Dataset, duration: float) -> Sea:
+    """A sea of components that do not repeat within a duration [s], what of it lies in the band of a database."""
     lowest, highest = band(study, ds)
     lowest = float(ds.omega[0]) if isinstance(wave, SeaOfFile) else lowest
-    found = sea(wave, highest, study.simulation.duration)
+    found = sea(wave, highest, duration)
     kept = (found.omega >= lowest - 1e-9) & (found.omega <= highest + 1e-9)
     return found if kept.all() else found.part(kept)
+
+
+FINE, FEWEST_BANDS = 0.01, 100
+"""Largest width of the bands a spectrum is divided into for expectations, over the frequency of its peak; fewest bands
+of white noise."""
+
+
+def expected_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
+    """Return a sea whose components carry its spectrum: mean powers in it are expectations, whatever is simulated.
+
+    Bands are narrower than any resonance that matters, and those of neighbouring seas are the same. A record of
+    elevations is all the sea there is: expectations are means over the whole of it.
+    """
+    if not isinstance(wave, SpectralSea):
+        return study_sea(study, wave, ds)
+    widest = FINE * wave.omega
+    if isinstance(wave, WhiteNoise):
+        widest = min(widest, (wave.band[1] - wave.band[0]) / FEWEST_BANDS)
+    width = 2.0 ** np.floor(np.log2(widest))
+    spectral = expected(wave).model_copy(update={"seed": 1})  # which a spread sea takes its directions by
+    return _within_band(study, spectral, ds, 2 * np.pi / (1.1 * width))
 
 
 def heading(wave: Wave) -> float:

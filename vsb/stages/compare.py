@@ -12,14 +12,13 @@ from vsb.results.gains import (
     Tuned,
     equal_tuning,
     fair_damping_checks,
-    linearisation,
     reference_power_checks,
-    with_intervals,
     within_limits,
 )
 from vsb.results.ladder import ControlLevel, constrained_checks, material_checks
+from vsb.results.mean_power import mean_powers, of_seas, with_mean_powers, with_record_intervals
 from vsb.results.run_checks import agreement_checks, latching_checks, sea_checks, transient_checks
-from vsb.scenes.floating_system import study_sea
+from vsb.scenes.floating_system import expected_sea, study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
 from vsb.stages.stored import Inputs
@@ -51,22 +50,23 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
     tuned: list[Tuned] = []
     limited: list[Limited] = []
     if compared.needs_bem:
-        lines = irregular.statistics(compared, {run: kept for one in in_seas for run, kept in one.samples.items()})
+        samples = {run: kept for one in in_seas for run, kept in one.samples.items()}
+        lines = irregular.statistics(compared, samples)
         checks += of_the_water(found, rows, runs)
-        checks += irregular.statistical_checks(compared, lines)
         ladder = [
             ControlLevel(**row)
             for row in json.loads(read_text(files["levels"], files["manifest"], found.plan.ladder_id))
         ]
-        beyond = linearisation(compared, rows, runs, found.response, lines)
-        tuned, limited = equal_tuning(compared, ladder, beyond), within_limits(compared, ladder)
-        rows = with_intervals(compared, rows, runs, ladder, found.response)
+        means = mean_powers(compared, rows, runs, ladder, found.response, samples)
+        tuned, limited = equal_tuning(compared, ladder, means, runs), within_limits(compared, ladder)
+        rows, lines = with_mean_powers(rows, means), of_seas(compared, lines, means)
+        checks += irregular.statistical_checks(compared, lines)
         checks += [*fair_damping_checks(tuned, compared.pto), *constrained_checks(ladder)]
         checks += [*reference_power_checks(compared, ladder), *material_checks(compared.pto, ladder)]
         checks += ledger.mode_checks(buoy, ladder) if buoy else []
     elif buoy:
         checks += ledger.assumed_pressure_checks(buoy, rows)
-        rows = with_intervals(compared, rows, runs, (), None)
+        rows = with_mean_powers(rows, mean_powers(compared, rows, runs, (), None, {}))
     checks = ledger.worst_first(checks)
     invalid = ledger.invalid_designs(compared, checks)
     data = {
@@ -115,18 +115,20 @@ class InASea(NamedTuple):
 def in_a_sea(found: Inputs, basis: ModeBasis | None, wave: Wave) -> InASea:
     """Return what the runs of all designs in a sea leave."""
     study, label = found.study, wave.label
-    waves, spectral = NO_WAVES, NO_WAVES
+    waves, spectral, whole = NO_WAVES, NO_WAVES, NO_WAVES
     if study.needs_bem:
         waves, spectral = (study_sea(study, one, found.database) for one in (wave, expected(wave)))
+        whole = expected_sea(study, wave, found.database)
     runs = {design: found.runs[design, label] for design in study.designs}
     samples = {}
     if study.needs_bem and isinstance(wave, IrregularSea):
         response = found.response
         samples = {
-            (d, label): irregular.sample(study, wave, d, run, waves, spectral, response) for d, run in runs.items()
+            (d, label): irregular.sample(study, wave, d, run, waves, spectral, response, whole)
+            for d, run in runs.items()
         }
     return InASea(
-        comparison.comparison(study, wave, runs, waves),
+        with_record_intervals(study, wave, comparison.comparison(study, wave, runs, whole), samples),
         sea_checks(study, wave, runs, basis, found.database),
         {(design, label): run.attrs for design, run in runs.items()},
         samples,

@@ -62,6 +62,10 @@ from vsb.tools.ports import PortKind
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks", "trash")
 
 
+FEWEST_BATCHES = 6
+"""Batches of records, each as long as the memory of their sea, that an interval of mean power needs."""
+
+
 def not_reserved(value: str) -> str:
     """Return the name of a study, campaign or design, unless it is that of a folder of the workflow."""
     if value in RESERVED_NAMES:
@@ -123,6 +127,33 @@ class BaseStudy(WithDesigns):
             else:
                 seas.append(wave)
         return tuple(seas)
+
+    @model_validator(mode="after")
+    def _records_long_enough(self) -> Self:
+        """Without a section `simulation`, records last as long as an interval of mean power needs, if it is of them."""
+        if "simulation" in self.model_fields_set or self.power_of_spectrum:
+            return self
+        families: dict[str, list[IrregularSea]] = {}
+        for wave in self.waves:
+            if isinstance(wave, IrregularSea):
+                families.setdefault(wave.family, []).append(wave)
+        start, end = self.simulation.window
+        for some in families.values():
+            begin = max(start, some[0].memory)
+            last = begin + math.ceil(FEWEST_BATCHES / len(some)) * some[0].memory
+            if last > end:
+                start, end = begin, last
+        lengths = [wave.file.length for wave in self.waves if isinstance(wave, RecordedSea)]
+        end = min(end, *lengths) if lengths else end
+        if start < end:
+            settings = self.simulation.model_copy(update={"duration": end, "window": (start, end)})
+            object.__setattr__(self, "simulation", settings)
+        return self
+
+    @property
+    def power_of_spectrum(self) -> bool:
+        """Whether mean power is the expectation over spectra: hydrodynamics and take-off are linear."""
+        return bool(self.hydro.model == "linear" and not self.pto.nonlinear and not self.plates)
 
     def check_labels(self) -> None:
         """Check that no sea is there twice; `ValueError`."""
