@@ -27,9 +27,10 @@ def test_check_summarises_a_body_study(finished, workplace, capsys):
     Path("a.yaml").write_text(yaml.safe_dump(as_body(finished)))
     assert main(["check", "a.yaml"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[1].startswith("body         4 degrees of freedom: Heave, Membrane0,")
-    assert lines[1].endswith("FSB moves in 1, VSWEC moves in 4")
-    assert re.search("hydro .* frequencies from .*, read from ", lines[2])
+    (body,) = (line for line in lines if line.startswith("body "))
+    assert body.startswith("body         4 degrees of freedom: Heave, Membrane0,")
+    assert body.endswith("FSB moves in 1, VSWEC moves in 4")
+    assert any(re.search("hydro .* frequencies from .*, read from ", line) for line in lines)
     assert any("steepness" in line for line in lines)
 
 

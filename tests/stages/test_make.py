@@ -7,10 +7,9 @@ import pytest
 from conftest import SEED, shipped, varied
 
 from vsb.cli import parser
-from vsb.stages.make import due
 from vsb.stages.stage import STAGES
 from vsb.study import study as config
-from vsb.study.jobs import Job, jobs
+from vsb.study.jobs import Job, due, jobs
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import plan_of
 

@@ -24,6 +24,7 @@ from vsb.scenes.drag import dragged
 from vsb.scenes.floating_system import floating_body, port_in_seas, study_sea
 from vsb.scenes.take_off import check_law
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
+from vsb.stages.costs import memory_doubts
 from vsb.study.body import BodyFile
 from vsb.study.plan import BodyPlan
 from vsb.study.quantities import content_id
@@ -148,8 +149,9 @@ def summary(plan: BodyPlan) -> list[str]:
     if mesh and isinstance(file := study.body.file, BodyFile):
         memory, seconds = cost(file, mesh)
         lines.append(
-            f"cost         {len(mesh.faces)} panels: about {seconds:.2g} s a frequency on one core, {memory:.2g} GB"
+            f"mesh         {len(mesh.faces)} panels: about {seconds:.2g} s a frequency on one core, {memory:.2g} GB"
         )
+        lines += memory_doubts(memory)
     lines += [part for part in str(body.database.attrs.get("history", "")).split("; ") if part.startswith("left out")]
     doubts = [replace(check, name=f"hydro {check.name}") for check in checks if check.verdict != "ok"]
     checks = [*doubts, *ledger.angle_checks(study), *ledger.seas_checks(study, body.database)]

@@ -47,7 +47,16 @@ def summary(plan: Plan) -> list[str]:
     with units_doubted(_study(plan)):
         first, *others = _of(plan).summary(plan)
     degrees = degree_lines(plan, keep=False) if isinstance(plan, StudyPlan | CampaignPlan) else []
-    return [first, *sea_lines(plan), *others, *unit_lines(plan), *degrees]
+    return [first, *sea_lines(plan), *cost_lines(plan), *others, *unit_lines(plan), *degrees]
+
+
+def cost_lines(plan: Plan) -> list[str]:
+    """Return the jobs left and their CPU time; a design problem measures its own."""
+    if isinstance(plan, DesignPlan):
+        return []
+    from vsb.stages.costs import cost_line
+
+    return [cost_line(plan)]
 
 
 def sea_lines(plan: Plan) -> list[str]:

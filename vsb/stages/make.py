@@ -7,7 +7,7 @@ from vsb.stages.check import check_plan
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.stage import STAGES
 from vsb.stages.verify import stale_products
-from vsb.study.jobs import Job, blocks, jobs
+from vsb.study.jobs import Job, blocks, due, jobs
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import Plan
 from vsb.study.study import Study
@@ -61,13 +61,3 @@ def work(job: Job) -> None:
     """Run the stage of a job on its specification as text, as a rule hands it over."""
     (stage,) = (stage for stage in STAGES if stage.name == job.stage)
     stage.run({**dict.fromkeys(stage.optional), **job.files}, job.text)
-
-
-def due(ordered: Sequence[Job], targets: Collection[str], stale: Collection[str] = ()) -> list[Job]:
-    """Return the jobs that make what is wanted and missing or stale: targets, and what other such jobs need."""
-    wanted, found = set(targets), []
-    for job in reversed(ordered):
-        if any(path in wanted and (path in stale or not Path(path).exists()) for path in job.makes):
-            found.append(job)
-            wanted.update(job.needs)
-    return found[::-1]

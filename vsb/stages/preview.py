@@ -10,24 +10,15 @@ from vsb.scenes.take_off import check_law
 from vsb.shell.modes import mode_basis
 from vsb.shell.ritz import natural_modes
 from vsb.shell.shell import Shell, natural_frequencies
+from vsb.stages.costs import WITNESS_ROW2_SECONDS, block_seconds, latching_seconds
 from vsb.study.blocks import BlockSpec, no_witness
 from vsb.study.plan import StudyPlan
 from vsb.study.quantities import content_id
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study
-from vsb.study.waves import RegularWave, StillWater, Wave, file_lines
+from vsb.study.waves import file_lines
 from vsb.tools.files import load
 
-SECONDS_PER_SPECTRAL_JOB = 2.0
-SECONDS_PER_PANEL_ROW2 = 3e-5
-"""Seconds a frequency costs per squared row count, lid included; measured with 40 + 8 rows."""
-SECONDS_PER_WITNESS_ROW2 = 8e-4
-"""Seconds a shape costs both solvers per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
-
-SECONDS_PER_LATCHING_TIME = {"regular": 5.0, "body_exact": 20.0}
-"""Seconds the search for a latching time takes in a regular wave, and how many more on the wet shell."""
-SECONDS_PER_LATCHED_SECOND = {"irregular": 0.15, "body_exact": 0.5}
-"""Likewise of each second of a run in another sea, all trials together."""
 SECONDS_PER_INSTANT, NOTABLE = 1e-4, 60.0
 """Seconds per instant at which switches are looked for, measured with 13 modes, and from which on a run is long."""
 FROM_REST = 8.0
@@ -84,7 +75,7 @@ def _bem_lines(plan: StudyPlan) -> list[str]:
     study, blocks = plan.study, list(plan.bem_blocks.values())
     todo = [block for block in blocks if not Path(plan.block_path(block)).exists()]
     how = _panel_words(blocks) if study.uses_panels else f"spectral, to {study.hydro.tolerance:g}"
-    seconds = sum(_block_seconds(block) for block in todo)
+    seconds = sum(block_seconds(block) for block in todo)
     return [
         f"hydro        {sum(len(block.omega) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
         f"rad/s, {how}",
@@ -98,7 +89,7 @@ def _latching_lines(study: Study) -> list[str]:
     """How long the search for latching times would take."""
     if not study.pto.has_latching_time:
         return []
-    seconds = len(study.designs) * sum(_latching_seconds(study, wave) for wave in study.waves)
+    seconds = len(study.designs) * sum(latching_seconds(study, wave) for wave in study.waves)
     return [
         f"latching     times of {study.pto.law} are found in each run: about {seconds:.0f} s on one core, up to "
         f"{FROM_REST * seconds:.0f} s where motions from rest absorb less than the trials predict"
@@ -119,23 +110,13 @@ def _switching_lines(study: Study) -> list[str]:
     ] * (seconds > NOTABLE)
 
 
-def _latching_seconds(study: Study, wave: Wave) -> float:
-    """Seconds the search for the latching time of one design takes in a sea; twice as many with its damping."""
-    if isinstance(wave, StillWater):
-        return 0.0
-    regular, wet = isinstance(wave, RegularWave), study.hydro.model != "linear"
-    costs = SECONDS_PER_LATCHING_TIME if regular else SECONDS_PER_LATCHED_SECOND
-    each = costs["regular" if regular else "irregular"] * (1 + (study.tuning(wave) == "each"))
-    return (each + wet * costs["body_exact"]) * (1.0 if regular else study.simulation.duration)
-
-
 def _witness_words(plan: StudyPlan) -> str:
     """What a second solver would be asked, and how long both would take."""
     if not plan.witness:
         return f"none: {no_witness(plan.study)}"
     shapes, rows = len(plan.deformed_paths), plan.witness.meshes.rows
     there = all(Path(path).exists() for path in plan.witness_files.values())
-    seconds = "there" if there else f"about {shapes * SECONDS_PER_WITNESS_ROW2 * rows**2:.0f} s on one core"
+    seconds = "there" if there else f"about {shapes * WITNESS_ROW2_SECONDS * rows**2:.0f} s on one core"
     return f"{shapes} shapes at {len(plan.witness.omega)} frequencies by {rows} rows and the spectral solver, {seconds}"
 
 
@@ -143,13 +124,6 @@ def _panel_words(blocks: Sequence[BlockSpec]) -> str:
     """The finest mesh in words."""
     meshes = [block.mesh for block in blocks if isinstance(block, PanelsSpec)]
     return f"{meshes[-1].rows} rows of {meshes[-1].azimuth} panels"
-
-
-def _block_seconds(block: BlockSpec) -> float:
-    """Seconds one BEM job takes on one core."""
-    if not isinstance(block, PanelsSpec):
-        return SECONDS_PER_SPECTRAL_JOB
-    return SECONDS_PER_PANEL_ROW2 * len(block.omega) * float(block.mesh.rows + block.mesh.lid_rows) ** 2
 
 
 def shell_table(study: Study) -> dict[str, Any]:

@@ -21,13 +21,13 @@ from typing import Any, NoReturn
 import psutil
 
 from vsb.errors import ConfigError, VsbError
-from vsb.stages import make, slurm
+from vsb.stages import slurm
 from vsb.stages.check import check_plan, unit_lines
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.planning import plan_of
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
-from vsb.study.jobs import jobs, rules
+from vsb.study.jobs import due, jobs, rules
 from vsb.study.plans import Plan
 from vsb.study.reading import nearest, read_yaml
 from vsb.tools.commands import long_options
@@ -148,7 +148,7 @@ def unmade(plan: Plan) -> list[str]:
     """Return the files a study shares with others and a run of it will make; members of a campaign make theirs."""
     if isinstance(plan, CampaignPlan | DesignPlan):
         return []
-    made = [path for job in make.due(jobs(plan), plan.products) for path in job.makes]
+    made = [path for job in due(jobs(plan), plan.products) for path in job.makes]
     return [path for path in made if plan.is_shared(path) and not Path(path).exists()]
 
 

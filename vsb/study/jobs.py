@@ -5,9 +5,9 @@ The workflow's rules, a run in one process and the plan of a dry run all follow 
 
 import re
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from vsb.study import figure_names
@@ -125,6 +125,16 @@ def jobs(plan: Plan) -> list[Job]:
         return [*_shell(plan), *_runs(plan), *_answers(plan)]
     solved = [*blocks(plan), *_witness(plan), *_database(plan), *_coefficients(plan)]
     return [*_shell(plan), *solved, *_runs(plan), *_answers(plan)]
+
+
+def due(ordered: Sequence[Job], targets: Collection[str], stale: Collection[str] = ()) -> list[Job]:
+    """Return the jobs that make what is wanted and missing or stale: targets, and what other such jobs need."""
+    wanted, found = set(targets), []
+    for job in reversed(ordered):
+        if any(path in wanted and (path in stale or not Path(path).exists()) for path in job.makes):
+            found.append(job)
+            wanted.update(job.needs)
+    return found[::-1]
 
 
 # a buoy or a body ---------------------------------------------------------------------------------------------------

@@ -154,15 +154,15 @@ def canonical(data: object) -> str:
 
 def _plain(data: object) -> object:
     """Make data fit for JSON: tuples to lists, numbers that are whole stay as floats, infinity to "inf"."""
+    if isinstance(data, float):  # first: most of what is named by its contents are frequencies
+        return ("inf" if data > 0 else "-inf") if math.isinf(data) else data + 0.0  # no negative zero
     if isinstance(data, BaseModel):
         return _plain(data.model_dump())
     if isinstance(data, dict):
         return {str(key): _plain(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
         return [_plain(value) for value in data]
-    if isinstance(data, float) and math.isinf(data):
-        return "inf" if data > 0 else "-inf"
-    return data + 0.0 if isinstance(data, float) else data  # no negative zero
+    return data
 
 
 def leaves(data: object, name: str = "") -> dict[str, object]:

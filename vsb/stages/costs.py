@@ -1,0 +1,155 @@
+"""CPU time of what a plan has left to do, and whether it fits into memory: what each task takes, measured, added up.
+
+Seconds are of one core of a desktop machine that does nothing else; on a busy one a core does half as much in a second.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+from vsb.study.blocks import BlockSpec
+from vsb.study.body import BodyFile
+from vsb.study.body_cost import SECONDS as SECONDS_PER_PANEL2
+from vsb.study.body_cost import panel_count
+from vsb.study.campaign_plan import CampaignPlan, Member
+from vsb.study.jobs import Job, due, jobs
+from vsb.study.plan import BodyPlan, StudyPlan
+from vsb.study.specs import PanelsSpec
+from vsb.study.study import BaseStudy
+from vsb.study.waves import IrregularSea, RegularWave, StillWater, Wave
+from vsb.tools import packed
+
+WORKFLOW_SECONDS, JOB_SECONDS = 6.0, 2.3
+"""Of Snakemake and the plan, and of a job that does nothing: a process, its imports, what Snakemake does of it."""
+TASK_SECONDS = {"green": 20.0, "radiation": 1.5, "ladder": 0.5, "report": 1.5, "campaign": 0.3, "campaign_report": 3.0}
+"""Of stages whose work hardly depends on the study; those not named here or below take a tenth of a second or two."""
+FIGURE_SECONDS = 0.17
+"""Of a file of a figure; each has three."""
+SPECTRAL_SECONDS = 0.4
+"""Of the coefficients of one azimuthal order of a shape, all frequencies."""
+PANEL_ROW2_SECONDS = 3e-5
+"""Of a frequency per squared row count, lid included; measured with 40 + 8 rows."""
+WITNESS_ROW2_SECONDS = 4e-4
+"""Of a shape, by both solvers, per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
+RUN_SECONDS = {"linear": (0.3, 5e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.7, 5e-3), "auto": (1.0, 5e-3)}
+"""Of a run in time, and of each second it follows, by model."""
+LATCHING_TIME_SECONDS = {"regular": 5.0, "body_exact": 20.0}
+"""Of the search for a latching time in a regular wave, and how many more on the wet shell."""
+LATCHED_SECONDS = {"irregular": 0.15, "body_exact": 0.5}
+"""Likewise of each second of a run in another sea, all trials together."""
+MEMBER_SECONDS, REST_SECONDS = 0.016, 1.2
+"""Of a point of a campaign with its coefficients; of one about its equilibrium also the rest and the modes left out."""
+SEA_SECONDS = {"linear": 0.05, "body_exact": 0.2}
+"""Of one design in one sea of `verify`, by model."""
+MOST_MEMORY = 0.7
+"""Part of a machine's memory that a job may need without a doubt: the rest is the system's and other jobs'."""
+
+
+def cost_line(plan: StudyPlan | BodyPlan | CampaignPlan) -> str:
+    """Return the line `vsb check` prints of the jobs left and their CPU time."""
+    every = jobs(plan)
+    left = due(every, plan.products)
+    seconds = sum(JOB_SECONDS + task_seconds(plan, job) for job in left) + WORKFLOW_SECONDS
+    return f"cost         {len(left)} of {len(every)} jobs to do: about {plain_seconds(seconds)} on one core"
+
+
+def plain_seconds(seconds: float) -> str:
+    """Return a time in words, as precise as an estimate is."""
+    if seconds < 100:
+        return f"{seconds:.2g} s"
+    return f"{seconds / 60:.2g} min" if seconds < 6000 else f"{seconds / 3600:.2g} h"
+
+
+def memory_doubts(gigabytes: float) -> list[str]:
+    """Return a doubt if a job needs most of the memory of this machine, or more than it has."""
+    there = psutil.virtual_memory().total / 1e9
+    if gigabytes <= MOST_MEMORY * there:
+        return []
+    return [
+        f"doubt        memory: a frequency needs about {gigabytes:.2g} GB, and this machine has {there:.2g} GB; needs "
+        "fewer panels, planes of symmetry, or a machine with more"
+    ]
+
+
+def task_seconds(plan: StudyPlan | BodyPlan | CampaignPlan, job: Job) -> float:
+    """Return the CPU time of a job beyond that of a job that does nothing [s]."""
+    sized = SIZED.get(job.stage)
+    return sized(plan, job) if sized else TASK_SECONDS.get(job.stage, 0.15)
+
+
+def block_seconds(block: BlockSpec) -> float:
+    """Return the CPU time of the coefficients of a block of frequencies [s]."""
+    if not isinstance(block, PanelsSpec):
+        return SPECTRAL_SECONDS
+    return PANEL_ROW2_SECONDS * len(block.omega) * float(block.mesh.rows + block.mesh.lid_rows) ** 2
+
+
+def latching_seconds(study: BaseStudy, wave: Wave) -> float:
+    """Return the CPU time of the search for the latching time of one design in a sea [s]; with its damping twice."""
+    if not study.pto.has_latching_time or isinstance(wave, StillWater):
+        return 0.0
+    regular, wet = isinstance(wave, RegularWave), study.buoy is not None and study.buoy.hydro.model != "linear"
+    costs = LATCHING_TIME_SECONDS if regular else LATCHED_SECONDS
+    each = costs["regular" if regular else "irregular"] * (1 + (study.tuning(wave) == "each"))
+    return (each + wet * costs["body_exact"]) * (1.0 if regular else study.simulation.duration)
+
+
+def _of_block(_: Any, job: Job) -> float:
+    """A block of frequencies."""
+    return block_seconds(job.spec)
+
+
+def _of_witness(plan: StudyPlan, job: Job) -> float:
+    """Both solvers on deformed meshes."""
+    return len(job.needs) * WITNESS_ROW2_SECONDS * float(job.spec.meshes.rows) ** 2
+
+
+def _of_body(plan: BodyPlan | CampaignPlan, job: Job) -> float:
+    """A body on panels, which grows with the square of their number; of a file that is read, next to nothing."""
+    file = job.spec.body.file
+    if not isinstance(file, BodyFile):
+        return 0.5
+    return SECONDS_PER_PANEL2 * panel_count(file, job.files) ** 2 * len(file.omega)
+
+
+def _of_run(plan: StudyPlan | BodyPlan, job: Job) -> float:
+    """A run in time of one design in one sea."""
+    (wave,) = job.spec.waves
+    study = plan.study
+    once, each = RUN_SECONDS[study.buoy.hydro.model if study.buoy else "linear"]
+    seas = 2.0 if isinstance(wave, IrregularSea) else 1.0  # of many components
+    return once + seas * each * study.simulation.duration + latching_seconds(study, wave)
+
+
+def _of_figures(_: Any, job: Job) -> float:
+    """All figures."""
+    return FIGURE_SECONDS * len(job.makes)
+
+
+def _of_members(plan: CampaignPlan, job: Job) -> float:
+    """The members of a batch that are not finished: their coefficients, their rest, their year."""
+    points = {frozenset(point.items()) for point in job.spec.points}
+    left = [one for one in plan.members if frozenset(one.point.items()) in points and not _finished(plan, one)]
+    resting = [one for one in left if one.study.buoy and one.study.buoy.at_equilibrium]
+    shapes = {one.spec.sweep for one in left if one.study.buoy}
+    return plan.member_seconds * len(left) + REST_SECONDS * len(resting) + SPECTRAL_SECONDS * len(shapes)
+
+
+def _finished(plan: CampaignPlan, one: Member) -> bool:
+    """Whether the results of a member are there."""
+    return Path(plan.folder, "members", f"{one.id}{packed.SUFFIX}").exists()
+
+
+def _of_verification(_: Any, job: Job) -> float:
+    """The seas of a member that are simulated, with the radiation memory they need."""
+    verify, designs = job.spec.verify, len(job.spec.system.designs)
+    return TASK_SECONDS["radiation"] + SEA_SECONDS[verify.model] * float(verify.seas * designs)
+
+
+SIZED: dict[str, Callable[[Any, Job], float]] = {
+    "spectral": _of_block, "panels": _of_block, "witness": _of_witness, "coefficients": _of_body,
+    "simulate": _of_run, "figures": _of_figures, "members": _of_members, "verification": _of_verification,
+}  # fmt: skip
+"""Stages whose work follows from their specification."""
