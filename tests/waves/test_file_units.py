@@ -101,7 +101,7 @@ def test_one_spectrum_in_many_notations(dialect, tmp_path):
         (columns("f,S,E", HERTZ, DENSITY, DENSITY), "2 of them densities; needs one"),
         (columns("# all in rad/s and m^2 s/rad\nf,S", HERTZ, DENSITY), "sea.csv:1: .* states 'rad/s', but not of which"),
         (columns("", 2 * np.pi * HERTZ, DENSITY / 2 / np.pi), "Hs 0.9992 m with Te 0.5758 s, which are physically impossible"),
-        (columns("f,S", HERTZ, DENSITY).replace("\n0.06", "\n0.06,1.0,", 1), "sea.csv:4: received .*, needs 2 numbers"),
+        (columns("f,S", HERTZ, DENSITY).replace("\n0.06", "\n0.06,1.0,", 1), "sea.csv:4: received .*, needs 2 cells"),
     ],
 )  # fmt: skip
 def test_what_a_spectrum_may_not_be_is_refused(text, message, tmp_path):

@@ -67,17 +67,17 @@ def test_records_left_out_are_noted(written):
     ("text", "message"),
     [
         ("", "received 0 lines, needs a header"),
-        ("YY MM DD hh hello\n96 01 01 00 1\n", "line 1: received 'hello', needs a number"),
+        ("YY MM DD hh hello\n96 01 01 00 1\n", ":1: received 'hello', needs a number"),
         ("#YY MM DD hh mm WDIR WSPD WVHT\n#yr\n20 01 01 00 00 9 2 1\n", "received the buoy's meteorological data"),
-        (HEADER + ROWS + HEADER.replace(".050", ".040") + ROWS, "line 4: received another header, needs one set"),
-        ("YY MM DD hh 20. 10.\n96 01 01 00 1 2\n", "line 1: received 2 frequencies from 20 to 10, needs them asc"),
+        (HEADER + ROWS + HEADER.replace(".050", ".040") + ROWS, ":4: received another header, needs one set"),
+        ("YY MM DD hh 20. 10.\n96 01 01 00 1 2\n", ":1: received 2 frequencies from 20 to 10, needs them asc"),
         (
             "\n" + HEADER + "# a comment\n" + ROWS + "96 01 01 02 1.0\n",
-            "line 6: received 5 columns, needs 7 as the hea",
+            ":6: received 5 columns, needs 7 as the hea",
         ),
-        (TEXT + "96 01 01 02 1.0 x 2\n", "line 4: received 'x', needs a number"),
-        (TEXT + "96 01 01 02 1.0 -1 2\n", "line 4: received -1, needs a number of 0 or more"),
-        (TEXT + "96 13 01 02 1.0 1 2\n", "line 4: received the date '96 13 01 02', needs YY MM DD"),
+        (TEXT + "96 01 01 02 1.0 x 2\n", ":4: received 'x', needs a number"),
+        (TEXT + "96 01 01 02 1.0 -1 2\n", ":4: received -1, needs a number of 0 or more"),
+        (TEXT + "96 13 01 02 1.0 1 2\n", ":4: received the date '96 13 01 02', needs YY MM DD"),
         (HEADER + "96 01 01 00 999 999 999\n", "received 1 records, none with a spectrum"),
         (
             HEADER + ROWS.replace("0.50", "900.").replace("0.25", "900."),
@@ -109,7 +109,7 @@ def same_header(values):
         (same_header(np.full((6, 20), 80) - np.arange(20)), "up to 80 with a median of 70.5, which are .* in hundredths"),
         (same_header(np.full((6, 20), 280.0) - np.arange(20)), r"which are directions in degrees \(swdir, swdir2\), no dens"),
         ("#YY MM DD hh mm alpha1_1 (freq_1) alpha1_2 (freq_2) ... >\n2020 01 01 00 00 281.0 (0.033) 290.0 (0.038)\n",
-         r"line 1: received mean directions \(swdir\), no densities; needs the spectral wave density \(swden\)"),
+         r":1: received mean directions \(swdir\), no densities; needs the spectral wave density \(swden\)"),
     ],
 )  # fmt: skip
 def test_files_of_directions_are_not_read_as_densities(written, text, message):

@@ -58,7 +58,7 @@ def test_average_periods_of_ndbc(written):
     assert climate.te == pytest.approx([5.0 * energy_period_over("tz", 3.3)] * 2)
     notes = "; ".join(climate.notes)
     for note in (
-        "series of WVHT and APD", "5 records, 1 with missing values left out",
+        "series of WVHT and APD", "5 records, 1 with missing values or no waves left out",
         "columns left out: WDIR, WSPD [m/s], GST [m/s], DPD [sec], MWD", "counted in bins of 0.5 m and 1 s", "0 days stand for a year",
     ):  # fmt: skip
         assert note in notes

@@ -46,7 +46,7 @@ HIGHEST_SEA = 40.0
 
 def impossible(hs: Any, te: Any) -> Any:
     """Return whether seas are steeper or higher than possible, of numbers or arrays; many of them mean wrong units."""
-    return (2 * math.pi * hs / (STANDARD_GRAVITY * te**2) > STEEPEST) | (hs > HIGHEST_SEA)
+    return (2 * math.pi * hs > STEEPEST * STANDARD_GRAVITY * te**2) | (hs > HIGHEST_SEA)
 
 
 class Samples(Brief):

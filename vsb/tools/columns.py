@@ -210,7 +210,7 @@ def _even(path: Path, rows: list[tuple[int, list[str]]], needed: str) -> list[tu
     for n, cells in rows:
         if len(_trimmed(cells)) > usual or len(cells) < usual:
             raise ConfigError(
-                f"{path}:{n}: received {shortened(repr(' '.join(cells)))}, needs {usual} numbers as the other rows: "
+                f"{path}:{n}: received {shortened(repr(' '.join(cells)))}, needs {usual} cells as the other rows have: "
                 f"{needed}"
             )
     return [(n, cells[:usual]) for n, cells in rows]

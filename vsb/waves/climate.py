@@ -30,6 +30,10 @@ PARTIAL, CUT, FEW = "stand for a year", "too much to be left out", "more than ha
 """Words of the notes on records of a part of the year only, on bands that end too early, and on faulty files."""
 UNSTATED = "which the file does not state"
 """Words of the notes on what a file was taken for."""
+LOWEST_DENSITY, HIGHEST_DENSITY = 1e-30, 1e6
+"""Range of densities in which numbers are spectra [m^2 s]: below it a record is still water."""
+TINY = 1e-6
+"""Period that is as good as none [s]."""
 LARGEST_TAIL = 0.05
 """Share of the variance beyond the bands from which on a year is doubted."""
 
@@ -187,8 +191,12 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
         ends = [f"{w / 2 / np.pi:.4g}" for w in [*omega[:first], *omega[last:]]]
         notes = [*notes, f"bands at the ends without a value in any record left out: {', '.join(ends)} Hz"]
         omega, density = omega[first:last], density[:, first:last]
+    if not (np.nan_to_num(density, nan=0.0) < HIGHEST_DENSITY).all():
+        raise ConfigError(
+            f"{source}: received a density of {np.nanmax(density):.4g} m^2 s, needs less than {HIGHEST_DENSITY:g}"
+        )
     missing = np.isnan(density).any(axis=1)
-    flat = ~missing & (np.ptp(density, axis=1) == 0)
+    flat = ~missing & (np.ptp(density, axis=1) < LOWEST_DENSITY)
     kept = ~missing & ~flat
     if not kept.any():
         raise ConfigError(f"{source}: received {len(density)} records, none with a spectrum; needs at least one")
@@ -203,7 +211,7 @@ def of_records(omega: FloatArray, density: FloatArray, source: str, notes: Seque
     hs, te = height_and_period(omega, spectra)
     wrong = impossible(hs, te)
     if wrong.mean() > FAULTY:
-        at = int((hs / te**2).argmax())
+        at = int((hs / np.maximum(te, TINY) ** 2).argmax())
         raise ConfigError(
             f"{source}: received {wrong.mean():.1%} of records that are physically impossible, as Hs {hs[at]:.4g} m "
             f"with Te {te[at]:.4g} s; needs frequencies in Hz and densities in m^2/Hz"

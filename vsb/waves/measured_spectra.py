@@ -4,8 +4,10 @@ The units decide, not the name of the program: densities are per Hz, and with di
 """
 
 import gzip
+import warnings
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -111,12 +113,20 @@ def first_bytes(path: str | Path) -> bytes:
         raise ConfigError(f"{path}: received a packed file that is cut or damaged, needs a whole one") from None
 
 
+@contextmanager
+def _silent(path: str | Path) -> Iterator[None]:
+    """Bound memory and time while a library reads a file, and keep its warnings to itself."""
+    with bounded_reading(path), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
 def load_netcdf(path: str | Path) -> "xr.Dataset":
     """Return what a netCDF file holds; raises `ConfigError` if it cannot be read."""
     import xarray as xr  # here alone: text needs none
 
     def loaded(*, decode_times: bool = True) -> "xr.Dataset":
-        with bounded_reading(path), xr.open_dataset(path, engine="netcdf4", decode_times=decode_times) as ds:
+        with _silent(path), xr.open_dataset(path, engine="netcdf4", decode_times=decode_times) as ds:
             return ds.load()
 
     try:
@@ -195,7 +205,7 @@ def _by_wavespectra(path: str | Path, reader: str, options: dict[str, float | No
             "'vsb[spectra]'"
         ) from None
     try:
-        with bounded_reading(path):
+        with _silent(path):
             stored: xr.Dataset = getattr(wavespectra, f"read_{reader}")(str(path), **options or {}).load()
             if "dir" not in stored.efth.dims:
                 stored.efth.attrs["units"] = "m2 s"  # it states the units of spectra over direction there, too

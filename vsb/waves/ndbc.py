@@ -64,12 +64,12 @@ def read_ndbc(path: str | Path) -> Climate:
             "density, or climate: {scatter: FILE}, which counts WVHT and DPD into a table of seas of one spectrum"
         )
     if is_series(re.split(r"[,;\s]+", " ".join(head))):
-        raise ConfigError(f"{path}, line 1: received {shortened(repr(' '.join(head)))}, {SERIES}")
+        raise ConfigError(f"{path}:1: received {shortened(repr(' '.join(head)))}, {SERIES}")
     for i, row in lines[1:]:
         if row[0].lstrip("#") == head[0].lstrip("#") and row[1:] != head[1:]:
-            raise ConfigError(f"{path}, line {i}: received another header, needs one set of frequencies: cut the file")
+            raise ConfigError(f"{path}:{i}: received another header, needs one set of frequencies: cut the file")
     if meant := DIRECTIONAL.get(head[5].split("_")[0] if len(head) > 5 else ""):
-        raise ConfigError(f"{path}, line 1: received {meant}, no densities; needs the spectral wave density (swden)")
+        raise ConfigError(f"{path}:1: received {meant}, no densities; needs the spectral wave density (swden)")
     if head[5:6] == ["Sep_Freq"]:
         hertz, rows = _bracketed(path, rows)
         dates = 5
@@ -78,7 +78,7 @@ def read_ndbc(path: str | Path) -> Climate:
     for i, row in rows:
         if len(row) != dates + len(hertz):
             raise ConfigError(
-                f"{path}, line {i}: received {len(row)} columns, needs {dates + len(hertz)} as the header has; "
+                f"{path}:{i}: received {len(row)} columns, needs {dates + len(hertz)} as the header has; "
                 "a cut line, or frequencies written beside densities"
             )
     times = [_time(path, i, row[:dates]) for i, row in rows]
@@ -107,7 +107,7 @@ def _bracketed(path: str | Path, rows: list[tuple[int, list[str]]]) -> tuple[Flo
     for i, row in rows:
         if row[7::2] != first or len(row) % 2:
             raise ConfigError(
-                f"{path}, line {i}: received other frequencies than line {rows[0][0]}, needs the same: cut the file"
+                f"{path}:{i}: received other frequencies than line {rows[0][0]}, needs the same: cut the file"
             )
     hertz = _ascending(path, rows[0][0], [word.strip("()") for word in first])
     return hertz, [(i, [*row[:5], *row[6::2]]) for i, row in rows]
@@ -119,7 +119,7 @@ def _header(path: str | Path, words: list[str]) -> tuple[int, FloatArray]:
     dates = 5 if names[:5] == list(DATE) else 4
     if names[:dates] != list(DATE[:dates]):
         raise ConfigError(
-            f"{path}, line 1: received {' '.join(words[:6])!r}, needs YY MM DD hh [mm] and the frequencies in Hz"
+            f"{path}:1: received {' '.join(words[:6])!r}, needs YY MM DD hh [mm] and the frequencies in Hz"
         )
     return dates, _ascending(path, 1, names[dates:])
 
@@ -129,7 +129,7 @@ def _ascending(path: str | Path, line: int, words: list[str]) -> FloatArray:
     hertz: FloatArray = _numbers(path, [(line, words)])[0]
     if len(hertz) < 2 or hertz[0] <= 0 or np.any(np.diff(hertz) <= 0) or hertz[-1] > HIGHEST_HZ:
         received = f"{len(hertz)} frequencies" + (f" from {hertz[0]:g} to {hertz[-1]:g}" if len(hertz) else "")
-        raise ConfigError(f"{path}, line {line}: received {received}, needs them ascending, above 0, in Hz")
+        raise ConfigError(f"{path}:{line}: received {received}, needs them ascending, above 0, in Hz")
     return hertz
 
 
@@ -139,11 +139,11 @@ def _numbers(path: str | Path, rows: list[tuple[int, list[str]]]) -> FloatArray:
         values: FloatArray = np.array([row for _, row in rows], dtype=float)
     except ValueError:
         line, word = next((i, word) for i, row in rows for word in row if not _is_number(word))
-        raise ConfigError(f"{path}, line {line}: received {word!r}, needs a number") from None
+        raise ConfigError(f"{path}:{line}: received {word!r}, needs a number") from None
     if not np.all(np.isfinite(values)) or (values.size and values.min() < 0):
         at, column = np.argwhere(~(values >= 0) | ~np.isfinite(values))[0]
         raise ConfigError(
-            f"{path}, line {rows[at][0]}: received {rows[at][1][column]}, needs a number of 0 or more (999 for none)"
+            f"{path}:{rows[at][0]}: received {rows[at][1][column]}, needs a number of 0 or more (999 for none)"
         )
     return values
 
@@ -164,9 +164,7 @@ def _time(path: str | Path, line: int, words: list[str]) -> datetime:
         century = 1900 if 70 <= year < 100 else 2000 if year < 70 else 0
         return datetime(century + year, month, day, hour[0], hour[1] if len(hour) > 1 else 0)
     except (TypeError, ValueError):
-        raise ConfigError(
-            f"{path}, line {line}: received the date {' '.join(words)!r}, needs YY MM DD hh [mm]"
-        ) from None
+        raise ConfigError(f"{path}:{line}: received the date {' '.join(words)!r}, needs YY MM DD hh [mm]") from None
 
 
 def calendar(times: list[datetime]) -> tuple[list[int], list[str]]:

@@ -10,7 +10,7 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.study.records import impossible
 from vsb.tools.arrays import FloatArray
-from vsb.waves.climate import FAULTY, YEAR_HOURS, Climate, band_edges
+from vsb.waves.climate import FAULTY, TINY, YEAR_HOURS, Climate, band_edges
 from vsb.waves.scatter_table import Table, read_table
 from vsb.waves.series import read_series
 from vsb.waves.spectra import jonswap_spectrum
@@ -49,7 +49,7 @@ def read_scatter(path: str | Path, spectrum: Spectrum = "jonswap", gamma: float 
     notes += [f"Te = {ratio:.3f} {table.kind.capitalize()} of these spectra"] if table.kind in ("tz", "t01") else []
     wrong = impossible(table.hs, te)
     if share[wrong].sum() > FAULTY:
-        at = int((table.hs / te**2).argmax())
+        at = int((table.hs / np.maximum(te, TINY) ** 2).argmax())
         raise ConfigError(
             f"{path}: received {share[wrong].sum():.1%} of seas that are physically impossible, as Hs "
             f"{table.hs[at]:.4g} m with {table.kind.capitalize()} {table.period[at]:.4g} s; needs Hs "

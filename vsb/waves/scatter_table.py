@@ -60,6 +60,8 @@ SHARES = {"%", "percent", "cum", "cum%", "cumulative", "cumulative%", "cumsum", 
 """Labels of columns and rows of a full table that are sums, and of those made of them."""
 NONE = {"-", "\u2013", "\u2014", ".", "--", "n/a", "na", "nan"}
 """What stands for no occurrence."""
+SMALLEST_BIN = 1e-6
+"""Smallest centre of a bin [m], [s]."""
 MOST_BINS = 10_000
 """Largest number of bins: 100 heights by 100 periods."""
 FEWEST_OF_EDGES = 3
@@ -143,7 +145,7 @@ def factor_of(path: str | Path, line: int, name: str) -> float:
     powers = units.METRE if kind_of(name) == "hs" else units.SECOND
     factors = [units.scale(text, powers) for text in stated]
     if None in factors:
-        raise ConfigError(f"{path}, line {line}: received the unit {stated[0]!r} in {name!r}, needs m and s")
+        raise ConfigError(f"{path}:{line}: received the unit {stated[0]!r} in {name!r}, needs m and s")
     return next((factor for factor in factors if factor), 1.0)
 
 
@@ -158,7 +160,7 @@ def _rows(path: str | Path, lines: list[str], delimiter: str) -> Rows:
         return [(i, row) for i, row in rows if any(row)]
     except csv.Error as error:
         raise ConfigError(
-            f"{path}, line {reader.line_num}: received a cell too long ({error}); needs all quotes closed"
+            f"{path}:{reader.line_num}: received a cell too long ({error}); needs all quotes closed"
         ) from None
 
 
@@ -174,7 +176,7 @@ def _check_no_powers(path: str | Path, line: int, cells: list[str]) -> None:
     text = " ".join(cells).lower()
     if "power matrix" in text or re.search(r"[\[(]\s*(kw|w|mw)\s*[\])]", text):
         raise ConfigError(
-            f"{path}, line {line}: received {shortened(repr(' '.join(filter(None, cells))))}, a power matrix; needs "
+            f"{path}:{line}: received {shortened(repr(' '.join(filter(None, cells))))}, a power matrix; needs "
             "the occurrence of seas"
         )
 
@@ -192,7 +194,7 @@ def _corner(path: str | Path, rows: Rows, at: int) -> Axes | None:
     if len(parts) == 2 and any(kinds):
         if None in kinds or "hs" not in kinds or kinds[0] == kinds[1]:
             raise ConfigError(
-                f"{path}, line {line}: received the corner {cells[0]!r}, needs Hs/Te, Hs/Tp or Hs/Tz, the significant "
+                f"{path}:{line}: received the corner {cells[0]!r}, needs Hs/Te, Hs/Tp or Hs/Tz, the significant "
                 "height of seas and one of their periods"
             )
         down, across = (factor_of(path, line, part) for part in parts)
@@ -243,7 +245,7 @@ def _columns(path: str | Path, row: tuple[int, list[str]]) -> dict[str, int] | N
     if not often:
         named = ", ".join(repr(cell) for cell in cells if cell)
         raise ConfigError(
-            f"{path}, line {line}: received the columns {shortened(named)}, needs one more that is called "
+            f"{path}:{line}: received the columns {shortened(named)}, needs one more that is called "
             "occurrence, percent, hours, share or count"
         )
     return {**found, "occurrence": often[0]}
@@ -293,13 +295,13 @@ def _axis(path: str | Path, labels: Sequence[tuple[int, str]]) -> FloatArray:
     bins = []
     for line, cell in labels:
         if (found := _bin(cell)) is None:
-            raise ConfigError(f"{path}, line {line}: received {shortened(repr(cell))}, needs {LABEL}")
+            raise ConfigError(f"{path}:{line}: received {shortened(repr(cell))}, needs {LABEL}")
         bins.append(found)
     closed = sorted(
         (one for one in bins if one.low is not None and one.high is not None), key=lambda one: one[0] or 0.0
     )
     if len(closed) < len(bins) and len(closed) < 2 and not (closed and closed[0].low != closed[0].high):
-        raise ConfigError(f"{path}, line {labels[0][0]}: received open bins alone, needs {LABEL}")
+        raise ConfigError(f"{path}:{labels[0][0]}: received open bins alone, needs {LABEL}")
     centres = []
     for (line, cell), (low, high) in zip(labels, bins, strict=True):
         if low is None and high is not None:
@@ -308,8 +310,8 @@ def _axis(path: str | Path, labels: Sequence[tuple[int, str]]) -> FloatArray:
             centre = low + _width(closed, -1) / 2
         else:
             centre = ((low or 0.0) + (high or 0.0)) / 2
-        if centre <= 0:
-            raise ConfigError(f"{path}, line {line}: received the bin {cell!r}, needs {LABEL}")
+        if centre < SMALLEST_BIN:
+            raise ConfigError(f"{path}:{line}: received the bin {cell!r}, needs {LABEL}")
         centres.append(centre)
     return np.array(centres)
 
@@ -341,9 +343,7 @@ class Cells:
         trace = plain[:1] in ("<", "\u2264")
         value = number(plain.lstrip("<\u2264= ")) if trace else number(plain)
         if value is None or not 0 <= value < np.inf:
-            raise ConfigError(
-                f"{self.path}, line {line}: received {shortened(repr(cell))}, needs an occurrence of 0 or more"
-            )
+            raise ConfigError(f"{self.path}:{line}: received {shortened(repr(cell))}, needs an occurrence of 0 or more")
         self.traces += trace
         return value / 2 if trace else value
 
@@ -376,14 +376,14 @@ def _full(path: str | Path, rows: Rows, axes: Axes) -> Table:
             words.append(f"line {line} left out: {shortened(row[0])}")
             continue
         if len(row) < width or any(row[width:]):
-            raise ConfigError(f"{path}, line {line}: received {len(row)} cells, needs {width} as the header has")
+            raise ConfigError(f"{path}:{line}: received {len(row)} cells, needs {width} as the header has")
         if (sort := _sum_label(row[0])) is not None:
             sums += [(line, row)] if sort == "sum" else []
             continue
         down.append((line, row[0]))
         cells.append([read.value(line, row[i]) for i, _ in labels])
     if not cells:
-        raise ConfigError(f"{path}, line {first}: received a header without rows, needs one for each bin")
+        raise ConfigError(f"{path}:{first}: received a header without rows, needs one for each bin")
     occurrence = np.array(cells)
     for i in beside if not edges else ():
         printed = [(line, row[i]) for line, row in body if _sum_label(row[0]) is None and len(row) > i]
@@ -420,8 +420,7 @@ def _check_sums(path: str | Path, printed: Iterable[tuple[int, str]], computed: 
         rounding = 0.5 * 10.0 ** -(len(decimals[1]) if decimals else 0)
         if value is None or abs(value - total) > DISAGREE * abs(total) + rounding * (1 + np.sqrt(len(computed))):
             raise ConfigError(
-                f"{path}, line {line}: received {shortened(repr(cell))} {where}, needs the sum of its cells, "
-                f"{total:.6g}"
+                f"{path}:{line}: received {shortened(repr(cell))} {where}, needs the sum of its cells, {total:.6g}"
             )
 
 
@@ -429,20 +428,20 @@ def _pairs(path: str | Path, rows: Rows, columns: dict[str, int]) -> Table:
     """A list of heights, periods and occurrences; those of several directions or months are added up."""
     (first, header), body = rows[0], rows[1:]
     if len(periods := [header[i] for kind, i in columns.items() if kind in PERIODS]) > 1:
-        raise ConfigError(f"{path}, line {first}: received both {' and '.join(periods)}, needs one of them")
+        raise ConfigError(f"{path}:{first}: received both {' and '.join(periods)}, needs one of them")
     at = columns["occurrence"]
     name = _plain(header[at]) or header[at].strip(" ()[]").lower()
     read = Cells(path)
     factors = {key: factor_of(path, first, header[i]) for key, i in columns.items() if key != "occurrence"}
     if (stated := re.findall(r"[\[(](.*?)[\])]", header[at])) and not unit(stated[0]):
-        raise ConfigError(f"{path}, line {first}: received the unit {stated[0]!r} in {header[at]!r}, needs % or h")
+        raise ConfigError(f"{path}:{first}: received the unit {stated[0]!r} in {header[at]!r}, needs % or h")
     others = [i for i, cell in enumerate(header) if cell and i not in columns.values()]
     summed = [i for i in others if _plain(header[i]) in DIRECTIONS]
     found: dict[tuple[float, ...], float] = {}
     seen: set[tuple[object, ...]] = set()
     for line, row in body:
         if len(row) <= max(columns.values()):
-            raise ConfigError(f"{path}, line {line}: received {len(row)} cells, needs {len(header)} as the header has")
+            raise ConfigError(f"{path}:{line}: received {len(row)} cells, needs {len(header)} as the header has")
         cell = tuple(factors[key] * float(_axis(path, [(line, row[columns[key]])])[0]) for key in factors)
         beside = tuple(row[i] for i in summed if i < len(row))
         if (cell, beside) in seen:

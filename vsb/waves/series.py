@@ -14,7 +14,7 @@ from vsb.tools.columns import Columns, dates, read_columns
 from vsb.tools.files import read_text
 from vsb.tools.units import number
 from vsb.tools.words import shortened
-from vsb.waves.climate import FEW
+from vsb.waves.climate import FEW, TINY
 from vsb.waves.measured_spectra import ERA5, NAMES, NETCDF, dates_of, first_bytes, load_netcdf
 from vsb.waves.ndbc import DATE, calendar
 from vsb.waves.scatter_table import PERIODS, Table, is_series, kind_of
@@ -54,7 +54,7 @@ def read_series(path: str | Path) -> Table | None:
         hs, period, notes = hs[kept], period[kept], [*told, *notes]
     else:
         notes.append("no dates in the file: gaps and seasons are not known")
-    there = np.isfinite(hs) & np.isfinite(period) & (hs > 0) & (period > 0) & ~np.isin(hs, MISSING)
+    there = np.isfinite(hs) & np.isfinite(period) & (hs > TINY) & (period > TINY) & ~np.isin(hs, MISSING)
     there &= ~np.isin(period, MISSING)
     if not there.any():
         raise ConfigError(f"{path}: received {len(hs)} records, none with a height and a period; needs at least one")
@@ -65,7 +65,7 @@ def read_series(path: str | Path) -> Table | None:
             f"{path}: received Hs {hs[at]:.4g} m with {kind.capitalize()} {period[at]:.4g} s in record {at + 1}, needs "
             f"at most {HIGHEST_SEA:g} m and {LONGEST_PERIOD:g} s, missing values as 99, 999 or empty cells"
         )
-    notes.append(f"{len(hs)} records, {int((~there).sum())} with missing values left out")
+    notes.append(f"{len(hs)} records, {int((~there).sum())} with missing values or no waves left out")
     if there.mean() < 0.5:
         notes.append(f"{int(there.sum())} of {len(hs)}: {FEW}")
     return _counted(hs[there], period[there], kind, notes)
