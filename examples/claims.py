@@ -339,6 +339,8 @@ def longer_resonance(folder: Path) -> Claim:
             figures[f"{case}, {name}: flexible [s]"] = flexible
             studies[f"{case}_{name}".replace(" ", "_")] = raw_of(study)
             periods[f"{case}, {name}"] = (rigid, flexible)
+    growth = [100 * (flexible / rigid - 1) for rigid, flexible in periods.values()]
+    figures |= {"smallest growth of the period [%]": min(growth), "largest growth of the period [%]": max(growth)}
     drawing, (ax,) = axes(height=2.2)
     places, ends = np.arange(len(periods)), np.transpose(list(periods.values()))
     ax.hlines(places, *ends, color="0.7", zorder=1)
@@ -639,6 +641,7 @@ def bulge_tube(folder: Path) -> Claim:
             lossy = band_mean(best / flux, omega) / (2 * TUBE_RADIUS)
             figures["the same, loss factor of the wall 0.1"] = lossy
             ax.plot(share, lossy, "s", color=LOOKS["flexible"]["color"], label="loss factor of the wall 0.1")
+    figures["twice as fast, over equally fast [%]"] = 100 * widths[2.0] / widths[1.0]
     ax.plot(list(widths), list(widths.values()), "o-", color=LOOKS["flexible"]["color"], label="wall without loss")
     ax.set(xlabel="speed of bulges over that of the waves", ylabel="mean capture width in diameters", ylim=(0.0, None))
     legend_above(drawing, ax)

@@ -13,16 +13,25 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
+import yaml
 
 import vsb
-from examples import claims, surprises
+from examples import claims, paper_at_optimal_damping, surprises
+from examples.power_from_strain import SEAS
 from examples.published.pages import Value
+from examples.when_flexibility_pays import DEGREE
 from vsb.errors import VsbError
 from vsb.report.band import gain_band
+from vsb.scenes.rest import reference_shell
+from vsb.scenes.viability import static_modal_amplitude, static_strain
+from vsb.study.study import parse
+from vsb.tools.files import write_text
 
 HOME = Path(__file__).parents[2]
 """The checkout."""
+EXAMPLE = HOME / "config" / "buoy.yaml"
 RIGID, FREE = "FSB", "VSWEC"
 
 
@@ -42,6 +51,11 @@ def vsb_command(*words: str, folder: Path) -> str:
     if done.returncode:
         raise VsbError(f"vsb {' '.join(words)}: exit code {done.returncode}")
     return done.stdout
+
+
+def examples_command(name: str, *words: str) -> None:
+    """Run an example in the checkout."""
+    subprocess.run([sys.executable, "-m", f"examples.{name}", *words], cwd=HOME, check=True, stdout=subprocess.DEVNULL)
 
 
 def response_at(response: xr.Dataset, period: float) -> xr.Dataset:
@@ -142,7 +156,7 @@ def checked(folder: Path) -> dict[str, Value]:
     printed = vsb_command("check", "config/buoy.yaml", folder=folder)
     (modes,) = re.findall(r"^modes +(\d.*)$", printed, re.MULTILINE)
     (strain,) = re.findall(r"static_strain = (\S+)", printed)
-    device = vsb.load(HOME / "config" / "buoy.yaml").device
+    device = vsb.load(EXAMPLE).device
     return {
         "modes": modes,
         "strain": 100 * float(strain),
@@ -158,10 +172,152 @@ def claim(name: str, folder: Path) -> dict[str, Value]:
     return {**found.figures, CONDITIONS: found.conditions}
 
 
+def pays_map(folder: Path) -> dict[str, Value]:
+    """When flexibility pays: gains with a limited force over period and modulus, and the shells' strain at rest."""
+    if not (folder / "map.csv").is_file():
+        examples_command("when_flexibility_pays", str(folder))
+    rows = pd.read_csv(folder / "map.csv")
+    rows["modulus"] = rows.young_modulus / 1e6
+    found: dict[str, Value] = {"gap": 100 * float(rows.gap.max())}
+    for row in rows[(rows.wave == "jonswap") & rows.force_limit.isin(FORCES) & rows.period.isin(PEAKS)].itertuples():
+        found[f"{row.modulus:g}.{row.force_limit:g}.{row.period:g}"] = float(row.gain_percent)
+    weak = rows[rows.force_limit == FORCES[0]]
+    for modulus, some in weak[weak.wave == "regular"].groupby("modulus"):
+        found[f"{modulus:g}.regular.3"] = float(some.gain_percent[some.period == 3.0].iloc[0])
+    gain = weak[(weak.wave == "jonswap") & (weak.modulus == 40.0) & weak.period.between(3.0, 5.0)].gain_percent
+    found |= {"weak.least": float(gain.min()), "weak.most": float(gain.max())}
+    for modulus, some in rows[np.isinf(rows.force_limit)].groupby("modulus"):
+        found[f"{modulus:g}.ideal"] = float(some.gain_percent.min())
+    for modulus in (10.0, 20.0, 40.0):
+        found[f"{modulus:g}.strain"] = 100 * strain_at_rest(1e6 * modulus)
+    return found
+
+
+FORCES, PEAKS = (0.1, 1.0), (2.0, 2.7, 3.0, 4.0, 5.0, 8.0)
+"""Limits of force [rms force of the rigid buoy's optimal damper] and peak periods [s] of the page's table."""
+
+
+def strain_at_rest(young_modulus: float) -> float:
+    """Return the largest strain of the example's shell at rest with another modulus [-]."""
+    raw = vsb.load(EXAMPLE).model_dump()
+    raw["device"]["young_modulus"] = young_modulus
+    raw["modes"] |= {"degree": DEGREE}
+    study = parse(raw)
+    reference = reference_shell(study)
+    return static_strain(reference.basis, static_modal_amplitude(study, reference))
+
+
+def pays_in_a_year(folder: Path) -> dict[str, Value]:
+    """Gain within limits of force over the year, by modulus and limit, and the shells' strain at rest."""
+    vsb_command("run", "config/when_it_pays.yaml", folder=folder)
+    campaign = vsb.open(folder / "results" / "when_it_pays")
+    assert isinstance(campaign, vsb.Campaign)
+    found: dict[str, Value] = {}
+    for row in campaign.table[campaign.table.design == FREE].itertuples():
+        for end in ("percent", "low", "high"):
+            key = f"{row[1] / 1e6:g}.{row[2] / 1e3:g}.{end}"
+            found[key] = float(getattr(row, f"gain_{end}"))
+    for modulus in sorted({key.partition(".")[0] for key in found}, key=float):
+        found[f"{modulus}.strain"] = 100 * strain_at_rest(1e6 * float(modulus))
+    return found
+
+
+def best_buoy(folder: Path) -> dict[str, Value]:
+    """The best flexible and the best rigid buoy of the design problem shipped, the proof, and what limits them."""
+    raw = yaml.safe_load((HOME / "config" / "best_buoy.yaml").read_text(encoding="utf-8"))
+    raw |= {"study": str(EXAMPLE), "climate": {"spectra": str(HOME / SEAS)}, "verify": VERIFY}
+    write_text(folder / "best_buoy.yaml", yaml.safe_dump(raw, sort_keys=False))
+    vsb_command("run", "best_buoy.yaml", folder=folder)
+    best = vsb.open(folder / "results" / "best_buoy")
+    assert isinstance(best, vsb.BestBuoy)
+    facts = best.facts
+    found: dict[str, Value] = {f"gain.{end}": float(value) for end, value in facts["gain"].items()}
+    for name, power_of in facts["power"].items():
+        found[f"{name}.power"] = float(power_of)
+        found |= {f"{name}.{key}": float(value) for key, value in facts["quantities"][name].items() if key in SIZES}
+    for name, one in facts["found"].items():
+        found |= {f"{name}.{row['key']}": float(row["value"]) for row in one["variables"]}
+        starts = facts["starts"][name]
+        found[f"{name}.starts"] = sum(bool(start["accepted"]) for start in starts)
+        found[f"{name}.evaluations"] = sum(int(start["evaluations"]) for start in starts)
+    found |= {f"runs.{end}": float(facts["verified"][end]) for end in ("value", "low", "high")}
+    for row in facts["budget"]:
+        found[f"error.{row['name']}"] = max(-float(row["low"]), float(row["high"]))
+    for limit, buoys in facts["fronts"].items():
+        for name, front in buoys.items():
+            found |= {f"{name}.{limit}.{one['limit']:g}": float(one["objective"]) for one in front}
+    weights = facts["found"]["flexible"]["multipliers"]
+    for limit, more in (("force_rms", 0.1 * facts["limits"]["force_rms"]), ("beam", 0.1), ("stroke_rms", 0.1)):
+        found[f"worth.{limit}"] = 100 * more / facts["limits"][limit] * float(weights.get(limit, 0.0))
+    found["size_gain"] = 100 * (facts["power"]["flexible"] / facts["power"]["undeformed sphere"] - 1)
+    found["twin_gain"] = 100 * (facts["power"]["flexible"] / facts["power"]["rigid twin"] - 1)
+    for force in ("10000", "20000", "40000"):
+        flexible, rigid = (float(found[f"{name}.force_rms.{force}"]) for name in ("flexible", "rigid competitor"))
+        found[f"gain_at.{force}"] = 100 * (flexible / rigid - 1)
+    return found
+
+
+VERIFY = {"seas": 24, "model": "body_exact"}
+SIZES = ("beam", "draft")
+
+
+def directions_of(folder: Path) -> dict[str, Value]:
+    """Gains at ports on heave, surge and pitch."""
+    path = folder / "directions.csv"
+    if not path.is_file():
+        examples_command("directions", str(path))
+    found: dict[str, Value] = {}
+    for row in pd.read_csv(path).itertuples():
+        name = f"{row.shell}.{row.port}.{row.period:g}"
+        found |= {f"{name}.rigid": float(row.rigid_limit_fraction), f"{name}.gain": float(row.gain_percent)}
+        found[f"{row.shell}.{row.port}.degree"] = int(row.degree)
+    return found
+
+
+def strain(folder: Path) -> dict[str, Value]:
+    """Shares of a year's power by take-off, mooring, size and shell."""
+    path = folder / "power_from_strain.csv"
+    if not path.is_file():
+        examples_command("power_from_strain", str(folder), "config/strain.yaml", "config/pressurised.yaml")
+    return {
+        f"{row.study}.{row.scale:g}.{row.take_off}.{row.mooring}": float(row.share_percent)
+        for row in pd.read_csv(path).itertuples()
+    }
+
+
+def paper(folder: Path) -> dict[str, Value]:
+    """The paper's Table II with its own loading: as stated and as inferred, and with optimal damping."""
+    found: dict[str, Value] = {}
+    for name in PAPERS:
+        vsb_command("run", f"config/{name}.yaml", folder=folder)
+        results = vsb.open(folder / "results" / name)
+        assert isinstance(results, vsb.Results)
+        for row in results.comparison.itertuples():
+            at = f"{name}.{row.design}"
+            found |= {f"{at}.{key}": float(getattr(row, key)) for key in ("displacement_pp", "velocity_pp")}
+            found[f"{at}.pto_force_pp"] = float(row.damping) * float(row.velocity_pp)
+            found |= {
+                f"{at}.{key}": float(getattr(row, key)) for key in ("power_peak", "energy", "energy_gain_percent")
+            }
+        for best in paper_at_optimal_damping.rows_of(vsb.load(HOME / "config" / f"{name}.yaml")):
+            found |= {f"{name}.{best.design}.{key}": value for key, value in best._asdict().items() if key != "design"}
+    return found
+
+
+PAPERS = ("paper", "paper_inferred")
 CONDITIONS = "conditions"
 SOURCES: Mapping[str, Source] = {
     "study": Source("make study", study),
     "check": Source("vsb check config/buoy.yaml", checked, quick=True),
+    "map": Source("python -m examples.when_flexibility_pays results/when_flexibility_pays", pays_map),
+    "when_it_pays": Source("vsb run config/when_it_pays.yaml", pays_in_a_year),
+    "best_buoy": Source("vsb run config/best_buoy.yaml, with verify: {seas: 24, model: body_exact}", best_buoy),
+    "directions": Source("python -m examples.directions results/directions.csv", directions_of),
+    "strain": Source(
+        "python -m examples.power_from_strain results/power_from_strain config/strain.yaml config/pressurised.yaml",
+        strain,
+    ),
+    "paper": Source("vsb run config/paper.yaml, config/paper_inferred.yaml", paper),
     **{
         f"claims.{name}": Source(f"python -m examples.claims results/claims {name}", partial(claim, name))
         for name in claims.CASES
