@@ -40,7 +40,7 @@ test: $(READY) ## style, types, workflow lint, and the quick tests
 test-all: $(READY) ## style, types, workflow lint, and all tests, the slow ones too
 	@$(MAKE) --no-print-directory --jobs=2 lint unit MARKS="slow or not slow"
 
-verification: $(READY) ## every capability against computations that share nothing with the package, see docs/verification.md: five minutes
+verification: $(READY) ## every capability against computations that share nothing with the package, see docs/verification.md: some ten minutes
 	@PATH="$(CURDIR)/$(BIN):$$PATH" OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -q -n 2 --dist loadfile -o addopts="--import-mode=importlib" tests/verification
 
 lint: $(READY)

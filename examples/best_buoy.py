@@ -1,6 +1,6 @@
 """The buoy that absorbs most in a site's year, found from Python: its answer, proof, limits, and a study of it.
 
-`python -m examples.best_buoy` solves config/best_buoy.yaml in about five minutes; another design file may be named, as
+`python -m examples.best_buoy` solves config/best_buoy.yaml in some minutes; another design file may be named, as
 `vsb init my_design.yaml --design` writes one. What is in results/ already is kept.
 """
 

@@ -169,7 +169,7 @@ def checked(folder: Path) -> dict[str, Value]:
 def claim(name: str, folder: Path) -> dict[str, Value]:
     """Figures of a published claim, and the shells and modes they hold for."""
     found = claims.recorded(name, folder)
-    return {**found.figures, CONDITIONS: found.conditions}
+    return found.figures | ({CONDITIONS: found.conditions} if found.conditions else {})
 
 
 def pays_map(folder: Path) -> dict[str, Value]:

@@ -106,7 +106,7 @@ def best_buoy_errors(values: Values) -> str:
     begin = "best_buoy.error."
     known = {key.removeprefix(begin): float(value) for key, value in values.items() if key.startswith(begin)}
     words = [f"{name} {value:.2f}" for name, value in sorted(known.items(), key=lambda one: -one[1]) if value >= 0.005]
-    return f"The gain is uncertain by (in points, each by itself): {'; '.join(words)}."
+    return f"The gain is uncertain by, in points: {'; '.join(words)}. Inputs: see `uncertain`."
 
 
 def best_buoy_force(values: Values) -> str:
