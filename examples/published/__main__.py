@@ -130,7 +130,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     line = argparse.ArgumentParser(prog="python -m examples.published", description=__doc__)
     line.add_argument("sources", metavar="SOURCE", nargs="*", help=f"some of {', '.join(SOURCES)}; all if none")
     line.add_argument("--stored", action="store_true", help="compute nothing: pages from the values stored")
-    line.set_defaults(handler=run, writes=())
+    line.set_defaults(handler=run, writes={})
     return answer(line, argv)
 
 
