@@ -48,7 +48,6 @@ COMMANDS = {
         ("count", "out"), int, fails=bool,
     ),
 }  # fmt: skip
-WRITES = {"folder": "{folder}/", "out": "{out}"}
 
 
 def run(args: argparse.Namespace) -> int:
@@ -71,7 +70,8 @@ def parser() -> argparse.ArgumentParser:
         for argument in one.arguments:
             command.add_argument(argument, metavar="OUT.csv" if argument == "out" else argument.upper())
         module = name.replace("-", "_")
-        command.set_defaults(handler=run, benchmark=one, module=module, writes=(WRITES[one.arguments[-1]],))
+        writes = {"{folder}/": ""} if one.arguments[-1] == "folder" else {}
+        command.set_defaults(handler=run, benchmark=one, module=module, writes=writes)
     return top
 
 

@@ -14,5 +14,5 @@ def command(
     line = argparse.ArgumentParser(prog=f"python -m examples.{name}", description=words)
     for place, metavar in places.items():
         line.add_argument(place, metavar=metavar.removesuffix("..."), nargs="*" if metavar.endswith("...") else None)
-    line.set_defaults(handler=handler, writes=(writes,))
+    line.set_defaults(handler=handler, writes={writes: ""} if writes.endswith("/") else {})
     return partial(answer, line)
