@@ -44,6 +44,7 @@ ADVICE = {
     "translation": "a mooring (body.stiffness), if the body drifts; lower waves",
     "surge": "a mooring",
     "irregular_frequencies": "a lid, or finer panels",
+    "resonance": "damping of the enclosed water (body.damping): linear theory has none but radiation",
     "lid": "finer panels, or lid: 0 and frequencies below the first irregular one",
     "closure": "a mesh without the gap",
     "displaced_mass": "the mass, or the vertical position of the mesh",

@@ -1,5 +1,6 @@
 """Checks of a body study before anything is solved: its files, its rest, its seas, its cost."""
 
+import tempfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,8 @@ from vsb.errors import ConfigError, StabilityError
 from vsb.hydro import database, quality
 from vsb.hydro.bodies.body import FlexibleBody
 from vsb.hydro.bodies.build import build_body
-from vsb.hydro.bodies.study import check_solvable, cost
+from vsb.hydro.bodies.refinement import history_of, refined_file
+from vsb.hydro.bodies.study import check_solvable, cost, solved
 from vsb.hydro.bodies.verdict import mesh_checks
 from vsb.hydro.database import Check
 from vsb.hydro.formats.exchange import read_source
@@ -132,6 +134,33 @@ def check_stored(plan: BodyPlan) -> None:
         load(plan.radiation_path)
 
 
+QUICK, IN_FINITE_DEPTH = 15.0, 5.0
+"""Seconds within which a body is solved to see what a run would say of it, and how much longer finite depth takes."""
+
+
+def solved_lines(plan: BodyPlan, file: BodyFile, mesh: FlexibleBody) -> list[str]:
+    """Return what the coefficients of a body say of its panels, solved now, unstored, where that takes seconds.
+
+    Raises `DatabaseError` as the run would: if a check fails that smaller panels do not mend.
+    """
+    seconds = cost(file, mesh)[1] * len(file.omega) * (1.0 if np.isinf(file.water.depth) else IN_FINITE_DEPTH)
+    if Path(plan.database_path).exists():
+        return []
+    if seconds > QUICK:
+        return [
+            f"panels       not tried: {len(file.omega)} frequencies take more than {QUICK:g} s; the run judges them"
+        ]
+    from vsb.hydro.panels.rings import quick_green_function  # capytaine
+
+    with tempfile.TemporaryDirectory() as folder:
+        found, checks = solved(file, mesh, folder, green=quick_green_function())
+    checks = [check for check in checks if check.name not in plan.study.hydro.accept]
+    if finer := refined_file(file, mesh, checks):
+        return [f"doubt        panels: as given they fail; in the run {history_of(file, finer, checks)}"]
+    judged(plan.database, within_band(found, plan.study.hydro.omega_max))
+    return [f"ok           panels: {len(file.omega)} frequencies tried"]
+
+
 def summary(plan: BodyPlan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
     (body, checks, mesh), study = check(plan), plan.study
@@ -152,6 +181,7 @@ def summary(plan: BodyPlan) -> list[str]:
             f"mesh         {len(mesh.faces)} panels: about {seconds:.2g} s a frequency on one core, {memory:.2g} GB"
         )
         lines += memory_doubts(memory)
+        lines += solved_lines(plan, file, mesh)
     lines += [part for part in str(body.database.attrs.get("history", "")).split("; ") if part.startswith("left out")]
     doubts = [replace(check, name=f"hydro {check.name}") for check in checks if check.verdict != "ok"]
     checks = [*doubts, *ledger.angle_checks(study), *ledger.seas_checks(study, body.database)]

@@ -1,14 +1,15 @@
 """Rule coefficients: the hydro database of a body, solved of its mesh or read from files, its matrices with it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import xarray as xr
 
 from vsb import __version__
 from vsb.hydro import database, quality
 from vsb.hydro.bodies.build import build_body
+from vsb.hydro.bodies.refinement import history_of, refined_file
 from vsb.hydro.bodies.study import solved
 from vsb.hydro.database import Check
 from vsb.hydro.formats import bemio, checks, wamit
@@ -48,13 +49,39 @@ def run_coefficients(spec: BodySpec, out: str, **files: str) -> None:
     accept.
     """
     if isinstance(spec.body.file, BodyFile):
-        mesh = build_body(spec.body.file, files)
-        found, _ = solved(spec.body.file, mesh, files["folder"], files["green"])
+        found = finely_solved(spec.body.file, spec.accept, files, files["folder"], files["green"])
     else:
         body = spec.body
         found = read_source(body.kind, files[body.kind], spec.water, body.length, body.bodies, body.modes)
     check_water(spec.water, found)
     store(spec, within_band(found, spec.omega_max), out)
+
+
+def finely_solved(
+    file: BodyFile, accept: Sequence[str], files: Mapping[str, str], folder: str, table: str = "", green: Any = None
+) -> xr.Dataset:
+    """Return the coefficients of a body file, on smaller panels while a check fails that they may mend.
+
+    Parameters
+    ----------
+    file : BodyFile
+    accept : sequence of str
+        Checks whose failure the study accepts.
+    files : mapping of str
+        Paths of the files of the body, by key.
+    folder, table, green
+        Where blocks are kept, and the Green function, as of `solved`.
+    """
+    history: list[str] = []
+    while True:
+        mesh = build_body(file, files)
+        found, checks = solved(file, mesh, folder, table, green)
+        checks = [check for check in checks if check.name not in accept]
+        finer = refined_file(file, mesh, checks)
+        if finer is None:
+            return database.with_history(found, *history)
+        history.append(history_of(file, finer, checks))
+        file = finer
 
 
 class Judged(NamedTuple):

@@ -84,6 +84,11 @@ def gap_resonance(body: FlexibleBody, gravity: float) -> Resonance | None:
     return min(found, key=lambda each: each.width, default=None)
 
 
+def encloses_water(body: FlexibleBody) -> bool:
+    """Return whether a body has open water inside, as a ring or a moonpool does."""
+    return any(_enclosed(line) < 0 for line in waterlines(body))
+
+
 def interior_lid(body: FlexibleBody, belts: int) -> tuple[FloatArray, IntArray] | None:
     """Return vertices and panels, normals down, of a lid inside every waterline of a body.
 

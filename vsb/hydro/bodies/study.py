@@ -92,15 +92,18 @@ def solve(study: BodyFile, body: FlexibleBody, out: str | Path, tables: str | Pa
 
 
 def solved(
-    study: BodyFile, body: FlexibleBody, out: str | Path, tables: str | Path | None = None
+    study: BodyFile, body: FlexibleBody, out: str | Path, tables: str | Path | None = None, green: Any = None
 ) -> tuple[xr.Dataset, list[Check]]:
-    """Return the database of a body and its verdict; blocks in `out` are kept, and those solved are added."""
+    """Return the database of a body and its verdict; blocks in `out` are kept, and those solved are added.
+
+    `green` is the Green function, of `rings`; that of a stored table if not given.
+    """
     check_solvable(study, body)
     symmetry = detected_symmetry(body) if study.symmetry == "auto" else study.symmetry
     regular = BELOW_IRREGULAR * first_irregular_frequency(body, study.water.gravity)
     lid = interior_lid(body, study.lid) if study.lid and study.omega[-1] > regular else None
     table = Path(tables or Path(out, "green", panel_solver().replace(" ", "-")))
-    blocks = Blocks(study, body, symmetry, lid, Path(out, "blocks"), table)
+    blocks = Blocks(study, body, symmetry, lid, Path(out, "blocks"), table, green)
     infinite, directions = blocks(np.inf), np.deg2rad(study.wave_direction)
     size = sizes(infinite.own.added_mass_inf.values, least_sizes(body, study.water.density))
     centre = (body.vertices.max(axis=0) + body.vertices.min(axis=0)) / 2
@@ -164,11 +167,13 @@ class Blocks:
     lid: tuple[FloatArray, IntArray] | None
     folder: Path
     table: Path
+    green: Any = None  # of `rings`; none: of the table
 
     @cached_property
     def problem(self) -> BodyProblem:
         """The body in waves."""
-        return BodyProblem(bem.stored_green_function(self.table), self.body, self.study.water, self.symmetry, self.lid)
+        green = self.green or bem.stored_green_function(self.table)
+        return BodyProblem(green, self.body, self.study.water, self.symmetry, self.lid)
 
     @cached_property
     def _coarser(self) -> tuple[BodyProblem, float]:

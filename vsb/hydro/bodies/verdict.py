@@ -19,12 +19,13 @@ from vsb.hydro.bodies.body import (
     FlexibleBody,
     detected_symmetry,
     panel_diameters,
+    panel_size,
     panels_per_lobe,
     rigid_misfit,
 )
 from vsb.hydro.bodies.coarsening import coarser_body
 from vsb.hydro.bodies.hydrostatics import hinge_gap, hydrostatic_stiffness, linear_share
-from vsb.hydro.bodies.lid import first_irregular_frequency, gap_resonance
+from vsb.hydro.bodies.lid import encloses_water, first_irregular_frequency, gap_resonance
 from vsb.hydro.bodies.mesh import at_centres, text_of
 from vsb.hydro.bodies.solver import BodyProblem
 from vsb.hydro.database import ESTIMATE, Check, Rule, with_excitation
@@ -37,6 +38,8 @@ from vsb.waves.dispersion import haskind_factor, wavenumber
 RULES = {
     "error_estimate": Rule(0.05, "estimated error of added mass, damping and excitation, relative to the largest "
         "entry; smaller panels lower it"),
+    "resonance": Rule(0.05, "estimated error around resonances of the water the body encloses, which in linear theory "
+        "only radiation damps:", doubt=np.inf),
     "interpolation_error": Rule(np.nan, "relative to the band's largest entry", doubt=1.0),  # limit: the tolerance
     "one_resolution": Rule(0.5, "share of the surface without fewer panels to compare with, whose part of the error no "
         "estimate has"),
@@ -71,6 +74,8 @@ _CLOSED = 1e-6  # difference of the volumes without gaps
 _LEAST_SIZE = 0.3  # of a displacement, relative to all displaced water moving like the surface
 _LEAST_RATIO = 1.2  # of two resolutions that allow an estimate
 _MATRICES = ("added_mass", "radiation_damping")
+_AROUND = 0.2  # a resonance, relative: frequencies its error is judged apart at
+_DROP = 0.75  # of added mass between two frequencies, in terms of that at infinity, that makes a resonance
 _IDENTITIES = ("symmetry", "far_field", "haskind")
 _ABOUT = 0.1  # error of the frequency of a gap's resonance, relative
 _IRREGULAR = "; irregular frequencies begin at about {:.3g} rad/s, a lid (lid: 8) removes them"
@@ -136,18 +141,47 @@ def identities(ds: xr.Dataset, problem: BodyProblem) -> dict[str, float]:
     return {name: float(np.abs(error).max()) for name, error in zip(_IDENTITIES, errors, strict=True)}
 
 
-def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -> float:
-    """Return the estimated error of coefficients, relative to the band's largest entry of each [-].
+class Resonance(NamedTuple):
+    """Enclosed water that resonates: a motion's added mass drops, mostly below zero, where its damping peaks."""
+
+    omega: float  # [rad/s], between two frequencies solved
+    motion: str
+
+
+def resonances(body: FlexibleBody, solved: Sequence[Block], size: FloatArray) -> list[Resonance]:
+    """Return the resonances of the water a body encloses, the first of each motion, as its coefficients show them."""
+    if len(solved) < 2 or not encloses_water(body):
+        return []
+    own = joined(*(block.own for block in solved)).sortby("omega")
+    omega, found = own.omega.values, []
+    for i, label in enumerate(body.labels):
+        drops = -np.diff(own.added_mass.values[:, i, i]) / size[i] ** 2
+        if drops.max() > _DROP:
+            first = int(np.argmax(drops > _DROP))
+            found.append(Resonance(float((omega[first] + omega[first + 1]) / 2), label))
+    return found
+
+
+class Errors(NamedTuple):
+    """Estimated error of coefficients, relative to the band's largest entry of each [-], and where it is largest."""
+
+    largest: float
+    omega: float  # [rad/s]
+    motion: str
+
+
+def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -> Errors:
+    """Return the estimated error of coefficients, relative to the band's largest entry of each.
 
     With panels r times as large, in the mean over the surface, the error of a method of order p grows by r^p: the
     change is r^p - 1 >= r - 1 times the error for p >= 1, the order of flat panels at worst. Errors common to both
     meshes are added for damping and excitation: the distances from the energy of the far field and from Haskind's
     relation. One, all of it, if panels found no partners to be joined with.
     """
-    ratio = float(infinite.own.attrs["resolution_ratio"])
-    if ratio < _LEAST_RATIO:
-        return 1.0
     own, fewer, waves = (joined(*parts) for parts in zip(*solved, strict=True))
+    ratio, labels = float(infinite.own.attrs["resolution_ratio"]), own.influenced_dof.values
+    if ratio < _LEAST_RATIO:
+        return Errors(1.0, float(own.omega.values.max()), str(labels[0]))
     value, coarse, known = (_in_units(ds, size) for ds in (with_excitation(own), fewer, waves))
     limit, other = (ds.added_mass_inf.values / np.outer(size, size) for ds in infinite[:2])
     value["added_mass"], coarse["added_mass"] = (
@@ -156,8 +190,13 @@ def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -
     )
     largest = {name: float(np.abs(v).max()) or 1.0 for name, v in value.items()}
     both = sum(apart(value[name], known[name]) / largest[name] for name in known)
-    change = {name: apart(value[name], coarse[name]) / largest[name] / (ratio - 1) for name in value}
-    return max(error + (both if name in known else 0.0) for name, error in change.items())
+    missed = {name: np.abs(value[name] - coarse[name]) / largest[name] / (ratio - 1) for name in value}
+    totals = {name: float(error.max()) + (both if name in known else 0.0) for name, error in missed.items()}
+    worst = max(totals, key=totals.__getitem__)
+    at = missed[worst] + (np.abs(value[worst] - known[worst]) / largest[worst] if worst in known else 0.0)
+    place = np.unravel_index(int(np.argmax(at)), at.shape)
+    motion = place[-1] if worst == "excitation_force" else place[1]
+    return Errors(totals[worst], float([*own.omega.values, np.inf][place[0]]), str(labels[motion]))
 
 
 def signed_errors(found: Swept) -> xr.Dataset | None:
@@ -206,20 +245,44 @@ def _in_units(ds: xr.Dataset, size: FloatArray) -> dict[str, npt.NDArray[np.inex
 
 def verdict(study: BodyFile, body: FlexibleBody, infinite: Block, found: Swept, size: FloatArray) -> list[Check]:
     """Return the checks of a database before it is symmetrized."""
-    solved, error = found.solved, error_estimate(found.solved, infinite, size)
+    inside = resonances(body, found.solved, size)
+    apart_from = [block for block in found.solved if not any(_is_around(block, one) for one in inside)]
+    solved = apart_from or found.solved
+    error = error_estimate(solved, infinite, size)
     negative = quality.negative_damping(found.coefficients, np.outer(size, size))
     first = first_irregular_frequency(body, study.water.gravity)
     cure = "" if study.lid or study.omega[-1] < BELOW_IRREGULAR * first else _IRREGULAR.format(first)
     gap = gap_resonance(body, study.water.gravity)
     near = gap is not None and study.omega[0] < (1 + _ABOUT) * gap.omega and (1 - _ABOUT) * gap.omega < study.omega[-1]
     cure += _PISTON.format(*gap) if gap and near else ""
-    checks = [_check("error_estimate", error, cure)]
+    checks = [_check("error_estimate", error.largest, _place(error, None if cure else body) + cure)]
+    if len(solved) < len(found.solved):
+        named = ", ".join(f"{one.motion} at about {one.omega:.3g} rad/s" for one in inside)
+        checks.append(_check("resonance", error_estimate(found.solved, infinite, size).largest, f" {named}"))
     if study.tolerance is not None:
         text = f"{len(solved)} solves for {len(study.omega)} frequencies; {RULES['interpolation_error'].explanation}"
         checks.append(replace(_check("interpolation_error", found.error, limit=study.tolerance), explanation=text))
     checks.append(_check("one_resolution", 1 - infinite.own.attrs["coarser_share"]))
     checks += [_check(name, max(block.own.attrs[name] for block in solved), cure) for name in _IDENTITIES]
     return [*checks, _check("positive_damping", negative), *mesh_checks(study, body)]
+
+
+def _is_around(block: Block, resonance: Resonance) -> bool:
+    """Whether a block is of a frequency around a resonance."""
+    return abs(float(block.own.omega[0]) / resonance.omega - 1) < _AROUND
+
+
+def _place(error: Errors, body: FlexibleBody | None) -> str:
+    """Where an error above its limit is largest, and the panels of a body that would do, of order one at worst.
+
+    None of a body whose error smaller panels do not mend.
+    """
+    limit = RULES["error_estimate"].limit
+    if error.largest <= limit:
+        return ""
+    where = "at infinite frequency" if np.isinf(error.omega) else f"at {error.omega:.3g} rad/s"
+    panels = f", for which panels of about {panel_size(body) * limit / error.largest:.2g} m would do" if body else ""
+    return f"; largest in {error.motion} {where}{panels}"
 
 
 def lid_check(solved: Sequence[Block], bare: Block, size: FloatArray) -> Check:
