@@ -4,10 +4,11 @@ A degree is looked for once: a run keeps it under `hydro/degrees` of the results
 looks, as `vsb check` does, writes nothing.
 """
 
+import contextlib
 import hashlib
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, overload
 
@@ -54,7 +55,7 @@ def with_degree(plan: Plan, *, keep: bool = True) -> Plan:
     if isinstance(plan, StudyPlan):
         if plan.study.modes.degree is not None:
             return plan
-        with units_doubted(plan.study):
+        with units_doubted(plan.study), load_advised(plan.study):
             return StudyPlan(_with(plan.study, degree_needed(plan, keep=keep).degree), root=plan.root)
     if (base := plan.loaded.base.buoy) is None:
         return plan
@@ -63,6 +64,17 @@ def with_degree(plan: Plan, *, keep: bool = True) -> Plan:
     return CampaignPlan(
         plan.loaded.model_copy(update={"base": _with(base, degree_needed(plan, keep=keep).degree)}), root=plan.root
     )
+
+
+@contextlib.contextmanager
+def load_advised(study: Study) -> Iterator[None]:
+    """Say in an error of a shell that does not carry its load what would carry it, tried now."""
+    try:
+        yield
+    except ConfigError as error:
+        from vsb.scenes.load_advice import advised  # only now: it imports what solves
+
+        raise advised(study, error) from None
 
 
 class Needed(NamedTuple):

@@ -11,6 +11,7 @@ from vsb.shell.modes import mode_basis
 from vsb.shell.ritz import natural_modes
 from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages.costs import WITNESS_ROW2_SECONDS, block_seconds, latching_seconds
+from vsb.stages.planning import load_advised
 from vsb.study.blocks import BlockSpec, no_witness
 from vsb.study.plan import StudyPlan
 from vsb.study.quantities import content_id
@@ -31,7 +32,8 @@ def check(plan: StudyPlan) -> None:
     Raises `ConfigError` or `DatabaseError`.
     """
     study = plan.study
-    reference = reference_shell(study)
+    with load_advised(study):
+        reference = reference_shell(study)
     check_stable(study, seen_by_take_off(study, reference)[0])
     check_spring(study, reference)
     check_rests(study, reference)
