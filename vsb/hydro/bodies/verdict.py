@@ -162,16 +162,21 @@ def resonances(body: FlexibleBody, solved: Sequence[Block], size: FloatArray) ->
     return found
 
 
-class Errors(NamedTuple):
+class Error(NamedTuple):
     """Estimated error of coefficients, relative to the band's largest entry of each [-], and where it is largest."""
 
-    largest: float
+    value: float
     omega: float  # [rad/s]
     motion: str
 
 
-def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -> Errors:
-    """Return the estimated error of coefficients, relative to the band's largest entry of each.
+def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -> float:
+    """Return the estimated error of coefficients, relative to the band's largest entry of each [-]."""
+    return largest_error(solved, infinite, size).value
+
+
+def largest_error(solved: Sequence[Block], infinite: Block, size: FloatArray) -> Error:
+    """Return the estimated error of coefficients and where it is largest.
 
     With panels r times as large, in the mean over the surface, the error of a method of order p grows by r^p: the
     change is r^p - 1 >= r - 1 times the error for p >= 1, the order of flat panels at worst. Errors common to both
@@ -181,7 +186,7 @@ def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -
     own, fewer, waves = (joined(*parts) for parts in zip(*solved, strict=True))
     ratio, labels = float(infinite.own.attrs["resolution_ratio"]), own.influenced_dof.values
     if ratio < _LEAST_RATIO:
-        return Errors(1.0, float(own.omega.values.max()), str(labels[0]))
+        return Error(1.0, float(own.omega.values.max()), str(labels[0]))
     value, coarse, known = (_in_units(ds, size) for ds in (with_excitation(own), fewer, waves))
     limit, other = (ds.added_mass_inf.values / np.outer(size, size) for ds in infinite[:2])
     value["added_mass"], coarse["added_mass"] = (
@@ -196,7 +201,7 @@ def error_estimate(solved: Sequence[Block], infinite: Block, size: FloatArray) -
     at = missed[worst] + (np.abs(value[worst] - known[worst]) / largest[worst] if worst in known else 0.0)
     place = np.unravel_index(int(np.argmax(at)), at.shape)
     motion = place[-1] if worst == "excitation_force" else place[1]
-    return Errors(totals[worst], float([*own.omega.values, np.inf][place[0]]), str(labels[motion]))
+    return Error(totals[worst], float([*own.omega.values, np.inf][place[0]]), str(labels[motion]))
 
 
 def signed_errors(found: Swept) -> xr.Dataset | None:
@@ -248,17 +253,17 @@ def verdict(study: BodyFile, body: FlexibleBody, infinite: Block, found: Swept, 
     inside = resonances(body, found.solved, size)
     apart_from = [block for block in found.solved if not any(_is_around(block, one) for one in inside)]
     solved = apart_from or found.solved
-    error = error_estimate(solved, infinite, size)
+    error = largest_error(solved, infinite, size)
     negative = quality.negative_damping(found.coefficients, np.outer(size, size))
     first = first_irregular_frequency(body, study.water.gravity)
     cure = "" if study.lid or study.omega[-1] < BELOW_IRREGULAR * first else _IRREGULAR.format(first)
     gap = gap_resonance(body, study.water.gravity)
     near = gap is not None and study.omega[0] < (1 + _ABOUT) * gap.omega and (1 - _ABOUT) * gap.omega < study.omega[-1]
     cure += _PISTON.format(*gap) if gap and near else ""
-    checks = [_check("error_estimate", error.largest, _place(error, None if cure else body) + cure)]
+    checks = [_check("error_estimate", error.value, _place(error, None if cure else body) + cure)]
     if len(solved) < len(found.solved):
         named = ", ".join(f"{one.motion} at about {one.omega:.3g} rad/s" for one in inside)
-        checks.append(_check("resonance", error_estimate(found.solved, infinite, size).largest, f" {named}"))
+        checks.append(_check("resonance", error_estimate(found.solved, infinite, size), f" {named}"))
     if study.tolerance is not None:
         text = f"{len(solved)} solves for {len(study.omega)} frequencies; {RULES['interpolation_error'].explanation}"
         checks.append(replace(_check("interpolation_error", found.error, limit=study.tolerance), explanation=text))
@@ -272,16 +277,16 @@ def _is_around(block: Block, resonance: Resonance) -> bool:
     return abs(float(block.own.omega[0]) / resonance.omega - 1) < _AROUND
 
 
-def _place(error: Errors, body: FlexibleBody | None) -> str:
+def _place(error: Error, body: FlexibleBody | None) -> str:
     """Where an error above its limit is largest, and the panels of a body that would do, of order one at worst.
 
     None of a body whose error smaller panels do not mend.
     """
     limit = RULES["error_estimate"].limit
-    if error.largest <= limit:
+    if error.value <= limit:
         return ""
     where = "at infinite frequency" if np.isinf(error.omega) else f"at {error.omega:.3g} rad/s"
-    panels = f", for which panels of about {panel_size(body) * limit / error.largest:.2g} m would do" if body else ""
+    panels = f", for which panels of about {panel_size(body) * limit / error.value:.2g} m would do" if body else ""
     return f"; largest in {error.motion} {where}{panels}"
 
 
