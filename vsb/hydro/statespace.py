@@ -23,6 +23,8 @@ ORDERS = (6, 10, 14, 18, 22)
 UNUSABLE = 0.02
 """Error from which on a radiation model is not usable [-]."""
 _DELAYS = (0.0, 0.5, 1.0, 1.5, 2.0)  # starting phases of the channel, in units of the time scale of the body
+_LEADING = 1e-4  # part of the largest singular value of the amplitudes above which a direction is fitted
+_POLISHED_PART = 3e-3  # the same above which its fit is polished; the others follow from these
 _POLISHED = 2  # number of starts that are polished, best first
 
 
@@ -217,22 +219,41 @@ def fit_order(spectrum: DampingSpectrum, omega: FloatArray, order: int) -> tuple
     """Return the best passive model of an order and its rms error relative to each mode's largest damping [-].
 
     Motions that radiate alike (two modes of one degree) are fitted once: the fit lives in the leading singular vectors
-    of the amplitudes x(omega), which leaves the Frobenius norm of the error unchanged.
+    of the amplitudes x(omega), which leaves the Frobenius norm of the error unchanged. Of many modes most directions
+    are small: they follow linearly from their coupling with the others.
     """
     scale = np.sqrt(np.einsum("wii->wi", spectrum.damping).max(axis=0))
     x = _channel_amplitudes(spectrum, omega, scale)
     _, singular, vt = np.linalg.svd(x, full_matrices=False)
-    lead = vt[singular > 1e-4 * singular[0]].T  # (dof, direction)
+    lead = vt[singular > _LEADING * singular[0]].T  # (dof, direction)
+    main = int(np.count_nonzero(singular > _POLISHED_PART * singular[0]))
     target = lead.T @ (spectrum.transfer(omega) / np.outer(scale, scale)) @ lead
-    upper = np.triu_indices(lead.shape[1])
-    a, channel = _dissipative(vector_fit(omega, target[:, *upper], order))
+    of_main, upper = target[:, :main, :main], np.triu_indices(main)
+    a, channel = _dissipative(vector_fit(omega, of_main[:, *upper], order))
     resolvent = _resolvent(a, omega)
     peak = omega[int(np.argmax(np.einsum("wi,wi->w", x, x)))]
     starts = sorted(
-        (_start(resolvent, channel, x @ lead, -omega * delay / peak) for delay in _DELAYS), key=lambda s: s[1]
+        (_start(resolvent, channel, x @ lead[:, :main], -omega * delay / peak) for delay in _DELAYS), key=lambda s: s[1]
     )
-    g, error = min((_polish(resolvent, target, start) for start, _ in starts[:_POLISHED]), key=lambda fit: fit[1])
+    polished = (_polish(resolvent, of_main, start)[0] for start, _ in starts[:_POLISHED])
+    g, error = min((_completed(resolvent, target, g) for g in polished), key=lambda fit: fit[1])
     return RadiationModel(a, g @ lead.T * scale, channel), error
+
+
+def _completed(resolvent: ComplexArray, target: ComplexArray, known: FloatArray) -> tuple[FloatArray, float]:
+    """Input matrix of all directions from that of the first ones, (state, known), and the rms error of all.
+
+    What couples a further direction with those known, (R + R^T)/2 between both, is linear in it.
+    """
+    main = known.shape[1]
+    even = 0.5 * (resolvent + resolvent.transpose(0, 2, 1)) @ known  # (omega, state, known)
+    rows = even.transpose(0, 2, 1).reshape(-1, even.shape[1])
+    wanted = target[:, :main, main:].reshape(len(rows), -1)
+    further = np.linalg.lstsq(np.vstack([rows.real, rows.imag]), np.vstack([wanted.real, wanted.imag]), rcond=None)[0]
+    g = np.hstack([known, further])
+    k = g.T @ (0.5 * (resolvent + resolvent.transpose(0, 2, 1))) @ g
+    missed = (k - target)[:, *np.triu_indices(g.shape[1])]
+    return g, float(np.sqrt(np.mean(np.abs(missed) ** 2) / 2))
 
 
 def check_positive(spectrum: DampingSpectrum) -> None:
