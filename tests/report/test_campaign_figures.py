@@ -34,6 +34,8 @@ def campaign(gains=GAINS, margin=0.5, modulus=(1e6, 1e8), thickness=(0.01, 0.02)
     shares = np.broadcast_to(np.array([0.1, 0.0, 0.4, 0.9])[:, None, None], (*shape, 4, 2, 3))
     data = {
         "annual_mean_power": ((*points, *by), power),
+        "annual_mean_power_low": ((*points, *by), 0.99 * power),
+        "annual_mean_power_high": ((*points, *by), 1.02 * power),
         "annual_energy": ((*points, *by), power * 8766e-6),
         "capture_width": ((*points, *by), power / 1e4),
         "force_rms": ((*points, *by), 2e3 * np.ones_like(power)),

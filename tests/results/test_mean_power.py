@@ -78,6 +78,16 @@ def test_power_of_a_linear_run_is_the_expectation_of_its_sea_whatever_the_record
     ]
 
 
+@pytest.mark.parametrize(("force_peak", "power"), [(1.9e7, 80.0), (2.1e7, 60.0)])
+def test_a_limit_that_is_never_reached_does_not_change_the_power(seed, force_peak, power):
+    """Of 1e8 N, a fifth of it the largest force by linear theory."""
+    pto = {"damping": 8e3, "law": "saturated", "force_limit": 1e8}
+    study = varied(seed, designs=TWO, waves=[REGULAR], pto=pto)
+    levels = [one._replace(force_peak=force_peak) for one in levels_with(study)]
+    means = mean_powers(study, rows(study, {"FSB": 100.0, "A": 60.0}), runs(study, "linear"), levels, None, {})
+    assert means["A", study.waves[0].label].power == power
+
+
 def test_power_in_a_regular_wave_by_a_nonlinear_run_is_that_of_the_record(study):
     """With the unbalanced energy, what is known of the steady state, and what model auto leaves out."""
     attrs = runs(study, "body_exact", power_error=0.01)

@@ -12,7 +12,7 @@ from hypothesis.extra import numpy as hnp
 from vsb.errors import ConfigError
 from vsb.motion.port import Port
 from vsb.results.matrix_year import Absorbed
-from vsb.results.year import Bins, DesignYear, band_weights, frequencies, gain_percent, year
+from vsb.results.year import Bins, DesignYear, band_weights, frequencies, gain_percent, powers_within, year
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.study.sections import Water
 from vsb.waves.climate import Climate
@@ -235,3 +235,10 @@ def test_product_of_matrices_is_the_hourly_sum(found):
     flux = found.bins.mean(found.flux) * found.bins.share
     product = float(np.sum(found.bins.mean(found.power[0, 0] / found.flux) * flux))
     assert product == pytest.approx(found.annual_mean_power[0, 0], rel=6e-4)
+
+
+def test_interval_of_mean_power_adds_all_known_errors():
+    """Quadrature, coefficients, shell modes left out: of two tunings of one design."""
+    found = powers_within(*(np.array([row]) for row in ([100.0, 50.0], [1.0, 2.0], [0.01, 0.02], [-0.1, 0.05])))
+    assert found["annual_mean_power_low"][1][0] == pytest.approx([88.0, 42.0])
+    assert found["annual_mean_power_high"][1][0] == pytest.approx([107.0, 55.5])

@@ -11,6 +11,7 @@ import xarray as xr
 from vsb.report.answer import COMPUTED, Answer
 from vsb.report.doubts import ADVICE
 from vsb.results.campaign import GAIN, POWER, in_time
+from vsb.results.year import POWER_ENDS
 from vsb.study.campaign import GAIN_IN_TIME, leading_tuning
 from vsb.tools.words import against, quantity, short, the_rigid
 from vsb.waves.climate import YEAR_HOURS
@@ -65,7 +66,9 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
         if not float(power.max()) > 0:
             return f"{begins}{ends}, no design absorbs power."
         most = ds.isel({dim: int(at) for dim, at in power.argmax(...).items()})
-        return f"{begins}{ends}, {most.design.item()}{at_point(most)} absorbs most: {float(power.max()):.4g} MWh."
+        low, high = (short_energy(most[name].sel(tuning=tuning)) for name in POWER_ENDS)
+        value = f"{float(power.max()):.4g} MWh ({low} to {high} with all known errors)"
+        return f"{begins}{ends}, {most.design.item()}{at_point(most)} absorbs most: {value}."
     return f"{begins}{ends}, {_absorbed(ds, reference, tuning, best)}."
 
 
@@ -115,6 +118,11 @@ def second_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
     theory = "" if "verification" in ds.attrs else "This is linear theory; "
     beyond = f"{share_range(marked)} of the energy comes from {too_steep_or_breaking(ds)}."
     return theory + beyond if bool((marked > 0).any() if "verification" in ds.attrs else marked.notnull().any()) else ""
+
+
+def short_energy(mean_power: xr.DataArray) -> str:
+    """Return the energy of a year of a mean power [W], in MWh to four digits."""
+    return f"{float(mean_power) * YEAR_HOURS / 1e6:.4g}"
 
 
 def too_steep_or_breaking(ds: xr.Dataset) -> str:

@@ -8,6 +8,7 @@ import xarray as xr
 
 from vsb.motion.damper_matrix import matrix_text
 from vsb.results.member import SAME_FOR_ALL
+from vsb.results.year import POWER_ENDS
 from vsb.study.body import BodyDesign
 from vsb.study.campaign import CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
 from vsb.study.campaign_plan import VARIABLES
@@ -100,8 +101,8 @@ def _unfolded(ds: xr.Dataset, vary: Vary, names: Sequence[str]) -> xr.Dataset:
 def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return the results of a campaign with those of runs in time, named by their model (`IN_TIME`).
 
-    The statistical intervals of their gains are wider by the errors of linear theory, whose ratio to runs they correct:
-    coefficients, quadrature and shell modes left out are the same in both.
+    The statistical intervals of their powers and gains are wider by the errors of linear theory, whose ratio to runs
+    they correct: coefficients, quadrature and shell modes left out are the same in both.
 
     Parameters
     ----------
@@ -119,6 +120,11 @@ def with_verification(spec: CampaignSpec, ds: xr.Dataset, runs: Sequence[xr.Data
         if end in names and own in ds:
             beyond = (ds[own] - ds.gain_percent).sel(tuning=tuning, drop=True)
             found[names[end]] = (found[names[end]] + beyond).transpose(*found[names[end]].dims)
+    for end, own in zip(POWER[1:], POWER_ENDS, strict=True):
+        if own not in ds:
+            continue
+        beyond = (ds[own] - ds.annual_mean_power).sel(tuning=tuning, drop=True)
+        found[names[end]] = (found[names[end]] + beyond).transpose(*found[names[end]].dims)
     return found.assign_attrs(
         {
             **ds.attrs,
@@ -151,6 +157,7 @@ def as_csv(spec: CampaignSpec, ds: xr.Dataset) -> str:
         said = [in_time(ds.attrs["verified_model"], name) for name in (*POWER, *GAIN)]
         columns |= {name: ds[name].where(verified) for name in said if name in ds}
     columns |= {name: ds[name].where(ds.tuning == CONSTRAINED) for name in OF_OPTIMA if name in ds}
+    columns |= {name: ds[name] for name in POWER_ENDS if name in ds}
     by = xr.zeros_like(ds.annual_mean_power, dtype=bool)
     cells = [each.broadcast_like(by).transpose(*points, *BY).values.ravel().tolist() for each in columns.values()]
     names = itertools.product(ds.design.values, ds.tuning.values)

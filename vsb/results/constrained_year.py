@@ -20,9 +20,10 @@ from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, sensiti
 from vsb.motion.constrained import ConstrainedOptimum, NoForceFoundError, constrained_optimum
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port, PortMotion
+from vsb.results.left_out import YearLeftOut
 from vsb.results.member import OF_LIMITS, radius_of
 from vsb.results.statistics import Estimate, stratified_half_width
-from vsb.results.year import Bins, bins_of
+from vsb.results.year import POWER_ENDS, Bins, bins_of
 from vsb.results.year_validity import limits_of, motion_limits, wave_limits
 from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.study.campaign import CONSTRAINED
@@ -265,7 +266,7 @@ class Optima:
     known: dict[bytes, ConstrainedYear] = field(default_factory=dict)
 
     def __call__(
-        self, study: Study | AnyBody, floating: Floating, climate: Climate, left_out: FloatArray | None = None
+        self, study: Study | AnyBody, floating: Floating, climate: Climate, left_out: YearLeftOut | None = None
     ) -> xr.Dataset:
         """Return the years of designs within the limits of their take-off.
 
@@ -275,8 +276,8 @@ class Optima:
             Of viable designs alone.
         floating : Floating
             What floats in it.
-        left_out : ndarray, shape (design, end) [percentage points], optional
-            As of `vsb.results.left_out.gain_of_year`.
+        left_out : YearLeftOut, optional
+            Errors by shell modes left out.
         """
         low, high = floating.band
         low = max(low, float(climate.edges[0]))
@@ -310,16 +311,16 @@ def constrained_dataset(
     waves: Mapping[str, InWaves],
     climate: Climate,
     errors: Sequence[CoefficientError] = (),
-    left_out: FloatArray | None = None,
+    left_out: YearLeftOut | None = None,
 ) -> xr.Dataset:
     """Return the years of designs within limits as other tunings have theirs, and how far they are proved.
 
-    Intervals of gains are of what is not proved, of few waves, of errors of the coefficients and of shell modes left
-    out (design, end) [percentage points].
+    Intervals of powers and gains are of what is not proved, of few waves, of errors of the coefficients and of shell
+    modes left out.
     """
     flux, columns = climate.flux(study.water), {}
     reference = study.reference_design
-    slopes = {} if reference is None else _slopes(years, waves)
+    slopes = _slopes(years, waves)
     for i, (design, one) in enumerate(years.items()):
         mean, low, high = one.annual_mean_power
         flux_of_bins, none = one.bins.mean(flux), np.zeros(one.bins.shape)
@@ -342,10 +343,13 @@ def constrained_dataset(
             "impossible_share": one.impossible,
         }
         column |= _beyond(study, one, waves[design].motion, climate)
+        least, most = (0.0, 0.0) if left_out is None else mean * left_out.power[i]
+        error = mean * sum(slopes[design].to(each) for each in errors)
+        column |= dict(zip(POWER_ENDS, (low - error + least, high + error + most), strict=True))
         if reference is not None and (gain := one.gain(years[reference])) is not None:
             by_coefficients = sum((slopes[design] - slopes[reference]).to(error) for error in errors)
             half = by_coefficients * (100 + gain.mean)
-            below, above = (0.0, 0.0) if left_out is None else left_out[i]
+            below, above = (0.0, 0.0) if left_out is None else left_out.gain[i]
             ends = (gain.low - half + below, gain.high + half + above) if design != reference else (0.0, 0.0)
             column |= {"gain_percent": gain.mean, "gain_low": ends[0], "gain_high": ends[1]}
         columns[design] = column

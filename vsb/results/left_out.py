@@ -1,6 +1,7 @@
 """Errors by shell modes that a study leaves out: of mean powers and of gains, in every sea and over a year."""
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -92,18 +93,25 @@ def modes_left_out(
     return xr.Dataset({"power": (dims, power), "gain": (dims, gain)}, coords)
 
 
-def gain_of_year(
+class YearLeftOut(NamedTuple):
+    """Errors of a year's mean power and of its gain by shell modes left out, `end` as `ENDS`."""
+
+    power: FloatArray  # relative (design, end) [-]
+    gain: FloatArray  # over the reference, 0 without one (design, end) [percentage points]
+
+
+def left_out_of_year(
     study: Study | AnyBody,
     floating: Floating,
     climate: Climate,
     waves: Mapping[str, InWaves] | Mapping[str, SeveralInWaves],
-) -> FloatArray:
-    """Return how far gains of a year's mean power may lie from those of a shell with all its modes.
+) -> YearLeftOut:
+    """Return how far a year's mean power and its gain may lie from those of a shell with all its modes.
 
     Parameters
     ----------
     study : Study or BodyStudy
-        Of viable designs, among them a rigid one that they are compared with.
+        Of viable designs.
     floating : Floating
         What floats in it; a body has the modes of its files, and leaves out no others that are known.
     waves : mapping design -> InWaves or SeveralInWaves
@@ -111,9 +119,8 @@ def gain_of_year(
 
     Returns
     -------
-    ndarray, shape (design, end)
-        `end` as `ENDS`, the wider of the damper given and the optimal one [percentage points]; 0 of what has no shell
-        modes of this project.
+    YearLeftOut
+        The wider of the damper given and the optimal one; 0 of what has no shell modes of this project.
 
     Notes
     -----
@@ -122,16 +129,15 @@ def gain_of_year(
     few modes for that, powers of ascending degrees of the full basis are computed as in `modes_left_out`.
     """
     designs, rigid = list(study.designs), study.reference_design
-    at = designs.index(rigid or "")
     if not isinstance(floating, BuoyOfShape) or not floating.study.flexible:
-        return np.zeros((len(designs), len(ENDS)))
+        return YearLeftOut(*np.zeros((2, len(designs), len(ENDS))))
     buoy = floating.study
     heaving, complete = buoy.model_copy(update={"motion": "heave"}), False
     lower = [degree for degree in DEGREES if degree <= buoy.modes.max_degree / LEAST_RATIO][-2:]
     nested = buoy.modes.basis == "full" and lower
     degrees = [*lower, buoy.modes.max_degree]
     if nested and not buoy.at_equilibrium and motion_of_port(buoy) == "heave":
-        omega = waves[designs[at]].port.omega
+        omega = waves[designs[0]].port.omega
         squares, water = (climate.mean_density @ band_weights(omega, climate))[None], floating.swept.at(omega)
         seen: list[Mapping[str, Port | Ports]] = [{design: one.port for design, one in waves.items()}]
         before = powers_of_ports(seen[0], study.pto, squares)
@@ -151,9 +157,18 @@ def gain_of_year(
             tried[degrees[-1]] = before
         else:
             tried, complete = completed(convergence.powers_by_degree), convergence.completes
-    gains = {n: _gains(one, at) for n, one in tried.items()}
-    gain = _bounds(buoy, _gains(before, at), gains, complete=complete)[:, 0, :JUDGED]
-    return np.stack([gain[..., 0].min(axis=1), gain[..., 1].max(axis=1)], axis=-1)
+    power, gain = _relative(_bounds(buoy, before, tried, complete=complete), before), np.zeros((*before.shape, 2))
+    if not buoy.at_equilibrium:  # else the shape at rest depends on the modes, too
+        power[[i for i, design in enumerate(buoy.designs.values()) if not design.flexible]] = 0.0
+    if rigid is not None:
+        at = designs.index(rigid)
+        gain = _bounds(buoy, _gains(before, at), {n: _gains(one, at) for n, one in tried.items()}, complete=complete)
+    return YearLeftOut(*(_widest(one[:, 0, :JUDGED]) for one in (power, gain)))
+
+
+def _widest(bounds: FloatArray) -> FloatArray:
+    """The widest range (design, end) of some take-offs, (design, take_off, end)."""
+    return np.stack([bounds[..., 0].min(axis=1), bounds[..., 1].max(axis=1)], axis=-1)
 
 
 def _bounds(study: AnyBuoy, before: FloatArray, tried: Mapping[int, FloatArray], *, complete: bool) -> FloatArray:

@@ -15,6 +15,7 @@ import numpy as np
 
 from vsb.motion.coefficient_errors import CoefficientError, sensitivity_at_ports
 from vsb.motion.damper_matrix import Kind, Ports, best_matrix
+from vsb.results.left_out import YearLeftOut
 from vsb.results.year import (
     PRACTICE_GAMMA,
     OverClimate,
@@ -23,6 +24,7 @@ from vsb.results.year import (
     Year,
     bins_of,
     gains_within,
+    powers_within,
     practice,
     variance_outside,
 )
@@ -30,7 +32,7 @@ from vsb.results.year_validity import beyond_validity, rms_of_motions
 from vsb.scenes.floating_system import AnyBody, SeveralInWaves
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.study.study import Study
-from vsb.tools.arrays import FloatArray, IntArray
+from vsb.tools.arrays import AnyArray, FloatArray, IntArray
 from vsb.waves.climate import Climate
 
 
@@ -125,7 +127,7 @@ class MatrixYears:
         study: Study | AnyBody,
         waves: Mapping[str, SeveralInWaves],
         errors: Sequence[CoefficientError] = (),
-        left_out: FloatArray | None = None,
+        left_out: YearLeftOut | None = None,
     ) -> Values:
         """Return the results of some designs of a study in waves, each shape (design, ...), and their gains.
 
@@ -143,19 +145,23 @@ class MatrixYears:
         )
         matrices = self._each(years, lambda *by: found[by].mean_matrix(hours))
         one_damper = matrices[..., :1, :1] if matrix_kind(study.pto) == "uniform" else matrices
-        values: Values = {**of.values, **beyond, "damper_matrix": (("design", "tuning", "port", "port_"), one_damper)}
-        if of.reference is None:
-            return values
-        by_coefficients = np.zeros(power.shape[:2])
+        values: dict[str, tuple[tuple[str, ...], AnyArray]] = {**of.values, **beyond}
+        values["damper_matrix"] = ("design", "tuning", "port", "port_"), one_damper
+        at = None if of.reference is None else of.designs.index(of.reference)
+        of_power, of_ratio = np.zeros((2, *power.shape[:2]))
         for j in range(len(self.tunings)):
             slopes = [
                 sensitivity_at_ports(waves[design].moved, one.port, matrices[i, j], one.squares)
                 for i, (design, one) in enumerate(years.items())
             ]
-            base = slopes[of.designs.index(of.reference)]
-            by_coefficients[:, j] = [sum((one - base).to(each) for each in errors) for one in slopes]
-        at = of.designs.index(of.reference)
-        return {**values, **gains_within(of.annual_mean_power, of.quadrature_error, by_coefficients, at, left_out)}
+            of_power[:, j] = [sum(one.to(each) for each in errors) for one in slopes]
+            if at is not None:
+                of_ratio[:, j] = [sum((one - slopes[at]).to(each) for each in errors) for one in slopes]
+        mean, error = of.annual_mean_power, of.quadrature_error
+        values |= powers_within(mean, error, of_power, left_out.power if left_out else None)
+        if at is None:
+            return values
+        return {**values, **gains_within(mean, error, of_ratio, at, left_out.gain if left_out else None)}
 
 
 def year_of_matrices(

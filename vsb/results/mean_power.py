@@ -19,6 +19,7 @@ from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import Line, Sample, families, record_interval, student, together
 from vsb.scenes.drag import LINEARISED
 from vsb.study.study import FEWEST_BATCHES, BaseStudy
+from vsb.study.take_off import Pto
 from vsb.study.waves import IrregularSea, SpectralSea, StillWater, Wave
 from vsb.tools.arrays import FloatArray
 
@@ -50,9 +51,25 @@ MeanPowers = Mapping[tuple[str, str], MeanPower]
 """Mean powers by design and label of the sea; those of all realisations of a sea are the same."""
 
 
-def is_linear(study: BaseStudy, run: Mapping[str, Any]) -> bool:
-    """Return whether a run is of linear hydrodynamics and a linear take-off, which the frequency domain describes."""
-    return run["model"] == "linear" and LINEARISED not in run and not study.pto.nonlinear
+OUT_OF_REACH = 5.0
+"""Limit over the peak of a realisation by linear theory, above which the take-off never meets it."""
+
+
+def is_linear(study: BaseStudy, run: Mapping[str, Any], level: ControlLevel | None = None) -> bool:
+    """Return whether a run is of linear hydrodynamics and a linear take-off, which the frequency domain describes.
+
+    So is one whose limits are out of reach, by the control level with its damper.
+    """
+    if run["model"] != "linear" or LINEARISED in run:
+        return False
+    return not study.pto.nonlinear or (level is not None and _limits_out_of_reach(study.pto, level))
+
+
+def _limits_out_of_reach(pto: Pto, level: ControlLevel) -> bool:
+    """Whether nothing but limits makes a take-off nonlinear, and force and stroke stay far below them."""
+    if pto.law not in ("linear", "saturated") or level.force_peak is None or level.stroke_peak is None:
+        return False
+    return pto.force_limit > OUT_OF_REACH * level.force_peak and pto.stroke_limit > OUT_OF_REACH * level.stroke_peak
 
 
 def mean_powers(
@@ -196,7 +213,7 @@ def _estimate(
     draws: FloatArray | None = None
     in_time = max(float(run["energy_residual"]) for run in attrs)
     power = record
-    if linear is not None and is_linear(study, attrs[0]):
+    if linear is not None and is_linear(study, attrs[0], level):
         power, in_time = linear, 0.0
     elif own is not None:
         power, draws = ratio_estimate(own, linear)

@@ -12,9 +12,21 @@ import xarray as xr
 
 from vsb.motion.coefficient_errors import CoefficientError, sensitivity
 from vsb.motion.port import Port
-from vsb.results.left_out import gain_of_year
+from vsb.results.left_out import YearLeftOut, left_out_of_year
 from vsb.results.matrix_year import MatrixYears
-from vsb.results.year import DesignYear, Tuning, Values, Year, best_for_all, bins_of, frequencies, gains_within, year
+from vsb.results.year import (
+    POWER_ENDS,
+    DesignYear,
+    Tuning,
+    Values,
+    Year,
+    best_for_all,
+    bins_of,
+    frequencies,
+    gains_within,
+    powers_within,
+    year,
+)
 from vsb.results.year_validity import beyond_validity, limits_of, motion_rms
 from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.scenes.viability import Viability, with_designs
@@ -25,13 +37,13 @@ from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.waves.climate import Climate
 
 Labels = dict[str, list[str]]
-YearsWithin = Callable[[Study | AnyBody, Floating, Climate, FloatArray | None], xr.Dataset]
-"""Study of viable designs, what floats in it, climate, `gain_of_year` -> their years within limits."""
+YearsWithin = Callable[[Study | AnyBody, Floating, Climate, YearLeftOut | None], xr.Dataset]
+"""Study of viable designs, what floats in it, climate, shell modes left out -> their years within limits."""
 
 BY, BINS = ("design", "tuning"), ("hs", "te")
 OF_DESIGNS = (
     "annual_mean_power", "annual_energy", "capture_width", "gain_percent", "gain_low", "gain_high", "force_rms",
-    "practice_power", "quadrature_error", "energy_beyond_validity",
+    "practice_power", "quadrature_error", "energy_beyond_validity", *POWER_ENDS,
 )  # fmt: skip
 MATRICES = (
     "damping", "power_matrix", "power_deviation", "capture_width_matrix", "capture_width_deviation", "beyond_validity",
@@ -89,9 +101,8 @@ def member(
         here: Labels = {"design": list(some.designs), "tuning": [*damped.tunings]}
         errors, moving = system.errors(omega), system.at(omega)
         ports = moving.several_in_waves() if some.pto.several else {}
-        waves, left_out = {} if ports else moving.in_waves(), None
-        if some.reference_design is not None:
-            left_out = gain_of_year(some, system, climate, ports or waves)
+        waves = {} if ports else moving.in_waves()
+        left_out = left_out_of_year(some, system, climate, ports or waves)
         if ports:
             own = MatrixYears(climate, damped.tunings)(some, ports, errors, left_out)
         else:
@@ -180,7 +191,7 @@ class DampedYears:
         study: Study | AnyBody,
         waves: Mapping[str, InWaves],
         errors: Sequence[CoefficientError] = (),
-        left_out: FloatArray | None = None,
+        left_out: YearLeftOut | None = None,
     ) -> Values:
         """Return the results of some designs of a study in waves, each shape (design, ...), and their gains.
 
@@ -188,9 +199,9 @@ class DampedYears:
         ----------
         waves : mapping design -> InWaves
         errors : sequence of CoefficientError
-            Shared by all designs; with quadrature over frequency they make the intervals of gains.
-        left_out : ndarray, shape (design, end) [percentage points], optional
-            As of `vsb.results.left_out.gain_of_year`, added to these intervals.
+            Shared by all designs; with quadrature over frequency they make the intervals of powers and gains.
+        left_out : YearLeftOut, optional
+            Added to these intervals.
         """
         keys = {name: self._key(study, name, one) for name, one in waves.items() if not study.designs[name].flexible}
         parts = {name: self.known[key] for name, key in keys.items() if key in self.known}
@@ -206,9 +217,9 @@ class DampedYears:
         together: dict[str, tuple[tuple[str, ...], AnyArray]] = {
             name: (("design", *dims), np.stack([part[name][1] for part in some])) for name, (dims, _) in some[0].items()
         }
-        if study.reference_design is None or "annual_mean_power" not in together:
+        if "annual_mean_power" not in together:
             return together
-        return {**together, **self._gains(study, waves, together, errors, left_out)}
+        return {**together, **self._intervals(study, waves, together, errors, left_out)}
 
     def _key(self, study: Study | AnyBody, design: str, waves: InWaves) -> bytes:
         """All that the year of a rigid design depends on in one climate."""
@@ -242,27 +253,33 @@ class DampedYears:
         found = (tried, power, np.sqrt(tried * power))
         return {name: (("design", "damper"), values) for name, values in zip(CURVES, found, strict=True)}
 
-    def _gains(
+    def _intervals(
         self,
         study: Study | AnyBody,
         waves: Mapping[str, InWaves],
         found: Values,
         errors: Sequence[CoefficientError],
-        left_out: FloatArray | None,
+        left_out: YearLeftOut | None,
     ) -> Values:
-        """Gains over the reference under the same tuning, and their intervals by all known errors.
+        """Intervals of powers by all known errors, gains over the reference under the same tuning, and theirs.
 
-        What errors of the coefficients do to the ratio of powers is taken at the given damper, else at the best one
+        What errors of the coefficients do to powers and their ratio is taken at the given damper, else at the best one
         for the year, near which the best ones of most of its energy lie.
         """
-        reference = list(waves).index(study.reference_design or "")
+        reference = None if study.reference_design is None else list(waves).index(study.reference_design)
         power, error = (np.asarray(found[name][1], dtype=float) for name in ("annual_mean_power", "quadrature_error"))
-        best, by_coefficients = np.asarray(found["tried_damping"][1])[:, len(TRIED) // 2], np.zeros(power.shape)
+        best = np.asarray(found["tried_damping"][1])[:, len(TRIED) // 2]
+        of_power, of_ratio = np.zeros((2, *power.shape))
         for j, tuning in enumerate(self.tunings):
             slopes = []
             for (design, one), damping in zip(waves.items(), best, strict=True):
                 damper = float(study.pto.damper(design) or 0.0) if tuning == "fixed" else float(damping)
                 squares, load = DesignYear(one.port, self.climate).squares, one.port.load(damper, study.pto.stiffness)
                 slopes.append(sensitivity(one.port.omega, one.moved, one.port, load, squares))
-            by_coefficients[:, j] = [sum((one - slopes[reference]).to(each) for each in errors) for one in slopes]
-        return gains_within(power, error, by_coefficients, reference, left_out)
+            of_power[:, j] = [sum(one.to(each) for each in errors) for one in slopes]
+            if reference is not None:
+                of_ratio[:, j] = [sum((one - slopes[reference]).to(each) for each in errors) for one in slopes]
+        within = powers_within(power, error, of_power, left_out.power if left_out else None)
+        if reference is None:
+            return within
+        return {**within, **gains_within(power, error, of_ratio, reference, left_out.gain if left_out else None)}

@@ -25,6 +25,8 @@ register(
         "hs": Variable(("hs",), "m", "significant wave height at the centres of bins"),
         "te": Variable(("te",), "s", "energy period at the centres of bins"),
         "annual_mean_power": Variable(_YEAR, "W", "mean power over the year"),
+        "annual_mean_power_low": Variable(_YEAR, "W", "lower bound of the mean power from errors of linear theory"),
+        "annual_mean_power_high": Variable(_YEAR, "W", "upper bound of the mean power from errors of linear theory"),
         "annual_energy": Variable(_YEAR, "MWh", "energy of a year of 8766 hours"),
         "capture_width": Variable(_YEAR, "m", "mean power of the year over its mean energy flux"),
         "force_rms": Variable(_YEAR, at_port("load_unit"), "root mean square of the take-off's force over the year"),

@@ -30,6 +30,8 @@ TUNINGS: tuple[Tuning, ...] = ("fixed", "one", "each")
 """Given damper; one best damper for the year; the best in each sea."""
 Values = Mapping[str, tuple[tuple[str, ...], AnyArray]]
 """Dimensions and values by name; a dataset is made of them only at the end, which takes as long as computing them."""
+POWER_ENDS = ("annual_mean_power_low", "annual_mean_power_high")
+"""Interval of the mean power over the year by all known errors [W]."""
 PART = 0.005
 """Distance of the frequencies of a port, as a part of them: every band of a climate is cut evenly into such parts."""
 PRACTICE_GAMMA = 3.3
@@ -241,7 +243,7 @@ def gains_within(
     reference : int
         The design gains are over.
     left_out : ndarray, shape (design, end) [percentage points], optional
-        As of `vsb.results.left_out.gain_of_year`.
+        As of `vsb.results.left_out.YearLeftOut.gain`.
     """
     gain = gain_percent(power, reference)
     if gain is None:
@@ -251,6 +253,25 @@ def gains_within(
     width[reference] *= 0.0
     low, high = (np.zeros((len(power), 2)) if left_out is None else left_out).T[:, :, None]
     ends = {"gain_percent": gain, "gain_low": gain - width + low, "gain_high": gain + width + high}
+    return {name: (("design", "tuning"), values) for name, values in ends.items()}
+
+
+def powers_within(
+    power: FloatArray, quadrature_error: FloatArray, by_coefficients: FloatArray, left_out: FloatArray | None
+) -> Values:
+    """Return the intervals of mean powers by all known errors.
+
+    Parameters
+    ----------
+    power, quadrature_error : ndarray, shape (design, tuning) [W]
+    by_coefficients : ndarray, shape (design, tuning)
+        What errors of the coefficients do to the powers, relative to them [-].
+    left_out : ndarray, shape (design, end), optional
+        What shell modes left out do to them, likewise [-].
+    """
+    width = quadrature_error + by_coefficients * power
+    low, high = (np.zeros((len(power), 2)) if left_out is None else left_out).T[:, :, None] * power
+    ends = {POWER_ENDS[0]: power - width + low, POWER_ENDS[1]: power + width + high}
     return {name: (("design", "tuning"), values) for name, values in ends.items()}
 
 

@@ -54,7 +54,7 @@ VARIABLES = (
     "capture_width_matrix", "capture_width_deviation", "count", "tried_damping", "power_of_damping",
     "force_of_damping", "damper_matrix", "damper", "design", "tuning", "hs", "te", "energy_beyond", "limit",
     "energy_beyond_validity", "beyond_validity", "power_bound", "optimum_gap", "optimum_share", "optimum_excess",
-    "impossible_share", "occurrence", "flux_matrix",
+    "impossible_share", "occurrence", "flux_matrix", "annual_mean_power_low", "annual_mean_power_high",
     *(f"{model}_{name}" for model in IN_TIME.values() for name in (*POWER_IN_TIME, *GAIN_IN_TIME)),
 )  # fmt: skip
 """Names in the results that no varied key can have."""

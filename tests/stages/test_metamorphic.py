@@ -1,0 +1,92 @@
+"""What must not change the numbers of a run: limits out of reach, another window, other names."""
+
+import pytest
+
+import vsb
+from vsb.study.study import parse
+
+STUDY = {
+    "study": "plain",
+    "device": {
+        "radius": 2.0,
+        "thickness": 0.015,
+        "young_modulus": 4e7,
+        "poisson_ratio": 0.3,
+        "density": 1100.0,
+        "mass": 17170.0,
+    },
+    "modes": {"basis": "full", "degree": 4},
+    "designs": {"FSB": {"flexible": False}},
+    "hydro": {"tolerance": 2e-3, "witness": "none", "omega_max": 8.0},
+    "pto": {"damping": 9000.0, "stiffness": -15000.0},
+    "waves": [
+        {"kind": "jonswap", "hs": 0.6, "tp": 4.0, "seed": 3},
+        {"kind": "regular", "amplitude": 0.2, "period": 3.0},
+    ],
+    "simulation": {"duration": 61.7, "window": [40.0, 61.7]},
+}
+OF_RECORD = ("displacement_pp", "velocity_pp", "power_peak", "energy", "record_power_mean")
+OF_SEA = ("power_mean", "power_low", "power_high", "capture_width")
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory):
+    """Function changes -> comparison by design and sea; all in one folder, whose coefficients are shared."""
+    folder = tmp_path_factory.mktemp("metamorphic")
+
+    def found(name, **changes):
+        return vsb.run(parse({**STUDY, "study": name, **changes}), folder).comparison.set_index(["design", "wave"])
+
+    return found
+
+
+@pytest.fixture(scope="module")
+def plain(table):
+    return table("plain")
+
+
+LIMITS = {
+    "stroke": {"stroke_limit": 50.0},
+    "force": {"law": "saturated", "force_limit": 1e8},
+}
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_a_limit_that_is_never_reached_changes_nothing(table, plain, name):
+    """The spring, whose reactive power is not absorbed, among it."""
+    found = table(name, pto=STUDY["pto"] | LIMITS[name])
+    for column in (*OF_RECORD, *OF_SEA):
+        assert found[column].values == pytest.approx(plain[column].values, rel=1e-6), column
+
+
+def test_peak_power_is_that_of_the_damper(plain):
+    """c v^2 of the largest velocity: at most c times the square of the peak-to-peak velocity."""
+    assert (plain.power_peak <= 9000.0 * plain.velocity_pp**2).all()
+    assert (plain.power_peak >= 9000.0 * plain.velocity_pp**2 / 4).all()
+
+
+def test_a_window_a_period_later_changes_the_record_alone(table, plain):
+    """In a regular wave not even that, once transients are over."""
+    later = table("later", simulation={"duration": 64.7, "window": [43.0, 64.7]})
+    for column in OF_SEA:
+        assert later[column].values == pytest.approx(plain[column].values, rel=1e-9), column
+    for column in ("displacement_pp", "velocity_pp", "power_peak", "record_power_mean"):
+        regular = [one[column].values[1] for one in (later, plain)]
+        assert regular[0] == pytest.approx(regular[1], rel=2e-3), column
+    assert later.record_power_mean.values[0] != pytest.approx(plain.record_power_mean.values[0], rel=1e-2)
+
+
+def test_mean_power_does_not_depend_on_the_seed_nor_on_the_length_of_the_record(table, plain):
+    waves = [STUDY["waves"][0] | {"seed": 8}]
+    other = table("other", waves=waves, simulation={"duration": 20.0, "window": [10.0, 20.0]})
+    for column in OF_SEA:
+        assert other[column].values[0] == pytest.approx(plain[column].values[0], rel=1e-9), column
+
+
+def test_designs_in_another_order_under_other_names_have_the_same_numbers(table, plain):
+    designs = {"Z": {"flexible": False}, "A": {"flexible": False}}
+    found = table("renamed", designs=designs)
+    for name in designs:
+        for column in (*OF_RECORD, *OF_SEA):
+            assert found.loc[name][column].values == pytest.approx(plain.loc["FSB"][column].values, rel=1e-9), column
+    assert found.power_gain_percent.abs().max() < 1e-9
