@@ -34,7 +34,10 @@ BEYOND, OF_START, FURTHER = 4.0, 20.0, 33
 FAINT = 1e-4
 """Part of the largest power in the band below which errors of a power are relative to this part [-]."""
 NEW = 5e-5
-"""Part of a solution that is new beyond which it adds a motion [-]; powers err by the square."""
+"""Part of a solution that is new beyond which it adds a motion, to begin with [-]; powers err by the square."""
+
+ROUND_OFF = 1e-9
+"""Such a part that is too small to tell [-]."""
 
 _IN_BAND = 2 * LOOKED_AT - 1
 _STARTS = 2  # loads of a start
@@ -89,21 +92,23 @@ def reduced_motions(system: LinearSystem, motions: FloatArray, ports: FloatArray
     problem = _Problem.of(system, motions, ports.reshape(len(motions), -1), start)
     rigid = [motions.T[:, i] for i, label in enumerate(system.labels) if is_rigid(label)]
     basis = extended(np.zeros((motions.shape[1], 0)), problem.root @ np.column_stack([*rigid, start]), 1e-9)
-    left = set(range(0, len(problem.omega), 2))  # those between are for the measured error alone
-    chosen = [0, LOOKED_AT // 2 * 2, _IN_BAND - 1]
-    while True:
-        left -= set(chosen)
+    choice = range(0, len(problem.omega), 2)  # those between are for the measured error alone
+    chosen, new = [0, LOOKED_AT // 2 * 2, _IN_BAND - 1], NEW
+    while new > ROUND_OFF:
+        before = basis.shape[1]
         for k in chosen:
-            basis = extended(basis, problem.snapshots(k), NEW)
+            basis = extended(basis, problem.snapshots(k), new)
         if basis.shape[1] > WORTH * motions.shape[1]:
             return whole
+        if basis.shape[1] == before:
+            new /= 4
+            continue
         reduced = np.linalg.qr(solve_triangular(problem.root, basis))[0]
         power, moved = problem.errors(reduced)
         if power.max() <= PRECISION and moved.max() <= TRANSIENT:
             return ReducedMotions(motions @ reduced, float(power.max()), motions.shape[1])
-        if not left:
-            return whole
-        chosen = [max(left, key=lambda k: max(power[k] / PRECISION, moved[k] / TRANSIENT))]
+        chosen = [max(choice, key=lambda k: max(power[k] / PRECISION, moved[k] / TRANSIENT))]
+    return whole
 
 
 def extended(basis: FloatArray, vectors: FloatArray, new: float) -> FloatArray:
