@@ -147,6 +147,13 @@ def import_bemio(args: argparse.Namespace) -> int:
     return _imported(*coefficients.import_bemio(args.file, args.out, axisymmetric=args.axisymmetric), args.out)
 
 
+def import_nemoh(args: argparse.Namespace) -> int:
+    """Read a folder of NEMOH's results into a hydro database and print its checks."""
+    from vsb.stages import coefficients
+
+    return _imported(*coefficients.import_nemoh(args.folder, args.out, axisymmetric=args.axisymmetric), args.out)
+
+
 def _imported(checks: "list[Check]", notes: list[str], causes: list[str], out: str) -> int:
     """Print the verdict on numbers of others, and what to look at where a check does not hold."""
     code = print_verdict(checks, "\n".join([*notes, out]))
@@ -332,6 +339,10 @@ def _add_imports(commands: Any) -> None:
     one = _command(
         commands, "import-bemio", "hydro database from BEMIO's .h5", import_bemio, file="FILE.h5", out="DATABASE.nc"
     )
+    one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
+    one.set_defaults(writes={"{out}": "hydro database"})
+    words, places = "hydro database from NEMOH's results", {"folder": "FOLDER", "out": "DATABASE.nc"}
+    one = _command(commands, "import-nemoh", words, import_nemoh, **places)
     one.add_argument("--axisymmetric", action="store_true", help=AXISYMMETRIC)
     one.set_defaults(writes={"{out}": "hydro database"})
 

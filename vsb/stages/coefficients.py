@@ -12,7 +12,7 @@ from vsb.hydro.bodies.build import build_body
 from vsb.hydro.bodies.refinement import history_of, refined_file
 from vsb.hydro.bodies.study import solved
 from vsb.hydro.database import Check
-from vsb.hydro.formats import bemio, checks, wamit
+from vsb.hydro.formats import bemio, checks, nemoh, wamit
 from vsb.hydro.formats.checks import LARGEST_MASS_ERROR, displaced_mass_checks
 from vsb.hydro.formats.common import check_positive, volume_of
 from vsb.hydro.formats.exchange import read_source, source_checks
@@ -184,6 +184,11 @@ def import_wamit(
 def import_bemio(path: str, out: str, *, axisymmetric: bool) -> Verdict:
     """Read BEMIO's .h5 into a database file and return the verdict on it."""
     return _stored(bemio.read_bemio(path), out, axisymmetric, checks.BEMIO_WORDS)
+
+
+def import_nemoh(folder: str, out: str, *, axisymmetric: bool) -> Verdict:
+    """Read a folder of NEMOH into a database file and return the verdict on it."""
+    return _stored(nemoh.read_nemoh(folder), out, axisymmetric, checks.NEMOH_WORDS)
 
 
 def _stored(ds: xr.Dataset, out: str, axisymmetric: bool, words: dict[str, str]) -> Verdict:

@@ -582,5 +582,9 @@ def _contents(paths: list[str], where: str) -> str:
                 while part := file.read(2**20):
                     digest.update(part)
         except OSError as error:
+            if os.path.isfile(os.path.join(path, "Nemoh.cal")):
+                raise ConfigError(
+                    f"{where}: {path} is a folder of NEMOH; needs the database vsb import-nemoh makes"
+                ) from None
             raise ConfigError(f"{where}: {path} cannot be read ({error.strerror}); needs the path of a file") from None
     return f"{CONTENTS}{digest.hexdigest()}"

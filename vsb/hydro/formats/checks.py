@@ -92,6 +92,14 @@ BEMIO_WORDS = {
     "period": "w not in rad/s",
     "irr": " (to be removed in the run)",
 }
+NEMOH_WORDS = {
+    "density": "RHO of Nemoh.cal not that of the run",
+    "length": "a mesh that is not in metres",
+    "gravity": "G of Nemoh.cal not that of the run",
+    "depth": "DEPTH of Nemoh.cal not that of the run",
+    "period": "first column not what its heading says",
+    "irr": " (IRR of input_solver.txt, a lid, removes it)",
+}
 LEAST_SIZE = 0.3
 """Of a mode, relative to the displaced water moving with it, as for bodies from meshes."""
 LARGEST_MASS_ERROR = 0.2

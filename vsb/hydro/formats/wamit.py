@@ -300,6 +300,8 @@ def _lines(path: str, columns: str) -> list[str]:
     try:
         return read_bounded(path).decode(errors="replace").splitlines()
     except OSError as error:
+        if Path(path).with_name("Nemoh.cal").is_file():
+            raise DatabaseError(f"{Path(path).parent}: is a folder of NEMOH; use vsb import-nemoh") from None
         other = ", nor is there a .2" if path.endswith(".3") else ""
         raise DatabaseError(f"{path}: cannot be read ({error.strerror}){other}; needs lines {columns}.") from None
 
