@@ -182,7 +182,8 @@ def summary(plan: BodyPlan) -> list[str]:
         )
         lines += memory_doubts(memory)
         lines += solved_lines(plan, file, mesh)
-    lines += [part for part in str(body.database.attrs.get("history", "")).split("; ") if part.startswith("left out")]
+    history = mesh.history if mesh else str(body.database.attrs.get("history", ""))
+    lines += [f"note         {part}" for part in history.split("; ") if part and not part.startswith("read from")]
     doubts = [replace(check, name=f"hydro {check.name}") for check in checks if check.verdict != "ok"]
     checks = [*doubts, *ledger.angle_checks(study), *ledger.seas_checks(study, body.database)]
     return [*lines, *(check.line for check in checks)]

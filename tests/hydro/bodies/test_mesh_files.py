@@ -63,6 +63,33 @@ def test_obj_that_counts_from_the_end_and_colours_its_corners_is_the_same(tmp_pa
     assert described(tmp_path / "hull.obj").volume == pytest.approx(VOLUME, rel=1e-8)
 
 
+def test_off_of_polygons_and_lines_that_go_on_are_read(tmp_path):
+    points, side, keel = cylinder()
+    rows = [" ".join(map(repr, point)) for point in points.tolist()]
+    rows += [" ".join(map(str, [len(polygon), *polygon])) for polygon in [*side, keel]]
+    (tmp_path / "hull.off").write_text(f"OFF # a hull\n{len(points)} {len(side) + 1} 0\n" + "\n".join(rows))
+    assert described(tmp_path / "hull.off").volume == pytest.approx(VOLUME, rel=1e-12)
+    path = obj(tmp_path / "hull.obj", points, [*side, keel])
+    path.write_text(path.read_text().replace(" 36", " \\\n36"))
+    assert described(path).volume == pytest.approx(VOLUME, rel=1e-8)
+
+
+def test_gmsh_with_groups_of_some_of_its_surfaces_is_read(tmp_path):
+    """GMSH 4.1: meshio fails where some entities are of a physical group and others, as this line, of none."""
+    points, side, _ = cylinder()
+    nodes = "\n".join(f"{x:.9g} {y:.9g} {z:.9g}" for x, y, z in points)
+    tags = "\n".join(str(i + 1) for i in range(len(points)))
+    quads = "\n".join(f"{k + 3} " + " ".join(str(i + 1) for i in quad) for k, quad in enumerate(side))
+    (tmp_path / "hull.msh").write_text(
+        '$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 "side"\n$EndPhysicalNames\n$Entities\n0 1 1 0\n'
+        f"1 -2 -2 -3 2 2 0 0 0\n1 -2 -2 -3 2 2 0 1 1 0\n$EndEntities\n$Nodes\n1 {len(points)} 1 {len(points)}\n"
+        f"2 1 0 {len(points)}\n{tags}\n{nodes}\n$EndNodes\n$Elements\n2 {len(side) + 1} 1 {len(side) + 1}\n"
+        f"1 1 1 1\n1 1 2\n2 1 3 {len(side)}\n{quads}\n$EndElements\n"
+    )
+    found = read_mesh(tmp_path / "hull.msh")
+    assert (len(found.faces), found.notes) == (len(side), ("left out, no surface: 1 line",))
+
+
 def polydata(path, version, mode, points, polygons):
     """VTK's POLYDATA of a version, ASCII or BINARY."""
     sizes = [len(p) for p in polygons]
@@ -308,6 +335,9 @@ def test_a_hull_on_the_sea_bed_or_on_its_side_is_named(tmp_path):
     ("name", "text", "message"),
     [
         ("hull.step", "ISO-10303-21;", r"is a CAD model; needs a mesh of its surface: export it as STL"),
+        ("hull.xyz", "1 2 3", r"received a name that ends in .xyz, no kind of mesh"),
+        ("hull.off", "STOFF\n1 1 0", r"hull.off: states|cannot be read as a mesh"),
+        ("hull.obj", "f 0 1 2", r"hull.obj:1: received 'f 0 1 2'; needs corners by their numbers"),
         ("hull.obj", "garbage", r"cannot be read as a mesh: holds no line of an OBJ"),
         ("hull.obj", "v 0 0 0\nsurf 0 1", r"hull.obj:2: received surf, a curved surface; needs polygons"),
         ("hull.gdf", "b\n1 9.81\n0 0\n3 1\n", r"hull.gdf:4: IGDEF: received 1, patches of a curved surface"),
@@ -340,7 +370,7 @@ LIBRARIES = (
 )
 
 
-@pytest.mark.parametrize("kind", ["obj", "vtk", "vtp", "ply", "msh", "gdf"])
+@pytest.mark.parametrize("kind", ["obj", "vtk", "vtp", "ply", "msh", "gdf", "off"])
 def test_damaged_meshes_raise_no_words_of_a_library(tmp_path, kind, monkeypatch):
     """Twelve of each kind, cut or with changed bytes: read, or one line of our own."""
     monkeypatch.setattr(bounded, "SECONDS", (1.0, 0.0))
@@ -353,6 +383,9 @@ def test_damaged_meshes_raise_no_words_of_a_library(tmp_path, kind, monkeypatch)
     elif kind == "gdf":
         rows = "\n".join(" ".join(map(str, p)) for p in points[np.array(side)].reshape(-1, 3))
         path.write_text(f"a\n1 9.81\n0 0\n{len(side)}\n{rows}\n")
+    elif kind == "off":
+        rows = [" ".join(map(str, p)) for p in points] + ["4 " + " ".join(map(str, quad)) for quad in side]
+        path.write_text(f"OFF\n{len(points)} {len(side)} 0\n" + "\n".join(rows))
     elif kind == "vtp":
         test_vtp_as_paraview_writes_surfaces_is_read(tmp_path)
         path = tmp_path / "hull.vtp"

@@ -115,8 +115,13 @@ def _read(path: Path, printed: io.StringIO) -> MeshFile:
     if form := _capytaine_format(path):
         vertices, faces = read_panels(path, form)
         return MeshFile(vertices, faces, _stated_panels(path, form))
-    if suffix == ".obj":
-        return _surface(path, *_obj(path))
+    own = {".obj": _obj, ".off": _off}
+    if suffix in own:
+        return _surface(path, *own[suffix](path))
+    if suffix not in (".vtp", *meshio.extension_to_filetypes):
+        raise ConfigError(
+            f"{path}: received a name that ends in {suffix or 'nothing'}, no kind of mesh; needs {_NEEDED}"
+        )
     points, cells = _by_meshio(path)
     if re.search("skip|cannot handle|ignor|could not parse", text := printed.getvalue().lower()):
         kind = re.search(r"type (\d+)", text)
@@ -345,23 +350,40 @@ def _obj(path: Path) -> tuple[FloatArray, list[_Cells]]:
     """
     points: list[list[float]] = []
     cells: list[_Cells] = []
-    for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
+    text = path.read_text(encoding="utf-8", errors="replace").replace("\\\n", " ")
+    for number, line in enumerate(text.splitlines(), 1):
         key, *words = line.split("#")[0].split() or [""]
         if key == "v":
             points.append([float(word) for word in words[:3]])
         elif key in ("f", "fo", "l", "p"):
             corners = [int(word.split("/")[0]) for word in words]
             from_one = [corner - 1 if corner > 0 else len(points) + corner for corner in corners]
-            if 0 in corners or words[-1:] == ["\\"]:
-                raise ConfigError(
-                    f"{path}:{number}: received {line[:40]!r}; needs corners by their numbers, in one line"
-                )
+            if 0 in corners:
+                raise ConfigError(f"{path}:{number}: received {line[:40]!r}; needs corners by their numbers, from 1")
             cells.append(_Cells({"l": "line", "p": "vertex"}.get(key, "polygon"), np.array([from_one])))
         elif key in ("curv", "curv2", "surf", "bzp", "bsp"):
             raise ConfigError(f"{path}:{number}: received {key}, a curved surface; needs polygons: export a mesh")
     if not (points or cells):
         raise ConfigError(f"{path}: cannot be read as a mesh: holds no line of an OBJ, v or f; needs {_NEEDED}")
     return np.array(points, dtype=float).reshape(len(points), -1), cells
+
+
+def _off(path: Path) -> tuple[FloatArray, list[_Cells]]:
+    """Points and polygons of an OFF; meshio reads triangles alone."""
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    rows = [words for line in lines if (words := line.split("#")[0].split())]
+    head = rows[0] if rows else []
+    if not head or not re.fullmatch(r"[A-Z]*OFF", head[0]) or "4" in head[0] or "n" in head[0]:
+        raise ConfigError(f"{path}:1: received {' '.join(head)[:40]!r}; needs OFF of points in space")
+    counts, rows = (head[1:], rows[1:]) if len(head) > 1 else (rows[1], rows[2:])
+    corners, polygons = int(counts[0]), int(counts[1])
+    if len(rows) < corners + polygons:
+        raise ConfigError(
+            f"{path}: states {corners} points and {polygons} polygons, holds {len(rows)} lines; needs all"
+        )
+    points = np.array([[float(word) for word in row[:3]] for row in rows[:corners]])
+    faces = [np.array([[int(word) for word in row[1 : int(row[0]) + 1]]]) for row in rows[corners : corners + polygons]]
+    return points.reshape(corners, -1), [_Cells("polygon", face) for face in faces]
 
 
 def _by_meshio(path: Path) -> tuple[FloatArray, list[_Cells]]:
@@ -372,6 +394,8 @@ def _by_meshio(path: Path) -> tuple[FloatArray, list[_Cells]]:
         rewritten = _polydata(path, data)
     elif suffix == ".vtp":
         suffix, rewritten = ".vtu", _vtp(path, data)
+    elif suffix == ".msh":  # meshio fails where some entities have physical groups and others none
+        rewritten = re.sub(rb"\$Entities.*?\$EndEntities\s*\n", b"", data, count=1, flags=re.DOTALL)
     elif suffix == ".ply":
         rewritten = re.sub(rb"(property list \w+ \w+ )vertex_index(\s)", rb"\1vertex_indices\2", data, count=1)
     with np.errstate(all="ignore"):  # the first bytes of an STL in plain text are taken for a huge count
