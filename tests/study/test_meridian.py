@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.study.meridian import RestMeridian, capsule, spheroid, through
+from vsb.study.meridian import RestMeridian, also_through, capsule, spheroid, through
 
 
 @settings(max_examples=15)
@@ -79,6 +79,19 @@ def test_profile_converges_at_fourth_order():
     found = through(_points(ellipse, 24), 1.5)
     assert found.radius == pytest.approx(1.5, rel=1e-9)
     assert found.top == pytest.approx(-found.keel, abs=1e-12) == pytest.approx(1.0, rel=1e-4)
+
+
+def test_two_curves_through_the_same_points_approach_each_other():
+    def ellipse(phi):
+        return 3 * math.sin(phi), 2 * math.cos(phi)
+
+    apart = []
+    for count in (8, 16, 32):
+        points = _points(ellipse, count)
+        spline, other = through(points, 1.5), also_through(points, 1.5)
+        assert other.radius == pytest.approx(1.5, rel=1e-9)
+        apart.append(max(math.dist(spline.at(phi)[:2], other.at(phi)[:2]) for phi in np.linspace(0.0, math.pi, 101)))
+    assert apart[0] > 2 * apart[1] > 4 * apart[2] > 0.0
 
 
 def test_profile_passes_through_its_points():

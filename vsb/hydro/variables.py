@@ -5,6 +5,12 @@ from vsb.tools.variables import Variable, register
 PAIR = ("influenced_dof", "radiating_dof")
 """Dimensions of a matrix over the degrees of freedom."""
 RESOLUTION = "resolution"
+OF_GEOMETRY = {
+    name: f"geometry_{name}"
+    for name in ("added_mass", "radiation_damping", "excitation_force", "hydrostatic_stiffness")
+}
+"""Attributes: relative errors of coefficients of heave by what is unknown of the shape, at `AT_GEOMETRY` [rad/s]."""
+AT_GEOMETRY = "geometry_omega"
 """Variable with the error of the solver in each degree of freedom, over the root of the largest added mass of it."""
 _EXCITATION = ("omega", "wave_direction", "influenced_dof")
 _SHAPE_PAIR = ("shape_dof", "other_shape_dof")

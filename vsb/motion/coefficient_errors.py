@@ -15,7 +15,7 @@ from scipy.ndimage import maximum_filter1d
 
 from vsb.hydro.database import ESTIMATE, Coefficients, stored_checks
 from vsb.hydro.orders import order_groups
-from vsb.hydro.variables import RESOLUTION
+from vsb.hydro.variables import AT_GEOMETRY, OF_GEOMETRY, RESOLUTION
 from vsb.motion.damper_matrix import Ports
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import Port
@@ -184,6 +184,7 @@ def _by_coefficients(omega: FloatArray, towards: ComplexArray, stiffness: Comple
 UNSTATED = 0.01
 """Relative error taken of coefficients of another code, whose files state none [-]."""
 RESOLVED, INTERPOLATION = "resolution of the coefficients", "interpolation between frequencies"
+GEOMETRY = "shape between the points of the profile"
 OF_OTHERS = f"coefficients read from a file that states no error, taken as {100 * UNSTATED:g} %"
 _NEIGHBOURS = 24
 """Part of the band within which interpolation errors change sign: that between about a dozen frequencies solved."""
@@ -220,12 +221,27 @@ def coefficient_errors(linear: LinearSystem, omega: FloatArray) -> list[Coeffici
         errors = [relative_error(RESOLVED, found, stated["error_estimate"])]
     else:
         errors = [relative_error(OF_OTHERS, found, UNSTATED)]
+    if AT_GEOMETRY in linear.database.attrs:
+        errors.append(_of_geometry(linear, omega, found))
     between = stated.get("interpolation_error", 0.0)
     if linear.axisymmetric:
         errors.append(_between(linear, omega, found, between))
     elif between:
         errors.append(relative_error(INTERPOLATION, found, between))
     return errors
+
+
+def _of_geometry(linear: LinearSystem, omega: FloatArray, found: Coefficients) -> CoefficientError:
+    """Errors by what is unknown of the shape, each coefficient by a part of itself that changes with frequency."""
+    ds = linear.database
+    sizes = {name: np.interp(omega, ds.attrs[AT_GEOMETRY], ds.attrs[attr]) for name, attr in OF_GEOMETRY.items()}
+    mass, damping = (
+        sizes[name][:, None, None] * np.abs(values)
+        for name, values in (("added_mass", found.added_mass), ("radiation_damping", found.damping))
+    )
+    force = (sizes["excitation_force"][:, None] * np.abs(found.excitation)).astype(complex)
+    stiffness = sizes["hydrostatic_stiffness"].max() * np.abs(ds.hydrostatic_stiffness.values)
+    return CoefficientError(GEOMETRY, Coefficients(mass, damping, force), False, stiffness)
 
 
 def relative_error(name: str, found: Coefficients, size: FloatArray | float) -> CoefficientError:

@@ -69,7 +69,7 @@ class LoadedShell:
         """
         basis = self.basis
         if basis.shell.rest is None:
-            return basis.inertia[0]
+            return np.asarray(basis.inertia[0])
         momentum = basis.integrated("mass")[0]
         return np.asarray(basis.total_mass * momentum / momentum[0])
 

@@ -1,11 +1,13 @@
 """Spectral solution of the water, and the hydro database made of solved blocks."""
 
 import json
+import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, Self, TypeVar
 
+import numpy as np
 import xarray as xr
 
 from vsb import __version__
@@ -14,13 +16,14 @@ from vsb.hydro import database, orders, quality
 from vsb.hydro.database import Check, with_history
 from vsb.hydro.dofs import displacements
 from vsb.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, converged, converged_on_grid
-from vsb.hydro.variables import PAIR
+from vsb.hydro.variables import AT_GEOMETRY, OF_GEOMETRY, PAIR
 from vsb.scenes.rest import mooring_stiffness, order_bases, order_stiffness, reference_shell
 from vsb.shell.deformed import ReferenceShell, rigid_buoy
 from vsb.shell.orders import OrderBasis
 from vsb.shell.shell import Shell
 from vsb.stages.stage import stamp
 from vsb.study.blocks import COARSEST_SWEEP
+from vsb.study.meridian import also_through
 from vsb.study.specs import DatabaseSpec, LoadedShape, SpectralSpec
 from vsb.tools.files import load, save
 
@@ -28,6 +31,12 @@ REFINED = (0.1, 0.01)
 """Shares of the tolerance to which blocks of a database that fails a check are solved again, one after the other."""
 REFINABLE = ("haskind", "rank_one", "symmetry", "positive_damping", "irregular_frequencies")
 """Checks that fail of motions which move little water: their coefficients are small parts of the largest entry."""
+_ALONG_BAND = (0.3, 0.7, 1.0, 1.3, 1.6, 2.0)
+"""Frequencies at which a shape's own error is sampled, over sqrt(g/r)."""
+_NODES = 64
+"""Points of the solver there: the spline of forty points bends as often."""
+_SOLVED = ("added_mass", "radiation_damping", "excitation_force")
+_GEOMETRY = (AT_GEOMETRY, *OF_GEOMETRY.values())
 FILM = 1e-4
 """Thickness of a shell that moves as a whole, of no consequence, in radii."""
 
@@ -40,7 +49,8 @@ def run_spectral(spec: SpectralSpec, out: str) -> None:
         solved = converged_on_grid(problem, omega, spec.tolerance, spec.interpolation)
     else:
         solved = converged(problem, omega, spec.tolerance)
-    save(solved.assign_attrs(**stamp(spec), seconds=clock.perf_counter() - begun), out)
+    attrs = geometry_errors(spec) | stamp(spec)
+    save(solved.assign_attrs(**attrs, seconds=clock.perf_counter() - begun), out)
 
 
 def spectral_problem(spec: SpectralSpec) -> SpectralProblem:
@@ -53,6 +63,31 @@ def spectral_problem(spec: SpectralSpec) -> SpectralProblem:
         shell = rigid_buoy(Shell(shape.radius, FILM * shape.radius, 1.0, 0.0, 1.0, rest), shape.centre_height)
     moved = displacements(spec.displacements, spec.order)
     return SpectralProblem(shell, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)
+
+
+def geometry_errors(spec: SpectralSpec) -> dict[str, object]:
+    """Return relative errors of the coefficients of heave by what a profile's points leave open, as attributes.
+
+    Twice the difference of two curves through the points at the same displacement: of a capsule by 9 to 42 points it
+    was 1.1 to 22 times the error of the spline, coefficient by coefficient. Nothing of other shapes.
+    """
+    shape, water = spec.shape, spec.water
+    given = shape.device.shape if isinstance(shape, LoadedShape) else shape.shape
+    if given is None or given.profile is None or spec.order:
+        return {}
+    rest = given.meridian(shape.radius)
+    volume = rest.volume_below(-shape.centre_height)
+    omega = [share * math.sqrt(water.gravity / shape.radius) for share in _ALONG_BAND]
+    found = []
+    for meridian in (rest, also_through(given.profile, shape.radius)):
+        height = -(meridian.lowest + meridian.draft_of(volume))
+        shell = rigid_buoy(Shell(shape.radius, 1e-9 * shape.radius, 1.0, 0.0, 1.0, meridian), height)
+        heave = SpectralProblem(shell, displacements(["Heave"]), water.density, water.gravity, _NODES, water.depth)
+        ds = database.with_excitation(heave.solve(omega))
+        plane = shell.hydrostatic_stiffness(water.density, water.gravity)[0, 0]
+        found.append([*(np.abs(ds[name].values).ravel() for name in _SOLVED), np.full(len(omega), plane)])
+    errors = (2 * np.abs(other / own - 1) for own, other in zip(*found, strict=True))
+    return {AT_GEOMETRY: omega} | dict(zip(OF_GEOMETRY.values(), (each.tolist() for each in errors), strict=True))
 
 
 def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:
@@ -83,6 +118,7 @@ def run_database(spec: DatabaseSpec, blocks: str, out: str) -> None:
         "water_depth": str(water.depth),
         "gravity": water.gravity,
         "solver": solver,
+        **{name: value for block in found.values() for name, value in block.attrs.items() if name in _GEOMETRY},
         "bem_seconds": sum(block.attrs["seconds"] for block in found.values()),
     }
     everywhere = _whole(spec, parts, swept, families)

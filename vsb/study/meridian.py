@@ -429,17 +429,10 @@ def through(points: tuple[tuple[float, float], ...], radius: float) -> RestMerid
 def _through(points: tuple[tuple[float, float], ...]) -> RestMeridian:
     """The same of radius one, which serves all sizes."""
     _check_points(points)
-    largest = max(x for x, _ in points)
-    at = [0.0]
-    for (x, z), (following, lower) in itertools.pairwise(points):
-        at.append(at[-1] + math.hypot(following - x, lower - z))
-    at = [math.pi * t / at[-1] for t in at]
+    largest, at = max(x for x, _ in points), _chords(points)
     across, along = (_spline(at, [p[i] for p in points], natural=i == 0) for i in (0, 1))
-    count = 8 * MOST_TERMS
-    angles = [math.pi * (i + 0.5) / count for i in range(count)]
-    heights = [along(phi) for phi in angles]
-    cosines, sines = _terms(heights, [across(phi) for phi in angles], SMALL_OF_PROFILES * largest)
-    found = RestMeridian(tuple(sines), (sum(heights) / count, *cosines))
+    angles = _midpoints(8 * MOST_TERMS)
+    found = _of_series([across(phi) for phi in angles], [along(phi) for phi in angles], largest)
     for phi, (px, pz) in zip(at, points, strict=True):
         there = found.at(phi)
         if math.hypot(there[0] - px, there[1] - pz) > MISFIT * largest:
@@ -447,8 +440,49 @@ def _through(points: tuple[tuple[float, float], ...]) -> RestMeridian:
                 f"received points that turn too sharply for a smooth meridian near ({px:.4g}, {pz:.4g}); needs "
                 "fewer turns"
             )
-    scale = 1 / found.radius
-    return found.scaled(scale, scale, -scale * (found.top + found.keel) / 2)
+    return _of_radius_one(found)
+
+
+def _chords(points: Sequence[tuple[float, float]]) -> list[float]:
+    """Angles phi of points, in proportion to the length of the chords."""
+    at = [0.0]
+    for (x, z), (following, lower) in itertools.pairwise(points):
+        at.append(at[-1] + math.hypot(following - x, lower - z))
+    return [math.pi * t / at[-1] for t in at]
+
+
+def _midpoints(count: int) -> list[float]:
+    """Angles in the middle of equal parts of the meridian."""
+    return [math.pi * (i + 0.5) / count for i in range(count)]
+
+
+def _of_series(x: Sequence[float], z: Sequence[float], largest: float) -> RestMeridian:
+    """The meridian of radii and heights at `_midpoints`."""
+    cosines, sines = _terms(z, x, SMALL_OF_PROFILES * largest)
+    return RestMeridian(tuple(sines), (sum(z) / len(z), *cosines))
+
+
+def _of_radius_one(meridian: RestMeridian) -> RestMeridian:
+    """A meridian scaled to a largest radius of one, the middle of its height at zero."""
+    scale = 1 / meridian.radius
+    return meridian.scaled(scale, scale, -scale * (meridian.top + meridian.keel) / 2)
+
+
+@lru_cache(maxsize=32)
+def also_through(points: tuple[tuple[float, float], ...], radius: float) -> RestMeridian:
+    """Return another meridian through the points of `through`, whose distance from it says what points leave open.
+
+    Akima's curve in place of the spline, with slopes of the neighbouring chords alone (SciPy's modified Akima
+    interpolation), points mirrored in the axis at the poles.
+    """
+    import numpy as np
+    from scipy.interpolate import Akima1DInterpolator
+
+    at, (x, z) = np.array(_chords(points)), np.array(points).T
+    mirrored = np.concatenate([-at[:0:-1], at, 2 * math.pi - at[-2::-1]])
+    x, z = np.concatenate([-x[:0:-1], x, -x[-2::-1]]), np.concatenate([z[:0:-1], z, z[-2::-1]])
+    x, z = (Akima1DInterpolator(mirrored, one, method="makima")(_midpoints(8 * MOST_TERMS)) for one in (x, z))
+    return _of_radius_one(_of_series(x.tolist(), z.tolist(), float(x.max()))).scaled(radius, radius)
 
 
 def _check_points(points: Sequence[tuple[float, float]]) -> None:
