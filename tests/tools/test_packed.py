@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import vsb.results.variables  # noqa: F401  (registers where results may be missing)
 from vsb.errors import DatabaseError
 from vsb.tools import packed
 from vsb.tools.files import seal

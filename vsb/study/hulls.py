@@ -8,9 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from vsb.study.quantities import Brief, Number, Positive, Section
-
-LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048}
-"""Units of length [m]."""
+from vsb.tools.units import parsed_unit
 
 
 class ScaledMesh(Brief):
@@ -30,7 +28,7 @@ class ScaledMesh(Brief):
     @property
     def metres(self) -> float:
         """Length of the unit of the file [m]."""
-        return self.scale * LENGTHS[self.unit]
+        return self.scale * float(parsed_unit(self.unit).factor)
 
 
 class Hull(Section):

@@ -13,7 +13,7 @@ from vsb.study.keys import KEYS
 Schema = dict[str, Any]
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 QUANTITY = {"type": "string", "pattern": r"^\s*[-+]?(\d|\.\d).*\D\s*$"}
-"""A number with a unit, as `vsb.tools.si_units` reads it."""
+"""A number with a unit, as `vsb.tools.units` reads it."""
 _BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
 """JSON's words for the bounds of numbers."""
 

@@ -11,7 +11,7 @@ from vsb.study.study import BaseStudy, Study
 from vsb.study.take_off import port_kind
 from vsb.study.written_units import LIKELY
 from vsb.tools.ports import FORCE
-from vsb.tools.si_units import value_in
+from vsb.tools.units import value_in
 
 
 class _Range(NamedTuple):

@@ -16,11 +16,11 @@ from vsb.study.keys import AT_PORT, UNITS
 from vsb.study.quantities import Section
 from vsb.study.take_off import port_kind
 from vsb.tools.ports import FORCE, PortKind
-from vsb.tools.si_units import BASE, parsed_unit
+from vsb.tools.units import DIMENSIONS, parsed_unit
 from vsb.tools.words import shortened
 
-FROUDE_POWERS = {"m": Fraction(1), "kg": Fraction(3), "s": Fraction(1, 2), "rad": Fraction(0)}
-"""Power of the length scale that each base unit goes with at equal Froude number and the same density and gravity."""
+FROUDE_POWERS = {"m": Fraction(1), "kg": Fraction(3), "s": Fraction(1, 2)}
+"""Power of the length scale that a unit goes with at equal Froude number, density and gravity; angles stay."""
 STAYS = ("depth", "atmospheric_pressure")
 """Keys that are not scaled, whatever their unit: those of water and air."""
 
@@ -28,7 +28,7 @@ STAYS = ("depth", "atmospheric_pressure")
 def length_power(unit: str) -> float:
     """Return the power of the length scale a unit such as N s/m or rad/(m s) goes with, at equal Froude number."""
     powers = parsed_unit(unit).powers
-    return float(sum(power * FROUDE_POWERS[base] for base, power in zip(BASE, powers, strict=True)))
+    return float(sum(power * FROUDE_POWERS.get(base, 0) for base, power in zip(DIMENSIONS, powers, strict=True)))
 
 
 def scaled(raw: Any, scale: float, power: float = 0.0) -> Any:

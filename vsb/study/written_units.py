@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from vsb.study.keys import AT_PORT, KEYS, UNITS
 from vsb.study.schema import Schema, keys_at, schema_of
 from vsb.tools.ports import KINDS, PortKind
-from vsb.tools.si_units import parsed_unit, split, value_in
+from vsb.tools.units import parsed_unit, split, value_in
 
 Place = tuple[str | int, ...]
 """Keys and indices from the top of a file to something in it."""

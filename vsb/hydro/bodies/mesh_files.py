@@ -26,10 +26,11 @@ from vsb.hydro.bodies.mesh import check_finite, text_of, triangulated
 from vsb.hydro.panels.rings import read_panels
 from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.bounded import bounded_reading, reason_of
+from vsb.tools.units import parsed_unit
 
 PANEL_FILES = {".pnl": "pnl", ".hst": "hst", ".mar": "mar", ".nemoh": "mar", ".hams": "pnl"}
 """Formats capytaine reads and meshio does not; meshio keeps the order of the vertices, which displacements refer to."""
-FOOT = 0.3048
+FOOT = float(parsed_unit("ft").factor)
 """A foot [m]."""
 _CAD = (".step", ".stp", ".iges", ".igs", ".brep", ".dxf", ".dwg", ".3dm", ".sat", ".x_t", ".sldprt", ".fcstd")
 _LINES = ("vertex", "line", "empty", "VTK_LAGRANGE_CURVE", "VTK_BEZIER_CURVE")

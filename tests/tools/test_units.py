@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from vsb.study.keys import KEYS
 from vsb.tools.ports import KINDS
-from vsb.tools.si_units import parsed_unit, split, value_in
+from vsb.tools.units import parsed_unit, split, unit, value_in
 
 
 @pytest.mark.parametrize(
@@ -73,8 +73,29 @@ def test_no_quantity_takes_long_to_read(text):
             value_in(text, "m")
 
 
+@pytest.mark.parametrize(
+    "text", ["m^2/Hz/deg", "rad/(m s)", "cm/s", "m2 s rad-1", "m**2.s", "m²·s/rad", "m⁻¹", "m^{2}", "cycles per second"]
+)
+def test_headers_and_values_follow_one_rule_of_products(text):
+    """Only the angles, by their names in headers, and small letters differ."""
+    assert unit(text).in_radians() == unit(text.upper()).in_radians() == parsed_unit(text)
+
+
+def test_a_header_tells_degrees_from_radians():
+    """A density per degree is another quantity than per radian per second, whereas 180 degrees are pi radians."""
+    assert len({unit(f"m^2 s/{angle}").powers for angle in ("rad", "deg", "cycle")}) == 3
+    assert len({parsed_unit(f"m^2 s/{angle}").powers for angle in ("rad", "deg", "cycle")}) == 1
+
+
+@pytest.mark.parametrize(
+    "text", ["", "()", "m/", "m//s", "m**s", "12", "m2/(Hz", "s)", "4s", "V", "t", "kN", "m " * 50]
+)
+def test_what_is_no_unit_of_a_header_is_refused(text):
+    assert unit(text) is None
+
+
 def test_units_of_all_keys_and_ports_are_known():
     of_ports = {getattr(kind, name) for kind in KINDS.values() for name in ("load_unit", "damping_unit", "motion_unit")}
     of_keys = {key.unit for section in KEYS.values() for key in section.values() if key.unit and not key.at_port}
-    for unit in {one for units in of_keys | of_ports for one in units.split(", ")}:
-        assert parsed_unit(unit).factor > 0
+    for known in {one for units in of_keys | of_ports for one in units.split(", ")}:
+        assert parsed_unit(known).factor > 0
