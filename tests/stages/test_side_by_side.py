@@ -1,5 +1,6 @@
 """Command compare: finished studies and campaigns side by side."""
 
+import csv
 import json
 from pathlib import Path
 
@@ -22,13 +23,25 @@ def year(tmp_path_factory):
 
 
 def test_study_is_compared_at_its_optimal_damping(small):
-    found = lines([small])
+    found = [one for one in lines([small]) if one.tuning == "each"]
     tables = json.loads(Path(f"{small.folder}/tables.json").read_text())
     assert [(one.design, one.sea) for one in found] == [(row["design"], row["sea"]) for row in tables["equal_tuning"]]
     for one, row in zip(found, tables["equal_tuning"], strict=True):
         assert (one.power_mean, one.gain_percent) == (row["best_power"], row["best_gain_percent"])
+        assert (one.power_low, one.power_high) == (row["best_power_low"], row["best_power_high"])
+        assert (one.low, one.high) == (row["best_low"], row["best_high"])
         assert (one.damping, one.damping_unit) == (row["best_damping"], "N s/m")
         assert one.annual_energy is None
+
+
+def test_study_at_a_given_damper_is_also_compared_as_it_ran(small):
+    with open(f"{small.folder}/comparison.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["wave"] != "still"]
+    found = [one for one in lines([small]) if one.tuning == "fixed"]
+    assert [one.design for one in found] == [row["design"] for row in rows]
+    columns = ("power_mean", "power_low", "power_high", "damping", "capture_width")
+    for one, row in zip(found, rows, strict=True):
+        assert [getattr(one, name) for name in columns] == pytest.approx([float(row[name]) for name in columns])
 
 
 def test_campaign_is_compared_over_its_year(year):
@@ -41,6 +54,8 @@ def test_campaign_is_compared_over_its_year(year):
         assert one.annual_energy == pytest.approx(float(at.annual_energy))
         assert one.power_mean == pytest.approx(float(at.annual_mean_power))
         assert one.gain_percent == pytest.approx(float(at.gain_percent))
+        assert (one.power_low, one.power_high) == (at.annual_mean_power_low, at.annual_mean_power_high)
+        assert (one.low, one.high) == (at.gain_low, at.gain_high)
         assert one.capture_width == pytest.approx(float(at.capture_width))
         assert one.damping > 0
 

@@ -29,12 +29,20 @@ class Line(NamedTuple):
     capture_width: float | None  # [m]
     annual_energy: float | None  # [MWh]
     damping_unit: str = FORCE.damping_unit
+    power_low: float | None = None  # interval of the mean power by all known errors [W]
+    power_high: float | None = None
+    low: float | None = None  # of the gain [%]
+    high: float | None = None
 
 
-HEAD = (
-    *("study", "point", "design", "sea", "tuning", "power [W]", "gain [%]", "damper", "width [m]", "MWh/year"),
-    "damper in",
-)
+COLUMNS = {
+    "study": "study", "point": "point", "design": "design", "sea": "sea", "tuning": "tuning",
+    "power_mean": "power [W]", "power_low": "from [W]", "power_high": "to [W]",
+    "gain_percent": "gain [%]", "low": "from [%]", "high": "to [%]",
+    "damping": "damper", "capture_width": "width [m]", "annual_energy": "MWh/year", "damping_unit": "damper in",
+}  # fmt: skip
+"""Columns of the table with their heads."""
+GAINS = ("gain_percent", "low", "high")
 MEASURES = {
     "gain_percent": "gain over the rigid design [%]",
     "capture_width": "capture width [m]",
@@ -42,9 +50,12 @@ MEASURES = {
 }
 """What the figure shows of every line: the first two that are known."""
 DOUBTS = (
-    "Numbers are linear theory at the tuning of their row; without coefficients, results of the simulation.",
+    "Mean powers and gains are those of the reports at the tuning of their row, with the interval of all known errors: "
+    "each: every design at its own best damper; fixed: at the given one; one: its best single damper of all seas.",
+    "They are by linear theory; by runs in time where those are not linear and have this damper. At another damper the "
+    "interval then contains what linear theory leaves out.",
     "Each gain is over the rigid design of the same study; studies of other sizes and waters also differ in power.",
-    "Intervals, time-domain results and doubts are in the reports.",
+    "Doubts are in the reports.",
 )
 EQUAL = 0.05
 """Gain that would be printed as 0.0 [%]."""
@@ -66,10 +77,10 @@ def as_text(lines: Sequence[Line]) -> str:
 
 def _table(lines: Sequence[Line]) -> list[list[str]]:
     """Heads and cells of a table; the unit of dampers stands in their head, in a column where there are several."""
-    cells = [list(HEAD), *([_cell(value, field) for field, value in line._asdict().items()] for line in lines)]
+    cells = [list(COLUMNS.values()), *([_cell(getattr(line, field), field) for field in COLUMNS] for line in lines)]
     if len(units := {line.damping_unit for line in lines}) == 1:
         cells = [row[:-1] for row in cells]
-        cells[0][HEAD.index("damper")] = f"damping [{superscripts(units.pop())}]"
+        cells[0][list(COLUMNS).index("damping")] = f"damping [{superscripts(units.pop())}]"
     return cells
 
 
@@ -86,7 +97,7 @@ def _cell(value: str | float | None, field: str) -> str:
         return "-"
     if isinstance(value, str):
         return value
-    return f"{value:+z.1f}" if field == "gain_percent" else plain(value)
+    return f"{value:+z.1f}" if field in GAINS else plain(value)
 
 
 def as_csv(lines: Sequence[Line]) -> str:
@@ -126,6 +137,7 @@ def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> st
 
 def answer(lines: Sequence[Line]) -> str:
     """Return in one sentence where flexibility brings most; without gains, which design absorbs most."""
+    lines = _leading(lines)
     gains = [(line.gain_percent, line) for line in lines if line.gain_percent is not None and line.gain_percent != 0]
     if gains:
         gain, best = max(gains, key=lambda one: one[0])
@@ -141,6 +153,12 @@ def answer(lines: Sequence[Line]) -> str:
     return f"{most.design} of {_place(most)} absorbs most: {plain(power)} W ({TUNED[most.tuning]})."
 
 
+def _leading(lines: Sequence[Line]) -> list[Line]:
+    """Lines under the first tuning of each place: every design at its own best damper where that is known."""
+    first: dict[str, str] = {}
+    return [line for line in lines if first.setdefault(_place(line), line.tuning) == line.tuning]
+
+
 def _place(line: Line) -> str:
     """Study, point and sea of a line, in words."""
     return ", ".join(part for part in (line.study, line.point, line.sea) if part)
@@ -148,6 +166,7 @@ def _place(line: Line) -> str:
 
 def figure(lines: Sequence[Line]) -> Figure:
     """Draw gain and capture width of every design, a row for each sea of a study and each point of a campaign."""
+    lines = _leading(lines)
     rows = list(dict.fromkeys(_place(line) for line in lines))
     designs = list(dict.fromkeys(line.design for line in lines))
     known = [kind for kind in MEASURES if any(getattr(line, kind) is not None for line in lines)]

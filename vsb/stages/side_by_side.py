@@ -4,6 +4,7 @@ import json
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from vsb.errors import ConfigError
 from vsb.report.side_by_side import Line, as_csv, as_page, as_text
@@ -13,8 +14,10 @@ from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan
 from vsb.study.take_off import port_kind
+from vsb.study.waves import IrregularSea, StillWater, Wave
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import read_text
+from vsb.waves.climate import YEAR_HOURS
 
 
 def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
@@ -30,48 +33,82 @@ def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
 
 
 def _of_study(plan: AnyPlan) -> Iterator[Line]:
-    """Every design in every sea, at its own best damper; without BEM as it was run."""
+    """Every design in every sea, at its own best damper, then at that of the runs where it is another one."""
     found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.identity))
     name, unit = plan.study.study, port_kind(plan.study.pto.port).damping_unit
     for row in found["equal_tuning"]:
-        numbers = (row["best_power"], row["best_gain_percent"], row["best_damping"])
-        yield Line(name, "", row["design"], row["sea"], "each", *numbers, _width(found, row), None, unit)
-    for row in [] if found["equal_tuning"] else found["comparison"]:
-        numbers = (row["power_mean"], row["power_gain_percent"], row["damping"])
-        power, gain, damping = map(_known, numbers)
-        yield Line(name, "", row["design"], row["wave"], "fixed", power, gain, damping, None, None, unit)
+        numbers = (
+            row["best_power"],
+            row["best_gain_percent"],
+            row["best_damping"],
+            _width(plan, found, row),
+            None,
+            unit,
+        )
+        ends = (row["best_power_low"], row["best_power_high"], row["best_low"], row["best_high"])
+        yield Line(name, "", row["design"], row["sea"], "each", *numbers, *ends)
+    told: set[str] = set()
+    for wave in plan.study.waves:
+        tuning, sea = plan.study.tuning(wave), _sea(wave)
+        if sea in told or (found["equal_tuning"] and (isinstance(wave, StillWater) or tuning == "each")):
+            continue
+        told.add(sea)
+        for row in found["comparison"]:
+            if row["wave"] == wave.label:
+                power, gain, damping, width, *ends = (_known(row.get(key)) for key in OF_RUNS)
+                yield Line(name, "", row["design"], sea, tuning, power, gain, damping, width, None, unit, *ends)
 
 
-def _width(found: dict[str, list[dict[str, float]]], row: dict[str, float]) -> float | None:
-    """Capture width at the best damper, by the energy flux of the run in the same sea; none of several realisations."""
+OF_RUNS = ("power_mean", "power_gain_percent", "damping", "capture_width", "power_low", "power_high", "low", "high")
+"""Columns of the comparison that a line has."""
+
+
+def _width(plan: AnyPlan, found: dict[str, list[dict[str, Any]]], row: dict[str, Any]) -> float | None:
+    """Capture width at the best damper, by the energy flux of the sea: that of the runs, over their power."""
+    labels = {wave.label for wave in plan.study.waves if _sea(wave) == row["sea"]}
     for run in found["comparison"]:
-        if (run["design"], run["wave"]) == (row["design"], row["sea"]):
+        if run["design"] == row["design"] and run["wave"] in labels:
             power, width = _known(run["power_mean"]), _known(run["capture_width"])
             return row["best_power"] * width / power if power and width else None
     return None
 
 
+def _sea(wave: Wave) -> str:
+    """Name of a sea, one for all realisations, which have one mean power."""
+    return wave.family if isinstance(wave, IrregularSea) else wave.label
+
+
 def _of_year(plan: CampaignPlan) -> Iterator[Line]:
-    """Every design at every point over the year, under the tuning of the report's answer."""
-    from vsb.results.campaign import damper
+    """Every design at every point over the year, under the tuning of the answer, by runs where they correct it."""
+    from vsb.results.campaign import GAIN, POWER, damper, in_time
+    from vsb.results.year import POWER_ENDS
 
     tuning = leading_tuning(plan.loaded.tuning)
     ds = load(plan.data_path, expected=plan.identity)
     unit = str(ds.damping.attrs["units"])
+    names = {"power": "annual_mean_power", "power_low": POWER_ENDS[0], "power_high": POWER_ENDS[1]}
+    names |= {"gain": "gain_percent", "low": "gain_low", "high": "gain_high"}
+    if ds.attrs.get("verified_tuning") == tuning:
+        corrected = [in_time(ds.attrs["verified_model"], name) for name in (*POWER, *GAIN)]
+        names |= {key: name for key, name in zip(names, corrected, strict=True) if name in ds}
     ds = ds.assign(damper=damper(ds)).sel(tuning=tuning)
     points = [str(dim) for dim in ds.margin.dims]
     stacked = ds.stack(point=points, create_index=False) if points else ds.expand_dims("point")
-    names = ("annual_mean_power", "gain_percent", "damper", "capture_width", "annual_energy")
     for i, point in enumerate(plan.loaded.campaign.vary.points):
         words = ", ".join(f"{key} {value:g}" if isinstance(value, float) else value for key, value in point.items())
         for design in map(str, ds.design.values):
             one = stacked.isel(point=i).sel(design=design)
-            power, gain, damping, width, energy = (_known(float(one[name])) if name in one else None for name in names)
+            value = {key: _known(float(one[name])) if name in one else None for key, name in names.items()}
+            damping, width, linear = (_known(float(one[k])) for k in ("damper", "capture_width", "annual_mean_power"))
+            power = value["power"]
+            energy = None if power is None else power * YEAR_HOURS / 1e6
+            width = power * width / linear if power is not None and width is not None and linear else width
             where = (plan.name, words, design, str(ds.attrs["climate"]), tuning)
-            yield Line(*where, power, gain, damping, width, energy, unit)
+            ends = (value["power_low"], value["power_high"], value["low"], value["high"])
+            yield Line(*where, power, value["gain"], damping, width, energy, unit, *ends)
 
 
-def _known(value: float | str | None) -> float | None:
+def _known(value: Any) -> float | None:
     """A number; none of what is missing."""
     return None if value in ("", None) or float(value) != float(value) else float(value)
 
