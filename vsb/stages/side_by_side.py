@@ -55,8 +55,8 @@ def _of_study(plan: AnyPlan) -> Iterator[Line]:
         told.add(sea)
         for row in found["comparison"]:
             if row["wave"] == wave.label:
-                power, gain, damping, width, *ends = (_known(row.get(key)) for key in OF_RUNS)
-                yield Line(name, "", row["design"], sea, tuning, power, gain, damping, width, None, unit, *ends)
+                power, gain, damping, width, *within = (_known(row.get(key)) for key in OF_RUNS)
+                yield Line(name, "", row["design"], sea, tuning, power, gain, damping, width, None, unit, *within)
 
 
 OF_RUNS = ("power_mean", "power_gain_percent", "damping", "capture_width", "power_low", "power_high", "low", "high")
