@@ -43,7 +43,7 @@ from vsb.study.reading import read_yaml
 from vsb.study.study import Study, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
-from vsb.tools.tables import csv_text
+from vsb.tools.tables import check_table, csv_text
 
 Outcome = Literal["completed", "refused", "not finite", "traceback"]
 Verdict = Literal["ok", "doubt", "wrong"]
@@ -341,6 +341,7 @@ def as_csv(rows: Sequence[Row]) -> str:
 
 def benchmark(path: str | Path, out: str | Path) -> list[Row]:
     """Run the cases of a file; write the table as CSV, print the rows that are not ok and how many of each verdict."""
+    check_table(out, COLUMNS)
     with tempfile.TemporaryDirectory() as folder:
         rows = run_cases(load_cases(path), folder)
     write_text(out, as_csv(rows))

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from vsb.errors import VsbError
 from vsb.tools.files import write_text
-from vsb.tools.tables import csv_text
+from vsb.tools.tables import check_table, csv_text
 
 Row = dict[str, Any]
 
@@ -53,11 +53,13 @@ def tabulated(
     """Write the outcome of every trial as a table, print bad ones at once; return the count of each bad verdict."""
     found: Counter[str] = Counter()
     rows = []
+    head = (*columns, "verdict", "reason")
+    check_table(out, head)
     for tried, (verdict, reason) in fates:
         found[verdict] += 1
         rows.append((*tried, verdict, reason.replace("\n", " ")))
         if verdict in bad:
             print(f"{', '.join(map(str, tried))}: {verdict}: {reason[:400]}", flush=True)
-    write_text(out, csv_text((*columns, "verdict", "reason"), rows))
+    write_text(out, csv_text(head, rows))
     print(", ".join(f"{number} {verdict}" for verdict, number in found.most_common()))
     return Counter({verdict: number for verdict, number in found.items() if verdict in bad})

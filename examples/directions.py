@@ -17,7 +17,7 @@ from vsb.scenes.mode_convergence import ModeConvergence
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load, parse
 from vsb.tools.files import write_text
-from vsb.tools.tables import csv_text
+from vsb.tools.tables import check_table, csv_text
 from vsb.waves.dispersion import power_limit
 from vsb.waves.seas import sea
 
@@ -65,6 +65,7 @@ def rows_of(shell: str, path: str) -> Iterator[tuple[object, ...]]:
 
 def run(args: argparse.Namespace) -> int:
     """Write the table."""
+    check_table(args.out, COLUMNS)
     rows = [row for shell, path in SHELLS.items() for row in rows_of(shell, path)]
     write_text(args.out, csv_text(COLUMNS, rows, 6))
     for shell, port in {(row[0], row[1]): None for row in rows}:
@@ -73,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-main = command("directions", __doc__, run, "{out}", out="OUT")
+main = command("directions", __doc__, run, out="OUT")
 
 if __name__ == "__main__":
     sys.exit(main(None))

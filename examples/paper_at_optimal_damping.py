@@ -22,7 +22,7 @@ from vsb.scenes.build import assumed_pressure_design
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load
 from vsb.tools.files import write_text
-from vsb.tools.tables import csv_text
+from vsb.tools.tables import check_table, csv_text
 
 DAMPERS = np.geomspace(500.0, 50_000.0, 17)
 """Tried first [N s/m]."""
@@ -82,13 +82,14 @@ def rows_of(study: Study) -> list[Row]:
 
 def run(args: argparse.Namespace) -> int:
     """Write the table."""
+    check_table(args.out, Row._fields)
     text = csv_text(Row._fields, rows_of(load(args.config)), 6)
     write_text(args.out, text)
     print(text, end="")
     return 0
 
 
-main = command("paper_at_optimal_damping", __doc__, run, "{out}", config="CONFIG", out="OUT.csv")
+main = command("paper_at_optimal_damping", __doc__, run, config="CONFIG", out="OUT.csv")
 
 if __name__ == "__main__":
     sys.exit(main(None))

@@ -4,9 +4,11 @@ import csv
 import io
 
 import numpy as np
+import pytest
 from matplotlib.figure import Figure
 
-from vsb.tools.tables import csv_text, svg_text
+from vsb.errors import DatabaseError
+from vsb.tools.tables import check_table, csv_text, svg_text
 
 
 def test_cells_round_trip_and_missing_ones_are_empty():
@@ -16,6 +18,19 @@ def test_cells_round_trip_and_missing_ones_are_empty():
         ["name", "x", "n", "none"], ["a, b", "0.3333", "7", ""], ['"', "1e-07", str(2**60), ""],
     ]  # fmt: skip
     assert "\r" not in text
+
+
+def test_table_replaces_an_earlier_one_only(tmp_path):
+    path = tmp_path / "table.csv"
+    for text in (None, csv_text(("period", "gain"), [(2.5, 1.0)])):
+        if text:
+            path.write_text(text)
+        check_table(path, ("period", "gain"))
+    for other in ("my notes\n", "period,gain,note\n", "period,gai", ""):
+        path.write_text(other)
+        with pytest.raises(DatabaseError, match=r"table\.csv: is no earlier table of this command, and would be lost"):
+            check_table(path, ("period", "gain"))
+        assert path.read_text() == other
 
 
 def test_figure_has_no_date():

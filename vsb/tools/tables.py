@@ -3,7 +3,11 @@
 import csv
 import io
 from collections.abc import Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+from vsb.errors import DatabaseError
+from vsb.tools.files import check_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,6 +20,21 @@ def csv_text(head: Iterable[object], rows: Iterable[Iterable[object]], digits: i
     writer.writerow(head)
     writer.writerows([f"{v:.{digits}g}" if isinstance(v, float) else v for v in row] for row in rows)
     return text.getvalue()
+
+
+def check_table(path: str | Path, head: Iterable[object]) -> None:
+    """Check, before hours of work, that a table can be written and replaces at most an earlier one of its columns.
+
+    Raises `DatabaseError` if it cannot be written, or is any other file.
+    """
+    check_file(path)
+    if Path(path).exists():
+        columns = csv_text(head, []).encode()
+        with Path(path).open("rb") as file:
+            if file.read(len(columns)) != columns:
+                raise DatabaseError(
+                    f"{path}: is no earlier table of this command, and would be lost; needs another name for the output"
+                )
 
 
 def svg_text(figure: "Figure") -> str:
