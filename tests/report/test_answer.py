@@ -112,7 +112,7 @@ def test_number_of_an_invalid_design_stands_below_the_answer():
     found = answered(lines, best_power(A=0.1 + 0 * OMEGA), "FSB", SEAS, invalid)
     assert found.stands == [
         "No valid answer yet: the shell buckles under its static load (53.6 times what it can carry). Change first: "
-        "raise device.internal_pressure (of a sphere) to carry the load, or device.thickness."
+        "raise device.internal_pressure to carry the load, or device.thickness."
     ]
     (below,) = found.below
     assert below.startswith("Computed although the model does not hold: In a swell, each design at its optimal")

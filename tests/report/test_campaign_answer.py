@@ -28,7 +28,7 @@ def test_no_valid_answer_where_every_shell_buckles():
     found = whole_answer(campaign(margin=-1.0), "FSB", "one")
     assert found.stands == [
         "No valid answer yet: the shell buckles under its static load at all 4 points (2 times what it can carry). Change "
-        "first: raise device.internal_pressure (of a sphere) to carry the load, or device.thickness."
+        "first: raise device.internal_pressure to carry the load, or device.thickness."
     ]
     assert closing_answer(campaign(margin=-1.0)) == found.stands[0]
     (below,) = found.below

@@ -60,8 +60,9 @@ def test_response_equals_that_of_the_axisymmetric_chain(both):
         for name in ("rao", "port_impedance", "port_velocity", "best_power", "matched_power", "absorbed_power"):
             a, b = (ds[name].sel(design=design).sel(omega=omega, method="nearest").values for ds in (own, body))
             assert np.abs(a - b).max() < 2e-3 * np.abs(a).max(), (design, name)
-    frequencies = [ds.wet_natural_frequency.values for ds in (own, body)]
-    assert frequencies[1] == pytest.approx(frequencies[0], rel=2e-3)
+    listed, every = (ds.wet_natural_frequency.values for ds in (own, body))  # of a shell to twice the band alone
+    nearest = every[np.abs(every[:, None] - listed).argmin(axis=0)]
+    assert nearest == pytest.approx(listed, rel=2e-3)
 
 
 def test_control_levels_equal_those_of_the_axisymmetric_chain(both):
