@@ -83,7 +83,9 @@ def test_a_long_spheroid_buckles_into_lobes(seed):
     shaped = varied(seed, device={"shape": {"spheroid": {"height": 6.0}}}, modes={"basis": "full", "degree": 3})
     (check,) = ledger.viability_checks(shaped)
     assert (check.name, check.verdict) == ("computed_buckling", "fail")
-    assert re.search(r"azimuthal order \d+; by linear buckling viable from device.internal_pressure = \d+ Pa", check.explanation)
+    assert re.search(
+        r"azimuthal order \d+; by linear buckling viable from device.internal_pressure = \d+ Pa", check.explanation
+    )
     assert ledger.viability_checks(varied(seed, reference_shape="equilibrium")) == []
 
 
