@@ -17,10 +17,11 @@ from examples import barge
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.files import write_body
-from vsb.stages.body_preview import check, check_wave
+from vsb.stages.body_preview import check, check_wave, drifting_motions
 from vsb.study.body import BodyStudy, located
 from vsb.study.plan import BodyPlan
 from vsb.study.reading import validated
+from vsb.study.waves import RegularWave, StillWater
 
 
 def test_check_summarises_a_body_study(finished, workplace, capsys):
@@ -149,3 +150,20 @@ def test_body_whose_mass_lies_beside_its_buoyancy_does_not_rest_upright(tmp_path
         ConfigError, match=r"designs\.a: the body is not in equilibrium upright: .* 0\.11 of the cube root"
     ):
         check(BodyPlan(found.study, root=str(tmp_path), files=found.files))
+
+
+@pytest.mark.parametrize(
+    ("loose", "direction", "named"),
+    [
+        ([[1, 0], [0, 1], [0, 0]], 0.0, ["Surge"]),  # nothing moored
+        ([[1, 0], [0, 1], [0, 0]], 30.0, ["Surge", "Sway"]),
+        ([[0], [1], [0]], 0.0, []),  # surge moored: waves along it do not push to the side
+        ([[1], [-1], [0]], 0.0, ["Surge", "Sway"]),  # free across one line
+        ([[0], [0], [1]], 0.0, []),
+        (np.empty((3, 0)), 0.0, []),
+    ],
+)
+def test_a_body_drifts_where_waves_push_and_nothing_holds(loose, direction, named):
+    waves = [StillWater(kind="still"), RegularWave(kind="regular", amplitude=0.1, period=5.0, direction=direction)]
+    assert drifting_motions(["Surge", "Sway", "Yaw"], np.array(loose, dtype=float), waves) == named
+    assert drifting_motions(["Surge", "Sway", "Yaw"], np.array(loose, dtype=float), waves[:1]) == []

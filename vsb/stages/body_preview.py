@@ -29,8 +29,9 @@ from vsb.stages.coefficients import REMEDY, judged, of_own_mass
 from vsb.stages.costs import memory_doubts
 from vsb.study.body import BodyFile
 from vsb.study.plan import BodyPlan
-from vsb.study.quantities import content_id
+from vsb.study.quantities import content_id, motion_of
 from vsb.study.waves import IrregularSea, SeaOfFile, StillWater, Wave, file_lines
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 
 
@@ -40,6 +41,7 @@ class CheckedBody(NamedTuple):
     body: LinearSystem
     checks: list[Check]  # of its files
     mesh: FlexibleBody | None  # if it will be solved on panels
+    drifting: dict[str, list[str]]  # of each design, what waves push along and nothing holds
 
 
 def check(plan: BodyPlan) -> CheckedBody:
@@ -60,13 +62,14 @@ def check(plan: BodyPlan) -> CheckedBody:
         ds = read_source(source.kind, files[source.kind], study.water, source.length, source.bodies, source.modes)
         check_water(study.water, ds)
         body, _, checks, _ = judged(plan.database, within_band(ds, study.hydro.omega_max))
-    floating = floating_body(study, body)
+    floating, drifting = floating_body(study, body), {}
     for design, motions in floating.motions.items():
         held = body.held + study.pto.stiffness * np.outer(floating.port, floating.port)
         try:
-            body.unrestrained(motions.T @ held @ motions, motions)
+            loose = body.unrestrained(motions.T @ held @ motions, motions)
         except StabilityError as error:
             raise ConfigError(f"designs.{design}: {_off_axis(checks) or error}") from None
+        drifting[design] = drifting_motions(body.labels, motions @ loose, study.waves)
         yields = compliance(motions.T @ held @ motions, allowed_part(floating.port, motions))
         if yields == np.inf and study.pto.stroke_limit < np.inf:
             raise ConfigError(
@@ -84,7 +87,31 @@ def check(plan: BodyPlan) -> CheckedBody:
         seas = [(wave, study_sea(study, wave, body.database)) for wave in moving]
         for design in floating.motions:
             port_in_seas(floating, design, seas)  # raises if the port is not passive where the seas are
-    return CheckedBody(body, checks, mesh)
+    return CheckedBody(body, checks, mesh, drifting)
+
+
+def drifting_motions(labels: Sequence[str], loose: FloatArray, waves: Sequence[Wave]) -> list[str]:
+    """Return the displacements along the waves that nothing holds; `loose` are motions without restoring force.
+
+    The start of waves leaves a body a velocity in them; radiation does not stop what moves steadily.
+
+    Parameters
+    ----------
+    labels : sequence of str
+    loose : ndarray, shape (dof, unrestrained)
+    waves : sequence
+    """
+    if not loose.size:
+        return []
+    found, free = np.zeros(len(labels)), np.linalg.qr(loose)[0]
+    for wave in waves:
+        if isinstance(wave, StillWater):
+            continue
+        towards = {"Surge": np.cos(np.deg2rad(wave.direction)), "Sway": np.sin(np.deg2rad(wave.direction))}
+        along = np.array([towards.get(motion_of(label), 0.0) for label in labels])
+        found = np.maximum(found, np.abs(free @ (free.T @ along)))
+    named = [motion_of(label) in ("Surge", "Sway") for label in labels]
+    return [label for label, size, is_named in zip(labels, found, named, strict=True) if is_named and size > 1e-3]
 
 
 def _off_axis(checks: Sequence[Check]) -> str:
@@ -163,7 +190,7 @@ def solved_lines(plan: BodyPlan, file: BodyFile, mesh: FlexibleBody) -> list[str
 
 def summary(plan: BodyPlan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and the validity known beforehand."""
-    (body, checks, mesh), study = check(plan), plan.study
+    (body, checks, mesh, drifting), study = check(plan), plan.study
     floating, omega = floating_body(study, body), body.database.omega.values
     there = " (there)" if Path(plan.database_path).exists() else ""
     designs = (f"{name} moves in {motions.shape[1]}" for name, motions in floating.motions.items())
@@ -182,6 +209,12 @@ def summary(plan: BodyPlan) -> list[str]:
         )
         lines += memory_doubts(memory)
         lines += solved_lines(plan, file, mesh)
+    lines += [
+        f"note         drift: nothing holds {' and '.join(names)} of design {design}: it keeps the velocity the first "
+        "waves leave it, and translation may leave linear theory; a mooring (body.stiffness) or other dofs prevent it"
+        for design, names in drifting.items()
+        if names
+    ]
     history = mesh.history if mesh else str(body.database.attrs.get("history", ""))
     lines += [f"note         {part}" for part in history.split("; ") if part and not part.startswith("read from")]
     doubts = [replace(check, name=f"hydro {check.name}") for check in checks if check.verdict != "ok"]
