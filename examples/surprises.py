@@ -176,10 +176,8 @@ def limit_that_costs_nothing(folder: Path) -> Figures:
     peak, figures = matched.force_peak or 0.0, {"matched power [W]": matched.power_mean or 0.0}
     for share in (1.05, 0.5, 0.1):
         found = Ladder(study_of([jonswap(5.0)], pto={**BASE["pto"], "force_limit": share * peak}), folder)
-        power = found.power(RIGID, "constrained")
-        figures[f"limit {share:g} of the matched peak: power lost [%]"] = 100 * (
-            1 - power / figures["matched power [W]"]
-        )
+        kept = found.at(RIGID, "constrained").limit_fraction or 0.0  # of the matched power in the waves of one period
+        figures[f"limit {share:g} of the matched peak: power lost [%]"] = 100 * (1 - kept)
     return figures
 
 
