@@ -117,6 +117,6 @@ def test_errors_of_later_stages_are_reported_before_the_run(finished, workplace,
     elif kind == "body":
         Path(name).write_text(yaml.safe_dump(as_body(finished, waves=[{**SWELL, "direction": 30.0}])))
     else:
-        written(name, pto={"damping": 1.0, "stiffness": -1e6})
+        written(name, pto={"damping": 1e3, "stiffness": -1e6})
     assert message in error_line(["run", name], capsys)
     assert not Path("results").exists()
