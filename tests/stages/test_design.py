@@ -254,6 +254,7 @@ def test_a_climate_beyond_the_frequencies_solved_is_refused(folder):
         check(planned(folder, "beyond", study="low.yaml"))
 
 
+@pytest.mark.slow  # minutes: soft shells are followed along their load
 def test_starts_none_of_which_rests_are_named(folder):
     """Shells of 1 to 10 kPa buckle before they carry their load."""
     plan = planned(folder, "sunk", {"device.young_modulus": [1e3, 1e4]})
