@@ -73,7 +73,7 @@ DOUBTED = 2.0
 
 
 def best_buoy(values: Values) -> str:
-    """The best buoys and what tells size and flexibility apart."""
+    """The best buoys and what separates size from flexibility."""
     names = ("flexible", "rigid competitor", "rigid twin", "undeformed sphere")
 
     def row(head: str, key: str, form: str, some: Sequence[str] = names, scale: float = 1.0) -> list[str]:

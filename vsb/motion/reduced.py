@@ -27,7 +27,7 @@ TRANSIENT = 1e-3
 """Largest error of a motion at any frequency, over its largest, as the root of energy [-]: transients excite all."""
 WORTH = 0.6
 """Part of all motions up to which reduced ones are worth their making."""
-LOOKED_AT = 48
+SWEEP_POINTS = 48
 """Frequencies of the band to choose from; between each two the error is measured."""
 BEYOND, OF_START, FURTHER = 4.0, 20.0, 33
 """End of the frequencies looked at above the band, over its end and over the start's own, and their number."""
@@ -39,7 +39,7 @@ NEW = 5e-5
 ROUND_OFF = 1e-9
 """Such a part that is too small to tell [-]."""
 
-_IN_BAND = 2 * LOOKED_AT - 1
+_IN_BAND = 2 * SWEEP_POINTS - 1
 _STARTS = 2  # loads of a start
 
 
@@ -93,7 +93,7 @@ def reduced_motions(system: LinearSystem, motions: FloatArray, ports: FloatArray
     rigid = [motions.T[:, i] for i, label in enumerate(system.labels) if is_rigid(label)]
     basis = extended(np.zeros((motions.shape[1], 0)), problem.root @ np.column_stack([*rigid, start]), 1e-9)
     choice = range(0, len(problem.omega), 2)  # those between are for the measured error alone
-    chosen, new = [0, LOOKED_AT // 2 * 2, _IN_BAND - 1], NEW
+    chosen, new = [0, SWEEP_POINTS // 2 * 2, _IN_BAND - 1], NEW
     while new > ROUND_OFF:
         before = basis.shape[1]
         for k in chosen:

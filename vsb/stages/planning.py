@@ -47,8 +47,8 @@ def with_degree(plan: Plan, *, keep: bool = True) -> Plan:
     """Return a plan whose shell modes have a degree: the one given, or the least that meets `modes.tolerance`.
 
     Of a campaign it is the largest of those of its study and of the points with the least and the largest value of each
-    key. The degree found is kept in the folder of results, unless told not to. Raises `ConfigError` if the shell of a
-    study does not carry its load, so that it has no modes about its equilibrium.
+    key. The degree found is kept in the folder of results, unless `keep` is false. Raises `ConfigError` if the shell of
+    a study does not carry its load, so that it has no modes about its equilibrium.
     """
     if isinstance(plan, BodyPlan | DesignPlan):  # an optimum has modes of its own
         return plan

@@ -47,12 +47,12 @@ def _of_study(plan: AnyPlan) -> Iterator[Line]:
         )
         ends = (row["best_power_low"], row["best_power_high"], row["best_low"], row["best_high"])
         yield Line(name, "", row["design"], row["sea"], "each", *numbers, *ends)
-    told: set[str] = set()
+    listed: set[str] = set()
     for wave in plan.study.waves:
         tuning, sea = plan.study.tuning(wave), _sea(wave)
-        if sea in told or (found["equal_tuning"] and (isinstance(wave, StillWater) or tuning == "each")):
+        if sea in listed or (found["equal_tuning"] and (isinstance(wave, StillWater) or tuning == "each")):
             continue
-        told.add(sea)
+        listed.add(sea)
         for row in found["comparison"]:
             if row["wave"] == wave.label:
                 power, gain, damping, width, *within = (_known(row.get(key)) for key in OF_RUNS)

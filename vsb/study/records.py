@@ -177,8 +177,8 @@ def read_record(path: Path, where: str, repair: Collection[str] = (), accept: Co
         elevations.append(elevation * metres if abs(elevation * metres) <= HIGHEST else math.nan)
     if not FEWEST <= len(times) <= MOST:
         raise ConfigError(f"{where}: received {len(times)} samples in {path.name}, needs {FEWEST} to {MOST}")
-    step, repaired, told = _checked(path, lines, times, elevations, seconds * _written_to(written), repair, accept)
-    held: dict[str, Any] = {"step": step, "elevation": repaired, "notes": [*notes, *told]}
+    step, repaired, remarks = _checked(path, lines, times, elevations, seconds * _written_to(written), repair, accept)
+    held: dict[str, Any] = {"step": step, "elevation": repaired, "notes": [*notes, *remarks]}
     if not all(table.units) and len({*repaired}) > 1:
         of_file = Samples(**held)
         if abs(level := math.fsum(repaired) / len(repaired)) > of_file.hs:

@@ -165,4 +165,4 @@ _SI_UNITS = (
     "N s/m", "N/m", "N m s", "N m", "N", "m", "kg", "kg m", "kg m^2", "Pa", "s",
     *(getattr(kind, name) for kind in KINDS.values() for name in ("load_unit", "damping_unit", "stiffness_unit")),
 )  # fmt: skip
-"""Units a quantity is told in where its key's is not known."""
+"""Units a quantity is stated in where that of its key is not known."""

@@ -1,7 +1,7 @@
 """Scatter tables as atlases, reports and spreadsheets print them: occurrences over height and period.
 
-Full tables, whose corner names both or whose axes are told apart by what seas can be, and lists of cells. Sums that are
-printed beside are compared and left out, cells of less than the last digit count half of it.
+Full tables, whose corner names both or whose axes are distinguished by what seas can be, and lists of cells. Sums
+that are printed beside are compared and left out, cells of less than the last digit count half of it.
 """
 
 import csv

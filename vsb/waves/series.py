@@ -50,8 +50,8 @@ def read_series(path: str | Path) -> Table | None:
         if not times and not all(map(kind_of, table.names)):
             return None
     if times:
-        kept, told = calendar(times)
-        hs, period, notes = hs[kept], period[kept], [*told, *notes]
+        kept, remarks = calendar(times)
+        hs, period, notes = hs[kept], period[kept], [*remarks, *notes]
     else:
         notes.append("no dates in the file: gaps and seasons are not known")
     there = np.isfinite(hs) & np.isfinite(period) & (hs > TINY) & (period > TINY) & ~np.isin(hs, MISSING)
