@@ -254,10 +254,9 @@ def test_a_climate_beyond_the_frequencies_solved_is_refused(folder):
         check(planned(folder, "beyond", study="low.yaml"))
 
 
-@pytest.mark.slow  # minutes: soft shells are followed along their load
 def test_starts_none_of_which_rests_are_named(folder):
-    """Shells of 1 to 10 kPa buckle before they carry their load."""
-    plan = planned(folder, "sunk", {"device.young_modulus": [1e3, 1e4]})
+    """Walls of 1 to 2 mm with at most 100 Pa inside buckle before they carry their load, some 20 kPa at the keel."""
+    plan = planned(folder, "limp", {"device.thickness": [1e-3, 2e-3], "device.internal_pressure": [0.0, 100.0]})
     for job in jobs(plan):
         if job.stage == "design_start":
             work(job)
