@@ -14,6 +14,7 @@ from vsb.results.statistics import (
     Line,
     Sample,
     batch_means,
+    families,
     half_width,
     linear_batches,
     record_covariance,
@@ -260,6 +261,9 @@ def test_length_of_records_is_judged_before_anything_runs(seed):
         (found,) = (check for check in seas_checks(varied(seed, waves=waves)) if check.name == "record_length")
         assert (found.verdict, found.value) == ("ok", 0.0)
         assert "mean power of a sea is that of its spectrum" in found.explanation
+        names = set(families(exact))
+        (found,) = (check for check in seas_checks(exact, linear=names) if check.name == "record_length")
+        assert found.verdict == "ok"  # the runs turned out to be linear
 
 
 def test_records_last_as_long_as_an_interval_of_mean_power_needs_unless_they_are_given(seed):

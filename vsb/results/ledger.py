@@ -5,7 +5,7 @@ Checks of runs are in `vsb.results.run_checks`, those of control levels beside t
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import asdict, replace
 from itertools import product
 from typing import NamedTuple
@@ -70,24 +70,27 @@ def angle_checks(study: BaseStudy) -> list[Check]:
     return [Check("angles", len(found), 0.0, "-", "doubt", text)] if found else []
 
 
-def seas_checks(study: Study | BodyStudy, database: xr.Dataset | None = None) -> list[Check]:
+def seas_checks(
+    study: Study | BodyStudy, database: xr.Dataset | None = None, linear: Collection[str] = ()
+) -> list[Check]:
     """Return whether linear wave theory, and the band of the database, cover the seas, and whether records are long.
 
-    The database of a buoy is not needed.
+    The database of a buoy is not needed; `linear` is that of `record_checks`.
     """
     omega_min, omega_max = band(study, database)
     checks = [check for wave in study.waves for check in wave_checks(wave, study.water, omega_max, omega_min)]
-    return [*checks, *record_checks(study)]
+    return [*checks, *record_checks(study, linear)]
 
 
-def record_checks(study: Study | BodyStudy) -> list[Check]:
+def record_checks(study: Study | BodyStudy, linear: Collection[str] = ()) -> list[Check]:
     """Return whether the records of each irregular sea are long enough for an interval of its mean power.
 
-    Where hydrodynamics and take-off are linear mean power is the expectation over the spectrum, whatever the record.
+    Where hydrodynamics and take-off are linear mean power is the expectation over the spectrum, whatever the record;
+    `linear` names the seas in which the runs turned out to be, as limits were out of reach.
     """
     (start, end), checks = study.simulation.window, []
     for name, waves in families(study).items():
-        if study.power_of_spectrum:
+        if study.power_of_spectrum or name in linear:
             whole = "the whole record" if isinstance(waves[0], RecordedSea) else "its spectrum"
             text = f"mean power of a sea is that of {whole}: the {end - start:.4g} s simulated do not change it, and "
             text += "their own mean may be far from it"

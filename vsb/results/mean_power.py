@@ -72,6 +72,17 @@ def _limits_out_of_reach(pto: Pto, level: ControlLevel) -> bool:
     return pto.force_limit > OUT_OF_REACH * level.force_peak and pto.stroke_limit > OUT_OF_REACH * level.stroke_peak
 
 
+def linear_seas(study: BaseStudy, runs: Attributes, levels: Sequence[ControlLevel]) -> set[str]:
+    """Return the irregular seas in all whose runs hydrodynamics and take-off are linear, see `is_linear`."""
+    by = {(one.design, one.wave, one.rung): one for one in levels}
+    found = set()
+    for name, waves in families(study).items():
+        label, rung = waves[0].label, LEVELS[study.tuning(waves[0])]
+        if all(is_linear(study, runs[design, label], by.get((design, label, rung))) for design in study.designs):
+            found.add(name)
+    return found
+
+
 def mean_powers(
     study: BaseStudy,
     rows: Sequence[Row],

@@ -16,7 +16,7 @@ from vsb.results.gains import (
     within_limits,
 )
 from vsb.results.ladder import ControlLevel, constrained_checks, material_checks
-from vsb.results.mean_power import mean_powers, of_seas, with_mean_powers, with_record_intervals
+from vsb.results.mean_power import linear_seas, mean_powers, of_seas, with_mean_powers, with_record_intervals
 from vsb.results.run_checks import agreement_checks, latching_checks, sea_checks, transient_checks
 from vsb.scenes.floating_system import expected_sea, study_sea
 from vsb.scenes.rest import reference_shell
@@ -52,11 +52,11 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
     if compared.needs_bem:
         samples = {run: kept for one in in_seas for run, kept in one.samples.items()}
         lines = irregular.statistics(compared, samples)
-        checks += of_the_water(found, rows, runs)
         ladder = [
             ControlLevel(**row)
             for row in json.loads(read_text(files["levels"], files["manifest"], found.plan.ladder_id))
         ]
+        checks += of_the_water(found, rows, runs, linear_seas(compared, runs, ladder))
         means = mean_powers(compared, rows, runs, ladder, found.response, samples)
         tuned, limited = equal_tuning(compared, ladder, means, runs), within_limits(compared, ladder)
         rows, lines = with_mean_powers(rows, means), of_seas(compared, lines, means)
@@ -89,16 +89,18 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
     record(files["manifest"], found.plan.identity, list(texts))
 
 
-def of_the_water(found: Inputs, rows: list[comparison.Row], runs: comparison.Attributes) -> list[Check]:
+def of_the_water(
+    found: Inputs, rows: list[comparison.Row], runs: comparison.Attributes, linear: set[str]
+) -> list[Check]:
     """Return the checks of linear hydrodynamics: waves, coefficients, radiation memory, time and frequency domain.
 
-    Of a buoy also the limit of its power, and what a second solver says.
+    Of a buoy also the limit of its power, and what a second solver says. `linear` names the seas whose runs are.
     """
     study, database = found.study, found.database
     buoy = study.buoy
     checks = [ledger.limit_check(found.response)] if buoy else []
     checks += ledger.radiation_checks(found.radiation, study.hydro.tolerance)
-    checks += [*ledger.seas_checks(study, database), *agreement_checks(study, found.response, rows, runs)]
+    checks += [*ledger.seas_checks(study, database, linear), *agreement_checks(study, found.response, rows, runs)]
     checks += [replace(check, name=f"hydro {check.name}") for check in stored_checks(database)]
     return checks + (ledger.witness_checks(buoy, database, found.witness) if buoy else [])
 
