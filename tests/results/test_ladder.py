@@ -27,12 +27,14 @@ from vsb.results.ladder import (
     material_levels,
     several_levels,
     several_matrices,
+    study_ladder,
 )
 from vsb.scenes.floating_system import FloatingSystem, PortInSeas
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.shell.deformed import rigid_sphere
 from vsb.stages.water import spectral_problem
 from vsb.study.plan import StudyPlan
+from vsb.study.study import parse
 from vsb.waves.seas import Sea
 
 
@@ -159,6 +161,23 @@ def test_constrained_optimum_absorbs_at_least_as_much_as_any_damper_within_the_l
         assert level.power_mean >= max(within) * (1 - REFINED)
         assert max(within) <= bound < waves.mean_of(port.matched_power)
         assert level.force_peak <= limits.force * (1 + 1e-8)
+
+
+def test_power_within_limits_is_ordered_with_expectations_whatever_the_run(small):
+    """A limit of force above every peak leaves the matched power, that of the spectrum; a lower one takes some of it."""
+    sea = {"kind": "jonswap", "hs": 0.5, "tp": 4.0}
+    power = {}
+    for duration, limit in ((40.0, 1e7), (80.0, 1e7), (40.0, 2e3)):
+        run = {"duration": duration, "window": [duration / 2, duration]}
+        data = small.study.model_dump() | {"waves": [sea], "designs": {"VSWEC": {}}, "simulation": run}
+        plan = StudyPlan(parse(data | {"pto": {"damping": 8e3, "force_limit": limit}}))
+        levels = {one.rung: one for one in study_ladder(plan.ladder, small.database_path)}
+        power[duration, limit] = levels["constrained"].power_mean
+        matched = levels["matched"].power_mean
+        assert levels["constrained"].limit_fraction == pytest.approx(power[duration, limit] / matched, rel=1e-12)
+    assert power[40.0, 1e7] == pytest.approx(matched, rel=1e-4)
+    assert power[80.0, 1e7] == pytest.approx(matched, rel=1e-4)
+    assert power[40.0, 2e3] < 0.9 * matched
 
 
 STUDIES = {

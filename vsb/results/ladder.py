@@ -147,7 +147,8 @@ def study_ladder(study: LadderSpec, database: str, powers: Mapping[int, Powers] 
         dragged = {design: dragged_port(study.system, floating, design, going) for design in study.designs}
     levels = levels_of(ports, records, families, given, study.simulation.duration, dragged)
     if pto.limited:
-        levels += constrained_levels(study, floating, records)
+        matched = {(level.design, level.wave): level.power_mean for level in levels if level.rung == "matched"}
+        levels += [in_sea(level, matched[level[:2]]) for level in constrained_levels(study, floating, records)]
         designs, labels = list(study.designs), list(seas)
         levels.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), CONTROL_LEVELS.index(r.rung)))
     levels = with_errors(levels, floating, pairs, study.reference_design, left_out)
@@ -376,6 +377,17 @@ def constrained_levels(study: LadderSpec, floating: FloatingSystem, seas: Mappin
     return levels
 
 
+def in_sea(level: ControlLevel, matched: float | None) -> ControlLevel:
+    """Return a level within limits with its power in the sea [W]: its share of the matched power times that of the sea.
+
+    The optimum is of the waves of a run. Its share of what can be absorbed of them varies less than either power, and
+    so it exceeds no level above it.
+    """
+    if level.limit_fraction is None or matched is None:
+        return level
+    return level._replace(power_mean=level.limit_fraction * matched)
+
+
 def constrained_level(
     design: str,
     label: str,
@@ -409,8 +421,8 @@ def constrained_level(
         return ControlLevel(*named, None, None, None, None, None, None, str(error))
     at = np.rint(sea.omega / harmonics.spacing - harmonics.first).astype(int)
     matched = sea.mean_of(port.matched_power[at])
-    note = f"{best.power:.4g} W found; no force within the limits, of any harmonics, absorbs more than "
-    note += f"{best.bound:.4g} W"
+    note = f"in the waves of a run {best.power:.4g} W found; no force within the limits, of any harmonics, "
+    note += f"absorbs more than {best.bound:.4g} W"
     if best.excess:
         note += f"; between the instants limits are exceeded by up to {100 * best.excess:.2g} %"
     return ControlLevel(*named, best.power, best.power / matched, *best[4:7], best.gap, note)
