@@ -251,7 +251,7 @@ def test_checks_of_irregular_seas_change_their_verdict_at_their_limit(seed, name
 
 
 def test_length_of_records_is_judged_before_anything_runs(seed):
-    """Of every irregular sea: 20 s are two batches of ten periods; what is linear does not rest on its record."""
+    """Of every irregular sea: 20 s are two batches of ten periods; what is linear does not depend on its record."""
     sea = {"kind": "jonswap", "hs": 0.5, "tp": 1.0}
     for amplitudes, realisations, verdict in (("fixed", 1, "doubt"), ("random", 2, "doubt"), ("fixed", 3, "ok")):
         waves = [{**sea, "amplitudes": amplitudes, "realisations": realisations}]

@@ -37,7 +37,7 @@ NEW = 5e-5
 """Part of a solution that is new beyond which it adds a motion, to begin with [-]; powers err by the square."""
 
 ROUND_OFF = 1e-9
-"""Such a part that is too small to tell [-]."""
+"""Such a part that is round-off [-]."""
 
 _IN_BAND = 2 * SWEEP_POINTS - 1
 _STARTS = 2  # loads of a start
