@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from vsb.errors import ConfigError
 from vsb.hydro.bodies.mesh import (
     AT_SURFACE,
+    RIGID_TO,
     SAME,
     Gaps,
     Rigid,
@@ -27,12 +28,13 @@ from vsb.hydro.bodies.mesh import (
     panel_edges,
     parts,
     rigid_motion,
+    solid_angle_share,
     text_of,
     without_thickness,
 )
 from vsb.hydro.bodies.sections import Beam
 from vsb.study.quantities import RIGID, body_of
-from vsb.tools.arrays import BoolArray, FloatArray, IntArray
+from vsb.tools.arrays import FloatArray, IntArray
 
 PLANES = {"xOz": 1, "yOz": 0}
 """Planes of symmetry and the coordinate each of them changes the sign of."""
@@ -44,7 +46,6 @@ LEAST_PANELS = 4
 """Of a separate part: panels whose corners only nearly coincide make no body."""
 _LEAST_BODY = 0.01  # [m], lengths below which capytaine's own tolerances drop panels
 _BEFORE = 1e-3  # distance in front of a panel at which there must be water, relative to the panel
-_MANY = 2**22  # solid angles at a time
 
 
 class Triangles(NamedTuple):
@@ -88,6 +89,7 @@ class FlexibleBody:
     centre_of_mass: FloatArray | None = None
     second_order: FloatArray | None = None  # (dof, dof, vertex, xyz): d2x/dq_i dq_j of the corners [1/m]
     history: str = ""  # of repairs
+    bed: float = -np.inf  # height of the sea bed the hull stands on [m]; the hull is open there
     beams: Mapping[int, Beam] = field(default_factory=dict)  # degrees of freedom known to bend as beams
 
     def __post_init__(self) -> None:
@@ -124,9 +126,33 @@ class FlexibleBody:
         return np.asarray(at_centres(self.vertices, self.faces, self.vertices[None])[0])
 
     @cached_property
+    def bed_edges(self) -> tuple[IntArray, IntArray]:
+        """Edges on the sea bed in the direction around their panels, shape (edge, 2), and the panel of each."""
+        edges, panel = panel_edges(owners(self.vertices)[self.faces])
+        on = (self.vertices[edges][..., 2] <= self.bed).all(axis=1)
+        return edges[on], panel[on]
+
+    @cached_property
+    def bed_lid(self) -> FloatArray:
+        """Triangles that close the hull on the sea bed, whose signed areas add up, shape (edge, 3, xyz) [m]."""
+        ends = self.vertices[self.bed_edges[0]]
+        middle = np.broadcast_to(ends.mean(axis=(0, 1)), (len(ends), 3)) if len(ends) else np.empty((0, 3))
+        return np.stack([ends[:, 1], ends[:, 0], middle], axis=1)
+
+    @cached_property
+    def _closed(self) -> tuple[FloatArray, FloatArray]:
+        """Corners (triangle, 3, xyz) [m] and vector areas (triangle, xyz) [m^2] of the wetted surface and `bed_lid`."""
+        lid = self.bed_lid
+        under = np.cross(lid[:, 1] - lid[:, 0], lid[:, 2] - lid[:, 0]) / 2
+        return np.concatenate([self.triangles.corner, lid]), np.concatenate([self.triangles.area, under])
+
+    @cached_property
     def volumes(self) -> FloatArray:
-        """Volume of displaced water three times, from the x, y and z components of the normals, shape (3,) [m^3]."""
-        corner, area, _ = self.triangles
+        """Volume of displaced water three times, from the x, y and z components of the normals, shape (3,) [m^3].
+
+        That of a hull on the sea bed ends there.
+        """
+        corner, area = self._closed
         return np.asarray((corner.mean(axis=1) * area).sum(axis=0))
 
     @property
@@ -137,7 +163,7 @@ class FlexibleBody:
     @cached_property
     def centre_of_buoyancy(self) -> FloatArray:
         """Centre of the displaced water, shape (xyz,) [m]."""
-        corner, area, _ = self.triangles
+        corner, area = self._closed
         square = ((corner**2).sum(axis=1) + corner.sum(axis=1) ** 2) / 12  # mean of x^2 over a triangle
         return np.asarray((square * area).sum(axis=0) / 2 / self.volumes)
 
@@ -149,7 +175,7 @@ class FlexibleBody:
     @cached_property
     def gaps(self) -> Gaps:
         """Gaps between panels whose edges run beside each other without meeting."""
-        return gaps(self.vertices, owners(self.vertices)[self.faces], -AT_SURFACE * self.size)
+        return gaps(self.vertices, owners(self.vertices)[self.faces], -AT_SURFACE * self.size, self.bed)
 
     @cached_property
     def part(self) -> IntArray:
@@ -225,13 +251,30 @@ def _check_panels(body: FlexibleBody) -> None:
         )
 
 
-def check_draught(vertices: FloatArray, depth: float) -> None:
-    """Raise `ConfigError` unless a hull, shape (vertex, xyz) [m], floats clear of the sea bed."""
-    if depth <= (draught := -float(vertices[:, 2].min())):
+def bed_below(vertices: FloatArray, depth: float) -> float:
+    """Return the height of the sea bed [m] if a hull, shape (vertex, xyz) [m], stands on it; -inf if it floats clear.
+
+    Raises `ConfigError` if it reaches below the bed.
+    """
+    draught, tolerance = -float(vertices[:, 2].min()), AT_SURFACE * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    if draught > depth + tolerance:
         raise ConfigError(
-            f"water.depth: received {depth:g} m, needs more than the body's draught of {draught:.6g} m: hulls that "
-            "stand on the sea bed are not solved"
+            f"water.depth: received {depth:g} m, less than the body's draught of {draught:.6g} m; needs deeper water, "
+            "or a hull cut off at the sea bed, if it stands there"
         )
+    return -depth if draught >= depth - tolerance else -np.inf
+
+
+def _check_on_the_bed(body: FlexibleBody) -> None:
+    """A hull that stands on the sea bed is sealed to it: what lifts its foot lets the water in."""
+    foot = body.vertices[:, 2] <= body.bed
+    for label, shape in zip(body.labels, body.shapes, strict=True):
+        if np.abs(shape[foot, 2]).max(initial=0.0) > RIGID_TO * np.abs(shape).max():
+            raise ConfigError(
+                f"modes: {label} lifts the foot of a hull that stands on the sea bed, at z = {body.bed:g} m; needs "
+                "motions along the bed (Surge, Sway, Yaw, or a file of displacements whose foot keeps its height); of "
+                "a flap on a hinge the hull above the hinge, closed below"
+            )
 
 
 def _check_thickness(body: FlexibleBody) -> None:
@@ -263,6 +306,7 @@ def _check_modes(body: FlexibleBody) -> None:
             raise ConfigError(f"{name}: holds NaN or infinite values; needs finite ones")
         if name in symmetric and np.abs(values - values.swapaxes(0, 1)).max() > 1e-9 * np.abs(values).max():
             raise ConfigError(f"{name}: not symmetric; needs a symmetric matrix")
+    _check_on_the_bed(body)
     flux = np.abs(np.einsum("ipx,px->ip", body.modes, body.vector_areas)).max(axis=1)
     flux /= np.linalg.norm(body.vector_areas, axis=1).max()
     for label, moved, shape in zip(body.labels, flux, body.modes, strict=True):
@@ -299,9 +343,10 @@ def check_apart(body: FlexibleBody) -> None:
     """
     _check_walls(body)
     part, normal = body.part, body.vector_areas
+    closed, whose = body._closed[0], np.concatenate([part, part, part[body.bed_edges[1]]])
     before = body.centres + _BEFORE * normal / np.sqrt(np.linalg.norm(normal, axis=1, keepdims=True))
     for one, other in permutations(range(body.part_count), 2):
-        inside = _winding(body, part == other, before[part == one]) > 0.5
+        inside = solid_angle_share(closed[whose == other], before[part == one]) > 0.5
         if inside.any():
             raise ConfigError(
                 f"mesh: {np.count_nonzero(inside)} panels of {_name(body, one)} lie inside {_name(body, other)} or on "
@@ -337,25 +382,6 @@ def _name(body: FlexibleBody, part: int) -> str:
     here, there = (np.abs(body.modes[:, mine]).max(axis=(1, 2)) for mine in (body.part == part, body.part != part))
     names = [body_of(label) for label, own, rest in zip(body.labels, here, there, strict=True) if own > 0 == rest]
     return next(filter(None, names), f"part {part + 1}")
-
-
-def _winding(body: FlexibleBody, chosen: BoolArray, points: FloatArray) -> FloatArray:
-    """Share of the full solid angle that a part and its mirror image above still water fill, of each point, (point,).
-
-    One inside, zero outside; of a triangle by Van Oosterom and Strackee (1983).
-    """
-    corner = body.triangles.corner[np.concatenate([chosen, chosen])]
-    corner = np.concatenate([corner, corner[:, ::-1] * np.array([1.0, 1.0, -1.0])])
-
-    def seen_from(some: FloatArray) -> FloatArray:
-        a, b, c = (corner[None, :, k] - some[:, None] for k in range(3))
-        na, nb, nc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
-        triple = np.einsum("ptx,ptx->pt", a, np.cross(b, c))
-        ab, bc, ca = (np.einsum("ptx,ptx->pt", u, v) for u, v in ((a, b), (b, c), (c, a)))
-        return np.asarray(np.arctan2(triple, na * nb * nc + ab * nc + bc * na + ca * nb).sum(axis=1) / (2 * np.pi))
-
-    step = max(1, _MANY // len(corner))
-    return np.concatenate([seen_from(points[i : i + step]) for i in range(0, len(points), step)])
 
 
 # Symmetry and resolution

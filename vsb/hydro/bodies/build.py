@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, Triangles, check_apart, check_draught
+from vsb.hydro.bodies.body import FlexibleBody, Triangles, bed_below, check_apart
 from vsb.hydro.bodies.families import Hull, LineMode, line_modes, structural_stiffness
 from vsb.hydro.bodies.files import read_body, usable_panels, with_gaps_noted
 from vsb.hydro.bodies.hulls import hull_panels
@@ -24,6 +24,7 @@ from vsb.study.quantities import RIGID, ROTATIONS
 from vsb.tools.arrays import FloatArray, IntArray
 
 _WHOLE = "it, or a mesh closed above the water, deck included"
+_ALONG_THE_BED = ("Surge", "Sway", "Yaw")
 
 
 class Solid(NamedTuple):
@@ -61,7 +62,15 @@ def _made_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: lis
     """The body of a mesh in the rigid motions and the families of modes of a body file."""
     labels = list(file.rigid_motions or ())
     check_vertices(vertices)
-    check_draught(vertices[np.unique(faces)], file.water.depth)
+    bed = bed_below(vertices[np.unique(faces)], file.water.depth)
+    if np.isfinite(bed) and file.families:
+        raise ConfigError(
+            "modes: received families of modes, which lift the foot of a hull that stands on the sea bed; needs Surge, "
+            "Sway, Yaw, or a file of displacements whose foot keeps its height"
+        )
+    if np.isfinite(bed) and file.all_rigid:
+        labels = list(_ALONG_THE_BED)
+        notes = [*notes, "Heave, Roll and Pitch left out: the hull stands on the sea bed"]
     rotates, weighed = bool(set(ROTATIONS) & set(labels)), file.mass is not None or file.density is not None
     centre = None if file.centre_of_mass is None else np.array(file.centre_of_mass)
     solid = filled(vertices, faces)
@@ -71,7 +80,7 @@ def _made_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: lis
         centre = solid.centre
         notes = [*notes, "centre of mass that of the mesh filled evenly"]
     pivot = centre if file.rotation_point is None else np.array(file.rotation_point)
-    wet = wetted(vertices, faces)
+    wet = wetted(vertices, faces, bed)
     points, panels = (wet.vertices, wet.faces) if wet else (vertices, faces)
     if file.panel is not None:
         points, panels = divided(points, panels, file.panel)
@@ -104,6 +113,7 @@ def _made_body(file: BodyFile, vertices: FloatArray, faces: IntArray, notes: lis
         stiffness=stiffness if stiffness is not None and stiffness.any() else None,
         centre_of_mass=centre,
         history=history,
+        bed=bed,
         beams=beams,
     )
     check_apart(body)

@@ -51,7 +51,7 @@ def coarser_body(body: FlexibleBody, planes: tuple[str, ...]) -> tuple[CoarserBo
     """Return a body on fewer panels and its `Coarser.share`; displacements are those of the panels' corners."""
     faces, share = coarser_panels(body.vertices, body.faces, planes)
     modes = at_centres(body.vertices, faces, body.shapes)
-    return CoarserBody(body.vertices, faces, body.labels, modes, body.shapes), share
+    return CoarserBody(body.vertices, faces, body.labels, modes, body.shapes, bed=body.bed), share
 
 
 def coarser_panels(vertices: FloatArray, faces: IntArray, planes: tuple[str, ...]) -> Coarser:

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, check_apart, check_draught
+from vsb.hydro.bodies.body import FlexibleBody, bed_below, check_apart
 from vsb.hydro.bodies.mesh import (
     AT_SURFACE,
     FLAT,
@@ -58,9 +58,8 @@ def read_body(mesh: str | Path, modes: str | Path, water: Water | None = None) -
     kept, faces, notes = usable_panels(found)
     values = values if by_vertex else values[:, kept]
     try:
-        if water:
-            check_draught(vertices[np.unique(faces)], water.depth)
-        if wet := wetted(vertices, faces):
+        bed = bed_below(vertices[np.unique(faces)], water.depth) if water else -np.inf
+        if wet := wetted(vertices, faces, bed):
             second = known.get("second_order")
             known |= {} if second is None else {"second_order": wet.at_vertices(second)}
             values = wet.at_vertices(values) if by_vertex else wet.at_panels((vertices, faces), values)
@@ -75,6 +74,7 @@ def read_body(mesh: str | Path, modes: str | Path, water: Water | None = None) -
             values if by_vertex else at_vertices(vertices, faces, values),
             **matrices,
             history="; ".join(filter(None, notes)),
+            bed=bed,
         )
         check_apart(body)
     except (ConfigError, IndexError) as error:

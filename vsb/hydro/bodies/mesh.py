@@ -26,6 +26,7 @@ RIGID_TO = 1e-6
 _NO_MOTION = 1e-9  # relative to the largest displacement: round-off of a fit
 _LARGEST_BODY = 1e5  # [m]
 _MOST_TRIANGLES = 50_000
+_MANY = 2**22  # solid angles at a time
 _MOST_TRIED = 20  # parts looked at for being plates
 _BESIDE = 0.1  # width of a gap between two edges, relative to the longer of them
 
@@ -176,6 +177,25 @@ def text_of(point: FloatArray) -> str:
     return "({})".format(", ".join(f"{x:.4g}" for x in point))
 
 
+def solid_angle_share(corner: FloatArray, points: FloatArray) -> FloatArray:
+    """Return the share of the full solid angle that triangles and their mirror images above still water fill, (point,).
+
+    Of a closed surface with normals outward it is one inside and zero outside; of a triangle by Van Oosterom and
+    Strackee (IEEE Trans. Biomed. Eng. 30, 1983). Triangles have the shape (triangle, 3, xyz), points (point, xyz).
+    """
+    corner = np.concatenate([corner, corner[:, ::-1] * np.array([1.0, 1.0, -1.0])])
+
+    def seen_from(some: FloatArray) -> FloatArray:
+        a, b, c = (corner[None, :, k] - some[:, None] for k in range(3))
+        na, nb, nc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
+        triple = np.einsum("ptx,ptx->pt", a, np.cross(b, c))
+        ab, bc, ca = (np.einsum("ptx,ptx->pt", u, v) for u, v in ((a, b), (b, c), (c, a)))
+        return np.asarray(np.arctan2(triple, na * nb * nc + ab * nc + bc * na + ca * nb).sum(axis=1) / (2 * np.pi))
+
+    step = max(1, _MANY // max(1, len(corner)))
+    return np.concatenate([seen_from(points[i : i + step]) for i in range(0, len(points), step)])
+
+
 # Edges: which panels are connected, and where a surface is open
 
 
@@ -221,8 +241,8 @@ def parts(faces: IntArray, beside: IntArray) -> IntArray:
     return np.asarray(np.argsort(np.argsort(first))[number])
 
 
-def gaps(vertices: FloatArray, corners: IntArray, surface: float) -> Gaps:
-    """Return the gaps between panels; edges above the height `surface` [m] are the waterline's.
+def gaps(vertices: FloatArray, corners: IntArray, surface: float, bed: float = -np.inf) -> Gaps:
+    """Return the gaps between panels; edges above the height `surface` [m] are the waterline's, those on a bed closed.
 
     `corners`, shape (panel, 4), are the numbers of vertices, one number for vertices that coincide.
     """
@@ -234,7 +254,8 @@ def gaps(vertices: FloatArray, corners: IntArray, surface: float) -> Gaps:
     single = net != 0  # edges without one that runs the other way
     edges = np.where(net[single, None] > 0, pairs[single], pairs[single, ::-1])
     panel, net, crowded = of[single], net[single], count[single] > 2
-    below = (vertices[edges][..., 2] < surface).any(axis=1)
+    height = vertices[edges][..., 2]
+    below = (height < surface).any(axis=1) & (height > bed).any(axis=1)
     ends, panel, crowded = vertices[edges[below]], panel[below], crowded[below]
     turned = vertices[edges[np.abs(net) >= 2]]
     low, high = (end(vertices[corners], axis=(0, 1)) for end in (np.min, np.max))
@@ -435,18 +456,21 @@ class Wetted(NamedTuple):
         return np.asarray(found)
 
 
-def wetted(vertices: FloatArray, faces: IntArray) -> Wetted | None:
+def wetted(vertices: FloatArray, faces: IntArray, bed: float = -np.inf) -> Wetted | None:
     """Return the part of a mesh below z = 0, cut by capytaine, without a deck or lid; None if that is all of it.
 
-    Raises `ConfigError` if no panel is below the surface.
+    Panels on the sea bed the hull stands on, at a height [m], touch no water. Raises `ConfigError` if no panel is below
+    the surface.
     """
     tolerance = AT_SURFACE * float(np.linalg.norm(np.ptp(vertices[np.unique(faces)], axis=0)))
     height = np.where(np.abs(vertices[:, 2]) <= tolerance, 0.0, vertices[:, 2])
+    height = np.where(np.abs(height - bed) <= tolerance, bed, height)
     level = np.column_stack([vertices[:, :2], height])
     flat, above = np.all(height[faces] == 0, axis=1), np.any(height[faces] > 0, axis=1)
-    if not (flat.any() or above.any() or (height != vertices[:, 2]).any()):
+    bottom = np.all(height[faces] == bed, axis=1)
+    if not (flat.any() or above.any() or bottom.any() or (height != vertices[:, 2]).any()):
         return None
-    below = np.flatnonzero((height[faces] < 0).any(axis=1))
+    below = np.flatnonzero((height[faces] < 0).any(axis=1) & ~bottom)
     if not len(below):
         raise ConfigError(
             f"mesh: none of {len(faces)} panels lies below z = 0, the lowest point at {height[faces].min():.4g} m; "
@@ -462,7 +486,10 @@ def wetted(vertices: FloatArray, faces: IntArray) -> Wetted | None:
     ends, share = np.concatenate([same, ends]), np.concatenate([np.zeros(len(level)), share])
     places = level[ends[:, 0]] + share[:, None] * (level[ends[:, 1]] - level[ends[:, 0]])
     origin = cKDTree(places).query(points)[1]
-    cut, dry = int(above[below].sum()), len(faces) - len(below)
-    note = f"clipped at z = 0: {cut} of {len(faces)} panels cut, {dry} above the water or in its surface left out"
+    cut, standing = int(above[below].sum()), int(bottom.sum())
+    dry = len(faces) - len(below) - standing
+    clipped = f"clipped at z = 0: {cut} of {len(faces)} panels cut, {dry} above the water or in its surface left out"
+    under = f"panels on the sea bed left out, which no water touches: {standing}"
+    notes = "; ".join([*[clipped] * bool(cut or dry), *[under] * bool(standing)])
     points[:, 2] = np.minimum(points[:, 2], 0.0)
-    return Wetted(points, panels, below[parent], ends[origin], share[origin], note if cut or dry else "")
+    return Wetted(points, panels, below[parent], ends[origin], share[origin], notes)

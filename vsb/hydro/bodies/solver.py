@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from vsb.hydro.bodies.body import PLANES, SYMMETRIES, FlexibleBody, detected_symmetry
 from vsb.hydro.bodies.coarsening import coarser_body, coarser_panels
-from vsb.hydro.bodies.mesh import joined
+from vsb.hydro.bodies.mesh import joined, solid_angle_share
 from vsb.hydro.panels.rings import influence_blocks, panel_mesh
 from vsb.hydro.variables import PAIR
 from vsb.study.sections import Water
@@ -63,6 +63,7 @@ class SymmetricPanels:
     of_body: int  # number of the body's panels; the others are the lid
     planes: tuple[str, ...]
     depth: float
+    bed_lid: FloatArray  # (triangle, 3, xyz), which closes a hull on the sea bed; none of a floating one
 
     @cached_property
     def whole(self) -> Any:
@@ -83,10 +84,14 @@ class SymmetricPanels:
 
     @cached_property
     def correction(self) -> FloatArray:
-        """Correction of the diagonal of D in the half or quarter, as `rings.flux_correction`; zero on the lid."""
+        """Correction of the diagonal of D in the half or quarter, as `rings.flux_correction`; zero on the lid.
+
+        A hull that stands on the sea bed is closed by the bed below it, through which some of the flux passes.
+        """
         body, areas = self._kept < self.of_body, self.whole.faces_areas[self._kept]
         d = influence_blocks(self.green, self._mirrored[0], 0.0, self.depth)[1]
-        return np.where(body, 1.0 - np.where(body, areas, 0.0) @ d.sum(axis=0).real / areas, 0.0)
+        under = solid_angle_share(self.bed_lid, self.whole.faces_centers[self._kept])
+        return np.where(body, 1.0 - under - np.where(body, areas, 0.0) @ d.sum(axis=0).real / areas, 0.0)
 
     def potentials(self, k: float, velocities: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
         """Return strengths and potentials of the sources that make given normal velocities, each shape (n, panel).
@@ -129,7 +134,7 @@ class BodyProblem:
         """The body and further panels."""
         vertices, faces = joined([(self.body.vertices, self.body.faces), *parts])
         planes, own = SYMMETRIES[self.symmetry], len(self.body.faces)
-        return SymmetricPanels(self.green, vertices, faces, own, planes, self.water.depth)
+        return SymmetricPanels(self.green, vertices, faces, own, planes, self.water.depth, self.body.bed_lid)
 
     @cached_property
     def _panels(self) -> SymmetricPanels:

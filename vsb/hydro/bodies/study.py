@@ -20,7 +20,7 @@ from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.body import (
     SYMMETRIES,
     FlexibleBody,
-    check_draught,
+    bed_below,
     check_symmetry,
     detected_symmetry,
     panel_diameters,
@@ -129,7 +129,8 @@ def check_solvable(study: BodyFile, body: FlexibleBody) -> None:
     if study.symmetry != "auto":
         check_symmetry(body, study.symmetry)
     water = study.water
-    check_draught(body.vertices, water.depth)
+    if bed_below(body.vertices, water.depth) != body.bed:
+        raise ConfigError(f"water.depth: received {water.depth:g} m; needs the depth the body was made for")
     memory, _ = cost(study, body)
     if memory > _MOST_GIGABYTES:
         raise ConfigError(

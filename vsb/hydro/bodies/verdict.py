@@ -320,7 +320,7 @@ def mesh_checks(study: BodyFile, body: FlexibleBody) -> list[Check]:
     if body.mass is not None and heave:
         weight = body.mass[heave[0], heave[0]] / (study.water.density * body.volume)
         checks.append(_check("displaced_mass", abs(weight - 1)))
-    turning = any(np.any(rotation) for _, rotation in body.rigid.values())
+    turning = np.isinf(body.bed) and any(np.any(rotation) for _, rotation in body.rigid.values())
     if turning and (centre := body.centre_of_mass) is not None and centre.ndim == 1:
         apart = (centre - body.centre_of_buoyancy)[:2]
         checks.append(_check("trim", float(np.hypot(*apart) / body.volume ** (1 / 3))))
