@@ -126,7 +126,7 @@ def test_interrupted_run_continues_without_solving_twice(tmp_path, body, green_f
         ({"omega": []}, "needs at least one value"),
         ({"omega": [2.0, 1.0]}, "ascending without repetition"),
         ({"omega": [0.05], "water": {"depth": 10.0}}, "omega 0.05 rad/s: in 10 m of water needs at least"),
-        ({"omega": [3.0], "water": {"depth": 0.9}}, "water.depth: received 0.9 m, needs more than the body's draught"),
+        ({"omega": [3.0], "water": {"depth": 0.9}}, "water.depth: received 0.9 m, less than the body's draught"),
         ({"symmetry": "xyz"}, "symmetry"),
         ({"lid": True}, "a number is needed"),
         ({"omega": [1e300]}, "omega.0: received 1e[+]300; needs a number of at most 1000"),
