@@ -18,6 +18,7 @@ from vsb.study.plan import StudyPlan
 from vsb.study.quantities import canonical
 from vsb.study.study import load
 from vsb.tools.commands import commands
+from vsb.tools.stamps import check_product
 
 
 def written(name, **changes):
@@ -311,3 +312,6 @@ def test_a_rule_replaces_its_own_products_only(workplace, capsys, monkeypatch):
     given(monkeypatch, canonical(StudyPlan(load("small.yaml")).display))
     line = error_line(["display", "--out", "modes.nc", "--manifest", "small.yaml"], capsys)
     assert "is no earlier output of the rule display" in line
+    Path("search/starts").mkdir(parents=True)
+    Path("modes.nc").rename("search/starts/one.nc")
+    check_product("search", "design_results", "design_results")  # a design's folder before its tables: starts alone

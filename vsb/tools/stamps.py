@@ -139,7 +139,8 @@ def check_product(path: str | Path, rule: str, stage: str) -> None:
     place = Path(os.path.abspath(path))
     if place.is_dir():
         own = not any(place.iterdir()) or any((folder / MANIFEST).is_file() for folder in (place, *place.parents[:3]))
-        own = own or any(carries_stamp(file) for file in place.glob("*.nc"))
+        known = (*place.glob("*.nc"), *place.glob("*/*.nc"))  # such as the starts of a design, before its manifest
+        own = own or any(map(carries_stamp, known))
     elif place.suffix == ".nc":
         own = not place.exists() or (carries_stamp(place) and _stage_of(place) in (stage, None))
     else:
