@@ -12,6 +12,10 @@ FIELD = re.compile(r"\{(?P<sign>-?)(?P<name>[^{}|]+)(?:\|(?P<form>[^{}|]*))?\}")
 """{name|form} in a sentence; {-name|form} is the value with the other sign: "absorbs {-gain|.1f} % less"."""
 MINUS = "\N{MINUS SIGN}"
 NUMBER = rf"[{MINUS}+-]?\d+(?:\.\d+)?(?:e[{MINUS}+-]?\d+)?"
+RESULT = re.compile(rf"{NUMBER}(?:\s+(?:to|and)\s+{NUMBER})*\s*(?:%|points\b|k?W\b|CPU|min\b)")
+"""A number that says how much, how certain or how long: of a gain, a power or a computation."""
+SOURCED = re.compile(r"<!-- (?:published: \S+|once) -->.*?<!-- end -->|```.*?```|`[^`]*`|\]\([^)]*\)", re.DOTALL)
+"""Text whose numbers need no sentence: blocks, what was computed once and says so, code, links."""
 BLOCK = re.compile(r"(<!-- published: (?P<name>\S+) -->\n)(?P<text>.*?)(<!-- end -->)", re.DOTALL)
 
 
@@ -64,13 +68,13 @@ def _printed(field: re.Match[str], values: Values) -> str:
         raise ConfigError(f"{name}: {error}") from error
 
 
-def with_sentence(page: str, sentence: str, values: Values) -> str:
-    """Return a page with the numbers of a sentence brought up to date.
+def place(page: str, sentence: str, values: Values) -> re.Match[str]:
+    """Return where a sentence stands on a page; its groups are the numbers.
 
     Raises
     ------
     ConfigError
-        If the sentence does not stand on the page exactly once: page and sentences.yaml must be changed together.
+        If it does not stand there exactly once: page and sentences.yaml must be changed together.
     """
     fields = list(FIELD.finditer(sentence))
     words = FIELD.split(sentence)[:: 1 + FIELD.groups]
@@ -79,9 +83,15 @@ def with_sentence(page: str, sentence: str, values: Values) -> str:
     places = list(re.finditer(pattern, page, re.DOTALL))
     if len(places) != 1:
         raise ConfigError(f"received {len(places)} places of the sentence, needs one: {sentence}")
+    return places[0]
+
+
+def with_sentence(page: str, sentence: str, values: Values) -> str:
+    """Return a page with the numbers of a sentence brought up to date."""
+    found = place(page, sentence, values)
     text, end = [], 0
-    for number, field in enumerate(fields, 1):
-        begin, after = places[0].span(number)
+    for number, field in enumerate(FIELD.finditer(sentence), 1):
+        begin, after = found.span(number)
         text += [page[end:begin], _printed(field, values)]
         end = after
     return "".join(text) + page[end:]
@@ -120,3 +130,14 @@ def up_to_date(
         return with_blocks(page, blocks, values)
     except ConfigError as error:
         raise ConfigError(f"{name}: {error}") from error
+
+
+def unsourced(page: str, sentences: Iterable[str], values: Values) -> list[str]:
+    """Return results on a page, with their line, that stand in no block and in no sentence that is listed."""
+    spans = [place(page, sentence, values).span() for sentence in sentences]
+    spans += [found.span() for found in SOURCED.finditer(page)]
+    return [
+        f"{page.count(chr(10), 0, found.start()) + 1}: {' '.join(found[0].split())}"
+        for found in RESULT.finditer(page)
+        if not any(begin <= found.start() < end for begin, end in spans)
+    ]

@@ -23,15 +23,23 @@ from examples.power_from_strain import SEAS
 from examples.published.pages import Value
 from examples.when_flexibility_pays import DEGREE
 from vsb.errors import VsbError
+from vsb.motion.port import Port
 from vsb.report.band import gain_band
-from vsb.scenes.rest import reference_shell
+from vsb.results.ledger import classical_check
+from vsb.scenes.floating_system import floating_system
+from vsb.scenes.rest import computed_buckling, reference_shell
 from vsb.scenes.viability import static_modal_amplitude, static_strain
-from vsb.study.study import parse
+from vsb.stages.make import hydro_files
+from vsb.study.study import Study, parse
+from vsb.study.waves import RegularWave
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
+from vsb.waves.dispersion import power_limit
 
 HOME = Path(__file__).parents[2]
 """The checkout."""
 EXAMPLE = HOME / "config" / "buoy.yaml"
+PAPER_SHELL = HOME / "config" / "seed.yaml"
 RIGID, FREE = "FSB", "VSWEC"
 
 
@@ -178,7 +186,8 @@ def pays_map(folder: Path) -> dict[str, Value]:
         examples_command("when_flexibility_pays", str(folder))
     rows = pd.read_csv(folder / "map.csv")
     rows["modulus"] = rows.young_modulus / 1e6
-    found: dict[str, Value] = {"gap": 100 * float(rows.gap.max())}
+    left_open = float((rows.gap / (1 - rows.gap) * (1 + rows.gain_percent / 100)).max())  # if one optimum is the bound
+    found: dict[str, Value] = {"gap": 100 * float(rows.gap.max()), "gap.points": 100 * left_open}
     for row in rows[(rows.wave == "jonswap") & rows.force_limit.isin(FORCES) & rows.period.isin(PEAKS)].itertuples():
         found[f"{row.modulus:g}.{row.force_limit:g}.{row.period:g}"] = float(row.gain_percent)
     weak = rows[rows.force_limit == FORCES[0]]
@@ -190,9 +199,15 @@ def pays_map(folder: Path) -> dict[str, Value]:
         found[f"{modulus:g}.ideal"] = float(some.gain_percent.min())
     for modulus in (10.0, 20.0, 40.0):
         found[f"{modulus:g}.strain"] = 100 * strain_at_rest(1e6 * modulus)
+    for wall in OPEN_WALLS:
+        raw = vsb.load(PAPER_SHELL).model_dump()
+        raw["device"]["thickness"] = 1e-3 * wall
+        found[f"open.{wall}.modulus"] = raw["device"]["young_modulus"] / 1e6 / computed_buckling(parse(raw)).load_factor
     return found
 
 
+OPEN_WALLS = (5, 50)
+"""Walls of shells without internal pressure, whose least modulus that carries the load is published [mm]."""
 FORCES, PEAKS = (0.1, 1.0), (2.0, 2.7, 3.0, 4.0, 5.0, 8.0)
 """Limits of force [rms force of the rigid buoy's optimal damper] and peak periods [s] of the page's table."""
 
@@ -213,13 +228,25 @@ def pays_in_a_year(folder: Path) -> dict[str, Value]:
     campaign = vsb.open(folder / "results" / "when_it_pays")
     assert isinstance(campaign, vsb.Campaign)
     found: dict[str, Value] = {}
-    for row in campaign.table[campaign.table.design == FREE].itertuples():
-        for end in ("percent", "low", "high"):
-            key = f"{row[1] / 1e6:g}.{row[2] / 1e3:g}.{end}"
-            found[key] = float(getattr(row, f"gain_{end}"))
-    for modulus in sorted({key.partition(".")[0] for key in found}, key=float):
-        found[f"{modulus}.strain"] = 100 * strain_at_rest(1e6 * float(modulus))
+    for row in campaign.table[campaign.table.design == FREE].to_dict("records"):
+        modulus, limit = row["device.young_modulus"] / 1e6, row["pto.force_limit"] / 1e3
+        found |= {f"{modulus:g}.{limit:g}.{end}": float(row[f"gain_{end}"]) for end in ("percent", "low", "high")}
+    clamped = campaign.table[~campaign.table.design.isin([RIGID, FREE])]
+    for row in clamped.to_dict("records"):
+        modulus, limit = row["device.young_modulus"] / 1e6, row["pto.force_limit"] / 1e3
+        change = abs(float(row["gain_percent"]) - float(found[f"{modulus:g}.{limit:g}.percent"]))
+        found["clamps"] = max(change, float(found.get("clamps", 0.0)))
+    for modulus in MODULI:
+        found[f"{modulus}.strain"] = 100 * strain_at_rest(1e6 * modulus)
+    stiff = [modulus for modulus in MODULI if float(found[f"{modulus}.strain"]) <= DOUBTED]
+    found["undoubted.most"] = max(float(found[f"{modulus}.{limit}.high"]) for modulus in stiff for limit in LIMITS)
     return found
+
+
+MODULI, LIMITS = (20, 40, 80, 160), (4, 12, 40)
+"""Young's moduli [MPa] and limits of force [kN] of config/when_it_pays.yaml."""
+DOUBTED = 2.0
+"""Strain above which Hooke's law is doubted [%]."""
 
 
 def best_buoy(folder: Path) -> dict[str, Value]:
@@ -299,9 +326,89 @@ def paper(folder: Path) -> dict[str, Value]:
             found |= {
                 f"{at}.{key}": float(getattr(row, key)) for key in ("power_peak", "energy", "energy_gain_percent")
             }
+        found[f"{name}.over_limit"] = over_limit(vsb.load(HOME / "config" / f"{name}.yaml"), results)
         for best in paper_at_optimal_damping.rows_of(vsb.load(HOME / "config" / f"{name}.yaml")):
             found |= {f"{name}.{best.design}.{key}": value for key, value in best._asdict().items() if key != "design"}
     return found
+
+
+def over_limit(study: Study, results: vsb.Results) -> float:
+    """Return the rigid buoy's mean power under an assumed pressure over what a wave of the same pressure allows [-]."""
+    water, (wave,) = study.water, study.waves
+    assert isinstance(wave, RegularWave)
+    amplitude = study.hydro.pressure / (water.density * water.gravity)
+    limit = power_limit(2 * np.pi / wave.period, water.depth, water.density, water.gravity) * amplitude**2
+    return float(results.comparison.set_index("design").power_mean[RIGID]) / float(limit)
+
+
+def choices(folder: Path) -> dict[str, Value]:
+    """Peak power and energy of the inferred case by what the paper leaves unstated: shell modes and damping."""
+    raw = vsb.load(HOME / "config" / "paper_inferred.yaml").model_dump()
+    found: dict[str, Value] = {}
+    for basis, beta in itertools.product(BASES, DAMPINGS):
+        raw["modes"] |= {"basis": basis}
+        raw["device"]["damping"] |= {"beta": beta}
+        study = parse({**raw, "study": f"inferred_{basis}_{1e3 * beta:g}"})
+        results = vsb.run(study, folder / "results")
+        for row in results.comparison.itertuples():
+            at = f"{basis}.{beta:g}.{row.design}"
+            found |= {f"{at}.power_peak": float(row.power_peak), f"{at}.energy": float(row.energy)}
+    return found
+
+
+BASES, DAMPINGS = ("paper", "membrane", "full"), (1e-3, 0.0)
+"""Shell modes and structural damping, D = beta K [s]."""
+
+
+def with_radiation(folder: Path) -> dict[str, Value]:
+    """The paper's shell in its wave with radiation: buckling, what membrane modes give, and carried by pressure."""
+    study = vsb.load(PAPER_SHELL)
+    buckling = computed_buckling(study)
+    membrane = _with_modes(study, "membrane", 6)
+    seen = ports_of(membrane, folder, np.array([2.5]))
+    best = {name: float(port.best_power[0]) for name, port in seen.items()}
+    at_one = {name: float(port.power(8000.0)[0]) for name, port in seen.items()}
+    return {
+        "buckling": 100 * buckling.load_factor,
+        "buckling.degree": buckling.degree,
+        "buckling.classical": 100 / float(classical_check(study, reference_shell(membrane)).value),
+        "membrane.best": 100 * (best[FREE] / best[RIGID] - 1),
+        "membrane.8000": 100 * (at_one[FREE] / at_one[RIGID] - 1),
+        **pressurised(folder),
+    }
+
+
+def pressurised(folder: Path) -> dict[str, Value]:
+    """The paper's shell carried by internal pressure, at one damper: strain at rest, gains over periods."""
+    study, periods = vsb.load(HOME / "config" / "pressurised.yaml"), np.arange(2.0, 10.0, 0.02)
+    powers = [
+        {name: port.power(8000.0) for name, port in ports_of(one, folder, periods).items()}
+        for one in (study, _with_modes(study, "full", 10))
+    ]
+    few, more = powers
+    gain = 100 * (few[FREE] / few[RIGID] - 1)
+    reference = reference_shell(study)
+    return {
+        "pressurised.strain": 100 * static_strain(reference.basis, static_modal_amplitude(study, reference)),
+        "pressurised.from": float(periods[np.flatnonzero(gain < 0).max() + 1]),
+        "pressurised.most": float(gain.max()),
+        "pressurised.most.period": float(periods[gain.argmax()]),
+        "pressurised.2.5s": float(gain[np.searchsorted(periods, 2.5 - 1e-9)]),
+        "pressurised.degrees": 100 * float(np.abs(more[FREE] - few[FREE]).max() / few[FREE].max()),
+    }
+
+
+def ports_of(study: Study, folder: Path, periods: FloatArray) -> dict[str, Port]:
+    """Return what the take-off sees of the rigid and the free design in regular waves of some periods."""
+    raw = study.model_dump()
+    raw |= {"designs": {name: raw["designs"][name] for name in (RIGID, FREE)}}
+    one = parse(raw)
+    return floating_system(one, hydro_files(one, folder)["database"]).ports(2 * np.pi / periods)
+
+
+def _with_modes(study: Study, basis: str, degree: int) -> Study:
+    """A study with other shell modes."""
+    return parse({**study.model_dump(), "modes": {"basis": basis, "degree": degree}})
 
 
 PAPERS = ("paper", "paper_inferred")
@@ -318,6 +425,14 @@ SOURCES: Mapping[str, Source] = {
         strain,
     ),
     "paper": Source("vsb run config/paper.yaml, config/paper_inferred.yaml", paper),
+    "paper.choices": Source(
+        "vsb run config/paper_inferred.yaml, with modes.basis paper, membrane and full, device.damping.beta 1e-3 and 0",
+        choices,
+    ),
+    "paper.radiation": Source(
+        "vsb run config/seed.yaml, with modes: {basis: membrane, degree: 6}; vsb run config/pressurised.yaml",
+        with_radiation,
+    ),
     **{
         f"claims.{name}": Source(f"python -m examples.claims results/claims {name}", partial(claim, name))
         for name in claims.CASES

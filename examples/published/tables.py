@@ -8,7 +8,17 @@ from examples import claims
 from examples import directions as directions_example
 from examples.power_from_strain import HELD, TAKE_OFFS
 from examples.published.pages import MINUS, Value, Values, printed
-from examples.published.sources import CONDITIONS, FORCES, HOME, PAPERS, PEAKS, SOURCES
+from examples.published.sources import (
+    CONDITIONS,
+    DOUBTED,
+    FORCES,
+    HOME,
+    LIMITS,
+    MODULI,
+    PAPERS,
+    PEAKS,
+    SOURCES,
+)
 
 MODELS = ("linear", "exact")
 YEAR = {"VSWEC": "VSWEC, free", "VSWEC0": "VSWEC0, clamped at the top", "VSWEC90": "VSWEC90, clamped at the equator"}
@@ -60,16 +70,12 @@ def pays_map(values: Values) -> str:
 def pays_in_a_year(values: Values) -> str:
     """Gain within limits of force over a year, by modulus."""
     rows = []
-    for modulus in (20, 40, 80, 160):
+    for modulus in MODULI:
         strain = float(values[f"when_it_pays.{modulus}.strain"])
         doubt = ", in doubt" if strain > DOUBTED else ""
-        gains = [interval(values, f"when_it_pays.{modulus}.{force}", 2) for force in (4, 12, 40)]
+        gains = [interval(values, f"when_it_pays.{modulus}.{force}", 2) for force in LIMITS]
         rows.append([f"{modulus} MPa", f"{strain:.1f} %{doubt}", *gains])
     return table(["Young's modulus", "strain at rest", "4 kN", "12 kN", "40 kN"], rows)
-
-
-DOUBTED = 2.0
-"""Strain above which Hooke's law is doubted [%]."""
 
 
 def best_buoy(values: Values) -> str:

@@ -3,10 +3,11 @@
 import json
 
 import pytest
+import yaml
 from conftest import HERE
 
-from examples.published.__main__ import PICTURE, VALUES, digest, pages
-from examples.published.pages import MINUS, printed, with_sentence
+from examples.published.__main__ import PICTURE, SENTENCES, VALUES, digest, pages
+from examples.published.pages import MINUS, printed, unsourced, with_sentence
 from examples.published.sources import SOURCES, stored
 from vsb.errors import ConfigError
 
@@ -17,6 +18,19 @@ def test_pages_hold_the_values_stored():
     """`python -m examples.published --stored` mends a number; changed words are changed in sentences.yaml, too."""
     for path, text in pages(stored(VALUES)).items():
         assert path.read_text(encoding="utf-8") == text, f"{path}: make published"
+
+
+def test_every_result_on_a_page_is_sourced():
+    """A percentage, a power or a CPU time in text that `make published` would not renew is found by its line."""
+    values = stored(VALUES)
+    for name, sentences in yaml.safe_load(SENTENCES.read_text(encoding="utf-8")).items():
+        page = (HERE.parent / name).read_text(encoding="utf-8")
+        assert unsourced(page, sentences or [], values) == [], f"{name}: sentences.yaml"
+
+
+def test_result_outside_sentences_and_blocks_is_found():
+    page = "It gains 3.1 %.\n\n<!-- once -->\n\n4 %\n\n<!-- end -->\n\nIt gains 5 to\n6 %, `7 %`, in waves of 8 s."
+    assert unsourced(page, ["It gains {a|.1f} %."], {"a": 3.1}) == ["9: 5 to 6 %"]
 
 
 def test_picture_shows_the_answer_stored():
