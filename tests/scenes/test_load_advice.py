@@ -1,10 +1,13 @@
 """Advice on a shell that does not carry its load has been tried, and ends."""
 
+import re
+
 import pytest
 
 from vsb.errors import ConfigError
 from vsb.scenes.load_advice import advised
-from vsb.scenes.rest import reference_shell
+from vsb.scenes.rest import computed_buckling, reference_shell
+from vsb.scenes.viability import static_strain
 from vsb.study.study import parse
 
 
@@ -27,3 +30,35 @@ def test_a_wall_that_no_pressure_carries_is_told_the_least_that_stands(gas):
     assert "from about" in text
     assert "mm at" in text
     assert "or from a shear modulus of" in text
+
+
+def soft(changes, **device):
+    """A study about its equilibrium of a shell of 10 MPa, 5 mm thick, but for some changes."""
+    shell = {"radius": 2.0, "thickness": 0.005, "young_modulus": 1e7, "poisson_ratio": 0.3, "density": 1100.0}
+    return parse(
+        {"study": "a", "device": {**shell, **device, **changes}, "modes": {"degree": 4}, "designs": {"V": {}},
+         "reference_shape": "equilibrium", "pto": {"damping": 1e4}, "waves": [{"kind": "still"}]}
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "device",
+    [
+        {"mass": 17170.0, "internal_pressure": 5e3},
+        pytest.param({"mass": 12e3, "shape": {"spheroid": {"height": 3.0}}}, marks=pytest.mark.slow),
+        pytest.param({"mass": 3e4, "shape": {"capsule": {"length": 2.0}}}, marks=pytest.mark.slow),
+    ],
+    ids=["sphere", "spheroid", "capsule"],
+)
+def test_modulus_and_pressure_that_are_advised_carry_the_shell_at_strains_hookes_law_holds_for(device):
+    """Each shell of 10 MPa would stand at some pressure, strained beyond 10 %: that is no advice."""
+    study = soft({}, **device)
+    with pytest.raises(ConfigError) as error:
+        reference_shell(study)
+    text = str(advised(study, error.value))
+    assert "without straining it too far; from about" in text
+    modulus, pressure = re.search(r"or from young_modulus (\S+) MPa at (\S+) Pa, it stands \(tried\)", text).groups()
+    better = soft({"young_modulus": 1e6 * float(modulus), "internal_pressure": float(pressure)}, **device)
+    rest = reference_shell(better)
+    assert static_strain(rest.basis, rest.modal_amplitude) < 0.1
+    assert computed_buckling(better).load_factor > 1.0

@@ -1,8 +1,12 @@
 """What must not change the numbers of a run: limits out of reach, another window, other names."""
 
 import pytest
+import yaml
+from stages.test_body_invariance import barge
 
 import vsb
+from vsb.hydro.database import save_database
+from vsb.study.body import load_body
 from vsb.study.study import parse
 
 STUDY = {
@@ -90,3 +94,63 @@ def test_designs_in_another_order_under_other_names_have_the_same_numbers(table,
         for column in (*OF_RECORD, *OF_SEA):
             assert found.loc[name][column].values == pytest.approx(plain.loc["FSB"][column].values, rel=1e-9), column
     assert found.power_gain_percent.abs().max() < 1e-9
+
+
+# a body ---------------------------------------------------------------------------------------------------------------
+
+SPRING = 4e5
+BARGE = {
+    "study": "barge",
+    "body": {"database": "barge.nc", "stiffness": {"Surge": 8e5}, "damping": {"Heave": 4e5}},
+    "water": {"density": 1000.0},
+    "designs": {"rigid": {"dofs": ["Heave", "Pitch", "Surge"]}, "flexible": {}},
+    "pto": {"port": {"dof": "Heave"}, "damping": 8e5, "stiffness": SPRING},
+    "waves": [
+        {"kind": "jonswap", "hs": 1.2, "tp": 9.0, "seed": 2},
+        {"kind": "regular", "amplitude": 0.5, "period": 8.0},
+    ],
+    "simulation": {"duration": 240.0, "window": [160.0, 240.0]},
+}
+
+
+@pytest.fixture(scope="module")
+def of_barge(tmp_path_factory):
+    """Function name, changes -> comparison by design and sea of a barge known by its database."""
+    folder = tmp_path_factory.mktemp("barge")
+    save_database(barge(), None, folder / "barge.nc")
+
+    def found(name, **changes):
+        path = folder / f"{name}.yaml"
+        path.write_text(yaml.safe_dump({**BARGE, "study": name, **changes}))
+        return vsb.run(load_body(path), folder / "results").comparison.set_index(["design", "wave"])
+
+    return found
+
+
+@pytest.fixture(scope="module")
+def plain_barge(of_barge):
+    return of_barge("plain")
+
+
+def test_a_spring_moved_from_the_take_off_to_the_mooring_changes_no_power(of_barge, plain_barge):
+    """What holds the body does not matter to its motion, and a spring absorbs nothing."""
+    moored = BARGE["body"] | {"stiffness": {"Surge": 8e5, "Heave": SPRING}}
+    found = of_barge("moored", body=moored, pto=BARGE["pto"] | {"stiffness": 0.0})
+    for column in (*OF_RECORD, *OF_SEA):
+        assert found[column].values == pytest.approx(plain_barge[column].values, rel=1e-6), column
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_a_limit_that_a_body_never_reaches_changes_nothing(of_barge, plain_barge, name):
+    found = of_barge(name, pto=BARGE["pto"] | LIMITS[name])
+    for column in (*OF_RECORD, *OF_SEA):
+        assert found[column].values == pytest.approx(plain_barge[column].values, rel=1e-6), column
+
+
+def test_a_window_a_period_later_changes_nothing_of_a_body_in_a_regular_wave(of_barge, plain_barge):
+    later = of_barge("later", simulation={"duration": 248.0, "window": [168.0, 248.0]})
+    for column in (*OF_RECORD, *OF_SEA):
+        regular = [one[column].xs("regular_A0.5_T8", level="wave").values for one in (later, plain_barge)]
+        assert regular[0] == pytest.approx(regular[1], rel=2e-3), column
+    for column in OF_SEA:
+        assert later[column].values == pytest.approx(plain_barge[column].values, rel=1e-9), column

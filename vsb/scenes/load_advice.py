@@ -1,10 +1,15 @@
 """What would carry the load of a shell that gives way: computed before it is advised, so that advice ends."""
 
+import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from vsb.errors import ConfigError
-from vsb.scenes.rest import complete_loaded_shell, computed_buckling
-from vsb.shell.loaded import stable_path
+from vsb.scenes.rest import complete_loaded_shell
+from vsb.scenes.viability import static_strain
+from vsb.shell.loaded import buckling, stable_path
+from vsb.shell.lobes import with_lobes
+from vsb.shell.shell import Shell
 from vsb.study.device import Gas
 from vsb.study.material import Hookean
 from vsb.study.study import Study
@@ -12,7 +17,7 @@ from vsb.study.study import Study
 PRESSURES = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0)
 """Internal pressures that are tried, in terms of that of water at the keel."""
 STEP, MOST = 1.25, 200.0
-"""Factor between walls, or moduli, that are tried, and beyond which none is."""
+"""Least factor between walls, or moduli, that are tried, and beyond which none is."""
 INFLATED = 1.24
 """Pressure over mu h/r at which a sphere of neo-Hookean rubber inflates without bound: 2 (7^(-1/6) - 7^(-7/6))."""
 GIVES_WAY = "of its load"
@@ -21,9 +26,26 @@ TRIALS = 4
 """Most walls, or moduli, that linear buckling allows and whose rest shape is followed under the growing load."""
 
 
+OVERSTRAINED = 1.5
+"""Linear strain at rest over the largest its law holds for, beyond which the true one, a lesser, is not computed."""
+
+
+class Trial(NamedTuple):
+    """A study at a pressure, and what linear theory says of its shell."""
+
+    study: Study
+    load_factor: float  # of buckling into axisymmetric shapes [-]
+    strain: float  # at rest [-]
+
+    @property
+    def pressure(self) -> float:
+        """The internal pressure [Pa]."""
+        return self.study.device.internal_pressure
+
+
 def advised(study: Study, error: ConfigError) -> ConfigError:
     """Return an error with what would carry the shell's load in place of general advice, if that is what is wrong."""
-    if not (study.at_equilibrium and study.device.shape is None and GIVES_WAY in str(error)):
+    if not (study.at_equilibrium and GIVES_WAY in str(error)):
         return error
     text = f"{str(error).partition(';')[0]}; {advice(study)}"
     return ConfigError(text, [text])
@@ -32,43 +54,68 @@ def advised(study: Study, error: ConfigError) -> ConfigError:
 def advice(study: Study) -> str:
     """Return in words what carries the load: another pressure, or the least wall and the least modulus that stand.
 
-    Each is tried: linear buckling and the limit point of a sphere choose, the rest shape under the growing load
-    decides.
+    Each is tried: linear buckling, into lobes around the axis too where the shell is no sphere, and the limit point of
+    rubber choose; the rest shape under the growing load decides, within the strains the material's law holds for.
     """
-    if (pressure := _standing_pressure(study)) is not None:
-        return f"device.internal_pressure of {pressure:.3g} Pa carries this shell (tried)"
-    if study.device.gas is None:
+    trials = _trials(study)
+    if (pressure := _standing(trials)) is not None:
+        return f"device.internal_pressure of {pressure:g} Pa carries this shell (tried)"
+    if study.device.gas is None and not isinstance(study.device.material, Hookean):
         trapped = study.model_copy(update={"device": study.device.model_copy(update={"gas": Gas()})})
-        if (pressure := _standing_pressure(trapped)) is not None:
-            return f"trapped gas (device.gas) with device.internal_pressure of {pressure:.3g} Pa carries it (tried)"
-    found = [text for of_wall in (True, False) if (text := _least(study, of_wall=of_wall))]
+        if (pressure := _standing(_trials(trapped))) is not None:
+            return f"trapped gas (device.gas) with device.internal_pressure of {pressure:g} Pa carries it (tried)"
+    found = [text for of_wall in (True, False) if (text := _least(study, trials, of_wall=of_wall))]
     highest = f"{PRESSURES[-1] * _keel_pressure(study):.2g}"
-    none = f"no device.internal_pressure from 0 to {highest} Pa carries this wall"
+    none = f"no device.internal_pressure from 0 to {highest} Pa carries this wall without straining it too far"
     if not found:
         return f"{none}, and no thin wall, nor a modulus {MOST:g} times as large, does; needs a smaller radius"
     return f"{none}; from {', or from '.join(found)}, it stands (tried)"
 
 
-def _least(study: Study, *, of_wall: bool) -> str:
-    """The least wall, or modulus, that stands, with its pressure, in words; empty if none does."""
-    factor, trials = STEP, 0
-    while factor < MOST and trials < TRIALS and (stiffer := _stiffer(study, factor, of_wall=of_wall)) is not None:
-        if candidates := _candidates(stiffer):
-            trials += 1
-            if (pressure := _standing(candidates)) is not None:
-                return f"{_size(stiffer, of_wall=of_wall)} at {pressure:.3g} Pa"
-        factor *= STEP
+def _least(study: Study, trials: Sequence[Trial], *, of_wall: bool) -> str:
+    """The least wall, or modulus, that stands, with its pressure, in words; empty if none does.
+
+    The load that buckles a wall grows with the cube of its thickness at most, so that no wall is passed over that
+    stands; with the modulus in proportion, save of rubber, which bears more pressure then.
+    """
+    exponent = 1.0 if not of_wall and isinstance(study.device.material, Hookean) else 1 / 3
+    factor, followed = 1.0, 0
+    while followed < TRIALS:
+        carried = max((trial.load_factor for trial in trials), default=1.0)  # share of the load
+        factor *= max(STEP, carried**-exponent)
+        size = _size(study, of_wall=of_wall)
+        factor = _rounded_up(factor * size) / size  # what is tried is what is said
+        if factor > MOST or (stiffer := _stiffer(study, factor, of_wall=of_wall)) is None:
+            return ""
+        trials = _trials(stiffer)
+        if _allowed(trials):
+            followed += 1
+            if (pressure := _standing(trials)) is not None:
+                return f"{_words(stiffer, of_wall=of_wall)} at {pressure:g} Pa"
     return ""
 
 
-def _size(study: Study, *, of_wall: bool) -> str:
+def _words(study: Study, *, of_wall: bool) -> str:
     """The wall, or the modulus, of a study in words."""
+    size = f"{float(f'{_size(study, of_wall=of_wall):.2g}'):g}"
+    if of_wall:
+        return f"about {size} mm"
+    hooke = isinstance(study.device.material, Hookean)
+    return f"young_modulus {size} MPa" if hooke else f"a shear modulus of {size} MPa"
+
+
+def _size(study: Study, *, of_wall: bool) -> float:
+    """The wall [mm], Young's modulus [MPa] or, of rubber, the shear modulus [MPa] of a study."""
     device = study.device
     if of_wall:
-        return f"about {1e3 * device.thickness:.2g} mm"
-    if isinstance(device.material, Hookean):
-        return f"young_modulus {1e-6 * device.young_modulus:.2g} MPa"
-    return f"a shear modulus of {1e-6 * device.young_modulus / 3:.2g} MPa"
+        return 1e3 * device.thickness
+    return 1e-6 * device.young_modulus / (1 if isinstance(device.material, Hookean) else 3)
+
+
+def _rounded_up(value: float) -> float:
+    """The next larger number of two digits."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.ceil(value / unit - 1e-9) * unit
 
 
 def _stiffer(study: Study, factor: float, *, of_wall: bool) -> Study | None:
@@ -76,7 +123,8 @@ def _stiffer(study: Study, factor: float, *, of_wall: bool) -> Study | None:
     device = study.device
     if of_wall:
         thicker = device.model_copy(update={"thickness": factor * device.thickness})
-        if not (10 * thicker.thickness < thicker.radius and thicker.shell_mass < thicker.mass):
+        sharpest = device.radius if device.meridian is None else device.meridian.sharpest
+        if not (10 * thicker.thickness < min(device.radius, sharpest) and thicker.shell_mass < thicker.mass):
             return None
         return study.model_copy(update={"device": thicker})
     moduli = {
@@ -92,29 +140,43 @@ def _keel_pressure(study: Study) -> float:
     return study.water.density * study.water.gravity * study.draft
 
 
-def _standing_pressure(study: Study) -> float | None:
-    """A pressure with which the shell of a study carries its load; None if none that is tried does."""
-    return _standing(_candidates(study))
-
-
-def _candidates(study: Study) -> list[Study]:
-    """The study with the pressures that linear buckling and inflation allow, the safest first."""
+def _trials(study: Study) -> list[Trial]:
+    """The study at the pressures that inflation allows."""
     device, found = study.device, []
     rubber = not isinstance(device.material, Hookean)
     limit = INFLATED * device.young_modulus / 3 * device.thickness / device.radius
     for share in PRESSURES:
-        pressure = share * _keel_pressure(study)
+        pressure = float(f"{share * _keel_pressure(study):.3g}")
         if rubber and device.gas is None and pressure > limit:
             break
         trial = study.model_copy(update={"device": device.model_copy(update={"internal_pressure": pressure})})
-        if (factor := computed_buckling(trial).load_factor) > 1.0:
-            found.append((factor, -pressure, trial))
-    return [trial for *_, trial in sorted(found, key=lambda one: one[:2], reverse=True)]
+        linear = buckling(complete_loaded_shell(trial))
+        found.append(Trial(trial, linear.load_factor, linear.linear_strain))
+    return found
 
 
-def _standing(trials: Sequence[Study]) -> float | None:
-    """The pressure of the first of some studies, two at most, whose shell the growing load leads to a rest."""
-    for trial in trials[:2]:
-        if stable_path(complete_loaded_shell(trial)).reached >= 1.0:
-            return trial.device.internal_pressure
+def _allowed(trials: Sequence[Trial]) -> list[Trial]:
+    """Those of some studies that linear theory allows, the one of the least pressure first."""
+    return [trial for trial in trials if trial.load_factor > 1.0 and trial.strain < OVERSTRAINED * _range(trial.study)]
+
+
+def _range(study: Study) -> float:
+    """The largest strain the law of the shell's material holds for [-]."""
+    return Shell.of(study.device).law.range.invalid
+
+
+def _standing(trials: Sequence[Trial]) -> float | None:
+    """The pressure of one of some studies that its growing load leads to a rest, not overstrained; None if none is.
+
+    Two at most are followed: the safest, and that of the least pressure, which strains least.
+    """
+    allowed = _allowed(trials)
+    for trial in [max(allowed, key=lambda trial: trial.load_factor), allowed[0]] if allowed else []:
+        loaded = complete_loaded_shell(trial.study)
+        if loaded.basis.shell.rest is not None and with_lobes(loaded).load_factor <= 1.0:
+            continue
+        path = stable_path(loaded)
+        strain = static_strain(loaded.basis, path.amplitudes) if path.reached >= 1.0 else math.inf
+        if not loaded.basis.shell.law.range.is_invalid(strain):
+            return trial.pressure
     return None
