@@ -276,10 +276,14 @@ def best_buoy(folder: Path) -> dict[str, Value]:
     weights = facts["found"]["flexible"]["multipliers"]
     for limit, more in (("force_rms", 0.1 * facts["limits"]["force_rms"]), ("beam", 0.1), ("stroke_rms", 0.1)):
         found[f"worth.{limit}"] = 100 * more / facts["limits"][limit] * float(weights.get(limit, 0.0))
+    both = ("flexible", "rigid competitor")
+    found["accepted"] = sum(int(found[f"{name}.starts"]) for name in both)
+    beams = [float(found[f"{name}.beam"]) for name in ("flexible", "undeformed sphere")]
+    found["stretch"] = 100 * (beams[0] / beams[1] - 1)
     found["size_gain"] = 100 * (facts["power"]["flexible"] / facts["power"]["undeformed sphere"] - 1)
     found["twin_gain"] = 100 * (facts["power"]["flexible"] / facts["power"]["rigid twin"] - 1)
     for force in ("10000", "20000", "40000"):
-        flexible, rigid = (float(found[f"{name}.force_rms.{force}"]) for name in ("flexible", "rigid competitor"))
+        flexible, rigid = (float(found[f"{name}.force_rms.{force}"]) for name in both)
         found[f"gain_at.{force}"] = 100 * (flexible / rigid - 1)
     return found
 
@@ -294,11 +298,13 @@ def directions_of(folder: Path) -> dict[str, Value]:
     if not path.is_file():
         examples_command("directions", str(path))
     found: dict[str, Value] = {}
-    for row in pd.read_csv(path).itertuples():
+    rows = list(pd.read_csv(path).itertuples())
+    for row in rows:
         name = f"{row.shell}.{row.port}.{row.period:g}"
         found |= {f"{name}.rigid": float(row.rigid_limit_fraction), f"{name}.gain": float(row.gain_percent)}
         found[f"{row.shell}.{row.port}.degree"] = int(row.degree)
-    return found
+    beyond = [abs(float(row.by_further_modes)) for row in rows if row.shell == "inflated"]
+    return found | {"further": max(beyond)}
 
 
 def strain(folder: Path) -> dict[str, Value]:
