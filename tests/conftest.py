@@ -96,7 +96,7 @@ def compiled_motion(plant, time, start, rtol=1e-11):
 def labelled(system, motion, sea, design, wave, stride):
     """A run as a dataset, every `stride`-th instant, with the audit of all instants; see `recorded`."""
     energy = energies(system, motion)
-    leg = Leg(motion, energy, START.after(energy), stride, 1, "", 0)
+    leg = Leg(motion, {}, energy, START.after(energy), stride, 1, "", 0)
     attrs = {"design": design, "wave": wave, "energy_residual": leg.balance.residual, "status": "completed"}
     return recorded(system, leg, sea, (0.0, 0.0)).assign_attrs(attrs)
 

@@ -5,9 +5,10 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import j0
 
-from vsb.motion.froude_krylov import _dynamic, _elevation, _moment, incident, rotated, wave_force
+from vsb.motion.froude_krylov import dynamic_head, elevation_at, incident, moment, wave_force
 from vsb.motion.wetted import WetShell
 from vsb.shell.modes import mode_basis
+from vsb.waves.sampling import sampled
 from vsb.waves.seas import NO_WAVES, Sea
 
 G, OMEGA = 9.81, 2 * np.pi / 2.5
@@ -26,7 +27,7 @@ def swell(amplitude, depth=np.inf, omega=OMEGA):
 def force(basis, height, q, waves, time=0.0, **changes):
     shape = WetShell(basis, height).shape._replace(**changes)
     out = np.empty(len(q))
-    wave_force(shape, q, waves, rotated(waves, time), out)
+    wave_force(shape, q, waves, time, out)
     return out
 
 
@@ -88,28 +89,41 @@ def test_quadrature_has_converged(full, time):
     )
 
 
-@pytest.mark.parametrize(("depth", "radius"), [(np.inf, 2.0), (0.9, 1.3)])
-def test_elevation_and_pressure_are_sums_over_components(depth, radius):
-    """Re a J_0(k x) exp(-i w t), and cosh k(z + d)/cosh kd below the water."""
+@pytest.mark.parametrize(("depth", "radius"), [(np.inf, 2.0), (20.0, 2.0), (1.5, 1.3)])
+@pytest.mark.parametrize("height", [0.0, -0.4, -12.0])
+def test_elevation_and_pressure_are_sums_over_components(depth, radius, height):
+    """Re a J_0(k x) exp(-i w t), and cosh k(z + d)/cosh kd below the water; k r from 0.2 to 25, also far down."""
+    if height < -1.0 and depth < 20.0:
+        return
     omega, amplitude = np.array([1.2, 3.0, 5.0, 9.0, 11.0]), np.array([-0.2, 0.1, 0.05 + 0.01j, 0.02j, 0.01 - 0.03j])
     waves, time = incident(Sea(omega, amplitude), depth, G, radius), 0.7
-    assert 0 < len(waves.powers) < len(omega)
     k, now = waves.wavenumber, (amplitude * np.exp(-1j * omega * time)).real
-    x, z = radius * np.array([0.0, 0.3, 0.8, 1.0, 1.1]), -radius * np.array([0.0, 0.2, 0.1, 0.6, 0.4])
+    x = radius * np.array([0.0, 0.3, 0.8, 1.0, 1.1, 2.0])
+    z = min(height, 0.0) - radius * np.array([0.0, 0.2, 0.1, 0.6, 0.0, 0.4])
     around = j0(np.outer(x, k))
-    deep = np.exp(np.outer(z, k))
-    profile = deep if depth == np.inf else np.cosh(k * (z[:, None] + depth)) / np.cosh(k * depth)
-    for centre in (0.0, -0.4 * radius):
-        sea = _moment(waves, rotated(waves, time), centre)
-        np.testing.assert_allclose(sea.head, now, atol=1e-15)
-        np.testing.assert_allclose([_elevation(waves, sea, at**2) for at in x], around @ now, atol=1e-9)
-        np.testing.assert_allclose(_dynamic(waves, sea, x**2, z), (around * profile) @ now, atol=1e-9)
+    bottom = np.exp(-2 * k * depth)
+    profile = (np.exp(np.outer(z, k)) + bottom * np.exp(-np.outer(z, k))) / (1 + bottom)
+    sea = moment(waves, time, height)
+    np.testing.assert_allclose([elevation_at(waves, sea, at**2) for at in x], around @ now, atol=1e-14)
+    np.testing.assert_allclose(dynamic_head(waves, sea, x**2, z), (around * profile) @ now, atol=2e-13)
 
 
 @pytest.mark.parametrize("depth", [np.inf, 20.0])
 def test_trial_state_far_under_water_raises_no_error(depth):
     """A step predicted too long may ask for waves 1000 m down: it must fail by its size."""
     waves = incident(Sea(np.array([1.0, 12.0]), np.array([0.1, 0.1j])), depth, G, 2.0)
-    sea = _moment(waves, rotated(waves, 0.3), -1000.0)
-    found = _dynamic(waves, sea, np.array([0.0, 1.0]), np.array([-1000.0, -1001.0]))
+    sea = moment(waves, 0.3, -1000.0)
+    found = dynamic_head(waves, sea, np.array([0.0, 1.0]), np.array([-1000.0, -1001.0]))
     assert depth < np.inf or np.abs(found).max() < 1e-12
+
+
+def test_samples_in_time_do_not_change_the_force(full):
+    """A sea of many components, its coefficients from samples and summed one by one."""
+    rng, count = np.random.default_rng(3), 200
+    omega = 8.0 * (np.arange(count) + 0.5) / count
+    amplitude = 0.3 / np.sqrt(count) * (rng.normal(size=count) + 1j * rng.normal(size=count))
+    waves, q = incident(Sea(omega, amplitude), np.inf, G, 2.0), deformed(full)
+    faster = waves._replace(signals=sampled(waves.signals, 100.0, 130.0))
+    for time in rng.uniform(100.0, 130.0, 10):
+        one_by_one = force(full, 0.1, q, waves, time)
+        assert force(full, 0.1, q, faster, time) == pytest.approx(one_by_one, abs=1e-12 * np.abs(one_by_one).max())

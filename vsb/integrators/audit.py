@@ -182,9 +182,16 @@ def flow(system: System, motion: Motion, driving: FloatArray) -> Flow:
     return Flow(dt, system.matrix[:known, :known], states, _extended(dt * driving))
 
 
-def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
+def energies(system: System, motion: Motion, named: Mapping[str, FloatArray] | None = None) -> dict[str, FloatArray]:
     """Return the energy of each term since the start, each shape (time,) [J]: wave = the sum of the others.
 
+    Parameters
+    ----------
+    named : mapping, optional
+        `System.forces` of the motion, where they are known.
+
+    Notes
+    -----
     Losses and the waves' work are integrated along the flow between records (`Flow`), what is stored is read from the
     records.
     `turned` is no term of the sum: kinetic energy, and a billionth of the energy stored, below which all is round-off.
@@ -197,7 +204,8 @@ def energies(system: System, motion: Motion) -> dict[str, FloatArray]:
     held = {"stored": stored - stored[0], "turned": kinetic + 1e-9 * np.abs(stored)}
     if motion.works:
         return {**motion.works, **held}
-    named, none = system.forces(motion), np.zeros((len(motion.time), system.free))
+    named = system.forces(motion) if named is None else named
+    none = np.zeros((len(motion.time), system.free))
     acting: list[FloatArray] = [sum((named[name] @ system.shapes for name in EXCITING if name in named), none)]
     first = len(acting)
     if not motion.memory.size:

@@ -390,15 +390,20 @@ class ExponentialIntegrator:
     dt: float  # between recorded instants [s]
     begin: float = 0.0  # the first of them [s]
 
-    @cached_property
+    @property
     def remainder(self) -> Remainder:
         """Arguments of the compiled n and waves; `ValueError` of a linear scene."""
-        water, order = self.system.remainder, np.argsort(self.system.omega, kind="stable")
+        water = self.system.remainder
         if water is None:
             raise ValueError("exponential steps: needs a scene with water pressure; use propagate for a linear one.")
-        if len(order) and not np.array_equal(self.system.omega[order], water.waves.omega):
-            raise ValueError("exponential steps: received linear waves unlike those on the wet shell, needs one sea.")
-        return water._replace(diffraction=np.ascontiguousarray(self.system.waves[order]), begin=self.begin)
+        return water._replace(diffraction=self.system.waves_sampler.held, begin=self.begin)
+
+    def sampled(self, duration: float) -> Remainder:
+        """Return the arguments with waves sampled for a run of some duration [s]."""
+        r, end = self.remainder, self.begin + duration
+        assert self.system.scene.water is not None
+        waves = self.system.scene.water.waves_during(self.begin, end)
+        return r._replace(waves=waves or r.waves, diffraction=self.system.waves_sampler.during(self.begin, end))
 
     def horizon(self, duration: float) -> float:
         """Time over which errors add up [s]: the motion, or less where its slowest mode forgets sooner."""
@@ -439,7 +444,8 @@ class ExponentialIntegrator:
         largest = max(float(np.linalg.norm(first)), self.system.least)
         counters, levels = np.array([0, 0, 0, 0, HISTORY]), np.array([largest, 0.0, tolerance * largest])
         run.states[0], steps = first, {}
-        remainder(self.remainder, 0.0, first[:free].copy(), run.pushes[0])
+        r = self.sampled(self.dt * (count - 1))
+        remainder(r, 0.0, first[:free].copy(), run.pushes[0])
         level, change, horizon = -1, 1, self.horizon(self.dt * (count - 1))
         while change:
             if level < SHORTEST:
@@ -452,8 +458,8 @@ class ExponentialIntegrator:
             if level not in steps:
                 steps[level] = self.step(level)
             change = march(
-                self.remainder, steps[level], self.dt, level, tolerance, horizon, z, past, places, counters, levels,
-                run.states, run.pushes,
+                r, steps[level], self.dt, level, tolerance, horizon, z, past, places, counters, levels, run.states,
+                run.pushes,
             )  # fmt: skip
             level += change
         return run._replace(steps=int(counters[STEPS]), evaluations=int(counters[EVALUATIONS]) + 1)

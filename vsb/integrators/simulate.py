@@ -27,6 +27,7 @@ class Leg(NamedTuple):
     """A part of a run: what is in memory at one time."""
 
     motion: Motion
+    forces: Mapping[str, FloatArray]  # `System.forces` of the motion where the audit needs them, else none
     energy: Mapping[str, FloatArray]  # since the start of the run, each (time,) [J]; see `energies`
     balance: Balance  # at its end
     stride: int  # instants per readable record
@@ -50,7 +51,7 @@ def recorded(system: System, leg: Leg, sea: Sea | None, window: tuple[float, flo
     motion, scene = leg.motion, system.scene
     carried = [i for i, row in enumerate(scene.motions) if scene.flexible or row.any()]
     labels, motions = [scene.labels[i] for i in carried], scene.motions[carried]
-    forces = system.forces(motion)
+    forces = leg.forces or system.forces(motion)
     absorbed = absorbed_power(system, motion, forces)
     named = {name: force[:, carried] for name, force in forces.items()}
     series = {"position": motion.position @ motions.T, "velocity": motion.velocity @ motions.T} | named
@@ -186,13 +187,14 @@ def legs(
         begin, end = (settings.duration * (record / count) for record in (done, last))
         motion, steps = follow(np.linspace(begin, end, (last - done) * stride + 1), start)
         check_floats(system, motion)
-        own = energies(system, motion)
+        forces = {} if motion.works else system.forces(motion)
+        own = energies(system, motion, forces)
         energy = {term: own[term] + balance.ended.get(term, 0.0) for term in own}
         after = balance.after(energy)
         found.append(START.after(own).unbalanced / after.largest if after.largest else 0.0)
         closed = found[-1] <= enough
         if closed or found[-1] > 0.9 * found[-3] or stride == FINEST:  # or finer records do not help
-            leg = Leg(motion, energy, after, stride, thinning(count), method, steps)
+            leg = Leg(motion, forces, energy, after, stride, thinning(count), method, steps)
             yield leg
             done, start, balance = last, leg.end, after
             found = [np.inf, np.inf] if closed else found

@@ -19,9 +19,10 @@ import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.hydro.statespace import RadiationModel
-from vsb.motion.froude_krylov import Incident, wave_forces
+from vsb.motion.froude_krylov import Incident, scaled, wave_forces
 from vsb.motion.wetted import WetShell
 from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.waves.sampling import Sampler
 from vsb.waves.seas import superposed
 
 EXCITING = ("excitation", "froude_krylov", "diffraction")
@@ -294,11 +295,25 @@ class WaterPressure(Force):
         """Its tangent about the reference shape."""
         return Linear(stiffness=self.tangent, fully_linear=False)
 
+    @cached_property
+    def _sampler(self) -> Sampler | None:
+        """The series of the waves."""
+        return Sampler(self.waves.signals) if self.waves else None
+
+    def waves_during(self, begin: float, end: float) -> Incident | None:
+        """Return the waves, sampled for a span of time [s]; none in still water."""
+        if self.waves is None or self._sampler is None:
+            return None
+        return self.waves._replace(signals=self._sampler.during(begin, end))
+
+    def _in_waves(self, time: FloatArray, q: FloatArray, waves: Incident) -> FloatArray:
+        """Force on the wet shell in waves."""
+        return np.asarray(self.specific_weight * wave_forces(self.shell.shape, self.rest + q, waves, time))
+
     def force(self, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the force on the wet shell."""
-        if self.waves:
-            total = wave_forces(self.shell.shape, self.rest + q, self.waves, time)
-            return np.asarray(self.specific_weight * total)
+        if waves := self.waves_during(float(time[0]), float(time[-1])):
+            return self._in_waves(time, q, waves)
         static, uniform, _ = self.shell.forces(self.rest + q)
         pressure = self.assumed.at(time)[:, None] if self.assumed else 0.0
         return np.asarray(self.specific_weight * static + pressure * uniform)
@@ -309,9 +324,8 @@ class WaterPressure(Force):
         out = {"hydrostatic": self.specific_weight * static}
         if self.assumed and self.assumed.amplitude:
             out["excitation"] = self.assumed.at(time)[:, None] * uniform
-        if self.waves:
-            total = wave_forces(self.shell.shape, self.rest + q, self.waves, time)
-            out["froude_krylov"] = self.specific_weight * (total - static)
+        if waves := self.waves_during(float(time[0]), float(time[-1])):
+            out["froude_krylov"] = self._in_waves(time, q, waves) - out["hydrostatic"]
         return out
 
     def potential_energy(self, q: FloatArray) -> FloatArray:
@@ -328,7 +342,7 @@ class WaterPressure(Force):
     def scaled_waves(self, share: float) -> Self:
         """Return it with scaled waves or assumed pressure."""
         if self.waves:
-            return replace(self, waves=self.waves._replace(amplitude=share * self.waves.amplitude))
+            return replace(self, waves=scaled(self.waves, share))
         if self.assumed:
             return replace(self, assumed=replace(self.assumed, amplitude=share * self.assumed.amplitude))
         return self

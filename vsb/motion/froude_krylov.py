@@ -8,15 +8,21 @@ The axisymmetric part of long-crested waves, elevation Z(x, t) = Re sum a J_0(kx
 zero on the wave itself. To first order this is the linear Froude-Krylov force and hydrostatic stiffness. Quadrature is
 split at still water, where p has a kink, and so keeps its accuracy.
 
-J_0(kx) exp(kz) is harmonic: about a point of the axis it is sum_l (k rho)^l/l! P_l(cos theta), and so is a sea, with
-coefficients summed over its components. Points then cost the same in any sea, and no Bessel functions. Components too
-short for the series' round-off are summed one by one.
+Both are series whose coefficients are sums over the components, functions of time alone: points cost the same in any
+sea. Elevation is a Chebyshev series in x^2, up to X = 2 r, by Neumann's addition theorem
+
+    J_0(kx) = sum_n e_n (-1)^n J_n(kX/2)^2 T_n(2 x^2/X^2 - 1),    e_0 = 1, e_n = 2 beyond.
+
+J_0(kx) exp(kz) is harmonic: about a point of the axis at depth D it is sum_l w_l (rho/D)^l P_l(cos theta) with the
+weights of a Poisson distribution, w_l = exp(-kD) (kD)^l/l!. The deeper that point, the less do terms exceed their sum:
+at the surface by exp(k (rho - D)), about exp(k x^2/(2 D)). Coefficients of many components are sampled in time
+(`vsb.waves.sampling`), those of few are summed.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import factorial, j0, j1
+from scipy.special import gammaln, jv
 
 from vsb.motion.wetted import (
     REORDERED,
@@ -31,131 +37,121 @@ from vsb.motion.wetted import (
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import assign, njit
 from vsb.waves.dispersion import wavenumber
+from vsb.waves.sampling import Signals, signals, signals_at
 from vsb.waves.seas import Sea
 
-_SPACING = 0.02  # of the Bessel table: cubic Hermite interpolation is then good to 5e-10
-_SHORT = 10.0
-"""k r of the shortest wave in the series: round-off is exp(k rho) of the machine's, 1e-11 at rho = 1.2 r."""
+REACH = 2.0
+"""X/r: no shell reaches farther from the axis than so many of its radii."""
+EXCEEDING = 6.0
+"""Exponent by which terms of the shortest waves' pressure exceed their sum at 1.2 radii, but in shallow water."""
+LEFT_OUT = -37.0
+"""Exponent of what is left out of a series: round-off."""
+DEEPEST = 1000.0
+"""Largest k D: weights must not overflow."""
 
 
 class Incident(NamedTuple):
-    """Regular components of a sea, the longest first, and tables for the compiled loops."""
+    """Regular components of a sea, the longest first, and the series of their elevation and pressure."""
 
     wavenumber: FloatArray  # (component,) [1/m]
     omega: FloatArray  # [rad/s]
     amplitude: ComplexArray  # [m]
     bottom: FloatArray  # exp(-2kd) (component,), zero in deep water
-    radius: float  # r, unit of length of the series [m]
-    powers: FloatArray  # (kr)^l/l! of the components in the series (component, l)
-    even: FloatArray  # (-1)^m (kr/2)^2m/m!^2, J_0 in powers of (x/r)^2 (component, m)
-    bessel: FloatArray  # J_0 and its derivative at equal steps, for the others (2, sample)
+    radius: float  # r [m]
+    depth: float  # D [m]
+    weights: FloatArray  # w of the pressure (component, l)
+    signals: Signals  # coefficients of the elevation, then of the pressure [m]
 
 
 def incident(sea: Sea, depth: float, gravity: float, radius: float) -> Incident:
-    """Return the incident waves of a sea, for a shell that never reaches beyond two radii."""
+    """Return the incident waves of a sea, for a shell that never reaches beyond `REACH` radii."""
     order = np.argsort(sea.omega, kind="stable")
     omega, amplitude = sea.omega[order], sea.amplitude[order]
     k = np.array([wavenumber(w, depth, gravity) for w in omega])
     bottom = np.exp(-2 * k * depth) if np.isfinite(depth) else np.zeros_like(k)
-    series = k[k * radius <= _SHORT] * radius
-    m = np.arange(_terms(2 * series.max(initial=0.0)) + 1)
-    argument = np.arange(0.0, 2 * radius * k.max(initial=0.0) + 2 * _SPACING, _SPACING)
-    even = (-1.0) ** m * (series[:, None] / 2) ** (2 * m) / factorial(m) ** 2
-    powers = series[:, None] ** m / factorial(m)
-    return Incident(k, omega, amplitude, bottom, radius, powers, even, np.array([j0(argument), -j1(argument)]))
+    shortest, height = float(k.max(initial=0.0)), float(np.sqrt(8 * np.sum(np.abs(amplitude) ** 2)))
+    deep = max(2 * radius, height, shortest * (1.2 * radius) ** 2 / (2 * EXCEEDING))
+    deep = min(deep, depth, DEEPEST / shortest if shortest else np.inf)
+    weights = _poisson(k * deep, _terms(shortest * np.hypot(deep, REACH * radius), -shortest * deep))
+    down, up = 1 / (1 + bottom), np.exp(-2 * k * (depth - deep)) / (1 + bottom)
+    pressure = weights * (down[:, None] + np.outer(up, (-1.0) ** np.arange(weights.shape[1])))
+    n = np.arange(_terms(shortest * REACH * radius / 4, 0.5 * LEFT_OUT))
+    elevation = np.where(n, 2, 1) * (-1.0) ** n * jv(n, k[:, None] * REACH * radius / 2) ** 2
+    phasors = amplitude[:, None] * np.hstack([elevation, pressure])
+    return Incident(k, omega, amplitude, bottom, radius, deep, weights, signals(omega, phasors))
 
 
-@njit(cache=True)
-def _terms(reach: float) -> int:
-    """Terms of exp(reach) above 1e-13."""
-    return int(16 + 3.2 * reach)
+def _terms(reach: float, offset: float) -> int:
+    """Terms of exp(offset) sum_l reach^l/l! down to round-off, at least 4."""
+    l = np.arange(4.0, 5000.0)  # noqa: E741
+    left = offset + l * np.log(max(reach, 1e-300)) - gammaln(l + 1)
+    return int(l[np.argmax((left < LEFT_OUT) & (l > reach))])
 
 
-@njit(cache=True)
-def _bessel(table: FloatArray, argument: float) -> float:
-    """J_0 by cubic Hermite interpolation; beyond the table its last value, which no sane shell asks for."""
-    i = max(min(int(argument / _SPACING), table.shape[1] - 2), 0)  # of what is not a number any
-    s = min(argument / _SPACING - i, 1.0)
-    value = (1 + 2 * s) * (1 - s) ** 2 * table[0, i] + s * s * (3 - 2 * s) * table[0, i + 1]
-    return float(value + _SPACING * (s * (1 - s) ** 2 * table[1, i] + s * s * (s - 1) * table[1, i + 1]))
+def _poisson(mean: FloatArray, count: int) -> FloatArray:
+    """Weights exp(-m) m^l/l!, shape (mean, count); by products, which keep all digits."""
+    root = np.exp(-mean / 2)[:, None]
+    factors = np.hstack([root, mean[:, None] / np.arange(1.0, count)])
+    return np.asarray(root * np.cumprod(factors, axis=1))
 
 
-@njit(cache=True)
-def rotated(waves: Incident, time: float) -> ComplexArray:
-    """Return exp(-i omega t) of every component."""
-    angle = waves.omega * time
-    return np.asarray(np.cos(angle) - 1j * np.sin(angle))
+def scaled(waves: Incident, share: float) -> Incident:
+    """Return a share of the waves."""
+    kept = waves.signals
+    own = kept._replace(phasors=share * kept.phasors, samples=share * kept.samples)
+    return waves._replace(amplitude=share * waves.amplitude, signals=own)
 
 
 class Moment(NamedTuple):
     """A sea at one instant."""
 
-    head: FloatArray  # Re a exp(-i omega t) of every component [m]
-    elevation: FloatArray  # coefficients of (x/r)^2m (m,) [m]
-    pressure: FloatArray  # of solid harmonics about a point of the axis (l,) [m]
+    elevation: FloatArray  # coefficients of T_n(2 x^2/X^2 - 1) (n,) [m]
+    pressure: FloatArray  # of solid harmonics over D^l about a point of the axis (l,) [m]
     centre: float  # height of that point [m]
 
 
-@njit(cache=True, fastmath=REORDERED)
-def _moment(waves: Incident, rotation: ComplexArray, centre: float) -> Moment:
-    """The sea at one instant, its pressure in solid harmonics about a height on the axis."""
-    head = np.empty(len(rotation))
-    for j in range(len(rotation)):
-        head[j] = waves.amplitude[j].real * rotation[j].real - waves.amplitude[j].imag * rotation[j].imag
-    count = waves.powers.shape[1]
-    elevation, downward, upward = np.zeros(count), np.zeros(count), np.zeros(count)
-    for j in range(len(waves.powers)):
-        k, bottom = waves.wavenumber[j], waves.bottom[j]
-        down = head[j] * np.exp(k * centre) / (1 + bottom)
-        for i in range(count):
-            elevation[i] += head[j] * waves.even[j, i]
-            downward[i] += down * waves.powers[j, i]
-        if bottom > 0:
-            up = head[j] * bottom * np.exp(-k * centre) / (1 + bottom)
+@njit(cache=True)
+def moment(waves: Incident, time: float, height: float) -> Moment:
+    """Return the sea at one instant, for a shell of a mean height [m].
+
+    A shell deeper than D, as no floating one is but in a trial, has its pressure expanded D below it, by components.
+    """
+    found, count = signals_at(waves.signals, time), waves.weights.shape[1]
+    elevation, pressure = found[: len(found) - count], found[len(found) - count :]
+    lowered = min(height + waves.depth, 0.0)
+    if lowered < 0:
+        pressure[:] = 0.0
+        for j in range(len(waves.omega)):
+            k, bottom, angle = waves.wavenumber[j], waves.bottom[j], waves.omega[j] * time
+            head = waves.amplitude[j].real * np.cos(angle) + waves.amplitude[j].imag * np.sin(angle)
+            down, up = np.exp(k * lowered) / (1 + bottom), 0.0
+            if bottom > 0:
+                up = np.exp(np.log(bottom) + k * (2 * waves.depth - lowered)) / (1 + bottom)
             for i in range(count):
-                upward[i] += up * waves.powers[j, i]
-    for i in range(count):
-        downward[i] += upward[i] if i % 2 == 0 else -upward[i]
-    return Moment(head, elevation, downward, centre)
+                pressure[i] += head * waves.weights[j, i] * (down + up if i % 2 == 0 else down - up)
+    return Moment(elevation, pressure, lowered - waves.depth)
 
 
 @njit(cache=True)
-def _elevation(waves: Incident, now: Moment, x2: float) -> float:
-    """Elevation at a squared radius [m]."""
-    reach = np.sqrt(x2)
-    s, out = x2 / waves.radius**2, 0.0
-    longest = waves.wavenumber[len(waves.powers) - 1] if len(waves.powers) else 0.0
-    for m in range(min(len(now.elevation), _terms(longest * reach) // 2 + 4) - 1, -1, -1):
-        out = out * s + now.elevation[m]
-    for j in range(len(waves.powers), len(now.head)):
-        out += now.head[j] * _bessel(waves.bessel, waves.wavenumber[j] * reach)
-    return out
+def elevation_at(waves: Incident, now: Moment, x2: float) -> float:
+    """Return the elevation at a squared radius [m], beyond X that at X, by Clenshaw's recurrence."""
+    return value(now.elevation, min(2 * x2 / (REACH * waves.radius) ** 2 - 1, 1.0))
 
 
 @njit(cache=True, fastmath=REORDERED)
-def _dynamic(waves: Incident, now: Moment, x2: FloatArray, z: FloatArray) -> FloatArray:
-    """Dynamic pressure head at squared radii and heights below still water, shape (point,) [m]."""
+def dynamic_head(waves: Incident, now: Moment, x2: FloatArray, z: FloatArray) -> FloatArray:
+    """Return the dynamic pressure head at squared radii and heights below still water, shape (point,) [m]."""
     past, here, out = np.zeros(len(z)), np.ones(len(z)), np.zeros(len(z))
-    height, square, largest = np.empty(len(z)), np.empty(len(z)), 0.0
+    height, square = np.empty(len(z)), np.empty(len(z))
     for i in range(len(z)):
-        height[i] = (z[i] - now.centre) / waves.radius
-        square[i] = x2[i] / waves.radius**2 + height[i] * height[i]
-        largest = max(largest, square[i])
-    longest = waves.wavenumber[len(waves.powers) - 1] if len(waves.powers) else 0.0
-    count = min(len(now.pressure), _terms(longest * waves.radius * np.sqrt(largest)))
-    for n in range(count):
+        height[i] = (z[i] - now.centre) / waves.depth
+        square[i] = x2[i] / waves.depth**2 + height[i] * height[i]
+    for n in range(len(now.pressure)):
         a, b = (2 * n + 1) / (n + 1), n / (n + 1)
         for i in range(len(z)):
             out[i] += now.pressure[n] * here[i]
             following = a * height[i] * here[i] - b * square[i] * past[i]
             past[i], here[i] = here[i], following
-    for j in range(len(waves.powers), len(now.head)):
-        k, bottom = waves.wavenumber[j], waves.bottom[j]
-        for i in range(len(z)):
-            profile = np.exp(k * z[i])
-            if bottom > 0:
-                profile = (profile + bottom * np.exp(-k * z[i])) / (1 + bottom)
-            out[i] += now.head[j] * _bessel(waves.bessel, k * np.sqrt(x2[i])) * profile
     return out
 
 
@@ -163,7 +159,7 @@ def _dynamic(waves: Incident, now: Moment, x2: FloatArray, z: FloatArray) -> Flo
 def _submergence(series: FloatArray, waves: Incident, now: Moment, c: float) -> float:
     """Height of a point above the wave, negative under it [m]."""
     x2 = max(1 - c * c, 0.0) * value(series[0], c) ** 2
-    return value(series[1], c) - _elevation(waves, now, x2)
+    return value(series[1], c) - elevation_at(waves, now, x2)
 
 
 @njit(cache=True)
@@ -174,12 +170,12 @@ def _edges(shape: Shape, series: FloatArray, waves: Incident, now: Moment) -> Fl
     edges = np.empty(len(still) + count + 1)
     assign(edges[: len(still)], still)
     edges[len(still)], edges[len(still) + 1] = -1.0, 1.0
-    found, highest = len(still) + 2, np.sum(np.abs(now.head))
+    found, highest = len(still) + 2, np.sum(np.abs(now.elevation))
     f_low, low = 0.0, -1.0
     for i in range(count):
         f, c = at[1, i], grid[i]
         if abs(f) <= highest:
-            f -= _elevation(waves, now, max(1 - c * c, 0.0) * at[0, i] ** 2)
+            f -= elevation_at(waves, now, max(1 - c * c, 0.0) * at[0, i] ** 2)
         if i and (f_low < 0) != (f < 0):
             edges[found] = _crossing(series, waves, now, low, c, f_low, f)
             found += 1
@@ -220,13 +216,13 @@ def _crossing(series: FloatArray, waves: Incident, now: Moment, a: float, b: flo
 
 
 @njit(cache=True)
-def wave_force(shape: Shape, q: FloatArray, waves: Incident, rotation: ComplexArray, out: FloatArray) -> None:
+def wave_force(shape: Shape, q: FloatArray, waves: Incident, time: float, out: FloatArray) -> None:
     """Fill the generalized force per rho g of water and waves on the instantaneous wet shell, shape (dof,) [m^3].
 
-    Q_j = -2 pi int p X (s^2 z' h_j + T v_j) dc, notation of `vsb.motion.wetted`; `rotation` holds exp(-i omega t).
+    Q_j = -2 pi int p X (s^2 z' h_j + T v_j) dc, notation of `vsb.motion.wetted`.
     """
     series = meridian_series(shape, q)
-    now = _moment(waves, rotation, min(series[1, 0], 0.0))
+    now = moment(waves, time, series[1, 0])
     out[:] = 0.0
     edges = _edges(shape, series, waves, now)
     for k in range(len(edges) - 1):
@@ -239,11 +235,11 @@ def wave_force(shape: Shape, q: FloatArray, waves: Incident, rotation: ComplexAr
         x, z = meridian[0], meridian[1]
         x2 = (1 - c * c) * x * x
         if value(series[1], middle) < 0:
-            pressure = _dynamic(waves, now, x2, z) - z
+            pressure = dynamic_head(waves, now, x2, z) - z
         else:
             pressure = -z
             for i in range(len(z)):
-                pressure[i] += _elevation(waves, now, x2[i])
+                pressure[i] += elevation_at(waves, now, x2[i])
         add_force(shape, table, -2 * np.pi * half * shape.weight * x * pressure, meridian, out)
 
 
@@ -252,5 +248,5 @@ def wave_forces(shape: Shape, q: FloatArray, waves: Incident, time: FloatArray) 
     """Return `wave_force` along a motion, q and result of shape (time, dof)."""
     out = np.empty(q.shape)
     for i in range(len(time)):
-        wave_force(shape, q[i], waves, rotated(waves, time[i]), out[i])
+        wave_force(shape, q[i], waves, time[i], out[i])
     return out

@@ -26,12 +26,13 @@ from vsb.motion.forces import (
     WaterPressure,
 )
 from vsb.motion.frequency import normal_modes, unrestrained_motions
-from vsb.motion.froude_krylov import Incident, incident, rotated, wave_force
+from vsb.motion.froude_krylov import Incident, incident, wave_force
 from vsb.motion.scene import Scene
 from vsb.motion.shell_forces import ShellForce
 from vsb.motion.wetted import Shape, wet_force
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
+from vsb.waves.sampling import Sampler, Signals, signals, signals_at
 from vsb.waves.seas import NO_WAVES, superposed
 
 
@@ -86,7 +87,7 @@ class Remainder(NamedTuple):
     amplitude: float  # of the assumed pressure
     omega: float
     waves: Incident  # none: no components
-    diffraction: ComplexArray  # modal phasors of its components (component, free), or none
+    diffraction: Signals  # on the modes, or none
     round_off: float  # of n
     begin: float  # of the run [s]
 
@@ -99,9 +100,8 @@ def remainder(r: Remainder, t: float, p: FloatArray, out: FloatArray) -> None:
     for i in range(len(q)):
         for j in range(len(p)):
             q[i] += r.position[i, j] * p[j]
-    rotation = rotated(r.waves, r.begin + t)
-    if len(rotation):
-        wave_force(r.shape, q, r.waves, rotation, static)
+    if len(r.waves.omega):
+        wave_force(r.shape, q, r.waves, r.begin + t, static)
         static *= r.specific_weight
     else:
         wet_force(r.shape, q, static, uniform)
@@ -114,9 +114,10 @@ def remainder(r: Remainder, t: float, p: FloatArray, out: FloatArray) -> None:
             out[i] += r.tangent[i, j] * p[j]
         for j in range(len(q)):
             out[i] += r.project[i, j] * static[j]
-    for j in range(len(r.diffraction)):
+    if len(r.diffraction.omega):
+        diffracted = signals_at(r.diffraction, r.begin + t)
         for i in range(len(out)):
-            out[i] += r.diffraction[j, i].real * rotation[j].real - r.diffraction[j, i].imag * rotation[j].imag
+            out[i] += diffracted[i]
 
 
 @dataclass(frozen=True)
@@ -249,6 +250,11 @@ class System:
 
         return n
 
+    @cached_property
+    def waves_sampler(self) -> Sampler:
+        """The linear waves on the modes."""
+        return Sampler(signals(self.omega, self.waves))
+
     def wave_forcing(self, time: FloatArray) -> FloatArray:
         """Return the linear waves at equally spaced instants, shape (time, free)."""
         return superposed(self.omega, self.waves, time)
@@ -276,7 +282,7 @@ class System:
             assumed.amplitude,
             assumed.omega,
             water.waves or incident(NO_WAVES, np.inf, 1.0, water.shell.shape.radius),
-            np.zeros((0, self.free), dtype=complex),
+            signals(np.zeros(0), np.zeros((0, self.free), dtype=complex)),
             1e-14 * float(np.linalg.norm(project)) * water.specific_weight * water.shell.shape.radius**3,
             0.0,
         )
@@ -298,7 +304,7 @@ class System:
                 out[name] = inertia - sum(out.values(), np.zeros_like(q))
         return out
 
-    def driving(self, motion: Motion, named: dict[str, FloatArray]) -> FloatArray:
+    def driving(self, motion: Motion, named: Mapping[str, FloatArray]) -> FloatArray:
         """Return what drives z' = A z + B g from the forces by name: n and waves, shape (time, free).
 
         In a motion without memory states radiation drives, too.

@@ -23,6 +23,8 @@ from vsb.study.take_off import port_kind
 from vsb.study.waves import RegularWave, StillWater
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
+from vsb.waves.sampling import relative_error
+from vsb.waves.seas import FEW
 
 UNSETTLED = 1e-3
 """Relative difference between the powers of late periods above which a motion does not repeat [-]."""
@@ -46,6 +48,8 @@ def run_simulate(spec: SimulateSpec, out: str, database: str = "", radiation: st
     attrs |= {"method": in_words(leg.method, sum(steps)), "instants": 1 + sum(intervals)}
     attrs["port_kind"] = port_kind(spec.pto.port).load
     attrs |= {"seconds": sum(seconds), **made.notes, **stamp(spec, database, radiation)}
+    if scene.water and len(waves.omega) > FEW:
+        attrs["wave_sampling_error"] = relative_error(float(waves.omega.max()), spec.simulation.duration)
     if isinstance(wave, RegularWave):
         attrs |= _steady(system) if not spec.pto.of_package else {"no_steady_state": "the law may depend on time"}
     if made.held.size:
