@@ -4,15 +4,19 @@ Gains and powers are those of a separate multipole computation with shell degree
 package.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.scenes.mode_convergence import ModeConvergence, beyond, completed
-from vsb.scenes.ring_loads import all_degrees_answer, residual_compliance
+from vsb.scenes.mode_convergence import ModeConvergence, beyond
+from vsb.scenes.ring_loads import all_degrees_answer
+from vsb.shell.elastic import ElasticShell
 from vsb.shell.modes import mode_basis
-from vsb.shell.shell import Shell
+from vsb.shell.rings import RingModes, along_wall, normal_to_wall
 from vsb.study.plan import StudyPlan
+from vsb.study.sections import Modes
 from vsb.waves.seas import sea
 
 CLAMPED = {"FSB": {"flexible": False}, "CLAMPED": {"clamp": 90}}
@@ -34,70 +38,78 @@ def clamped(seed):
     return searched(varied(seed, designs=CLAMPED, waves=regular(2.5, 5.0)))
 
 
+def gains(powers):
+    """Gains of the second design over the first with their optimal dampers [%]."""
+    return 100 * (powers[1] / powers[0] - 1)[:, 1]
+
+
 def test_gain_of_a_clamped_shell_converges_with_few_degrees(clamped):
-    """To -61.41 % at 2.5 s, -16.85 % at 5 s; the modes alone are still 5, 1.1 and 0.5 points off."""
-    alone = {14: (-56.01, -15.64), 20: (-58.62, -16.23), 42: (-60.87, -16.73)}
-    for degree, expected in alone.items():
-        found = clamped.powers_by_degree[degree]
-        plain, complete = (100 * (one[1] / one[0] - 1)[:, 1] for one in found)
-        assert plain == pytest.approx(expected, abs=0.03)
-        assert complete == pytest.approx([-61.41, -16.85], abs=5.5 / degree)
-    complete = clamped.converged
-    assert 100 * (complete[1] / complete[0] - 1)[:, 1] == pytest.approx([-61.41, -16.85], abs=0.02)
+    """To -61.41 % at 2.5 s, -16.85 % at 5 s; modes without those of rings are still 5, 1.1 and 0.5 points off."""
+    for degree, expected in {14: (-61.08, -16.69), 20: (-61.29, -16.79), 42: (-61.41, -16.84)}.items():
+        assert gains(clamped.powers(Modes(basis="full", degree=degree))) == pytest.approx(expected, abs=0.02)
+    assert gains(clamped.converged) == pytest.approx([-61.41, -16.85], abs=0.03)
 
 
-def test_modes_alone_are_measured_against_all_degrees(clamped):
-    """The degree found leaves out no more than half a percent; the one before it on the list does."""
-    degrees = list(clamped.powers_by_degree)
-    before = degrees[degrees.index(clamped.degree) - 1]
-    worst = [
-        clamped.worst(np.abs(clamped.powers_by_degree[n].plain - clamped.converged) + clamped.further)
-        for n in (clamped.degree, before)
-    ]
+def test_degree_that_is_enough_leaves_out_no_more_than_the_tolerance(clamped):
+    """Against the limit; with modes of rings that is degree 30 or less."""
+    limit = np.array([-61.41, -16.85])
+    missed = (gains(clamped.powers_by_degree[clamped.degree]) - limit) / 100
     assert clamped.met
-    assert worst[0] <= 0.005 < worst[1]
+    assert clamped.degree <= 30
+    assert np.all(np.abs(missed) <= 0.005)
 
 
 def test_interval_of_every_degree_holds_the_limit(clamped):
     """Further degrees change no more than is said after each of the list."""
-    found = completed(clamped.powers_by_degree)
+    found = {n: clamped.powers(Modes(basis="full", degree=n)) for n in (6, 9, 14, 20, 30, 60)}
     for last in (14, 20, 30):
         some = {n: one for n, one in found.items() if n <= last}
-        missed = np.abs(clamped.converged - some[last])[1:]  # of the rigid design none
+        missed = np.abs(found[60] - some[last])[1:]  # of the rigid design none
         assert np.all(missed <= beyond(clamped.study, some, complete=True)[1:])
 
 
 def test_power_of_a_port_at_a_ring_converges_with_few_degrees(seed):
-    """At 60 degrees, 4 s: 5.8, 3.9 and 0.7 % too much of the modes alone, 0.1, 0.3 and 0.04 % with all degrees."""
+    """At 60 degrees, 4 s: 0.1, 0.3 and 0.04 % off with 14, 20 and 42 degrees; without modes of rings 5.8, 4 and 0.7."""
     found = searched(varied(seed, designs=ALONE, pto=AT_60, waves=regular(4.0)))
-    limit = found.converged[0, 0, 1]
-    for degree, plain, complete in ((14, 5.8, 0.08), (20, 3.95, 0.27), (42, 0.69, 0.04)):
-        errors = [100 * (one[0, 0, 1] / limit - 1) for one in found.powers_by_degree[degree]]
-        assert errors == pytest.approx([plain, complete], abs=0.05)
+    power = {n: found.powers(Modes(basis="full", degree=n))[0, 0, 1] for n in (14, 20, 42, 90)}
+    for degree, expected in ((14, 0.08), (20, 0.27), (42, 0.04)):
+        assert 100 * (power[degree] / power[90] - 1) == pytest.approx(expected, abs=0.05)
 
 
-def test_compliance_of_higher_degrees_is_what_a_richer_basis_yields_more(seed):
-    """At a clamp: radially and along the wall."""
-    shell, rings = Shell.of(seed.device), np.deg2rad([70.0, 70.0])
-    along = np.eye(2)
-    difference = residual_compliance(shell, 6, rings, along) - residual_compliance(shell, 20, rings, along)
-    yielding = {}
+def test_shell_under_pressure_needs_no_more_degrees(seed):
+    """Tension carries the short waves about a clamp: 14 degrees are within 0.02 points of 60, without rings 0.3."""
+    device = {"thickness": 0.015, "young_modulus": 4e7, "density": 1100.0, "internal_pressure": 16.5e3}
+    found = searched(varied(seed, device=device, designs=CLAMPED, waves=regular(2.5)))
+    few, many = (gains(found.powers(Modes(basis="full", degree=n))) for n in (14, 60))
+    assert few == pytest.approx(many, abs=0.02)
+
+
+@pytest.mark.parametrize("tension", [0.0, 2e4])
+def test_modes_of_rings_are_what_a_richer_basis_does_statically(seed, tension):
+    """Displacements of rings by loads there, and the momentum of the answer, whatever the degree they begin at."""
+    at = np.deg2rad([0.0, 70.0, 90.0])
+    loads = tuple(load for phi in at for load in (normal_to_wall(phi), along_wall(phi)) if load.moves)
+    found = []
     for degree in (6, 20):
         basis = mode_basis(seed.device, "full", degree)
-        rows = basis.clamp_rows(rings[:1])[:, 1:]
-        yielding[degree] = rows @ np.linalg.solve(basis.stiffness[1:, 1:], rows.T)
-    assert yielding[20] - yielding[6] == pytest.approx(difference, rel=1e-9, abs=1e-18)
+        rings = RingModes(basis.shell, degree, loads, (tension,) * len(loads))
+        whole = replace(basis, rings=rings)
+        rows = np.delete(whole.clamp_rows(at), 3, axis=0)[:, 1:]  # the meridional one of the pole
+        stretched = ElasticShell(basis).geometric_stiffness(*np.full((2, 1), tension))
+        stiffness = whole.stiffness + np.pad(stretched, (0, len(rings.labels))) + whole.of_rings(rings.prestress)
+        moved = np.linalg.solve(stiffness[1:, 1:], rows.T)
+        found.append((rows @ moved, moved.T @ whole.inertia[1:, 1:] @ moved))
+    for few, many in zip(*found, strict=True):
+        assert few == pytest.approx(many, rel=1e-7, abs=1e-9 * np.abs(many).max())
 
 
 @pytest.mark.parametrize(
     "changes",
     [
-        {"device": {"internal_pressure": 2e4}},
         {"device": {"shape": {"spheroid": {"height": 3.0}}}},
         {"modes": {"basis": "membrane", "degree": 6}},
-        {"pto": {"port": {"strain": "area"}, "damping": None, "tuning": "each"}},
     ],
 )
-def test_other_shells_and_ports_are_estimated_by_their_degrees(seed, changes):
+def test_rings_of_other_shells_and_chosen_modes_have_no_modes_of_their_own(seed, changes):
     assert all_degrees_answer(varied(seed, modes={"basis": "full", "degree": 9}))
     assert not all_degrees_answer(varied(seed, **{"modes": {"basis": "full", "degree": 9}, **changes}))

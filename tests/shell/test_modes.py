@@ -11,11 +11,10 @@ from shell.test_shell import LOWER, TABLE_I
 from vsb.errors import ConfigError
 from vsb.scenes.rest import design_motions, study_basis
 from vsb.shell.deformed import DeformedShell
+from vsb.shell.degrees import mass_block, membrane_block
 from vsb.shell.modes import (
     ModeBasis,
     check_rank,
-    mass_block,
-    membrane_block,
     mode_basis,
     natural_shapes,
     paper_ratio,

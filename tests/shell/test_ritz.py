@@ -6,7 +6,7 @@ from numpy.polynomial import legendre
 from scipy.linalg import eigh
 
 from vsb.shell import ritz
-from vsb.shell.modes import bending_block, mass_block, membrane_block
+from vsb.shell.degrees import bending_block, mass_block, membrane_block
 from vsb.shell.ritz import heave, matrices, natural_modes
 from vsb.shell.shell import Shell, bend, curve
 from vsb.study.meridian import RestMeridian, capsule, spheroid

@@ -304,8 +304,9 @@ def _axisymmetric_port(
         direction = np.asarray(chord @ apart / np.sqrt(chord @ chord))
     else:
         at = np.deg2rad([choice.colatitude])
-        radial, _ = shape.basis.displacement(at)
-        direction = (radial if choice.direction == "radial" else shape.meridian(at).shape_z)[:, 0]
+        radial, meridional = shape.basis.ring_displacement(at)
+        raised = radial * np.cos(at) - meridional * np.sin(at)
+        direction = (radial if choice.direction == "radial" else raised)[:, 0]
     if not isinstance(choice, ShellPort) or choice.against == "frame":
         direction = direction * (1 - heave)  # rigid heave does not move these
     kept = np.abs(direction) > ROUND_OFF * np.abs(direction).max()

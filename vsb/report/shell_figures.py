@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from vsb.hydro.dofs import flexible
 from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style
 from vsb.shell.orders import goes_with_sine
-from vsb.study.quantities import RIGID
+from vsb.study.quantities import RIGID, is_of_ring
 from vsb.tools.arrays import FloatArray
 
 
@@ -77,8 +77,9 @@ def round_factor(largest: float, radius: float) -> float:
 
 
 def _modal(run: xr.Dataset) -> FloatArray:
-    """Amplitudes of the shell modes of a run that move its meridian theta = 0 [m]; no rigid motions, no odd modes."""
-    drawn = [label for label in run.dof.values if label not in RIGID and not goes_with_sine(str(label))]
+    """Amplitudes of the shell modes of a run that are seen on its meridian theta = 0 [m]; no rigid motions."""
+    labels = [str(label) for label in run.dof.values if label not in RIGID]
+    drawn = [label for label in labels if not (goes_with_sine(label) or is_of_ring(label))]
     return np.asarray(run.position.sel(dof=drawn).values)
 
 

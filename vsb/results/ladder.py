@@ -42,7 +42,7 @@ from vsb.scenes.floating_system import (
     port_in_seas,
     study_sea,
 )
-from vsb.scenes.mode_convergence import Powers, one_of_each_family
+from vsb.scenes.mode_convergence import one_of_each_family
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.study.specs import LadderSpec
 from vsb.study.take_off import Pto
@@ -110,7 +110,9 @@ class Given(NamedTuple):
     efficiency: float = 1.0
 
 
-def study_ladder(study: LadderSpec, database: str, powers: Mapping[int, Powers] | None = None) -> list[ControlLevel]:
+def study_ladder(
+    study: LadderSpec, database: str, powers: Mapping[int, FloatArray] | None = None
+) -> list[ControlLevel]:
     """Return the levels of every design of a study in every sea; still water has none.
 
     Powers are expectations over the spectrum, peaks those of a realisation as long as a run, with expected amplitudes,

@@ -14,9 +14,7 @@ from vsb.scenes.mode_convergence import (
     JUDGED,
     SAMPLED,
     ModeConvergence,
-    Powers,
     beyond,
-    completed,
     directed,
     mean_sea,
     motion_of_port,
@@ -24,7 +22,7 @@ from vsb.scenes.mode_convergence import (
     take_offs,
 )
 from vsb.scenes.ports import BuoyOfShape, buoy_at
-from vsb.scenes.ring_loads import all_degrees_answer, ports_of_all_degrees
+from vsb.scenes.ring_loads import all_degrees_answer
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem
 from vsb.study.study import Study
@@ -43,7 +41,7 @@ def modes_left_out(
     study: BuoySystem,
     seas: Sequence[tuple[Wave, Sea]],
     families: Sequence[int] | None = None,
-    powers: Mapping[int, Powers] | None = None,
+    powers: Mapping[int, FloatArray] | None = None,
 ) -> xr.Dataset:
     """Return how far powers and gains may lie from those of a shell with all its modes.
 
@@ -73,13 +71,13 @@ def modes_left_out(
     convergence = ModeConvergence(study, tuple(directed(wave, sea) for wave, sea in seas), families)
     powers, modes = powers or convergence.powers_by_degree, study.modes
     known = modes.basis == "full" and modes.max_degree in powers
-    before = powers[modes.max_degree].plain if known else convergence.powers(modes)
-    tried, complete = completed(powers), convergence.completes
-    power = _relative(_bounds(study, before, tried, complete=complete), before)
+    before = powers[modes.max_degree] if known else convergence.powers(modes)
+    complete = convergence.completes
+    power = _relative(_bounds(study, before, powers, complete=complete), before)
     gain = np.zeros((*before.shape, len(ENDS)))
     if (reference := study.reference_design) is not None:
         at = list(study.designs).index(reference)
-        gains = {n: _gains(one, at) for n, one in tried.items()}
+        gains = {n: _gains(one, at) for n, one in powers.items()}
         gain = _bounds(study, _gains(before, at), gains, complete=complete)
     if not study.at_equilibrium:  # else the shape at rest depends on the modes, too
         power[[i for i, design in enumerate(study.designs.values()) if not design.flexible]] = 0.0
@@ -141,13 +139,10 @@ def left_out_of_year(
         squares, water = (climate.mean_density @ band_weights(omega, climate))[None], floating.swept.at(omega)
         seen: list[Mapping[str, Port | Ports]] = [{design: one.port for design, one in waves.items()}]
         before = powers_of_ports(seen[0], study.pto, squares)
-        if complete := all_degrees_answer(heaving):
-            basis, whole = floating.reference.basis, buoy_at(heaving, floating.reference, water)
-            seen = [ports_of_all_degrees(heaving, basis, whole, n) for n in degrees]
-        else:
-            for n in reversed(lower):
-                at_degree = buoy_at(heaving, floating.reference, water, n)
-                seen.insert(0, at_degree.several_ports() if study.pto.several else at_degree.ports())
+        complete = all_degrees_answer(heaving)
+        for n in reversed(lower):
+            at_degree = buoy_at(heaving, floating.reference, water, n)
+            seen.insert(0, at_degree.several_ports() if study.pto.several else at_degree.ports())
         tried = {n: powers_of_ports(ports, study.pto, squares) for n, ports in zip(degrees, seen, strict=True)}
     else:
         convergence = ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)])
@@ -156,7 +151,7 @@ def left_out_of_year(
             tried = {n: convergence.powers(Modes(basis="full", degree=n)) for n in lower}
             tried[degrees[-1]] = before
         else:
-            tried, complete = completed(convergence.powers_by_degree), convergence.completes
+            tried, complete = dict(convergence.powers_by_degree), convergence.completes
     power, gain = _relative(_bounds(buoy, before, tried, complete=complete), before), np.zeros((*before.shape, 2))
     if not buoy.at_equilibrium:  # else the shape at rest depends on the modes, too
         power[[i for i, design in enumerate(buoy.designs.values()) if not design.flexible]] = 0.0

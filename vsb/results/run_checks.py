@@ -19,7 +19,7 @@ from vsb.scenes.rest import order_bases, reference_shell
 from vsb.scenes.viability import static_strain
 from vsb.shell.modes import ModeBasis
 from vsb.shell.surface import largest_deformation, largest_displacement, largest_strain
-from vsb.study.quantities import RIGID, ROTATIONS, body_of, motion_of
+from vsb.study.quantities import RIGID, ROTATIONS, body_of, is_of_ring, motion_of
 from vsb.study.sections import POWER_TOLERANCE, Simulation
 from vsb.study.study import BaseStudy, Study
 from vsb.study.waves import RegularWave, StillWater, Wave
@@ -102,8 +102,9 @@ def deformation(study: Study, basis: ModeBasis, run: xr.Dataset) -> tuple[float,
 
     Of rubber the strain is that of rest and motion together, as its law measures it.
     """
-    shell = [label for label in run.dof.values if label not in RIGID]
-    peaks = run.position.values[np.argmax(np.abs(run.position.sel(dof=shell).values).sum(axis=1))]
+    position = run.position.sel(dof=[label for label in run.dof.values if not is_of_ring(str(label))])
+    shell = [label for label in position.dof.values if label not in RIGID]
+    peaks = position.values[np.argmax(np.abs(position.sel(dof=shell).values).sum(axis=1))]
     if orders := order_bases(study, basis):
         moved, strain = largest_deformation(basis, orders, peaks)
     else:

@@ -99,9 +99,9 @@ def design_in_sea(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     return SCENES[run.hydro.model if run.hydro else "body"](run, paths)
 
 
-def radiation_model(path: str) -> RadiationModel:
-    """Return a radiation model as it was stored."""
-    ds = load(path, expected=Path(path).stem)
+def radiation_model(path: str, labels: Sequence[str]) -> RadiationModel:
+    """Return a radiation model as it was stored, over labelled degrees of freedom; others radiate nothing."""
+    ds = load(path, expected=Path(path).stem).reindex(radiating_dof=list(labels), fill_value=0)
     return RadiationModel(ds.state_matrix.values, ds.input_matrix.values, ds.channel.values)
 
 
@@ -201,7 +201,8 @@ def _dampers(floating: LinearSystem, motions: FloatArray, sea: Sea) -> list[floa
 def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     """What a scene of one design in one sea is made of; a damper is tuned to that sea, or to those named."""
     (design,), (wave,), (system, hydro) = run.designs, run.waves, _buoy_of(run)
-    floating, model = floating_system(system, paths["database"]), radiation_model(paths["radiation"])
+    floating = floating_system(system, paths["database"])
+    model = radiation_model(paths["radiation"], floating.linear.labels)
     shape, motions, ds = floating.shell, floating.motions[design], floating.linear.database
     orders = order_bases(system, shape.basis)
     waves, spectral = study_sea(run, wave, ds), expected_sea(run, wave, ds)

@@ -25,6 +25,7 @@ from vsb.motion.linear import LinearSystem, with_open_chamber
 from vsb.motion.port import Port, PortMotion, channels_reached, combination, port_direction
 from vsb.motion.tuning import frequencies
 from vsb.scenes.rest import design_motions, order_bases
+from vsb.scenes.ring_loads import stored_with_rings
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import check_rank, mode_basis, rigid_basis
 from vsb.study.body import BodyDesign, BodyStudy
@@ -200,6 +201,8 @@ def _floating_buoy(study: AnyBuoy, database_path: str) -> FloatingSystem:
     basis = mode_basis(study.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(study.device)
     orders = order_bases(study, basis)
     shape = DeformedShell(basis, study.centre_height, ds.reference_amplitude.values[: len(basis.labels)])
+    ds, shape = stored_with_rings(study, ds, shape)
+    basis = shape.basis
     port = port_direction(study.pto.port, shape, orders)
     damping, maxwell = block_diag(basis.damping, *(order.damping for order in orders)), study.device.damping.maxwell
     buoy = LinearSystem(ds, damping, maxwell=maxwell if shell_moves else ())

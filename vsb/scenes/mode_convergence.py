@@ -26,7 +26,7 @@ from vsb.motion.tuning import best_dampers, best_pairs, mean_power
 from vsb.scenes.floating_system import heading
 from vsb.scenes.ports import ShapeWater, buoy_at
 from vsb.scenes.rest import order_bases, reference_shell
-from vsb.scenes.ring_loads import all_degrees_answer, ports_of_all_degrees
+from vsb.scenes.ring_loads import all_degrees_answer
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.orders import goes_with_sine
@@ -64,13 +64,6 @@ JUDGED = 2
 """Number of take-offs, the first ones, whose powers are to be within the tolerance."""
 SHELL_MODE = re.compile(r"[A-Za-z]+(\d+)([cs]\d+)?")
 """Label of a shell mode: degree; azimuthal order, if it has one."""
-
-
-class Powers(NamedTuple):
-    """Mean powers of the designs of a study with the full basis to a degree, (design, sea, take-off) [W]."""
-
-    plain: FloatArray  # of these modes alone
-    complete: FloatArray  # with the static answer of all further degrees at loaded rings, where it is known
 
 
 class Sampled(NamedTuple):
@@ -188,10 +181,6 @@ class ModeConvergence:
 
     def powers(self, modes: Modes) -> FloatArray:
         """Return mean powers with a basis, shape (design, sea, take-off) [W]."""
-        return self._of_modes(modes).plain
-
-    def _of_modes(self, modes: Modes, *, completed: bool = False) -> Powers:
-        """Mean powers with a basis, completed at rings or alone."""
         study = self._with(modes)
         reference = reference_shell(study)
         if study.at_equilibrium or modes.max_degree > self._degrees[-1]:
@@ -200,15 +189,11 @@ class ModeConvergence:
             water = self._undeformed_water
         squares = self._sampled.squares
         squares = squares.reshape(len(squares), -1)
-        plain = powers_of_ports(self._ports(study, reference, water), study.pto, squares, self.families)
-        if not (completed and self.completes and any(loaded_at_ring(study, design) for design in study.designs)):
-            return Powers(plain, plain)
-        ports = ports_of_all_degrees(study, reference.basis, buoy_at(study, reference, water))
-        return Powers(plain, powers_of_ports(ports, study.pto, squares, self.families))
+        return powers_of_ports(self._ports(study, reference, water), study.pto, squares, self.families)
 
     @property
     def completes(self) -> bool:
-        """Whether the answer of all further degrees at loaded rings is known."""
+        """Whether all degrees answer loads at rings, whatever the degree of the modes."""
         return self._motion == "heave" and all_degrees_answer(self._with(Modes(basis="full", degree=1)))
 
     def _ports(self, study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> Mapping[str, Port | Ports]:
@@ -236,25 +221,22 @@ class ModeConvergence:
         return found
 
     @cached_property
-    def powers_by_degree(self) -> Mapping[int, Powers]:
+    def powers_by_degree(self) -> Mapping[int, FloatArray]:
         """Powers by degree of the full basis, up to where further degrees change less than half the tolerance.
 
-        And on, where a load acts at a ring, until the modes alone meet it. Or to where the water around the shell can
-        be solved: of shapes other than spheres that is less than the list.
+        Or to where the water around the shell can be solved: of shapes other than spheres that is less than the list.
         """
-        found: dict[int, Powers] = {}
+        found: dict[int, FloatArray] = {}
         for degree in self._degrees:
             try:
-                found[degree] = self._of_modes(Modes(basis="full", degree=degree), completed=True)
+                found[degree] = self.powers(Modes(basis="full", degree=degree))
             except ConvergenceError:  # the water around a deformed shell is not resolved to so high degrees
                 if len(found) < 2:
                     raise
                 break
-            if len(found) > 2:
-                left = beyond(self.study, completed(found), complete=self.completes)
-                missing = np.abs(found[degree].complete - found[degree].plain) + left
-                if self.worst(left) <= self.study.modes.tolerance / 2 and self._tolerable(missing):
-                    break
+            enough = self.study.modes.tolerance / 2
+            if len(found) > 2 and self.worst(beyond(self.study, found, complete=self.completes)) <= enough:
+                break
         return found
 
     @cached_property
@@ -271,12 +253,12 @@ class ModeConvergence:
     @cached_property
     def further(self) -> FloatArray:
         """What degrees beyond the highest tried may change, shape of the powers [W]."""
-        return beyond(self.study, completed(self.powers_by_degree), complete=self.completes)
+        return beyond(self.study, self.powers_by_degree, complete=self.completes)
 
     @property
     def converged(self) -> FloatArray:
-        """Powers with the highest degree tried, completed at rings, shape (design, sea, take-off) [W]."""
-        return self.powers_by_degree[max(self.powers_by_degree)].complete
+        """Powers with the highest degree tried, shape (design, sea, take-off) [W]."""
+        return self.powers_by_degree[max(self.powers_by_degree)]
 
     @cached_property
     def _size(self) -> FloatArray:
@@ -311,7 +293,7 @@ class ModeConvergence:
         return self._meets(self.degree)
 
     def _meets(self, degree: int) -> bool:
-        return self._tolerable(np.abs(self.converged - self.powers_by_degree[degree].plain) + self.further)
+        return self._tolerable(np.abs(self.converged - self.powers_by_degree[degree]) + self.further)
 
     def _tolerable(self, missing: FloatArray) -> bool:
         """Whether what may be missing from powers is within the tolerance."""
@@ -380,26 +362,15 @@ def _of_matrices(ports: Ports, pto: Pto, design: str, squares: FloatArray, toget
     return [fixed, optimal, diagonal, for_all]
 
 
-def completed(powers: Mapping[int, Powers]) -> dict[int, FloatArray]:
-    """Return powers by degree with the answer of all further degrees at loaded rings."""
-    return {degree: one.complete for degree, one in powers.items()}
-
-
-def as_lists(powers: Mapping[int, Powers], study: AnyBuoy) -> dict[str, dict[str, list[Any]]]:
+def as_lists(powers: Mapping[int, FloatArray], study: AnyBuoy) -> dict[str, dict[str, list[Any]]]:
     """Return powers by degree and design as lists, for JSON; see `from_lists`."""
-    return {
-        str(degree): dict(zip(study.designs, np.stack(one, axis=1).tolist(), strict=True))
-        for degree, one in powers.items()
-    }
+    return {str(degree): dict(zip(study.designs, one.tolist(), strict=True)) for degree, one in powers.items()}
 
 
-def from_lists(stored: Mapping[str, Mapping[str, list[Any]]], designs: Iterable[str]) -> dict[int, Powers]:
-    """Return powers by degree from lists, (plain or complete, sea, take-off) of each design, of designs in order."""
+def from_lists(stored: Mapping[str, Mapping[str, list[Any]]], designs: Iterable[str]) -> dict[int, FloatArray]:
+    """Return powers by degree from lists, (sea, take-off) of each design, of designs in order."""
     names = list(designs)
-    return {
-        int(degree): Powers(*np.array([by_design[name] for name in names]).swapaxes(0, 1))
-        for degree, by_design in stored.items()
-    }
+    return {int(degree): np.array([by_design[name] for name in names]) for degree, by_design in stored.items()}
 
 
 def beyond(study: AnyBuoy, powers: Mapping[int, FloatArray], *, complete: bool = False) -> FloatArray:
@@ -410,7 +381,7 @@ def beyond(study: AnyBuoy, powers: Mapping[int, FloatArray], *, complete: bool =
     powers : mapping degree -> ndarray, shape (design, ...)
         Powers or gains with two or more ascending degrees of the full basis.
     complete : bool
-        Whether they hold the answer of all further degrees at loaded rings.
+        Whether all degrees answer loads at rings (`vsb.scenes.ring_loads`).
     """
     degrees, values = list(powers), list(powers.values())
     change = further(values)

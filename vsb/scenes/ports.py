@@ -22,6 +22,7 @@ from vsb.scenes.rest import (
     viscous_parts,
     whole_stiffness,
 )
+from vsb.scenes.ring_loads import with_rings
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.modes import ModeBasis
 from vsb.shell.orders import OrderBasis
@@ -165,8 +166,9 @@ def buoy_at(study: AnyBuoy, reference: ReferenceShell, water: ShapeWater, degree
     reference : ReferenceShell
     water : ShapeWater
     degree : int, optional
-        Of a study in heave: higher shell modes of its basis are held.
+        Of a study in heave: higher shell modes of its basis are held, but for what they do under loads at rings.
     """
+    reference = with_rings(study, reference, degree)
     basis, families = reference.basis, order_bases(study, reference.basis)
     seen, chamber = seen_by_take_off(study, reference)
     inertia, damping = (

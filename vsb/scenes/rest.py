@@ -92,7 +92,9 @@ def mooring_rows(study: Designed, basis: ModeBasis) -> FloatArray:
         return np.zeros((0, len(basis.labels)))
     if held.place == "heave":
         return np.eye(1, len(basis.labels))
-    return DeformedShell(basis, 0.0).meridian(np.deg2rad([held.colatitude])).shape_z.T
+    at = np.deg2rad([held.colatitude])
+    radial, meridional = basis.ring_displacement(at)
+    return np.asarray((radial * np.cos(at) - meridional * np.sin(at)).T)
 
 
 def motions_to_degree(study: Designed, basis: ModeBasis, design: str, degree: int) -> FloatArray:
@@ -100,7 +102,7 @@ def motions_to_degree(study: Designed, basis: ModeBasis, design: str, degree: in
 
     Raises `ConfigError` if the clamps leave none of those modes free.
     """
-    smaller = mode_basis(study.device, study.modes.basis, degree)
+    smaller = replace(mode_basis(study.device, study.modes.basis, degree), rings=basis.rings)
     motions = design_motions(study, smaller, design)
     found = np.zeros((len(basis.labels), motions.shape[1]))
     found[[basis.labels.index(label) for label in smaller.labels]] = motions

@@ -1,160 +1,117 @@
-"""Loads at rings of a shell, answered by all its degrees: what the modes of a basis leave out of clamps and ports.
+"""Loads of a study at rings of its shell, and the shell with what all its degrees do under them.
 
-A clamp, a ring that is held and a port at a ring load the wall along a line. All degrees yield to that: normal to the
-wall like n^-4, by bending, but along it like n^-2, by stretching, so what degrees above N leave out falls like 1/N.
-They answer statically (residual compliance, MacNeal 1971 and Rubin 1975): with the displacements R_n of the rings in
-degree n and its elastic stiffness K_n,
-
-    S = sum_{n > N} R_n K_n^-1 R_n^T,    d = R q + S g,    D q = X + R^T g
-
-for ring displacements d under ring forces g, so that d = R D^-1 X + (R D^-1 R^T + S) g. Clamps hold their d at zero;
-what is left at the port is its free velocity and its admittance.
+A clamp, a ring that is held and a take-off at a ring load the wall along a line. The modes of a study end at some
+degree; `vsb.shell.rings` has the answer of all higher ones.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import legendre_p_all
+import xarray as xr
 
-from vsb.hydro.dofs import flexible
-from vsb.motion.port import Port
-from vsb.scenes.floating_system import AtFrequencies
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import ModeBasis, bending_block, membrane_block
-from vsb.shell.shell import Shell
+from vsb.hydro.variables import PAIR
+from vsb.scenes.rest import loaded_shell
+from vsb.shell.deformed import DeformedShell, ReferenceShell
+from vsb.shell.modes import ModeBasis
+from vsb.shell.rings import RingLoad, RingModes, along_wall, normal_to_wall, vertical
 from vsb.study.specs import AnyBuoy
-from vsb.study.take_off import ShellPort
-from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
-
-HIGHEST = 4000
-"""Degree to which compliances are summed; what is left of the sum is degree/HIGHEST of it."""
-AT_POLE = 1e-9
-"""Sine of a colatitude below which nothing moves along the meridian, by symmetry [-]."""
+from vsb.study.take_off import PortChoice, SeveralPorts, ShellPort
 
 
-class Rings(NamedTuple):
-    """Displacements by line loads on a shell: of modes, and of higher degrees."""
+def ring_loads(study: AnyBuoy) -> tuple[RingLoad, ...]:
+    """Return the loads at rings of all designs, mooring and take-off, each once."""
+    found = []
+    for angle in np.deg2rad(sorted({angle for design in study.designs.values() for angle in design.clamp})):
+        found += [normal_to_wall(angle), along_wall(angle)]
+    held = study.pto.held
+    if held is not None and held.place == "ring":
+        found.append(vertical(np.deg2rad(held.colatitude)))
+    found += [_of_port(port) for port in _ports(study.pto.port) if isinstance(port, ShellPort)]
+    return tuple(dict.fromkeys(load for load in found if load.moves))
 
-    rows: FloatArray  # per unit amplitude of heave and modes (row, dof) [-]
-    colatitude: FloatArray  # (row,) [rad]
-    along: FloatArray  # radial and meridional part of each; zero: not of the shell alone (row, 2) [-]
+
+def _ports(port: PortChoice) -> list[PortChoice]:
+    """The ports of a take-off."""
+    return list(port.ports.values()) if isinstance(port, SeveralPorts) else [port]
+
+
+def _of_port(port: ShellPort) -> RingLoad:
+    """The load of a take-off at a ring."""
+    angle = np.deg2rad(port.colatitude)
+    return normal_to_wall(angle) if port.direction == "radial" else vertical(angle)
 
 
 def all_degrees_answer(study: AnyBuoy) -> bool:
-    """Return whether `ports_of_all_degrees` knows what higher degrees of a study's shell do at its rings.
+    """Return whether all degrees of a study's shell answer its loads at rings: of a sphere with both branches of modes.
 
-    Of an elastic sphere without prestress, with both branches of modes; of a port in heave, of volume or at a ring.
+    Of other shapes, and of modes one asks for by name, those of the basis do.
     """
-    device, modes, port = study.device, study.modes, study.pto.port
-    plain = device.shape is None and not device.internal_pressure and not device.damping.maxwell
-    return bool(
-        plain
-        and not study.at_equilibrium
-        and modes.basis == "full"
-        and not study.pto.several
-        and (port in ("heave", "volume") or isinstance(port, ShellPort))
-    )
+    return bool(study.flexible and study.device.shape is None and study.modes.basis == "full")
 
 
-def residual_compliance(shell: Shell, degree: int, colatitude: FloatArray, along: FloatArray) -> FloatArray:
-    """Return S, displacements at rings of a sphere by forces there, of the degrees above one, shape (row, row) [m/N].
+def with_rings(study: AnyBuoy, reference: ReferenceShell, degree: int | None = None) -> ReferenceShell:
+    """Return a shell at rest with the modes of the rings that a study loads.
 
     Parameters
     ----------
-    colatitude : ndarray, shape (row,) [rad]
-    along : ndarray, shape (row, 2) [-]
-        Radial and meridional part of each displacement.
-    """
-    p, by_cos = legendre_p_all(HIGHEST, np.cos(colatitude), diff_n=1)
-    slope = -np.sin(colatitude) * by_cos
-    compliance = np.zeros((len(along), len(along)))
-    for n in range(max(degree, 1) + 1, HIGHEST + 1):
-        rows = along * np.column_stack([p[n], slope[n]])
-        compliance += rows @ np.linalg.solve(membrane_block(shell, n) + bending_block(shell, n), rows.T)
-    return compliance
-
-
-def rings_held(study: AnyBuoy, basis: ModeBasis, design: str) -> Rings:
-    """Return what clamps and mooring of a design hold at zero, each once; nothing moves along the wall at a pole."""
-    clamps = np.unique(np.deg2rad(study.designs[design].clamp))
-    held, rows, along, at = study.pto.held, [], [], []
-    both = basis.clamp_rows(clamps)
-    for i, angle in enumerate(clamps):
-        for row, direction in ((both[i], (1.0, 0.0)), (both[len(clamps) + i], (0.0, 1.0))):
-            if direction[0] or abs(np.sin(angle)) > AT_POLE:
-                rows.append(row)
-                along.append(direction)
-                at.append(angle)
-    if held is not None and held.place == "heave":
-        rows, along, at = [*rows, np.eye(len(basis.labels))[0]], [*along, (0.0, 0.0)], [*at, 0.0]
-    elif held is not None:
-        angle = np.deg2rad(held.colatitude)
-        rows.append(DeformedShell(basis, 0.0).meridian(np.array([angle])).shape_z[:, 0])
-        along.append((np.cos(angle), -np.sin(angle)))
-        at.append(angle)
-    return Rings(np.reshape(rows, (-1, len(basis.labels))), np.array(at), np.reshape(along, (-1, 2)))
-
-
-def ports_of_all_degrees(
-    study: AnyBuoy, basis: ModeBasis, buoy: AtFrequencies, degree: int | None = None
-) -> dict[str, Port]:
-    """Return the ports of the designs of a heaving study with the compliance of all higher degrees at its rings.
-
-    Parameters
-    ----------
-    study : Study or BuoySystem
-        One of which `all_degrees_answer`.
-    buoy : AtFrequencies
-        In the modes of a basis.
+    reference : ReferenceShell
+        Without them.
     degree : int, optional
-        Of the highest modes that move; by default all.
+        Above which they answer; by default the highest of its modes.
     """
-    highest = basis.highest_degree if degree is None else degree
-    free = np.flatnonzero(np.array(basis.degrees) <= highest)
-    found = {}
-    for design, motions in buoy.motions.items():
-        if flexible(basis.labels, motions):
-            held = rings_held(study, basis, design)
-            found[design] = _port(study, basis.shell, buoy, held, free, highest)
-        else:
-            found[design] = buoy.equation.port(motions, buoy.port)
-    return found
+    basis = reference.basis
+    if not basis.modes or not all_degrees_answer(study) or not (loads := ring_loads(study)):
+        return reference
+    above = basis.highest_degree if degree is None else degree
+    rings = RingModes(basis.shell, above, loads, _tension(study, reference, loads))
+    whole = replace(basis, rings=rings)
+    stiffness = {name: np.pad(matrix, (0, len(rings.labels))) for name, matrix in reference.stiffness.items()}
+    stiffness["structural"] = stiffness["structural"] + whole.of_rings(rings.stiffness)
+    if "prestress" in stiffness:
+        stiffness["prestress"] = stiffness["prestress"] + whole.of_rings(rings.prestress)
+    return ReferenceShell(_with_basis(reference.shape, whole), stiffness)
 
 
-def _port(study: AnyBuoy, shell: Shell, buoy: AtFrequencies, held: Rings, free: IntArray, degree: int) -> Port:
-    """The port of a flexible design."""
-    port, at, along = study.pto.port, 0.0, (0.0, 0.0)
-    if isinstance(port, ShellPort):
-        at = np.deg2rad(port.colatitude)
-        along = (1.0, 0.0) if port.direction == "radial" else (np.cos(at), -np.sin(at))
-    rows = np.vstack([held.rows, buoy.port])[:, free]
-    residual = residual_compliance(shell, degree, np.append(held.colatitude, at), np.vstack([held.along, along]))
-    equation, beta = buoy.equation, study.device.damping.beta
-    omega, stiffness = equation.omega, equation.dynamic_stiffness[:, free[:, None], free]
-    waves = equation.water.excitation[:, free, None]
-    lines = np.broadcast_to(rows.T, (len(omega), *rows.T.shape))
-    moved = rows @ np.linalg.solve(stiffness, np.concatenate([waves, lines], axis=2))
-    yielding = moved[..., 1:] + residual / (1 - 1j * omega * beta)[:, None, None]
-    velocity, admittance = _left_at_port(moved[..., 0], yielding)
-    at_rest = rows @ np.linalg.solve(equation.stiffness[np.ix_(free, free)], rows.T) + residual
-    _, yields = _left_at_port(np.zeros((1, len(rows))), at_rest[None])
-    rate = -1j * omega
-    return Port(omega, rate * admittance, rate * velocity, float(yields[0].real)).behind(equation.chamber)
+def _with_basis(shape: DeformedShell, basis: ModeBasis) -> DeformedShell:
+    """A shape with the modes of rings, which are at rest."""
+    more = len(basis.labels) - len(shape.modal_amplitude)
+    return replace(shape, basis=basis, modal_amplitude=np.pad(shape.modal_amplitude, (0, more)))
 
 
-def _left_at_port(
-    free: ComplexArray | FloatArray, yielding: ComplexArray | FloatArray
-) -> tuple[ComplexArray, ComplexArray]:
-    """Displacement of the last row and its own by a force there, the others held, each (omega,) [m], [m/N].
+def _tension(study: AnyBuoy, reference: ReferenceShell, loads: tuple[RingLoad, ...]) -> tuple[float, ...]:
+    """Membrane force along the meridian at rings [N/m]; none of a shell linearised without its load."""
+    if "prestress" not in reference.stiffness:
+        return (0.0,) * len(loads)
+    loaded, at = loaded_shell(study, reference.basis), np.array([load.colatitude for load in loads])
+    if study.at_equilibrium:
+        force, _ = loaded.elastic.linear_resultants(reference.modal_amplitude, at)
+    else:
+        force, _ = loaded.linear_resultants(at)
+    return tuple(force.tolist())
 
-    Parameters
-    ----------
-    free : ndarray, shape (omega, row)
-        Without forces.
-    yielding : ndarray, shape (omega, row, row)
-        By forces.
-    """
-    forces = np.concatenate([free[:, :-1, None], yielding[:, :-1, -1:]], axis=2)
-    reactions = np.linalg.solve(yielding[:, :-1, :-1], forces)
-    taken = (yielding[:, -1:, :-1] @ reactions)[:, 0]
-    return np.asarray(free[:, -1] - taken[:, 0]), np.asarray(yielding[:, -1, -1] - taken[:, 1])
+
+class Stored(NamedTuple):
+    """A shell at rest as a hydro database has it, with the modes of rings."""
+
+    database: xr.Dataset
+    shape: DeformedShell
+
+
+def stored_with_rings(study: AnyBuoy, database: xr.Dataset, shape: DeformedShell) -> Stored:
+    """Return the database and the shape of a study with the modes of the rings that it loads; they move no water."""
+    names = [name for name in ("structural", "prestress") if f"{name}_stiffness" in database]
+    none = dict.fromkeys(names, np.zeros((len(shape.basis.labels),) * 2))
+    found = with_rings(study, ReferenceShell(shape, none))
+    if found.basis.rings is None:
+        return Stored(database, shape)
+    own = len(shape.basis.labels)
+    labels = list(map(str, database.influenced_dof.values))
+    labels = [*labels[:own], *found.basis.rings.labels, *labels[own:]]
+    whole = database.reindex(influenced_dof=labels, radiating_dof=labels, fill_value=0)
+    added = {f"{name}_stiffness": found.stiffness[name] for name in names}
+    added["inertia_matrix"] = found.basis.of_rings(found.basis.rings.inertia)
+    for name, matrix in added.items():
+        padded = np.pad(matrix, (0, len(labels) - len(matrix)))
+        whole[name] = whole[name] + xr.DataArray(padded, dims=PAIR, coords={dim: whole[dim] for dim in PAIR})
+    return Stored(whole, found.shape)

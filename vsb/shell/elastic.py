@@ -93,14 +93,24 @@ class ElasticShell:
 
     def energy(self, q: FloatArray) -> float:
         """Return U = int Psi dA [J]; of amplitudes (time, dof) shape (time,)."""
-        return cast(float, self.basis.shell.wall.energy(self.deformation(q)) @ self._tables.area)
+        energy = self.basis.shell.wall.energy(self.deformation(q)) @ self._tables.area
+        if self._of_rings is not None:
+            energy = energy + np.einsum("...i,ij,...j->...", q, self._of_rings, q) / 2
+        return cast(float, energy)
+
+    @cached_property
+    def _of_rings(self) -> FloatArray | None:
+        """Stiffness of the modes of rings, linear whatever the wall, shape (dof, dof) [N/m]; None without them."""
+        rings = self.basis.rings
+        return self.basis.of_rings(rings.stiffness + rings.prestress) if rings else None
 
     def force(self, q: FloatArray) -> FloatArray:
         """Return the elastic force -dU/dq, shape (dof,) [N]; of amplitudes (time, dof) that shape."""
         (e, t, b), (kappa, around), area = self._tables.strains, self._tables.curvatures, self._tables.area
         meridional, hoop, moment, other = area * self.basis.shell.wall.resultants(self.deformation(q))
         along, across = (meridional * (1 + q @ e)) @ e.T + (meridional * (q @ b)) @ b.T, (hoop * (1 + q @ t)) @ t.T
-        return np.asarray(-(along + across + moment @ kappa.T + other @ around.T))
+        force = np.asarray(-(along + across + moment @ kappa.T + other @ around.T))
+        return force if self._of_rings is None else force - q @ self._of_rings
 
     def _gradients(self, q: FloatArray) -> tuple[FloatArray, ...]:
         """Derivatives of `deformation` by the amplitudes, each shape (dof, point)."""
@@ -141,7 +151,8 @@ class ElasticShell:
 
     def stiffness(self, q: FloatArray) -> FloatArray:
         """Return the Hessian of U, material and geometric, shape (dof, dof) [N/m]."""
-        return self.material_stiffness(q) + self.geometric_stiffness(*self.resultants(q))
+        stiffness = self.material_stiffness(q) + self.geometric_stiffness(*self.resultants(q))
+        return stiffness if self._of_rings is None else stiffness + self._of_rings
 
     def _deformed(self, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Radius x of the deformed meridian, dx/dphi and dz/dphi at the quadrature points, each shape (point,) [m]."""

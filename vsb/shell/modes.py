@@ -15,6 +15,8 @@ from scipy.linalg import eigh, svd
 from scipy.optimize import minimize_scalar
 
 from vsb.errors import ConfigError
+from vsb.shell.degrees import bending_block, mass_block, membrane_block
+from vsb.shell.rings import RingModes
 from vsb.shell.ritz import matrices, natural_modes, strains
 from vsb.shell.shell import Shell, frequency_parameter, legendre
 from vsb.study.device import Device
@@ -91,35 +93,6 @@ DISTINCT = 1e-8
 """Singular values above this are independent constraints; their direction then keeps eight digits [-]."""
 
 
-def membrane_block(shell: Shell, degree: int) -> FloatArray:
-    """Return the membrane stiffness of (V, U) of one degree, shape (2, 2) [N/m].
-
-    From U_m = pi E h/(1-nu^2) int (ef^2 + et^2 + 2 nu ef et) r^2 sin phi dphi, Eqs. 21-23, with
-    ef = (u' + v)/r, et = (u cot phi + v)/r and int P_n^2 sin phi dphi = 2/(2n+1). The cross term of Eq. 61 is kept;
-    Eq. 63 prints squares in its place, which does not give Table I.
-    """
-    nu, lam = shell.poisson_ratio, degree * (degree + 1)
-    block = np.array([[2 * (1 + nu), -lam * (1 + nu)], [-lam * (1 + nu), lam * (lam - 1 + nu)]])
-    return 4 * np.pi / (2 * degree + 1) * shell.membrane_stiffness * block
-
-
-def bending_block(shell: Shell, degree: int) -> FloatArray:
-    """Return the bending stiffness of (V, U) of one degree, shape (2, 2) [N/m].
-
-    From U_b = pi D int (kf^2 + kt^2 + 2 nu kf kt) r^2 sin phi dphi with kf = -(v'' - u')/r^2,
-    kt = -cot phi (v' - u)/r^2. The paper's stiffness (Eq. 63) has no bending.
-    """
-    nu, lam = shell.poisson_ratio, degree * (degree + 1)
-    scale = 4 * np.pi / (2 * degree + 1) * shell.bending_stiffness / shell.radius**2 * lam * (lam - 1 + nu)
-    return scale * np.array([[1.0, -1.0], [-1.0, 1.0]])
-
-
-def mass_block(shell: Shell, degree: int) -> FloatArray:
-    """Return the mass of (V, U) of one degree, 2 pi rho h r^2 2/(2n+1) diag(1, n(n+1)), shape (2, 2) [kg]."""
-    scale = 4 * np.pi / (2 * degree + 1) * shell.density * shell.thickness * shell.radius**2
-    return scale * np.diag([1.0, degree * (degree + 1.0)])
-
-
 def mass_of(shell: Shell, shapes: Iterable[Mode]) -> FloatArray:
     """Return the mass of the shell over shapes of one degree each, shape (shape, shape) [kg]."""
     return _assembled(lambda degree: mass_block(shell, degree), shapes)
@@ -150,11 +123,13 @@ class ModeBasis:
     bending: bool  # whether the energy of bending is part of the stiffness
     alpha: float = 0.0  # mass-proportional damping [1/s]
     beta: float = 0.0  # stiffness-proportional damping [s]
+    rings: RingModes | None = None  # what higher degrees do under loads at rings
 
     @cached_property
     def shapes(self) -> tuple[Mode, ...]:
-        """Rigid heave and the shell modes."""
-        return (Mode(HEAVE, 1, 1.0, 1.0), *self.modes)
+        """Rigid heave and the shell modes; those of rings are too short to be seen in the shape or by the water."""
+        rings = self.rings.labels if self.rings else ()
+        return (Mode(HEAVE, 1, 1.0, 1.0), *self.modes, *(Mode(label, 0, 0.0, 0.0) for label in rings))
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -215,6 +190,8 @@ class ModeBasis:
             matrix[0, 1:] = matrix[1:, 0] = 0.0  # exact: natural modes are orthogonal to rigid heave
         matrix = matrix.astype(np.result_type(matrix, self.total_mass))
         matrix[0, 0] = self.total_mass
+        if self.rings:
+            matrix += self.of_rings(self.rings.inertia)
         return matrix
 
     @cached_property
@@ -225,7 +202,13 @@ class ModeBasis:
         else:
             matrix = self.integrated("membrane", *(["bending"] if self.bending else []))
         matrix[0, :] = matrix[:, 0] = 0.0  # exact: rigid motion strains nothing
+        if self.rings:
+            matrix += self.of_rings(self.rings.stiffness)
         return matrix
+
+    def of_rings(self, matrix: FloatArray) -> FloatArray:
+        """Return a matrix over the modes of rings as one over all degrees of freedom, shape (dof, dof)."""
+        return np.pad(matrix, (len(self.labels) - len(matrix), 0))
 
     @property
     def damping(self) -> FloatArray:
@@ -272,10 +255,22 @@ class ModeBasis:
         The shell does not move relative to the sphere centre at the clamped colatitudes [rad]: one radial and one
         meridional row each, the heave column zero. At a pole the meridional row is zero by symmetry.
         """
-        radial, meridional = self.displacement(np.asarray(list(colatitudes), dtype=float))
-        rows = np.concatenate([radial.T, meridional.T])
+        rows = np.concatenate([part.T for part in self.ring_displacement(np.asarray(list(colatitudes), dtype=float))])
         rows[:, 0] = 0.0
         return rows
+
+    def ring_displacement(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return radial and meridional displacements of rings, those by the modes of rings too, each (dof, point) [-].
+
+        Parameters
+        ----------
+        colatitude : ndarray, shape (point,) [rad]
+        """
+        found = self.displacement(colatitude)
+        if self.rings:
+            for part, own in zip(found, self.rings.displacement(colatitude), strict=True):
+                part[len(part) - len(own) :] = own
+        return found
 
     def clamped(self, colatitudes: Iterable[float]) -> FloatArray:
         """Return an orthonormal basis of the motions the clamps allow, shape (dof, free); heave is the first column.

@@ -89,7 +89,8 @@ def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
     """Return the designs of a study ready for any sea, without a damper yet; its database made if it is not there."""
     plan = StudyPlan(study, root=root)
     make(plan, [plan.database_path, plan.radiation_path])
-    floating, radiation = floating_system(study, plan.database_path), radiation_model(plan.radiation_path)
+    floating = floating_system(study, plan.database_path)
+    radiation = radiation_model(plan.radiation_path, floating.linear.labels)
     take_off, shell = LinearPto(0.0, study.pto.stiffness, floating.port), floating.shell
     rubber, memory = rubber_shell(study, shell.basis), Memory(radiation, floating.linear.added_mass_inf)
     return {

@@ -91,6 +91,11 @@ def is_rigid(label: str) -> bool:
     return motion_of(label) in RIGID
 
 
+def is_of_ring(label: str) -> bool:
+    """Return whether a degree of freedom is a mode of rings: too short to be seen in the shape of the shell."""
+    return label.startswith("Ring")
+
+
 def of_bodies(labels: Iterable[str]) -> dict[str, list[int]]:
     """Return the places of each body's degrees of freedom, by its name; the only body has none."""
     places: dict[str, list[int]] = {}

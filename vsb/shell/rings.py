@@ -1,0 +1,162 @@
+"""Answers of a shell's high degrees to loads along rings: of clamps, rings that are held, take-offs on a ring.
+
+Such a load acts along a line, and all degrees yield to it: normal to the wall like n^-4, by bending, but along it like
+n^-2, by stretching, so that modes up to degree N miss something like 1/N. What degrees above N do follows statically
+(residual attachment modes, MacNeal 1971 and Rubin 1975): with the displacements R_n of the rings in degree n and the
+stiffness K_n of that degree, one further shape for each ring,
+
+    w_n = K_n^-1 R_n^T,    n > N,
+
+is a shell mode like the others, with its own mass and stiffness, that moves the rings. It moves hardly any water, its
+wavelengths being short, and none is counted.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import legendre_p_all
+
+from vsb.shell.degrees import bending_block, mass_block, membrane_block, tension_block
+from vsb.shell.shell import Shell
+from vsb.tools.arrays import FloatArray, IntArray
+
+HIGHEST = 4000
+"""Degree to which answers are summed; what is left of a sum is N/HIGHEST of it."""
+AT_POLE = 1e-9
+"""Sine of a colatitude below which nothing moves along the meridian, by symmetry [-]."""
+SAME = 1e-10
+"""Part of the largest stiffness of a combination of rings below which it repeats others [-]."""
+
+
+class RingLoad(NamedTuple):
+    """A load along a ring of the shell, per unit of its resultant."""
+
+    colatitude: float  # [rad]
+    radial: float  # its direction [-]
+    meridional: float
+
+    @property
+    def moves(self) -> bool:
+        """Whether it moves the shell: at a pole only if it is radial, by symmetry."""
+        return bool(self.radial) or abs(np.sin(self.colatitude)) > AT_POLE
+
+
+def normal_to_wall(colatitude: float) -> RingLoad:
+    """Return a radial load at a colatitude [rad]."""
+    return RingLoad(float(colatitude), 1.0, 0.0)
+
+
+def along_wall(colatitude: float) -> RingLoad:
+    """Return a meridional load at a colatitude [rad]."""
+    return RingLoad(float(colatitude), 0.0, 1.0)
+
+
+def vertical(colatitude: float) -> RingLoad:
+    """Return a vertical load at a colatitude [rad]."""
+    return RingLoad(float(colatitude), float(np.cos(colatitude)), float(-np.sin(colatitude)))
+
+
+@dataclass(frozen=True)
+class RingModes:
+    """Shell modes of a sphere that answer loads at rings by all degrees above one.
+
+    Parameters
+    ----------
+    shell : Shell
+        A sphere.
+    degree : int
+        N, of the modes beside which they stand.
+    loads : tuple of RingLoad
+    tension : tuple of float
+        Membrane force along the meridian at each ring, of a shell under load [N/m].
+
+    Notes
+    -----
+    They are combined so that their stiffness is diagonal. Loads given twice, or at one ring in three directions, have
+    no modes of their own.
+    """
+
+    shell: Shell
+    degree: int
+    loads: tuple[RingLoad, ...]
+    tension: tuple[float, ...]
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the modes."""
+        return tuple(f"Ring{i}" for i in range(1, self._combinations.shape[1] + 1))
+
+    @cached_property
+    def _degrees(self) -> IntArray:
+        """The degrees above N."""
+        return np.arange(max(self.degree, 1) + 1, HIGHEST + 1)
+
+    @cached_property
+    def _answers(self) -> FloatArray:
+        """Radial and meridional amplitudes of each degree under each load, shape (degree, 2, load) [m/N]."""
+        n = self._degrees
+        p, slope = _legendre(n[0], np.array([load.colatitude for load in self.loads]))
+        along = np.array([[load.radial, load.meridional] for load in self.loads]).T
+        rows = along * np.stack([p, slope], axis=1)
+        elastic, stretched, found = self._elastic, tension_block(n), np.empty_like(rows)
+        for i, force in enumerate(self.tension):
+            stiffness = elastic + max(force, 0.0) * stretched
+            found[..., i] = np.linalg.solve(stiffness, rows[..., i, None])[..., 0]
+        return np.asarray(found)
+
+    @property
+    def _elastic(self) -> FloatArray:
+        """Elastic stiffness of each degree, (degree, 2, 2) [N/m]."""
+        return np.asarray(membrane_block(self.shell, self._degrees) + bending_block(self.shell, self._degrees))
+
+    @cached_property
+    def _under_loads(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Mass, elastic stiffness and that of the tension over the answers to the loads, each (load, load)."""
+        n, answers, tension = self._degrees, self._answers, np.array(self.tension)
+        blocks = mass_block(self.shell, n), self._elastic, tension_block(n)
+        mass, elastic, stretched = (
+            np.einsum("nai,nab,nbj->ij", answers, block, answers, optimize=True) for block in blocks
+        )
+        return mass, elastic, np.asarray(np.add.outer(tension, tension) / 2 * stretched)
+
+    @cached_property
+    def _combinations(self) -> FloatArray:
+        """Loads of unit amplitudes, one column for each mode [N/m]: of equal stiffness and without coupling."""
+        _, elastic, stretched = self._under_loads
+        compliance, directions = np.linalg.eigh(elastic + stretched)
+        kept = compliance > SAME * compliance[-1]
+        return np.asarray(directions[:, kept] / np.sqrt(compliance[kept] * compliance[-1]))
+
+    def _over_modes(self, matrix: FloatArray) -> FloatArray:
+        """A matrix over the loads as one over the modes."""
+        found = self._combinations.T @ matrix @ self._combinations
+        return np.asarray((found + found.T) / 2)
+
+    @cached_property
+    def inertia(self) -> FloatArray:
+        """Mass, shape (mode, mode) [kg]."""
+        return self._over_modes(self._under_loads[0])
+
+    @cached_property
+    def stiffness(self) -> FloatArray:
+        """Elastic stiffness, shape (mode, mode) [N/m]."""
+        return self._over_modes(self._under_loads[1])
+
+    @cached_property
+    def prestress(self) -> FloatArray:
+        """Stiffness by the tension of the wall, shape (mode, mode) [N/m]."""
+        return self._over_modes(self._under_loads[2])
+
+    def displacement(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return radial and meridional displacements at colatitudes [rad], each shape (mode, point) [-]."""
+        radial, meridional = np.moveaxis(self._answers @ self._combinations, 1, 0)
+        p, slope = _legendre(self._degrees[0], np.asarray(colatitude, dtype=float))
+        return np.asarray(radial.T @ p), np.asarray(meridional.T @ slope)
+
+
+def _legendre(first: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """P_n(cos phi) and its derivative by phi of the degrees from the first one on, each shape (degree, point)."""
+    p, by_cos = legendre_p_all(HIGHEST, np.cos(colatitude), diff_n=1)
+    return np.asarray(p[first:]), np.asarray(-np.sin(colatitude) * by_cos[first:])
