@@ -144,8 +144,8 @@ def test_output_that_cannot_be_written_is_reported_before_any_work(workplace, ca
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", "standard input: not valid JSON (Expecting property name"),
-        ("", "standard input: not valid JSON (Expecting value"),
+        ("{", "standard input:1: no JSON from its end on; needs the spec"),
+        ("", "standard input:1: no JSON from its end on; needs the spec"),
         ("[1]", "standard input: received [1], needs a mapping"),
     ],
 )

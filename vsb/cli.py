@@ -127,7 +127,8 @@ def series(args: argparse.Namespace) -> int:
     else:
         with atomic_write(out) as temporary:
             found.to_netcdf(temporary, engine="netcdf4")
-    print(f"{out}: {found.sizes['time']} instants of {len(found.data_vars)} variables")
+    left_out = f"; left out, without a name of WEC-Sim's: {found.left_out}" if found.left_out else ""
+    print(f"{out}: {found.sizes['time']} instants of {len(found.data_vars)} variables{left_out}")
     return 0
 
 

@@ -82,4 +82,5 @@ def test_command_writes_what_python_returns(results, name, tmp_path, capsys):
         assert float(rows[7]["bodies_position_Heave [m]"]) == pytest.approx(
             float(found.bodies_position[7, 0]), rel=1e-9
         )
-    assert "instants of" in capsys.readouterr().out
+    assert "instants of" in (printed := capsys.readouterr().out)
+    assert "left out, without a name of WEC-Sim's: energy" in printed

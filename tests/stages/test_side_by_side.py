@@ -9,7 +9,7 @@ from stages.test_members import batches, gather, planned, with_seas
 
 from vsb.cli import main
 from vsb.errors import ConfigError
-from vsb.stages.side_by_side import compare, lines
+from vsb.stages.side_by_side import compare, left_out, lines
 from vsb.tools.files import load
 
 
@@ -58,6 +58,13 @@ def test_campaign_is_compared_over_its_year(year):
         assert (one.low, one.high) == (at.gain_low, at.gain_high)
         assert one.capture_width == pytest.approx(float(at.capture_width))
         assert one.damping > 0
+
+
+def test_what_has_no_line_is_named(small, year):
+    tunings = [name for name in year.loaded.tuning if name != "one"]
+    assert left_out([small, year], lines([small, year])) == [
+        f"tuning {', '.join(tunings)}; seas of its year one by one of {year.name} ({year.folder})"
+    ]
 
 
 def test_errors_are_one_line(tmp_path, capsys):

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import re
 import threading
 
 import numpy as np
@@ -144,6 +145,7 @@ def test_damaged_manifest_is_one_line_and_written_anew(place, content):
         read_manifest(manifest)
     assert "\n" not in str(error.value)
     assert len(str(error.value)) < 400
+    assert not re.search("Expecting|JSON|argument|object|digits|Error|char ", str(error.value))  # of libraries
     record(manifest, ID, [place / "table.csv"])
     assert read_manifest(manifest) == {str(place / "table.csv"): Stamp.of(place / "table.csv", ID)}
 

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 from vsb.errors import ConfigError
+from vsb.tools.bounded import sha256_of
 from vsb.waves.measured_spectra import read_spectra
 
 BANDS = 0.05 * np.array([1.0, 2.0, 3.0])
@@ -263,6 +264,40 @@ def test_texts_of_buoys_and_models_by_wavespectra(tmp_path, name, text):
     with pytest.raises(ConfigError, match=r"cannot be read by wavespectra; needs|needs .* frequencies") as caught:
         read_spectra(tmp_path / name)
     assert "\n" not in str(caught.value)
+
+
+def test_a_folder_of_files_of_one_buoy_is_one_series(tmp_path):
+    pytest.importorskip("wavespectra")
+    folder = tmp_path / "buoy"
+    folder.mkdir()
+    for hour in (1, 0, 2):
+        (folder / f"Buoy}}2020-01-01T{hour:02d}h00Z.spt").write_text(datawell())
+    (folder / ".hidden").write_text("no spectrum")
+    climate = read_spectra(folder)
+    assert climate.hs == pytest.approx(np.full(3, 2.0), rel=2e-2)
+    assert "one record per 1 h, 0 of them not in the file" in climate.notes
+    before = sha256_of(folder)
+    lines = datawell().splitlines(keepends=True)
+    (folder / "Buoy}2020-01-01T03h00Z.spt").write_text("".join(lines[:-1]))
+    assert sha256_of(folder) != before
+    with pytest.raises(ConfigError, match=r"03h00Z.spt: received other frequencies or directions than Buoy}2020-01-01"):
+        read_spectra(folder)
+    (folder / "Buoy}2020-01-01T03h00Z.spt").unlink()
+    (folder / "readme.txt").write_text("the buoy of the year")
+    with pytest.raises(ConfigError, match=r"readme.txt: received a file that is no .spt, TRIAXYS.*: move it"):
+        read_spectra(folder)
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(ConfigError, match=r"empty: received a folder of 0 files; needs 1 to"):
+        read_spectra(tmp_path / "empty")
+
+
+def test_a_spectrum_that_was_cut_is_not_of_the_height_its_file_states(tmp_path):
+    """Datawell states Hs in the second line [cm]."""
+    pytest.importorskip("wavespectra")
+    path = tmp_path / "Buoy}2020-01-01T00h00Z.spt"
+    path.write_text("".join(datawell().splitlines(keepends=True)[:24]))
+    with pytest.raises(ConfigError, match=r"received Hs 2 m, but its spectrum holds .* m; needs a whole file"):
+        read_spectra(path)
 
 
 def test_a_date_that_is_no_date_names_the_unit_needed(tmp_path):

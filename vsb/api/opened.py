@@ -37,7 +37,7 @@ def open(path: str | Path) -> Results | Campaign | BestBuoy:
         raise DatabaseError(f"{folder}: holds no results; needs what vsb run wrote, such as results/buoy")
     try:
         raw = json.loads(text.read_text(encoding="utf-8"))
-    except ValueError:
+    except (ValueError, RecursionError):
         raise DatabaseError(f"{text}: is damaged; delete it and run vsb run CONFIG again") from None
     study = located(raw, str(text)).study if is_body(raw) else parse(raw, source=str(text))
     if name != study.study:

@@ -105,13 +105,15 @@ def as_csv(lines: Sequence[Line]) -> str:
     return csv_text(Line._fields, lines, 12)
 
 
-def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> str:
+def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]], left_out: Sequence[str] = ()) -> str:
     """Return a page with everything inside: where flexibility brings most, a figure, the table.
 
     Parameters
     ----------
     reports : mapping name -> (path, id)
         The report of every study and campaign, as seen from the page, and its content id.
+    left_out : sequence of str
+        What of these has no line, in sentences.
     """
     shown = _shown(lines)
     head, *body = _table(shown)
@@ -121,7 +123,7 @@ def as_page(lines: Sequence[Line], reports: Mapping[str, tuple[str, str]]) -> st
         answer=[answer(lines)],
         below=[],
         sketches=(),
-        warnings=DOUBTS,
+        warnings=(*DOUBTS, *left_out),
         interactive="",
         animated=None,
         still="",

@@ -55,7 +55,8 @@ def time_series(run: xr.Dataset, port: xr.DataArray) -> xr.Dataset:
     -------
     Dataset
         Dims (time,) and (time, dof), each variable with `units` and `long_name`. Of degrees of freedom that are
-        rotations units are rad and N m in place of m and N.
+        rotations units are rad and N m in place of m and N. The attribute `left_out` names the variables of the run
+        that have no name of WEC-Sim's.
     """
     kind, moving = kind_of(run), port.reindex(dof=run.dof, fill_value=0.0)
     forces = [str(name) for name, v in run.data_vars.items() if v.dims == ("time", "dof")]
@@ -89,6 +90,8 @@ def time_series(run: xr.Dataset, port: xr.DataArray) -> xr.Dataset:
         out[name] = values.drop_attrs().assign_attrs(units=unit, long_name=words)
     kept = ("design", "wave", "method", "model", "energy_residual", "spec_id")
     attrs = {name: run.attrs[name] for name in kept if name in run.attrs}
+    unnamed = {*map(str, run.data_vars)} - {"position", "velocity", "elevation", "power_absorbed", *forces}
+    out = out.assign_attrs(left_out=", ".join(sorted(unnamed)))
     return out.assign_coords(time=run.time.assign_attrs(units="s", long_name="time")).assign_attrs(attrs)
 
 

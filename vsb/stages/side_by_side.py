@@ -32,6 +32,25 @@ def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
     return [line for plan in plans for line in (_of_year(plan) if isinstance(plan, CampaignPlan) else _of_study(plan))]
 
 
+def left_out(plans: Sequence[AnyPlan | CampaignPlan], found: Sequence[Line]) -> list[str]:
+    """Return what of each study and campaign has no line, in words: seas, designs, tunings."""
+    missing = []
+    for plan in plans:
+        own = [line for line in found if line.study == plan.name]
+        if isinstance(plan, CampaignPlan):
+            loaded, there = plan.loaded, {line.tuning for line in own}
+            parts = {"tuning": [one for one in loaded.tuning if one not in there], "seas of its year": ["one by one"]}
+        else:
+            seas, designs = ({getattr(line, key) for line in own} for key in ("sea", "design"))
+            parts = {
+                "sea": dict.fromkeys(sea for wave in plan.study.waves if (sea := _sea(wave)) not in seas),
+                "design": [design for design in plan.study.designs if design not in designs],
+            }
+        words = [f"{kind} {', '.join(names)}" for kind, names in parts.items() if names]
+        missing += [f"{'; '.join(words)} of {plan.name} ({plan.folder})"] if words else []
+    return missing
+
+
 def _of_study(plan: AnyPlan) -> Iterator[Line]:
     """Every design in every sea, at its own best damper, then at that of the runs where it is another one."""
     found = json.loads(read_text(f"{plan.folder}/tables.json", plan.manifest, plan.identity))
@@ -120,9 +139,11 @@ def compare(configs: Sequence[str], out: str | None) -> str:
         raise ConfigError(f"--out: received {out}, needs a file that ends in .csv or .html")
     plans = [_compared(config) for config in configs]
     found = lines(plans)
+    missing = [f"Left out: {words}." for words in left_out(plans, found)]
     if out is not None:
-        write_text(out, as_csv(found) if kind == ".csv" else as_page(found, _reports(plans, Path(out).parent)))
-    return as_text(found)
+        reports = _reports(plans, Path(out).parent)
+        write_text(out, as_csv(found) if kind == ".csv" else as_page(found, reports, missing))
+    return "\n".join([as_text(found), *missing])
 
 
 def _compared(config: str) -> AnyPlan | CampaignPlan:

@@ -55,8 +55,15 @@ class Stage:
         source = "standard input"
         try:
             raw = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise ConfigError(f"{source}: not valid JSON ({error}); needs the specification of the rule") from None
+        except json.JSONDecodeError as error:
+            seen = repr(rest[:40]) if (rest := text[error.pos :].strip()) else "its end"
+            raise ConfigError(
+                f"{source}:{error.lineno}: no JSON from {seen} on; needs the specification of the rule"
+            ) from None
+        except (ValueError, RecursionError):
+            raise ConfigError(
+                f"{source}: numbers too long or parts too deep; needs the specification of the rule"
+            ) from None
         if not isinstance(raw, dict):
             raise ConfigError(f"{source}: received {text[:40]}, needs a mapping")
         try:

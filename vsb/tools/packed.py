@@ -6,7 +6,6 @@ netCDF takes 20 ms to write a member of a campaign, as long as to compute it; th
 import io
 import json
 import math
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +14,7 @@ import numpy as np
 
 from vsb.errors import DatabaseError
 from vsb.tools.arrays import AnyArray
+from vsb.tools.bounded import reason_of
 from vsb.tools.files import CHANGED, DELETE, atomic_write, check_stamp, seal_of, sealed
 from vsb.tools.variables import check_finite
 
@@ -94,7 +94,7 @@ def read(path: str | Path) -> "xr.Dataset":
             header = json.loads(str(stored[_HEADER]))
             arrays = _taken_apart({kind: stored[kind] for kind in stored.files if kind != _HEADER}, header["kinds"])
             values = {name: (dims, arrays[name]) for name, dims in header["dims"].items()}
-    except (KeyError, ValueError, zipfile.BadZipFile) as error:
-        raise DatabaseError(f"{path}: no packed dataset ({error}); {DELETE}.") from None
-    coords = {name: values.pop(name) for name in header["coords"]}
-    return xr.Dataset(values, coords=coords, attrs=header["attrs"])
+        coords = {name: values.pop(name) for name in header["coords"]}
+        return xr.Dataset(values, coords=coords, attrs=header["attrs"])
+    except Exception as error:  # of another file with a seal, whatever it holds
+        raise DatabaseError(f"{path}: no packed dataset ({reason_of(error)}); {DELETE}.") from None

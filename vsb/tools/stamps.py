@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 from vsb.errors import DatabaseError
+from vsb.tools.bounded import reason_of
 from vsb.tools.files import (
     CHANGED,
     DELETE,
@@ -84,12 +85,16 @@ def read_manifest(path: str | Path) -> Manifest:
     folder = Path(path).parent
     try:
         stored = json.loads(Path(path).read_text(encoding="utf-8"))
-        return {_inside(folder, name): Stamp(**entry) for name, entry in stored.items()}
     except FileNotFoundError:
         return {}
-    except (OSError, ValueError, TypeError, AttributeError, RecursionError) as error:
-        reason = shortened(" ".join(str(error).split()))
-        raise DatabaseError(f"{path}: cannot be read as a manifest ({reason}); {DELETE}.") from None
+    except (OSError, ValueError, RecursionError) as error:
+        raise DatabaseError(f"{path}: cannot be read as a manifest ({reason_of(error)}); {DELETE}.") from None
+    try:
+        return {_inside(folder, name): Stamp(**entry) for name, entry in stored.items()}
+    except ValueError as error:
+        raise DatabaseError(f"{path}: cannot be read as a manifest ({shortened(str(error))}); {DELETE}.") from None
+    except (TypeError, AttributeError):
+        raise DatabaseError(f"{path}: cannot be read as a manifest (no stamp by file); {DELETE}.") from None
 
 
 def _inside(folder: Path, name: str) -> str:

@@ -17,9 +17,9 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.tools import units
 from vsb.tools.arrays import FloatArray
-from vsb.tools.bounded import bounded_reading, open_regular
+from vsb.tools.bounded import bounded_reading, files_of, open_regular
 from vsb.tools.words import shortened
-from vsb.waves.climate import Climate, of_records
+from vsb.waves.climate import Climate, band_edges, of_records
 from vsb.waves.ndbc import SERIES, calendar, read_ndbc
 from vsb.waves.scatter_table import is_series
 
@@ -42,6 +42,10 @@ TEXTS = {b"SWAN": "swan", b"'WAVEWATCH III": "ww3_station", b"TRIAXYS BUOY": "tr
 """First characters of texts that wavespectra reads, and the name of its reader."""
 DATAWELL = ".spt"
 """End of the names of Datawell's files."""
+STATED = 0.1
+"""Relative difference allowed between the height a file of a buoy states and that of its spectrum."""
+MOST_FILES = 20_000
+"""Files of a folder: a year of half-hours is 17 568."""
 EXPECTED = {
     "swan": "two-dimensional spectra as SWAN writes them",
     "ww3_station": "spectra of one point as WAVEWATCH III writes them",
@@ -55,7 +59,9 @@ ERA5 = "d2fd"
 
 
 def read_spectra(path: str | Path) -> Climate:
-    """Return the climate of a file of spectra of one site: netCDF, SWAN's text, or else the text of `read_ndbc`.
+    """Return the climate of spectra of one site: netCDF, SWAN's text, or else the text of `read_ndbc`.
+
+    A folder may hold files of one buoy, a record each or more, in one format and at the same frequencies.
 
     Raises `ConfigError` with file, name, value received and value needed.
 
@@ -66,16 +72,10 @@ def read_spectra(path: str | Path) -> Climate:
         m^2/Hz/radian as its units say; by wavespectra, netCDF of ERA5 and the texts of SWAN, WAVEWATCH III, TRIAXYS and
         Datawell.
     """
-    begin = first_bytes(path)
-    if begin.startswith(NETCDF):
-        stored = _opened(path)
-    elif reader := next((name for start, name in TEXTS.items() if start in begin), ""):
-        stored = _by_wavespectra(path, reader)
-    elif Path(path).suffix.lower() == DATAWELL:
-        stored = _by_wavespectra(path, "datawell", {"dd": None})
-    else:
+    stored = _joined(path) if Path(path).is_dir() else _stored(path)
+    if stored is None:
         return read_ndbc(path)
-    stored, notes = _per_hertz(path, stored), []
+    notes = []
     if stored.freq.size and float(stored.freq[0]) == 0:
         stored, notes = stored.isel(freq=slice(1, None)), ["the band at 0 Hz left out"]
     spectra, hertz = stored.efth, np.asarray(stored.freq.values, dtype=float)
@@ -98,6 +98,45 @@ def read_spectra(path: str | Path) -> Climate:
         density[unusable] = np.nan
         notes += [f"{int(unusable.sum())} records not used for their {FLAGS}"] if unusable.any() else []
     return of_records(2 * np.pi * hertz, density[kept], Path(path).name, notes)
+
+
+def _stored(path: str | Path) -> "xr.Dataset | None":
+    """Spectra of one file in our names and units; None of a file that may be NDBC's text."""
+    begin = first_bytes(path)
+    if begin.startswith(NETCDF):
+        return _per_hertz(path, _opened(path))
+    if reader := next((name for start, name in TEXTS.items() if start in begin), ""):
+        return _per_hertz(path, _by_wavespectra(path, reader))
+    if Path(path).suffix.lower() == DATAWELL:
+        return _per_hertz(path, _by_wavespectra(path, "datawell", {"dd": None}))
+    return None
+
+
+def _joined(folder: str | Path) -> "xr.Dataset":
+    """Spectra of all files of a folder, which are of one buoy, along time."""
+    import xarray as xr
+
+    files, found = files_of(folder), list[xr.DataArray]()
+    if not 0 < len(files) <= MOST_FILES:
+        raise ConfigError(f"{folder}: received a folder of {len(files)} files; needs 1 to {MOST_FILES} of spectra")
+    for file in files:
+        if (stored := _stored(file)) is None or "time" not in stored.efth.dims:
+            raise ConfigError(
+                f"{file}: received a file that is no {DATAWELL}, TRIAXYS, SWAN, WAVEWATCH III or netCDF; needs these "
+                "alone in a folder: move it, and join NDBC's texts to one file"
+            )
+        one = stored.efth.reset_coords(drop=True)
+        over = [
+            sorted(each.sizes) + [each[name].values.tolist() for name in ("freq", "dir") if name in each.dims]
+            for each in (one, *found[:1])
+        ]
+        if over[0] != over[-1]:
+            raise ConfigError(
+                f"{file}: received other frequencies or directions than {files[0].name} has; needs files of one buoy "
+                "with one setting"
+            )
+        found.append(one)
+    return xr.concat(found, "time").to_dataset(name="efth")
 
 
 def first_bytes(path: str | Path) -> bytes:
@@ -210,12 +249,27 @@ def _by_wavespectra(path: str | Path, reader: str, options: dict[str, float | No
             if "dir" not in stored.efth.dims:
                 stored.efth.attrs["units"] = "m2 s"  # it states the units of spectra over direction there, too
             if {stored.efth.dtype.kind, stored.freq.dtype.kind} <= {*"iuf"}:
-                return stored.sortby("freq")
+                stored = stored.sortby("freq")
+                if reader == "datawell":
+                    _check_stated_height(path, stored)
+                return stored
+    except ConfigError:
+        raise
     except MemoryError:
         raise ConfigError(f"{path}: announces more than it holds; needs {EXPECTED[reader]}") from None
     except Exception:  # libraries raise errors of many types for damaged files
         pass
     raise ConfigError(f"{path}: cannot be read by wavespectra; needs {EXPECTED[reader]}")
+
+
+def _check_stated_height(path: str | Path, ds: "xr.Dataset") -> None:
+    """Check that a Datawell file, which states its height, is not cut: `ConfigError`."""
+    stated, omega = ds.hs.item(), 2 * np.pi * ds.freq.values
+    held = 4 * float(ds.efth.values.ravel() / (2 * np.pi) @ np.diff(band_edges(omega))) ** 0.5
+    if not abs(held - stated) <= STATED * max(held, stated):
+        raise ConfigError(
+            f"{path}: received Hs {stated:.3g} m, but its spectrum holds {held:.3g} m; needs a whole file"
+        )
 
 
 def _once_around(spectra: "xr.DataArray") -> "xr.DataArray":
