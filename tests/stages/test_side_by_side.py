@@ -63,7 +63,7 @@ def test_campaign_is_compared_over_its_year(year):
 def test_what_has_no_line_is_named(small, year):
     tunings = [name for name in year.loaded.tuning if name != "one"]
     assert left_out([small, year], lines([small, year])) == [
-        f"tuning {', '.join(tunings)}; seas of its year one by one of {year.name} ({year.folder})"
+        f"Left out of {year.name}: tuning {', '.join(tunings)}; power in single seas; see {year.folder}."
     ]
 
 

@@ -23,7 +23,7 @@ def columns(head, *values, between=",", digits=8):
 
 
 def of_file(kind, tmp_path, text):
-    (tmp_path / "sea.csv").write_text(text, encoding="utf-8")
+    (tmp_path / "sea.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
     return {"spectrum": TabulatedSea, "record": RecordedSea}[kind](kind=kind, file=tmp_path / "sea.csv")
 
 
@@ -128,6 +128,9 @@ RECORDS = {
     "days": columns("time [d],eta [m]", TIME / 86400, ELEVATION, digits=10),
     "dates": "time,eta\n" + "".join(f"2020-01-01 00:{t // 60:02.0f}:{t % 60:04.1f},{e:.8f}\n" for t, e in zip(TIME, ELEVATION, strict=True)),
     "dates between blanks": "".join(f"2020/01/01 00:{t // 60:02.0f}:{t % 60:04.1f} {e:.8f}\n" for t, e in zip(TIME, ELEVATION, strict=True)),
+    "a temperature, in letters of older Windows": columns(
+        "# Höhe der Boje\nt [s],eta [m],T [°C]", TIME, ELEVATION, TIME
+    ).encode("cp1252"),
     "other columns": columns("t [s],wind [m/s],eta [m],flag", TIME, TIME, ELEVATION, TIME),
     "rounded times": columns("t,eta", TIME * 0.78125 / 0.5, ELEVATION, digits=2),
 }  # fmt: skip

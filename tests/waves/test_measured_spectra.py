@@ -300,6 +300,15 @@ def test_a_spectrum_that_was_cut_is_not_of_the_height_its_file_states(tmp_path):
         read_spectra(path)
 
 
+def test_a_triaxys_file_has_a_line_for_each_frequency_it_states(tmp_path):
+    pytest.importorskip("wavespectra")
+    lines = triaxys(False).splitlines(keepends=True)
+    for changed in (lines[:-1], [*lines, lines[-1]]):
+        (tmp_path / "s.NONDIRSPEC").write_text("".join(changed))
+        with pytest.raises(ConfigError, match=r"needs 42, one for each of its frequencies|cannot be read by wavespec"):
+            read_spectra(tmp_path / "s.NONDIRSPEC")
+
+
 def test_a_date_that_is_no_date_names_the_unit_needed(tmp_path):
     ds = spectra()
     ds = ds.assign_coords(time=("time", [0.0, 1.0], {"units": "moons since 2020-01-01"}))

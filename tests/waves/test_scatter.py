@@ -98,7 +98,7 @@ def test_layouts_of_one_table(written, text):
         ("Te/Hs,6.5,7.5\n2.5,10,20\n3.5,0,70\n", "100.0% of seas that are physically impossible, as Hs 7.5 m with Te"),
         ("Hs/Te,2.5,6.5\n1.5,50,0\n7.0,0,50\n", "as Hs 1.5 m with Te 2.5 s"),  # the steepest, not the highest
         ("Hs/Te,2.5,9.5\n1.5,1.1,98.9\n", r"received 1\.1% of seas that are physically impossible, as Hs 1.5 m with"),
-        (b"Hs/Te;6\xb0;7\n", "byte 7 that is no text, needs UTF-8"),
+        (b"Hs/Te;6\xb0;7\n", "received '6°', needs the centre of a bin"),
         ('Hs/Te,6.5\n"' + "1," * 100_000, r":2: received a cell too long .*; needs all quotes closed"),
     ],
 )

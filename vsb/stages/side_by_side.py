@@ -33,21 +33,21 @@ def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:
 
 
 def left_out(plans: Sequence[AnyPlan | CampaignPlan], found: Sequence[Line]) -> list[str]:
-    """Return what of each study and campaign has no line, in words: seas, designs, tunings."""
+    """Return what of each study and campaign has no line, a sentence each: seas, designs, tunings."""
     missing = []
     for plan in plans:
-        own = [line for line in found if line.study == plan.name]
+        own, parts = [line for line in found if line.study == plan.name], dict[str, list[str]]()
         if isinstance(plan, CampaignPlan):
             loaded, there = plan.loaded, {line.tuning for line in own}
-            parts = {"tuning": [one for one in loaded.tuning if one not in there], "seas of its year": ["one by one"]}
+            parts = {"tuning": [one for one in loaded.tuning if one not in there], "power": ["in single seas"]}
         else:
             seas, designs = ({getattr(line, key) for line in own} for key in ("sea", "design"))
             parts = {
-                "sea": dict.fromkeys(sea for wave in plan.study.waves if (sea := _sea(wave)) not in seas),
+                "sea": [sea for sea in dict.fromkeys(map(_sea, plan.study.waves)) if sea not in seas],
                 "design": [design for design in plan.study.designs if design not in designs],
             }
         words = [f"{kind} {', '.join(names)}" for kind, names in parts.items() if names]
-        missing += [f"{'; '.join(words)} of {plan.name} ({plan.folder})"] if words else []
+        missing += [f"Left out of {plan.name}: {'; '.join(words)}; see {plan.folder}."] if words else []
     return missing
 
 
@@ -139,7 +139,7 @@ def compare(configs: Sequence[str], out: str | None) -> str:
         raise ConfigError(f"--out: received {out}, needs a file that ends in .csv or .html")
     plans = [_compared(config) for config in configs]
     found = lines(plans)
-    missing = [f"Left out: {words}." for words in left_out(plans, found)]
+    missing = left_out(plans, found)
     if out is not None:
         reports = _reports(plans, Path(out).parent)
         write_text(out, as_csv(found) if kind == ".csv" else as_page(found, reports, missing))

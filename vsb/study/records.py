@@ -16,7 +16,7 @@ from vsb.errors import ConfigError
 from vsb.study.quantities import Brief, Positive, content_id
 from vsb.study.record_faults import Record, without_faults
 from vsb.tools import units
-from vsb.tools.columns import Columns, dates, read_columns
+from vsb.tools.columns import Columns, dates, plain_name, read_columns
 from vsb.tools.units import number
 from vsb.tools.words import shortened
 
@@ -148,7 +148,7 @@ def read_record(path: Path, where: str, repair: Collection[str] = (), accept: Co
     repair, accept : collection of str
         Faults that are repaired, and that are left as they are.
     """
-    table = read_columns(path, where, "two columns, time [s] and elevation [m]")
+    table = read_columns(path, where, "two columns, time [s] and elevation [m]", _is_of_a_record)
     of_time, of_elevation, seconds, metres, notes = _two_columns(path, table)
     written = [cells[of_time] for _, cells in table.rows]
     days = dates(written)
@@ -226,6 +226,11 @@ ELEVATIONS = {
     "eta", "η", "zeta", "elevation", "surface", "surfaceelevation", "waveelevation", "freesurface", "heave", "z",
     "level", "waterlevel", "wave", "seasurfaceelevation", "displacement", "height", "h", "wavegauge",
 }  # fmt: skip
+
+
+def _is_of_a_record(name: str) -> bool:
+    """Whether a column of a name may be of times or elevations."""
+    return plain_name(name) in TIMES | ELEVATIONS
 
 
 def _two_columns(path: Path, table: Columns) -> _Read:

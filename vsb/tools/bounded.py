@@ -60,6 +60,21 @@ def _all_of(file: io.BufferedIOBase, path: str | Path, largest: int) -> bytes:
     return data
 
 
+def decoded(data: bytes) -> str:
+    """Return the text of bytes: UTF-8 or UTF-16, with or without byte-order mark, or the letters of older Windows.
+
+    Raises `UnicodeDecodeError` if it is none, as bytes of zero show.
+    """
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        if b"\0" in data:
+            raise
+        return data.decode("cp1252")
+
+
 def files_of(folder: str | Path) -> list[Path]:
     """Return the files of a folder by name, without hidden ones and folders in it; `OSError` if it cannot be read."""
     return sorted(path for path in Path(folder).iterdir() if path.is_file() and not path.name.startswith("."))

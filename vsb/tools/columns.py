@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from vsb.errors import ConfigError
-from vsb.tools.bounded import read_unpacked
+from vsb.tools.bounded import decoded, read_unpacked
 from vsb.tools.units import number, unit
 from vsb.tools.words import shortened
 
@@ -40,7 +40,7 @@ class Columns(NamedTuple):
     @property
     def plain(self) -> tuple[str, ...]:
         """Names in small letters without blanks, quotes and marks of formulas."""
-        return tuple(re.sub(r"[\s_{}$\"'#%\\]", "", name).lower() for name in self.names)
+        return tuple(map(plain_name, self.names))
 
     def label(self, i: int) -> str:
         """A column in words."""
@@ -48,12 +48,15 @@ class Columns(NamedTuple):
         return f"{self.names[i] or f'column {i + 1}'}{stated}"
 
 
+def plain_name(name: str) -> str:
+    """Return the name of a column in small letters without blanks, quotes and marks of formulas."""
+    return re.sub(r"[\s_{}$\"'#%\\]", "", name).lower()
+
+
 def text_of(path: Path, where: str, needed: str) -> str:
     """Return the text of a file, packed with gzip or not; `ConfigError` names its place in a study."""
     try:
-        data = read_unpacked(path)
-        encoding = "utf-16" if data.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
-        return data.decode(encoding)
+        return decoded(read_unpacked(path))
     except (OSError, UnicodeError, EOFError, zlib.error) as error:
         reason = (isinstance(error, OSError) and error.strerror) or "it is no text"
         raise ConfigError(
@@ -94,8 +97,10 @@ def read_columns(
     before = [(n, line) for n, line in lines if n < rows[0][0]]
     names, units, used = _heads(before, delimiter, len(rows[0][1]), looked_for)
     header = " ".join(line for n, line in before if n in used)
+    known = [name for name, stated in zip(names, units, strict=True) if not stated or unit(stated)]
+    enough = sum(bool(looked_for(name)) for name in known) > 1  # temperatures and the like may stand beside
     for name, stated in zip(names, units, strict=True):
-        if stated and unit(stated) is None:
+        if not enough and stated and unit(stated) is None:
             raise ConfigError(
                 f"{path}:{max(used)}: received the unit {shortened(repr(stated))} of {name or 'a column'}, needs "
                 "lengths, times, frequencies and their products, such as m, cm, s, Hz, rad/s, m^2/Hz, m^2 s/rad"

@@ -18,7 +18,7 @@ import psutil
 
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.arrays import AnyArray
-from vsb.tools.bounded import read_unpacked, reason_of
+from vsb.tools.bounded import decoded, read_unpacked, reason_of
 from vsb.tools.variables import check_finite, described
 
 if TYPE_CHECKING:
@@ -117,13 +117,12 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def read_text(path: str | Path) -> str:
-    """Read a text file, packed with gzip or not, in UTF-8 or UTF-16, with or without byte-order mark.
+    """Read a text file, packed with gzip or not; of its letters see `vsb.tools.bounded.decoded`.
 
     Raises `ConfigError` if it cannot be read or is no text.
     """
     try:
-        data = read_unpacked(path)
-        return data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
+        return decoded(read_unpacked(path))
     except (EOFError, zlib.error, gzip.BadGzipFile):
         raise ConfigError(f"{path}: received a packed file that is cut or damaged, needs a whole one") from None
     except OSError as error:

@@ -4,6 +4,7 @@ The units decide, not the name of the program: densities are per Hz, and with di
 """
 
 import gzip
+import re
 import warnings
 import zlib
 from collections.abc import Iterable, Iterator
@@ -17,7 +18,7 @@ import numpy as np
 from vsb.errors import ConfigError
 from vsb.tools import units
 from vsb.tools.arrays import FloatArray
-from vsb.tools.bounded import bounded_reading, files_of, open_regular
+from vsb.tools.bounded import bounded_reading, files_of, open_regular, read_unpacked
 from vsb.tools.words import shortened
 from vsb.waves.climate import Climate, band_edges, of_records
 from vsb.waves.ndbc import SERIES, calendar, read_ndbc
@@ -42,7 +43,7 @@ TEXTS = {b"SWAN": "swan", b"'WAVEWATCH III": "ww3_station", b"TRIAXYS BUOY": "tr
 """First characters of texts that wavespectra reads, and the name of its reader."""
 DATAWELL = ".spt"
 """End of the names of Datawell's files."""
-STATED = 0.1
+STATED = 0.05
 """Relative difference allowed between the height a file of a buoy states and that of its spectrum."""
 MOST_FILES = 20_000
 """Files of a folder: a year of half-hours is 17 568."""
@@ -252,6 +253,8 @@ def _by_wavespectra(path: str | Path, reader: str, options: dict[str, float | No
                 stored = stored.sortby("freq")
                 if reader == "datawell":
                     _check_stated_height(path, stored)
+                if reader == "triaxys":
+                    _check_stated_lines(path)
                 return stored
     except ConfigError:
         raise
@@ -269,6 +272,17 @@ def _check_stated_height(path: str | Path, ds: "xr.Dataset") -> None:
     if not abs(held - stated) <= STATED * max(held, stated):
         raise ConfigError(
             f"{path}: received Hs {stated:.3g} m, but its spectrum holds {held:.3g} m; needs a whole file"
+        )
+
+
+def _check_stated_lines(path: str | Path) -> None:
+    """Check that a TRIAXYS file holds a line for each of the frequencies it states: `ConfigError`."""
+    text = read_unpacked(path).decode("latin-1")
+    stated = re.search(r"NUMBER OF FREQUENCIES\s*=\s*(\d+)", text)
+    held = len(re.findall(r"^[ \t]*[-+.\d][-+.\deE \t]*\r?$", text, re.MULTILINE))
+    if stated and int(stated[1]) != held:
+        raise ConfigError(
+            f"{path}: received {held} lines of numbers; needs {stated[1]}, one for each of its frequencies"
         )
 
 

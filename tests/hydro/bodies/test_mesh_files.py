@@ -319,6 +319,13 @@ def test_walls_of_two_bodies_that_coincide_are_refused_by_name(tmp_path):
         files.read_body(path, path)
 
 
+def test_a_corner_out_of_all_proportion_is_named(tmp_path):
+    points, side, keel = cylinder()
+    points[3] *= 1e12
+    with pytest.raises(ConfigError, match=r"hull.obj: mesh: none of 34 panels has an area, seen from a corner at \("):
+        described(obj(tmp_path / "hull.obj", points, [*side, keel]))
+
+
 def test_a_hull_on_its_side_or_below_the_water_is_named(tmp_path):
     points, side, keel = cylinder()
     with pytest.raises(ConfigError, match=r"open along y = 0.*if y = 0 is its waterline it lies on its side: turn it"):

@@ -15,7 +15,7 @@ from vsb.hydro.bodies.files import read_body, usable_panels, with_gaps_noted
 from vsb.hydro.bodies.hulls import hull_panels
 from vsb.hydro.bodies.hydrostatics import columns_of
 from vsb.hydro.bodies.mesh import AT_SURFACE, SAME, Rigid, at_centres, check_vertices, divided, gaps, owners, wetted
-from vsb.hydro.bodies.mesh_files import length_unit, read_mesh
+from vsb.hydro.bodies.mesh_files import FOOT, length_unit, read_mesh
 from vsb.hydro.bodies.plates import PlateMode, plate_modes, plate_stiffness
 from vsb.hydro.bodies.sections import Beam
 from vsb.study.body import BodyFile
@@ -47,12 +47,12 @@ def build_body(file: BodyFile, paths: Mapping[str, str | Path]) -> FlexibleBody:
         return _made_body(file, *hull_panels(file.hull), [])
     mesh = paths["mesh"]
     found = read_mesh(mesh)
-    _, faces, notes = usable_panels(found)
-    if (unit := file.metres) != 1:
-        notes.append(f"lengths of the mesh multiplied by {unit:g}")
-    elif (unit := length_unit(mesh, file.water.gravity)) != 1:
-        notes.append(f"GRAV is in feet: lengths of the mesh multiplied by {unit:g}")
+    in_feet = file.metres == 1 and length_unit(mesh, file.water.gravity) != 1
+    unit = FOOT if in_feet else file.metres
     try:
+        _, faces, notes = usable_panels(found)
+        if unit != 1:
+            notes.append(f"{'GRAV is in feet: ' * in_feet}lengths of the mesh multiplied by {unit:g}")
         return _made_body(file, unit * found.vertices, faces, notes)
     except ConfigError as error:
         raise ConfigError(f"{mesh}: {error}") from None

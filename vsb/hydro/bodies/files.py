@@ -55,9 +55,9 @@ def read_body(mesh: str | Path, modes: str | Path, water: Water | None = None) -
         raise ConfigError(
             f"{mesh}:2: GRAV: received feet; needs metres here, as the unit of the displacements is unknown"
         )
-    kept, faces, notes = usable_panels(found)
-    values = values if by_vertex else values[:, kept]
     try:
+        kept, faces, notes = usable_panels(found)
+        values = values if by_vertex else values[:, kept]
         bed = bed_below(vertices[np.unique(faces)], water.depth) if water else -np.inf
         if wet := wetted(vertices, faces, bed):
             second = known.get("second_order")
@@ -86,10 +86,15 @@ def usable_panels(found: MeshFile) -> tuple[IntArray, IntArray, list[str]]:
     """Return which panels of a mesh file have an area and are given once, these with normals outward, and notes.
 
     Panels given again in the opposite direction stay where the surface is open without them: they are the two sides of
-    a plate, or walls of two bodies that touch, which a body is checked for.
+    a plate, or walls of two bodies that touch, which a body is checked for. Raises `ConfigError` if none has an area.
     """
     vertices, faces, notes = found.vertices, found.faces, list(found.notes)
     flat, again = without_area(vertices, faces), repeated(vertices, faces)
+    if flat.all():
+        far = found.vertices[np.argmax(np.abs(found.vertices).max(axis=1))]
+        raise ConfigError(
+            f"mesh: none of {len(faces)} panels has an area, seen from a corner at {text_of(far)}; correct it"
+        )
     usable = np.flatnonzero(~(flat | again))
     if again.any() and _is_open(vertices, faces[usable]) and not _is_open(vertices, faces[~flat]):
         usable = np.flatnonzero(~flat)

@@ -62,6 +62,7 @@ from vsb.waves.dispersion import wavenumber
 Spec = dict[str, Any]
 Model = TypeVar("Model", bound=Section)
 _COARSEST = 4.0  # wavelengths in a panel from which on nothing is solved
+_LARGE = 1000.0  # [m], of a body that is rather given in millimetres
 _MOST_GIGABYTES = 256.0  # a body may need
 _GROUPS = ("fewer_panels", "radiated_waves")  # of a block's file
 
@@ -140,6 +141,11 @@ def check_solvable(study: BodyFile, body: FlexibleBody) -> None:
     longest = float(panel_diameters(body).max())
     shortest = 2 * np.pi / wavenumber(study.omega[-1], water.depth, water.gravity)
     if longest > _COARSEST * shortest:  # such waves would be aliases
+        if body.size > _LARGE and study.metres == 1:
+            raise ConfigError(
+                f"mesh: received a body of {body.size:.3g} m, whose largest panel is longer than {_COARSEST:g} of the "
+                "shortest waves; needs metres, or the unit of its file, such as mesh: {file: hull.stl, unit: mm}"
+            )
         needed = np.sqrt(2 * np.pi * water.gravity * _COARSEST / longest)  # in deep water, as for such waves
         raise ConfigError(
             f"omega: received {study.omega[-1]:g} rad/s, whose waves are {shortest:.3g} m long and the largest panel "
