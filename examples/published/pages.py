@@ -25,8 +25,8 @@ def printed(value: Value, form: str = "", *, negated: bool = False) -> str:
     Parameters
     ----------
     form : str
-        Of Python's format(); `minutes` of seconds. A form without a sign is for numbers that are not negative: the
-        words around them ("less", "up to") say the direction.
+        Of Python's format(); `minutes` of seconds, `k.1f` in thousands. A form without a sign is for numbers that are
+        not negative: the words around them ("less", "up to") say the direction.
 
     Examples
     --------
@@ -43,7 +43,7 @@ def printed(value: Value, form: str = "", *, negated: bool = False) -> str:
     number = -value if negated else value
     if form == "minutes":
         return f"{max(1, round(number / 60))}"
-    text = f"{number:{form}}"
+    text = f"{number / 1e3:{form[1:]}}" if form.startswith("k") else f"{number:{form}}"
     if not float(text):
         return text.lstrip("-+")
     if text.startswith("-") and not form.startswith("+"):

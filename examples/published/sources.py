@@ -231,11 +231,6 @@ def pays_in_a_year(folder: Path) -> dict[str, Value]:
     for row in campaign.table[campaign.table.design == FREE].to_dict("records"):
         modulus, limit = row["device.young_modulus"] / 1e6, row["pto.force_limit"] / 1e3
         found |= {f"{modulus:g}.{limit:g}.{end}": float(row[f"gain_{end}"]) for end in ("percent", "low", "high")}
-    clamped = campaign.table[~campaign.table.design.isin([RIGID, FREE])]
-    for row in clamped.to_dict("records"):
-        modulus, limit = row["device.young_modulus"] / 1e6, row["pto.force_limit"] / 1e3
-        change = abs(float(row["gain_percent"]) - float(found[f"{modulus:g}.{limit:g}.percent"]))
-        found["clamps"] = max(change, float(found.get("clamps", 0.0)))
     for modulus in MODULI:
         found[f"{modulus}.strain"] = 100 * strain_at_rest(1e6 * modulus)
     stiff = [modulus for modulus in MODULI if float(found[f"{modulus}.strain"]) <= DOUBTED]
@@ -264,9 +259,7 @@ def best_buoy(folder: Path) -> dict[str, Value]:
         found |= {f"{name}.{key}": float(value) for key, value in facts["quantities"][name].items() if key in SIZES}
     for name, one in facts["found"].items():
         found |= {f"{name}.{row['key']}": float(row["value"]) for row in one["variables"]}
-        starts = facts["starts"][name]
-        found[f"{name}.starts"] = sum(bool(start["accepted"]) for start in starts)
-        found[f"{name}.evaluations"] = sum(int(start["evaluations"]) for start in starts)
+        found[f"{name}.starts"] = sum(bool(start["accepted"]) for start in facts["starts"][name])
     found |= {f"runs.{end}": float(facts["verified"][end]) for end in ("value", "low", "high")}
     for row in facts["budget"]:
         found[f"error.{row['name']}"] = max(-float(row["low"]), float(row["high"]))
@@ -342,6 +335,7 @@ def over_limit(study: Study, results: vsb.Results) -> float:
     """Return the rigid buoy's mean power under an assumed pressure over what a wave of the same pressure allows [-]."""
     water, (wave,) = study.water, study.waves
     assert isinstance(wave, RegularWave)
+    assert study.hydro.pressure is not None
     amplitude = study.hydro.pressure / (water.density * water.gravity)
     limit = power_limit(2 * np.pi / wave.period, water.depth, water.density, water.gravity) * amplitude**2
     return float(results.comparison.set_index("design").power_mean[RIGID]) / float(limit)

@@ -1,7 +1,9 @@
 """Blocks of pages that are written whole: tables, and lines that commands print."""
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import Literal
 
 import vsb
 from examples import claims
@@ -9,7 +11,9 @@ from examples import directions as directions_example
 from examples.power_from_strain import HELD, TAKE_OFFS
 from examples.published.pages import MINUS, Value, Values, printed
 from examples.published.sources import (
+    BASES,
     CONDITIONS,
+    DAMPINGS,
     DOUBTED,
     FORCES,
     HOME,
@@ -177,6 +181,28 @@ def table_2(name: str, head: str, values: Values) -> str:
     return table([head, "displacement m", "velocity m/s", "control force N", "peak power W", "energy kJ"], rows)
 
 
+def paper_choices(values: Values) -> str:
+    """Peak power and energy by what the paper leaves unstated."""
+    published = vsb.load(HOME / "config" / "paper_inferred.yaml").published
+    assert published is not None
+    designs = {"VSWECπ/2": "VSWEC90", "VSWEC": "VSWEC", "VSWEC0": "VSWEC0"}
+
+    def cell(peak: float, energy: float) -> str:
+        return f"{peak:.0f} W, {1e-3 * energy:.2f} kJ"
+
+    said = [cell(*(published.values[name][key] for key in PEAK_AND_ENERGY)) for name in designs.values()]
+    rows = [["published", *said]]
+    for basis, beta in itertools.product(BASES, DAMPINGS):
+        head = f"{basis}, β = {printed(beta, '.0e')} s" if beta else f"{basis}, none"
+        at = f"paper.choices.{basis}.{beta:g}"
+        ours = [cell(*(float(values[f"{at}.{name}.{key}"]) for key in PEAK_AND_ENERGY)) for name in designs.values()]
+        rows.append([head, *ours])
+    return table(["basis, structural damping", *designs], rows)
+
+
+PEAK_AND_ENERGY: tuple[Literal["power_peak", "energy"], ...] = ("power_peak", "energy")
+
+
 def paper_optimal(values: Values) -> str:
     """The paper's loading with each design's optimal damping."""
     rows = []
@@ -220,6 +246,7 @@ BLOCKS: Mapping[str, Callable[[Values], str]] = {
     "strain": strain,
     "paper": partial(table_2, "paper", "stated: P = 1800 Pa, c = 8000"),
     "paper_inferred": partial(table_2, "paper_inferred", "inferred: P = 360 Pa, c = 6000"),
+    "paper-choices": paper_choices,
     "paper-optimal": paper_optimal,
     **{name: partial(case, name) for name in SOURCES if name.startswith(("claims.", "surprises."))},
 }

@@ -45,19 +45,14 @@ def folder(tmp_path_factory):
 
 
 def compare_with_stored(name, folder):
-    """Values anew are those stored, to what machines and versions of libraries change.
-
-    Of values transcribed from a page, to be replaced by the next `make published`, to the digits the page had.
-    """
-    entry = json.loads(VALUES.read_text(encoding="utf-8"))[name]
-    known, found = entry["values"], SOURCES[name].compute(folder / name.partition(".")[0])
-    transcribed = "transcribed" in entry
-    assert known.keys() <= found.keys() if transcribed else known.keys() == found.keys()
+    """Values anew are those stored, to what machines and versions of libraries change."""
+    known = json.loads(VALUES.read_text(encoding="utf-8"))[name]["values"]
+    found = SOURCES[name].compute(folder / name.partition(".")[0])
+    assert known.keys() == found.keys()
     texts = {key: value for key, value in known.items() if isinstance(value, str)}
     assert texts == {key: found[key] for key in texts}
     numbers = {key: value for key, value in known.items() if key not in texts}
-    tolerances = {"rel": 1e-2, "abs": 6e-2} if transcribed else {"rel": 2e-3, "abs": 1e-3}
-    assert {key: found[key] for key in numbers} == pytest.approx(numbers, **tolerances)
+    assert {key: found[key] for key in numbers} == pytest.approx(numbers, rel=2e-3, abs=1e-3)
 
 
 @pytest.mark.parametrize("name", QUICK)
