@@ -146,3 +146,6 @@ def test_a_run_of_wamit_is_known_by_the_excitation_it_has_and_by_its_bodies(tmp_
     (tmp_path / "two.3").write_text(".3")
     assert [Path(name).suffix for name in wamit_files(str(tmp_path / "two"))] == [".1", ".3", ".hst", ".mmx"]
     assert found().wamit != by_haskind.wamit
+    for given, message in (("two.1", "is one of WAMIT's files; .* all have, two$"), (".", "is a folder; .* ./NAME$")):
+        with pytest.raises(ConfigError, match=message):
+            found(wamit=given)

@@ -29,10 +29,10 @@ def test_merged_mappings_are_not_duplicate_keys(written):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("- a\n- b\n", "received list, needs a mapping"),
+        ("- a\n- b\n", "received a list, needs a mapping"),
         ("a: [1\n", "not valid YAML"),
         ("a: 1\na: 2\n", "key 'a' is given twice"),
-        ("", "received NoneType, needs a mapping with keys study, motion, device"),
+        ("", "received nothing, needs a mapping with keys study, motion, device"),
         ("a: !!python/object:os.system 1\n", "not valid YAML .*could not determine a constructor"),
         ("study: alone\n", r"device: missing, but required: the spherical buoy, .* \(and 2 more\)"),
         pytest.param("? [a, b]\n: 1\n", "not valid YAML"),

@@ -110,6 +110,22 @@ def test_what_a_spectrum_may_not_be_is_refused(text, message, tmp_path):
     assert "\n" not in str(caught.value)
 
 
+def test_a_spectrum_that_seems_to_go_on_is_noted(tmp_path):
+    cut = np.argmax(DENSITY) + 2
+    wave = of_file("spectrum", tmp_path, columns("f [Hz],S [m^2/Hz]", HERTZ[:cut], DENSITY[:cut]))
+    assert any("of its peak: was the file cut?" in note for note in wave.file.notes)
+
+
+@pytest.mark.parametrize("kind", ["spectrum", "record"])
+def test_a_year_of_records_is_no_sea(kind, tmp_path):
+    with pytest.raises(
+        ConfigError, match=r"sea.csv:1: received many records, a row each, .* the climate of a campaign"
+    ):
+        of_file(
+            kind, tmp_path, "#YY MM DD hh mm .05 .10 .15\n2020 01 01 00 00 1.0 2.0 1.0\n2020 01 01 01 00 1. 2. 1.\n"
+        )
+
+
 def test_columns_left_out_and_units_taken_are_noted(tmp_path):
     wave = of_file("spectrum", tmp_path, columns("f,S,phase", HERTZ, DENSITY, HERTZ))
     assert wave.file.notes == ("units that are not stated taken as Hz and m^2/Hz", "columns left out: phase")

@@ -539,6 +539,12 @@ def located(raw: object, source: str) -> LocatedBody:
         file = validated(BodyFile, read_yaml(path, "a body file, as `vsb body` takes"), str(path))
         return _of_a_mesh(study, file, str(path), source, own_water)
     files = {body.kind: str(path)}
+    if body.kind == "wamit" and not os.path.isfile(f"{path}.1") and (path.is_dir() or path.suffix in WAMIT):
+        if os.path.isfile(path / "Nemoh.cal"):
+            _contents([str(path)], f"{source}: body.wamit")
+        what = "a folder" if path.is_dir() else "one of WAMIT's files"
+        name = f"{given}/NAME" if path.is_dir() else given.removesuffix(path.suffix)
+        raise ConfigError(f"{source}: body.wamit: {given} is {what}; needs the name that all have, {name}")
     held = wamit_files(str(path)) if body.kind == "wamit" else [str(path)]
     return LocatedBody(_known_by(study, {body.kind: _contents(held, f"{source}: body.{body.kind}")}), files)
 

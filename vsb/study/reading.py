@@ -208,9 +208,8 @@ def validated(model: type[Model], raw: object, source: str) -> Model:
     value needed; all mistakes there are as `mistakes`.
     """
     if not isinstance(raw, dict):
-        raise ConfigError(
-            f"{source}: received {type(raw).__name__}, needs a mapping with keys {', '.join(model.model_fields)}"
-        )
+        received = "nothing" if raw is None else "a list" if isinstance(raw, list) else shortened(repr(raw))
+        raise ConfigError(f"{source}: received {received}, needs a mapping with keys {', '.join(model.model_fields)}")
     given = in_si(model, raw)
     try:
         return model.model_validate(given)

@@ -43,6 +43,10 @@ DENSITIES = {
 AMPLITUDES = {"a", "amp", "amplitude", "amplitudes", "waveamplitude", "eta", "zeta"}
 
 
+ENDS = 0.1
+"""Density at the last frequency, relative to the largest, from which a spectrum seems to go on."""
+
+
 class SpectrumTable(Brief):
     """Density [m^2/Hz] at frequencies [Hz], linear between them and none beyond, and its shares by direction.
 
@@ -210,6 +214,9 @@ def read_spectrum(path: Path, where: str) -> dict[str, Any]:
         raise ConfigError(f"{where}: received {len(frequency)} frequencies in {path.name}, needs 2 to {MOST}")
     if over_directions:
         return {"frequency": frequency, "notes": notes} | _by_direction(path, table, density)
+    if density[-1][0] > ENDS * max(one for (one,) in density):
+        share = density[-1][0] / max(one for (one,) in density)
+        notes = [*notes, f"ends at {frequency[-1]:g} Hz with {share:.0%} of its peak: was the file cut?"]
     held: dict[str, Any] = {"frequency": frequency, "variance_density": [one for (one,) in density], "notes": notes}
     if not any(table.units) and any(held["variance_density"]) and frequency[0] > 0:
         of_file = SpectrumTable(**held)

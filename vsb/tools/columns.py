@@ -25,6 +25,8 @@ _SPACED_DATE = re.compile(rf"({_DAY}) +(\d\d?:\d\d)")
 _ORDERS = ("%Y-%m-%d", "%Y/%m/%d", "%d.%m.%Y", "%m/%d/%Y", "%d/%m/%Y")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 _WORD = re.compile(r"[^\s\[(]*(?:\s*(?:\[[^\]]*\]|\([^)]*\)))+|\S+")
+_OF_MANY = re.compile(r"#?\s*YY(YY)?\s+MM\s+DD\s")
+"""Beginning of the header of NDBC's files."""
 _LOOSE = {"cm", "mm", "ft", "feet", "ms"}
 """Units of one word that a title may state for all columns."""
 
@@ -248,6 +250,11 @@ def _all_units(cells: list[str]) -> bool:
 def _check_titles(path: Path, titles: list[tuple[int, str]]) -> None:
     """Raise where a line that is not read states a unit other than those columns have where they state none."""
     for n, line in titles:
+        if _OF_MANY.match(line):
+            raise ConfigError(
+                f"{path}:{n}: received many records, a row each, as NDBC writes them; needs one of them here; all of "
+                "them are the climate of a campaign"
+            )
         words = [*re.findall(r"[\[(](.*?)[\])]", line), *(word.strip(",.:;()[]\"'") for word in line.split())]
         for word in words:
             compound = re.search(r"[/^²]", word) and word.lower() not in ("m2/hz", "m^2/hz", "m²/hz", "m**2/hz")

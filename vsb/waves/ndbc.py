@@ -119,7 +119,9 @@ def _header(path: str | Path, words: list[str]) -> tuple[int, FloatArray]:
     dates = 5 if names[:5] == list(DATE) else 4
     if names[:dates] != list(DATE[:dates]):
         raise ConfigError(
-            f"{path}:1: received {' '.join(words[:6])!r}, needs YY MM DD hh [mm] and the frequencies in Hz"
+            f"{path}:1: received {shortened(repr(' '.join(words[:6])))}; needs NDBC's header, YY MM DD hh [mm] and the "
+            "frequencies in Hz, or netCDF, SWAN, WAVEWATCH III, TRIAXYS, Datawell; series of heights and periods are a "
+            "climate: {scatter: FILE}, one spectrum or record stands in the waves of a study"
         )
     return dates, _ascending(path, 1, names[dates:])
 

@@ -166,3 +166,5 @@ def test_the_command_makes_a_database_and_others_name_the_folder(tmp_path, capsy
     capsys.readouterr()
     assert main(["import-wamit", str(place), "buoy", str(tmp_path / "other.nc")]) == 2
     assert "is a folder of NEMOH; use vsb import-nemoh" in capsys.readouterr().err
+    assert main(["import-wamit", str(tmp_path), "buoy.hst", str(tmp_path / "other.nc")]) == 2
+    assert "buoy.hst: is one of WAMIT's files; needs the name of all of them, buoy" in capsys.readouterr().err

@@ -114,7 +114,7 @@ def exported(
         else:
             contents |= {Path(folder, f"{name}{ending}"): content for ending, content in found.items()}
     if not contents:
-        raise DatabaseError("; ".join(missing))
+        raise DatabaseError("; ".join(text.removesuffix(".") for text in missing))
     files = _written(contents, inputs)
     if files[0].suffix == ".1":
         known = {"-1": "added_mass_zero" in ds or float(ds.omega[0]) == 0, "0": "added_mass_inf" in ds}

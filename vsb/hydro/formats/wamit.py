@@ -36,6 +36,7 @@ from vsb.hydro.formats.common import (
     structure,
     volume_of,
 )
+from vsb.study.body import WAMIT
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.bounded import read_bounded
 
@@ -186,6 +187,8 @@ def import_wamit(
     matrix alone (IALTFRC = 1) gives volumes, and of one body centres, only.
     """
     path = str(Path(folder) / name)
+    if Path(name).suffix in WAMIT and not Path(f"{path}.1").is_file():
+        raise DatabaseError(f"{name}: is one of WAMIT's files; needs the name of all of them, {Path(name).stem}.")
     table = _table(f"{path}.1", _lines(f"{path}.1", "PER I J A B"), (1, 2), (4, 5), "PER I J A, and B where PER > 0")
     failed = _failed(table)
     table = {key: row for key, row in table.items() if key[0] not in failed}
