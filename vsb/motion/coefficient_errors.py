@@ -6,6 +6,7 @@ The power P = sum a^2 Re Z_l |V|^2/2 of a sea changes by dP = sum a^2 Re Z_l Re(
 P does not change to first order with Z_l (envelope theorem): the same expression holds at fixed Z_l.
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -36,30 +37,53 @@ class CoefficientError(NamedTuple):
     stiffness: FloatArray | None = None  # of the still water, which panels give as well (dof, dof) [N/m]
 
 
-class Sensitivity(NamedTuple):
-    """Derivatives of the logarithm of a power by added mass, damping, excitation and stiffness, entry by entry."""
+AT_ONCE = 2**18
+"""Entries of matrices over frequency held at a time."""
 
-    added_mass: FloatArray  # (omega, dof, dof) [1/kg]
-    damping: FloatArray  # (omega, dof, dof) [s/kg]
-    excitation: ComplexArray  # (omega, dof) [m/N]
-    stiffness: FloatArray  # (omega, dof, dof) [m/N]
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Derivatives of the logarithm of a power by the coefficients, entry by entry.
+
+    By the dynamic stiffness they are sums of products of two vectors at each frequency, and kept as such: those of all
+    designs and levels in a sea of a thousand components would be gigabytes.
+    """
+
+    omega: FloatArray  # (omega,) [rad/s]
+    excitation: ComplexArray  # by the excitation (omega, dof) [m/N]
+    products: tuple[tuple[ComplexArray, ComplexArray], ...]  # u, q of -u q^T, by D, each (omega, dof)
 
     def __sub__(self, other: "Sensitivity") -> "Sensitivity":
         """Of the ratio of two powers, whose coefficients are the same: what they share cancels."""
-        return Sensitivity(
-            self.added_mass - other.added_mass,
-            self.damping - other.damping,
-            self.excitation - other.excitation,
-            self.stiffness - other.stiffness,
-        )
+        of_other = tuple((-towards, response) for towards, response in other.products)
+        return Sensitivity(self.omega, self.excitation - other.excitation, (*self.products, *of_other))
+
+    def by_matrices(self, part: slice = slice(None)) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the derivatives by added mass [1/kg], damping [s/kg] and stiffness [m/N], each (omega, dof, dof).
+
+        D = -w^2 A - i w B + K, all symmetric, so are their derivatives.
+        """
+        dof = self.excitation.shape[1]
+        found = np.zeros((len(self.omega[part]), dof, dof), dtype=complex)
+        for towards, response in self.products:
+            found -= towards[part, :, None] * response[part, None, :]
+        found = 0.5 * (found + found.transpose(0, 2, 1))
+        w = self.omega[part, None, None]
+        return -(w**2) * found.real, np.asarray(w * found.imag), found.real
 
     def to(self, error: CoefficientError) -> float:
         """Return the largest change of ln P by an error of the coefficients [-]."""
-        changes = (*error.error, 0.0 if error.stiffness is None else error.stiffness)
-        products = [np.asarray(slope * change) for slope, change in zip(self, changes, strict=True)]
-        if error.signed:
-            return float(sum(abs(product.real.sum()) for product in products))
-        return float(sum(np.abs(product).sum() for product in products))
+        mass, damping, force = error.error
+        sizes, dof = np.zeros(4), self.excitation.shape[1]
+        step = max(1, AT_ONCE // max(1, dof**2))
+        for start in range(0, len(self.omega), step):
+            part = slice(start, start + step)
+            by_mass, by_damping, by_stiffness = self.by_matrices(part)
+            products = [by_mass * mass[part], by_damping * damping[part], self.excitation[part] * force[part]]
+            products += [] if error.stiffness is None else [by_stiffness * error.stiffness]
+            sums = [one.real.sum() if error.signed else np.abs(one).sum() for one in products]
+            sizes[: len(sums)] += sums
+        return float(np.abs(sizes).sum())
 
 
 def sensitivity(
@@ -86,8 +110,7 @@ def sensitivity(
     Notes
     -----
     By Sherman and Morrison from the motions without take-off: lambda = forced/(1 + Y Z_l), q = free - Z_l V forced with
-    V = V0/(1 + Y Z_l); a chamber between port and take-off is part of Y. Added mass and damping are symmetric, so are
-    their derivatives.
+    V = V0/(1 + Y Z_l); a chamber between port and take-off is part of Y.
     """
     free, forced = moved
     velocity = port.velocity_under(load)
@@ -95,10 +118,10 @@ def sensitivity(
     adjoint = forced / (1 + port.admittance * load)[:, None]
     power = float(np.sum(0.5 * squares * load.real * np.abs(velocity) ** 2))
     if not power > 0:
-        return _none(free)
+        return Sensitivity(omega, np.zeros_like(free), ())
     weight = squares * load.real * velocity.conj() * (-1j * omega) / power
     towards = weight[:, None] * adjoint
-    return _by_coefficients(omega, towards, -towards[:, :, None] * response[:, None, :])
+    return Sensitivity(omega, towards, ((towards, response),))
 
 
 def sensitivity_at_ports(
@@ -123,12 +146,12 @@ def sensitivity_at_ports(
     force = ports.velocity_under(damping) @ damping
     power = float(squares @ ports.power(damping))
     if not power > 0:
-        return _none(free)
+        return Sensitivity(ports.omega, np.zeros_like(free), ())
     response = free - (forced @ force[..., None])[..., 0]
     weight = (-1j * ports.omega * squares / power)[:, None] * force.conj()
     beside = np.linalg.solve(np.eye(len(damping)) + damping @ ports.admittance, weight[..., None])
     towards = (forced @ beside)[..., 0]
-    return _by_coefficients(ports.omega, towards, -towards[:, :, None] * response[:, None, :])
+    return Sensitivity(ports.omega, towards, ((towards, response),))
 
 
 def sensitivity_of_forces(
@@ -161,24 +184,11 @@ def sensitivity_of_forces(
     """
     free, forced = moved
     if not power > 0:
-        return _none(free)
+        return Sensitivity(omega, np.zeros_like(free), ())
     response = waves[..., None] * free - forces[..., None] * forced
     weight = -0.5j * omega * shares[:, None] * forces.conj() / power
     towards = np.sum(weight * waves, axis=0)[:, None] * forced
-    stiffness = -forced[:, :, None] * np.einsum("sw,swj->wj", weight, response)[:, None, :]
-    return _by_coefficients(omega, towards, stiffness)
-
-
-def _none(free: ComplexArray) -> Sensitivity:
-    """Of a port that absorbs nothing, whose free motion is (omega, dof)."""
-    none = np.zeros((*free.shape, free.shape[1]))
-    return Sensitivity(none, none, np.zeros_like(free), none)
-
-
-def _by_coefficients(omega: FloatArray, towards: ComplexArray, stiffness: ComplexArray) -> Sensitivity:
-    """Derivatives by symmetric coefficients, from those by the force and by the entries of D, (omega, dof, dof)."""
-    w, both = omega[:, None, None], 0.5 * (stiffness + stiffness.transpose(0, 2, 1))
-    return Sensitivity(-(w**2) * both.real, np.real(-1j * w * both), towards, both.real)
+    return Sensitivity(omega, towards, ((forced, np.einsum("sw,swj->wj", weight, response)),))
 
 
 UNSTATED = 0.01
