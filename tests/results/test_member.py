@@ -79,6 +79,13 @@ def test_interval_of_a_gain_contains_the_errors_of_both_designs(study, found):
         np.testing.assert_allclose(one.gain_percent, 100 * (ratio - 1), atol=1e-10)
 
 
+def test_year_of_shells_clamped_at_rings_has_an_interval(seed, seas):
+    """Their motions include the answer of all higher degrees, and so do the errors of the coefficients."""
+    found = year_of(varied(seed, modes={"basis": "full", "degree": 3}, pto={"damping": 8e3}), seas, ("one",))
+    assert (found.gain_low <= found.gain_percent).all()
+    assert (found.gain_percent <= found.gain_high).all()
+
+
 def test_relative_errors_of_two_powers_add_up_in_the_interval_of_their_ratio(study, seas):
     """Of the quadrature alone; the gain is 100 (P/P_0 - 1)."""
     omega = frequencies(seas, *BAND)

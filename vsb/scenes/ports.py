@@ -153,7 +153,7 @@ class BuoyOfShape:
 
     def errors(self, omega: FloatArray) -> list[CoefficientError]:
         """Return the estimated errors of its coefficients at frequencies."""
-        basis = self.reference.basis
+        basis = with_rings(self.study, self.reference).basis
         return self.swept.at(omega).errors(basis, order_bases(self.study, basis), self.study.water)
 
 
