@@ -295,6 +295,9 @@ def test_a_spectrum_that_was_cut_is_not_of_the_height_its_file_states(tmp_path):
     """Datawell states Hs in the second line [cm]."""
     pytest.importorskip("wavespectra")
     path = tmp_path / "Buoy}2020-01-01T00h00Z.spt"
+    path.write_text(datawell()[:-20])
+    with pytest.raises(ConfigError, match=r"00Z.spt: ends or breaks in the middle of a line; needs a whole file"):
+        read_spectra(path)
     path.write_text("".join(datawell().splitlines(keepends=True)[:24]))
     with pytest.raises(ConfigError, match=r"received Hs 2 m, but its spectrum holds .* m; needs a whole file"):
         read_spectra(path)

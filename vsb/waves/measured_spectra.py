@@ -267,6 +267,9 @@ def _by_wavespectra(path: str | Path, reader: str, options: dict[str, float | No
 
 def _check_stated_height(path: str | Path, ds: "xr.Dataset") -> None:
     """Check that a Datawell file, which states its height, is not cut: `ConfigError`."""
+    cells = [line.count(",") for line in read_unpacked(path).decode("latin-1").splitlines() if "," in line]
+    if min(cells) < max(cells):
+        raise ConfigError(f"{path}: ends or breaks in the middle of a line; needs a whole file")
     stated, omega = ds.hs.item(), 2 * np.pi * ds.freq.values
     held = 4 * float(ds.efth.values.ravel() / (2 * np.pi) @ np.diff(band_edges(omega))) ** 0.5
     if not abs(held - stated) <= STATED * max(held, stated):
