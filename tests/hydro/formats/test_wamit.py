@@ -238,6 +238,17 @@ def test_broken_files_are_refused_by_name_and_line(tmp_path, case):
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("ending", [".1", ".3", ".hst"])
+def test_a_last_number_that_lost_its_digits_is_refused(tmp_path, ending):
+    """Cut in the last number; without its end of line alone the file is whole."""
+    whole = FOREIGN[ending].rstrip("\n")
+    folder = written(tmp_path, {**FOREIGN, ending: whole[:-2]})
+    with pytest.raises(DatabaseError, match=rf"buoy\{ending}, line \d+: is shorter than those before, and has no end"):
+        import_wamit(folder, "buoy", density=1000.0, gravity=10.0, bodies=1)
+    written(tmp_path, {**FOREIGN, ending: whole})
+    import_wamit(folder, "buoy", density=1000.0, gravity=10.0, bodies=1)
+
+
 RM3 = Path(__file__).parents[2] / "data" / "rm3"
 
 

@@ -40,6 +40,21 @@ _DAMAGE = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeE
 """Errors netCDF4, xarray and numpy raise for a damaged file."""
 
 
+def whole_lines(path: str | Path, text: str) -> list[str]:
+    """Return the lines of a table; `DatabaseError` if the last is shorter than the others, and has no end.
+
+    A number that lost its last digits, or those of its exponent, is still a number.
+    """
+    lines = text.splitlines()
+    lengths = [len(line.rstrip()) for line in lines[-3:]]
+    if text[-1:] not in ("\n", "\r", "") and len(lengths) == 3 and lengths[2] < lengths[1] == lengths[0]:
+        raise DatabaseError(
+            f"{path}, line {len(lines)}: is shorter than those before, and has no end: it was cut; needs all of it, "
+            "or a new line at its end."
+        )
+    return lines
+
+
 @contextmanager
 def readable(path: str | Path, needed: str) -> Iterator[None]:
     """Read a file within bounds; a `DatabaseError` in one line for whatever error a library raises."""

@@ -14,7 +14,7 @@ import xarray as xr
 from scipy.linalg import block_diag
 
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.common import WATER, assembled, body_names, point_of, volume_of
+from vsb.hydro.formats.common import WATER, assembled, body_names, point_of, volume_of, whole_lines
 from vsb.study.quantities import RIGID
 from vsb.tools.arrays import FloatArray
 from vsb.tools.bounded import read_bounded
@@ -91,7 +91,7 @@ def _found(folder: Path, names: tuple[str, ...], file: str) -> Path:
 def _text(path: Path) -> list[str]:
     """Lines of a file."""
     try:
-        return read_bounded(path).decode(errors="replace").splitlines()
+        return whole_lines(path, read_bounded(path).decode(errors="replace"))
     except OSError as error:
         raise DatabaseError(f"{path}: cannot be read ({error.strerror}); needs {_NEEDED}.") from None
 

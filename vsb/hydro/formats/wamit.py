@@ -35,6 +35,7 @@ from vsb.hydro.formats.common import (
     rotations,
     structure,
     volume_of,
+    whole_lines,
 )
 from vsb.study.body import WAMIT
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -301,7 +302,7 @@ def _radiation(path: str, table: _Table, modes: list[int]) -> tuple[list[float],
 def _lines(path: str, columns: str) -> list[str]:
     """Lines of a file."""
     try:
-        return read_bounded(path).decode(errors="replace").splitlines()
+        return whole_lines(path, read_bounded(path).decode(errors="replace"))
     except OSError as error:
         if Path(path).with_name("Nemoh.cal").is_file():
             raise DatabaseError(f"{Path(path).parent}: is a folder of NEMOH; use vsb import-nemoh") from None
