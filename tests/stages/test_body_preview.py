@@ -11,13 +11,16 @@ import xarray as xr
 import yaml
 from conftest import error_line
 from hydro.bodies.test_body import made, rigid
+from hydro.bodies.test_refinement import body_file
 from stages.test_coefficients import SWELL, as_body
 
 from examples import barge
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.files import write_body
-from vsb.stages.body_preview import check, check_wave, drifting_motions
+from vsb.hydro.panels.rings import quick_green_function
+from vsb.stages.body_preview import check, check_wave, drifting_motions, solved_lines
+from vsb.stages.coefficients import finely_solved
 from vsb.study.body import BodyStudy, located
 from vsb.study.plan import BodyPlan
 from vsb.study.reading import validated
@@ -98,7 +101,7 @@ BOX = {"omega": [0.5, 0.8, 1.1, 1.4], "lid": 1}
             {"water": {"depth": 2.0}, "omega": [0.7, 0.9]},
             {},
             0.0,
-            "water.depth: received 2 m, needs more than the body",
+            "Heave lifts the foot of a hull that stands on the sea bed, at z = -2 m",
         ),
         ({"symmetry": "xOz"}, {}, 5.0, "symmetry xOz: the panels are not mirrored in the xOz plane"),
         ({}, {"repair": ["kramers_kronig"]}, 0.0, "hydro.repair: kramers_kronig needs 10 frequencies, received 4"),
@@ -167,3 +170,25 @@ def test_a_body_drifts_where_waves_push_and_nothing_holds(loose, direction, name
     waves = [StillWater(kind="still"), RegularWave(kind="regular", amplitude=0.1, period=5.0, direction=direction)]
     assert drifting_motions(["Surge", "Sway", "Yaw"], np.array(loose, dtype=float), waves) == named
     assert drifting_motions(["Surge", "Sway", "Yaw"], np.array(loose, dtype=float), waves[:1]) == []
+
+
+def test_check_makes_coarse_panels_smaller_as_the_run_does(tmp_path):
+    """A run that would be refused on smaller panels, too, is not let pass."""
+    file = body_file(omega=[1.0, 2.0, 3.0, 3.4], mass="displaced")
+    raw = {"study": "ball", "body": {"file": file.model_dump(exclude_none=True)}, "designs": {"a": {}},
+           "pto": {"port": {"dof": "Heave"}}, "waves": [{"kind": "regular", "amplitude": 0.1, "period": 4.0}]}  # fmt: skip
+    found = located(raw, str(tmp_path / "ball.yaml"))
+    plan = BodyPlan(found.study, root=str(tmp_path), files=found.files)
+    (line,) = solved_lines(plan, file, check(plan).mesh)
+    run = finely_solved(file, (), {}, str(tmp_path / "run"), green=quick_green_function())
+    smaller = [part for part in run.attrs["history"].split("; ") if part.startswith("panels made smaller")]
+    assert smaller
+    assert line == f"doubt        panels: as given they fail; in the run {'; '.join(smaller)}; 4 frequencies tried"
+
+
+def test_too_few_frequencies_are_refused_in_words_of_the_file(tmp_path):
+    raw = {"study": "ball", "body": {"file": body_file().model_dump(exclude_none=True)}, "designs": {"a": {}},
+           "pto": {"port": {"dof": "Heave"}}, "waves": [{"kind": "regular", "amplitude": 0.1, "period": 4.0}]}  # fmt: skip
+    found = located(raw, str(tmp_path / "ball.yaml"))
+    with pytest.raises(ConfigError, match=r"^body: received 2 of 2 frequencies of the database above zero; needs 4 or"):
+        check(BodyPlan(found.study, root=str(tmp_path), files=found.files))

@@ -32,10 +32,9 @@ def within_band(ds: xr.Dataset, omega_max: float | None) -> xr.Dataset:
     """
     kept = ds.omega.values > 0 if omega_max is None else (ds.omega.values > 0) & (ds.omega.values <= omega_max + 1e-9)
     if kept.sum() < FEWEST:
-        raise ConfigError(
-            f"hydro.omega_max: received {omega_max or np.inf:g} rad/s, which leaves {kept.sum()} of {len(kept)} "
-            f"frequencies of the database; needs {FEWEST} or more"
-        )
+        left = f"{kept.sum()} of {len(kept)} frequencies of the database"
+        received = f"hydro.omega_max: received {omega_max:g} rad/s, which leaves {left}" if omega_max else ""
+        raise ConfigError(f"{received or f'body: received {left} above zero'}; needs {FEWEST} or more")
     if kept.all():
         return ds
     return with_history(ds.isel(omega=np.flatnonzero(kept)), f"left out: {np.count_nonzero(~kept)} frequencies")

@@ -26,7 +26,7 @@ from vsb.scenes.drag import dragged
 from vsb.scenes.floating_system import floating_body, port_in_seas, study_sea
 from vsb.scenes.take_off import check_law
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
-from vsb.stages.costs import memory_doubts
+from vsb.stages.costs import IN_FINITE_DEPTH, body_seconds, memory_doubts, plain_seconds
 from vsb.study.body import BodyFile
 from vsb.study.plan import BodyPlan
 from vsb.study.quantities import content_id, motion_of
@@ -161,31 +161,48 @@ def check_stored(plan: BodyPlan) -> None:
         load(plan.radiation_path)
 
 
-QUICK, IN_FINITE_DEPTH = 15.0, 5.0
-"""Seconds within which a body is solved to see what a run would say of it, and how much longer finite depth takes."""
+QUICK = 15.0
+"""Seconds within which a body is solved to see what a run would say of it."""
 
 
 def solved_lines(plan: BodyPlan, file: BodyFile, mesh: FlexibleBody) -> list[str]:
     """Return what the coefficients of a body say of its panels, solved now, unstored, where that takes seconds.
 
-    Raises `DatabaseError` as the run would: if a check fails that smaller panels do not mend.
+    Panels that fail a check are made smaller, as in the run, and solved again. Raises `DatabaseError` as the run would:
+    if a check fails that smaller panels do not mend.
     """
-    seconds = cost(file, mesh)[1] * len(file.omega) * (1.0 if np.isinf(file.water.depth) else IN_FINITE_DEPTH)
     if Path(plan.database_path).exists():
         return []
-    if seconds > QUICK:
-        return [
-            f"panels       not tried: {len(file.omega)} frequencies take more than {QUICK:g} s; the run judges them"
-        ]
+    count = len(file.omega)
+    if not _quick(file, mesh):
+        return [f"panels       not tried: {count} frequencies take more than {QUICK:g} s; the run judges them"]
     from vsb.hydro.panels.rings import quick_green_function  # capytaine
 
-    with tempfile.TemporaryDirectory() as folder:
-        found, checks = solved(file, mesh, folder, green=quick_green_function())
-    checks = [check for check in checks if check.name not in plan.study.hydro.accept]
-    if finer := refined_file(file, mesh, checks):
-        return [f"doubt        panels: as given they fail; in the run {history_of(file, finer, checks)}"]
-    judged(plan.database, within_band(found, plan.study.hydro.omega_max))
-    return [f"ok           panels: {len(file.omega)} frequencies tried"]
+    green, smaller = quick_green_function(), list[str]()
+    while True:
+        with tempfile.TemporaryDirectory() as folder:
+            found, checks = solved(file, mesh, folder, green=green)
+        checks = [check for check in checks if check.name not in plan.study.hydro.accept]
+        if (finer := refined_file(file, mesh, checks)) is None:
+            judged(plan.database, within_band(found, plan.study.hydro.omega_max))
+            tried = f"{count} frequencies tried"
+            return [_refined(smaller, tried) if smaller else f"ok           panels: {tried}"]
+        smaller.append(history_of(file, finer, checks))
+        file, mesh = finer, build_body(finer, plan.files)
+        if not _quick(file, mesh):
+            more = plain_seconds(body_seconds(file, len(mesh.faces)))
+            return [_refined(smaller, f"not tried: {count} frequencies take about {more}; the run judges them")]
+
+
+def _quick(file: BodyFile, mesh: FlexibleBody) -> bool:
+    """Whether the coefficients of a body are solved within seconds."""
+    deep = np.isinf(file.water.depth)
+    return cost(file, mesh)[1] * len(file.omega) * (1.0 if deep else IN_FINITE_DEPTH) <= QUICK
+
+
+def _refined(smaller: Sequence[str], outcome: str) -> str:
+    """What is said of panels that the run makes smaller."""
+    return f"doubt        panels: as given they fail; in the run {'; '.join(smaller)}; {outcome}"
 
 
 def summary(plan: BodyPlan) -> list[str]:

@@ -3,6 +3,7 @@
 Seconds are of one core of a desktop machine that does nothing else; on a busy one a core does half as much in a second.
 """
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,8 @@ MEMBER_SECONDS, REST_SECONDS = 0.016, 1.2
 """Of a point of a campaign with its coefficients; of one about its equilibrium also the rest and the modes left out."""
 SEA_SECONDS = {"linear": 0.05, "body_exact": 0.2}
 """Of one design in one sea of `verify`, by model."""
+BODY_SECONDS, IN_FINITE_DEPTH = 0.5, 2.5
+"""Of a frequency of a body beside its matrices, and how many times as long these take in finite depth."""
 MOST_MEMORY = 0.7
 """Part of a machine's memory that a job may need without a doubt: the rest is the system's and other jobs'."""
 
@@ -107,11 +110,19 @@ def _of_witness(plan: StudyPlan, job: Job) -> float:
 
 
 def _of_body(plan: BodyPlan | CampaignPlan, job: Job) -> float:
-    """A body on panels, which grows with the square of their number; of a file that is read, next to nothing."""
+    """A body on panels; of a file that is read, next to nothing."""
     file = job.spec.body.file
-    if not isinstance(file, BodyFile):
-        return 0.5
-    return SECONDS_PER_PANEL2 * panel_count(file, job.files) ** 2 * len(file.omega)
+    return body_seconds(file, panel_count(file, job.files)) if isinstance(file, BodyFile) else 0.5
+
+
+def body_seconds(file: BodyFile, panels: float) -> float:
+    """Return the CPU time of the coefficients of a body on panels [s]: matrices grow with the square of their number.
+
+    Planes of symmetry halve them; those of a mesh that are to be found are not known here.
+    """
+    planes = file.symmetry.count("O") if file.symmetry != "auto" else 2 if file.hull else 0
+    matrices = SECONDS_PER_PANEL2 * panels**2 / 2**planes
+    return len(file.omega) * (BODY_SECONDS + matrices * (1.0 if math.isinf(file.water.depth) else IN_FINITE_DEPTH))
 
 
 def _of_run(plan: StudyPlan | BodyPlan, job: Job) -> float:
