@@ -82,6 +82,13 @@ def test_figure_is_reproducible_to_the_byte():
     assert first == again
 
 
+def test_data_of_a_map_have_no_value_in_bins_without_seas():
+    figure, axes = grid_of_axes(3.0, 1, 1)
+    axes[0, 0].set_title("power")
+    axes[0, 0].pcolormesh([0.0, 1.0, 2.0], [0.0, 1.0], np.array([[3.0, np.nan]]))
+    assert [line.rpartition(",")[2] for line in data_csv(figure).splitlines()[1:]] == ["3", ""]
+
+
 def test_data_leave_out_points_that_are_not_finite_or_not_shown():
     figure, axes = grid_of_axes(3.0, 1, 2)
     axes[0, 0].set(title="first", ylabel="not this")

@@ -27,7 +27,7 @@ _LOWER = "lower hydro.tolerance or raise hydro.rows, change hydro.omega_max, dee
 _ADVICE = {
     "kramers_kronig": "raise hydro.omega_max: the band must reach beyond the peak of damping",
     "interpolation_error": "raise hydro.tolerance, change hydro.omega_max",
-    "phases": "mend the file's headings, or have its forces conjugated by hydro.repair: [phases]",
+    "phases": "mend the file's headings",
     "added_mass_limits": "exchange the rows of zero and infinite frequency in the file",
     "parts": "make the file again of one run",
     "rotation_centre": "correct the centre of mass, or the point of the moments, in the file",
@@ -183,7 +183,9 @@ def estimate_checks(blocks: Sequence[Mapping[str, Any]], tolerance: float) -> li
     return [replace(c, verdict="doubt") if c.verdict == "fail" and c.name in _DOUBTS else c for c in checks]
 
 
-def judged(checks: Sequence[Check], accept: Sequence[str], remedy: str = _LOWER) -> list[Check]:
+def judged(
+    checks: Sequence[Check], accept: Sequence[str], remedy: str = _LOWER, repairable: Sequence[str] = ()
+) -> list[Check]:
     """Return the checks with failures the study accepts by name marked as such.
 
     Raises `DatabaseError` if a check fails that the study does not accept.
@@ -192,13 +194,17 @@ def judged(checks: Sequence[Check], accept: Sequence[str], remedy: str = _LOWER)
     ----------
     remedy : str
         Remedy where a check has no advice of its own; that of a buoy if not given.
+    repairable : sequence of str
+        Checks whose cause the study may have repaired.
     """
     checks = [replace(c, verdict="accepted") if c.verdict == "fail" and c.name in accept else c for c in checks]
     for check in checks:
         if check.verdict == "fail":
+            advice = _ADVICE.get(check.name, remedy)
+            advice += f", have it repaired (hydro.repair: [{check.name}])" if check.name in repairable else ""
             raise DatabaseError(
                 f"hydro database: check {check.name!r} failed: {check.value:.3g}, needs at most {check.limit:g} "
-                f"({check.explanation}); {_ADVICE.get(check.name, remedy)}, or list the name under hydro.accept."
+                f"({check.explanation}); {advice}, or list the name under hydro.accept."
             )
     return checks
 

@@ -5,6 +5,7 @@ The SVG says where its axes lie and what each curve is called, so that a page ca
 
 import html
 import io
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -119,13 +120,16 @@ def in_words(figure: Figure) -> str:
 
 
 def data_csv(figure: Figure) -> str:
-    """Return the points of all curves, bars and maps of a figure, as far as it shows them, a row each."""
+    """Return the points of all curves, bars and maps of a figure, as far as it shows them, a row each.
+
+    A bin of a map that is not coloured has no value.
+    """
     rows: list[list[object]] = []
     for i, ax in enumerate(figure.axes):
         where = _one_line(ax.get_title() or ax.get_ylabel()) or f"axes {i + 1}"
         for series, points in _points(ax):
             thinned = points[:: max(1, -(-len(points) // MOST_POINTS))] if series != "map" else points
-            rows += [[where, series, *point] for point in thinned]
+            rows += [[where, series, *("" if math.isnan(number) else number for number in point)] for point in thinned]
     return csv_text(["axes", "series", "x", "y", "value"], rows, 6)
 
 

@@ -27,7 +27,7 @@ from vsb.scenes.floating_system import floating_body, port_in_seas, study_sea
 from vsb.scenes.take_off import check_law
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
 from vsb.stages.costs import IN_FINITE_DEPTH, body_seconds, memory_doubts, plain_seconds
-from vsb.study.body import BodyFile
+from vsb.study.body import REPAIRS, BodyFile
 from vsb.study.plan import BodyPlan
 from vsb.study.quantities import content_id, motion_of
 from vsb.study.waves import IrregularSea, SeaOfFile, StillWater, Wave, file_lines
@@ -57,7 +57,9 @@ def check(plan: BodyPlan) -> CheckedBody:
         ds = within_band(dry_database(mesh, source.file), study.hydro.omega_max)
         body = complete_body(source, study.dofs, ds)
         check_repairable(study.hydro.repair, body.database.omega.values)
-        checks = quality.judged(of_own_mass(mesh_checks(source.file, mesh), source, body), study.hydro.accept, REMEDY)
+        checks = quality.judged(
+            of_own_mass(mesh_checks(source.file, mesh), source, body), study.hydro.accept, REMEDY, REPAIRS
+        )
     else:
         ds = read_source(source.kind, files[source.kind], study.water, source.length, source.bodies, source.modes)
         check_water(study.water, ds)

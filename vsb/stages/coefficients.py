@@ -21,7 +21,7 @@ from vsb.hydro.variables import PAIR
 from vsb.motion.linear import LinearSystem
 from vsb.scenes.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
 from vsb.stages.stage import stamp
-from vsb.study.body import Body, BodyFile
+from vsb.study.body import REPAIRS, Body, BodyFile
 from vsb.study.quantities import of_bodies
 from vsb.study.specs import BodySpec
 from vsb.tools.files import save
@@ -38,7 +38,7 @@ _KEPT = (
 """Facts of the database read or solved that stay."""
 _OWN_MASS_ERROR = 0.05
 """Difference of mass and water displaced beyond which a body does not float, of one that is meshed here."""
-REMEDY = "use smaller panels or other frequencies, keep fewer of them (hydro.omega_max), repair it (hydro.repair)"
+REMEDY = "use smaller panels or other frequencies, keep fewer of them (hydro.omega_max)"
 """What helps a body of which a check fails."""
 
 
@@ -114,7 +114,7 @@ def judged(spec: BodySpec, found: xr.Dataset) -> Judged:
     mended, repairs = repaired(body.database, spec.repair)
     ds = mended.assign(structural_damping_matrix=(PAIR, body.structural_damping))
     checks = [*failures_as_doubts(checks, spec.repair), *conjugated, *repairs]
-    return Judged(body, ds, quality.judged(checks, spec.accept, REMEDY), unseen)
+    return Judged(body, ds, quality.judged(checks, spec.accept, REMEDY, REPAIRS), unseen)
 
 
 def of_own_mass(checks: Sequence[Check], given: Body, body: LinearSystem) -> list[Check]:
