@@ -18,6 +18,7 @@ from examples import barge
 from vsb.cli import main
 from vsb.errors import ConfigError, DatabaseError
 from vsb.hydro.bodies.files import write_body
+from vsb.hydro.database import stored_checks
 from vsb.hydro.panels.rings import quick_green_function
 from vsb.stages.body_preview import check, check_wave, drifting_motions, solved_lines
 from vsb.stages.coefficients import finely_solved
@@ -179,11 +180,13 @@ def test_check_makes_coarse_panels_smaller_as_the_run_does(tmp_path):
            "pto": {"port": {"dof": "Heave"}}, "waves": [{"kind": "regular", "amplitude": 0.1, "period": 4.0}]}  # fmt: skip
     found = located(raw, str(tmp_path / "ball.yaml"))
     plan = BodyPlan(found.study, root=str(tmp_path), files=found.files)
-    (line,) = solved_lines(plan, file, check(plan).mesh)
+    line, *doubts = solved_lines(plan, file, check(plan).mesh)
     run = finely_solved(file, (), {}, str(tmp_path / "run"), green=quick_green_function())
     smaller = [part for part in run.attrs["history"].split("; ") if part.startswith("panels made smaller")]
     assert smaller
     assert line == f"doubt        panels: as given they fail; in the run {'; '.join(smaller)}; 4 frequencies tried"
+    kept = {one.name for one in stored_checks(run) if one.verdict == "doubt"}
+    assert {re.match(r"doubt +hydro (\S+) =", doubt)[1] for doubt in doubts} == kept - {"panels"}
 
 
 def test_too_few_frequencies_are_refused_in_words_of_the_file(tmp_path):

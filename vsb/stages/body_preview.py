@@ -1,7 +1,7 @@
 """Checks of a body study before anything is solved: its files, its rest, its seas, its cost."""
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -186,9 +186,12 @@ def solved_lines(plan: BodyPlan, file: BodyFile, mesh: FlexibleBody) -> list[str
             found, checks = solved(file, mesh, folder, green=green)
         checks = [check for check in checks if check.name not in plan.study.hydro.accept]
         if (finer := refined_file(file, mesh, checks)) is None:
-            judged(plan.database, within_band(found, plan.study.hydro.omega_max))
+            known = judged(plan.database, within_band(found, plan.study.hydro.omega_max)).checks
+            of_mesh = {check.name for check in mesh_checks(file, mesh)}
+            doubts = doubt_lines(check for check in known if check.name not in of_mesh)
             tried = f"{count} frequencies tried"
-            return [_refined(smaller, tried) if smaller else f"ok           panels: {tried}"]
+            first = f"panels       {tried}" if doubts else f"ok           panels: {tried}"
+            return [_refined(smaller, tried) if smaller else first, *doubts]
         smaller.append(history_of(file, finer, checks))
         file, mesh = finer, build_body(finer, plan.files)
         if not _quick(file, mesh):
@@ -236,6 +239,10 @@ def summary(plan: BodyPlan) -> list[str]:
     ]
     history = mesh.history if mesh else str(body.database.attrs.get("history", ""))
     lines += [f"note         {part}" for part in history.split("; ") if part and not part.startswith("read from")]
-    doubts = [replace(check, name=f"hydro {check.name}") for check in checks if check.verdict != "ok"]
-    checks = [*doubts, *ledger.angle_checks(study), *ledger.seas_checks(study, body.database)]
-    return [*lines, *(check.line for check in checks)]
+    checks_of_seas = [*ledger.angle_checks(study), *ledger.seas_checks(study, body.database)]
+    return [*lines, *doubt_lines(checks), *(check.line for check in checks_of_seas)]
+
+
+def doubt_lines(checks: Iterable[Check]) -> list[str]:
+    """Return the lines of checks of coefficients that do not hold."""
+    return [replace(check, name=f"hydro {check.name}").line for check in checks if check.verdict != "ok"]
