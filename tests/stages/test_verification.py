@@ -1,14 +1,22 @@
 """Stage verification: time-domain runs that correct the linear power of a campaign."""
 
 from contextlib import chdir
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import yaml
+from stages.test_body_invariance import barge
 from stages.test_members import BASE, batches, gather, parsed, with_seas
 
+from vsb.hydro.database import save_database
+from vsb.motion.port import LinearPto
 from vsb.report.campaign_answer import answer as answer_of
+from vsb.results.verification import DesignInTime
 from vsb.stages import campaign_report, verification
+from vsb.stages.body_preview import check
+from vsb.study.body import located
+from vsb.study.plan import BodyPlan
 from vsb.study.plans import plan_of
 from vsb.tools import packed
 from vsb.tools.files import load
@@ -145,3 +153,18 @@ def test_designs_that_are_viable_are_simulated_in_the_water_of_all(folder):
     ratio = (runs.drawn_weight * runs.run_power).mean() / (runs.drawn_weight * runs.linear_run_power).mean()
     year = linear.annual_mean_power.sel(design="FSB", tuning="one")
     assert float(runs.corrected_mean_power / year) == pytest.approx(float(ratio), rel=1e-9)
+
+
+def test_surge_that_lasts_for_minutes_does_not_delay_records_of_heave(tmp_path):
+    """A soft mooring leaves surge to radiation, which takes 870 s; the take-off of heave never sees it."""
+    save_database(barge(), None, tmp_path / "barge.nc")
+    raw = {"study": "raft", "body": {"database": "barge.nc", "stiffness": {"Surge": 8e5}},
+           "water": {"density": 1000.0}, "designs": {"rigid": {"dofs": ["Heave", "Pitch", "Surge"]}},
+           "pto": {"port": {"dof": "Heave"}, "damping": 8e5}, "waves": [{"kind": "still"}]}  # fmt: skip
+    found = located(raw, str(tmp_path / "study.yaml"))
+    body = check(BodyPlan(found.study, root=str(tmp_path), files=found.files)).body
+    heave = np.array([float(label == "Heave") for label in body.labels])
+    design = DesignInTime(body, None, None, np.eye(3), LinearPto(8e5, 0.0, heave))
+    omega, ratio = replace(body, pto=design.take_off).natural_modes(np.eye(3), 1.5)
+    assert (1 / (ratio * omega)).max() > 800.0
+    assert design.decay_time(1.5) < 100.0

@@ -31,6 +31,8 @@ from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 FASTEST = 1e9
 """Frequency [rad/s] above which no mode is sought."""
+STILL = 1e-3
+"""Share of the most a natural motion moves a port, at equal energy, below which it does not move it [-]."""
 STIFFNESS = ("structural", "hydrostatic", "prestress", "gas", "mooring")
 """Stiffnesses of a database, by name."""
 NO_TAKE_OFF = LinearPto(0.0)
@@ -325,7 +327,9 @@ class LinearSystem:
             )
         return np.asarray(shapes[:, values <= size])
 
-    def natural_modes(self, motions: FloatArray, highest: float = np.inf) -> tuple[FloatArray, FloatArray]:
+    def natural_modes(
+        self, motions: FloatArray, highest: float = np.inf, port: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Return wet natural frequencies [rad/s] and damping ratios [-] with the take-off, ascending.
 
         Raises `StabilityError` if the system is unstable at rest.
@@ -335,6 +339,8 @@ class LinearSystem:
         motions : ndarray, shape (dof, free)
         highest : float
             Frequencies above are left out but for the first [rad/s].
+        port : ndarray, shape (dof,) or (dof, port), optional
+            Motions at equal energy that move it by less than `STILL` of the most are left out.
 
         Notes
         -----
@@ -349,7 +355,11 @@ class LinearSystem:
         problem = _WetModes(self, motions, loose, held)
         count = held.shape[1] if highest == np.inf else min(problem.count_below(highest) + 1, held.shape[1])
         frequency = np.array([problem.frequency(i) for i in range(count)])
-        ratio = np.array([self._damping_ratio(w, problem.shape(w, i)) for i, w in enumerate(frequency)])
+        shapes = [problem.shape(w, i) for i, w in enumerate(frequency)]
+        ratio = np.array([self._damping_ratio(w, shape) for w, shape in zip(frequency, shapes, strict=True)])
+        if port is not None:
+            moved = np.array([frequency[i] * np.linalg.norm(port.T @ shape) for i, shape in enumerate(shapes)])
+            frequency, ratio = frequency[moved > STILL * moved.max()], ratio[moved > STILL * moved.max()]
         order = np.argsort(frequency)
         return frequency[order], ratio[order]
 

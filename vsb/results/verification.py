@@ -175,8 +175,12 @@ class DesignInTime:
         return replace(self, take_off=replace(self.take_off, damping=damping))
 
     def decay_time(self, omega_max: float) -> float:
-        """Return the longest decay time 1/(zeta omega) of natural motions up to a frequency, beside the damper [s]."""
-        omega, ratio = replace(self.buoy, pto=self.take_off).natural_modes(self.motions, omega_max)
+        """Return the longest decay time 1/(zeta omega) of natural motions up to a frequency, beside the damper [s].
+
+        Of those that move the port: a surge that lasts for hours beside a take-off of heave changes no power.
+        """
+        whole = replace(self.buoy, pto=self.take_off)
+        omega, ratio = whole.natural_modes(self.motions, omega_max, self.take_off.direction(len(whole.labels)))
         return float(np.max(1 / (ratio * omega)[omega <= omega_max], initial=0.0))
 
     def powers(self, sea: Sea, settings: Simulation, model: Model = "body_exact") -> tuple[float, float]:
