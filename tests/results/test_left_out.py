@@ -218,6 +218,23 @@ def test_interval_of_a_spheroid_contains_the_gain_of_more_modes(seed):
     assert np.all(found.sel(end="high") - found.sel(end="low") < 1.0)
 
 
+def test_water_of_a_shape_and_a_database_give_a_clamped_design_the_same_port(seed, tmp_path):
+    """With the modes of its rings, which have no part in either; errors are of the same degrees of freedom."""
+    designs = {"FSB": {"flexible": False}, "VSWEC90": {"clamp": 90}}
+    study = varied(
+        seed, modes={"basis": "full", "degree": 6}, designs=designs, hydro={"omega_max": 5.0}, waves=WAVES[:1]
+    )
+    plan, reference = StudyPlan(study, root=str(tmp_path)), reference_shell(study)
+    make(plan, [plan.database_path])
+    shared = BuoyOfShape(study, reference, swept_shape(study, reference.basis, str(tmp_path)))
+    omega = np.linspace(1.0, 4.0, 7)
+    at, stored = shared.at(omega), floating_system(study, plan.database_path).ports(omega)
+    for design, port in at.ports().items():
+        assert port.admittance == pytest.approx(stored[design].admittance, rel=1e-4), design
+        assert port.velocity == pytest.approx(stored[design].velocity, rel=1e-4), design
+    assert {one.error.excitation.shape for one in shared.errors(omega)} == {(len(omega), len(at.port))}
+
+
 @pytest.mark.slow
 def test_interval_of_a_year_contains_the_gain_of_many_modes(seed, tmp_path):
     omega = np.linspace(0.4, 3.0, 40)

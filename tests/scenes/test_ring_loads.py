@@ -11,7 +11,8 @@ import pytest
 from conftest import varied
 
 from vsb.scenes.mode_convergence import ModeConvergence, beyond
-from vsb.scenes.ring_loads import all_degrees_answer
+from vsb.scenes.rest import design_motions, reference_shell
+from vsb.scenes.ring_loads import all_degrees_answer, with_rings
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.modes import mode_basis
 from vsb.shell.rings import RingModes, along_wall, normal_to_wall
@@ -101,6 +102,18 @@ def test_modes_of_rings_are_what_a_richer_basis_does_statically(seed, tension):
         found.append((rows @ moved, moved.T @ whole.inertia[1:, 1:] @ moved))
     for few, many in zip(*found, strict=True):
         assert few == pytest.approx(many, rel=1e-7, abs=1e-9 * np.abs(many).max())
+
+
+def test_design_that_loads_no_ring_moves_in_its_modes_alone(seed):
+    """Though another design of the study is clamped; several ports load rings as one does."""
+    study = varied(seed, modes={"basis": "full", "degree": 6}, designs={"FREE": {}, "CLAMPED": {"clamp": 90}})
+    basis = with_rings(study, reference_shell(study)).basis
+    assert basis.labels[-2:] == ("Ring1", "Ring2")
+    assert not design_motions(study, basis, "FREE")[-2:].any()
+    assert design_motions(study, basis, "CLAMPED")[-2:].any()
+    rings = {"above": {"colatitude": 0}, "below": {"colatitude": 180}}
+    several = varied(study, designs=ALONE, pto={"ports": rings, "damping": None, "tuning": "each"})
+    assert design_motions(several, with_rings(several, reference_shell(several)).basis, "SHELL")[-2:].any()
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, best_pairs, mean_power
 from vsb.scenes.floating_system import heading
 from vsb.scenes.ports import ShapeWater, buoy_at
-from vsb.scenes.rest import order_bases, reference_shell
+from vsb.scenes.rest import loaded_at_ring, order_bases, reference_shell
 from vsb.scenes.ring_loads import all_degrees_answer
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.shell.deformed import DeformedShell, ReferenceShell
@@ -436,12 +436,6 @@ def further_about_rings(powers: Sequence[FloatArray], degrees: Sequence[int], be
     per_degree = (steps.T / widths).T.max(axis=0)
     missing = max(RESOLVED * bending - degrees[-1], 0.0)
     return np.asarray(SAFETY * np.maximum(steps.sum(axis=0), missing * per_degree))
-
-
-def loaded_at_ring(study: AnyBuoy, design: str) -> bool:
-    """Return whether a clamp, a take-off at the shell or a mooring acts at a ring of the shell of a design."""
-    held = study.pto.held
-    return bool(study.designs[design].clamp or study.pto.on_shell or (held and held.place == "ring"))
 
 
 def bending_degree(study: AnyBuoy, design: str) -> float | None:

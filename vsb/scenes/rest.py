@@ -75,6 +75,8 @@ def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray
     if not chosen.flexible:
         return side_by_side(np.eye(len(basis.labels), 1), *others)
     free = basis.clamped(clamps) if chosen.clamp else np.eye(len(basis.labels))
+    if basis.rings and not loaded_at_ring(study, design):
+        free = free[:, : -len(basis.rings.labels)]
     if free.shape[1] < 2:
         raise ConfigError(
             f"designs.{design}.clamp: received {list(chosen.clamp)}, which leaves none of the {len(basis.modes)} shell "
@@ -83,6 +85,15 @@ def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray
     if (held := mooring_rows(study, basis)).size:
         free = free @ null_space(held @ free)
     return side_by_side(free, *others)
+
+
+def loaded_at_ring(study: Designed, design: str) -> bool:
+    """Return whether a clamp, a take-off at the shell or a mooring acts at a ring of the shell of a design."""
+    if study.designs[design].clamp:
+        return True
+    held = None if isinstance(study, ModesSpec) else study.pto.held
+    on_shell = not isinstance(study, ModesSpec) and study.pto.on_shell
+    return bool(on_shell or (held and held.place == "ring"))
 
 
 def mooring_rows(study: Designed, basis: ModeBasis) -> FloatArray:

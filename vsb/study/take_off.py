@@ -400,8 +400,9 @@ class Pto(Brief):
 
     @property
     def on_shell(self) -> bool:
-        """Whether its port is at points of the shell, or moves with its strain."""
-        return isinstance(self.port, ShellPort | BetweenPort | StrainPort)
+        """Whether a port of it is at points of the shell, or moves with its strain."""
+        ports = self.port.ports.values() if isinstance(self.port, SeveralPorts) else [self.port]
+        return any(isinstance(port, ShellPort | BetweenPort | StrainPort) for port in ports)
 
     @property
     def moved_by_heave(self) -> bool:
