@@ -200,7 +200,7 @@ def read(raw: object, source: str) -> "LoadedCampaign":
     except OSError as error:
         raise ConfigError(
             f"{source}: climate: received {campaign.climate.file}, which cannot be read ({error.strerror}); needs the "
-            "path of a file, relative to this one"
+            "path of a file, or of a folder of spectra, relative to this one"
         ) from None
     return LoadedCampaign(
         campaign=campaign, source=source, base=study, climate_path=str(climate), climate_id=digest,

@@ -384,7 +384,7 @@ def read(raw: object, source: str) -> LoadedDesign:
         mistakes.add(
             "climate",
             f"received {problem.climate.file}, which cannot be read ({error.strerror}); needs the path of a file, "
-            "relative to this one",
+            "or of a folder of spectra, relative to this one",
         )
     mistakes.check()
     _check_reachable(problem, study, mistakes)

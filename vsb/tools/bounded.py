@@ -76,14 +76,15 @@ def decoded(data: bytes) -> str:
 
 
 def files_of(folder: str | Path) -> list[Path]:
-    """Return the files of a folder by name, without hidden ones and folders in it; `OSError` if it cannot be read."""
-    return sorted(path for path in Path(folder).iterdir() if path.is_file() and not path.name.startswith("."))
+    """Return the files of a folder and of those in it by name, without hidden ones."""
+    found = (path for path in Path(folder).rglob("*") if path.is_file())
+    return sorted(path for path in found if not any(part.startswith(".") for part in path.relative_to(folder).parts))
 
 
 def sha256_of(path: str | Path) -> str:
     """Return the checksum of what a file of any size holds, or a folder; `OSError` as of `open_regular`."""
     if os.path.isdir(path):
-        held = "".join(f"{file.name} {sha256_of(file)}\n" for file in files_of(path))
+        held = "".join(f"{file.relative_to(path)} {sha256_of(file)}\n" for file in files_of(path))
         return hashlib.sha256(held.encode()).hexdigest()
     with open_regular(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

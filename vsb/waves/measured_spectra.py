@@ -43,8 +43,10 @@ TEXTS = {b"SWAN": "swan", b"'WAVEWATCH III": "ww3_station", b"TRIAXYS BUOY": "tr
 """First characters of texts that wavespectra reads, and the name of its reader."""
 DATAWELL = ".spt"
 """End of the names of Datawell's files."""
+_BEFORE = 12  # lines of a Datawell file before its spectrum
 STATED = 0.05
 """Relative difference allowed between the height a file of a buoy states and that of its spectrum."""
+OTHER_GRID = "received other frequencies or directions than {} has; needs files of one buoy with one setting"
 MOST_FILES = 20_000
 """Files of a folder: a year of half-hours is 17 568."""
 EXPECTED = {
@@ -70,8 +72,8 @@ def read_spectra(path: str | Path) -> Climate:
     ----------
     path : path
         Density over time, frequency [Hz] and perhaps direction, by one of `NAMES`, in m^2/Hz, m^2/Hz/degree or
-        m^2/Hz/radian as its units say; by wavespectra, netCDF of ERA5 and the texts of SWAN, WAVEWATCH III, TRIAXYS and
-        Datawell.
+        m^2/Hz/radian as its units say; Datawell's text; by wavespectra, netCDF of ERA5 and the texts of SWAN, WAVEWATCH
+        III and TRIAXYS.
     """
     stored = _joined(path) if Path(path).is_dir() else _stored(path)
     if stored is None:
@@ -109,7 +111,7 @@ def _stored(path: str | Path) -> "xr.Dataset | None":
     if reader := next((name for start, name in TEXTS.items() if start in begin), ""):
         return _per_hertz(path, _by_wavespectra(path, reader))
     if Path(path).suffix.lower() == DATAWELL:
-        return _per_hertz(path, _by_wavespectra(path, "datawell", {"dd": None}))
+        return _per_hertz(path, _of_datawell([Path(path)]))
     return None
 
 
@@ -120,6 +122,8 @@ def _joined(folder: str | Path) -> "xr.Dataset":
     files, found = files_of(folder), list[xr.DataArray]()
     if not 0 < len(files) <= MOST_FILES:
         raise ConfigError(f"{folder}: received a folder of {len(files)} files; needs 1 to {MOST_FILES} of spectra")
+    if all(file.suffix.lower() == DATAWELL for file in files):
+        return _per_hertz(folder, _of_datawell(files))
     for file in files:
         if (stored := _stored(file)) is None or "time" not in stored.efth.dims:
             raise ConfigError(
@@ -132,10 +136,7 @@ def _joined(folder: str | Path) -> "xr.Dataset":
             for each in (one, *found[:1])
         ]
         if over[0] != over[-1]:
-            raise ConfigError(
-                f"{file}: received other frequencies or directions than {files[0].name} has; needs files of one buoy "
-                "with one setting"
-            )
+            raise ConfigError(f"{file}: {OTHER_GRID.format(files[0].name)}")
         found.append(one)
     return xr.concat(found, "time").to_dataset(name="efth")
 
@@ -251,8 +252,6 @@ def _by_wavespectra(path: str | Path, reader: str, options: dict[str, float | No
                 stored.efth.attrs["units"] = "m2 s"  # it states the units of spectra over direction there, too
             if {stored.efth.dtype.kind, stored.freq.dtype.kind} <= {*"iuf"}:
                 stored = stored.sortby("freq")
-                if reader == "datawell":
-                    _check_stated_height(path, stored)
                 if reader == "triaxys":
                     _check_stated_lines(path)
                 return stored
@@ -265,17 +264,38 @@ def _by_wavespectra(path: str | Path, reader: str, options: dict[str, float | No
     raise ConfigError(f"{path}: cannot be read by wavespectra; needs {EXPECTED[reader]}")
 
 
-def _check_stated_height(path: str | Path, ds: "xr.Dataset") -> None:
-    """Check that a Datawell file, which states its height, is not cut: `ConfigError`."""
-    cells = [line.count(",") for line in read_unpacked(path).decode("latin-1").splitlines() if "," in line]
-    if min(cells) < max(cells):
-        raise ConfigError(f"{path}: ends or breaks in the middle of a line; needs a whole file")
-    stated, omega = ds.hs.item(), 2 * np.pi * ds.freq.values
-    held = 4 * float(ds.efth.values.ravel() / (2 * np.pi) @ np.diff(band_edges(omega))) ** 0.5
+def _of_datawell(files: list[Path]) -> "xr.Dataset":
+    """Spectra of files of a Datawell buoy, of which a year has 17 568: read here, in a fraction of the time."""
+    import xarray as xr
+
+    times, grids, densities = zip(*map(_datawell, files), strict=True)
+    for file, hertz in zip(files, grids, strict=True):
+        if not np.array_equal(hertz, grids[0]):
+            raise ConfigError(f"{file}: {OTHER_GRID.format(files[0].name)}")
+    found = xr.Dataset({"efth": (("time", "freq"), np.array(densities), {"units": "m2 s"})})
+    return found.assign_coords(time=np.array(times, dtype="datetime64[ns]"), freq=grids[0])
+
+
+def _datawell(path: Path) -> tuple[datetime, FloatArray, FloatArray]:
+    """Date, frequencies [Hz] and densities [m^2/Hz] of one file of a Datawell buoy.
+
+    Twelve lines, Hs [cm] and the largest density [m^2/Hz] the second and fourth of them; then a line for each
+    frequency, with the density relative to the largest. The date stands in the name.
+    """
+    try:
+        lines = read_unpacked(path).decode("ascii").split("\n")
+        head = [float(line) for line in lines[:_BEFORE]]
+        rows = np.array([[float(cell) for cell in line.split(",")] for line in lines[_BEFORE:] if line.strip()])
+        time = datetime.strptime(path.stem.partition("}")[2].removesuffix("Z"), "%Y-%m-%dT%Hh%M")
+        hertz, density = rows[:, 0], head[3] * rows[:, 1]
+    except (ValueError, IndexError):
+        raise ConfigError(f"{path}: cannot be read; needs {EXPECTED['datawell']}") from None
+    stated, held = head[1] / 100, 4 * float(density @ np.diff(band_edges(hertz))) ** 0.5
     if not abs(held - stated) <= STATED * max(held, stated):
         raise ConfigError(
             f"{path}: received Hs {stated:.3g} m, but its spectrum holds {held:.3g} m; needs a whole file"
         )
+    return time, hertz, density
 
 
 def _check_stated_lines(path: str | Path) -> None:
