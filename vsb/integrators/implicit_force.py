@@ -65,20 +65,25 @@ def _tangent(step: Step, around: FloatArray, moved: float, nodes: int, free: int
 
 
 @njit(cache=True)
-def solve_nodes(r: Remainder, step: Step, time: FloatArray, carried: FloatArray, n: FloatArray, scale: float) -> float:
-    """Solve for n at the nodes; return the last change, over the scale.
+def solve_nodes(
+    r: Remainder, step: Step, time: FloatArray, carried: FloatArray, n: FloatArray, scale: float, enough: float
+) -> float:
+    """Solve for n at the nodes, the first at the start; return the last change of the state over the scale.
 
-    By substitution while that converges fast, else by Newton's method, shortened where the residual grows. The water's
-    force is called in one place only: its code is large.
+    By substitution while that converges fast, else by Newton's method, shortened where the residual grows, until a
+    change is enough or round-off. The water's force is called in one place only: its code is large.
     """
     nodes, free = n.shape
     now = n.ravel()
     begun, base, full = now.copy(), now.copy(), np.zeros(nodes * free)
     newton, share, least, change, sweep = False, 1.0, np.inf, np.inf, 0
     while sweep < SWEEPS + NEWTON:
-        places, times = _places((carried + step.forced @ now).reshape(n.shape), time, 1e-6 * scale, newton)
+        known = 1 if sweep > 0 and not newton else 0  # n at the start, whose position is given
+        positions = (carried + step.forced @ now).reshape(n.shape)
+        places, times = _places(positions[known:], time[known:], 1e-6 * scale, newton)
         force = added(r, times, places)
-        missing = force[:nodes].ravel() - now
+        missing = np.zeros(nodes * free)
+        missing[known * free :] = force[: nodes - known].ravel() - now[known * free :]
         size = np.sqrt(np.sum(missing**2))
         if newton and not size < least:
             share /= 2
@@ -93,7 +98,7 @@ def solve_nodes(r: Remainder, step: Step, time: FloatArray, carried: FloatArray,
         share, least, change = 1.0, size, step.size * np.sqrt(np.sum(full**2)) / scale
         assign(base, now)
         assign(now, now + full)
-        if change <= ROUND_OFF or STALLED > change >= 0.5 * before:
+        if change <= max(enough, ROUND_OFF) or STALLED > change >= 0.5 * before:
             break
         if not newton and (sweep == SWEEPS or not change < 0.7 * before):
             newton, least, change = True, np.inf, np.inf

@@ -8,10 +8,10 @@ with beta = shapes^T b, s the scale of the modes and constant c, k, f. In a line
 exp(A (t - t_0)) (z - z_s)(t_0) about the steady response z_s to the waves has no step-size error. f is one more,
 constant state.
 
-In a body-exact scene n(t, z) is what the water does beyond its tangent. Over a step it is the polynomial of degree four
-through its values at five equally spaced instants of the motion it causes: exponential collocation, of order 6. Its
-Taylor coefficients are states like f, so the motion inside a step is that of a linear system, known at every instant an
-event may need, to the same order. No past is needed: a step starts afresh after each event.
+In a body-exact scene n(t, z) is what the water does beyond its tangent. Over one or more steps it is the polynomial of
+degree four through its values at five equally spaced instants of the motion it causes: exponential collocation, of
+order 6. Its Taylor coefficients are states like f, so the motion inside is that of a linear system, known at every
+instant an event may need, to the same order. No past is needed: a polynomial starts afresh after each event.
 """
 
 from collections.abc import Iterable
@@ -24,10 +24,11 @@ import numpy as np
 from scipy.linalg import eigh
 
 from vsb.integrators.exact import SERIES, steady_state, transition
+from vsb.integrators.exponential import phi_integrals
 from vsb.integrators.implicit_force import STALLED, Step, added, solve_nodes
 from vsb.motion.system import Remainder, System
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.waves.seas import superposed
+from vsb.waves.sampling import Sampler, signals, signals_along
 
 AHEAD = 128
 """Most instants computed ahead at a time."""
@@ -59,8 +60,11 @@ class Phase:
 
     carried = 0
     """Further states per mode: none in a linear scene."""
-    reach = AHEAD
-    """Steps that can be computed ahead."""
+
+    @property
+    def reach(self) -> int:
+        """Most steps that can be computed ahead."""
+        return AHEAD
 
     @cached_property
     def free_rates(self) -> FloatArray:
@@ -112,29 +116,40 @@ class Phase:
         out[2] = self.port @ self.free_rates / (self.port @ self.port)
         return out
 
+    @cached_property
+    def steady(self) -> Sampler:
+        """Z_s, and the waves along the port over beta^2."""
+        along = self.system.waves @ self.port / (self.port @ self.port)
+        return Sampler(signals(self.system.omega, np.column_stack([self.swing, along])))
+
+    def swung(self, time: FloatArray) -> FloatArray:
+        """Return z_s and the waves along the port over beta^2 at some instants, shape (time, state + 1)."""
+        held = self.steady.during(float(time[0]), float(time[-1]))
+        return np.asarray(signals_along(held, np.ascontiguousarray(time)))
+
     def transient(self, t: float, state: FloatArray) -> FloatArray:
         """Return (z - z_s, f, ...) at an instant of (z, f, ...)."""
         out, order = state.copy(), len(self.system.matrix)
-        out[:order] -= np.real(np.exp(-1j * self.system.omega * t) @ self.swing)
+        out[:order] -= self.swung(np.array([t]))[0, :-1]
         return out
 
     def states(self, time: FloatArray, transients: FloatArray) -> FloatArray:
-        """Return (z, f, ...) at equally spaced instants, of transients (z - z_s, f, ...), shape (time, state + ...)."""
+        """Return (z, f, ...) at some instants, of transients (z - z_s, f, ...), shape (time, state + ...)."""
         out, order = transients.copy(), len(self.system.matrix)
-        out[:, :order] += superposed(self.system.omega, self.swing, time)
+        out[:, :order] += self.swung(time)[:, :-1]
         return out
 
     def watched(self, time: FloatArray, states: FloatArray) -> Signals:
-        """Return the signals of (z, f, ...) at equally spaced instants."""
+        """Return the signals of (z, f, ...) at some instants."""
         count, n = len(self.matrix), self.system.free
-        wave = superposed(self.system.omega, (self.system.waves @ self.port)[:, None], time)[:, 0]
+        wave = self.swung(time)[:, -1]
         stroke, velocity, net_force = self.signals @ states[:, :count].T
         if self.carried:
-            wave = wave + states[:, count : count + n] @ self.port
-        return Signals(stroke - self.rest, velocity, net_force + wave / (self.port @ self.port))
+            wave = wave + states[:, count : count + n] @ self.port / (self.port @ self.port)
+        return Signals(stroke - self.rest, velocity, net_force + wave)
 
-    def begun(self, t: float, state: FloatArray) -> tuple[FloatArray, float]:
-        """Return (z, f, ...) at the start of a step, and the error of n: none in a linear scene."""
+    def begun(self, t: float, state: FloatArray, steps: int, limit: float) -> tuple[FloatArray, float]:
+        """Return (z, f, ...) at the start of some steps, and the error of z at their end: none in a linear scene."""
         return state, 0.0
 
     def added(self, states: FloatArray) -> FloatArray:
@@ -201,10 +216,21 @@ def port_rate(system: System, port: FloatArray, springs: Iterable[float], damper
     return max(rates)
 
 
+LONGEST = 32
+"""Most steps under one polynomial."""
+MATRICES = 2**21
+"""Numbers in their matrices, at most."""
+MET = 1e-2
+"""Change of the last iteration over the error some steps may make."""
 NODES = 5
 PROBE = 0.375
 """Point of a step where n is compared with its polynomial: midway between two nodes."""
 _NODE = np.linspace(0.0, 1.0, NODES)
+_AT_PROBE, _AT_NODES = 2, np.array([0, 1, 3, 4, 5])
+_INSTANTS = np.insert(_NODE, _AT_PROBE, PROBE)
+"""Nodes and probe in order."""
+_DISTANCES = np.poly(_NODE)[::-1] / np.polyval(np.poly(_NODE), PROBE)
+"""Coefficients of x^k in the product of distances from the nodes, 1 at the probe."""
 
 
 def taylor(at: FloatArray) -> FloatArray:
@@ -217,12 +243,27 @@ _COEFFICIENTS = np.linalg.inv(_TAYLOR)
 """Taylor coefficients from the values at the nodes."""
 
 
+class Collocation(NamedTuple):
+    """Matrices of a collocation over some steps."""
+
+    nodes: Step
+    coefficients: FloatArray  # Taylor coefficients, in units of a step, from the values at the nodes (NODES, NODES)
+    probe: FloatArray  # positions at `PROBE` from (z - z_s, f, coefficients) at the start (free, state + ...)
+    at_nodes: FloatArray  # n at the nodes from the coefficients (NODES, NODES)
+    at_probe: FloatArray  # n at the probe from the coefficients (NODES,)
+    missed: FloatArray  # z at the end from what n misses there (free, state)
+
+
 @dataclass(frozen=True, eq=False)
 class WetPhase(Phase):
     """A scene with water on its instantaneous wet shell; states are (z, f, Taylor coefficients of n)."""
 
     carried = NODES
-    reach = 1
+
+    @property
+    def reach(self) -> int:
+        """Most steps that can be computed ahead with matrices of bounded memory, a power of 2."""
+        return int(min(2 ** int(np.log2(max(MATRICES / self.flow.size, 1.0))), LONGEST))
 
     @cached_property
     def water(self) -> Remainder:
@@ -231,52 +272,68 @@ class WetPhase(Phase):
         assert found is not None
         return found
 
-    @cached_property
-    def _at_nodes(self) -> FloatArray:
-        """Positions at the nodes from (z - z_s, f, coefficients) at the start, shape (NODES, free, state + ...)."""
-        quarter, out = transition(self.flow * (self.step / (NODES - 1))), [np.eye(len(self.flow))]
-        while len(out) < NODES:
-            out.append(quarter @ out[-1])
-        return np.array(out)[:, : self.system.free]
+    def in_waves(self, time: FloatArray) -> Remainder:
+        """Return the arguments of n with waves sampled for some instants."""
+        water = self.system.scene.water
+        assert water is not None
+        waves = water.waves_during(float(time[0]), float(time[-1]))
+        return self.water._replace(waves=waves) if waves else self.water
 
     @cached_property
-    def _at_probe(self) -> FloatArray:
-        """Likewise at `PROBE`, shape (free, state + ...)."""
-        return transition(self.flow * (self.step * PROBE))[: self.system.free]
+    def _collocations(self) -> dict[int, Collocation]:
+        """Collocations found so far, by number of steps."""
+        return {}
 
-    @cached_property
-    def _collocation(self) -> Step:
-        """Matrices of the collocation: positions without n, and what n at the nodes adds."""
-        n, count = self.system.free, len(self.matrix)
-        rows = self._at_nodes.reshape(NODES * n, -1)
-        forced = rows[:, count:] @ np.kron(_COEFFICIENTS, np.eye(n))
-        return Step(self.step, np.ascontiguousarray(rows[:, :count]), np.ascontiguousarray(forced))
+    def collocation(self, steps: int) -> Collocation:
+        """Return the collocation over some steps."""
+        if steps not in self._collocations:
+            n, count, span = self.system.free, len(self.matrix), self.step * steps
+            quarter, parts = transition(self.flow * (span / (NODES - 1))), [np.eye(len(self.flow))]
+            while len(parts) < NODES:
+                parts.append(quarter @ parts[-1])
+            rows = np.array(parts)[:, :n].reshape(NODES * n, -1)
+            to_taylor = _COEFFICIENTS / float(steps) ** np.arange(NODES)[:, None]
+            forced = rows[:, count:] @ np.kron(to_taylor, np.eye(n))
+            nodes = Step(span, np.ascontiguousarray(rows[:, :count]), np.ascontiguousarray(forced))
+            order = len(self.system.matrix)
+            response = phi_integrals(self.matrix[:order, :order], self.flow[:order, count : count + n], span, NODES + 1)
+            self._collocations[steps] = Collocation(
+                nodes,
+                to_taylor,
+                transition(self.flow * (span * PROBE))[:n],
+                taylor(steps * _NODE),
+                taylor(np.array([steps * PROBE]))[0],
+                response.of_polynomials(_DISTANCES[:, None], span)[0],
+            )
+        return self._collocations[steps]
 
-    def swung(self, time: FloatArray) -> FloatArray:
-        """Return scaled modal positions of z_s at any instants, shape (time, free)."""
-        turn = np.exp(-1j * np.outer(time, self.system.omega))
-        return np.asarray(np.real(turn @ self.swing[:, : self.system.free]))
+    def begun(self, t: float, state: FloatArray, steps: int, limit: float) -> tuple[FloatArray, float]:
+        """Return (z, f, coefficients) at the start of some steps, consistent with their motion, and the error of z.
 
-    def begun(self, t: float, state: FloatArray) -> tuple[FloatArray, float]:
-        """Return (z, f, coefficients) at the start of a step, consistent with its motion, and the error of n.
-
-        The iteration starts from the coefficients of the step before. The error is infinite if it does not converge:
-        the step is too long.
+        The iteration starts from the coefficients before, and ends at a small part of the limit of the error. The error
+        is what n misses at the probe, with the shape of the product of its distances from the nodes. It is infinite if
+        the iteration does not converge: the steps are too long together.
         """
         count, n, z = len(self.matrix), self.system.free, state[: len(self.matrix) - 1]
-        time = t + self.step * _NODE
-        values = _TAYLOR @ state[count:].reshape(NODES, n)
-        around = self.transient(t, state)
-        away = self._collocation.free @ around[:count] + self.swung(time).ravel()
-        scale = max(float(np.linalg.norm(z)), self.system.least, self.step * self.water.round_off / STALLED)
-        if not solve_nodes(self.water, self._collocation, time, away, values, scale) < STALLED:
+        own = self.collocation(steps)
+        span, time = own.nodes.size, t + own.nodes.size * _INSTANTS
+        water, swung = self.in_waves(time), self.swung(time)[:, :-1]
+        values = own.at_nodes @ state[count:].reshape(NODES, n)
+        around = state.copy()
+        around[: len(z)] -= swung[0]
+        away = own.nodes.free @ around[:count] + swung[_AT_NODES, :n].ravel()
+        scale = max(float(np.linalg.norm(z)), self.system.least, span * water.round_off / STALLED)
+        enough = MET * limit / scale
+        change = solve_nodes(water, own.nodes, time[_AT_NODES], away, values, scale, enough)
+        if not change < max(enough, STALLED):
             return state, np.inf
-        out = np.append(state[:count], _COEFFICIENTS @ values)
-        there = np.array([t + PROBE * self.step])
-        place = self._at_probe @ self.transient(t, out) + self.swung(there)[0]
-        seen = added(self.water, there, place[None])[0]
-        missed = seen - taylor(np.array([PROBE]))[0] @ out[count:].reshape(NODES, n)
-        return out, float(self.step * np.linalg.norm(missed))
+        coefficients = own.coefficients @ values
+        out = np.append(state[:count], coefficients)
+        around[count:] = coefficients.ravel()
+        place = own.probe @ around + swung[_AT_PROBE, :n]
+        seen = added(water, time[_AT_PROBE : _AT_PROBE + 1], place[None])[0]
+        missed = seen - own.at_probe @ coefficients
+        return out, float(np.linalg.norm(missed @ own.missed)) + change * scale
 
     def added(self, states: FloatArray) -> FloatArray:
         """Return n and its first two derivatives in time, shape (3, node, free)."""

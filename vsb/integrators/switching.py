@@ -1,10 +1,11 @@
 """Motion under a switching take-off: exact between events in a linear scene, with events located to round-off.
 
 A take-off's law and an end stop (`vsb.motion.forces`) are piecewise linear, so from one switch to the next a linear
-scene is one linear regime (`vsb.integrators.phases`) whose motion is known exactly. In a body-exact scene the rest of
-the water's force is added by steps of order 6, known inside to the same order. Guards are evaluated at instants close
-enough for every motion the port can feel; where one has changed sign between two of them its zero is found by Brent's
-method on that motion. In a linear scene no step size matters but the distance of these instants.
+scene is one linear regime (`vsb.integrators.phases`) whose motion is known exactly. Guards are evaluated at instants
+close enough for every motion the port can feel; where one has changed sign between two of them its zero is found by
+Brent's method on that motion. In a linear scene no step size matters but the distance of these instants. In a
+body-exact scene the rest of the water's force is added by polynomials of order 6, known inside to the same order, each
+over as many of these instants as the tolerance allows.
 """
 
 import time as clock
@@ -71,7 +72,8 @@ class Track:
     leaving: list[FloatArray] = field(default_factory=list)  # as the next step begins
     regular: list[BoolArray] = field(default_factory=list)  # which are whole strides apart
     modes: list[Mode] = field(default_factory=list)
-    error: float = 0.0  # of all steps together, in the norm of the state
+    error: float = 0.0  # of all steps together, in the norm of z
+    largest: float = 0.0  # norm of z
     events: list[float] = field(default_factory=list)  # when pieces changed [s]
 
     def add(self, times: FloatArray, states: FloatArray, mode: Mode, regular: BoolArray) -> None:
@@ -98,11 +100,6 @@ class Track:
         for k, mode in enumerate(self.modes):
             out.setdefault(mode, []).append(k)
         return out
-
-    @property
-    def largest(self) -> float:
-        """Largest norm of the states."""
-        return max(float(np.linalg.norm(states, axis=1).max(initial=0.0)) for states in self.states)
 
 
 def dips(values: FloatArray, rates: FloatArray) -> list[tuple[int, float]]:
@@ -138,7 +135,11 @@ RESOLVED = 0.25
 """Largest distance of the instants of the lookout [rad], for the fastest motion at the port."""
 EXACT, COARSER = 1e-6, 4.0
 """Tolerance for which it is chosen, with works and steps of order 6, and its largest increase for a larger one."""
-CLOSE = 8  # instants computed ahead after an event; doubled each time there is no other
+CLOSE = 8  # instants computed ahead after an event, at most; doubled each time there is no other
+GROWTH = 2.0**7
+"""Twice the steps make 2^6 times the error per time."""
+SAFE = 5.0
+"""Errors of successive steps differ in sign: what adds up is such a part of them."""
 FINEST = 10  # halvings of a recorded step, for accuracy
 AT_ONCE = 2**15
 """Instants of the lookout computed together: bounds the memory of a run."""
@@ -327,31 +328,49 @@ class Switching:
 
     # runs -----------------------------------------------------------------------------------------------------------
 
-    def track(self, time: FloatArray, z: FloatArray, finer: int) -> tuple[Track, Mode]:
+    def begun(
+        self, phase: Phase, t: float, state: FloatArray, steps: int, rate: float
+    ) -> tuple[FloatArray, float, int]:
+        """Return the start of so many steps, or fewer if their error per second exceeds a rate, and their error."""
+        while True:
+            limit = rate * steps * phase.step
+            found, error = phase.begun(t, state, steps, SAFE * limit)
+            if steps == 1 or error <= SAFE * limit:
+                return found, error / SAFE, steps
+            steps //= 2
+
+    def track(self, time: FloatArray, z: FloatArray, finer: int, tolerance: float) -> tuple[Track, Mode]:
         """Return the motion at its nodes, the instants of the lookout and the events, and the mode at its end.
 
         Raises `ConvergenceError` if the take-off switches without end.
         """
         count, lookout = (len(time) - 1) * finer, self.lookout(time, finer)
         grid, whole = np.linspace(time[0], time[-1], count + 1), np.arange(count + 1) % lookout.stride == 0
-        t, i, far, track = float(grid[0]), 0, CLOSE, Track(lookout)
+        t, i, far, track, order = float(grid[0]), 0, CLOSE, Track(lookout), len(z)
+        track.largest = max(float(np.linalg.norm(z)), self.system.least)
         state = self.fresh(t, z, lookout)
         mode = self.modes.get(t) or self.first(t, state, lookout)
         track.add(grid[:1], state[None], mode, whole[:1])
         while i < count and np.isfinite(track.error):
             phase, f = self.phase(mode, lookout)
-            state, error = phase.begun(t, self.with_constant(f, state))
+            rate = tolerance * track.largest / (grid[-1] - grid[0])
+            state, error, far = self.begun(phase, t, self.with_constant(f, state), min(far, phase.reach), rate)
             track.leave(state, error)
             transient = phase.transient(t, state)
             even = t == grid[i] and i % lookout.steps(mode) == 0
-            seen = lookout.ahead(mode, i, min(far, phase.reach) if even else 1)
+            seen = lookout.ahead(mode, i, far if even else 1)
             ahead = grid[seen]
             transients = phase.ahead[: len(ahead)] @ transient if even else phase.later(transient, ahead[0] - t)[None]
             states = phase.states(ahead, transients)
             ends = np.append(t, ahead), np.vstack([state, states]), np.vstack([transient, transients])
             passed, broken = self.undisturbed(mode, phase, *ends)
             track.add(ahead[:passed], states[:passed], mode, whole[seen][:passed])
-            far = CLOSE if broken else min(2 * far, phase.reach)
+            largest = float(np.linalg.norm(states[: passed + 1, :order], axis=1).max())
+            track.largest = max(track.largest, largest)
+            if broken:
+                far = min(far, CLOSE)
+            elif GROWTH * error <= rate * far * phase.step:
+                far *= 2
             if passed:
                 t, i = float(ahead[passed - 1]), range(count + 1)[seen][passed - 1]
                 state, transient = states[passed - 1], transients[passed - 1]
@@ -377,8 +396,8 @@ class Switching:
         """
         finer, z = self.finer(float(time[1] - time[0])), self.system.first(start)
         while True:
-            track, mode = self.track(time, z, finer)
-            if track.error <= share * self.tolerance * max(track.largest, self.system.least):
+            track, mode = self.track(time, z, finer, share * self.tolerance)
+            if track.error <= share * self.tolerance * track.largest:
                 self.modes[float(time[-1])] = mode
                 return track, finer
             if finer >= 2**FINEST:
