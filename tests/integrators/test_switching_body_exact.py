@@ -76,6 +76,17 @@ def test_energy_audit_closes_and_forces_balance(seed, name):
         assert 0.3 * lossless < np.abs(motion.position[:, 0]).max() - stop.stroke < lossless
 
 
+@pytest.mark.parametrize("name", ["saturated", "latching"])
+def test_motion_keeps_its_tolerance(seed, name):
+    """However many instants one polynomial of the water's force reaches over."""
+    law, stop = LAWS[name]
+    system, time = System.of(scene(seed, 2, law, stop)), np.linspace(0.0, DURATION, 401)
+    start = (system.scene.rest + system.scene.start(*START)[0], system.scene.start(*START)[1])
+    exact, coarse = (system.states(Switching(system, tol).follow(time, start)[0]) for tol in (1e-9, 1e-5))
+    error = np.linalg.norm(coarse - exact, axis=1).max() / np.linalg.norm(exact, axis=1).max()
+    assert 1e-12 < error < 1e-5
+
+
 @pytest.mark.parametrize("name", ["coulomb", pytest.param("latching", marks=pytest.mark.slow)])
 def test_energy_audit_closes_at_a_port_of_strain(seed, name):
     """Tension against the change of area, of friction [N/m] or latched: the shell strains in steps."""

@@ -339,10 +339,17 @@ class Switching:
                 return found, error / SAFE, steps
             steps //= 2
 
-    def track(self, time: FloatArray, z: FloatArray, finer: int, tolerance: float) -> tuple[Track, Mode]:
+    @cached_property
+    def horizon(self) -> float:
+        """Time over which errors add up [s]: that of the slowest decay without the take-off."""
+        slowest = -float(np.linalg.eigvals(self.system.matrix).real.max())
+        return 1.0 / slowest if slowest > 0 else np.inf
+
+    def track(self, time: FloatArray, z: FloatArray, finer: int, over: float) -> tuple[Track, Mode]:
         """Return the motion at its nodes, the instants of the lookout and the events, and the mode at its end.
 
-        Raises `ConvergenceError` if the take-off switches without end.
+        Errors over a time `over` [s] may add up to the tolerance. Raises `ConvergenceError` if the take-off switches
+        without end.
         """
         count, lookout = (len(time) - 1) * finer, self.lookout(time, finer)
         grid, whole = np.linspace(time[0], time[-1], count + 1), np.arange(count + 1) % lookout.stride == 0
@@ -353,7 +360,7 @@ class Switching:
         track.add(grid[:1], state[None], mode, whole[:1])
         while i < count and np.isfinite(track.error):
             phase, f = self.phase(mode, lookout)
-            rate = tolerance * track.largest / (grid[-1] - grid[0])
+            rate = self.tolerance * track.largest / over
             state, error, far = self.begun(phase, t, self.with_constant(f, state), min(far, phase.reach), rate)
             track.leave(state, error)
             transient = phase.transient(t, state)
@@ -388,16 +395,18 @@ class Switching:
                     )
         return track, mode
 
-    def tracked(self, time: FloatArray, start: tuple[FloatArray, ...], share: float = 1.0) -> tuple[Track, int]:
+    def tracked(self, time: FloatArray, start: tuple[FloatArray, ...], whole: float = 0.0) -> tuple[Track, int]:
         """Return the motion at its nodes, and the number of instants of the lookout in a recorded step.
 
-        `share` is the part of the tolerance for these instants. Raises `ConvergenceError` if a body-exact motion is not
-        followed to the tolerance with the finest lookout.
+        `whole` is the duration of the run these instants are of, if they are a part [s]. Raises `ConvergenceError` if a
+        body-exact motion is not followed to the tolerance with the finest lookout.
         """
+        duration = float(time[-1] - time[0])
+        over = min(whole or duration, self.horizon)
         finer, z = self.finer(float(time[1] - time[0])), self.system.first(start)
         while True:
-            track, mode = self.track(time, z, finer, share * self.tolerance)
-            if track.error <= share * self.tolerance * track.largest:
+            track, mode = self.track(time, z, finer, over)
+            if track.error <= self.tolerance * track.largest * duration / over:
                 self.modes[float(time[-1])] = mode
                 return track, finer
             if finer >= 2**FINEST:
@@ -477,15 +486,15 @@ class Switching:
         blocks, switches = [], 0
         for first in range(0, steps, block):
             instants = time[first : first + block + 1]
-            motion, more = self._block(instants, start, (len(instants) - 1) / steps)
+            motion, more = self._block(instants, start, float(time[-1] - time[0]))
             blocks.append(motion)
             start, switches = (motion.position[-1], motion.velocity[-1], motion.memory[-1]), switches + more
         return joined(blocks), switches
 
-    def _block(self, time: FloatArray, start: tuple[FloatArray, ...], share: float) -> tuple[Motion, int]:
-        """Motion and number of switches of a part of a run, with a share of the tolerance."""
+    def _block(self, time: FloatArray, start: tuple[FloatArray, ...], whole: float) -> tuple[Motion, int]:
+        """Motion and number of switches of a part of a run of some duration [s]."""
         begun = clock.perf_counter()
-        track, finer = self.tracked(time, start, share)
+        track, finer = self.tracked(time, start, whole)
         nodes, states, leaving = (np.concatenate(part) for part in (track.times, track.states, track.leaving))
         regular = np.concatenate(track.regular)
         found = account(self.system, nodes, states, leaving, self.pieces(track), regular)
