@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from conftest import varied
 
+from vsb.errors import ConvergenceError
 from vsb.motion.tuning import best_dampers
 from vsb.results.left_out import left_out_of_year, modes_left_out
 from vsb.results.year import band_weights, frequencies
@@ -139,6 +140,16 @@ def test_damper_matrices_have_an_interval_that_contains_the_powers_of_many_modes
     assert np.abs(change).max() > 1e-3
     assert np.all(found.sel(end="low").values <= change + 1e-9)
     assert np.all(change <= found.sel(end="high").values + 1e-9)
+
+
+def test_in_shallow_water_modes_are_compared_to_the_degree_that_is_resolved(seed):
+    """A deep sphere at three diameters over the bed: the solver does not resolve its displacements of degree 90."""
+    waves = [{"kind": "regular", "amplitude": 0.1, "period": period} for period in (1.12, 6.2)]
+    study = varied(seed, device={"mass": 23200.0}, water={"depth": 7.66}, hydro={"omega_max": 6.0}, waves=waves)
+    found = convergence(study)
+    with pytest.raises(ConvergenceError):
+        found._solved(reference_shell(study).shape, DEGREES[-1], meridional=False)
+    assert DEGREES[2] <= max(moved.degree for moved in found._undeformed_water.displacements) < DEGREES[-1]
 
 
 def test_degree_of_a_port_within_the_shell_does_not_depend_on_a_rigid_design(seed):

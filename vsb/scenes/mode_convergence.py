@@ -127,13 +127,12 @@ class ModeConvergence:
     def _undeformed_water(self) -> ShapeWater:
         """Of the undeformed shell, whose displacements of all degrees are solved once.
 
-        Around other shapes than spheres, and of orders m >= 1, as far as the points of the solver resolve them.
+        As far as the points of the solver resolve them: around spheres that heave mostly all, in shallow water fewer.
         """
         shape = reference_shell(self._with(Modes(basis="full", degree=1))).shape
         sphere = self.study.device.shape is None
-        if sphere and self._motion == "heave":
-            return self._solved(shape, DEGREES[-1], meridional=False)
-        for highest in reversed(DEGREES[2 : -1 if sphere else -2]):
+        out_of_reach = 2 if not sphere else 1 if self._motion != "heave" else 0
+        for highest in reversed(DEGREES[2 : len(DEGREES) - out_of_reach]):
             try:
                 return self._solved(shape, highest, meridional=not sphere)
             except ConvergenceError:
