@@ -103,10 +103,11 @@ def test_animation_of_a_campaign_page(swept, tmp_path):
     assert "by linear theory, each design at its optimal damping for the year at thickness 0.0" in found["text"]
 
 
-def test_heave_is_that_of_the_port_with_its_damping(seed):
-    """V = V0/(1 + Y (c + i k/w)) of each component, with damping c and spring k."""
-    spring, dampers = 2e4, {"FSB": 5e3, "VSWEC": 3e4}
-    study = varied(seed, modes={"degree": 2}, pto={"damping": 8e3, "stiffness": spring})
+@pytest.mark.parametrize("basis", ["membrane", "full"])
+def test_heave_is_that_of_the_port_with_its_damping(seed, basis):
+    """V = V0/(1 + Y (c + i k/w)) of each component, with damping c and spring k; a clamp moves modes of its ring."""
+    spring, dampers = 2e4, {"FSB": 5e3, "VSWEC": 3e4, "VSWEC90": 2e4}
+    study = varied(seed, modes={"basis": basis, "degree": 3}, pto={"damping": 8e3, "stiffness": spring})
     reference = reference_shell(study)
     point = BuoyOfShape(study, reference, SimpleNamespace(at=lambda omega: water(study, omega=omega)))
     waves = Sea(np.array([1.0, 1.3, 1.7]), np.array([0.3, 0.0, 0.2j]))

@@ -147,13 +147,18 @@ class BuoyOfShape:
         """Lowest and highest frequency solved [rad/s]."""
         return self.swept.band
 
+    @property
+    def moving(self) -> ReferenceShell:
+        """Its shell at rest with all degrees of freedom it moves in: also the modes of rings that are loaded."""
+        return with_rings(self.study, self.reference)
+
     def at(self, omega: FloatArray) -> AtFrequencies:
         """Return it at frequencies; outside the band with the coefficients of its nearest end."""
         return buoy_at(self.study, self.reference, self.swept.at(omega))
 
     def errors(self, omega: FloatArray) -> list[CoefficientError]:
         """Return the estimated errors of its coefficients at frequencies."""
-        basis = with_rings(self.study, self.reference).basis
+        basis = self.moving.basis
         return self.swept.at(omega).errors(basis, order_bases(self.study, basis), self.study.water)
 
 

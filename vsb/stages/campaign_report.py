@@ -146,7 +146,7 @@ def most_energetic(climate: Climate, water: Water) -> tuple[int, int, int]:
 def _runs(point: BuoyOfShape, dampers: Mapping[str, float], waves: Sea, duration: float) -> dict[str, xr.DataArray]:
     """Positions of all designs in a sea by linear theory, those degrees of freedom alone that a design moves in."""
     inside = point.at(waves.omega).in_waves()
-    labels, spring = np.array(whole_labels(point.study, point.reference)), point.study.pto.stiffness
+    labels, spring = np.array(whole_labels(point.study, point.moving)), point.study.pto.stiffness
     time = np.linspace(0.0, duration, FRAMES + 1)
     found = {}
     for design, damping in dampers.items():
