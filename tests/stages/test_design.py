@@ -21,7 +21,8 @@ from vsb.design.evaluation import DesignModel
 from vsb.design.problem import POWER
 from vsb.design.searched import Outcome
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.report.design_answer import answer
+from vsb.report.design_answer import answer, fronts, where_it_gains
+from vsb.results.budget import MODES
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
 from vsb.stages.design_preview import check, summary
@@ -147,6 +148,90 @@ def test_the_best_buoys_are_studies_that_run(run):
         model = DesignModel.of(study, design, seas, ["pto.damping"], 3)
         assert model.at(model.point)["annual_mean_power"].value == pytest.approx(float(row["annual_mean_power"]))
         assert [wave.label for wave in study.waves] == ["regular_A0.2_T4"]
+
+
+@pytest.mark.slow
+def test_every_place_states_one_power_with_one_interval(run):
+    found, table = vsb.open(run.folder), rows(run, "starts.csv")
+    page = Path(run.folder, "report.html").read_text()
+    budget = found.power_budget
+    for name, file in ((FLEXIBLE, "optimum"), (COMPETITOR, "competitor")):
+        power = found.power_intervals[name]
+        (start,) = (row for row in table if row["buoy"] == name)
+        cells = [start[key] for key in ("annual_mean_power", "power_low", "power_high")]
+        assert [float(cell) for cell in cells] == pytest.approx(power, rel=1e-9)
+        text = f"{power.value / 1e3:.2f} ({power.low / 1e3:.2f} to {power.high / 1e3:.2f}) kW"
+        assert text in found.answer
+        assert text in page
+        assert text in Path(run.folder, f"{file}.yaml").read_text()
+        sources = budget[budget.buoy == name].set_index("source")
+        bounds = sources.loc[~sources.index.isin(["the year as a sample", "device.young_modulus"])]
+        statistics = sources.drop(bounds.index)
+        assert power.low == pytest.approx(power.value + bounds.low.sum() - np.hypot(*statistics.low))
+        assert power.high == pytest.approx(power.value + bounds.high.sum() + np.hypot(*statistics.high))
+    assert found.power == {name: power.value for name, power in found.power_intervals.items()}
+
+
+@pytest.mark.slow
+def test_a_campaign_of_the_optimum_at_a_finer_degree_lies_within_its_numerical_errors(run, folder):
+    """Another solution of the same buoy: swept water, interpolated bands, degree 12 in place of 3."""
+    found = vsb.open(run.folder)
+    for name, file in ((FLEXIBLE, "optimum"), (COMPETITOR, "competitor")):
+        raw = yaml.safe_load(Path(run.folder, f"{file}.yaml").read_text())
+        if name == FLEXIBLE:
+            raw |= {"modes": {"basis": "full", "degree": 12}}
+        raw["hydro"] = raw.get("hydro", {}) | {"tolerance": 1e-4}
+        (folder / f"finer_{file}_study.yaml").write_text(yaml.safe_dump(raw | {"study": f"finer_{file}_study"}))
+        campaign = {"campaign": f"finer_{file}", "study": f"finer_{file}_study.yaml", "tuning": ["fixed"]}
+        campaign |= {"climate": {"spectra": "sea.txt"}, "vary": {"device.mass": [raw["device"]["mass"]]}}
+        (folder / f"finer_{file}.yaml").write_text(yaml.safe_dump(campaign))
+        finer = vsb.run(str(folder / f"finer_{file}.yaml"), root=str(folder / "results"))
+        power = float(finer.data.annual_mean_power.sel(design=found.facts["designs"][name]).squeeze())
+        budget = found.power_budget
+        numerical = budget[(budget.buoy == name) & budget.source.isin([MODES, "coefficients and quadrature"])]
+        own = 1e-4 * power  # of the campaign itself
+        assert found.power[name] + numerical.low.sum() - own <= power <= found.power[name] + numerical.high.sum() + own
+
+
+@pytest.mark.slow
+def test_points_of_a_front_have_power_and_gain_with_intervals(run):
+    table = rows(run, "pareto.csv")
+    power = {(row["buoy"], row["value"]): float(row["annual_mean_power"]) for row in table}
+    for row in table:
+        assert float(row["power_low"]) < float(row["annual_mean_power"]) < float(row["power_high"])
+        assert row["not_in_interval"] == "linear theory"
+        if row["buoy"] == FLEXIBLE:
+            over = 100 * (power[FLEXIBLE, row["value"]] / power[COMPETITOR, row["value"]] - 1)
+            assert float(row["gain"]) == pytest.approx(over, rel=1e-7)
+            assert float(row["low"]) < over < float(row["high"])
+    page = Path(run.folder, "report.html").read_text()
+    gains = [f"{float(row['gain']):+.2f} % (" for row in table if row["buoy"] == FLEXIBLE]
+    assert "Over the limit of the force rms flexibility gains by more than the errors known" in page or (
+        "Over the limit of the force rms flexibility gains everywhere by more than the errors known" in page
+    )
+    assert all(f"{gain}" in page for gain in gains)
+    assert "at 10 kN" in page
+
+
+def within(value, half=100.0):
+    """A number with its interval."""
+    return {"value": value, "low": value - half, "high": value + half}
+
+
+def test_a_front_says_where_flexibility_gains():
+    """By gains whose intervals lie above zero: below a limit, above one, nowhere."""
+
+    def points(*gains):
+        limits = (1e4, 2e4, 4e4)
+        return [{"limit": at, "gain": within(one, 0.5)} for at, one in zip(limits, gains, strict=True)]
+
+    assert where_it_gains("force_rms", points(2.1, 0.7, 0.0)).endswith("at 20 kN or less")
+    assert where_it_gains("force_rms", points(0.4, 0.7, 0.8)).endswith("at 20 kN or more")
+    assert "gains nowhere" in where_it_gains("force_rms", points(0.1, 0.2, -2.0))
+    line = fronts({"fronts": {"force_rms": {FLEXIBLE: points(2.061, 0.734, 0.0)}}})[0]
+    assert line.endswith(
+        "+2.06 % (+1.56 to +2.56 %) at 10 kN, +0.73 % (+0.23 to +1.23 %) at 20 kN, +0.00 % (-0.50 to +0.50 %) at 40 kN."
+    )
 
 
 @pytest.mark.slow
@@ -285,7 +370,7 @@ def test_a_buoy_that_is_not_viable_is_no_answer():
     facts = {
         "not_viable": "overstrained: 12 % at rest",
         "climate": "site",
-        "power": {FLEXIBLE: 14e3, COMPETITOR: 10e3},
+        "powers": {FLEXIBLE: within(14e3), COMPETITOR: within(10e3)},
         "gain": {"value": 40.0, "low": 39.0, "high": 41.0},
         "found": {FLEXIBLE: {"multipliers": {}, "flat": []}},
     }

@@ -16,6 +16,14 @@ from vsb.tools.files import load as load_file
 from vsb.tools.stamps import read_text
 
 
+class Power(NamedTuple):
+    """An annual mean power and its 95 % interval [W]."""
+
+    value: float
+    low: float
+    high: float
+
+
 class Gain(NamedTuple):
     """A gain over the best rigid buoy and its 95 % interval [%]."""
 
@@ -68,6 +76,11 @@ class BestBuoy:
         return dict(self.facts["power"])
 
     @property
+    def power_intervals(self) -> dict[str, Power]:
+        """The same with the interval of each by all known errors [W]; the page says which are not known."""
+        return {name: Power(one["value"], one["low"], one["high"]) for name, one in self.facts["powers"].items()}
+
+    @property
     def starts(self) -> pd.DataFrame:
         """Where every start ended: variables, limits, multipliers and the certificate."""
         return self._table("starts")
@@ -86,6 +99,11 @@ class BestBuoy:
     def budget(self) -> pd.DataFrame:
         """What the gain is uncertain by, in percentage points."""
         return self._table("budget")
+
+    @property
+    def power_budget(self) -> pd.DataFrame:
+        """What the powers of the buoys compared are uncertain by [W]."""
+        return self._table("power_budget")
 
     @property
     def optimum(self) -> Study:

@@ -1,4 +1,4 @@
-"""The best flexible buoy beside rigid ones, the gain over the best of them, and what it is uncertain by.
+"""The best flexible buoy beside rigid ones, and the gain over the best of them.
 
 Three rigid buoys separate size from flexibility: the competitor, optimised in every variable it has, under the same
 limits; the twin, of the flexible one's rest shape and mass; the sphere before it was inflated. The last two have the
@@ -13,13 +13,11 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from vsb.design.evaluation import DAMPER, DesignModel
-from vsb.design.linearised import linearised
-from vsb.design.optimise import optimised
+from vsb.design.optimise import FURTHER, left_out, optimised
 from vsb.design.problem import IMPOSSIBLE, POWER, Problem
 from vsb.design.resting import RestingBuoy
 from vsb.design.searched import Outcome, study_of
-from vsb.design.year import PortYear
-from vsb.results.budget import MODES, Budget, Source
+from vsb.study.sections import DEGREES
 from vsb.study.specs import DesignSpec, Search
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -29,12 +27,6 @@ FLEXIBLE, COMPETITOR, TWIN, SPHERE = "flexible", "rigid competitor", "rigid twin
 """Names of the buoys compared."""
 OF_TAKE_OFF = ("force_rms", "stroke_rms", "spring_pull")
 """Limits that a take-off can meet."""
-SAFETY = 2.0
-"""Of the change by finer nodes and frequencies, for the error of those used."""
-DEVIATIONS = 1.96
-"""Standard deviations to the end of a 95 % interval."""
-BLOCK_DAYS, RESAMPLED = 7.0, 2000
-"""Length of the blocks of a year that are drawn again, in which seas belong together [days], and years drawn."""
 SHAPE_POINTS = 181
 
 
@@ -47,6 +39,7 @@ class Buoy:
     design: str
     degree: int | None
     quantities: Mapping[str, float]
+    truncation: tuple[float, float] | None = (0.0, 0.0)  # of its power, as `Outcome.truncation`; none of a rigid sphere
 
     @property
     def power(self) -> float:
@@ -82,7 +75,9 @@ class Buoy:
 
 def buoy_of(name: str, search: Search, found: Outcome) -> Buoy:
     """Return the buoy a search has found."""
-    return Buoy(name, study_of(search, found.degree, found.point), search.design, found.degree, found.quantities)
+    truncation = (0.0, 0.0) if found.degree is None else found.truncation
+    study = study_of(search, found.degree, found.point)
+    return Buoy(name, study, search.design, found.degree, found.quantities, truncation)
 
 
 def twin(spec: DesignSpec, climate: Climate, found: Outcome) -> Buoy | None:
@@ -111,9 +106,25 @@ def _with_take_off(name: str, search: Search, climate: Climate, found: Outcome) 
         end = optimised(problem, problem.at(place))
         values = dict(zip(keys, map(float, end.point.values), strict=True))
         quantities = {key: one.value for key, one in end.point.evaluation.quantities.items()}
-        return Buoy(name, study_of(search, found.degree, point | values), search.design, found.degree, quantities)
+        study = study_of(search, found.degree, point | values)
     except IMPOSSIBLE:
         return None
+    shape_error = _by_rest_shape(model, end.point.values, quantities[POWER], search.tolerance)
+    return Buoy(name, study, search.design, found.degree, quantities, shape_error)
+
+
+def _by_rest_shape(
+    model: DesignModel, values: FloatArray, power: float, tolerance: float
+) -> tuple[float, float] | None:
+    """Change of a rigid buoy's power by shell modes that its shape at rest leaves out, see `left_out`."""
+    if not (model.study.flexible and model.study.at_equilibrium):
+        return 0.0, 0.0
+    degrees = [model.degree, *[degree for degree in DEGREES if degree > model.degree][:FURTHER]]
+    try:
+        finer = [replace(model, degree=degree).at(list(values))[POWER].value for degree in degrees[1:]]
+    except IMPOSSIBLE:
+        return None
+    return left_out([one / power - 1 for one in finer], tolerance) if len(finer) == FURTHER else None
 
 
 def displacement_held(outline: tuple[FloatArray, FloatArray], density: float, gravity: float, spring: float) -> float:
@@ -150,102 +161,3 @@ def displacement_held(outline: tuple[FloatArray, FloatArray], density: float, gr
 def gain(flexible: float, rigid: float) -> float:
     """Return the gain of a power over another [%]."""
     return 100 * (flexible / rigid - 1)
-
-
-def power_of_seas(buoy: Buoy, climate: Climate) -> FloatArray:
-    """Return the mean power of a buoy in each sea under its damper of the year, shape (sea,) [W].
-
-    The mean over the bands of the climate of c w^2 |u|^2, times the variance of each sea in them.
-    """
-    model = buoy.model(climate)
-    matrices = linearised(buoy.resting, buoy.design, [], model.grid.solved, model.nodes)
-    port, damper = PortYear.of(model.grid, *matrices, buoy.study.pto.stiffness), buoy.quantities["damping"]
-    omega = model.grid.omega
-    moved = port.motion / (1 - 1j * omega * damper * port.receptance)
-    absorbed = damper * omega**2 * np.abs(moved) ** 2 * model.grid.variance
-    band = np.searchsorted(climate.edges, omega, side="right") - 1
-    of_band = np.bincount(band, absorbed, minlength=len(climate.omega))
-    mean = climate.mean_density
-    return np.asarray(climate.density @ np.divide(of_band, mean, out=np.zeros_like(mean), where=mean > 0))
-
-
-def gain_of_years(flexible: FloatArray, rigid: FloatArray, hours: FloatArray, seed: int = 1) -> FloatArray:
-    """Return the gain over years of blocks drawn from one year in the order of its seas, shape (year,) [%].
-
-    The circular block bootstrap of Politis and Romano (1992), which keeps the persistence of seas; both buoys meet the
-    same years.
-
-    Parameters
-    ----------
-    flexible, rigid : ndarray, shape (sea,)
-        Mean power of both in each sea [W].
-    hours : ndarray, shape (sea,)
-        Share of the year of each.
-    """
-    seas = len(hours)
-    length = max(1, min(seas, round(BLOCK_DAYS / 365.25 * seas)))
-    begins = np.random.default_rng(seed).integers(0, seas, (RESAMPLED, -(-seas // length)))
-    sums = [
-        np.convolve(np.concatenate([values, values[: length - 1]]), np.ones(length), mode="valid")
-        for values in (flexible * hours, rigid * hours)
-    ]
-    drawn = [one[begins].sum(axis=1) for one in sums]
-    return np.asarray(100 * (drawn[0] / drawn[1] - 1))
-
-
-@dataclass(frozen=True)
-class Uncertainty:
-    """Sources of error of the gain over the best rigid buoy, in percentage points, and those that are not known."""
-
-    budget: Budget
-    unknown: tuple[str, ...] = ()
-
-
-def numerical_errors(
-    climate: Climate, flexible: Buoy, rigid: Buoy, truncation: tuple[float, float] | None
-) -> Uncertainty:
-    """Return bounds of the numerical error of the gain of a buoy over a rigid one, each under its damper.
-
-    Parameters
-    ----------
-    truncation : (float, float), optional
-        Changes of the power by all further degrees of shell modes, relative (`vsb.design.optimise.left_out`).
-    """
-    finer = [one.with_damper().model(climate).finer for one in (flexible, rigid)]
-    powers = [model.at(model.point)[POWER].value for model in finer]
-    change = gain(*powers) - gain(flexible.power, rigid.power)
-    found = Source.within("coefficients and quadrature", SAFETY * abs(change))
-    if truncation is None:
-        return Uncertainty(Budget((found,)), (MODES,))
-    low, high = (100 * flexible.power / rigid.power * one for one in truncation)
-    return Uncertainty(Budget((Source(MODES, low, high), found)))
-
-
-def uncertainty(
-    spec: DesignSpec, climate: Climate, flexible: Buoy, rigid: Buoy, truncation: tuple[float, float] | None
-) -> Uncertainty:
-    """Return what the gain is uncertain by, linear theory itself apart; parameters as of `numerical_errors`."""
-    numerical = numerical_errors(climate, flexible, rigid, truncation)
-    found, unknown = list(numerical.budget.sources), list(numerical.unknown)
-    value, ratio = gain(flexible.power, rigid.power), 100 * flexible.power / rigid.power
-    if spec.flexible.climate.form == "spectra":
-        years = gain_of_years(power_of_seas(flexible, climate), power_of_seas(rigid, climate), climate.hours)
-        low, high = np.quantile(years, [0.025, 0.975])
-        found.append(Source("the year as a sample", min(0.0, low - value), max(0.0, high - value), "statistic"))
-    else:
-        unknown.append("the year as a sample: a table has no order of its seas")
-    for key, share in spec.uncertain.items():
-        slopes = [_log_slope(one, climate, key) for one in (flexible, rigid)]
-        change = DEVIATIONS * share * ratio * abs(slopes[0] - slopes[1])
-        found.append(Source.within(key, change, "statistic", shared=key in ("device.radius", "device.mass")))
-    return Uncertainty(Budget(tuple(found)), tuple(unknown))
-
-
-def _log_slope(buoy: Buoy, climate: Climate, key: str) -> float:
-    """Slope d ln P / d ln of an input of a buoy as built, its damper kept."""
-    built = buoy.with_damper()
-    if not built.study.designs[built.design].flexible and key not in ("device.radius", "device.mass"):
-        return 0.0
-    model = built.model(climate, [key])
-    found = model.at(model.point)[POWER]
-    return float(found.gradient[0] * model.point[0] / found.value)

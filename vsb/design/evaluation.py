@@ -204,7 +204,7 @@ class DesignModel:
         weight = Quantity(mass.value * water.gravity, mass.gradient * water.gravity)
         full = water.density * water.gravity
         left = Quantity(full * volume.value - weight.value, full * volume.gradient - weight.gradient)
-        force = Quantity(-k * stroke.value, -k * stroke.gradient - k_change * stroke.value)
+        force = Quantity(0.0 - k * stroke.value, -k * stroke.gradient - k_change * stroke.value)
         return {"spring_pull_above": force / weight, "spring_pull_below": force / left}
 
     def _year(self, study: Study, buoy: Linearised, change: Linearised, places: Sequence[int]) -> dict[str, Quantity]:

@@ -25,7 +25,8 @@ from vsb.design.certificate import (
 )
 from vsb.design.problem import IMPOSSIBLE, POWER, SMALLEST, Point, Problem
 from vsb.errors import ConvergenceError
-from vsb.scenes.mode_convergence import further, further_about_rings
+from vsb.scenes.mode_convergence import further as beyond_last
+from vsb.scenes.mode_convergence import further_about_rings
 from vsb.tools.arrays import FloatArray
 
 ROUNDS = ((3e-3, 1e-7), (1e-3, 1e-9), (1e-4, 1e-11), (1e-5, 1e-13), (0.0, 1e-15), (0.0, 1e-16))
@@ -264,10 +265,33 @@ def left_out(
     """
     first, last = changes
     powers = [np.asarray(change) for change in (0.0, first, last)]
-    beyond = float(further(powers) if bending is None else further_about_rings(powers, degrees, bending))
+    beyond = float(beyond_last(powers) if bending is None else further_about_rings(powers, degrees, bending))
     low, high = min(0.0, last - beyond), max(0.0, last + beyond)
     grows = abs(last - first) > abs(first)
     return None if grows and max(-low, high) > tolerance else (low, high)
+
+
+def further(
+    problem_of: Callable[[int | None], Problem],
+    degrees: Sequence[int | None],
+    point: Point,
+    tolerance: float,
+    bending: Callable[[Point], float | None] = lambda point: None,
+) -> tuple[list[Point], tuple[float, float] | None]:
+    """Return a buoy with more shell modes, and between which ends all further ones change its power, see `left_out`.
+
+    Raises one of `IMPOSSIBLE` if it does not rest with them.
+
+    Parameters
+    ----------
+    degrees : sequence of int, or of one None
+        Of the buoy, and those beyond it that are evaluated.
+    """
+    finer = [problem_of(degree).at(point.place) for degree in degrees[1:]]
+    changes = [one.evaluation[POWER].value / point.evaluation[POWER].value - 1 for one in finer]
+    if len(changes) < FURTHER:
+        return finer, None
+    return finer, left_out(changes, tolerance, [one for one in degrees if one is not None], bending(point))
 
 
 def converged(
@@ -311,17 +335,11 @@ def converged(
     for i, degree in enumerate(solved):
         found = optimised(of(degree), begin, seen)
         try:
-            finer = [of(one).at(found.point.place) for one in degrees[i + 1 : i + 1 + FURTHER]]
+            finer, truncation = further(of, degrees[i : i + 1 + FURTHER], found.point, tolerance, bending)
         except IMPOSSIBLE as error:
             message = f"with more shell modes than to degree {degree} it has no stable rest shape: {error}"
             found, truncation = replace(found, accepted=False, message=message), None
             break
-        changes = [one.evaluation[POWER].value / found.point.evaluation[POWER].value - 1 for one in finer]
-        if len(changes) == FURTHER:
-            tried = [one for one in degrees[i : i + 1 + FURTHER] if one is not None]
-            truncation = left_out(changes, tolerance, tried, bending(found.point))
-        else:
-            truncation = None
         known = truncation is not None and max(map(abs, truncation)) <= tolerance
         if degree == solved[-1] or (known and max(point.violation for point in finer) <= tolerance):
             break

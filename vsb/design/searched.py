@@ -1,9 +1,9 @@
 """Searches of a design file: the problem of a study in a climate, and where its starts ended, as files keep it."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ import xarray as xr
 import vsb.design.variables  # noqa: F401  registers them
 from vsb.design.certificate import VIOLATION
 from vsb.design.evaluation import DAMPER, DesignModel
-from vsb.design.optimise import Converged, Optimum, Progress, converged, start_places
+from vsb.design.optimise import FURTHER, Converged, Optimum, Progress, converged, further, start_places
 from vsb.design.problem import IMPOSSIBLE, Point, Problem
 from vsb.errors import ConvergenceError
 from vsb.scenes.mode_convergence import bending_degree
@@ -84,12 +84,28 @@ def from_start(search: Search, climate: Climate, starts: int, seed: int, start: 
     def of(degree: int | None) -> Problem:
         return problem_of(search, climate, degree)
 
-    def bending(point: Point) -> float | None:
-        keys = [one.key for one in search.variables]
-        return bending_degree(study_of(search, None, dict(zip(keys, point.values, strict=True))), search.design)
-
     degrees = degrees_of(search)
+    bending = partial(bending_of, search)
     return converged(of, degrees, search.tolerance, places(of(degrees[0]), starts, seed, start), seen, bending)
+
+
+def known_truncation(
+    search: Search, of: Callable[[int | None], Problem], point: Point, degree: int | None
+) -> tuple[float, float] | None:
+    """Return what shell modes beyond those of a buoy change its power by, relative; None where it is not known.
+
+    Raises one of `IMPOSSIBLE` if it does not rest with more shell modes.
+    """
+    if degree is None:
+        return None
+    degrees = degrees_of(search)[search.degrees.index(degree) :][: 1 + FURTHER]
+    return further(of, degrees, point, search.tolerance, partial(bending_of, search))[1]
+
+
+def bending_of(search: Search, point: Point) -> float | None:
+    """Return what errors of a buoy's shell modes need to be known, see `vsb.scenes.mode_convergence.bending_degree`."""
+    keys = [one.key for one in search.variables]
+    return bending_degree(study_of(search, None, dict(zip(keys, point.values, strict=True))), search.design)
 
 
 @dataclass(frozen=True)

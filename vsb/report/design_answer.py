@@ -1,12 +1,12 @@
 """The answer of a design problem in sentences: the best buoys, the gain and its interval, what limits it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
 from vsb.report.answer import Answer
 from vsb.study.design import Limits, limit_of, unit_of
-from vsb.tools.words import plain, power, superscripts, watts
+from vsb.tools.words import gains_within, plain, power, prefixed, superscripts, watts_within
 
 Facts = Mapping[str, Any]
 """What is known of a design problem, as `vsb.stages.design_results` keeps it."""
@@ -27,14 +27,16 @@ def in_full(name: str) -> str:
 
 
 def with_unit(value: float | None, unit: str = "1") -> str:
-    """Return a number with its unit; a dash for none."""
-    return "-" if value is None else f"{plain(value)} {superscripts(unit)}".removesuffix(" 1")
+    """Return a number with its unit, of forces, powers and what is in terms of them with k or M; a dash for none."""
+    if value is None:
+        return "-"
+    factor, prefix = prefixed(value, unit)
+    return f"{plain(factor * value)} {prefix}{superscripts(unit)}".removesuffix(" 1")
 
 
 def answer(facts: Facts) -> Answer:
     """Return the answer of a design problem."""
-    of = facts["power"]
-    (best, rigid), unit = watts([of[FLEXIBLE], of[COMPETITOR]])
+    (best, rigid), unit = watts_within([ends(facts["powers"][name]) for name in (FLEXIBLE, COMPETITOR)])
     stands = [
         f"The best flexible buoy absorbs {best} {unit}, mean over the year of {facts['climate']}; the best rigid "
         f"buoy {rigid} {unit} within the same limits: {in_words(facts)}."
@@ -43,7 +45,7 @@ def answer(facts: Facts) -> Answer:
         return Answer([headline], ["Computed, but not valid: " + stands[0], *limited(facts)])
     if unproven := [name for name in (FLEXIBLE, COMPETITOR) if not facts["found"][name]["accepted"]]:
         stands.append(f"The {' and the '.join(unproven)} shown are not proven optima.")
-    below = [verdict(facts), *in_time(facts), *size_or_flexibility(facts), *limited(facts)]
+    below = [verdict(facts), *in_time(facts), *size_or_flexibility(facts), *limited(facts), *fronts(facts)]
     return Answer(stands, below)
 
 
@@ -62,8 +64,12 @@ def no_answer(facts: Facts) -> str:
 
 def in_words(facts: Facts) -> str:
     """Return the gain with its interval."""
-    gain = facts["gain"]
-    return f"{gain['value']:+z.2f} % ({gain['low']:+z.2f} to {gain['high']:+z.2f} %)"
+    return gains_within([ends(facts["gain"])])[0]
+
+
+def ends(number: Mapping[str, Any]) -> tuple[float, float, float]:
+    """Return a number with the ends of its interval."""
+    return number["value"], number["low"], number["high"]
 
 
 def verdict(facts: Facts) -> str:
@@ -105,6 +111,39 @@ def size_or_flexibility(facts: Facts) -> list[str]:
             f"bring {100 * (of[FLEXIBLE] / of[SPHERE] - 1):+z.2f} %."
         )
     return found
+
+
+def fronts(facts: Facts) -> list[str]:
+    """Return of each Pareto front where on it flexibility gains, with the gain at each value of the limit."""
+    found = []
+    for limit, of in facts["fronts"].items():
+        points = [one for one in of[FLEXIBLE] if one["gain"]]
+        if not points:
+            continue
+        gains = gains_within([ends(one["gain"]) for one in points])
+        each = ", ".join(
+            f"{gain} at {with_unit(one['limit'], unit_of(limit))}" for gain, one in zip(gains, points, strict=True)
+        )
+        found.append(f"Over the limit of the {in_full(limit)} {where_it_gains(limit, points)}: {each}.")
+    return found
+
+
+def where_it_gains(limit: str, points: Sequence[Mapping[str, Any]]) -> str:
+    """Return at which values of a limit, ascending, the gain lies above zero with all its interval, in words."""
+    gains = [one["gain"]["low"] > 0 for one in points]
+    values = [with_unit(one["limit"], unit_of(limit)) for one in points]
+    count = sum(gains)
+    if not count:
+        return "flexibility gains nowhere by more than the errors known"
+    if count == len(points):
+        return "flexibility gains everywhere by more than the errors known"
+    if all(gains[:count]):
+        where = f"{values[count - 1]} or less"
+    elif all(gains[-count:]):
+        where = f"{values[-count]} or more"
+    else:
+        where = " and ".join(value for value, gain in zip(values, gains, strict=True) if gain)
+    return f"flexibility gains by more than the errors known at {where}"
 
 
 def limited(facts: Facts) -> list[str]:

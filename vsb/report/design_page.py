@@ -5,11 +5,12 @@ from typing import Any
 
 from vsb import __version__
 from vsb.design.compared import COMPETITOR, FLEXIBLE
-from vsb.report.design_answer import OBJECTIVES, Facts, answer, grouped, in_full, with_unit, worth
+from vsb.design.problem import POWER
+from vsb.report.design_answer import OBJECTIVES, Facts, answer, ends, grouped, in_full, with_unit, worth
 from vsb.report.design_figures import captions
 from vsb.report.html import captioned, page
 from vsb.study.design import unit_of
-from vsb.tools.words import plain, superscripts
+from vsb.tools.words import gains_within, plain, superscripts, watts_within
 
 BUOYS = (
     "annual_mean_power", "damping", "force_rms", "stroke_rms", "beam", "draft", "mass", "surface", "volume",
@@ -43,7 +44,9 @@ def render(facts: Facts, figures: Mapping[str, str], identity: str) -> str:
         variables=variables_table(facts),
         limits=limits_table(facts),
         starts=starts_table(facts),
+        fronts=[front_table(facts, limit) for limit in facts["fronts"]],
         budget=budget_table(facts),
+        power_budget=power_budget_table(facts),
         figures=captioned(figures, captions(facts, list(figures))),
         facts={
             "Program": f"vsb {__version__}",
@@ -92,6 +95,10 @@ def buoys_table(facts: Facts) -> dict[str, Any]:
         if key == "load_factor":
             loads = [facts["quantities"][name].get("load_factor_inverse_0") or 0.0 for name in names]
             known = [1 / load if load > 0 else None for load in loads]
+        if key == POWER:
+            texts, unit = watts_within([ends(facts["powers"][name]) for name in names])
+            rows.append([in_full(key), *(f"{text} {unit}" for text in texts)])
+            continue
         rows.append([in_full(key), *(with_unit(value, unit_of(key)) for value in known)])
     return {"head": ["", *names], "body": rows}
 
@@ -127,17 +134,44 @@ def limits_table(facts: Facts) -> dict[str, Any]:
 
 
 def starts_table(facts: Facts) -> dict[str, Any]:
-    """Return where the starts ended, and their certificates."""
-    rows = []
+    """Return where the starts ended, their power with its interval, and their certificates."""
+    every = [one for some in facts["starts"].values() for one in some]
+    known = [ends(one["within"]) for one in every if one["objective"] is not None]
+    texts, unit = watts_within(known) if known else ([], "W")
+    powers, rows = iter(texts), []
     for name, some in facts["starts"].items():
         for i, one in enumerate(some):
-            known = one["objective"] is not None
-            numbers = (
-                [with_unit(one["power"], "W"), f"{one['kkt']:.1e}", f"{one['violation']:.1e}"] if known else ["-"] * 3
-            )
+            numbers = ["-"] * 3
+            if one["objective"] is not None:
+                numbers = [next(powers), f"{one['kkt']:.1e}", f"{one['violation']:.1e}"]
             verdict = "optimum" if one["accepted"] else one["message"]
             rows.append([name, str(i + 1), verdict, *numbers, str(one["evaluations"])])
-    return {"head": ["buoy", "start", "ended at", "power", "KKT", "violation", "evaluations"], "body": rows}
+    head = ["buoy", "start", "ended at", f"power [{unit}]", "KKT", "violation", "evaluations"]
+    return {"head": head, "body": rows}
+
+
+def front_table(facts: Facts, limit: str) -> dict[str, Any]:
+    """Return the best buoys over the values of a limit: their powers and the gain, with intervals."""
+    of = facts["fronts"][limit]
+    some = [(name, one) for name, points in of.items() for one in points]
+    texts, unit = watts_within([ends(one["power"]) for _, one in some]) if some else ([], "W")
+    gained = [one for one in of[FLEXIBLE] if one["gain"]]
+    gains = gains_within([ends(one["gain"]) for one in gained]) if gained else []
+    rows: dict[float, list[str]] = {}
+    for (name, one), text in zip(some, texts, strict=True):
+        row = rows.setdefault(one["limit"], [with_unit(one["limit"], unit_of(limit)), "-", "-", "-", "optimum"])
+        row[1 if name == FLEXIBLE else 2] = text
+        if not one["accepted"]:
+            row[4] = f"{name}: {one['message'] or 'not a proven optimum'}"
+    for one, gain in zip(gained, gains, strict=True):
+        rows[one["limit"]][3] = gain
+    head = [in_full(limit), f"{FLEXIBLE} [{unit}]", f"{COMPETITOR} [{unit}]", "gain", "ended at"]
+    return {
+        "name": f"pareto_{limit}",
+        "title": in_full(limit),
+        "head": head,
+        "body": [rows[key] for key in sorted(rows)],
+    }
 
 
 def budget_table(facts: Facts) -> dict[str, Any]:
@@ -147,3 +181,17 @@ def budget_table(facts: Facts) -> dict[str, Any]:
         for one in facts["budget"]
     ]
     return {"head": ["source", "low [points]", "high [points]", "kind", "shared"], "body": rows}
+
+
+def power_budget_table(facts: Facts) -> dict[str, Any]:
+    """Return what the powers of the buoys are uncertain by [W]."""
+    names = list(facts["powers"])
+    sources = list(dict.fromkeys(one["name"] for name in names for one in facts["powers"][name]["budget"]))
+    rows = []
+    for source in sources:
+        cells = [source]
+        for name in names:
+            some = [one for one in facts["powers"][name]["budget"] if one["name"] == source]
+            cells.append(f"{some[0]['low']:+.3g} to {some[0]['high']:+.3g}" if some else "-")
+        rows.append(cells)
+    return {"head": ["source", *(f"{name} [W]" for name in names)], "body": rows}

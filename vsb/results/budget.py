@@ -41,7 +41,7 @@ class Source:
     @classmethod
     def within(cls, name: str, half_width: float, kind: Kind = "bound", *, shared: bool = False) -> Self:
         """Return a source of the same size to both sides."""
-        return cls(name, -half_width, half_width, kind, shared)
+        return cls(name, 0.0 - half_width, half_width, kind, shared)
 
     @classmethod
     def towards(cls, name: str, change: float, kind: Kind = "bound", *, shared: bool = False) -> Self:

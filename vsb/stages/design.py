@@ -1,16 +1,19 @@
 """Rules design_start and design_front: the best buoy from one start, and the best buoys over the values of a limit."""
 
+import json
 import math
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from vsb.design.certificate import VIOLATION
-from vsb.design.optimise import Optimum, optimised
+from vsb.design.optimise import optimised
 from vsb.design.problem import IMPOSSIBLE, Point
-from vsb.design.searched import Outcome, best, failed, from_start, problem_of
+from vsb.design.searched import Outcome, best, failed, from_start, known_truncation, problem_of
 from vsb.errors import ConvergenceError
 from vsb.stages.climate import read_climate
 from vsb.stages.stage import stamp
@@ -68,40 +71,44 @@ def front(search: Search, climate: Climate, limit: str, values: Sequence[float],
     first : Outcome
         The best buoy of the search itself: it is where the value next to its own begins.
     """
-    own = search.limits.get(limit, first.quantities.get(limit, values[-1]))
-    nearest = int(np.argmin([abs(math.log(value / own)) for value in values]))
-    ends: dict[int, Optimum | None] = {}
+    has = first.quantities.get(limit, search.limits.get(limit, values[-1]))
+    nearest = int(np.argmin([abs(math.log(value / has)) for value in values]))
+    ends: dict[int, Outcome | None] = {}
+    of, keys = cache(partial(problem_of, search, climate)), [one.key for one in search.variables]
     for order in (range(nearest, len(values)), range(nearest - 1, -1, -1)):
-        begin = ends.get(nearest)
-        place = begin.point.values if begin else first.values
+        begin = ends.get(nearest) or first
         for i in order:
             wanted = search.model_copy(update={"limits": {**search.limits, limit: values[i]}})
             problem = problem_of(wanted, climate, first.degree)
             try:
-                ends[i] = found = optimised(problem, problem.at(problem.place(list(place))))
-                place = found.point.values
+                start = problem.at(problem.place(list(begin.values)))
+                found = optimised(problem, start)
             except IMPOSSIBLE:
                 ends[i] = None
-    kept = [(values[i], end) for i, end in sorted(ends.items()) if end is not None]
-    return _as_dataset(limit, kept, [one.key for one in search.variables])
+                continue
+            try:
+                truncation = known_truncation(search, of, found.point, first.degree)
+            except IMPOSSIBLE as error:
+                message = f"with more shell modes than to degree {first.degree} it has no stable rest shape: {error}"
+                found, truncation = replace(found, accepted=False, message=message), None
+            ends[i] = begin = Outcome.at(found, keys, start.values, first.degree, truncation, problem.evaluations)
+    return as_dataset(limit, [(values[i], end) for i, end in sorted(ends.items()) if end is not None])
 
 
-def _as_dataset(limit: str, kept: Sequence[tuple[float, Optimum]], keys: Sequence[str]) -> xr.Dataset:
-    """Optima over the values of a limit."""
-    names = list(kept[0][1].point.evaluation.quantities) if kept else []
-    table = np.array([[end.point.evaluation[name].value for name in names] for _, end in kept])
-    return xr.Dataset(
-        {
-            "objective": ("limit_value", [end.objective for _, end in kept]),
-            "best_value": (
-                ("limit_value", "variable"),
-                np.array([end.point.values for _, end in kept]).reshape(-1, len(keys)),
-            ),
-            "quantity_value": (("limit_value", "quantity"), table.reshape(-1, len(names))),
-            "kkt": ("limit_value", [end.kkt for _, end in kept]),
-            "violation": ("limit_value", [end.violation for _, end in kept]),
-            "accepted": ("limit_value", [int(end.accepted) for _, end in kept]),
-        },
-        coords={"limit_value": [value for value, _ in kept], "variable": list(keys), "quantity": names},
-        attrs={"limit": limit},
-    )
+def as_dataset(limit: str, points: Sequence[tuple[float, Outcome]]) -> xr.Dataset:
+    """Return the best buoys over the values of a limit as a dataset."""
+    parts = [one.dataset for _, one in points]
+    ds = xr.concat(parts, "limit_value", combine_attrs="drop") if parts else xr.Dataset()
+    facts = json.dumps([one.attrs["outcome"] for one in parts])
+    return ds.assign_coords(limit_value=[value for value, _ in points]).assign_attrs(limit=limit, outcomes=facts)
+
+
+def points_of(ds: xr.Dataset) -> list[tuple[float, Outcome]]:
+    """Return what `as_dataset` holds."""
+    found = []
+    for i, facts in enumerate(json.loads(ds.attrs["outcomes"])):
+        one = ds.isel(limit_value=i)
+        end = Outcome.read(one.assign_attrs(outcome=facts))
+        assert isinstance(end, Outcome)
+        found.append((float(one.limit_value), end))
+    return found

@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,25 +11,24 @@ import numpy as np
 import xarray as xr
 import yaml
 
+from vsb.design.budgets import LINEAR_THEORY, PowerParts, Uncertainty, power_parts, uncertainty, with_linear_theory
 from vsb.design.compared import (
     COMPETITOR,
     FLEXIBLE,
     SHAPE_POINTS,
     Buoy,
-    Uncertainty,
     buoy_of,
     gain,
     sphere,
     twin,
-    uncertainty,
 )
 from vsb.design.problem import POWER
 from vsb.design.searched import Outcome, best
 from vsb.report.design_answer import answer, no_answer
-from vsb.results.budget import Budget, Source
+from vsb.results.campaign import POWER as IN_TIME
 from vsb.scenes.viability import viability
 from vsb.stages.climate import read_climate
-from vsb.stages.design import outcomes
+from vsb.stages.design import outcomes, points_of
 from vsb.study.design import Limits, limit_of, unit_of
 from vsb.study.design_plan import TABLES
 from vsb.study.quantities import canonical, content_id
@@ -38,8 +38,9 @@ from vsb.study.vary import unit
 from vsb.tools.files import load, save, write_text
 from vsb.tools.stamps import record
 from vsb.tools.tables import csv_text
+from vsb.tools.words import watts_within
+from vsb.waves.climate import Climate
 
-LINEAR_THEORY = "linear theory"
 Table = tuple[list[str], list[list[object]]]
 """Head and rows."""
 
@@ -51,38 +52,29 @@ def run_design_results(
     seas, identity = read_climate(spec.flexible.climate, climate), content_id(spec)
     ends = {FLEXIBLE: outcomes(starts, spec.starts), COMPETITOR: outcomes(starts, spec.rigid_starts)}
     found = {name: best(some) for name, some in ends.items()}
-    buoys = {
-        FLEXIBLE: buoy_of(FLEXIBLE, spec.flexible, found[FLEXIBLE]),
-        COMPETITOR: buoy_of(COMPETITOR, spec.rigid, found[COMPETITOR]),
-    }
+    buoys = {name: buoy_of(name, search, found[name]) for name, search in _searches(spec).items()}
     for one in (twin(spec, seas, found[FLEXIBLE]), sphere(spec, seas, found[FLEXIBLE])):
         buoys |= {one.name: one} if one else {}
-    verified = None
-    if spec.verification:
-        verified = load(Path(verifications) / f"{spec.verification}.nc", expected=spec.verification)
-    doubts = uncertainty(spec, seas, buoys[FLEXIBLE], buoys[COMPETITOR], found[FLEXIBLE].truncation)
-    value = gain(buoys[FLEXIBLE].power, buoys[COMPETITOR].power)
-    runs = None if verified is None else dict(json.loads(verified.attrs["verified"]))
-    if runs and "failure" not in runs:
-        doubts = _with_linear_theory(doubts, value, runs)
-    curves = _fronts(spec, fronts)
+    known = Known(spec, seas, {name: one.power for name, one in buoys.items()}, _runs(spec, verifications))
+    curves = _fronts(spec, known, fronts)
     facts = {
-        **_facts(spec, found, ends, buoys, doubts),
+        **_facts(spec, found, ends, buoys, known),
         **_at_rest(buoys[FLEXIBLE]),
         "held": {name: one.displacement_held for name, one in buoys.items() if one.study.pto.stiffness < 0},
         "fronts": curves,
-        "verified": runs,
+        "verified": known.runs,
     }
     tables = {
-        "starts.csv": starts_table(spec, ends),
+        "starts.csv": starts_table(spec, ends, facts["starts"]),
         "pareto.csv": pareto_table(curves),
         "sensitivity.csv": sensitivity_table(spec, found),
-        "budget.csv": budget_table(doubts.budget),
+        "budget.csv": budget_table(facts["budget"]),
+        "power_budget.csv": power_budget_table(facts["powers"]),
     }
-    for name, (head, rows) in tables.items():
-        write_text(f"{folder}/{name}", csv_text(head, rows))
-    for name, one in (("optimum", buoys[FLEXIBLE]), ("competitor", buoys[COMPETITOR])):
-        write_text(f"{folder}/{name}.yaml", study_text(spec, one, name))
+    for table, (head, rows) in tables.items():
+        write_text(f"{folder}/{table}", csv_text(head, rows))
+    for name, best_of in (("optimum", FLEXIBLE), ("competitor", COMPETITOR)):
+        write_text(f"{folder}/{name}.yaml", study_text(spec, buoys[best_of], name, facts["powers"][best_of]))
     said = {"answer": " ".join(answer(facts).stands), "valid": int(not no_answer(facts))}
     said["facts"] = json.dumps(facts, allow_nan=False)
     stamps = {"spec": canonical(spec), "spec_id": identity}
@@ -90,10 +82,71 @@ def run_design_results(
     record(manifest, identity, [f"{folder}/{name}" for name in TABLES if not name.endswith(".nc")])
 
 
-def _with_linear_theory(doubts: Uncertainty, value: float, runs: Mapping[str, float]) -> Uncertainty:
-    """What linear theory errs by, as runs in time of both buoys in the same seas say: their interval of the gain."""
-    source = Source(LINEAR_THEORY, min(0.0, runs["low"] - value), max(0.0, runs["high"] - value))
-    return Uncertainty(doubts.budget + Budget((source,)), doubts.unknown)
+def _runs(spec: DesignSpec, folder: str) -> dict[str, Any] | None:
+    """What runs in time of both buoys say: of their gain, and of the year's mean power of each; None without any."""
+    if not spec.verification:
+        return None
+    ds = load(Path(folder) / f"{spec.verification}.nc", expected=spec.verification)
+    runs = dict(json.loads(ds.attrs["verified"]))
+    if "failure" not in runs:
+        runs["powers"] = {
+            name: [float(ds[end].sel(design=search.design)) for end in IN_TIME[1:]]
+            for name, search in _searches(spec).items()
+        }
+    return runs
+
+
+@dataclass
+class Known:
+    """What is known of the errors of powers and gains of a design problem."""
+
+    spec: DesignSpec
+    climate: Climate
+    best: Mapping[str, float]  # power of the buoys compared by name [W]
+    runs: Mapping[str, Any] | None
+    _parts: dict[tuple[object, ...], PowerParts] = field(default_factory=dict)
+
+    def of_power(self, buoy: Buoy) -> Uncertainty:
+        """Return what the power of a buoy is uncertain by [W]."""
+        known = uncertainty([self._of(buoy)], self.spec.uncertain)
+        runs = self._runs_of(buoy)
+        return known if runs is None else with_linear_theory(known, buoy.power, *runs)
+
+    def of_gain(self, flexible: Buoy, rigid: Buoy) -> Uncertainty:
+        """Return what the gain of a buoy over another is uncertain by [percentage points]."""
+        known = uncertainty([self._of(flexible), self._of(rigid)], self.spec.uncertain)
+        if self.runs is None or None in (self._runs_of(flexible), self._runs_of(rigid)):
+            return known
+        return with_linear_theory(known, gain(flexible.power, rigid.power), self.runs["low"], self.runs["high"])
+
+    def _runs_of(self, buoy: Buoy) -> Sequence[float] | None:
+        """Ends of the power of a buoy by runs in time [W]; None of one that was not followed."""
+        followed = self.runs is not None and buoy.power == self.best[buoy.name]
+        return self.runs.get("powers", {}).get(buoy.name) if self.runs and followed else None
+
+    def _of(self, buoy: Buoy) -> PowerParts:
+        """The parts of a buoy's errors: starts that ended at the same buoy, to nine digits, share them."""
+        key = (buoy.name, buoy.degree, buoy.truncation is None, *(f"{x:.9g}" for x in buoy.quantities.values()))
+        if key not in self._parts:
+            ordered = self.spec.flexible.climate.form == "spectra"
+            self._parts[key] = power_parts(buoy, self.climate, [*self.spec.uncertain], ordered=ordered)
+        return replace(self._parts[key], truncation=buoy.truncation)
+
+    def power(self, buoy: Buoy) -> dict[str, Any]:
+        """Return the power of a buoy with its interval [W] and its budget, as JSON."""
+        return self._as_json(buoy.power, self.of_power(buoy), followed=self._runs_of(buoy) is not None)
+
+    def gain(self, flexible: Buoy, rigid: Buoy) -> dict[str, Any]:
+        """Return the gain of a buoy over another with its interval [%] and its budget, as JSON."""
+        both = None not in (self._runs_of(flexible), self._runs_of(rigid))
+        return self._as_json(gain(flexible.power, rigid.power), self.of_gain(flexible, rigid), followed=both)
+
+    @staticmethod
+    def _as_json(value: float, known: Uncertainty, *, followed: bool) -> dict[str, Any]:
+        """A number with its interval, its budget, and what is not in it."""
+        low, high = known.budget.interval(value)
+        unknown = [*known.unknown, *([] if followed else [LINEAR_THEORY])]
+        return {"value": value, "low": low, "high": high, "budget": known.budget.rows, "unknown": unknown}
 
 
 def _at_rest(buoy: Buoy) -> dict[str, str]:
@@ -107,12 +160,10 @@ def _facts(
     found: Mapping[str, Outcome],
     ends: Mapping[str, Sequence[Outcome | str]],
     buoys: Mapping[str, Buoy],
-    doubts: Uncertainty,
+    known: Known,
 ) -> dict[str, Any]:
     """All that a page says, as JSON."""
-    power = {name: one.power for name, one in buoys.items()}
-    value = gain(power[FLEXIBLE], power[COMPETITOR])
-    low, high = doubts.budget.interval(value)
+    of_gain = known.gain(buoys[FLEXIBLE], buoys[COMPETITOR])
     return {
         "name": spec.name,
         "study": spec.study,
@@ -121,14 +172,15 @@ def _facts(
         "limits": spec.flexible.limits,
         "notes": list(spec.notes),
         "designs": {FLEXIBLE: spec.flexible.design, COMPETITOR: spec.rigid.design},
-        "power": power,
+        "power": {name: one.power for name, one in buoys.items()},
+        "powers": {name: known.power(one) for name, one in buoys.items()},
         "quantities": {name: dict(one.quantities) for name, one in buoys.items()},
-        "gain": {"value": value, "low": low, "high": high},
-        "budget": doubts.budget.rows,
-        "unknown": list(doubts.unknown),
+        "gain": {key: of_gain[key] for key in ("value", "low", "high")},
+        "budget": of_gain["budget"],
+        "unknown": [name for name in of_gain["unknown"] if name != LINEAR_THEORY],
         "sensitivity": [dict(zip(SENSITIVITY, row, strict=True)) for row in sensitivity_table(spec, found)[1]],
         "found": {name: _found(search, found[name]) for name, search in _searches(spec).items()},
-        "starts": {name: [_end(one) for one in some] for name, some in ends.items()},
+        "starts": {name: [_end(spec, known, name, one, buoys) for one in some] for name, some in ends.items()},
     }
 
 
@@ -162,37 +214,52 @@ def _found(search: Search, one: Outcome) -> dict[str, Any]:
     }
 
 
-def _end(one: Outcome | str) -> dict[str, Any]:
+def _end(spec: DesignSpec, known: Known, name: str, one: Outcome | str, buoys: Mapping[str, Buoy]) -> dict[str, Any]:
     """Where one start ended, in short."""
     if isinstance(one, str):
         return {"message": one, "accepted": False, "objective": None, "power": None, "evaluations": 0}
+    buoy = buoy_of(name, _searches(spec)[name], one)
     return {
         "message": one.message,
         "accepted": one.accepted,
         "feasible": one.feasible,
         "objective": one.objective,
         "power": one.quantities[POWER],
+        "within": known.power(buoy),
+        "gain": known.gain(buoy, buoys[COMPETITOR]) if name == FLEXIBLE else None,
         "kkt": one.kkt,
         "violation": one.violation,
         "evaluations": one.evaluations,
     }
 
 
-def starts_table(spec: DesignSpec, ends: Mapping[str, Sequence[Outcome | str]]) -> Table:
-    """Return the table of all starts: variables, objective, limits, multipliers, and the certificate."""
+ENDS = ("power_low", "power_high", "gain", "low", "high", "not_in_interval")
+"""Columns: interval of a power [W], gain over the rigid buoy with its own [%], and what both leave out."""
+
+
+def ends_of(power: Mapping[str, Any], over: Mapping[str, Any] | None) -> list[object]:
+    """Return the cells of the columns `ENDS`."""
+    of_gain = [over[key] for key in ("value", "low", "high")] if over else [""] * 3
+    return [power["low"], power["high"], *of_gain, "; ".join(power["unknown"])]
+
+
+def starts_table(
+    spec: DesignSpec, ends: Mapping[str, Sequence[Outcome | str]], said: Mapping[str, Sequence[Mapping[str, Any]]]
+) -> Table:
+    """Return the table of all starts: variables, objective, limits, multipliers, the certificate, and intervals."""
     keys = [one.key for one in spec.flexible.variables]
     known = [one for some in ends.values() for one in some if isinstance(one, Outcome)]
     limits = list(dict.fromkeys(name for one in known for name in one.quantities))
     held = list(dict.fromkeys(name for one in known for name in one.multipliers))
     head = [
         "buoy", "start", "accepted", "objective", *keys, *limits, *(f"multiplier {name}" for name in held), "kkt",
-        "violation", "evaluations", "degree", "modes left out, low", "modes left out, high", "flat", "message",
+        "violation", "evaluations", "degree", "modes left out, low", "modes left out, high", "flat", "message", *ENDS,
     ]  # fmt: skip
     rows: list[list[object]] = []
     for name, some in ends.items():
         for i, one in enumerate(some):
             if isinstance(one, str):
-                rows.append([name, i, "no", *[""] * (len(head) - 4), one])
+                rows.append([name, i, "no", *[""] * (len(head) - 4 - len(ENDS)), one, *[""] * len(ENDS)])
                 continue
             cells: list[object] = [name, i, "yes" if one.accepted else "no", one.objective]
             cells += [one.point.get(key, "") for key in keys]
@@ -200,7 +267,9 @@ def starts_table(spec: DesignSpec, ends: Mapping[str, Sequence[Outcome | str]]) 
             cells += [one.multipliers.get(limit, 0.0) for limit in held]
             cells += [one.kkt, one.violation, one.evaluations, "" if one.degree is None else one.degree]
             cells += one.truncation or ("", "")
-            rows.append([*cells, "; ".join(one.flat), one.message])
+            rows.append(
+                [*cells, "; ".join(one.flat), one.message, *ends_of(said[name][i]["within"], said[name][i]["gain"])]
+            )
     return head, rows
 
 
@@ -230,33 +299,56 @@ def sensitivity_table(spec: DesignSpec, found: Mapping[str, Outcome]) -> Table:
     return list(SENSITIVITY), rows
 
 
-def budget_table(budget: Budget) -> Table:
-    """Return what the gain is uncertain by, in percentage points."""
-    rows: list[list[object]] = [
-        [one.name, one.low, one.high, "yes" if 0.0 in (one.low, one.high) else "no", "yes" if one.shared else "no"]
-        for one in budget.sources
-    ]
-    return ["source", "low", "high", "one_sided", "shared"], rows
-
-
-def _fronts(spec: DesignSpec, folder: str) -> dict[str, dict[str, list[dict[str, Any]]]]:
-    """Pareto fronts by limit and buoy."""
-    found: dict[str, dict[str, list[dict[str, Any]]]] = {}
-    names = [(limit, buoy) for limit in spec.pareto for buoy in (FLEXIBLE, COMPETITOR)]
-    for (limit, buoy), front in zip(names, spec.fronts, strict=True):
-        ds = load(Path(folder) / f"{front}.nc", expected=front)
-        found.setdefault(limit, {})[buoy] = [
-            {
-                "limit": float(one.limit_value),
-                "objective": float(one.objective),
-                "accepted": bool(one.accepted),
-                "kkt": float(one.kkt),
-                "violation": float(one.violation),
-                "quantities": dict(zip(map(str, ds["quantity"].values), map(float, one.quantity_value), strict=True)),
-                "point": dict(zip(map(str, ds["variable"].values), map(float, one.best_value), strict=True)),
-            }
-            for one in (ds.isel(limit_value=i) for i in range(ds.sizes["limit_value"]))
+def budget_table(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """Return what a number is uncertain by, in its unit, from the rows of its budget."""
+    cells: list[list[object]] = [
+        [
+            one["name"], one["low"], one["high"], "yes" if (one["low"] == 0) != (one["high"] == 0) else "no",
+            "yes" if one["shared"] else "no",
         ]
+        for one in rows
+    ]  # fmt: skip
+    return ["source", "low", "high", "one_sided", "shared"], cells
+
+
+def power_budget_table(powers: Mapping[str, Mapping[str, Any]]) -> Table:
+    """Return what the powers of the buoys compared are uncertain by [W]."""
+    rows: list[list[object]] = []
+    for name, one in powers.items():
+        head, cells = budget_table(one["budget"])
+        rows += [[name, *row] for row in cells]
+    return ["buoy", *head], rows
+
+
+def _fronts(spec: DesignSpec, known: Known, folder: str) -> dict[str, dict[str, list[dict[str, Any]]]]:
+    """Pareto fronts by limit and buoy, each gain over the rigid buoy of the same limit."""
+    found: dict[str, dict[str, list[dict[str, Any]]]] = {}
+    names = [(limit, name) for limit in spec.pareto for name in _searches(spec)]
+    points = {
+        which: points_of(load(Path(folder) / f"{front}.nc", expected=front))
+        for which, front in zip(names, spec.fronts, strict=True)
+    }
+    for (limit, name), some in points.items():
+        rigid = {
+            value: buoy_of(COMPETITOR, spec.rigid, one) for value, one in points[limit, COMPETITOR] if name == FLEXIBLE
+        }
+        found.setdefault(limit, {})[name] = []
+        for value, one in some:
+            buoy = buoy_of(name, _searches(spec)[name], one)
+            found[limit][name].append(
+                {
+                    "limit": value,
+                    "objective": one.objective,
+                    "accepted": one.accepted,
+                    "message": one.message,
+                    "kkt": one.kkt,
+                    "violation": one.violation,
+                    "quantities": dict(one.quantities),
+                    "point": one.point,
+                    "power": known.power(buoy),
+                    "gain": known.gain(buoy, rigid[value]) if value in rigid else None,
+                }
+            )
     return found
 
 
@@ -269,17 +361,20 @@ def pareto_table(curves: Mapping[str, Mapping[str, Sequence[Mapping[str, Any]]]]
         [
             limit, buoy, one["limit"], one["objective"], "yes" if one["accepted"] else "no", one["kkt"],
             *(one["point"].get(key, "") for key in keys), *(one["quantities"].get(name, "") for name in names),
+            *ends_of(one["power"], one["gain"]),
         ]
         for limit, buoy, one in ends
     ]  # fmt: skip
-    return ["limit", "buoy", "value", "objective", "accepted", "kkt", *keys, *names], rows
+    return ["limit", "buoy", "value", "objective", "accepted", "kkt", *keys, *names, *ENDS], rows
 
 
-def study_text(spec: DesignSpec, one: Buoy, name: str) -> str:
+def study_text(spec: DesignSpec, one: Buoy, name: str, power: Mapping[str, Any]) -> str:
     """Return a study of a buoy that runs: its values, its damper, the seas and runs of the study it is from."""
     study = written_study(spec, one, name)
     raw = json.loads(json.dumps(study.model_dump(exclude_none=True, exclude_defaults=True)))
-    about = f"# The {one.name} of design {spec.name}: {one.power:.6g} W, mean over the year of {spec.climate_name}.\n"
+    (words,), unit = watts_within([(power["value"], power["low"], power["high"])])
+    kind = "flexible buoy" if one.name == FLEXIBLE else one.name
+    about = f"# The best {kind} of design {spec.name}: {words} {unit}, mean over the year of {spec.climate_name}.\n"
     return about + yaml.safe_dump(raw, sort_keys=False, allow_unicode=True)
 
 

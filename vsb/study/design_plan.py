@@ -18,7 +18,10 @@ from vsb.study.specs import (
     Search,
 )
 
-TABLES = ("starts.csv", "optimum.yaml", "competitor.yaml", "pareto.csv", "sensitivity.csv", "budget.csv", "design.nc")
+TABLES = (
+    "starts.csv", "optimum.yaml", "competitor.yaml", "pareto.csv", "sensitivity.csv", "budget.csv", "power_budget.csv",
+    "design.nc",
+)  # fmt: skip
 """Results in the folder of a design problem."""
 
 

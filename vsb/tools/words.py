@@ -1,12 +1,19 @@
 """Numbers and values in words."""
 
+import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 POWERS = ((1e7, 1e-6, "MW"), (1e4, 1e-3, "kW"), (0.0, 1.0, "W"))
 """Smallest power [W], factor to its unit, unit."""
 
 PRESSURES = ((1e9, 1e-9, "GPa"), (1e6, 1e-6, "MPa"), (0.0, 1.0, "Pa"))
 """Smallest pressure [Pa], factor to its unit, unit."""
+
+PREFIXED = ("N", "W", "Pa")
+"""Units whose large values are printed with a prefix, others in terms of them as well: N s/m, N/m."""
+PREFIXES = ((1e7, 1e-6, "M"), (1e4, 1e-3, "k"), (0.0, 1.0, ""))
+"""Smallest value, factor to the unit with the prefix, prefix."""
 
 TENFOLD = 900.0
 """Gain from which a multiple is printed instead of per cent [%]."""
@@ -38,6 +45,19 @@ def superscripts(unit: str) -> str:
     return unit.replace("^2", "²").replace("^3", "³")
 
 
+def prefixed(value: float, unit: str) -> tuple[float, str]:
+    """Return the factor and the prefix that suit a value of a unit: k or M of five digits and more of N, W or Pa.
+
+    Examples
+    --------
+    >>> prefixed(41600.0, "N s/m"), prefixed(17170.0, "kg")
+    ((0.001, 'k'), (1.0, ''))
+    """
+    if unit.split()[0].partition("/")[0] not in PREFIXED:
+        return 1.0, ""
+    return next((factor, prefix) for least, factor, prefix in PREFIXES if abs(value) >= least)
+
+
 def quantity(value: object, unit: str) -> str:
     """Return a value with its unit, `1` for none; pressures of a million pascal and more in MPa or GPa."""
     if not isinstance(value, float):
@@ -59,6 +79,48 @@ def watts(values: Sequence[float]) -> tuple[list[str], str]:
     largest = max(map(abs, values))
     factor, unit = next((factor, unit) for least, factor, unit in POWERS if largest >= least)
     return [plain(factor * value) for value in values], unit
+
+
+def decimals_of(values: Sequence[tuple[float, float, float]], least: int, most: int) -> int:
+    """Return decimals that show the intervals of some values and their differences, between two numbers of them.
+
+    Parameters
+    ----------
+    values : sequence of (float, float, float)
+        Values with their intervals, low and high.
+    """
+    middle = sorted(value for value, _, _ in values)
+    steps = [b - a for a, b in pairwise(middle)] + [(high - low) / 2 for _, low, high in values]
+    finest = min((step for step in steps if step > 0), default=1.0)
+    return min(max(least, math.ceil(-math.log10(finest))), most)
+
+
+def watts_within(values: Sequence[tuple[float, float, float]]) -> tuple[list[str], str]:
+    """Return powers [W] with their intervals in one unit, to four to six digits as the intervals need, and the unit.
+
+    Examples
+    --------
+    >>> watts_within([(18720.4, 18712.0, 18731.0), (18310.0, 18290.0, 18330.0)])
+    (['18.720 (18.712 to 18.731)', '18.310 (18.290 to 18.330)'], 'kW')
+    """
+    largest = max(abs(value) for value, _, _ in values)
+    factor, unit = next((factor, unit) for least, factor, unit in POWERS if largest >= least)
+    here = [(factor * value, factor * low, factor * high) for value, low, high in values]
+    whole = math.floor(math.log10(factor * largest)) if largest > 0 else 0
+    digits = decimals_of(here, max(0, 3 - whole), max(0, 5 - whole))
+    return [f"{value:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})" for value, low, high in here], unit
+
+
+def gains_within(values: Sequence[tuple[float, float, float]]) -> list[str]:
+    """Return gains [%] with their intervals, to two to four decimals as the intervals need.
+
+    Examples
+    --------
+    >>> gains_within([(4.07, 3.6, 4.4), (-0.0012, -0.0031, 0.0002)])
+    ['+4.070 % (+3.600 to +4.400 %)', '-0.001 % (-0.003 to +0.000 %)']
+    """
+    digits = decimals_of(values, 2, 4)
+    return [f"{value:+z.{digits}f} % ({low:+z.{digits}f} to {high:+z.{digits}f} %)" for value, low, high in values]
 
 
 def power(value: float) -> str:

@@ -1,0 +1,93 @@
+"""Budgets of powers and gains: power by sea, years drawn from one year, what cancels, waves that are not solved."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from design.conftest import study_of
+
+from vsb.design.budgets import PowerParts, drawn_years, power_of_seas, power_parts, uncertainty
+from vsb.design.compared import Buoy, gain
+from vsb.design.evaluation import DAMPER, DesignModel
+from vsb.design.problem import POWER
+from vsb.results.budget import MODES
+from vsb.waves.climate import Climate
+
+
+def buoy_of(study, design, climate, degree=2):
+    found = DesignModel.of(study, design, climate, [], degree).at([])
+    return Buoy(design, study, design, degree, {name: one.value for name, one in found.quantities.items()})
+
+
+def test_powers_of_seas_add_up_to_the_year():
+    omega = np.linspace(0.5, 1.7, 7)
+    density = np.array([np.exp(-(((omega - peak) / 0.2) ** 2)) for peak in (0.7, 0.9, 1.3)])
+    seas = Climate.of_spectra(omega, density, np.array([0.5, 0.3, 0.2]), "three seas")
+    study = study_of(modes={"basis": "full", "degree": 2})
+    for design in ("FSB", "VSWEC"):
+        found = DesignModel.of(study, design, seas, []).at([])
+        buoy = Buoy(design, study, design, 2, {name: one.value for name, one in found.quantities.items()})
+        powers = power_of_seas(buoy, buoy.model(seas), seas)
+        assert powers.shape == (3,)
+        assert seas.hours @ powers == pytest.approx(buoy.power, rel=1e-12)
+
+
+def test_years_drawn_keep_a_gain_that_is_the_same_in_every_sea():
+    rigid = np.random.default_rng(1).uniform(1.0, 5.0, 500)
+    years = gain(*(drawn_years(power, np.full(500, 1 / 500)) for power in (1.1 * rigid, rigid)))
+    assert years == pytest.approx(np.full(len(years), 10.0))
+
+
+def test_scatter_of_years_of_independent_seas_is_that_of_their_mean():
+    """Blocks of independent seas: the variance of the ratio of means by the delta method."""
+    random = np.random.default_rng(2)
+    rigid = random.uniform(1.0, 3.0, 4000)
+    flexible = rigid * (1 + 0.2 * random.normal(size=4000))
+    years = gain(*(drawn_years(power, np.full(4000, 1 / 4000)) for power in (flexible, rigid)))
+    expected = 100 * np.std(flexible - flexible.mean() / rigid.mean() * rigid) / rigid.mean() / np.sqrt(4000)
+    assert np.std(years) == pytest.approx(expected, rel=0.15)
+
+
+def test_what_two_buoys_share_is_in_their_powers_and_not_in_their_gain():
+    """Twins with one power under every error: the gain is certain, and the power as uncertain as either."""
+    years = np.random.default_rng(3).normal(9e3, 500.0, 2000)
+    one = PowerParts(9e3, (-0.01, 0.02), 9.02e3, 9.05e3, 0.0, years, {"device.radius": 2.0})
+    inputs = {"device.radius": 0.01}
+    of_gain, of_power = uncertainty([one, replace(one, truncation=(0.0, 0.0))], inputs), uncertainty([one], inputs)
+    assert {source.name for source in of_gain.budget.sources if source.low < 0 or source.high > 0} == {MODES}
+    assert (of_gain.budget.low, of_gain.budget.high) == pytest.approx((-1.0, 2.0))
+    low, high = of_power.budget.low, of_power.budget.high
+    statistics = np.hypot([980.0, 980.0], 1.96 * 0.01 * 2.0 * 9e3)
+    assert -low == pytest.approx(90 + 2 * 20 + 2 * 50 + statistics[0], rel=0.03)
+    assert high == pytest.approx(180 + 2 * 20 + 2 * 50 + statistics[1], rel=0.03)
+    assert uncertainty([replace(one, truncation=None)]).unknown == (MODES,)
+
+
+def test_waves_above_the_frequencies_solved_widen_a_power_by_the_most_they_hold():
+    """Deep water, density S in [a, b] above the band: rho g^3 S/4 (1/a^2 - 1/b^2) by the capture width 1/k."""
+    omega, density = np.array([0.8, 1.2, 1.6]), np.array([[0.4, 0.6, 0.2]])
+    seas = Climate.of_spectra(omega, density, np.ones(1), "three bands")
+    study = study_of(modes={"basis": "full", "degree": 2}, hydro={"omega_max": 1.5})
+    parts = power_parts(buoy_of(study, "FSB", seas), seas)
+    assert parts.unsolved == pytest.approx(1025 * 9.81**3 * 0.2 / 4 * (1.5**-2 - 1.8**-2), rel=1e-6)
+    whole = study_of(modes={"basis": "full", "degree": 2}, hydro={"omega_max": 4.0})
+    damper = {DAMPER: buoy_of(study, "FSB", seas).quantities["damping"]}
+    more = DesignModel.of(whole, "FSB", seas, [*damper]).at([*damper.values()])[POWER].value
+    assert parts.power < more < parts.power + parts.unsolved
+
+
+def test_the_interval_of_a_profile_holds_the_power_of_the_curve_its_points_are_of():
+    """Eleven points of a spheroid: through them go the spline that is solved, and the spheroid."""
+    omega, density = np.array([0.8, 1.2, 1.6]), np.array([[0.4, 0.6, 0.0]])
+    seas = Climate.of_spectra(omega, density, np.ones(1), "two bands")
+    phi = np.linspace(0.0, np.pi, 11)
+    points = [[float(2 * np.sin(at)) if 0 < at < np.pi else 0.0, float(1.4 * np.cos(at))] for at in phi]
+    device = {"internal_pressure": None}
+
+    def power(shape):
+        return buoy_of(study_of(device=device | {"shape": shape}, reference_shape="undeformed"), "FSB", seas)
+
+    buoy, truth = power({"profile": points}), power({"spheroid": {"height": 2.8}}).power
+    low, high = uncertainty([power_parts(buoy, seas)]).budget.interval(buoy.power)
+    assert abs(truth - buoy.power) > 1e-6 * buoy.power
+    assert low <= truth <= high

@@ -1,0 +1,212 @@
+"""Error budgets of the annual mean power of buoys, and of the gain of one over another, from the same parts.
+
+The parts of a buoy are its power computed in other ways under the same damper: more finely, through the points of a
+profile by another curve, in every sea of the year by itself, and its slope by every uncertain input. What two buoys
+have in common cancels in their gain. Linear theory itself is not among the parts: runs in time say how far it is off.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from scipy.integrate import quad
+
+from vsb.design.compared import Buoy, gain
+from vsb.design.evaluation import DAMPER, DesignModel
+from vsb.design.linearised import linearised
+from vsb.design.problem import POWER
+from vsb.design.year import PortYear, band
+from vsb.results.budget import MODES, Budget, Source
+from vsb.study.design import OF_RIGID
+from vsb.study.meridian import also_through
+from vsb.study.study import Study
+from vsb.tools.arrays import FloatArray
+from vsb.waves.climate import Climate
+from vsb.waves.dispersion import power_limit
+
+SAFETY = 2.0
+"""Of the change by finer nodes and frequencies, or by another curve through a profile, for the error of those used."""
+DEVIATIONS = 1.96
+"""Standard deviations to the end of a 95 % interval."""
+BLOCK_DAYS, RESAMPLED = 7.0, 2000
+"""Length of the blocks of a year that are drawn again, in which seas belong together [days], and years drawn."""
+POINTS = 97
+"""Of a profile that stands for the other curve through the points of one."""
+YEAR = "the year as a sample"
+LINEAR_THEORY = "linear theory"
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Sources of error of a number, in its unit, and those that are not known."""
+
+    budget: Budget
+    unknown: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class PowerParts:
+    """What the errors of one buoy's annual mean power are made of."""
+
+    power: float  # [W]
+    truncation: tuple[float, float] | None  # by shell modes left out, relative: at most 0, at least 0; None: not known
+    finer: float  # the same power, computed more finely [W]
+    reshaped: float  # with the other curve through the points of a profile [W]; the power itself of other shapes
+    unsolved: float  # most that waves above the frequencies solved may add [W]
+    years: FloatArray | None  # of years drawn again (year,) [W]; None of a table of seas, which has no order
+    slopes: Mapping[str, float]  # d ln P/d ln of uncertain inputs [-]
+
+
+def power_parts(buoy: Buoy, climate: Climate, uncertain: Sequence[str] = (), *, ordered: bool = False) -> PowerParts:
+    """Return the parts of the errors of a buoy's annual mean power.
+
+    Parameters
+    ----------
+    uncertain : sequence of str
+        Keys of its device.
+    ordered : bool
+        Whether the seas of the climate stand in the order of the year.
+    """
+    built, keys = buoy.with_damper(), [key for key in uncertain if _depends(buoy.study, key)]
+    model = built.model(climate, keys)
+    finer = replace(model, variables=(DAMPER,)).finer
+    slopes = dict.fromkeys(uncertain, 0.0)
+    if keys:
+        found = model.at(model.point)[POWER]
+        slopes |= dict(zip(keys, map(float, found.gradient * model.point / found.value), strict=False))
+    return PowerParts(
+        power=buoy.power,
+        truncation=buoy.truncation,
+        finer=_power(finer),
+        reshaped=_reshaped(built, climate),
+        unsolved=_unsolved(buoy.study, climate),
+        years=drawn_years(power_of_seas(built, model, climate), climate.hours) if ordered else None,
+        slopes=slopes,
+    )
+
+
+def _power(model: DesignModel) -> float:
+    """Annual mean power of the study of a model [W]."""
+    return model.at(model.point)[POWER].value
+
+
+def _depends(study: Study, key: str) -> bool:
+    """Whether the buoy has an input at all: a rigid one that is not at an equilibrium has only its size and mass."""
+    return study.flexible or key in OF_RIGID
+
+
+def _reshaped(built: Buoy, climate: Climate) -> float:
+    """Power of a buoy with the other curve through the points of its profile [W]; its power without a profile."""
+    device = built.study.device
+    if device.shape is None or device.shape.profile is None:
+        return built.power
+    other = also_through(device.shape.profile, device.radius)
+    curve = [other.at(float(phi)) for phi in np.linspace(0.0, np.pi, POINTS)]
+    shape = device.shape.model_copy(update={"profile": tuple((float(x), float(z)) for x, z, *_ in curve)})
+    study = built.study.model_copy(update={"device": device.model_copy(update={"shape": shape})})
+    return _power(replace(built, study=study).model(climate))
+
+
+def _unsolved(study: Study, climate: Climate) -> float:
+    """Most that waves above the highest frequency solved can add [W]: capture width is at most wavelength/(2 pi)."""
+    water, high = study.water, band(climate, study.hydro.omega_max)[1]
+    total = 0.0
+    for low, end, density in zip(climate.edges[:-1], climate.edges[1:], climate.mean_density, strict=True):
+        if density > 0 and end > high:
+            of = quad(lambda w: power_limit(w, water.depth, water.density, water.gravity), max(low, high), end)[0]
+            total += 2 * float(density) * of
+    return total
+
+
+def power_of_seas(buoy: Buoy, model: DesignModel, climate: Climate) -> FloatArray:
+    """Return the mean power of a buoy in each sea under its damper of the year, shape (sea,) [W].
+
+    The mean over the bands of the climate of c w^2 |u|^2, times the variance of each sea in them.
+
+    Parameters
+    ----------
+    model : DesignModel
+        Of the buoy over the climate: its nodes and frequencies are used.
+    """
+    matrices = linearised(buoy.resting, buoy.design, [], model.grid.solved, model.nodes)
+    port, damper = PortYear.of(model.grid, *matrices, buoy.study.pto.stiffness), buoy.quantities["damping"]
+    omega = model.grid.omega
+    moved = port.motion / (1 - 1j * omega * damper * port.receptance)
+    absorbed = damper * omega**2 * np.abs(moved) ** 2 * model.grid.variance
+    at = np.searchsorted(climate.edges, omega, side="right") - 1
+    of_band = np.bincount(at, absorbed, minlength=len(climate.omega))
+    mean = climate.mean_density
+    return np.asarray(climate.density @ np.divide(of_band, mean, out=np.zeros_like(mean), where=mean > 0))
+
+
+def drawn_years(power: FloatArray, hours: FloatArray, seed: int = 1) -> FloatArray:
+    """Return the mean power of years of blocks drawn from one year in the order of its seas, shape (year,) [W].
+
+    The circular block bootstrap of Politis and Romano (1992), which keeps the persistence of seas; all buoys meet the
+    same years.
+
+    Parameters
+    ----------
+    power : ndarray, shape (sea,)
+        In each sea [W].
+    hours : ndarray, shape (sea,)
+        Share of the year of each.
+    """
+    seas = len(hours)
+    length = max(1, min(seas, round(BLOCK_DAYS / 365.25 * seas)))
+    begins = np.random.default_rng(seed).integers(0, seas, (RESAMPLED, -(-seas // length)))
+    sums = [
+        np.convolve(np.concatenate([values, values[: length - 1]]), np.ones(length), mode="valid")
+        for values in (power * hours, hours)
+    ]
+    energy, time = (one[begins].sum(axis=1) for one in sums)
+    return np.asarray(energy / time)
+
+
+def uncertainty(buoys: Sequence[PowerParts], uncertain: Mapping[str, float] | None = None) -> Uncertainty:
+    """Return what a power is uncertain by [W], of two buoys the gain of the first over the second [percentage points].
+
+    Parameters
+    ----------
+    buoys : sequence of PowerParts
+        One or two.
+    uncertain : mapping
+        Relative standard deviations of inputs.
+    """
+    of: Callable[..., float] = gain if len(buoys) == 2 else lambda power: power
+    powers = [one.power for one in buoys]
+    value = of(*powers)
+    weights = [100 * powers[0] / powers[1] * sign for sign in (1, -1)] if len(buoys) == 2 else powers  # d value/d ln P
+    sources: list[Source] = []
+    unknown = [MODES] if any(one.truncation is None for one in buoys) else []
+    ends = [
+        sorted(weight * end for end in one.truncation)
+        for weight, one in zip(weights, buoys, strict=True)
+        if one.truncation
+    ]
+    if any(any(pair) for pair in ends):
+        sources.append(Source(MODES, sum(low for low, _ in ends), sum(high for _, high in ends)))
+    change = of(*(one.finer for one in buoys)) - value
+    sources.append(Source.within("coefficients and quadrature", SAFETY * abs(change)))
+    if change := of(*(one.reshaped for one in buoys)) - value:
+        sources.append(Source.within("shape between the points of the profile", SAFETY * abs(change)))
+    if any(one.unsolved for one in buoys):
+        corners = [of(*powers) - value for powers in product(*((one.power, one.power + one.unsolved) for one in buoys))]
+        sources.append(Source("waves above the frequencies solved", min(corners), max(corners)))
+    years = [one.years for one in buoys if one.years is not None]
+    if len(years) == len(buoys):
+        low, high = np.quantile(of(*years), [0.025, 0.975])
+        sources.append(Source(YEAR, min(0.0, low - value), max(0.0, high - value), "statistic"))
+    else:
+        unknown.append(f"{YEAR}: a table has no order of its seas")
+    for key, share in (uncertain or {}).items():
+        slope = sum(weight * one.slopes[key] for weight, one in zip(weights, buoys, strict=True))
+        sources.append(Source.within(key, DEVIATIONS * share * abs(slope), "statistic", shared=key in OF_RIGID))
+    return Uncertainty(Budget(tuple(sources)), tuple(unknown))
+
+
+def with_linear_theory(known: Uncertainty, value: float, low: float, high: float) -> Uncertainty:
+    """Return an uncertainty with what linear theory errs by, as runs in time say: their interval of the same number."""
+    source = Source(LINEAR_THEORY, min(0.0, low - value), max(0.0, high - value))
+    return Uncertainty(known.budget + Budget((source,)), known.unknown)
