@@ -6,7 +6,7 @@ from typing import Any
 from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
 from vsb.report.answer import Answer
 from vsb.study.design import Limits, limit_of, unit_of
-from vsb.tools.words import gains_within, plain, power, prefixed, superscripts, watts_within
+from vsb.tools.words import gains_within, plain, prefixed, superscripts, watts_within
 
 Facts = Mapping[str, Any]
 """What is known of a design problem, as `vsb.stages.design_results` keeps it."""
@@ -21,9 +21,14 @@ WIDENED = {"beam": 0.1, "draft": 0.1, "stroke_rms": 0.1, "load_factor": -0.1, "s
 """Change of a limit whose worth is said [its unit]; of others a tenth of it."""
 
 
+LISTED = 5
+"""Most points of a front whose gains are listed in a sentence; of more the first, the largest between and the last."""
+
+
 def in_full(name: str) -> str:
     """Return the name of a quantity in words."""
-    return name.replace("_", " ")
+    mean_square = name.removesuffix("_rms")
+    return (mean_square if mean_square == name else f"rms {mean_square}").replace("_", " ")
 
 
 def with_unit(value: float | None, unit: str = "1") -> str:
@@ -36,16 +41,16 @@ def with_unit(value: float | None, unit: str = "1") -> str:
 
 def answer(facts: Facts) -> Answer:
     """Return the answer of a design problem."""
-    (best, rigid), unit = watts_within([ends(facts["powers"][name]) for name in (FLEXIBLE, COMPETITOR)])
+    best, rigid = (powers(facts)[name] for name in (FLEXIBLE, COMPETITOR))
     stands = [
-        f"The best flexible buoy absorbs {best} {unit}, mean over the year of {facts['climate']}; the best rigid "
-        f"buoy {rigid} {unit} within the same limits: {in_words(facts)}."
+        f"The best flexible buoy absorbs {best}, mean over the year of {facts['climate']}; the best rigid "
+        f"buoy {rigid} within the same limits: {in_words(facts)}."
     ]
     if headline := no_answer(facts):
         return Answer([headline], ["Computed, but not valid: " + stands[0], *limited(facts)])
     if unproven := [name for name in (FLEXIBLE, COMPETITOR) if not facts["found"][name]["accepted"]]:
         stands.append(f"The {' and the '.join(unproven)} shown are not proven optima.")
-    below = [verdict(facts), *in_time(facts), *size_or_flexibility(facts), *limited(facts), *fronts(facts)]
+    below = [verdict(facts), *in_time(facts), *fronts(facts), *size_or_flexibility(facts), *limited(facts)]
     return Answer(stands, below)
 
 
@@ -65,6 +70,12 @@ def no_answer(facts: Facts) -> str:
 def in_words(facts: Facts) -> str:
     """Return the gain with its interval."""
     return gains_within([ends(facts["gain"])])[0]
+
+
+def powers(facts: Facts) -> dict[str, str]:
+    """Return the powers of the buoys compared with their intervals, by name, in one unit and to as many digits."""
+    texts, unit = watts_within([ends(one) for one in facts["powers"].values()])
+    return {name: f"{text} {unit}" for name, text in zip(facts["powers"], texts, strict=True)}
 
 
 def ends(number: Mapping[str, Any]) -> tuple[float, float, float]:
@@ -99,16 +110,16 @@ def in_time(facts: Facts) -> list[str]:
 
 def size_or_flexibility(facts: Facts) -> list[str]:
     """Return what of the gain is size and what flexibility."""
-    of, found = facts["power"], []
-    if TWIN in of:
+    texts, found = powers(facts), []
+    if TWIN in texts:
         found.append(
-            f"A rigid buoy of its shape and mass absorbs {power(of[TWIN])}: flexibility itself brings "
-            f"{100 * (of[FLEXIBLE] / of[TWIN] - 1):+z.2f} %."
+            f"A rigid buoy of its shape and mass absorbs {texts[TWIN]}: flexibility itself brings "
+            f"{gains_within([ends(facts['over'][TWIN])])[0]}."
         )
-    if SPHERE in of:
+    if SPHERE in texts:
         found.append(
-            f"The rigid sphere it was before inflation absorbs {power(of[SPHERE])}: size and flexibility together "
-            f"bring {100 * (of[FLEXIBLE] / of[SPHERE] - 1):+z.2f} %."
+            f"The rigid sphere it was before inflation absorbs {texts[SPHERE]}: size and flexibility together "
+            f"bring {gains_within([ends(facts['over'][SPHERE])])[0]}."
         )
     return found
 
@@ -121,10 +132,11 @@ def fronts(facts: Facts) -> list[str]:
         if not points:
             continue
         gains = gains_within([ends(one["gain"]) for one in points])
-        each = ", ".join(
-            f"{gain} at {with_unit(one['limit'], unit_of(limit))}" for gain, one in zip(gains, points, strict=True)
-        )
-        found.append(f"Over the limit of the {in_full(limit)} {where_it_gains(limit, points)}: {each}.")
+        each = [f"{gain} at {with_unit(one['limit'], unit_of(limit))}" for gain, one in zip(gains, points, strict=True)]
+        if len(each) > LISTED:
+            largest = max(range(1, len(each) - 1), key=lambda i: points[i]["gain"]["value"])
+            each = [each[0], each[largest], each[-1]]
+        found.append(f"With other limits of the {in_full(limit)} {where_it_gains(limit, points)}: {', '.join(each)}.")
     return found
 
 
@@ -134,9 +146,9 @@ def where_it_gains(limit: str, points: Sequence[Mapping[str, Any]]) -> str:
     values = [with_unit(one["limit"], unit_of(limit)) for one in points]
     count = sum(gains)
     if not count:
-        return "flexibility gains nowhere by more than the errors known"
+        return "flexibility gains at none by more than the errors known"
     if count == len(points):
-        return "flexibility gains everywhere by more than the errors known"
+        return "flexibility gains at all by more than the errors known"
     if all(gains[:count]):
         where = f"{values[count - 1]} or less"
     elif all(gains[-count:]):

@@ -10,7 +10,7 @@ from vsb.report.design_answer import OBJECTIVES, Facts, answer, ends, grouped, i
 from vsb.report.design_figures import captions
 from vsb.report.html import captioned, page
 from vsb.study.design import unit_of
-from vsb.tools.words import gains_within, plain, superscripts, watts_within
+from vsb.tools.words import gains_within, watts_and_ends, watts_within
 
 BUOYS = (
     "annual_mean_power", "damping", "force_rms", "stroke_rms", "beam", "draft", "mass", "surface", "volume",
@@ -96,8 +96,9 @@ def buoys_table(facts: Facts) -> dict[str, Any]:
             loads = [facts["quantities"][name].get("load_factor_inverse_0") or 0.0 for name in names]
             known = [1 / load if load > 0 else None for load in loads]
         if key == POWER:
-            texts, unit = watts_within([ends(facts["powers"][name]) for name in names])
-            rows.append([in_full(key), *(f"{text} {unit}" for text in texts)])
+            texts, unit = watts_and_ends([ends(facts["powers"][name]) for name in names])
+            for title, place in ((in_full(key), 0), ("from", 1), ("to", 2)):
+                rows.append([title, *(f"{text[place]} {unit}" for text in texts)])
             continue
         rows.append([in_full(key), *(with_unit(value, unit_of(key)) for value in known)])
     return {"head": ["", *names], "body": rows}
@@ -108,8 +109,7 @@ def variables_table(facts: Facts) -> dict[str, Any]:
     found: dict[str, list[str]] = {}
     for place, name in enumerate((FLEXIBLE, COMPETITOR)):
         for one in facts["found"][name]["variables"]:
-            unit = "" if one["unit"] == "1" else f" {superscripts(one['unit'])}"
-            bounds = f"{plain(one['low'])} to {plain(one['high'])}{unit}"
+            bounds = f"{with_unit(one['low'], one['unit'])} to {with_unit(one['high'], one['unit'])}"
             row = found.setdefault(one["key"], [one["key"], bounds, "-", "-"])
             row[2 + place] = with_unit(one["value"], one["unit"])
     return {"head": ["variable", "bounds", FLEXIBLE, COMPETITOR], "body": list(found.values())}

@@ -10,13 +10,15 @@ POWERS = ((1e7, 1e-6, "MW"), (1e4, 1e-3, "kW"), (0.0, 1.0, "W"))
 PRESSURES = ((1e9, 1e-9, "GPa"), (1e6, 1e-6, "MPa"), (0.0, 1.0, "Pa"))
 """Smallest pressure [Pa], factor to its unit, unit."""
 
-PREFIXED = ("N", "W", "Pa")
-"""Units whose large values are printed with a prefix, others in terms of them as well: N s/m, N/m."""
-PREFIXES = ((1e7, 1e-6, "M"), (1e4, 1e-3, "k"), (0.0, 1.0, ""))
-"""Smallest value, factor to the unit with the prefix, prefix."""
+_LARGE = ((1e7, 1e-6, "M"), (1e4, 1e-3, "k"), (0.0, 1.0, ""))
+PREFIXES = {"N": _LARGE, "W": _LARGE, "Pa": ((1e9, 1e-9, "G"), (1e6, 1e-6, "M"), (1e4, 1e-3, "k"), (0.0, 1.0, ""))}
+"""Smallest value, factor and prefix of units, and of others in terms of them: N s/m, N/m."""
 
 TENFOLD = 900.0
 """Gain from which a multiple is printed instead of per cent [%]."""
+
+SAME_VALUE = 1e-6
+"""Relative difference of values up to which no decimals are spent on telling them apart."""
 
 SAME = 0.05
 """Gains below this are printed as 0.0 % [%]."""
@@ -46,16 +48,15 @@ def superscripts(unit: str) -> str:
 
 
 def prefixed(value: float, unit: str) -> tuple[float, str]:
-    """Return the factor and the prefix that suit a value of a unit: k or M of five digits and more of N, W or Pa.
+    """Return the factor and the prefix that suit a value of a unit: k, M or G of large ones of N, W or Pa.
 
     Examples
     --------
     >>> prefixed(41600.0, "N s/m"), prefixed(17170.0, "kg")
     ((0.001, 'k'), (1.0, ''))
     """
-    if unit.split()[0].partition("/")[0] not in PREFIXED:
-        return 1.0, ""
-    return next((factor, prefix) for least, factor, prefix in PREFIXES if abs(value) >= least)
+    known = PREFIXES.get(unit.split()[0].partition("/")[0], ((0.0, 1.0, ""),))
+    return next((factor, prefix) for least, factor, prefix in known if abs(value) >= least)
 
 
 def quantity(value: object, unit: str) -> str:
@@ -91,7 +92,7 @@ def decimals_of(values: Sequence[tuple[float, float, float]], least: int, most: 
     """
     middle = sorted(value for value, _, _ in values)
     steps = [b - a for a, b in pairwise(middle)] + [(high - low) / 2 for _, low, high in values]
-    finest = min((step for step in steps if step > 0), default=1.0)
+    finest = min((step for step in steps if step > SAME_VALUE * max(map(abs, middle))), default=1.0)
     return min(max(least, math.ceil(-math.log10(finest))), most)
 
 
@@ -103,12 +104,18 @@ def watts_within(values: Sequence[tuple[float, float, float]]) -> tuple[list[str
     >>> watts_within([(18720.4, 18712.0, 18731.0), (18310.0, 18290.0, 18330.0)])
     (['18.720 (18.712 to 18.731)', '18.310 (18.290 to 18.330)'], 'kW')
     """
+    texts, unit = watts_and_ends(values)
+    return [f"{value} ({low} to {high})" for value, low, high in texts], unit
+
+
+def watts_and_ends(values: Sequence[tuple[float, float, float]]) -> tuple[list[list[str]], str]:
+    """Return the numbers of `watts_within` one by one: value, low and high of each; and the unit."""
     largest = max(abs(value) for value, _, _ in values)
     factor, unit = next((factor, unit) for least, factor, unit in POWERS if largest >= least)
     here = [(factor * value, factor * low, factor * high) for value, low, high in values]
     whole = math.floor(math.log10(factor * largest)) if largest > 0 else 0
     digits = decimals_of(here, max(0, 3 - whole), max(0, 5 - whole))
-    return [f"{value:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})" for value, low, high in here], unit
+    return [[f"{number:.{digits}f}" for number in each] for each in here], unit
 
 
 def gains_within(values: Sequence[tuple[float, float, float]]) -> list[str]:
