@@ -13,7 +13,7 @@ import numpy as np
 from scipy.integrate import quad
 
 from vsb.design.compared import Buoy, gain
-from vsb.design.evaluation import DAMPER, DesignModel
+from vsb.design.evaluation import DAMPER, RESOLVED, DesignModel
 from vsb.design.linearised import linearised
 from vsb.design.problem import POWER
 from vsb.design.year import PortYear, band
@@ -187,8 +187,9 @@ def uncertainty(buoys: Sequence[PowerParts], uncertain: Mapping[str, float] | No
     ]
     if any(any(pair) for pair in ends):
         sources.append(Source(MODES, sum(low for low, _ in ends), sum(high for _, high in ends)))
-    change = of(*(one.finer for one in buoys)) - value
-    sources.append(Source.within("coefficients and quadrature", SAFETY * abs(change)))
+    change = abs(of(*(one.finer for one in buoys)) - value)
+    least = RESOLVED * sum(map(abs, weights))  # nodes and frequencies aim at no less
+    sources.append(Source.within("coefficients and quadrature", max(SAFETY * change, least)))
     if change := of(*(one.reshaped for one in buoys)) - value:
         sources.append(Source.within("shape between the points of the profile", SAFETY * abs(change)))
     if any(one.unsolved for one in buoys):

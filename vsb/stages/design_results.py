@@ -98,7 +98,7 @@ def _runs(spec: DesignSpec, folder: str) -> dict[str, Any] | None:
     return runs
 
 
-@dataclass
+@dataclass(frozen=True)
 class Known:
     """What is known of the errors of powers and gains of a design problem."""
 
@@ -268,14 +268,21 @@ def starts_table(
             cells += [one.point.get(key, "") for key in keys]
             cells += [one.quantities.get(limit, "") for limit in limits]
             cells += [one.multipliers.get(limit, 0.0) for limit in held]
-            cells += [one.kkt, one.violation, one.evaluations, "" if one.degree is None else one.degree]
-            cells += one.truncation or ("", "")
+            cells += [
+                significant(one.kkt, 2),
+                significant(one.violation, 2),
+                one.evaluations,
+                "" if one.degree is None else one.degree,
+            ]
+            cells += [significant(end, 6) for end in one.truncation] if one.truncation else ["", ""]
             rows.append(
                 [*cells, "; ".join(one.flat), one.message, *ends_of(said[name][i]["within"], said[name][i]["gain"])]
             )
     return head, rows
 
 
+FLAT = 1e-9
+"""Relative slope up to which power does not change: what is left is round-off, and residual of an optimum."""
 SENSITIVITY = ("buoy", "variable", "unit", "value", "per", "slope")
 
 
@@ -292,7 +299,9 @@ def sensitivity_table(spec: DesignSpec, found: Mapping[str, Outcome]) -> Table:
         for variable, value, slope in zip(search.variables, one.values, slopes, strict=True):
             per = "logarithm" if variable.low > 0 else "range"
             times = float(value) if per == "logarithm" else variable.high - variable.low
-            rows.append([name, variable.key, unit(variable.key), float(value), per, float(slope * times / power)])
+            relative = float(slope * times / power)
+            shown_slope = relative if abs(relative) > FLAT else 0.0
+            rows.append([name, variable.key, unit(variable.key), float(value), per, shown_slope])
         for limit, value in one.multipliers.items():
             base = limit_of(limit)
             per = "limit" if base in Limits.model_fields or base == "thin_shell" else "bound"
@@ -306,7 +315,8 @@ def budget_table(rows: Sequence[Mapping[str, Any]]) -> Table:
     """Return what a number is uncertain by, in its unit, from the rows of its budget."""
     cells: list[list[object]] = [
         [
-            one["name"], one["low"], one["high"], "yes" if (one["low"] == 0) != (one["high"] == 0) else "no",
+            one["name"], significant(one["low"], 6), significant(one["high"], 6),
+            "yes" if (one["low"] == 0) != (one["high"] == 0) else "no",
             "yes" if one["shared"] else "no",
         ]
         for one in rows
@@ -321,6 +331,11 @@ def power_budget_table(powers: Mapping[str, Mapping[str, Any]]) -> Table:
         head, cells = budget_table(one["budget"])
         rows += [[name, *row] for row in cells]
     return ["buoy", *head], rows
+
+
+def significant(value: float, digits: int) -> float:
+    """Return a number of some significant digits: those of errors and residuals beyond are round-off."""
+    return float(f"{value:.{digits}g}")
 
 
 def _fronts(spec: DesignSpec, known: Known, folder: str) -> dict[str, dict[str, list[dict[str, Any]]]]:
@@ -362,7 +377,7 @@ def pareto_table(curves: Mapping[str, Mapping[str, Sequence[Mapping[str, Any]]]]
     names = list(dict.fromkeys(name for _, _, one in ends for name in one["quantities"]))
     rows: list[list[object]] = [
         [
-            limit, buoy, one["limit"], one["objective"], "yes" if one["accepted"] else "no", one["kkt"],
+            limit, buoy, one["limit"], one["objective"], "yes" if one["accepted"] else "no", significant(one["kkt"], 2),
             *(one["point"].get(key, "") for key in keys), *(one["quantities"].get(name, "") for name in names),
             *ends_of(one["power"], one["gain"]),
         ]

@@ -127,12 +127,16 @@ class Variable(Section):
 
 
 def _read_variables(raw: object) -> object:
-    """Variables with their bounds as a file has them: a list, because canonical JSON sorts mappings."""
+    """Variables with their bounds as a file has them: a list, because canonical JSON sorts mappings.
+
+    In the order of `VARIABLES`, whatever that of the file: starts are drawn by the place of a variable in the list.
+    """
     if isinstance(raw, list | tuple):
         return raw
     if not isinstance(raw, Mapping) or not raw:
         raise ValueError(f"received {raw!r}, needs keys of the study, each with {_FORMS}")
-    return tuple(_variable(str(key), given) for key, given in raw.items())
+    found = [_variable(str(key), given) for key, given in raw.items()]
+    return tuple(sorted(found, key=lambda one: VARIABLES.index(one.key) if one.key in VARIABLES else len(VARIABLES)))
 
 
 def _variable(key: str, given: object) -> Variable:
@@ -220,6 +224,11 @@ class Optimisation(Section):
     verify: Verify | None = None
 
     _design_not_reserved = field_validator("design")(not_reserved)
+
+    @field_validator("pareto")
+    @classmethod
+    def _ascending(cls, pareto: dict[str, tuple[float, ...]]) -> dict[str, tuple[float, ...]]:
+        return {name: tuple(sorted(values)) for name, values in sorted(pareto.items())}
 
 
 def first_flexible(study: Study) -> str:
@@ -342,6 +351,12 @@ class LoadedDesign(Section):
             found.append(
                 f"variables: none that a rigid buoy has ({', '.join(OF_RIGID)}), so the competitor is that of "
                 "the study as it is, and the gain over it is that of size as well"
+            )
+        flexible = sorted(name for name, one in self.base.designs.items() if one.flexible)
+        if problem.optimise is None and len(flexible) > 1:
+            found.append(
+                f"optimise: none given of the flexible designs {', '.join(flexible)}; {flexible[0]}, the first by "
+                "name, is optimised"
             )
         bound = [name for name in ("force_rms", "stroke_rms") if name in limits]
         if bound and "pto.damping" not in keys:
