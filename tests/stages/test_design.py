@@ -188,8 +188,7 @@ def test_a_campaign_of_the_optimum_at_a_finer_degree_lies_within_its_numerical_e
     found = vsb.open(run.folder)
     for name, file in ((FLEXIBLE, "optimum"), (COMPETITOR, "competitor")):
         raw = yaml.safe_load(Path(run.folder, f"{file}.yaml").read_text())
-        if name == FLEXIBLE:
-            raw |= {"modes": {"basis": "full", "degree": 12}}
+        raw |= {"modes": {"basis": "full", "degree": 12}}
         raw["hydro"] = raw.get("hydro", {}) | {"tolerance": 1e-4}
         (folder / f"finer_{file}_study.yaml").write_text(yaml.safe_dump(raw | {"study": f"finer_{file}_study"}))
         campaign = {"campaign": f"finer_{file}", "study": f"finer_{file}_study.yaml", "tuning": ["fixed"]}
