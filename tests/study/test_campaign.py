@@ -44,8 +44,8 @@ def test_paths_are_relative_to_the_campaign_file(folder, monkeypatch):
         ({"vary": {"device.mass": 3}}, "vary: device.mass: received 3, needs a list"),
         ({"verify": {"seas": 5}}, "verify.seas: received 5"),
         (
-            {"verify": {}, "vary": {"device.mass": [1.6e4, 1.65e4, 1.7e4, 1.72e4, 1.75e4]}},
-            "verify: received a campaign of 5 points, each of which is simulated in time; needs at most 4",
+            {"verify": {}, "vary": {"device.mass": {"linear": [1.6e4, 1.75e4, 501]}}},
+            "verify: received a campaign of 501 points, each of which is simulated in time; needs at most 500",
         ),
         ({"waves": []}, "waves: .*unknown key"),
         ({"constrained": {"seconds": 5}}, "constrained: applies with the tuning constrained only; add it"),

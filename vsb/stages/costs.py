@@ -34,7 +34,7 @@ PANEL_ROW2_SECONDS = 3e-5
 """Of a frequency per squared row count, lid included; measured with 40 + 8 rows."""
 WITNESS_ROW2_SECONDS = 4e-4
 """Of a shape, by both solvers, per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
-RUN_SECONDS = {"linear": (0.3, 5e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.7, 5e-3), "auto": (1.0, 5e-3)}
+RUN_SECONDS = {"linear": (0.3, 5e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.7, 4e-3), "auto": (1.0, 5e-3)}
 """Of a run in time, and of each second it follows, by model."""
 LATCHING_TIME_SECONDS = {"regular": 5.0, "body_exact": 20.0}
 """Of the search for a latching time in a regular wave, and how many more on the wet shell."""
@@ -42,7 +42,7 @@ LATCHED_SECONDS = {"irregular": 0.15, "body_exact": 0.5}
 """Likewise of each second of a run in another sea, all trials together."""
 MEMBER_SECONDS, REST_SECONDS = 0.016, 1.2
 """Of a point of a campaign with its coefficients; of one about its equilibrium also the rest and the modes left out."""
-SEA_SECONDS = {"linear": 0.05, "body_exact": 0.2}
+SEA_SECONDS = {"linear": 0.05, "body_exact": 0.15}
 """Of one design in one sea of `verify`, by model."""
 BODY_SECONDS, IN_FINITE_DEPTH = 0.5, 2.5
 """Of a frequency of a body beside its matrices, and how many times as long these take in finite depth."""
