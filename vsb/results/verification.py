@@ -47,7 +47,7 @@ FEWEST = 4
 STARTUP, RECORD = 3.0, 10.0
 """Energy periods of a sea before means are taken, and over which they are."""
 DECAYS = 5.0
-"""Start-up in decay times of the slowest motion, where that is longer: a ten-thousandth of its power is left."""
+"""Start-up in decay times of the slowest motion of the port, if longer: a ten-thousandth of its power is left."""
 TOLERANCE, FEWER_RECORDS = 1e-5, 50
 """Of the motion, and records per period where no take-off is nonlinear: mean powers err by 1e-6, intervals by 1e-3."""
 LONGEST = 100.0
