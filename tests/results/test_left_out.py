@@ -165,6 +165,7 @@ def test_degree_of_a_port_within_the_shell_does_not_depend_on_a_rigid_design(see
     assert found[0].degree == found[1].degree > DEGREES[0]
 
 
+CLAMPED = {"VSWEC90": {"clamp": 90}}
 PLANAR = {
     "motion": "planar",
     "device": {"centre_of_mass": -0.5, "ballast_inertia": 5e3},
@@ -189,7 +190,7 @@ FREE = {
     ("port", "changes"),
     [
         pytest.param("pitch", {}, marks=pytest.mark.slow),
-        ({"line_to": [20.0, -30.0], "line_from": [0.0, -1.5]}, {}),
+        ({"line_to": [20.0, -30.0], "line_from": [0.0, -1.5]}, {"designs": {"FSB": {"flexible": False}, **CLAMPED}}),
         ({"dofs": {"Surge": 1.0, "Membrane2c1": 0.5}}, {}),
         ("surge", FREE),
         pytest.param({"dofs": {"Sway": 1.0, "Bending2s1": 0.3}}, FREE, marks=pytest.mark.slow),

@@ -26,7 +26,7 @@ from vsb.motion.tuning import best_dampers, best_pairs, mean_power
 from vsb.scenes.floating_system import heading
 from vsb.scenes.ports import ShapeWater, buoy_at
 from vsb.scenes.rest import loaded_at_ring, order_bases, reference_shell
-from vsb.scenes.ring_loads import all_degrees_answer
+from vsb.scenes.ring_loads import all_degrees_answer, with_rings
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.orders import goes_with_sine
@@ -206,7 +206,8 @@ class ModeConvergence:
             return buoy.several_ports()
         if self._motion != "free" and not directions.any():
             return buoy.ports()
-        families, found = order_bases(study, reference.basis), dict[str, Port | Ports]()
+        reference, found = with_rings(study, reference), dict[str, Port | Ports]()
+        families = order_bases(study, reference.basis)
         orders = np.repeat(
             [0, *(each.signed for each in families)],
             [len(reference.basis.labels), *(len(each.labels) for each in families)],

@@ -122,7 +122,9 @@ def body_seconds(file: BodyFile, panels: float) -> float:
     """
     planes = file.symmetry.count("O") if file.symmetry != "auto" else 2 if file.hull else 0
     matrices = SECONDS_PER_PANEL2 * panels**2 / 2**planes
-    return len(file.omega) * (BODY_SECONDS + matrices * (1.0 if math.isinf(file.water.depth) else IN_FINITE_DEPTH))
+    return float(
+        len(file.omega) * (BODY_SECONDS + matrices * (1.0 if math.isinf(file.water.depth) else IN_FINITE_DEPTH))
+    )
 
 
 def _of_run(plan: StudyPlan | BodyPlan, job: Job) -> float:
