@@ -208,7 +208,7 @@ def test_a_buoy_that_does_not_rest_stably_has_no_power(climate):
     ("design", "changes"),
     [
         ("FSB", {}),
-        ("VSWEC90", {"pto": {"stiffness": 5e3}}),
+        ("VSWEC", {"pto": {"stiffness": 5e3}}),
         ("VSWEC90", SPHEROID),
         ("VSWEC", {"reference_shape": "undeformed", "water": {"depth": 5.0}, "device": {"thickness": 0.1}}),
     ],
