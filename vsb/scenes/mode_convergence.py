@@ -44,6 +44,8 @@ SAFETY = 2.0
 """Of the last steps of the list, for what all further degrees may change where powers do not approach a limit yet."""
 RESOLVED = 2.0
 """Degree that resolves what bends about a loaded ring, in terms of `bending_degree`."""
+UNRESOLVED = 3.0
+"""Of the last steps, where all degrees answer loads at rings but the modes do not resolve what bends about them."""
 PROBED = (0.4, 0.7, 1.0, 1.3)
 """Frequencies of regular waves that stand for the seas of a study in still water, in sqrt(g/radius)."""
 SOLVED = 2e-4
@@ -391,8 +393,8 @@ def beyond(study: AnyBuoy, powers: Mapping[int, FloatArray], *, complete: bool =
             continue
         if not complete or len(degrees) == 2:
             change[row] = further_about_rings([one[row] for one in values], degrees, bending)
-        elif degrees[-1] < bending:
-            change[row] *= SAFETY  # what bends about the rings is not resolved: steps may be small by chance
+        elif degrees[-1] < RESOLVED * bending:
+            change[row] *= UNRESOLVED  # steps may be small by chance
     return change
 
 
