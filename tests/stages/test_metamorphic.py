@@ -140,6 +140,7 @@ def test_a_spring_moved_from_the_take_off_to_the_mooring_changes_no_power(of_bar
         assert found[column].values == pytest.approx(plain_barge[column].values, rel=1e-6), column
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LIMITS)
 def test_a_limit_that_a_body_never_reaches_changes_nothing(of_barge, plain_barge, name):
     found = of_barge(name, pto=BARGE["pto"] | LIMITS[name])
@@ -147,6 +148,7 @@ def test_a_limit_that_a_body_never_reaches_changes_nothing(of_barge, plain_barge
         assert found[column].values == pytest.approx(plain_barge[column].values, rel=1e-6), column
 
 
+@pytest.mark.slow
 def test_a_window_a_period_later_changes_nothing_of_a_body_in_a_regular_wave(of_barge, plain_barge):
     """But the energy, which is of the whole run: that of a period more, to what is left of transients."""
     later = of_barge("later", simulation={"duration": 248.0, "window": [168.0, 248.0]})
