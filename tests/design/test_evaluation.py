@@ -9,14 +9,17 @@ from tests.design.conftest import study_of
 from vsb.design.compared import Buoy
 from vsb.design.evaluation import DesignModel
 from vsb.design.linearised import displacements
+from vsb.design.optimise import left_out
 from vsb.design.resting import RestingBuoy
 from vsb.design.year import FrequencyGrid
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.hydro.database import Coefficients, with_excitation
 from vsb.hydro.spectral.solver import SpectralProblem
+from vsb.scenes.mode_convergence import bending_degree
 from vsb.scenes.ports import ShapeWater, buoy_at
 from vsb.scenes.rest import reference_shell, stiffness_about
 from vsb.study.design import PARTS
+from vsb.study.sections import Modes
 from vsb.waves.climate import Climate
 
 RUBBER = {
@@ -232,6 +235,32 @@ def test_the_year_is_that_of_a_campaign(climate, design, changes):
     power = port.power(damping) @ (2 * grid.variance)
     assert found["annual_mean_power"].value == pytest.approx(power[1], rel=1e-7)
     assert power[1] == power.max()
+
+
+def test_what_a_clamped_design_leaves_out_holds_the_power_of_all_degrees(climate):
+    """A design has shell modes alone; the static response of all degrees at its clamp is within what it allows for."""
+    vented = {"internal_pressure": 0.0, "thickness": 0.1, "young_modulus": 3e7}
+    study = study_of(reference_shape="undeformed", device=vented)
+    design, few, many = "VSWEC90", (9, 14, 20), 30
+    power, damping = {}, 0.0
+    for degree in few:
+        at = study.model_copy(update={"modes": Modes(basis="full", degree=degree)})
+        found = DesignModel.of(at, design, climate, []).at([])
+        power[degree], damping = found["annual_mean_power"].value, damping or found["damping"].value
+    grid = DesignModel.of(study, design, climate, []).grid
+    whole = study.model_copy(update={"modes": Modes(basis="full", degree=many)})
+    reference, moved, water = reference_shell(whole), displacements(many), whole.water
+    problem = SpectralProblem(reference.shape, moved, water.density, water.gravity, 60, water.depth)
+    solved = with_excitation(problem.solve(list(grid.omega)))
+    coefficients = Coefficients(
+        solved.added_mass.values, solved.radiation_damping.values, solved.excitation_force.values[:, 0]
+    )
+    port = buoy_at(whole, reference, ShapeWater(moved, grid.omega, coefficients)).ports(0.0)[design]
+    change = float(port.power(damping) @ (2 * grid.variance)) / power[9] - 1
+    finer = [power[degree] / power[9] - 1 for degree in few[1:]]
+    low, high = left_out(finer, study.modes.tolerance, few, bending_degree(study, design))
+    assert low < change < 0.0 < high
+    assert high - low < 10 * abs(change)
 
 
 def test_numerical_errors_are_small(climate):

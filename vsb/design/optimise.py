@@ -280,7 +280,7 @@ def further(
 ) -> tuple[list[Point], tuple[float, float] | None]:
     """Return a buoy with more shell modes, and between which ends all further ones change its power, see `left_out`.
 
-    Raises one of `IMPOSSIBLE` if it does not rest with them.
+    Raises one of `IMPOSSIBLE` if it has no stable equilibrium with them.
 
     Parameters
     ----------

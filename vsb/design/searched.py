@@ -94,7 +94,7 @@ def known_truncation(
 ) -> tuple[float, float] | None:
     """Return what shell modes beyond those of a buoy change its power by, relative; None where it is not known.
 
-    Raises one of `IMPOSSIBLE` if it does not rest with more shell modes.
+    Raises one of `IMPOSSIBLE` if it has no stable equilibrium with more shell modes.
     """
     if degree is None:
         return None

@@ -22,7 +22,7 @@ from vsb.scenes.mode_convergence import (
     take_offs,
 )
 from vsb.scenes.ports import BuoyOfShape, buoy_at
-from vsb.scenes.ring_loads import all_degrees_answer
+from vsb.scenes.ring_loads import has_attachment_modes
 from vsb.study.sections import DEGREES, Modes
 from vsb.study.specs import AnyBuoy, BuoySystem
 from vsb.study.study import Study
@@ -139,7 +139,7 @@ def left_out_of_year(
         squares, water = (climate.mean_density @ band_weights(omega, climate))[None], floating.swept.at(omega)
         seen: list[Mapping[str, Port | Ports]] = [{design: one.port for design, one in waves.items()}]
         before = powers_of_ports(seen[0], study.pto, squares)
-        complete = all_degrees_answer(heaving)
+        complete = has_attachment_modes(heaving)
         for n in reversed(lower):
             at_degree = buoy_at(heaving, floating.reference, water, n)
             seen.insert(0, at_degree.several_ports() if study.pto.several else at_degree.ports())

@@ -26,7 +26,7 @@ from vsb.motion.tuning import best_dampers, best_pairs, mean_power
 from vsb.scenes.floating_system import heading
 from vsb.scenes.ports import ShapeWater, buoy_at
 from vsb.scenes.rest import loaded_at_ring, order_bases, reference_shell
-from vsb.scenes.ring_loads import all_degrees_answer, with_rings
+from vsb.scenes.ring_loads import has_attachment_modes, with_rings
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.orders import goes_with_sine
@@ -195,7 +195,7 @@ class ModeConvergence:
     @property
     def completes(self) -> bool:
         """Whether all degrees answer loads at rings, whatever the degree of the modes."""
-        return self._motion == "heave" and all_degrees_answer(self._with(Modes(basis="full", degree=1)))
+        return self._motion == "heave" and has_attachment_modes(self._with(Modes(basis="full", degree=1)))
 
     def _ports(self, study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> Mapping[str, Port | Ports]:
         """Ports of the designs, in waves of one direction after the other.

@@ -42,7 +42,7 @@ def _of_port(port: ShellPort) -> RingLoad:
     return normal_to_wall(angle) if port.direction == "radial" else vertical(angle)
 
 
-def all_degrees_answer(study: AnyBuoy) -> bool:
+def has_attachment_modes(study: AnyBuoy) -> bool:
     """Return whether all degrees of a study's shell answer its loads at rings: of a sphere with both branches of modes.
 
     Of other shapes, and of modes one asks for by name, those of the basis do.
@@ -61,7 +61,7 @@ def with_rings(study: AnyBuoy, reference: ReferenceShell, degree: int | None = N
         Above which they answer; by default the highest of its modes.
     """
     basis = reference.basis
-    if not basis.modes or not all_degrees_answer(study) or not (loads := ring_loads(study)):
+    if not basis.modes or not has_attachment_modes(study) or not (loads := ring_loads(study)):
         return reference
     above = basis.highest_degree if degree is None else degree
     rings = RingModes(basis.shell, above, loads, _tension(study, reference, loads))

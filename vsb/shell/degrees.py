@@ -35,7 +35,7 @@ def bending_block(shell: Shell, degree: Degrees) -> FloatArray:
 def tension_block(degree: Degrees) -> FloatArray:
     """Return the stiffness of (V, U) of degrees by a membrane force of 1 N/m in all directions [-].
 
-    int (ef^2 + et^2 + ((v' - u)/r)^2) dA: the geometric stiffness of an even tension.
+    int (ef^2 + et^2 + ((v' - u)/r)^2) dA: the geometric stiffness of a uniform tension.
     """
     return _stretched(degree, 0.0) + _turned(degree)
 
@@ -47,7 +47,7 @@ def mass_block(shell: Shell, degree: Degrees) -> FloatArray:
 
 
 def _product(degree: Degrees) -> FloatArray:
-    """N (n + 1), as a factor of blocks."""
+    """The factor n (n + 1) of blocks."""
     n = np.asarray(degree, dtype=float)[..., None, None]
     return np.asarray(n * (n + 1))
 

@@ -1,9 +1,9 @@
-"""Answers of a shell's high degrees to loads along rings: of clamps, rings that are held, take-offs on a ring.
+"""Residual attachment modes of a spherical shell under loads along rings: clamps, held rings, take-offs on a ring.
 
 Such a load acts along a line, and all degrees yield to it: normal to the wall like n^-4, by bending, but along it like
-n^-2, by stretching, so that modes up to degree N miss something like 1/N. What degrees above N do follows statically
-(residual attachment modes, MacNeal 1971 and Rubin 1975): with the displacements R_n of the rings in degree n and the
-stiffness K_n of that degree, one further shape for each ring,
+n^-2, by stretching, so that modes up to degree N miss something like 1/N. The static response of degrees above N
+(MacNeal 1971, Rubin 1975) follows from the displacements R_n of the rings in degree n and the stiffness K_n of that
+degree. One further shape for each load,
 
     w_n = K_n^-1 R_n^T,    n > N,
 
@@ -23,11 +23,11 @@ from vsb.shell.shell import Shell
 from vsb.tools.arrays import FloatArray, IntArray
 
 HIGHEST = 4000
-"""Degree to which answers are summed; what is left of a sum is N/HIGHEST of it."""
+"""Degree to which responses are summed; what is left of a sum is N/HIGHEST of it."""
 AT_POLE = 1e-9
 """Sine of a colatitude below which nothing moves along the meridian, by symmetry [-]."""
 SAME = 1e-10
-"""Part of the largest stiffness of a combination of rings below which it repeats others [-]."""
+"""Part of the largest compliance of a combination of loads below which it repeats others [-]."""
 
 
 class RingLoad(NamedTuple):
@@ -60,7 +60,7 @@ def vertical(colatitude: float) -> RingLoad:
 
 @dataclass(frozen=True)
 class RingModes:
-    """Shell modes of a sphere that answer loads at rings by all degrees above one.
+    """Residual attachment modes of a sphere: its static response to loads at rings by all degrees above one.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class RingModes:
         return np.arange(max(self.degree, 1) + 1, HIGHEST + 1)
 
     @cached_property
-    def _answers(self) -> FloatArray:
+    def _responses(self) -> FloatArray:
         """Radial and meridional amplitudes of each degree under each load, shape (degree, 2, load) [m/N]."""
         n = self._degrees
         p, slope = _legendre(n[0], np.array([load.colatitude for load in self.loads]))
@@ -113,11 +113,11 @@ class RingModes:
 
     @cached_property
     def _under_loads(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Mass, elastic stiffness and that of the tension over the answers to the loads, each (load, load)."""
-        n, answers, tension = self._degrees, self._answers, np.array(self.tension)
+        """Mass, elastic stiffness and that of the tension over the responses to the loads, each (load, load)."""
+        n, responses, tension = self._degrees, self._responses, np.array(self.tension)
         blocks = mass_block(self.shell, n), self._elastic, tension_block(n)
         mass, elastic, stretched = (
-            np.einsum("nai,nab,nbj->ij", answers, block, answers, optimize=True) for block in blocks
+            np.einsum("nai,nab,nbj->ij", responses, block, responses, optimize=True) for block in blocks
         )
         return mass, elastic, np.asarray(np.add.outer(tension, tension) / 2 * stretched)
 
@@ -151,7 +151,7 @@ class RingModes:
 
     def displacement(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return radial and meridional displacements at colatitudes [rad], each shape (mode, point) [-]."""
-        radial, meridional = np.moveaxis(self._answers @ self._combinations, 1, 0)
+        radial, meridional = np.moveaxis(self._responses @ self._combinations, 1, 0)
         p, slope = _legendre(self._degrees[0], np.asarray(colatitude, dtype=float))
         return np.asarray(radial.T @ p), np.asarray(meridional.T @ slope)
 
