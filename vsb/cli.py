@@ -180,6 +180,25 @@ def print_verdict(checks: "list[Check]", files: str) -> int:
     return int(any(check.verdict == "fail" for check in checks))
 
 
+def figures(args: argparse.Namespace) -> int:
+    """Draw the figures of finished results for print, as PDF or PNG, beside those of the page or into a folder.
+
+    With the options of the rule of that name it draws those of the page.
+    """
+    rule: Stage = args.stage
+    if args.config is None:
+        if missing := [name for name in rule.files if vars(args)[name] is None]:
+            args.command.error(f"needs a study, or as a rule of the workflow --{' --'.join(missing)}")
+        return stage(args)
+    from vsb.stages.printing import print_figures
+
+    plan = plan_of(args.config, keep=False)
+    folder = args.out or f"{plan.folder}/figures"
+    written = [path for kind in args.kinds or ["pdf"] for path in print_figures(plan, folder, kind)]
+    print(*written, sep="\n")
+    return 0
+
+
 def shape_dependence(args: argparse.Namespace) -> int:
     """Compute how the coefficients of a deep-water study depend on its shape: database, figure, effect on power."""
     from vsb.stages import shape_dependence as stage
@@ -261,7 +280,8 @@ def parser() -> argparse.ArgumentParser:
     _add_commands(commands)
     _add_imports(commands)
     _add_compare(commands)
-    for one in (one for one in STAGES if one.name != "compare"):
+    _add_figures(commands)
+    for one in (one for one in STAGES if one.name not in ("compare", "figures")):
         rule = commands.add_parser(one.name, description=f"Rule {one.name}: {one.text}.")  # no help: not in the list
         for name in (*one.files, *one.optional):
             rule.add_argument(f"--{name}", required=name in one.files, metavar="PATH")
@@ -313,6 +333,20 @@ def _add_compare(commands: Any) -> None:
     one = _command(commands, rule.name, "finished studies and campaigns side by side", compare)
     one.add_argument("studies", nargs="*", metavar="CONFIG", help="their files; none: the rule")
     one.add_argument("--out", metavar="FILE", help="write all of the table as FILE.csv, or a page, FILE.html")
+    for name in (name for name in (*rule.files, *rule.optional) if name != "out"):
+        one.add_argument(f"--{name}", metavar="PATH", help=argparse.SUPPRESS)
+    one.set_defaults(stage=rule)
+
+
+def _add_figures(commands: Any) -> None:
+    """Declare what draws figures for print, and is the rule of its name without a study."""
+    (rule,) = (one for one in STAGES if one.name == "figures")
+    one = _command(commands, rule.name, "figures of finished results for print, as PDF or PNG", figures)
+    one.add_argument("config", nargs="?", metavar="CONFIG", help="a study, campaign or design; none: the rule")
+    for kind in ("pdf", "png"):
+        words = f"write {kind.upper()}{' (default)' if kind == 'pdf' else ''}"
+        one.add_argument(f"--{kind}", action="append_const", dest="kinds", const=kind, help=words)
+    one.add_argument("--out", metavar="FOLDER", help="folder of the files (default: figures/ of the results)")
     for name in (name for name in (*rule.files, *rule.optional) if name != "out"):
         one.add_argument(f"--{name}", metavar="PATH", help=argparse.SUPPRESS)
     one.set_defaults(stage=rule)

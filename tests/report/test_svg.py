@@ -1,4 +1,4 @@
-"""Files of a figure: SVG with real text and unique identifiers, PDF with text, data, description."""
+"""Files of a figure: SVG with real text and unique identifiers, data, description; PDF and PNG for print."""
 
 import csv
 import io
@@ -11,7 +11,7 @@ from report.test_campaign_figures import campaign
 
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.canvas import grid_of_axes, legend_above
-from vsb.report.svg import data_csv, drawn, in_words
+from vsb.report.svg import data_csv, drawn, for_print, in_words
 
 X = np.linspace(0.0, 10.0, 400)
 
@@ -34,12 +34,14 @@ def files(figure):
     return drawn(figure, "wave")
 
 
-def test_text_stays_text_in_svg_and_pdf(files):
+def test_text_stays_text_in_svg_and_pdf(files, figure):
     texts = {
         "".join(element.itertext()) for element in ET.fromstring(files.svg).iter("{http://www.w3.org/2000/svg}text")
     }
     assert {"time [s]", "power [W]", "A"} <= texts
-    assert b"/TrueType" in files.pdf or b"/Type42" in files.pdf or b"/CIDFontType2" in files.pdf
+    pdf = for_print(figure, "pdf")
+    assert b"/TrueType" in pdf or b"/Type42" in pdf or b"/CIDFontType2" in pdf
+    assert for_print(figure, "png").startswith(b"\x89PNG")
 
 
 def test_identifiers_are_unique_and_all_references_resolve(files):

@@ -91,7 +91,7 @@ def results(tmp_path_factory):
         (folder / "barge.yaml").write_text(yaml.safe_dump(raw))
         found = load_body(folder / "barge.yaml")
         plan = BodyPlan(found.study, root=str(folder / "results"), files=found.files)
-        people = (".html", ".pdf", ".svg", ".csv")
+        people = (".html", ".svg", ".csv")
         make(plan, [path for path in plan.products if not path.endswith(people) or path.endswith("ladder.csv")])
         return plan
 

@@ -56,7 +56,7 @@ def test_report_and_figures_are_stamped(plan, written):
         "tuned_power",
         "pareto",
     }
-    begins = {"svg": b"<svg", "html": b"<!doctype", "pdf": b"%PDF", "csv": b"axes,series,x,y"}
+    begins = {"svg": b"<svg", "html": b"<!doctype", "csv": b"axes,series,x,y"}
     assert all(content.lstrip().startswith(begins[path.rpartition(".")[2]]) for path, content in written.items())
     assert faults(dict.fromkeys(written, plan.identity), read_manifest(plan.manifest)) == []
 

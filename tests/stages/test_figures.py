@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from conftest import varied
 
+from vsb.cli import main
 from vsb.stages import report
 from vsb.study.figure_names import FIGURE_KINDS, of_buoy
 
@@ -21,6 +22,20 @@ def test_every_figure_is_drawn_and_stamped(small):
             text = path.read_text()
             assert text.count("<path") > 5, path.name
             assert "nan" not in text.lower().replace("dominant", ""), path.name
+
+
+def test_figures_are_drawn_for_print_and_a_file_of_the_user_stays(small, tmp_path, capsys):
+    """Every figure as PDF and PNG, again in place of them, but not of another file of that name."""
+    command = ["figures", f"{small.name}.yaml", "--pdf", "--png", "--out", str(tmp_path)]
+    for _ in range(2):
+        assert main(command) == 0
+    named = {f"{name}.{kind}" for name in of_buoy(small.study) for kind in ("pdf", "png")}
+    assert {path.name for path in tmp_path.iterdir()} == named
+    own = tmp_path / f"{of_buoy(small.study)[0]}.pdf"
+    own.write_bytes(b"%PDF-1.4 my thesis")
+    assert main(command) == 2
+    assert "no earlier output of vsb" in capsys.readouterr().err
+    assert own.read_bytes() == b"%PDF-1.4 my thesis"
 
 
 def test_spectra_of_irregular_seas_have_their_significant_height(seed):

@@ -45,7 +45,7 @@ def results(tmp_path_factory):
     @cache
     def run(text, look):
         plan = StudyPlan(config.parse(json.loads(text)), root=str(tmp_path_factory.mktemp("results")))
-        people = () if look else (".html", ".pdf", ".svg", ".csv")
+        people = () if look else (".html", ".svg", ".csv")
         make(
             plan,
             [path for path in plan.products if not path.endswith((".vtu", *people)) or path.endswith("ladder.csv")],

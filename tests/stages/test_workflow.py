@@ -186,8 +186,6 @@ SECONDS = re.compile(r"\d[\d.e+-]*(?= s\b| on one core)")
 
 def contents(path):
     """Contents of a file of results without the seconds it took."""
-    if path.suffix == ".pdf":
-        return path.read_bytes()
     if path.suffix != ".nc":
         text = path.read_text(encoding="utf-8")
         return SECONDS.sub("", text) if path.suffix == ".html" else text

@@ -1,4 +1,4 @@
-"""A drawn figure as files: SVG and PDF with real text, the data behind it as CSV, and what it shows in words.
+"""A drawn figure as files: SVG with real text, the data behind it as CSV, and what it shows in words; for print, PDF.
 
 The SVG says where its axes lie and what each curve is called, so that a page can read values off the drawn curves.
 """
@@ -23,6 +23,11 @@ from vsb.tools.tables import csv_text, svg_text
 from vsb.tools.words import plain
 
 FONTS = "DejaVu Sans, Verdana, sans-serif"
+_AUTHOR: dict[str, dict[str, str | None]] = {
+    "pdf": {"Creator": "vsb", "CreationDate": None},
+    "png": {"Software": "vsb"},
+}
+"""Metadata of figures for print, by which they are known as ours."""
 MOST_CURVES = 8
 """Curves of one pair of axes that are described in words."""
 MOST_POINTS = 1000
@@ -34,13 +39,12 @@ class Drawn:
     """The files of one figure, by kind."""
 
     svg: str
-    pdf: bytes
     csv: str
 
     def write(self, folder: str, name: str) -> list[str]:
         """Write the files into a folder and return their paths."""
         paths = [f"{folder}/{name}.{kind}" for kind in FIGURE_KINDS]
-        for path, content in zip(paths, (self.svg.encode(), self.pdf, self.csv.encode()), strict=True):
+        for path, content in zip(paths, (self.svg.encode(), self.csv.encode()), strict=True):
             with atomic_write(path) as temporary:
                 temporary.write_bytes(content)
         return paths
@@ -48,16 +52,22 @@ class Drawn:
 
 def drawn(figure: Figure, name: str) -> Drawn:
     """Return the files of a figure; its name makes the identifiers of its SVG unique on a page with several figures."""
-    looks: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "path.simplify_threshold": 0.25, "svg.hashsalt": name}
+    looks: Any = {"svg.fonttype": "none", "path.simplify_threshold": 0.25, "svg.hashsalt": name}
     with mpl.rc_context(looks):  # real text; curves without points nobody can tell apart
         for i, ax in enumerate(figure.axes):
             ax.set_gid(f"axes-{i}")
             for j, line in enumerate(_curves(ax)):
                 line.set_gid(f"curve-{i}-{j}")
-        text, sheet = svg_text(figure), io.BytesIO()
-        figure.set_layout_engine(None)  # the layout is known: savefig need not draw twice
-        figure.savefig(sheet, format="pdf", metadata={"CreationDate": None})
-    return Drawn(_for_page(text, figure, name), sheet.getvalue(), data_csv(figure))
+        text = svg_text(figure)
+    return Drawn(_for_page(text, figure, name), data_csv(figure))
+
+
+def for_print(figure: Figure, kind: str) -> bytes:
+    """Return a figure as a file of another kind that matplotlib writes: pdf with real text, png at 300 dots an inch."""
+    looks: Any = {"pdf.fonttype": 42, "path.simplify_threshold": 0.25}
+    with mpl.rc_context(looks), io.BytesIO() as sheet:
+        figure.savefig(sheet, format=kind, dpi=300, metadata=_AUTHOR[kind])
+        return sheet.getvalue()
 
 
 def _for_page(text: str, figure: Figure, name: str) -> str:

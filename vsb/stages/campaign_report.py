@@ -1,6 +1,6 @@
 """Rule answer: figures and report of a campaign."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
@@ -16,7 +16,7 @@ from vsb.report.hydro_figures import year_spectra
 from vsb.report.interactive import designs_data, year_data
 from vsb.report.shell_figures import round_factor
 from vsb.report.sketch import sketches
-from vsb.report.svg import Drawn, drawn
+from vsb.report.svg import drawn
 from vsb.results.year import Bins, frequencies
 from vsb.scenes.floating_system import AnyBody, Floating
 from vsb.scenes.ports import BuoyOfShape
@@ -65,24 +65,17 @@ def run_campaign_report(
     identity = content_id(spec)
     ds = load(data, expected=identity)
     seas = read_climate(spec.climate, climate)
-    names = figure_names.of_campaign(spec)
-    every = _drawn(names, ds, seas)
-    files = [path for name in names for path in every[name].write(figures, name)]
+    with mpl.rc_context():  # the caller's own figures keep their looks
+        every = {name: drawn(figure, name) for name, figure in figures_of(spec, ds, seas)}
+    files = [path for name, one in every.items() for path in one.write(figures, name)]
     write_text(out, _page(spec, ds, seas, root, {name: one.svg for name, one in every.items()}))
     record(manifest, identity, [out, *files])
 
 
-def _drawn(names: Iterable[str], ds: xr.Dataset, seas: Climate) -> dict[str, Drawn]:
-    """Figures by name."""
-    with mpl.rc_context():  # the caller's own figures keep their looks
-        return {name: drawn(_figure(name, ds, seas), name) for name in names}
-
-
-def _figure(name: str, ds: xr.Dataset, seas: Climate) -> Figure:
-    """A figure by its name: of the results, but for the year's spectra."""
-    if name == "spectra":
-        return year_spectra(seas)
-    return DRAWN[name](ds, *leading(ds))
+def figures_of(spec: CampaignSpec, ds: xr.Dataset, seas: Climate) -> Iterator[tuple[str, Figure]]:
+    """Draw the figures of a campaign by name: of its results, but for the year's spectra."""
+    for name in figure_names.of_campaign(spec):
+        yield name, year_spectra(seas) if name == "spectra" else DRAWN[name](ds, *leading(ds))
 
 
 def _page(spec: CampaignSpec, ds: xr.Dataset, seas: Climate, root: str, svgs: Mapping[str, str]) -> str:

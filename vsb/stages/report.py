@@ -1,10 +1,10 @@
-"""Rule report: the report of a study."""
+"""Rules figures and report: the figures and the report of a study."""
 
 import itertools
 import json
 import math
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -14,6 +14,7 @@ import matplotlib as mpl
 import numpy as np
 import xarray as xr
 import yaml
+from matplotlib.figure import Figure
 
 from vsb import __version__
 from vsb.report.band import lowest
@@ -56,8 +57,18 @@ FREQUENCIES = 2000
 
 
 def run_figures(study: AnyStudy, trajectories: str, out: str, manifest: str, **files: str) -> None:
-    """Draw and write all figures of a study into a folder: SVG, PDF, and their data as CSV."""
+    """Draw and write all figures of a study into a folder: SVG, and their data as CSV."""
     found = Inputs(study, trajectories, files)
+    written: list[str] = []
+    with mpl.rc_context():  # the caller's own figures keep their looks
+        for name, figure in figures_of(found):
+            written += drawn(figure, name).write(out, name)
+    record(manifest, found.plan.identity, written)
+
+
+def figures_of(found: Inputs) -> Iterator[tuple[str, Figure]]:
+    """Draw the figures of a study by name, one after the other."""
+    study = found.study
     data = StudyData(
         designs=tuple(study.designs),
         reference=study.reference_design,
@@ -77,11 +88,7 @@ def run_figures(study: AnyStudy, trajectories: str, out: str, manifest: str, **f
         ports={name: port_kind(port) for name, port in named_ports(study.pto).items()},
         raos=_raos(study, found),
     )
-    written: list[str] = []
-    with mpl.rc_context():  # the caller's own figures keep their looks
-        for name in found.plan.figures:
-            written += drawn(draw(name, data), name).write(out, name)
-    record(manifest, found.plan.identity, written)
+    yield from ((name, draw(name, data)) for name in found.plan.figures)
 
 
 def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:

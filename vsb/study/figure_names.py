@@ -12,8 +12,8 @@ from vsb.study.study import BaseStudy, Study
 from vsb.study.take_off import port_kind
 from vsb.tools.ports import MEMBRANE, SEVERAL
 
-FIGURE_KINDS = ("svg", "pdf", "csv")
-"""Files of every figure: for a page, for print, and the data behind it."""
+FIGURE_KINDS = ("svg", "csv")
+"""Files of every figure: for a page, and the data behind it."""
 OF_THE_RESPONSE = ("absorbed_power", "reactance", "rao")
 """Figures of the frequency response, which does not depend on amplitude."""
 OF_THE_WATER = ("added_mass_damping", "excitation", "radiation_kernel")

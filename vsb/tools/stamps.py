@@ -31,9 +31,11 @@ _BEGINNINGS = {
     "page": (".html", rb'(?s:.*)<meta name="generator" content="vsb">'),
     "time series": (".csv", rb"time \[s\],(wave_elevation \[m\],)?bodies_position"),
     "figure": (".svg", rb"(?s:.*)<dc:title>vsb</dc:title>"),
+    "PDF of a figure": (".pdf", rb"%PDF(?s:.*)/Creator \(vsb\)"),
+    "PNG of a figure": (".png", rb"\x89PNG(?s:.*)Software\x00vsb"),
     "WAMIT file": ("", rb" WAMIT's form: ULEN "),
 }
-"""Endings and beginnings of texts that are written under a name the user chooses, by what they are."""
+"""Endings of files that are written under a name the user chooses, and what they hold, by what they are."""
 _MARKS = {"ptos_forceTotal": "time series", "tried_error": "shape dependence", "added_mass": "hydro database"}
 """Variables that only netCDF files of one kind have, by the first that is there."""
 _LONGEST = 4096
@@ -164,12 +166,14 @@ def kind_of(path: Path) -> str | None:
         return "BEMIO file" if path.suffix == ".h5" else of_netcdf
     try:
         with path.open("rb") as file:
-            begin = file.read(_LONGEST)
+            held = file.read(_LONGEST)
+            file.seek(max(_LONGEST, path.stat().st_size - _LONGEST))
+            held += file.read()
     except OSError:
         return None
     endings = {ending for ending, _ in _BEGINNINGS.values()}
     suffix = path.suffix if path.suffix in endings else ""
-    return next((kind for kind, (end, text) in _BEGINNINGS.items() if end == suffix and re.match(text, begin)), None)
+    return next((kind for kind, (end, text) in _BEGINNINGS.items() if end == suffix and re.match(text, held)), None)
 
 
 def _stage_of(path: Path) -> str | None:
