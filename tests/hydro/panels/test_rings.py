@@ -89,6 +89,23 @@ def test_changed_table_of_the_green_function_is_refused(green_folder, tmp_path, 
         bem.green_function(place)
 
 
+@pytest.mark.parametrize("damaged", [False, True])
+def test_table_of_the_green_function_is_computed_once_for_all_folders_of_a_machine(
+    green_folder, tmp_path, monkeypatch, damaged
+):
+    """A second folder copies the first one's; one that is damaged is computed anew."""
+    monkeypatch.setenv("CAPYTAINE_CACHE_DIR", str(tmp_path / "kept"))
+    kept = bem._kept_tables()
+    (table,) = green_folder.glob("*.npz")
+    (kept / table.name).write_bytes(flipped(table.read_bytes()) if damaged else table.read_bytes())
+    computed = []
+    compute = bem.cpt.Delhommeau._create_tabulation
+    monkeypatch.setattr(bem.cpt.Delhommeau, "_create_tabulation", lambda *a: (computed.append(1), compute(*a))[1])
+    bem.stored_green_function(tmp_path / "results" / "green")
+    assert len(computed) == damaged
+    assert [file.name for file in (tmp_path / "results" / "green").glob("*.npz")] == [table.name]
+
+
 def test_coefficients_of_the_hemisphere_at_the_default_resolution(green, hemisphere):
     ka = [k for k in hemisphere["Ka"] if k <= 6]
     result = unit_problem(green, 40).solve([float(np.sqrt(k)) for k in ka])

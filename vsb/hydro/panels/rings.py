@@ -7,9 +7,12 @@ same holds for every azimuthal order m, where strengths go with cos(m theta): su
 """
 
 import os
+import shutil
 import tempfile
 import zipfile
 import zlib
+from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -25,7 +28,7 @@ from vsb.hydro.dofs import Displacement, azimuthal_order, normal_velocities, wav
 from vsb.hydro.sweep import IncidentWave
 from vsb.study.blocks import panel_solver
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
-from vsb.tools.files import CHANGED
+from vsb.tools.files import CHANGED, atomic_write
 from vsb.tools.stamps import MANIFEST, read_manifest, record, text_fault
 from vsb.waves.dispersion import wavenumber
 
@@ -34,6 +37,7 @@ try:
 except OSError:  # it makes a folder for tables in the home folder, which may not be writable and is not used
     os.environ["CAPYTAINE_CACHE_DIR"] = str(Path(tempfile.gettempdir(), f"capytaine-{os.getuid()}"))
     import capytaine as cpt
+from capytaine.tools.cache_on_disk import cache_directory
 
 cpt.set_logging("ERROR")
 _LARGEST_DEPTH_IN_WAVENUMBERS = 9e4  # the finite-depth Green function has no infinite frequency
@@ -65,19 +69,47 @@ def green_function(folder: str | Path) -> cpt.Delhommeau:
 
 
 def stored_green_function(folder: str | Path) -> cpt.Delhommeau:
-    """Return `green_function`, its table computed in a temporary folder that is renamed, safe for concurrent runs."""
+    """Return `green_function`, its table copied from where capytaine keeps its own on this machine, or computed once.
+
+    It is made in a temporary folder that is renamed, safe for concurrent runs.
+    """
     place = Path(folder)
     if not place.is_dir():
         place.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=place.parent, prefix=f".{place.name}.") as partial:
-            green_function(partial)
-            Path(partial).chmod(0o755)
+        with tempfile.TemporaryDirectory(dir=place.parent, prefix=f".{place.name}.") as name:
+            partial, tables = Path(name), _kept_tables()
+            _copied(tables.glob("tabulation_*.npz"), partial)
             try:
-                Path(partial).replace(place)
+                green_function(partial)
+            except DatabaseError:  # one kept there is damaged
+                for file in partial.iterdir():
+                    file.unlink()
+                green_function(partial)
+            _copied(partial.glob("*.npz"), tables)
+            partial.chmod(0o755)
+            try:
+                partial.replace(place)
             except OSError:
                 if not place.is_dir():  # otherwise a concurrent run has finished first
                     raise
     return green_function(place)
+
+
+def _kept_tables() -> Path:
+    """Folder in which capytaine keeps tables of its Green function, for all that use it on this machine."""
+    try:
+        return Path(cache_directory())
+    except OSError:  # which cannot be made
+        return Path(tempfile.gettempdir(), f"capytaine-{os.getuid()}", cpt.__version__)
+
+
+def _copied(files: Iterable[Path], folder: Path) -> None:
+    """Copy files into a folder, each whole or not at all, as far as it can be written; those there stay."""
+    for file in files:
+        with suppress(OSError):
+            if not (folder / file.name).exists():
+                with atomic_write(folder / file.name) as temporary:
+                    shutil.copyfile(file, temporary)
 
 
 @cache
