@@ -11,6 +11,7 @@ from vsb.motion.tuning import (
     best_dampers,
     best_of_table,
     best_pairs,
+    damper_within_force,
     dampers,
     electrical_power,
     mean_power,
@@ -196,3 +197,29 @@ def test_optimal_dampers_of_several_ports_are_those_of_each():
         if port.moves:
             assert damping == pytest.approx(best_dampers(port, sea[None]).damping[0], rel=1e-5)  # flat optimum
             assert port.power(damping) @ sea == pytest.approx(best_dampers(port, sea[None]).power[0], rel=1e-13)
+
+
+@pytest.mark.parametrize(("spring", "efficiency"), [(0.0, 1.0), (0.4, 1.0), (-0.1, 0.8)])
+def test_damper_within_a_limit_of_force_is_the_best_that_keeps_it(spring, efficiency):
+    """Against all dampers of a fine table; without the spring where it alone needs more."""
+    rng = np.random.default_rng(5)
+    port = random_port(rng)
+    for sea in random_seas(rng, port.omega, 3):
+        free = best_dampers(port, sea[None], spring, efficiency)
+        tried = np.geomspace(1e-4, 1e2, 4000)
+
+        def force(damping, stiffness=spring, sea=sea):
+            load = port.load(damping, stiffness)
+            return np.sqrt(0.5 * np.abs(load * port.velocity_under(load)) ** 2 @ sea)
+
+        for share in (1.1, 0.8, 0.5, 0.1):
+            limit = share * float(force(free.damping)[0])
+            found = damper_within_force(port, sea[None], limit, spring, efficiency)
+            kept = force(tried) <= limit
+            own = spring if kept.any() else 0.0
+            kept = kept if kept.any() else force(tried, 0.0) <= limit
+            powers = powers_of_all(port, sea[None], tried[kept], np.full(kept.sum(), own), efficiency)
+            assert found.stiffness[0] == own
+            assert force(found.damping, found.stiffness)[0] <= limit * (1 + 1e-9)
+            assert powers.max() <= found.power[0] * (1 + 1e-9) + 1e-15
+            assert found.power[0] <= free.power[0] * (1 + 1e-9)

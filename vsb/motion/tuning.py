@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from vsb.motion.port import Port
 from vsb.tools.arrays import BoolArray, FloatArray, IntArray
@@ -28,6 +29,8 @@ MARGIN = 1e-6
 """Part of the stiffness of the resting buoy that a negative spring must leave it."""
 FINEST = 1e-4
 """Step at which the climb ends, in the logarithm of the damper: power is then exact to the step's square and better."""
+LIMIT_KEPT = 1e-9
+"""Relative tolerance on a limit of force."""
 SETTLED = 1e-8
 """Newton step [-] after which the next one is round-off.
 
@@ -85,7 +88,12 @@ def electrical_power(
     if efficiency == 1.0:
         return np.asarray(power)
     size = np.sqrt((damping**2 * speed + stiffness**2 * stroke) * speed)
-    rho = np.clip(np.divide(power, size, out=np.ones_like(power), where=size > 0), 0.0, 1.0)
+    return converted_power(np.asarray(power), size, efficiency)
+
+
+def converted_power(power: FloatArray, size: FloatArray, efficiency: float) -> FloatArray:
+    """Return `electrical_power` from the mean power at the port and the product of rms force and rms velocity [W]."""
+    rho = np.clip(np.divide(power, size, out=np.ones_like(power), where=size > 0), -1.0, 1.0)
     returned = size * (np.sqrt(1 - rho**2) - rho * np.arccos(rho)) / np.pi
     return np.asarray(efficiency * power - (1 / efficiency - efficiency) * returned)
 
@@ -153,6 +161,51 @@ def _rivals(port: Port, squares: FloatArray, stiffness: float, efficiency: float
     rivals = powers >= powers.max(axis=0) * (1 - LOG_STEP**2 / 4)
     at, sea = np.nonzero(rivals & _local_maxima(powers))
     return tried[at], sea
+
+
+def damper_within_force(
+    port: Port, squares: FloatArray, limit: float, stiffness: float = 0.0, efficiency: float = 1.0
+) -> Load:
+    """Return the optimal damper in one sea among those whose force, with that of a spring, has at most a given rms.
+
+    Without the spring where its force alone exceeds the limit.
+
+    Parameters
+    ----------
+    port : Port
+        Without the spring.
+    squares : ndarray, shape (1, omega) [m^2]
+    limit : float [N]
+    stiffness : float [N/m]
+    efficiency : float
+        Of both directions of power.
+    """
+    best = best_dampers(port, squares, stiffness, efficiency)
+    if not best.power.any():
+        return best
+
+    def excess(logarithm: float) -> float:
+        load = port.load(np.exp([logarithm]), stiffness)
+        square = float(0.5 * squares[0] @ np.abs(load[0] * port.velocity_under(load)[0]) ** 2)
+        return float(0.5 * np.log(square) - np.log(limit))
+
+    def power(damping: FloatArray | float) -> FloatArray:
+        dampers = np.atleast_1d(damping)
+        return powers_of_all(port, squares, dampers, np.full(len(dampers), stiffness), efficiency)[:, 0]
+
+    top = float(np.log(best.damping[0]))
+    if excess(top) <= LIMIT_KEPT:
+        return best
+    # with little damping force and power are proportional to it: none of less than this is needed
+    tried = np.arange(top - np.log(_HARDER) - max(excess(top), 0.0), top + np.log(_HARDER), LOG_STEP)
+    over = np.array([excess(u) for u in tried])
+    kept = over <= 0
+    if not kept.any():
+        return damper_within_force(port, squares, limit, 0.0, efficiency) if stiffness else best
+    at = [brentq(excess, tried[i], tried[i + 1], xtol=1e-12) for i in np.flatnonzero(kept[1:] != kept[:-1])]
+    found = np.exp(np.append(tried[kept], at))
+    best_found = int(power(found).argmax())
+    return Load(found[[best_found]], np.array([stiffness]), power(found[best_found]))
 
 
 def best_damper_of_each(ports: Sequence[Port], squares: FloatArray) -> FloatArray:

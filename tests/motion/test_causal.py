@@ -1,0 +1,167 @@
+"""Causal control: a Riccati equation, theorems of order and limits, losses in conversion, every weight's meaning."""
+
+import numpy as np
+import pytest
+from motion.test_harmonics import MASS, admittance
+from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
+from scipy.optimize import minimize
+
+from vsb.errors import StabilityError
+from vsb.motion.causal import RmsLimits, StationaryPort, Weights, numerical_error, optimum
+from vsb.motion.port import Port
+from vsb.motion.tuning import damper_within_force
+from vsb.waves.spectra import jonswap_spectrum
+
+
+def buoy(tp=4.0, spacing=0.01, top=24.0, resonance=1.6):
+    """A mass on a spring with radiation, in a sea that pushes it less the shorter its waves."""
+    omega = (np.arange(int(top / spacing)) + 0.5) * spacing
+    y = admittance(omega, resonance)
+    force = 3e4 * np.exp(-((omega / 2) ** 2))
+    return StationaryPort(spacing, y, np.abs(y * force) ** 2 * jonswap_spectrum(omega, 1.0, tp, 3.3))
+
+
+def damper(port, limit, efficiency=1.0):
+    """The best damper whose force has at most a given rms, in the same sea."""
+    moved = port.spectrum > 0
+    seen = Port(
+        port.omega[moved], port.admittance[moved], np.sqrt(2 * port.spacing * port.spectrum[moved]).astype(complex), 1.0
+    )
+    return damper_within_force(seen, np.ones((1, moved.sum())), limit, 0.0, efficiency)
+
+
+def lqg(mass, resistance, stiffness, shaping, intensity, noise, price):
+    """Mean power and mean square of the force of the optimal regulator behind a Kalman filter of the wave force.
+
+    State: displacement, velocity, and those of a filter of white noise whose output is the force of the waves.
+    """
+    a_w, b_w, c_w = shaping
+    n = 2 + len(a_w)
+    a, b = np.zeros((n, n)), np.zeros((n, 1))
+    a[:2, :2] = [[0, 1], [-stiffness / mass, -resistance / mass]]
+    a[1, 2:], a[2:, 2:] = c_w / mass, a_w
+    b[1] = -1 / mass
+    velocity = np.eye(n)[[1]]
+    riccati = solve_continuous_are(a, b, np.zeros((n, n)), np.array([[price]]), s=-velocity.T / 2)
+    gain = (b.T @ riccati - velocity / 2) / price
+    drive = np.concatenate([np.zeros(2), b_w])[:, None]
+    measured = np.concatenate([np.zeros(2), c_w])[None]
+    spread = solve_continuous_are(a.T, measured.T, intensity * drive @ drive.T, np.array([[noise]]))
+    kalman = spread @ measured.T / noise
+    loop = np.block([[a, -b @ gain], [kalman @ measured, a - b @ gain - kalman @ measured]])
+    pushed = np.block([[drive * np.sqrt(intensity), 0 * drive], [0 * drive, kalman * np.sqrt(noise)]])
+    covariance = solve_continuous_lyapunov(loop, -pushed @ pushed.T)
+    force = np.concatenate([np.zeros(n), -gain[0]])
+    return float(force @ covariance @ np.eye(2 * n)[1]), float(force @ covariance @ force)
+
+
+@pytest.mark.parametrize(("price", "share"), [(2e-4, 1e-3), (2e-5, 1e-3), (2e-5, 1e-1)])
+def test_rational_model_agrees_with_the_riccati_equation(price, share):
+    """White noise of intensity I has the one-sided density I/pi."""
+    mass, resistance, stiffness = 3e4, 4e3, 8e4
+    poles = np.poly([-0.2 + 1.3j, -0.2 - 1.3j, -0.5 + 1.5j, -0.5 - 1.5j]).real
+    shaping = np.diag(np.ones(3), 1), np.eye(4)[3], 1e3 * np.array([0.0, 1.0, 0.0, 0.0])
+    shaping[0][3] = -poles[:0:-1]
+    spacing, top = 0.004, 160.0
+    s = -1j * (np.arange(int(top / spacing)) + 0.5) * spacing
+    y = s / (mass * s**2 + resistance * s + stiffness)
+    excitation = np.abs(1e3 * s / np.polyval(poles, s)) ** 2 / np.pi
+    noise = share * excitation.max() * np.pi
+    power, force = lqg(mass, resistance, stiffness, shaping, 1.0, noise, price)
+    found = StationaryPort(spacing, y, np.abs(y) ** 2 * excitation).controlled(Weights(price), share)
+    assert found.power == pytest.approx(power, rel=2e-4)
+    assert found.force == pytest.approx(force, rel=2e-4)
+
+
+@pytest.mark.parametrize("tp", [3.0, 6.0])
+@pytest.mark.parametrize("share", [0.1, 0.5, 1.0])
+def test_power_grows_with_knowledge_at_equal_force(tp, share):
+    port = buoy(tp)
+    limit = share * float(np.sqrt(optimum(port, RmsLimits(), 0.0, np.inf).force)) / 3
+    rising = [float(damper(port, limit).power[0])]
+    rising += [optimum(port, RmsLimits(limit), 1e-10, forecast).power for forecast in (0.0, 0.5, 2.0, 8.0)]
+    rising.append(optimum(port, RmsLimits(limit), 0.0, np.inf).power)
+    assert np.all(np.diff(rising) >= -1e-6 * rising[-1]), rising
+    noisy = [optimum(port, RmsLimits(limit), noise).power for noise in (1e-3, 1e-5, 1e-8)]
+    assert np.all(np.diff([*noisy, rising[1]]) > 0)
+    assert optimum(port, RmsLimits(limit), 1e-5, 40.0).power == pytest.approx(
+        optimum(port, RmsLimits(limit), 1e-5, np.inf).power, rel=1e-4
+    )
+
+
+def test_limits_of_force():
+    """A scarce force follows the free velocity, P = F sigma(V0); one without a limit nears the matched power."""
+    port = buoy()
+    free, matched = np.sqrt(port.integral(port.spectrum)), port.integral(port.spectrum / (4 * port.admittance.real))
+    weak, strong = optimum(port, RmsLimits(1.0), 1e-9), optimum(port, RmsLimits(), 1e-9)
+    assert weak.power == pytest.approx(1.0 * free, rel=2e-3)
+    assert weak.force_rms == pytest.approx(1.0, rel=1e-6)
+    assert float(damper(port, 1.0).power[0]) == pytest.approx(1.0 * free, rel=2e-3)
+    assert optimum(port, RmsLimits(), 0.0, np.inf).power == pytest.approx(matched, rel=1e-5)
+    assert strong.power == pytest.approx(matched, rel=1e-3)
+    assert port.matched_power == pytest.approx(matched)
+
+
+@pytest.mark.parametrize("forecast", [0.0, 1.3])
+def test_mean_squares_are_the_slopes_of_the_optimum(forecast):
+    port, weights, step = buoy(), Weights(3e-5, 2e3, 5e2), 1e-4
+    found = port.controlled(weights, 1e-5, forecast)
+    for i, square in enumerate((found.force, found.stroke, found.speed)):
+        ends = [
+            port.controlled(weights._replace(**{weights._fields[i]: weights[i] * (1 + s)}), 1e-5, forecast).objective
+            for s in (step, -step)
+        ]
+        assert (ends[1] - ends[0]) / (2 * step * weights[i]) == pytest.approx(square, rel=1e-6)
+
+
+def test_limits_of_rms_force_and_stroke_hold():
+    port = buoy()
+    free = optimum(port, RmsLimits())
+    for limits in (RmsLimits(0.2 * free.force_rms), RmsLimits(stroke=0.3 * free.stroke_rms)):
+        found = optimum(port, limits)
+        assert found.power < free.power
+        assert (found.force_rms / limits.force, found.stroke_rms / limits.stroke) == pytest.approx(
+            (1.0, 0.0) if np.isinf(limits.stroke) else (0.0, 1.0), rel=1e-6
+        )
+    both = optimum(port, RmsLimits(0.9 * found.force_rms, 0.3 * free.stroke_rms))
+    assert both.power < found.power
+    assert both.force_rms <= 0.9 * found.force_rms * (1 + 1e-6)
+    assert both.stroke_rms == pytest.approx(0.3 * free.stroke_rms, rel=1e-6)
+    with pytest.raises(StabilityError, match=r"pto: no control within force_limit keeps an rms displacement of"):
+        optimum(port, RmsLimits(1.0, 0.3 * free.stroke_rms))
+
+
+@pytest.mark.parametrize("efficiency", [0.9, 0.6])
+def test_losses_in_conversion_are_part_of_the_optimum(efficiency):
+    """No weights of force and velocity give more electrical power within the limit, and no damper."""
+    port, scale = buoy(), 1 / MASS
+    limit = 2e3
+    found = optimum(port, RmsLimits(limit), efficiency=efficiency)
+
+    def loss(x):
+        tried = port.controlled(Weights(scale * np.exp(x[0]), 0.0, np.exp(x[1]) / scale))
+        return -tried.converted(efficiency) + 1e3 * max(tried.force_rms / limit - 1, 0.0)
+
+    starts = np.log([found.weights.force / scale, found.weights.speed * scale]) + 0.3
+    best = minimize(loss, starts, method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-8})
+    assert found.force_rms <= limit * (1 + 1e-6)
+    assert found.converted(efficiency) >= -best.fun * (1 - 1e-6)
+    assert found.converted(efficiency) >= float(damper(port, limit, efficiency).power[0])
+    assert found.converted(efficiency) < optimum(port, RmsLimits(limit)).power
+
+
+def test_numerical_error_is_small_and_covers_a_finer_grid():
+    coarse, fine = buoy(spacing=0.02, top=12.0), buoy(spacing=0.005, top=48.0)
+    one, other = optimum(coarse, RmsLimits(3e3)), optimum(fine, RmsLimits(3e3))
+    shift = one.power / coarse.matched_power / (other.power / fine.matched_power) - 1
+    assert abs(shift) <= numerical_error(coarse, one, 1e-5, 0.0) < 5e-3
+    assert numerical_error(fine, other, 1e-5, 0.0) < 2e-4
+
+
+def test_ports_that_are_not_passive_are_refused():
+    with pytest.raises(ValueError, match="port: not passive"):
+        StationaryPort(0.1, np.array([-1e-6 + 1j]), np.ones(1))
+    with pytest.raises(ValueError, match="spectrum: received a negative density"):
+        StationaryPort(0.1, np.array([1e-6 + 1j]), -np.ones(1))
+    still = StationaryPort(0.1, np.full(8, 1e-6 + 1j), np.zeros(8))
+    assert optimum(still, RmsLimits()).power == 0.0
