@@ -57,10 +57,21 @@ def test_what_two_buoys_share_is_in_their_powers_and_not_in_their_gain():
     assert {source.name for source in of_gain.budget.sources if source.high > 1e-5} == {MODES}
     assert (of_gain.budget.low, of_gain.budget.high) == pytest.approx((-1.0, 2.0), rel=1e-5)
     low, high = of_power.budget.low, of_power.budget.high
-    statistics = np.hypot([980.0, 980.0], 1.96 * 0.01 * 2.0 * 9e3)
-    assert -low == pytest.approx(90 + 2 * 20 + 2 * 50 + statistics[0], rel=0.03)
-    assert high == pytest.approx(180 + 2 * 20 + 2 * 50 + statistics[1], rel=0.03)
-    assert uncertainty([replace(one, truncation=None)]).unknown == (MODES,)
+    assert -low == pytest.approx(90 + 2 * 20 + 2 * 50 + 1.96 * 0.01 * 2.0 * 9e3)
+    assert high == pytest.approx(180 + 2 * 20 + 2 * 50 + 1.96 * 0.01 * 2.0 * 9e3)
+    assert uncertainty([replace(one, truncation=None)]).unknown[0] == MODES
+
+
+def test_other_years_are_said_beside_an_interval_and_not_in_it():
+    """The power is the mean over the year of the file, as a campaign's, whose interval is of its errors alone."""
+    years = np.linspace(8000.0, 10200.0, 2001)
+    one = PowerParts(9e3, (0.0, 0.0), 9e3, 9e3, 0.0, years, {})
+    known = uncertainty([one])
+    assert known.unknown == ("the year as a sample (-945 to +1.14e+03 W in 95 % of years like it)",)
+    assert known.budget.high < 1.0
+    assert uncertainty([replace(one, years=None)]).unknown == (
+        "the year as a sample (a table has no order of its seas)",
+    )
 
 
 def test_waves_above_the_frequencies_solved_widen_a_power_by_the_most_they_hold():

@@ -3,6 +3,8 @@
 The parts of a buoy are its power computed in other ways under the same damper: more finely, through the points of a
 profile by another curve, in every sea of the year by itself, and its slope by every uncertain input. What two buoys
 have in common cancels in their gain. Linear theory itself is not among the parts: runs in time say how far it is off.
+A power is the mean over the year of the climate, here as in a campaign; how other years of the site would differ is not
+an error of it, and said beside.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -42,7 +44,7 @@ class Uncertainty:
     """Sources of error of a number, in its unit, and those that are not known."""
 
     budget: Budget
-    unknown: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()  # and what is known of another number, such as of other years
 
 
 @dataclass(frozen=True)
@@ -195,12 +197,12 @@ def uncertainty(buoys: Sequence[PowerParts], uncertain: Mapping[str, float] | No
     if any(one.unsolved for one in buoys):
         corners = [of(*powers) - value for powers in product(*((one.power, one.power + one.unsolved) for one in buoys))]
         sources.append(Source("waves above the frequencies solved", min(corners), max(corners)))
-    years = [one.years for one in buoys if one.years is not None]
+    years, unit = [one.years for one in buoys if one.years is not None], "points" if len(buoys) == 2 else "W"
     if len(years) == len(buoys):
-        low, high = np.quantile(of(*years), [0.025, 0.975])
-        sources.append(Source(YEAR, min(0.0, low - value), max(0.0, high - value), "statistic"))
+        low, high = np.quantile(of(*years), [0.025, 0.975]) - value
+        unknown.append(f"{YEAR} ({low:+.3g} to {high:+.3g} {unit} in 95 % of years like it)")
     else:
-        unknown.append(f"{YEAR}: a table has no order of its seas")
+        unknown.append(f"{YEAR} (a table has no order of its seas)")
     for key, share in (uncertain or {}).items():
         slope = sum(weight * one.slopes[key] for weight, one in zip(weights, buoys, strict=True))
         sources.append(Source.within(key, DEVIATIONS * share * abs(slope), "statistic", shared=key in OF_RIGID))

@@ -63,7 +63,7 @@ def warnings(facts: Facts) -> list[str]:
     found = [f"{note}." for note in facts["notes"]]
     if facts["verified"] is None:
         found.append("All results are linear theory; its own error is not in the interval (verify would say it).")
-    found += [f"Not known, and not in the interval: {name}." for name in facts["unknown"]]
+    found += [f"Not in the interval: {name}." for name in facts["unknown"]]
     for name in (FLEXIBLE, COMPETITOR):
         one = facts["found"][name]
         if not one["accepted"]:
