@@ -10,7 +10,9 @@ the very waves and window of N: what a record, or a sea, has more or less of tha
 are what h N/q leaves beside that ratio of h L/q; of two draws x, y in each of S equal strata the variance of the mean
 is sum (x - y)^2/(4 S^2).
 
-A record is `RECORD` energy periods of its sea after a start-up of `STARTUP` or more, as long as motions remember.
+A record is `RECORD` energy periods of its sea after a start-up of `STARTUP` or more, as long as motions remember, but
+at most `LONGEST`. Where motions remember longer, such as those of a shell without structural damping, linear theory
+starts from rest, too, and what that changes of its own power widens the intervals.
 """
 
 from collections.abc import Sequence
@@ -51,7 +53,7 @@ DECAYS = 5.0
 TOLERANCE, FEWER_RECORDS = 1e-5, 50
 """Of the motion, and records per period where no take-off is nonlinear: mean powers err by 1e-6, intervals by 1e-3."""
 LONGEST = 100.0
-"""Energy periods of a start-up: motions that decay more slowly cannot be verified."""
+"""Most energy periods of a start-up."""
 Model = Literal["linear", "body_exact"]
 UNLIMITED = Pto()
 """A take-off without limits: a spring and a damper."""
@@ -136,8 +138,6 @@ def drawn(share: FloatArray, hours: FloatArray, seas: int, seed: int) -> Sample:
 def record_of(te: float, decay: float, settings: Simulation) -> Simulation:
     """Return the run in time of a sea: long enough in its periods, from rest.
 
-    Raises `ConfigError` if the motions decay too slowly.
-
     Parameters
     ----------
     te : float
@@ -147,12 +147,7 @@ def record_of(te: float, decay: float, settings: Simulation) -> Simulation:
     settings : Simulation
         Its method, and its tolerance where that is larger than `TOLERANCE`.
     """
-    startup = max(STARTUP * te, DECAYS * decay)
-    if startup > LONGEST * te:
-        raise ConfigError(
-            f"verify: received motions that decay in {decay:.4g} s in a sea of Te {te:.3g} s, longer than a record "
-            f"lasts; needs less than {LONGEST / DECAYS * te:.4g} s: increase device.damping or pto.damping"
-        )
+    startup = min(max(STARTUP * te, DECAYS * decay), LONGEST * te)
     end, tolerance = startup + RECORD * te, max(settings.tolerance, TOLERANCE)
     record = {"duration": end, "window": (startup, end), "tolerance": tolerance}
     return settings.model_copy(update={**record, "initial_position": 0.0, "initial_velocity": 0.0})
@@ -181,7 +176,8 @@ class DesignInTime:
         """
         whole = replace(self.buoy, pto=self.take_off)
         omega, ratio = whole.natural_modes(self.motions, omega_max, self.take_off.direction(len(whole.labels)))
-        return float(np.max(1 / (ratio * omega)[omega <= omega_max], initial=0.0))
+        slowest = float(np.min((ratio * omega)[omega <= omega_max], initial=np.inf))
+        return 1 / slowest if slowest > 0 else np.inf
 
     def powers(self, sea: Sea, settings: Simulation, model: Model = "body_exact") -> tuple[float, float]:
         """Return mean power over the window [W], by the model and by linear theory in the same waves.
@@ -197,6 +193,10 @@ class DesignInTime:
         loads = self._absorbed(sea.omega) * sea.amplitude[:, None]
         linear = float(linear_batches(sea.omega, loads, settings.window, 1)[0])
         return self._run(sea, settings, model), linear
+
+    def from_rest(self, sea: Sea, settings: Simulation) -> float:
+        """Return the mean power over the window by linear theory from rest, its transient included [W]."""
+        return replace(self, pto=UNLIMITED)._run(sea, settings, "linear")
 
     def _absorbed(self, omega: FloatArray) -> ComplexArray:
         """L^T V of the take-off's dampers L L^T per wave amplitude, shape (omega, load) [W^0.5/m]."""
@@ -258,6 +258,16 @@ class Verification:
     sample: Sample
     better: FloatArray  # mean power of the better model's runs (design, draw) [W]
     linear: FloatArray  # of linear theory in the same waves and window (design, draw) [W]
+    steady: FloatArray | None = None  # of linear theory without transients, where `linear` may hold some
+
+    @property
+    def transient(self) -> FloatArray:
+        """What transients that are not over change of linear theory in the draws, shape (design,) [-]."""
+        if self.steady is None:
+            return np.zeros(len(self.linear))
+        steady = (self.sample.weight * self.steady).sum(axis=1)
+        changed = (self.sample.weight * np.abs(self.linear - self.steady)).sum(axis=1)
+        return np.asarray(np.divide(changed, steady, out=np.zeros_like(steady), where=steady > 0))
 
     @cached_property
     def differences(self) -> FloatArray:
@@ -289,7 +299,8 @@ class Verification:
 
     def power(self, design: int) -> Estimate:
         """Return the corrected annual mean power of a design and its interval [W]."""
-        return _estimate(float(self.corrected[design]), self.differences[design])
+        mean = float(self.corrected[design])
+        return _estimate(mean, self.differences[design], abs(mean) * float(self.transient[design]))
 
     def gain(self, design: int, reference: int) -> Estimate | None:
         """Return the gain of the corrected year over another design's and its interval [%]; None over no power."""
@@ -298,10 +309,18 @@ class Verification:
             return None
         ratio = float(self.corrected[design]) / base
         left = self.differences[design] - ratio * self.differences[reference]
-        return _estimate(100 * (ratio - 1), 100 * left / base)
+        still = abs(ratio) * float(self.transient[design] + self.transient[reference])
+        return _estimate(100 * (ratio - 1), 100 * left / base, 100 * still)
 
 
-def verified(year: Year, tuning: str, sample: Sample, better: FloatArray, linear: FloatArray) -> Verification:
+def verified(
+    year: Year,
+    tuning: str,
+    sample: Sample,
+    better: FloatArray,
+    linear: FloatArray,
+    steady: FloatArray | None = None,
+) -> Verification:
     """Return the correction of a year by runs in the drawn seas.
 
     Raises `ConfigError` if powers are missing or not finite.
@@ -311,7 +330,9 @@ def verified(year: Year, tuning: str, sample: Sample, better: FloatArray, linear
     tuning : str
         Under which the runs were made.
     better, linear : ndarray, shape (design, draw) [W]
-        Mean powers of the better model and of linear theory (`linear_power`), in the same waves and window.
+        Mean powers of the better model and of linear theory, in the same waves and window.
+    steady : ndarray, optional
+        Those of linear theory without transients; as `linear` where it is not given.
     """
     needed = (len(year.designs), len(sample.sea))
     for name, values in (("better", better), ("linear", linear)):
@@ -322,12 +343,12 @@ def verified(year: Year, tuning: str, sample: Sample, better: FloatArray, linear
             )
     j = year.tunings.index(tuning)
     seas = year.power[:, j]
-    return Verification(year.annual_mean_power[:, j], seas, year.climate.hours, sample, better, linear)
+    return Verification(year.annual_mean_power[:, j], seas, year.climate.hours, sample, better, linear, steady)
 
 
-def _estimate(mean: float, draws: FloatArray) -> Estimate:
-    """An estimate with the interval its draws give."""
-    half = stratified_half_width(draws)
+def _estimate(mean: float, draws: FloatArray, beyond: float) -> Estimate:
+    """An estimate with the interval its draws give, and a bound beyond."""
+    half = stratified_half_width(draws) + beyond
     return Estimate(mean, mean - half, mean + half)
 
 

@@ -11,6 +11,7 @@ from vsb.motion.port import LinearPto
 from vsb.results.matrix_year import year_of_matrices
 from vsb.results.member import ports_year
 from vsb.results.verification import (
+    DECAYS,
     RECORD,
     STARTUP,
     DesignInTime,
@@ -81,8 +82,8 @@ def _of_viable(
     sample = drawn(chances(year, tuning), seas.hours, spec.verify.seas, spec.verify.seed)
     designs = in_time(spec.simulated, root) if spec.buoy else bodies_in_time(spec, root)
     some = {design: designs[design] for design in study.designs}
-    better, linear = powers_in_time(seas, dampers, sample, some, spec.simulation, spec.verify.model)
-    return verified_dataset(year, tuning, verified(year, tuning, sample, better, linear))
+    powers = powers_in_time(seas, dampers, sample, some, spec.simulation, spec.verify.model)
+    return verified_dataset(year, tuning, verified(year, tuning, sample, *powers))
 
 
 def in_time(study: Study, root: str) -> Mapping[str, DesignInTime]:
@@ -120,8 +121,10 @@ def powers_in_time(
     designs: Mapping[str, DesignInTime],
     given: Simulation,
     model: Model,
-) -> tuple[FloatArray, FloatArray]:
-    """Return mean powers of the better model and of linear theory in the drawn seas, each shape (design, draw) [W].
+) -> FloatArray:
+    """Return mean powers in the drawn seas: of the better model, of linear theory, of that without transients.
+
+    Linear theory starts from rest where motions last longer than the longest start-up.
 
     Raises `ConvergenceError` or `StabilityError` if a run fails, with its sea.
 
@@ -134,24 +137,31 @@ def powers_in_time(
     given : Simulation
         Tolerance and method.
     model : {'body_exact', 'linear'}
+
+    Returns
+    -------
+    ndarray, shape (3, design, draw) [W]
     """
     highest = float(climate.edges[-1])
-    found = np.empty((2, len(designs), len(sample.sea)))
+    found = np.empty((3, len(designs), len(sample.sea)))
 
     @cache
     def decay_time(name: str, damping: bytes) -> float:
         return designs[name].with_damping(np.frombuffer(damping).reshape(dampers.shape[2:])).decay_time(highest)
 
     for j, (index, seed) in enumerate(zip(sample.sea, sample.seed, strict=True)):
-        slowest = max(decay_time(name, dampers[i, index].tobytes()) for i, name in enumerate(designs))
-        settings = record_of(float(climate.te[index]), slowest, given)  # all designs meet the same waves
+        decays = [decay_time(name, dampers[i, index].tobytes()) for i, name in enumerate(designs)]
+        settings = record_of(float(climate.te[index]), max(decays), given)  # all designs meet the same waves
         for i, (name, design) in enumerate(designs.items()):
             low, high = design.buoy.database.omega.values[[0, -1]]
             sea = realised(climate, int(index), settings.duration, int(seed), low, high)
             where = f"{name} in a sea of Hs {climate.hs[index]:.3g} m and Te {climate.te[index]:.3g} s"
             try:
-                found[:, i, j] = design.with_damping(dampers[i, index]).powers(sea, settings, model)
+                damped = design.with_damping(dampers[i, index])
+                run, steady = damped.powers(sea, settings, model)
+                settled = settings.window[0] >= DECAYS * decays[i]
+                found[:, i, j] = run, steady if settled else damped.from_rest(sea, settings), steady
             except (ConvergenceError, StabilityError) as error:
                 raise type(error)(f"verify: {where}: {error}") from None
             print(f"{where}: {found[0, i, j]:.5g} W, {found[1, i, j]:.5g} W by linear theory", flush=True)
-    return found[0], found[1]
+    return found
