@@ -151,9 +151,9 @@ def test_share_of_optimal_damping_follows_from_the_reactance():
 
 def test_kernels_are_drawn_in_thousands():
     labels = ["Heave", "Membrane0"]
-    dims, own = ("time", "influenced_dof", "radiating_dof"), np.ones((401, 2, 2))
+    dims, own = ("time", "radiating_dof"), np.ones((401, 2))
     kernels = {"kernel": (dims, 5e3 * own), "kernel_state_space": (dims, 7e3 * own)}
-    kernel = xr.Dataset(kernels, {"time": TIME, "influenced_dof": labels, "radiating_dof": labels})
+    kernel = xr.Dataset(kernels, {"time": TIME, "radiating_dof": labels})
     for ax in draw("radiation_kernel", data(radiation=kernel)).axes:
         assert ax.get_ylabel().endswith("[10³ kg/s²]")
         assert set(curve(ax, "convolution kernel")[1]) == {5.0}

@@ -41,9 +41,9 @@ def swimming():
         {"omega": OMEGA, "influenced_dof": labels, "radiating_dof": labels},
     )
     time = test_curves.TIME
-    fading = np.exp(-time)[:, None, None] * sizes
-    kernels = {"kernel": (("time", *pair[1:]), fading), "kernel_state_space": (("time", *pair[1:]), 1.1 * fading)}
-    radiation = xr.Dataset(kernels, {"time": time, "influenced_dof": labels, "radiating_dof": labels})
+    fading, dims = np.exp(-time)[:, None] * np.diag(sizes), ("time", "radiating_dof")
+    kernels = {"kernel": (dims, fading), "kernel_state_space": (dims, 1.1 * fading)}
+    radiation = xr.Dataset(kernels, {"time": time, "radiating_dof": labels})
     pushed = 5e4 * bump[None, :, None] * np.exp(0.3j * OMEGA[:, None] * np.arange(1, 4))
     database["excitation_force"] = (("wave_direction", "omega", "influenced_dof"), pushed)
     given = test_curves.data(database=database.assign_coords(wave_direction=[0.0]), radiation=radiation)

@@ -30,6 +30,15 @@ class DampingSpectrum:
         if not (np.isfinite(self.omega).all() and np.isfinite(self.damping).all()):
             raise DatabaseError("radiation damping: received NaN or infinite values; solve these frequencies again.")
 
+    def combined(self, combinations: FloatArray) -> "DampingSpectrum":
+        """Return the spectrum of combinations of the motions, shape (dof, combination): all transforms are linear."""
+        return DampingSpectrum(self.omega, combinations.T @ self.damping @ combinations)
+
+    @property
+    def diagonal(self) -> "DampingSpectrum":
+        """The spectrum of each motion by itself, its damping of shape (omega, dof, 1)."""
+        return DampingSpectrum(self.omega, np.einsum("wii->wi", self.damping)[..., None])
+
     @cached_property
     def spline(self) -> CubicSpline:
         """Cubic spline of the damping over [0, omega_max], zero at 0."""
@@ -78,7 +87,7 @@ class DampingSpectrum:
         b = np.concatenate([values, u[:, None, None] ** 3 * self._tail])
         here = self.at(omega)
         kernel = w / (omega[:, None] ** 2 - v**2)
-        integral = np.einsum("wv,vij->wij", kernel, b) - kernel.sum(axis=1)[:, None, None] * here
+        integral = np.tensordot(kernel, b, 1) - kernel.sum(axis=1)[:, None, None] * here
         difference: FloatArray = -2 / np.pi * integral
         return difference
 

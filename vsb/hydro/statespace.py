@@ -60,21 +60,29 @@ class RadiationModel:
     def transfer(self, omega: FloatArray) -> ComplexArray:
         """Return K(i omega) = G^T (i omega - A)^-1 G, shape (omega, dof, dof) [kg/s]."""
         g = self.input_matrix
-        return np.asarray(np.einsum("ni,wnm,mj->wij", g, _resolvent(self.state_matrix, omega), g))
+        return np.asarray(g.T @ (_resolvent(self.state_matrix, omega) @ g))
 
     def damping(self, omega: FloatArray) -> FloatArray:
         """Return B(omega) = H^H H/2, H = L^T (i omega - A)^-1 G, shape (omega, dof, dof): never negative [kg/s]."""
         resolvent, channels = _resolvent(self.state_matrix, omega), self.channel.reshape(self.order, -1)
-        h = np.einsum("nr,wnm,mj->wrj", channels, resolvent, self.input_matrix)
+        h = channels.T @ (resolvent @ self.input_matrix)
         return np.asarray(0.5 * np.real(h.conj().transpose(0, 2, 1) @ h))
 
     def kernel(self, time: FloatArray) -> FloatArray:
         """Return K(t) = G^T exp(A t) G on equally spaced times from 0, shape (time, dof, dof) [kg/s^2]."""
+        return np.asarray(self.input_matrix.T @ self._states(time))
+
+    def own_kernels(self, time: FloatArray) -> FloatArray:
+        """Return the diagonal of `kernel`, of each motion by itself, shape (time, dof) [kg/s^2]."""
+        return np.asarray((self.input_matrix * self._states(time)).sum(axis=1))
+
+    def _states(self, time: FloatArray) -> FloatArray:
+        """States exp(A t) G after a unit velocity of each motion for no time, (time, state, dof)."""
         step = expm(self.state_matrix * (time[1] - time[0]))
         states = [self.input_matrix]
         for _ in time[1:]:
             states.append(step @ states[-1])
-        return np.asarray(np.einsum("ni,tnj->tij", self.input_matrix, np.array(states)))
+        return np.array(states)
 
 
 def joined(models: Sequence[RadiationModel]) -> RadiationModel:
@@ -191,7 +199,7 @@ def _polish(resolvent: ComplexArray, target: ComplexArray, start: FloatArray) ->
 
     def residual(flat: FloatArray) -> FloatArray:
         g = flat.reshape(state, dof)
-        k = np.einsum("ni,wnm,mj->wij", g, resolvent, g)
+        k = g.T @ (resolvent @ g)
         d = (0.5 * (k + k.transpose(0, 2, 1)) - target)[:, *upper]
         return np.concatenate([d.real.ravel(), d.imag.ravel()])
 
@@ -227,7 +235,7 @@ def fit_order(spectrum: DampingSpectrum, omega: FloatArray, order: int) -> tuple
     _, singular, vt = np.linalg.svd(x, full_matrices=False)
     lead = vt[singular > _LEADING * singular[0]].T  # (dof, direction)
     main = int(np.count_nonzero(singular > _POLISHED_PART * singular[0]))
-    target = lead.T @ (spectrum.transfer(omega) / np.outer(scale, scale)) @ lead
+    target = spectrum.combined(lead / scale[:, None]).transfer(omega)
     of_main, upper = target[:, :main, :main], np.triu_indices(main)
     a, channel = _dissipative(vector_fit(omega, of_main[:, *upper], order))
     resolvent = _resolvent(a, omega)

@@ -63,9 +63,13 @@ register(
             ("influenced_dof", "line", "end", "xyz"), "1", "displacement of the outline per unit amplitude"
         ),
         # radiation model
-        "kernel": Variable(("time", *PAIR), "kg/s^2", "retardation kernel"),
-        "kernel_state_space": Variable(("time", *PAIR), "kg/s^2", "retardation kernel of the state space"),
-        "damping_state_space": Variable(("omega", *PAIR), "kg/s", "radiation damping of the state space"),
+        "kernel": Variable(("time", "radiating_dof"), "kg/s^2", "retardation kernel of a motion by itself"),
+        "kernel_state_space": Variable(
+            ("time", "radiating_dof"), "kg/s^2", "retardation kernel of a motion by itself, of the state space"
+        ),
+        "damping_state_space": Variable(
+            ("omega", "radiating_dof"), "kg/s", "radiation damping of a motion by itself, of the state space"
+        ),
         "state_matrix": Variable(("state", "state_in"), "1/s", "state matrix A = J - l l^T/2"),
         "input_matrix": Variable(("state", "radiating_dof"), "kg^0.5/s", "input matrix G; output G^T"),
         "channel": Variable(("state", "..."), "s^-0.5", "radiation channels L: radiated power |L^T x|^2/2"),

@@ -100,15 +100,13 @@ def added_mass_damping(data: StudyData) -> Figure:
 def radiation_kernel(data: StudyData) -> Figure:
     """Draw the retardation kernel from the damping and from the state space, of three motions: displacements first."""
     kernel = data.radiation
-    labels = sorted(map(str, kernel.influenced_dof.values), key=lambda label: (_turns(label), not is_rigid(label)))
+    labels = sorted(map(str, kernel.radiating_dof.values), key=lambda label: (_turns(label), not is_rigid(label)))
     labels = [label for label in labels if not _turns(label)][:3] or labels[:3]
     figure, axes = grid_of_axes(1.3 + 1.3 * len(labels), len(labels), 1, sharex=True)
     for ax, label in zip(axes[:, 0], labels, strict=True):
-        own = {"influenced_dof": label, "radiating_dof": label}
-        ax.plot(kernel.time, kernel.kernel.sel(own) / 1e3, color="black", label="convolution kernel")
-        ax.plot(
-            kernel.time, kernel.kernel_state_space.sel(own) / 1e3, color="#D55E00", linestyle="--", label="state space"
-        )
+        own = kernel.sel(radiating_dof=label)
+        ax.plot(kernel.time, own.kernel / 1e3, color="black", label="convolution kernel")
+        ax.plot(kernel.time, own.kernel_state_space / 1e3, color="#D55E00", linestyle="--", label="state space")
         ax.set_ylabel(f"{label}\n[10³ kg{' m²' * _turns(label)}/s²]")
     axes[-1, 0].set(xlabel="time [s]", xlim=(0, min(12.0, float(kernel.time[-1]))))
     legend_above(figure, axes[0, 0])

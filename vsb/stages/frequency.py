@@ -40,7 +40,7 @@ LONGEST = 60.0
 
 
 def run_radiation(spec: RadiationSpec, database: str, out: str) -> None:
-    """Fit and store the passive state-space radiation model, with the kernels to compare."""
+    """Fit and store the passive state-space radiation model, with the kernels of each motion by itself to compare."""
     ds = load_database(database, spec.database)
     spectrum = DampingSpectrum(ds.omega.values, ds.radiation_damping.values)
     begun = clock.perf_counter()
@@ -66,12 +66,12 @@ def run_radiation(spec: RadiationSpec, database: str, out: str) -> None:
                 "state_matrix": (("state", "state_in"), model.state_matrix),
                 "input_matrix": (("state", "radiating_dof"), model.input_matrix),
                 "channel": (channels, model.channel),
-                "kernel": (("time", *PAIR), spectrum.kernel(time)),
-                "kernel_state_space": (("time", *PAIR), model.kernel(time)),
-                "damping_state_space": (("omega", *PAIR), damping),
+                "kernel": (("time", "radiating_dof"), spectrum.diagonal.kernel(time)[..., 0]),
+                "kernel_state_space": (("time", "radiating_dof"), model.own_kernels(time)),
+                "damping_state_space": (("omega", "radiating_dof"), np.einsum("wii->wi", damping)),
                 **own,
             },
-            coords={"time": time, "omega": ds.omega.values, "influenced_dof": labels, "radiating_dof": labels},
+            coords={"time": time, "omega": ds.omega.values, **dict.fromkeys(PAIR, labels)},
             attrs={
                 **stamp(spec),
                 "order": model.order,
