@@ -17,7 +17,7 @@ from scipy.ndimage import binary_dilation
 from scipy.optimize import brentq
 
 from vsb.errors import ConfigError, DatabaseError, StabilityError
-from vsb.hydro.database import Coefficients, with_history
+from vsb.hydro.database import Coefficients, transformed, with_history
 from vsb.hydro.formats.common import DRY, Structure, structure
 from vsb.hydro.orders import Directions, heading_shares, most_exciting, order_groups, orders_of, own_headings
 from vsb.hydro.passive import Limit, PassiveFit, RadiationSamples, fit_lowest, sizes
@@ -246,6 +246,30 @@ class LinearSystem:
         """Return the passive radiation memory; see `vsb.hydro.passive.fit_lowest`."""
         return fit_lowest(self.samples, tolerance, limit=limit)
 
+    def in_motions(self, motions: FloatArray) -> "LinearSystem":
+        """Return a shell of revolution that heaves in a few motions y, q = N y, projected before it is interpolated.
+
+        The factor of its radiation channel stays that of all degrees of freedom. Shapes of the database are left out.
+
+        Parameters
+        ----------
+        motions : ndarray, shape (dof, motion)
+            N.
+        """
+        ds = self.database
+        force, damping = ds.excitation_force.values[:, 0], ds.radiation_damping.values
+        ds = ds.assign(radiation_damping=(ds.radiation_damping.dims, channelled(damping, force)))
+        matrices = ["added_mass", "radiation_damping", "added_mass_inf", "excitation_force", "inertia_matrix"]
+        names = [*matrices, *(f"{name}_stiffness" for name in self.stiffness_parts)]
+        labels = [f"Motion{i}" for i in range(1, motions.shape[1] + 1)]
+        port = motions.T @ self.pto.direction(len(motions))
+        return replace(
+            self,
+            database=transformed(ds[names], motions.T, labels),
+            structural_damping=motions.T @ self.structural_damping @ motions,
+            pto=replace(self.pto, port=port),
+        )
+
     # motion ---------------------------------------------------------------------------------------------------------
 
     def rao(self, omega: FloatArray, motions: FloatArray) -> ComplexArray:
@@ -354,19 +378,15 @@ class LinearSystem:
         held = null_space(loose.T) if loose.size else np.eye(motions.shape[1])
         problem = _WetModes(self, motions, loose, held)
         count = held.shape[1] if highest == np.inf else min(problem.count_below(highest) + 1, held.shape[1])
-        frequency = np.array([problem.frequency(i) for i in range(count)])
-        shapes = [problem.shape(w, i) for i, w in enumerate(frequency)]
-        ratio = np.array([self._damping_ratio(w, shape) for w, shape in zip(frequency, shapes, strict=True)])
-        if port is not None:
-            moved = np.array([frequency[i] * np.linalg.norm(port.T @ shape) for i, shape in enumerate(shapes)])
-            frequency, ratio = frequency[moved > STILL * moved.max()], ratio[moved > STILL * moved.max()]
+        found = []
+        for i in range(count):
+            w = problem.frequency(i)
+            moved = 1.0 if port is None else w * float(np.linalg.norm(port.T @ problem.shape(w, i)))
+            found.append((w, problem.damping_ratio(w, i), moved))
+        frequency, ratio, moves = np.array(found).reshape(-1, 3).T
+        frequency, ratio = (values[moves > STILL * moves.max(initial=0.0)] for values in (frequency, ratio))
         order = np.argsort(frequency)
         return frequency[order], ratio[order]
-
-    def _damping_ratio(self, omega: float, shape: FloatArray) -> float:
-        """Damping ratio [-] of a natural mode of unit stiffness, shape (dof,)."""
-        total = self.damping_at(np.asarray(omega)) + self.spectrum.at(np.array([omega]))[0]
-        return float(omega * (shape @ total @ shape) / 2)
 
 
 @dataclass(frozen=True)
@@ -400,6 +420,17 @@ class _WetModes:
         """A matrix in the motions allowed."""
         return np.asarray(self.motions.T @ matrix @ self.motions)
 
+    @cached_property
+    def _at_rest(self) -> FloatArray:
+        """Stiffness at rest, (free, free) [N/m]."""
+        return self._projected(self.system.held)
+
+    def _stiffness(self, omega: float) -> FloatArray:
+        """Stiffness at a frequency, (free, free) [N/m]; of gas and viscous materials it depends on it."""
+        if not (self.system.chamber or self.system.maxwell):
+            return self._at_rest
+        return self._projected(self.system.held_at(np.asarray(omega)))
+
     def _inertia(self, omega: float) -> FloatArray:
         """M + A at a frequency, (free, free) [kg]."""
         if not self.system.axisymmetric:
@@ -412,16 +443,21 @@ class _WetModes:
         if omega not in self._known:
             if len(self._known) == _KEPT:
                 self._known.clear()
-            stiffness = (self.motions @ self.held).T @ self.system.held_at(np.asarray(omega)) @ self.motions @ self.held
             inertia, loose, held = self._inertia(omega), self.loose, self.held
             along = held - loose @ np.linalg.solve(loose.T @ inertia @ loose, loose.T @ inertia @ held)
-            values, vectors = eigh(along.T @ inertia @ along, stiffness)
+            values, vectors = eigh(along.T @ inertia @ along, held.T @ self._stiffness(omega) @ held)
             self._known[omega] = omega**2 * values[::-1], (along @ vectors)[:, ::-1]
         return self._known[omega]
 
     def shape(self, omega: float, i: int) -> FloatArray:
         """Return the shape of a natural mode at its frequency, of unit stiffness, shape (dof,)."""
         return np.asarray(self.motions @ self._eigen(omega)[1][:, i])
+
+    def damping_ratio(self, omega: float, i: int) -> float:
+        """Return the damping ratio of a natural mode at its frequency [-]."""
+        shape, still = self._eigen(omega)[1][:, i], self.shape(omega, i)
+        radiated = self._unit.at(np.array([omega]))[0, 0] @ self._damping @ np.outer(shape, shape).ravel()
+        return float(omega * (radiated + still @ self.system.damping_at(np.asarray(omega)) @ still) / 2)
 
     def count_below(self, omega: float) -> int:
         """Return how many natural frequencies lie below one."""
@@ -442,17 +478,16 @@ class _WetModes:
         for _ in range(_TURNS if self.system.axisymmetric and not self.loose.size else 0):
             before, omega = omega, self._rayleigh(self._eigen(omega)[1][:, i], upper)
             if abs(omega - before) < 1e-10:
-                return omega
+                return before  # whose shape is known
         return float(brentq(lambda w: self._eigen(w)[0][i] - 1.0, 1e-3, upper, xtol=1e-10))
 
     def _rayleigh(self, shape: FloatArray, upper: float) -> float:
         """Frequency of a motion in a shape (free,) alone [rad/s]; `upper` if its inertia leaves it none below."""
         mass, damping = shape @ self._mass @ shape, self._damping @ np.outer(shape, shape).ravel()
-        moved = self.motions @ shape
 
         def beyond(omega: float) -> float:
             weights = self._unit.added_mass_difference(np.array([omega]))[0, 0]
-            stiffness = moved @ self.system.held_at(np.asarray(omega)) @ moved
+            stiffness = shape @ self._stiffness(omega) @ shape
             return float(omega**2 * (mass + weights @ damping) - stiffness)
 
         return float(brentq(beyond, 1e-3, upper, xtol=1e-11)) if beyond(1e-3) < 0 < beyond(upper) else upper

@@ -40,7 +40,6 @@ ROUND_OFF = 1e-9
 """Such a part that is round-off [-]."""
 
 _IN_BAND = 2 * SWEEP_POINTS - 1
-_STARTS = 2  # loads of a start
 
 
 @dataclass(frozen=True)
@@ -64,8 +63,10 @@ class ReducedMotions:
         return {"motions": self.motions.shape[1], "all_motions": self.all_motions, "motions_error": self.error}
 
 
-def reduced_motions(system: LinearSystem, motions: FloatArray, ports: FloatArray, start: FloatArray) -> ReducedMotions:
-    """Return the motions of a design in waves of all directions, under forces at its ports and after any start.
+def reduced_motions(
+    system: LinearSystem, motions: FloatArray, ports: FloatArray, start: FloatArray | None = None
+) -> ReducedMotions:
+    """Return the motions of a design in waves of all directions, under forces at its ports and after a start.
 
     All of them where there are few, or where a reduced set would not be much smaller.
 
@@ -76,8 +77,9 @@ def reduced_motions(system: LinearSystem, motions: FloatArray, ports: FloatArray
     motions : ndarray, shape (dof, free)
         N, orthonormal.
     ports : ndarray, shape (dof,) or (dof, port)
-    start : ndarray, shape (free,)
+    start : ndarray, shape (free,), optional
         The motion that begins with a displacement and a velocity; it is one of the reduced ones, like all rigid ones.
+        Without it motions are steady.
 
     Notes
     -----
@@ -90,8 +92,9 @@ def reduced_motions(system: LinearSystem, motions: FloatArray, ports: FloatArray
     if motions.shape[1] <= FEWEST:
         return whole
     problem = _Problem.of(system, motions, ports.reshape(len(motions), -1), start)
-    rigid = [motions.T[:, i] for i, label in enumerate(system.labels) if is_rigid(label)]
-    basis = extended(np.zeros((motions.shape[1], 0)), problem.root @ np.column_stack([*rigid, start]), 1e-9)
+    exact = [motions.T[:, i] for i, label in enumerate(system.labels) if is_rigid(label)]
+    exact += [] if start is None else [start]
+    basis = extended(np.zeros((motions.shape[1], 0)), problem.root @ np.column_stack(exact), 1e-9)
     choice = range(0, len(problem.omega), 2)  # those between are for the measured error alone
     chosen, new = [0, SWEEP_POINTS // 2 * 2, _IN_BAND - 1], NEW
     while new > ROUND_OFF:
@@ -134,28 +137,30 @@ class _Problem:
 
     omega: FloatArray  # (omega,) [rad/s]
     stiffness: ComplexArray  # N^T D N (omega, free, free) [N/m]
-    loads: ComplexArray  # waves of each order, unit forces of the ports, those of a start (omega, free, load)
+    loads: ComplexArray  # waves of each order, unit forces of the ports, two of a start (omega, free, load)
     solutions: ComplexArray  # (omega, free, load)
+    waves: int  # number of loads by waves
     ports: FloatArray  # N^T b (free, port)
     root: FloatArray  # R of the energy R^T R (free, free), upper triangular
 
     @classmethod
-    def of(cls, system: LinearSystem, motions: FloatArray, ports: FloatArray, start: FloatArray) -> "_Problem":
+    def of(cls, system: LinearSystem, motions: FloatArray, ports: FloatArray, start: FloatArray | None) -> "_Problem":
         """Return the equation of a design."""
         first, last = system.database.omega.values[[0, -1]]
-        inertia, moved = system.mass + system.added_mass_inf, motions @ start
-        own = np.sqrt(max(float(moved @ system.stiffness @ moved), 0.0) / float(moved @ inertia @ moved))
-        top = max(BEYOND * last, OF_START * own)
-        omega = np.append(np.linspace(first, last, _IN_BAND), np.geomspace(last, top, FURTHER + 1)[1:])
-        equation, along = system.extended_equation(omega), motions.T @ ports
+        omega, steady = np.linspace(first, last, _IN_BAND), [*(along := motions.T @ ports).T]
+        if start is not None:
+            inertia, moved = system.mass + system.added_mass_inf, motions @ start
+            own = np.sqrt(max(float(moved @ system.stiffness @ moved), 0.0) / float(moved @ inertia @ moved))
+            omega = np.append(omega, np.geomspace(last, max(BEYOND * last, OF_START * own), FURTHER + 1)[1:])
+            steady += [motions.T @ inertia @ moved, motions.T @ system.stiffness @ moved]
+        equation = system.extended_equation(omega)
         stiffness = motions.T @ equation.dynamic_stiffness @ motions
         force, groups = system.most_exciting_force(np.minimum(omega, last)), order_groups(system.database).values()
         waves = [force[:, group] @ motions[group] for group in groups]
-        steady = [*along.T, motions.T @ inertia @ moved, motions.T @ system.stiffness @ moved]
         loads = np.stack([*waves, *(np.broadcast_to(one, waves[0].shape) for one in steady)], axis=-1)
         energy = system.stiffness + ((first + last) / 2) ** 2 * system.mass
         root = cholesky(motions.T @ energy @ motions)
-        return cls(omega, stiffness, loads, np.linalg.solve(stiffness, loads), along, root)
+        return cls(omega, stiffness, loads, np.linalg.solve(stiffness, loads), len(waves), along, root)
 
     @cached_property
     def _moved(self) -> ComplexArray:
@@ -194,7 +199,7 @@ class _Problem:
         """Powers at the optimal dampers in the band, (omega, order, port) [W/m^2]; 0 of a port that does not move."""
         count, rate = self.ports.shape[1], -1j * self.omega[: len(solutions), None, None]
         velocity = rate * (self.ports.T @ solutions).swapaxes(1, 2)  # (omega, load, port)
-        waves, forced = velocity[:, : -count - _STARTS], velocity[:, -count - _STARTS : -_STARTS]
+        waves, forced = velocity[:, : self.waves], velocity[:, self.waves : self.waves + count]
         admittance = np.einsum("wii->wi", forced)[:, None]
         yielding = np.broadcast_to(4 * (np.abs(admittance) + admittance.real), waves.shape)
         return np.asarray(np.divide(np.abs(waves) ** 2, yielding, out=np.zeros(waves.shape), where=yielding > 0))

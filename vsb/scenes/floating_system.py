@@ -165,8 +165,10 @@ class FloatingSystem:
 
     def towards(self, direction: Heading) -> LinearSystem:
         """Return its motion in waves of a direction [degrees]; a buoy of revolution that heaves answers all alike."""
-        going = direction if isinstance(direction, Directions) else float(np.deg2rad(direction))
-        return replace(self.linear, direction=going)
+        if isinstance(direction, Directions):
+            return replace(self.linear, direction=direction)
+        going = float(np.deg2rad(direction))
+        return self.linear if self.linear.direction == going else replace(self.linear, direction=going)
 
     def ports(self, omega: FloatArray, direction: Heading = 0.0) -> dict[str, Port]:
         """Return what the take-off sees of all designs in waves of one direction [degrees]."""

@@ -20,6 +20,7 @@ from vsb.motion import frequency as response
 from vsb.motion.damper_matrix import best_matrix
 from vsb.motion.linear import NO_TAKE_OFF
 from vsb.motion.port import LinearPto, Port
+from vsb.motion.reduced import reduced_motions
 from vsb.report.band import with_extremes
 from vsb.results.ladder import as_csv, study_ladder
 from vsb.scenes.floating_system import FloatingSystem, floating_system, stored_body
@@ -147,10 +148,11 @@ def run_response(spec: ResponseSpec, database: str, out: str) -> None:
         save(found.assign_attrs(port_attributes(spec), **stamp(spec, database)), out)
         return
     directions = spec.directions or (0.0,)
+    designs = in_few_motions(floating)
     if spec.reference_design and len(spec.designs) > 1:
-        omega = with_extremes(partial(best_powers, spec, floating, directions[0]), omega, spec.reference_design)
-    seen = [floating.ports(omega, at) for at in directions]
-    headings = [in_waves(spec, floating, at, its) for at, its in zip(directions, seen, strict=True)]
+        omega = with_extremes(partial(best_powers, spec, designs, directions[0]), omega, spec.reference_design)
+    seen = [ports_at(designs, omega, at) for at in directions]
+    headings = [in_waves(spec, floating, designs, at, its) for at, its in zip(directions, seen, strict=True)]
     waves = headings[0]
     if spec.directions:
         waves = xr.concat(headings, dim="wave_direction").assign_coords(wave_direction=np.deg2rad(spec.directions))
@@ -226,9 +228,35 @@ def natural_to(floating: FloatingSystem) -> float:
     return BEYOND * floating.band[1] if floating.shape else np.inf
 
 
-def best_powers(spec: ResponseSpec, floating: FloatingSystem, direction: float, omega: FloatArray) -> xr.DataArray:
+class DesignMotion(NamedTuple):
+    """One design, in all motions it has or in the few that it takes in waves and under its take-off."""
+
+    system: FloatingSystem  # of this design alone
+    shapes: FloatArray | None  # displacements of all degrees of freedom in its motions (dof, motion)
+
+
+def in_few_motions(floating: FloatingSystem) -> dict[str, DesignMotion]:
+    """Return all designs, each in what it moves in; of many shell modes in few motions, see `vsb.motion.reduced`."""
+    found, linear = {}, floating.linear
+    for design, motions in floating.motions.items():
+        own, port, shapes = linear, floating.port, None
+        if floating.shape and not linear.orders.any():
+            shapes = reduced_motions(linear, motions, port).motions
+            own, port, motions = linear.in_motions(shapes), response.allowed_part(port, shapes), np.eye(shapes.shape[1])
+        found[design] = DesignMotion(replace(floating, linear=own, motions={design: motions}, port=port), shapes)
+    return found
+
+
+def ports_at(designs: Mapping[str, DesignMotion], omega: FloatArray, direction: float) -> dict[str, Port]:
+    """Return what the take-off sees of all designs in waves of one direction [degrees]."""
+    return {name: port for one in designs.values() for name, port in one.system.ports(omega, direction).items()}
+
+
+def best_powers(
+    spec: ResponseSpec, designs: Mapping[str, DesignMotion], direction: float, omega: FloatArray
+) -> xr.DataArray:
     """Return the power of all designs at the best damper of each frequency, dims (design, omega) [W/m^2]."""
-    best = [port.best_power for port in beside_spring(spec, floating.ports(omega, direction)).values()]
+    best = [port.best_power for port in beside_spring(spec, ports_at(designs, omega, direction)).values()]
     return xr.DataArray(best, {"design": list(spec.designs), "omega": omega}, ("design", "omega"))
 
 
@@ -238,18 +266,24 @@ def beside_spring(spec: ResponseSpec, seen: Mapping[str, Port]) -> dict[str, Por
     return {design: port.beside(spring) if spring else port for design, port in seen.items()}
 
 
-def in_waves(spec: ResponseSpec, floating: FloatingSystem, direction: float, seen: Mapping[str, Port]) -> xr.Dataset:
+def in_waves(
+    spec: ResponseSpec,
+    floating: FloatingSystem,
+    designs: Mapping[str, DesignMotion],
+    direction: float,
+    seen: Mapping[str, Port],
+) -> xr.Dataset:
     """Return what all designs do in waves of one direction, by their ports."""
     pto, rao, power, best = spec.pto, [], [], beside_spring(spec, seen)
-    linear = floating.towards(direction)
     omega = next(iter(seen.values())).omega
-    for design, motions in floating.motions.items():
+    for design, (system, shapes) in designs.items():
         damper = pto.damper(design)
         damping = best[design].best_damping if damper is None else damper
-        moving = replace(linear, pto=LinearPto(damping, pto.stiffness, floating.port))
-        rao.append(moving.rao(omega, motions))
-        power.append(moving.absorbed_power(omega, rao[-1]))
-    labels = list(map(str, linear.database.influenced_dof.values))
+        moving = replace(system.towards(direction), pto=LinearPto(damping, pto.stiffness, system.port))
+        moved = moving.rao(omega, system.motions[design])
+        power.append(moving.absorbed_power(omega, moved))
+        rao.append(moved if shapes is None else moved @ shapes.T)
+    labels = list(floating.linear.labels)
     return xr.Dataset(
         {
             "rao": (("design", "omega", "dof"), np.array(rao)),
