@@ -10,7 +10,7 @@ import pytest
 
 HOME = Path(__file__).parent.parent
 ROOMS = (
-    "errors", "tools", "study", "shell", "waves", "hydro", "motion", "integrators", "scenes", "results", "design",
+    "errors", "tools", "study", "pipeline", "shell", "waves", "hydro", "motion", "integrators", "scenes", "results", "design",
     "report", "stages", "api", "cli", "__main__",
 )  # fmt: skip
 """Each imports only from itself and those before it."""

@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from stages.test_members import planned, with_seas
 
 from vsb import __version__
 from vsb.cli import main, parser
+from vsb.pipeline.tasks import tasks
 from vsb.study.plan import StudyPlan
 from vsb.study.quantities import canonical
 from vsb.study.study import load
@@ -144,14 +146,16 @@ def test_output_that_cannot_be_written_is_reported_before_any_work(workplace, ca
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", "standard input:1: no JSON from its end on; needs the spec"),
-        ("", "standard input:1: no JSON from its end on; needs the spec"),
-        ("[1]", "standard input: received [1], needs a mapping"),
+        ("{", "standard input:1: no JSON from its end on; needs the tasks"),
+        ("", "standard input:1: no JSON from its end on; needs the tasks"),
+        ("[1]", "standard input: received [1], needs the tasks"),
+        ('[{"stage": "lunch", "spec": {}, "files": {}, "makes": []}]', "standard input: stage: received lunch, needs "),
+        ('[{"stage": "modes", "spec": {}, "files": {}, "makes": ["out.nc"]}]', "standard input: device: "),
     ],
 )
-def test_wrong_specification_of_a_stage(workplace, capsys, monkeypatch, text, message):
+def test_wrong_tasks_of_a_rule(workplace, capsys, monkeypatch, text, message):
     given(monkeypatch, text)
-    assert error_line(["modes", "--out", "out.nc"], capsys).startswith(message)
+    assert error_line(["modes"], capsys).startswith(message)
 
 
 def test_only_the_database_of_the_study_is_exported(finished, workplace, capsys):
@@ -293,25 +297,28 @@ def test_an_output_replaces_its_own_kind_only(small, tmp_path, monkeypatch, caps
 def test_a_rule_replaces_its_own_products_only(workplace, capsys, monkeypatch):
     """Called by hand it replaced a study, and any other file."""
     Path("small.yaml").write_text(yaml.safe_dump(SMALL))
-    given(monkeypatch, canonical(StudyPlan(load("small.yaml")).modes))
-    assert main(["modes", "--out", "modes.nc"]) == 0
-    given(monkeypatch, canonical(StudyPlan(load("small.yaml")).modes))
-    assert main(["modes", "--out", "modes.nc"]) == 0
+    every = {task.stage: task for task in tasks(StudyPlan(load("small.yaml")))}
+
+    def given_paths(stage, out, makes, **files):
+        task = replace(every[stage], files={"out": out, **files}, makes=makes)
+        given(monkeypatch, canonical([task.handed]))
+
+    for _ in range(2):
+        given_paths("modes", "modes.nc", ("modes.nc",))
+        assert main(["modes"]) == 0
     Path("text.nc").write_text("mine")
     for name in ("small.yaml", "text.nc"):
         before = Path(name).read_bytes()
-        given(monkeypatch, canonical(StudyPlan(load("small.yaml")).modes))
-        line = error_line(["modes", "--out", name], capsys)
-        assert f"{name}: is no earlier output of the rule modes, and would be lost" in line
+        given_paths("modes", name, (name,))
+        assert f"{name}: is no earlier output of the rule modes, and would be lost" in error_line(["modes"], capsys)
         assert Path(name).read_bytes() == before
-    given(monkeypatch, canonical(StudyPlan(load("small.yaml")).display))
     Path("mine").mkdir()
-    Path("mine/letter.txt").write_text("mine")
-    line = error_line(["display", "--out", "mine", "--manifest", "mine/manifest.json"], capsys)
-    assert "mine: is no earlier output of the rule display" in line
-    given(monkeypatch, canonical(StudyPlan(load("small.yaml")).display))
-    line = error_line(["display", "--out", "modes.nc", "--manifest", "small.yaml"], capsys)
-    assert "is no earlier output of the rule display" in line
+    Path("mine/mean.vtu").write_text("mine")
+    given_paths("display", "mine", ("mine/mean.vtu",), manifest="mine/manifest.json")
+    assert "mine/mean.vtu: is no earlier output of the rule meshes" in error_line(["meshes"], capsys)
+    given_paths("display", "new", ("new/mean.vtu",), manifest="small.yaml")
+    assert "small.yaml: is no earlier output of the rule meshes" in error_line(["meshes"], capsys)
+    Path("modes.nc").rename("one.nc")
     Path("search/starts").mkdir(parents=True)
-    Path("modes.nc").rename("search/starts/one.nc")
+    Path("one.nc").rename("search/starts/one.nc")
     check_product("search", "design_results", "design_results")  # a design's folder before its tables: starts alone

@@ -1,5 +1,6 @@
 """The recipes of `docs/extending.md`, executed."""
 
+import json
 import re
 import sys
 import textwrap
@@ -25,6 +26,7 @@ from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
+from vsb.pipeline.tasks import Task
 from vsb.report.answer import damping_in_words
 from vsb.report.canvas import StudyData, grid_of_axes, legend_above, style
 from vsb.scenes.rest import study_basis
@@ -33,7 +35,8 @@ from vsb.shell.deformed import DeformedShell, rigid_buoy, rigid_sphere
 from vsb.shell.modes import Mode, ModeBasis
 from vsb.shell.ritz import natural_modes
 from vsb.shell.shell import Shell, natural_frequencies
-from vsb.stages.stage import Stage
+from vsb.stages import stage
+from vsb.stages.stage import run_task, specification
 from vsb.study import keys, specs, take_off, waves
 from vsb.study.keys import UNITS
 from vsb.study.meridian import RestMeridian
@@ -177,15 +180,13 @@ def test_recipe_of_a_stage(seed, tmp_path, monkeypatch):
         content_id=content_id,
     )
     monkeypatch.setitem(sys.modules, "vsb.stages.draft", SimpleNamespace(run_draft=made["run_draft"]))
-    stage, spec = (
-        Stage("draft", "draft", "how deep a buoy lies", made["DraftSpec"], ("out", "manifest")),
-        made["DraftSpec"](device=seed.device, water=seed.water),
-    )
+    monkeypatch.setitem(stage.HOMES, "draft", "draft")
+    spec = made["DraftSpec"](device=seed.device, water=seed.water)
     out, manifest = str(tmp_path / "draft.txt"), str(tmp_path / "manifest.json")
-    stage.run({"out": out, "manifest": manifest}, canonical(spec))
+    run_task(Task("draft", spec, {"out": out, "manifest": manifest}, (out,)))
     assert float((tmp_path / "draft.txt").read_text().split()[0]) == pytest.approx(seed.draft, rel=1e-5)
     assert faults({out: content_id(spec)}, read_manifest(manifest)) == []
     assert not hasattr(spec, "waves")
     monkeypatch.setitem(specs.PHYSICS, "draft", 2)
     with pytest.raises(ConfigError, match="physics 1: needs 2, of this version"):
-        stage.read(canonical(spec))
+        specification(made["run_draft"], json.loads(canonical(spec)))

@@ -1,4 +1,4 @@
-"""The command line: commands for people, and one per stage of the workflow, built from the table of stages."""
+"""The command line: commands for people, and one per rule of the workflow."""
 
 import argparse
 import json
@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
+from vsb.pipeline.jobs import RULES
 from vsb.stages.check import summary
 from vsb.stages.init import init, init_body, init_campaign, init_design
 from vsb.stages.planning import plan_of, with_degree
 from vsb.stages.run import ERROR, check_name, cores, run
-from vsb.stages.stage import STAGES, Stage
+from vsb.stages.stage import run_job
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import StudyPlan
@@ -181,15 +182,7 @@ def print_verdict(checks: "list[Check]", files: str) -> int:
 
 
 def figures(args: argparse.Namespace) -> int:
-    """Draw the figures of finished results for print, as PDF or PNG, beside those of the page or into a folder.
-
-    With the options of the rule of that name it draws those of the page.
-    """
-    rule: Stage = args.stage
-    if args.config is None:
-        if missing := [name for name in rule.files if vars(args)[name] is None]:
-            args.command.error(f"needs a study, or as a rule of the workflow --{' --'.join(missing)}")
-        return stage(args)
+    """Draw the figures of finished results for print, as PDF or PNG, beside those of the page or into a folder."""
     from vsb.stages.printing import print_figures
 
     plan = plan_of(args.config, keep=False)
@@ -211,33 +204,20 @@ def shape_dependence(args: argparse.Namespace) -> int:
 
 
 def compare(args: argparse.Namespace) -> int:
-    """Put finished studies and campaigns side by side: power, gain at equal tuning, dampers, capture width, energy.
+    """Put finished studies and campaigns side by side: power, gain at equal tuning, dampers, capture width, energy."""
+    from vsb.stages import side_by_side
 
-    Without a study it is the rule of that name, which puts the designs of one study side by side.
-    """
-    one: Stage = args.stage
-    if args.studies:
-        from vsb.stages import side_by_side
-
-        if odd := [name for name in (*one.files, *one.optional) if name != "out" and vars(args)[name]]:
-            args.command.error(f"--{odd[0]} is of the rule compare, which takes no studies")
-        kind = "page" if args.out and Path(args.out).suffix == ".html" else "table of studies"
-        _check_outputs(args, {args.out: kind} if args.out else {})
-        print(side_by_side.compare(args.studies, args.out))
-        return 0
-    if missing := [name for name in one.files if vars(args)[name] is None]:
-        args.command.error(f"needs studies, or as a rule of the workflow --{' --'.join(missing)}")
-    return stage(args)
+    kind = "page" if args.out and Path(args.out).suffix == ".html" else "table of studies"
+    _check_outputs(args, {args.out: kind} if args.out else {})
+    print(side_by_side.compare(args.studies, args.out))
+    return 0
 
 
-def stage(args: argparse.Namespace) -> int:
-    """Run a stage on its specification, as JSON on standard input: of any length, unlike an argument."""
-    one: Stage = args.stage
-    if one.spec and sys.stdin.isatty():
-        raise ConfigError("standard input: received a terminal, needs the specification of the rule as JSON")
-    text = sys.stdin.read() if one.spec else ""
-    one.check_outputs(vars(args), text)
-    one.run(vars(args), text)
+def rule(args: argparse.Namespace) -> int:
+    """Do a job of a rule: its tasks, as JSON on standard input, which may be of any length, unlike an argument."""
+    if sys.stdin.isatty():
+        raise ConfigError("standard input: received a terminal, needs the tasks of the rule as JSON")
+    run_job(args.rule, sys.stdin.read())
     return 0
 
 
@@ -267,11 +247,11 @@ class Parser(argparse.ArgumentParser):
 
 def parser() -> argparse.ArgumentParser:
     """Return the argument parser of the command line."""
-    rules = "\n".join(f"  {one.name:10} {one.text}" for one in STAGES)
+    rules = "\n".join(f"  {name:20} {words}" for name, words in RULES.items())
     top = Parser(
         prog="vsb",
         description="Does a flexible wave-energy buoy absorb more than a rigid one?",
-        epilog=f"rules of the workflow, each a command that reads its specification from standard input:\n{rules}",
+        epilog=f"rules of the workflow, each a command that reads its tasks from standard input:\n{rules}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     top.set_defaults(writes={})
@@ -279,13 +259,10 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
     _add_commands(commands)
     _add_imports(commands)
-    _add_compare(commands)
-    _add_figures(commands)
-    for one in (one for one in STAGES if one.name not in ("compare", "figures")):
-        rule = commands.add_parser(one.name, description=f"Rule {one.name}: {one.text}.")  # no help: not in the list
-        for name in (*one.files, *one.optional):
-            rule.add_argument(f"--{name}", required=name in one.files, metavar="PATH")
-        rule.set_defaults(handler=stage, stage=one)
+    _add_compared(commands)
+    for name, words in RULES.items():
+        one = commands.add_parser(name, description=f"Rule {name}: {words}.")  # no help: not in the list
+        one.set_defaults(handler=rule, rule=name)
     return top
 
 
@@ -305,13 +282,18 @@ def _add_commands(commands: Any) -> None:
     one.add_argument("--body", action="store_true", help="a study of a body, with a simple hull to be replaced")
     one.add_argument("--campaign", metavar="STUDY.yaml", help="a campaign of that study over a site's year")
     one.add_argument("--design", action="store_true", help="a design problem, and the study it varies")
-    one = _command(commands, "run", "run a whole study, campaign or design through Snakemake", run, config="CONFIG")
-    one.epilog = "Further options, such as -n, go to snakemake."
-    one.add_argument("--profile", default="default", help="default, slurm, or the path of a folder of your own")
+    one = _command(commands, "run", "run a whole study, campaign or design", run, config="CONFIG")
+    one.epilog = (
+        "What is short runs in this process, all else through Snakemake; it always does if one of these options, or of "
+        "snakemake's own such as -n, is given."
+    )
+    one.add_argument("--profile", help="default, slurm, or the path of a folder of your own")
     one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
+    one.add_argument("--verbose", action="store_true", help="show what Snakemake says")
     one = _command(commands, "design", "find the best buoy: the same as run, of a design file", run, config="DESIGN")
-    one.add_argument("--profile", default="default", help="as of run")
+    one.add_argument("--profile", help="as of run")
     one.add_argument("--cores", "-c", type=cores, metavar="N", help="as of run")
+    one.add_argument("--verbose", action="store_true", help="as of run")
     _command(commands, "check", "validate a study, campaign or design, solve nothing", check, config="CONFIG")
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
     kinds = ("study", "body-study", "body", "campaign", "design")
@@ -327,29 +309,17 @@ def _add_commands(commands: Any) -> None:
     one.set_defaults(writes={"{out}/": ""})
 
 
-def _add_compare(commands: Any) -> None:
-    """Declare what puts studies side by side, and is the rule of its name without any."""
-    (rule,) = (one for one in STAGES if one.name == "compare")
-    one = _command(commands, rule.name, "finished studies and campaigns side by side", compare)
-    one.add_argument("studies", nargs="*", metavar="CONFIG", help="their files; none: the rule")
+def _add_compared(commands: Any) -> None:
+    """Declare what is made of finished results."""
+    one = _command(commands, "compare", "finished studies and campaigns side by side", compare)
+    one.add_argument("studies", nargs="+", metavar="CONFIG", help="their files")
     one.add_argument("--out", metavar="FILE", help="write all of the table as FILE.csv, or a page, FILE.html")
-    for name in (name for name in (*rule.files, *rule.optional) if name != "out"):
-        one.add_argument(f"--{name}", metavar="PATH", help=argparse.SUPPRESS)
-    one.set_defaults(stage=rule)
-
-
-def _add_figures(commands: Any) -> None:
-    """Declare what draws figures for print, and is the rule of its name without a study."""
-    (rule,) = (one for one in STAGES if one.name == "figures")
-    one = _command(commands, rule.name, "figures of finished results for print, as PDF or PNG", figures)
-    one.add_argument("config", nargs="?", metavar="CONFIG", help="a study, campaign or design; none: the rule")
+    words = "figures of finished results for print, as PDF or PNG"
+    one = _command(commands, "figures", words, figures, config="CONFIG")
     for kind in ("pdf", "png"):
         words = f"write {kind.upper()}{' (default)' if kind == 'pdf' else ''}"
         one.add_argument(f"--{kind}", action="append_const", dest="kinds", const=kind, help=words)
     one.add_argument("--out", metavar="FOLDER", help="folder of the files (default: figures/ of the results)")
-    for name in (name for name in (*rule.files, *rule.optional) if name != "out"):
-        one.add_argument(f"--{name}", metavar="PATH", help=argparse.SUPPRESS)
-    one.set_defaults(stage=rule)
 
 
 def _add_imports(commands: Any) -> None:

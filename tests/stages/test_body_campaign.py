@@ -11,10 +11,10 @@ from stages.test_two_bodies import BOTH, DAMPER, HEAVES, MASSES, RM3, wamit
 
 from vsb.errors import ConfigError
 from vsb.hydro.formats.wamit import import_wamit
+from vsb.pipeline.tasks import tasks
 from vsb.stages.campaign_preview import summary
 from vsb.stages.check import check_plan
-from vsb.stages.make import work
-from vsb.study.jobs import jobs
+from vsb.stages.stage import run_task
 from vsb.study.plans import plan_of
 from vsb.tools.files import load
 
@@ -59,8 +59,8 @@ def found(tmp_path_factory):
     plan = year_of_rm3(place)
     with chdir(place):
         check_plan(plan)
-        for job in jobs(plan):
-            work(job)
+        for task in tasks(plan):
+            run_task(task)
         return plan, load(plan.data_path, expected=plan.identity), Path(plan.folder, "report.html").read_text()
 
 

@@ -23,6 +23,8 @@ from vsb.design.evaluation import DesignModel
 from vsb.design.problem import POWER
 from vsb.design.searched import Outcome
 from vsb.errors import ConfigError, ConvergenceError
+from vsb.pipeline.jobs import rules
+from vsb.pipeline.tasks import tasks
 from vsb.report import design_page
 from vsb.report.design_answer import answer, fronts, where_it_gains
 from vsb.report.design_page import (
@@ -38,11 +40,10 @@ from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
 from vsb.stages.design_preview import check, summary
 from vsb.stages.design_results import sensitivity_table
-from vsb.stages.make import work
 from vsb.stages.run import _best_so_far
+from vsb.stages.stage import run_task
 from vsb.study.design import PARTS, load_design
 from vsb.study.design_plan import DesignPlan
-from vsb.study.jobs import jobs, rules
 from vsb.study.plans import plan_of
 from vsb.study.study import load as load_study
 from vsb.tools.files import attributes
@@ -107,8 +108,8 @@ def test_best_of_all_starts_is_told_while_they_run(folder):
 def run(folder):
     """A problem of the damper alone, whose optimum is known."""
     plan = planned(folder, pareto={"force_rms": [1e4, 2e4]}, uncertain={"device.young_modulus": 0.1})
-    for job in jobs(plan):
-        work(job)
+    for task in tasks(plan):
+        run_task(task)
     return plan
 
 
@@ -119,8 +120,8 @@ def rows(plan, name):
 @pytest.mark.slow
 def test_every_product_is_there_and_carries_its_id(run):
     assert all(Path(path).is_file() for path in run.products)
-    assert sorted(path for job in jobs(run) for path in job.makes) == sorted(run.products)
-    assert {rule.stage for rule in rules(run)} == {"design_start", "design_front", "design_results", "design_report"}
+    assert sorted(path for task in tasks(run) for path in task.makes) == sorted(run.products)
+    assert {rule.stem for rule in rules(run)} == {"design_start", "design_front", "design_results"}
 
 
 def test_the_damper_found_is_the_optimal_one_of_the_year(folder):
@@ -128,8 +129,8 @@ def test_the_damper_found_is_the_optimal_one_of_the_year(folder):
     plan = planned(folder, "free")
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     for search, starts in ((plan.flexible, plan.starts), (plan.rigid, plan.rigid_starts)):
-        (job,) = (job for job in jobs(plan) if job.name in starts)
-        work(job)
+        (task,) = (task for task in tasks(plan) if Path(task.makes[0]).stem in starts)
+        run_task(task)
         (end,) = outcomes(f"{plan.folder}/starts", [*starts])
         study = load_study(folder / "shell.yaml")
         if search is plan.rigid:
@@ -195,9 +196,9 @@ def test_a_campaign_of_the_optimum_at_a_finer_degree_lies_within_its_numerical_e
         campaign |= {"climate": {"spectra": "sea.txt"}, "vary": {"device.mass": [raw["device"]["mass"]]}}
         (folder / f"finer_{file}.yaml").write_text(yaml.safe_dump(campaign))
         plan = replace(plan_of(str(folder / f"finer_{file}.yaml")), root=str(folder / "results"))
-        for job in jobs(plan):
-            if job.stage != "campaign_report":
-                work(job)
+        for task in tasks(plan):
+            if task.stage != "campaign_report":
+                run_task(task)
         finer = vsb.open(plan.folder)
         power = float(finer.data.annual_mean_power.sel(design=found.facts["designs"][name]).squeeze())
         budget = found.power_budget
@@ -344,9 +345,9 @@ def test_the_design_optimised_of_several_is_named(folder):
 
 def found_by(plan):
     """Where the starts of a problem ended, as its table says: without names of designs there are none to differ."""
-    for job in jobs(plan):
-        if job.stage == "design_start":
-            work(job)
+    for task in tasks(plan):
+        if task.stage == "design_start":
+            run_task(task)
     searches = {FLEXIBLE: plan.starts, COMPETITOR: plan.rigid_starts}
     return {name: outcomes(f"{plan.folder}/starts", [*starts]) for name, starts in searches.items()}
 
@@ -371,8 +372,8 @@ def test_limits_never_reached_change_nothing_printed(folder):
         for name, more in (("reached", {}), ("unreached", never))
     ]
     for plan in plans:
-        for job in jobs(plan):
-            work(job)
+        for task in tasks(plan):
+            run_task(task)
     for table in ("starts.csv", "pareto.csv", "sensitivity.csv", "budget.csv", "power_budget.csv"):
         assert rows(plans[0], table) == rows(plans[1], table)
     known = [vsb.open(plan.folder) for plan in plans]
@@ -388,8 +389,8 @@ def test_limits_never_reached_change_nothing_printed(folder):
 
 def test_gain_as_an_objective_is_over_the_rigid_twin(folder):
     plan = planned(folder, "gained", maximise="gain")
-    (job,) = (job for job in jobs(plan) if job.stage == "design_start" and job.spec.search.flexible)
-    work(job)
+    (task,) = (task for task in tasks(plan) if task.stage == "design_start" and task.spec.search.flexible)
+    run_task(task)
     (end,) = outcomes(f"{plan.folder}/starts", [*plan.starts])
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     twin = DesignModel.of(load_study(folder / "shell.yaml"), "FSB", seas, ["pto.damping"], 3).at(list(end.values))
@@ -400,9 +401,9 @@ def test_gain_as_an_objective_is_over_the_rigid_twin(folder):
 def test_a_search_keeps_to_springs_that_the_water_is_stronger_than(folder):
     """Long waves ask for a spring below zero, which away from rest is stronger than the water."""
     plan = planned(folder, "sprung", {"pto.stiffness": [-1.2e5, 1e5], **DAMPER})
-    for job in jobs(plan):
-        if job.stage == "design_start":
-            work(job)
+    for task in tasks(plan):
+        if task.stage == "design_start":
+            run_task(task)
     for ends in (plan.starts, plan.rigid_starts):
         (end,) = outcomes(f"{plan.folder}/starts", [*ends])
         assert end.accepted
@@ -431,20 +432,20 @@ def test_a_climate_beyond_the_frequencies_solved_is_refused(folder):
 def test_starts_none_of_which_rests_are_named(folder):
     """Walls of 1 to 2 mm with at most 100 Pa inside buckle before they carry their load, some 20 kPa at the keel."""
     plan = planned(folder, "limp", {"device.thickness": [1e-3, 2e-3], "device.internal_pressure": [0.0, 100.0]})
-    for job in jobs(plan):
-        if job.stage == "design_start":
-            work(job)
+    for task in tasks(plan):
+        if task.stage == "design_start":
+            run_task(task)
     with pytest.raises(ConvergenceError, match="none of 1 starts found a buoy within all limits: none of 17 buoys"):
-        work(next(job for job in jobs(plan) if job.stage == "design_results"))
+        run_task(next(task for task in tasks(plan) if task.stage == "design_results"))
 
 
 @pytest.mark.slow
 def test_runs_in_time_of_linear_theory_say_its_own_gain(folder):
     """Both buoys in time by the linear model: the gain of the year, but for the end of the transient."""
     plan = planned(folder, "intime", verify={"seas": 4, "model": "linear"})
-    for job in jobs(plan):
-        if job.stage != "design_report":
-            work(job)
+    for task in tasks(plan):
+        if task.stage != "design_report":
+            run_task(task)
     found = vsb.open(plan.folder)
     said = found.facts["verified"]
     assert said["model"] == "linear"

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import time
 from multiprocessing import get_context
 from pathlib import Path
@@ -19,7 +20,7 @@ from vsb.scenes.floating_system import floating_system
 from vsb.stages import campaign, campaign_report
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
-from vsb.stages.stage import STAGES
+from vsb.stages.stage import function_of, specification
 from vsb.stages.verify import verify
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import plan_of
@@ -61,9 +62,8 @@ def planned(folder, vary=None, name="sweep", tuning=None, **sections):
 
 
 def parsed(stage, spec):
-    """The specification as the job of a stage reads it."""
-    (one,) = (each for each in STAGES if each.name == stage)
-    return one.read(canonical(spec))
+    """The specification as a job reads it."""
+    return specification(function_of(stage), json.loads(canonical(spec)))
 
 
 def batches(plan):

@@ -34,8 +34,8 @@ def test_unknown_profile_is_reported_before_the_run(workplace, capsys, name):
         (["--kep-going"], "unrecognized arguments: --kep-going, of snakemake; did you mean --keep-going?"),
         (["--proflie"], "unrecognized arguments: --proflie, of snakemake; did you mean --profile?"),
         (["--jobs", "many"], "Error parsing number of jobs (--jobs, -j): must be integer., of snakemake"),
-        (["other/report.html"], "target: received other/report.html, needs one of all, modes, display, "),
-        (["database", "nowhere"], "target: received nowhere, needs one of all, modes, display, "),
+        (["other/report.html"], "target: received other/report.html, needs one of all, modes, meshes, "),
+        (["database", "nowhere"], "target: received nowhere, needs one of all, modes, meshes, "),
     ],
 )
 def test_wrong_snakemake_options_give_one_line_with_a_suggestion(workplace, capsys, options, message):
@@ -81,7 +81,7 @@ def test_caches_are_kept_elsewhere_if_there_is_no_place_for_them_at_home(tmp_pat
 
 OUTPUT = """Building DAG of jobs...
 CalledProcessError in file "workflow/rules/simulate.smk", line 24:
-Command 'set -euo pipefail;  vsb simulate  --out a.nc <<< '{"designs":{}}' > results/logs/simulate/seed/FSB-still.log 2>&1' returned non-zero exit status 137.
+Command 'set -euo pipefail;  vsb simulate <<< '[{"stage":"simulate"}]' > results/logs/simulate/seed/FSB-still.log 2>&1' returned non-zero exit status 137.
 Exiting because a job execution failed. Look above for error messages
 """
 

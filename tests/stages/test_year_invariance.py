@@ -1,12 +1,14 @@
 """Results of a year do not depend on units, nor on the order of designs and hours."""
 
+import json
+
 import numpy as np
 import pytest
 import yaml
 from invariance import HEAVE, LENGTH, assert_close, factor, renamed, restated, usual
 
 from vsb.stages import campaign
-from vsb.stages.stage import STAGES
+from vsb.stages.stage import function_of, specification
 from vsb.study.plans import plan_of
 from vsb.study.quantities import canonical
 from vsb.tools.files import load
@@ -38,10 +40,13 @@ def year(folder, raw, seas=SEAS, height=1.0):
     (folder / "year.yaml").write_text(yaml.safe_dump(given | {"tuning": ["fixed", "one", "each"]}))
     plan = plan_of(str(folder / "year.yaml"))
     ((batch, spec),) = plan.batches.items()
-    (stage,) = (each for each in STAGES if each.name == "members")
     root = str(folder / "results")
     campaign.run_members(
-        stage.read(canonical(spec)), plan.loaded.climate_path, f"{root}/members", root, f"{root}/{batch}.nc"
+        specification(function_of("members"), json.loads(canonical(spec))),
+        plan.loaded.climate_path,
+        f"{root}/members",
+        root,
+        f"{root}/{batch}.nc",
     )
     return load(f"{root}/{batch}.nc")
 

@@ -5,8 +5,8 @@ import yaml
 from conftest import SEED
 
 from vsb.errors import ConfigError
+from vsb.pipeline.jobs import jobs
 from vsb.study.design import is_design, load_design
-from vsb.study.jobs import jobs
 from vsb.study.plans import planned
 
 RAW = {
@@ -187,7 +187,7 @@ def test_a_climate_is_known_by_its_contents_wherever_it_lies(folder):
         planned({**RAW, "climate": {"spectra": name}}, str(folder / "x.yaml")) for name in ("sea.txt", "moved.txt")
     ]
     first, second = (
-        {(job.makes, job.needs, job.text) for job in jobs(plan) if job.stage == "design_start"} for plan in plans
+        {(job.makes, job.needs, job.ids) for job in jobs(plan) if job.rule == "design_start"} for plan in plans
     )
     assert first == second
     assert not any(str(folder) in need for job in jobs(plans[0]) for need in job.needs)

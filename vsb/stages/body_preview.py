@@ -20,13 +20,13 @@ from vsb.hydro.formats.exchange import read_source
 from vsb.hydro.repairs import check_repairable
 from vsb.motion.frequency import allowed_part, compliance
 from vsb.motion.linear import LinearSystem, direction_index
+from vsb.pipeline.costs import IN_FINITE_DEPTH, body_seconds, memory_doubts, plain_seconds
 from vsb.results import ledger
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
 from vsb.scenes.drag import dragged
 from vsb.scenes.floating_system import floating_body, port_in_seas, study_sea
 from vsb.scenes.take_off import check_law
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
-from vsb.stages.costs import IN_FINITE_DEPTH, body_seconds, memory_doubts, plain_seconds
 from vsb.study.body import REPAIRS, BodyFile
 from vsb.study.plan import BodyPlan
 from vsb.study.quantities import content_id, motion_of

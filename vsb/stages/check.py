@@ -6,6 +6,7 @@ Each kind has a module of its own, imported only for a plan of that kind: a run 
 import importlib
 from typing import Any
 
+from vsb.pipeline.schedule import cost_line
 from vsb.stages.planning import degree_lines
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
@@ -54,8 +55,6 @@ def cost_lines(plan: Plan) -> list[str]:
     """Return the jobs left and their CPU time; a design problem measures its own."""
     if isinstance(plan, DesignPlan):
         return []
-    from vsb.stages.costs import cost_line
-
     return [cost_line(plan)]
 
 

@@ -332,7 +332,7 @@ def natural(spec: ResponseSpec, floating: FloatingSystem) -> xr.Dataset:
     )
 
 
-def run_ladder(spec: LadderSpec, database: str, out: str, levels: str, manifest: str, degrees: str) -> None:
+def run_ladder(spec: LadderSpec, database: str, out: str, levels: str, manifest: str, degrees: str = "") -> None:
     """Write the ladder of a study for people, and all its digits, with notes, for the stages after it.
 
     The search for the degree of its shell modes, where it is stored, is not repeated.

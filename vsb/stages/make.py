@@ -1,17 +1,20 @@
-"""A plan in this process: its stages in the order of their inputs, finished files kept, without Snakemake."""
+"""A plan in this process: its tasks in the order of their inputs, finished files kept, without Snakemake."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
+from vsb.pipeline.tasks import Task, blocks, due, tasks
 from vsb.stages.check import check_plan
 from vsb.stages.locks import exclusive_lock, shared_lock
-from vsb.stages.stage import STAGES
+from vsb.stages.stage import run_task
 from vsb.stages.verify import stale_products
-from vsb.study.jobs import Job, blocks, due, jobs
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import Plan
 from vsb.study.study import Study
 from vsb.tools.files import check_folder
+
+Begun = Callable[[Task], None]
+"""Told of each task before it is done."""
 
 
 def run(plan: Plan) -> None:
@@ -22,9 +25,9 @@ def run(plan: Plan) -> None:
         make(plan, plan.products, stale=stale_products(plan, dry=False))
 
 
-def make(plan: Plan, targets: Collection[str], stale: Collection[str] = ()) -> None:
+def make(plan: Plan, targets: Collection[str], stale: Collection[str] = (), begun: Begun | None = None) -> None:
     """Make files of a plan, and what they need; those that are there, and not stale, are kept."""
-    _run(plan, due(jobs(plan), targets, stale), stale)
+    _run(plan, due(tasks(plan), targets, stale), stale, begun)
 
 
 def hydro_files(study: Study, folder: str | Path) -> dict[str, str]:
@@ -49,15 +52,11 @@ def solve(plan: StudyPlan) -> None:
         _run(plan, due(list(blocks(plan)), targets))
 
 
-def _run(plan: Plan, some: Sequence[Job], stale: Collection[str] = ()) -> None:
-    """Run jobs in their order, each alone at its shared files."""
-    for job in some:
-        with shared_lock(plan.root, filter(plan.is_shared, job.makes)):
-            if not all(Path(path).exists() and path not in stale for path in job.makes):  # made meanwhile, by another
-                work(job)
-
-
-def work(job: Job) -> None:
-    """Run the stage of a job on its specification as text, as a rule hands it over."""
-    (stage,) = (stage for stage in STAGES if stage.name == job.stage)
-    stage.run({**dict.fromkeys(stage.optional), **job.files}, job.text)
+def _run(plan: Plan, some: Sequence[Task], stale: Collection[str] = (), begun: Begun | None = None) -> None:
+    """Run tasks in their order, each alone at its shared files."""
+    for task in some:
+        with shared_lock(plan.root, filter(plan.is_shared, task.makes)):
+            if begun:
+                begun(task)
+            if not all(Path(path).exists() and path not in stale for path in task.makes):  # made meanwhile, by another
+                run_task(task)

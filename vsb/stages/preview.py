@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from vsb.hydro import database
+from vsb.pipeline.costs import WITNESS_ROW2_SECONDS, block_seconds, latching_seconds
 from vsb.scenes.rest import check_rests, check_spring, check_stable, reference_shell, seen_by_take_off
 from vsb.scenes.take_off import check_law
 from vsb.shell.modes import mode_basis
 from vsb.shell.ritz import natural_modes
 from vsb.shell.shell import Shell, natural_frequencies
-from vsb.stages.costs import WITNESS_ROW2_SECONDS, block_seconds, latching_seconds
 from vsb.stages.planning import load_advised
 from vsb.study.blocks import BlockSpec, no_witness
 from vsb.study.plan import StudyPlan

@@ -1,4 +1,4 @@
-"""Command run: a whole study through Snakemake, alone in its results folder."""
+"""Command run: a whole study, alone in its results folder, in this process where that is as soon or by Snakemake."""
 
 import argparse
 import contextlib
@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from base64 import urlsafe_b64encode
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, MutableSequence, Sequence
 from functools import partial
@@ -21,13 +22,17 @@ from typing import Any, NoReturn
 import psutil
 
 from vsb.errors import ConfigError, VsbError
+from vsb.pipeline.jobs import Job, rules
+from vsb.pipeline.schedule import is_faster_here, left
+from vsb.pipeline.tasks import due, tasks
 from vsb.stages import slurm
 from vsb.stages.check import check_plan, unit_lines
 from vsb.stages.locks import exclusive_lock, shared_lock
+from vsb.stages.make import make
 from vsb.stages.planning import plan_of
+from vsb.stages.progress import Progress, failed, followed
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
-from vsb.study.jobs import due, jobs, rules
 from vsb.study.plans import Plan
 from vsb.study.reading import nearest, read_yaml
 from vsb.tools.commands import long_options
@@ -36,43 +41,93 @@ from vsb.tools.words import shortened
 
 Follow = Callable[[Iterable[str]], None]
 """Shows lines as they come."""
-KEPT = 400
-"""Last lines of the output that are kept in case a run fails."""
+KEPT = 4000
+"""Last lines of Snakemake's output that are kept."""
 ERROR = "vsb: error:"
 SNAKEFILE = HOME / "workflow" / "Snakefile"
+RECORD_NAME = 254
+"""Longest part of the name of a file under which Snakemake keeps a record, its mark left out."""
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run a study, campaign or design problem through Snakemake, after validating all that can be known beforehand."""
+    """Run a study, campaign or design problem, after validating all that can be known beforehand."""
     from vsb.stages import verify
     from vsb.tools.files import check_folder
 
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")  # as in a job of Snakemake's: threads of small matrices only wait
     plan = plan_of(args.config)
     check_name(plan)
     check_plan(plan)
     for words in unit_lines(plan):
         print(words, file=sys.stderr)
-    for folder in (".", plan.root):  # snakemake writes to both
-        check_folder(folder)
+    check_folder(plan.root)
     check_options(args.snakemake, plan)
     dry = bool({"-n", "--dry-run", "--dryrun"} & set(args.snakemake))
-    place, given = _profile(args.profile)
+    profile, given = _profile(args.profile or "default")
+    asked = args.snakemake or args.verbose or args.profile or args.cores
+    with exclusive_lock(Path(plan.folder), waits=not dry) as held:
+        stale = verify.stale_products(plan, dry=dry)
+        if not asked and is_faster_here(plan, stale):
+            _run_here(plan, stale)
+        elif code := _run_by_snakemake(args, plan, stale, profile, given, held, dry=dry):
+            return code
+    if dry or not (report := Path(plan.folder) / "report.html").is_file():
+        return 0
+    print(f"{plan.name}: {_answer(plan)}{report}")
+    return 0 if _is_answered(plan) else 1
+
+
+def _run_here(plan: Plan, stale: Sequence[str]) -> None:
+    """Make all products in this process; if terminated, end after one line."""
+    some = due(tasks(plan), plan.products, stale)
+    progress = Progress(plan.name, [task.seconds for task in some])
+    before = {number: signal.signal(number, _ask_to_end) for number in _heard()}
+    try:
+        make(plan, plan.products, stale, lambda task: progress.begin(task.words, some.index(task)))
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        forget(Path(".snakemake"), [path for task in some for path in task.makes])
+
+
+def _run_by_snakemake(
+    args: argparse.Namespace,
+    plan: Plan,
+    stale: Sequence[str],
+    profile: Path,
+    given: Mapping[str, Any],
+    held: Sequence[int],
+    *,
+    dry: bool,
+) -> int:
+    """Make all products, or what is asked of Snakemake, by its jobs; return the exit code.
+
+    Parameters
+    ----------
+    stale : sequence of str
+        Files to make anew.
+    profile, given : Path, mapping
+        Folder of the profile, and what it says.
+    held : sequence of int
+        File descriptors of locks, which processes that are left behind keep.
+    dry : bool
+        Whether it only says what it would do.
+    """
+    from vsb.tools.files import check_folder, write_text
+
+    check_folder(".")  # snakemake writes there, too
     on_slurm = given.get("executor") == "slurm"
     paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', os.defpath)}"
     environment = {**os.environ, "PATH": paths, "PYTHONSAFEPATH": "1"}  # nor modules of the current folder
     forget_damaged(Path(".snakemake", "metadata"))
     begun, lines = time.time(), deque[str](maxlen=KEPT)
-    with (
-        _caches() as caches,
-        exclusive_lock(Path(plan.folder), waits=not dry) as own,
-        shared_lock(plan.root, () if dry else unmade(plan)) as shared,
-    ):
+    with _caches() as caches, shared_lock(plan.root, () if dry else unmade(plan)) as shared:
         environment |= caches
-        stale = verify.stale_products(plan, dry=dry)
-        left = bool(stale or args.snakemake) or not all(Path(path).exists() for path in plan.products)
-        whole = slurm.single_job(plan, given) if on_slurm and left and not dry else []
+        missing = bool(stale or args.snakemake) or not all(Path(path).exists() for path in plan.products)
+        whole = slurm.single_job(plan, given) if on_slurm and missing and not dry else []
         named = ["--slurm-jobname-prefix", slurm.job_name(plan.name)] if on_slurm and not whole else []
-        command = [*_command(args, place, whole), *named, *_forced(args.snakemake, stale)]
+        command = [*_command(args, profile, whole), *named, *_forced(args.snakemake, stale)]
         if on_slurm and not dry:
             slurm.cancel(slurm.run_name(plan))  # of a run that was killed
         with (
@@ -80,14 +135,25 @@ def run(args: argparse.Namespace) -> int:
             if on_slurm
             else contextlib.nullcontext()
         ):
-            line = _line(args.snakemake, plan, lines)
-            code = finished(command, env=environment, pass_fds=[*own, *shared], line=line)
+            line = None if args.snakemake or args.verbose else partial(_followed, plan, left(plan, stale), lines)
+            if line:  # rules that begin are needed to say so
+                command += ["--quiet", "host"]
+            code = finished(command, env=environment, pass_fds=[*held, *shared], line=line)
     if code:
         return _failed(plan, begun, lines)
-    if dry or not (report := Path(plan.folder) / "report.html").is_file():
-        return 0
-    print(f"{plan.name}: {_answer(plan)}{report}")
-    return 0 if _is_answered(plan) else 1
+    if line:
+        with contextlib.suppress(OSError, VsbError):
+            write_text(_log(plan), "".join(lines))
+    return 0
+
+
+def forget(records: Path, paths: Iterable[str]) -> None:
+    """Remove what Snakemake noted of files that were made without it; they know themselves what they are."""
+    for path in paths:
+        name = urlsafe_b64encode(path.encode()).decode()
+        parts = [name[i : i + RECORD_NAME] for i in range(0, len(name), RECORD_NAME)]
+        for kind in ("metadata", "incomplete"):
+            Path(records, kind, *(f"@{part}" for part in parts[:-1]), parts[-1]).unlink(missing_ok=True)
 
 
 @contextlib.contextmanager
@@ -148,7 +214,7 @@ def unmade(plan: Plan) -> list[str]:
     """Return the files a study shares with others and a run of it will make; members of a campaign make theirs."""
     if isinstance(plan, CampaignPlan | DesignPlan):
         return []
-    made = [path for job in due(jobs(plan), plan.products) for path in job.makes]
+    made = [path for task in due(tasks(plan), plan.products) for path in task.makes]
     return [path for path in made if plan.is_shared(path) and not Path(path).exists()]
 
 
@@ -201,7 +267,7 @@ def check_options(options: Sequence[str], plan: Plan) -> None:
         raise VsbError(f"{what}, of snakemake" + (f"; did you mean {near}?" if near else "")) from None
     except CliException as error:
         raise VsbError(f"{error}, of snakemake") from None
-    known = ["all", *(rule.stage for rule in rules(plan) if "" in rule.jobs)]  # the others make a file of many
+    known = ["all", *(rule.name for rule in rules(plan) if "" in rule.jobs)]  # the others make a file of many
     for target in given.targets:
         if target not in known and not target.startswith(f"{plan.root}/"):
             names, near = ", ".join(known), nearest(target, known)
@@ -258,29 +324,22 @@ def _forced(options: Sequence[str], stale: Sequence[str]) -> list[str]:
     return [*options, "--forcerun", *stale]
 
 
-def _line(options: Sequence[str], plan: Plan, last: MutableSequence[str]) -> Follow | None:
-    """What shows a run as one line; none where nobody looks on, or more was asked of snakemake than to run."""
-    if options or not (sys.stdout.isatty() and sys.stderr.isatty()):
-        return None
-    from rich.console import Console
-
-    from vsb.tools.progress import followed
-
-    said = partial(_best_so_far, plan) if isinstance(plan, DesignPlan) else None
-    return partial(followed, name=plan.name, console=Console(stderr=True), last=last, said=said)
-
-
 BEST = re.compile(r"^best so far: (\S+) ")
 """What a start says of the best buoy within its limits."""
 
 
 def _best_so_far(plan: DesignPlan) -> str:
     """The best buoy within its limits any start has found yet; empty before the first."""
-    begin = f"{plan.root}/logs/design_start/{plan.name}-"
-    paths = [Path(f"{begin}{start}.log") for start in plan.starts]
-    lines = [line for path in paths if path.is_file() for line in path.read_text(encoding="utf-8").splitlines()]
-    found = [(float(said[1]), line) for line in lines if (said := BEST.match(line))]
+    logs = Path(plan.root, "logs").glob(f"design_start*/{plan.name}*.log")
+    lines = [line for path in logs for line in path.read_text(encoding="utf-8").splitlines()]
+    found = [(float(match[1]), line) for line in lines if (match := BEST.match(line))]
     return max(found)[1] if found else ""
+
+
+def _followed(plan: Plan, some: Sequence[Job], kept: MutableSequence[str], lines: Iterable[str]) -> None:
+    """Say how far Snakemake is by its output, of which the last lines are kept."""
+    words = partial(_best_so_far, plan) if isinstance(plan, DesignPlan) else None
+    followed(lines, Progress(plan.name, [job.seconds for job in some]), rules(plan), kept, words)
 
 
 def finished(
@@ -293,7 +352,7 @@ def finished(
 
     Its output goes to `line`, if given.
     """
-    heard = [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
+    heard = _heard()
     early: list[int] = []  # signals received while the command starts: handled once its process is known
     before = {number: signal.signal(number, lambda heard, _: early.append(heard)) for number in heard}
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # one that comes meanwhile waits
@@ -320,6 +379,11 @@ def finished(
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _heard() -> list[signal.Signals]:
+    """Signals that end a run, if whoever started it did not shield it from them."""
+    return [number for number in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
 
 
 def _ask_to_end(number: int, _: object) -> NoReturn:
@@ -361,17 +425,20 @@ def _failed(plan: Plan, begun: float, output: Iterable[str] = ()) -> int:
 def _kept(plan: Plan, lines: Sequence[str]) -> str:
     """Which rules failed with the last line of each, or of the system; where the whole output is."""
     from vsb.tools.files import write_text
-    from vsb.tools.progress import failed
 
     words = [f"{rule} ended{_last_words(Path(log))}" for log, rule in failed(lines).items()]
     words = words or [found[1] for line in lines if (found := re.search(r"\[Errno \d+\] (.+)", line))][-1:]
-    path = f"{plan.root}/logs/{plan.name}.log"
     try:
-        write_text(path, "".join(lines))
-        words.append(f"the whole output is in {path}")
+        write_text(_log(plan), "".join(lines))
+        words.append(f"the whole output is in {_log(plan)}")
     except (OSError, VsbError) as error:
         words.append(f"the output cannot be written: {error}")
     return f": {'; '.join(words)}"
+
+
+def _log(plan: Plan) -> str:
+    """File of what Snakemake says of a run."""
+    return f"{plan.root}/logs/{plan.name}.log"
 
 
 def _last_words(log: Path) -> str:

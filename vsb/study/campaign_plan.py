@@ -167,14 +167,29 @@ class CampaignPlan(ResultsFolder):
         return found
 
     @cached_property
-    def batches(self) -> dict[str, MembersSpec]:
-        """Specs of the batches by id: of as many members each, those of one shape, take-off and thickness together."""
+    def members_by_batch(self) -> dict[str, list[Member]]:
+        """Members of each batch by its id: of as many each, those of one shape, take-off and thickness together."""
         ordered = sorted(self.members, key=_shared)
         shapes = len({one.spec.sweep for one in ordered})
         seconds = self.member_seconds * len(ordered) + BLOCK_SECONDS * shapes
         count = min(MOST_BATCHES, len(ordered), math.ceil(seconds / BATCH_SECONDS))
         ends = [len(ordered) * i // count for i in range(count + 1)]
-        return dict(self._batch(ordered[first:last]) for first, last in itertools.pairwise(ends))
+        batches = [ordered[first:last] for first, last in itertools.pairwise(ends)]
+        return {content_id([one.id for one in some]): some for some in batches}
+
+    @cached_property
+    def batches(self) -> dict[str, MembersSpec]:
+        """Specs of the batches by id."""
+        return {
+            name: MembersSpec(
+                base=self.base,
+                points=tuple(one.point for one in some),
+                climate=self.climate,
+                tuning=self.loaded.tuning,
+                constrained=self.loaded.constrained,
+            )
+            for name, some in self.members_by_batch.items()
+        }
 
     @property
     def member_seconds(self) -> float:
@@ -185,20 +200,8 @@ class CampaignPlan(ResultsFolder):
     @property
     def batch_minutes(self) -> int:
         """What a batch may take [min]: an hour, and what its members are expected to take."""
-        most = max(len(batch.points) for batch in self.batches.values())
+        most = max(map(len, self.members_by_batch.values()))
         return 60 + math.ceil(self.member_seconds * most / 60)
-
-    def _batch(self, some: Sequence[Member]) -> tuple[str, MembersSpec]:
-        """Id and spec of a batch."""
-        points, tuning = tuple(one.point for one in some), self.loaded.tuning
-        spec = MembersSpec(
-            base=self.base,
-            points=points,
-            climate=self.climate,
-            tuning=tuning,
-            constrained=self.loaded.constrained,
-        )
-        return content_id([one.id for one in some]), spec
 
     @cached_property
     def verifications(self) -> dict[str, VerificationSpec]:

@@ -1,33 +1,31 @@
-"""CPU time of what a plan has left to do, and whether it fits into memory: what each task takes, measured, added up.
+"""CPU time of tasks, measured, and whether they fit into memory.
 
 Seconds are of one core of a desktop machine that does nothing else; on a busy one a core does half as much in a second.
 """
 
 import math
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
 
 import psutil
 
 from vsb.study.blocks import BlockSpec
 from vsb.study.body import BodyFile
 from vsb.study.body_cost import SECONDS as SECONDS_PER_PANEL2
-from vsb.study.body_cost import panel_count
 from vsb.study.campaign_plan import CampaignPlan, Member
-from vsb.study.jobs import Job, due, jobs
-from vsb.study.plan import BodyPlan, StudyPlan
-from vsb.study.specs import PanelsSpec
+from vsb.study.specs import PanelsSpec, VerificationSpec, WitnessSpec
 from vsb.study.study import BaseStudy
 from vsb.study.waves import IrregularSea, RegularWave, StillWater, Wave
-from vsb.tools import packed
 
 WORKFLOW_SECONDS, JOB_SECONDS = 6.0, 2.3
 """Of Snakemake and the plan, and of a job that does nothing: a process, its imports, what Snakemake does of it."""
-TASK_SECONDS = {"green": 20.0, "radiation": 1.5, "ladder": 0.5, "report": 1.5, "campaign": 0.3, "campaign_report": 3.0}
-"""Of stages whose work hardly depends on the study; those not named here or below take a tenth of a second or two."""
+START_OF_A_PROCESS = 1.7
+"""Of Python and its imports."""
+MEMORY_SECONDS = 1.5
+"""Of the radiation memory of a database."""
+START_SECONDS, RIGID_START_SECONDS = 30.0, 3.0
+"""Of a start of a search for the best buoy, to know which starts share a job; `vsb check` measures."""
 FIGURE_SECONDS = 0.17
-"""Of a file of a figure; each has three."""
+"""Of a file of a figure; each has two."""
 SPECTRAL_SECONDS = 0.4
 """Of the coefficients of one azimuthal order of a shape, all frequencies."""
 PANEL_ROW2_SECONDS = 3e-5
@@ -40,22 +38,14 @@ LATCHING_TIME_SECONDS = {"regular": 5.0, "body_exact": 20.0}
 """Of the search for a latching time in a regular wave, and how many more on the wet shell."""
 LATCHED_SECONDS = {"irregular": 0.15, "body_exact": 0.5}
 """Likewise of each second of a run in another sea, all trials together."""
-MEMBER_SECONDS, REST_SECONDS = 0.016, 1.2
-"""Of a point of a campaign with its coefficients; of one about its equilibrium also the rest and the modes left out."""
+REST_SECONDS = 1.2
+"""What a point of a campaign about its equilibrium takes more: its rest and the modes left out."""
 SEA_SECONDS = {"linear": 0.05, "body_exact": 0.15}
 """Of one design in one sea of `verify`, by model."""
 BODY_SECONDS, IN_FINITE_DEPTH = 0.5, 2.5
 """Of a frequency of a body beside its matrices, and how many times as long these take in finite depth."""
 MOST_MEMORY = 0.7
 """Part of a machine's memory that a job may need without a doubt: the rest is the system's and other jobs'."""
-
-
-def cost_line(plan: StudyPlan | BodyPlan | CampaignPlan) -> str:
-    """Return the line `vsb check` prints of the jobs left and their CPU time."""
-    every = jobs(plan)
-    left = due(every, plan.products)
-    seconds = sum(JOB_SECONDS + task_seconds(plan, job) for job in left) + WORKFLOW_SECONDS
-    return f"cost         {len(left)} of {len(every)} jobs to do: about {plain_seconds(seconds)} on one core"
 
 
 def plain_seconds(seconds: float) -> str:
@@ -76,12 +66,6 @@ def memory_doubts(gigabytes: float) -> list[str]:
     ]
 
 
-def task_seconds(plan: StudyPlan | BodyPlan | CampaignPlan, job: Job) -> float:
-    """Return the CPU time of a job beyond that of a job that does nothing [s]."""
-    sized = SIZED.get(job.stage)
-    return sized(plan, job) if sized else TASK_SECONDS.get(job.stage, 0.15)
-
-
 def block_seconds(block: BlockSpec) -> float:
     """Return the CPU time of the coefficients of a block of frequencies [s]."""
     if not isinstance(block, PanelsSpec):
@@ -99,20 +83,9 @@ def latching_seconds(study: BaseStudy, wave: Wave) -> float:
     return (each + wet * costs["body_exact"]) * (1.0 if regular else study.simulation.duration)
 
 
-def _of_block(_: Any, job: Job) -> float:
-    """A block of frequencies."""
-    return block_seconds(job.spec)
-
-
-def _of_witness(plan: StudyPlan, job: Job) -> float:
-    """Both solvers on deformed meshes."""
-    return len(job.needs) * WITNESS_ROW2_SECONDS * float(job.spec.meshes.rows) ** 2
-
-
-def _of_body(plan: BodyPlan | CampaignPlan, job: Job) -> float:
-    """A body on panels; of a file that is read, next to nothing."""
-    file = job.spec.body.file
-    return body_seconds(file, panel_count(file, job.files)) if isinstance(file, BodyFile) else 0.5
+def witness_seconds(shapes: int, spec: WitnessSpec) -> float:
+    """Return the CPU time of both solvers on deformed shapes [s]."""
+    return shapes * WITNESS_ROW2_SECONDS * float(spec.meshes.rows) ** 2
 
 
 def body_seconds(file: BodyFile, panels: float) -> float:
@@ -127,42 +100,20 @@ def body_seconds(file: BodyFile, panels: float) -> float:
     )
 
 
-def _of_run(plan: StudyPlan | BodyPlan, job: Job) -> float:
-    """A run in time of one design in one sea."""
-    (wave,) = job.spec.waves
-    study = plan.study
+def run_seconds(study: BaseStudy, wave: Wave) -> float:
+    """Return the CPU time of a run in time of one design in one sea [s]."""
     once, each = RUN_SECONDS[study.buoy.hydro.model if study.buoy else "linear"]
     seas = 2.0 if isinstance(wave, IrregularSea) else 1.0  # of many components
     return once + seas * each * study.simulation.duration + latching_seconds(study, wave)
 
 
-def _of_figures(_: Any, job: Job) -> float:
-    """All figures."""
-    return FIGURE_SECONDS * len(job.makes)
+def members_seconds(plan: CampaignPlan, some: Sequence[Member]) -> float:
+    """Return the CPU time of members of a campaign [s]: their coefficients, their rest, their year."""
+    resting = [one for one in some if one.study.buoy and one.study.buoy.at_equilibrium]
+    shapes = {one.spec.sweep for one in some if one.study.buoy}
+    return plan.member_seconds * len(some) + REST_SECONDS * len(resting) + SPECTRAL_SECONDS * len(shapes)
 
 
-def _of_members(plan: CampaignPlan, job: Job) -> float:
-    """The members of a batch that are not finished: their coefficients, their rest, their year."""
-    points = {frozenset(point.items()) for point in job.spec.points}
-    left = [one for one in plan.members if frozenset(one.point.items()) in points and not _finished(plan, one)]
-    resting = [one for one in left if one.study.buoy and one.study.buoy.at_equilibrium]
-    shapes = {one.spec.sweep for one in left if one.study.buoy}
-    return plan.member_seconds * len(left) + REST_SECONDS * len(resting) + SPECTRAL_SECONDS * len(shapes)
-
-
-def _finished(plan: CampaignPlan, one: Member) -> bool:
-    """Whether the results of a member are there."""
-    return Path(plan.folder, "members", f"{one.id}{packed.SUFFIX}").exists()
-
-
-def _of_verification(_: Any, job: Job) -> float:
-    """The seas of a member that are simulated, with the radiation memory they need."""
-    verify, designs = job.spec.verify, len(job.spec.system.designs)
-    return TASK_SECONDS["radiation"] + SEA_SECONDS[verify.model] * float(verify.seas * designs)
-
-
-SIZED: dict[str, Callable[[Any, Job], float]] = {
-    "spectral": _of_block, "panels": _of_block, "witness": _of_witness, "coefficients": _of_body,
-    "simulate": _of_run, "figures": _of_figures, "members": _of_members, "verification": _of_verification,
-}  # fmt: skip
-"""Stages whose work follows from their specification."""
+def verification_seconds(spec: VerificationSpec) -> float:
+    """Return the CPU time of the seas of a member that are simulated, with the radiation memory they need [s]."""
+    return MEMORY_SECONDS + SEA_SECONDS[spec.verify.model] * float(spec.verify.seas * len(spec.designs))

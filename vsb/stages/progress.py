@@ -1,0 +1,74 @@
+"""Lines of a run: what begins, how much is done of all, and the time left; of a run by Snakemake from its output."""
+
+import re
+import sys
+import time
+from collections.abc import Callable, Iterable, MutableSequence, Sequence
+from dataclasses import dataclass, field
+
+from vsb.pipeline.costs import plain_seconds
+from vsb.pipeline.jobs import RULES, Rule
+
+BEGUN = re.compile(r"^(?:local)?rule (\w+):$")
+WILDCARD = re.compile(r"^\s+wildcards: job=(.+)$")
+DONE = re.compile(r"^(\d+) of (\d+) steps \(\d+%\) done$")
+FAILED = re.compile(r"\bvsb (\w+)\s.* > (\S+) 2>&1' returned non-zero exit status \d+")
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a run is."""
+
+    name: str
+    seconds: Sequence[float]  # CPU time of its parts as estimated, in their order [s]
+    begun: float = field(default_factory=time.monotonic)
+
+    def begin(self, words: str, done: int) -> None:
+        """Say what begins, when so many parts are done, and how long all that is left takes."""
+        before, left = sum(self.seconds[:done]), sum(self.seconds[done:])
+        rate = (time.monotonic() - self.begun) / before if before else 1.0
+        still = f", about {plain_seconds(rate * left)} left" if rate * left >= 1.0 else ""
+        print(f"{self.name}: {done} of {len(self.seconds)} done{still}; {words}", file=sys.stderr, flush=True)
+
+
+def followed(
+    lines: Iterable[str],
+    progress: Progress,
+    rules: Iterable[Rule],
+    kept: MutableSequence[str],
+    words: Callable[[], str] | None = None,
+) -> None:
+    """Say how far a run by Snakemake is.
+
+    Parameters
+    ----------
+    lines : iterable of str
+        Snakemake's output.
+    progress : Progress
+        With the jobs left as its parts.
+    rules : iterable of Rule
+    kept : sequence of str
+        Receives the lines.
+    words : callable, optional
+        Returns what else is to be said when a job is done.
+    """
+    stems = {rule.name: rule.stem for rule in rules}
+    name, which, done = "", "", 0
+    for line in lines:
+        kept.append(line)
+        if found := BEGUN.match(line):
+            name, which = found[1], ""
+        elif found := WILDCARD.match(line):
+            which = f" {found[1].strip()}"
+        elif not line.strip() and name in stems:
+            progress.begin(f"{RULES[stems[name]]}{which}", done)
+            name = ""
+        elif found := DONE.match(line.strip()):
+            done = min(int(found[1]), len(progress.seconds))
+            if words and (said := words()):
+                print(f"{progress.name}: {said}", file=sys.stderr, flush=True)
+
+
+def failed(lines: Iterable[str]) -> dict[str, str]:
+    """Return the rules that failed in the output of Snakemake, by the log file of the job."""
+    return {found[2]: found[1] for line in lines if (found := FAILED.search(line))}
