@@ -1,10 +1,14 @@
 """The optimiser and its certificate on problems whose optima are known in closed form."""
 
+import re
+
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from vsb.design.certificate import curvature, multipliers, newton_step
 from vsb.design.evaluation import Evaluation, Quantity
+from vsb.design.margins import probabilities
 from vsb.design.optimise import KKT, VIOLATION, converged, first_possible, left_out, optimised, start_places
 from vsb.design.problem import Problem
 from vsb.errors import ConvergenceError
@@ -214,6 +218,41 @@ def test_modes_are_added_until_the_objective_stands():
     assert found.degree == 6
     assert found.truncation == pytest.approx((0.0, 2 * ((1 - 0.5**10) / (1 - 0.5**6) - 1)))
     assert found.optimum.objective == pytest.approx(20 * (1 - 0.5**6))
+
+
+def test_limits_hold_with_all_shell_modes_or_the_start_is_not_accepted():
+    """A truncated strain, (1 - 0.5^degree) of the true one: an optimum at the limit of its own basis exceeds it."""
+
+    def of(degree, more=0.0):
+        def truncated(values):
+            found = nearest(values)
+            part = 1 - 0.5**degree
+            strain = Quantity(found["mass"].value * part + more * (degree > 6), found["mass"].gradient * part)
+            return {"annual_mean_power": found["annual_mean_power"], "mass": strain}
+
+        return problem(truncated, {"mass": 2.0})
+
+    found = converged(of, (6, 9, 14), 0.1, [np.array([0.5, 0.5])])
+    true = float(np.hypot(*found.optimum.point.values))
+    assert found.optimum.accepted
+    assert 2.0 * (1 - 0.05) < true <= 2.0
+    unmet = converged(lambda degree: of(degree, more=3.0), (6, 9, 14), 0.1, [np.array([0.5, 0.5])])
+    assert not unmet.optimum.accepted
+    assert re.search(r"with more shell modes the limit of mass is exceeded by .* %", unmet.optimum.message)
+    unknown = converged(of, (4, 6), 0.1, [np.array([0.5, 0.5])])
+    assert "what more shell modes change the limit of mass by is not known" in unknown.optimum.message
+
+
+def test_probabilities_that_limits_hold_are_those_of_normal_inputs():
+    """One limit met exactly holds of every second buoy, two of opposite signs never together; margins of 2 sigma."""
+    scatter = np.array([[0.1, 0.0], [-0.1, 0.0], [0.0, 0.0]])
+    holds = probabilities(np.array([0.0, 0.0, -0.3]), scatter, ["beam", "draft", "mass"])
+    assert holds["beam"] == pytest.approx(0.5, abs=0.01)
+    assert holds["mass"] == 1.0
+    assert holds["all"] < 0.01
+    away = probabilities(np.array([-0.2, -0.5, -0.3]), scatter, ["beam", "draft", "mass"])
+    assert away["beam"] == pytest.approx(norm.cdf(2), abs=2e-3)
+    assert away["all"] == pytest.approx(norm.cdf(2), abs=2e-3)
 
 
 def test_what_further_modes_change_holds_errors_of_first_order_and_none_that_seem_small_by_chance():

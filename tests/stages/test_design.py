@@ -20,7 +20,7 @@ import vsb
 from vsb.cli import main
 from vsb.design.compared import COMPETITOR, FLEXIBLE
 from vsb.design.evaluation import DesignModel
-from vsb.design.problem import POWER
+from vsb.design.problem import POWER, excesses, limit_parts
 from vsb.design.searched import Outcome
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.pipeline.jobs import rules
@@ -122,6 +122,35 @@ def test_every_product_is_there_and_carries_its_id(run):
     assert all(Path(path).is_file() for path in run.products)
     assert sorted(path for task in tasks(run) for path in task.makes) == sorted(run.products)
     assert {rule.stem for rule in rules(run)} == {"design_start", "design_front", "design_results"}
+
+
+BUILT = {
+    "variables": {"device.internal_pressure": [2e4, 8e4], "device.thickness": [0.01, 0.02]},
+    "limits": {"load_factor": None, "static_strain": 0.05, "beam": 4.2},
+    "uncertain": {"device.young_modulus": 0.1, "device.thickness": 0.05},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sigmas", [0.0, 2.0])
+def test_limits_of_built_buoys_hold_with_the_probability_that_is_stated(folder, sigmas):
+    """Sixty buoys with modulus and wall as they may be built, evaluated with all physics, against first derivatives."""
+    plan = planned(folder, f"built{sigmas:g}", **{**BUILT, "limits": BUILT["limits"] | {"sigmas": sigmas}})
+    for job in jobs(plan):
+        work(job)
+    holds, limits = vsb.open(plan.folder).facts["holds"][FLEXIBLE], plan.flexible.limits
+    (found,) = outcomes(f"{plan.folder}/starts", tuple(plan.starts))
+    assert found.accepted
+    shares, seas = BUILT["uncertain"], read_climate(plan.climate, plan.loaded.climate_path)
+    study = load_study(f"{plan.folder}/optimum.yaml")
+    model = DesignModel.of(study, "VSWEC", seas, [*shares, "pto.damping"], found.degree)
+    kept = 0
+    for modulus, wall in 1 + np.random.default_rng(3).standard_normal((60, 2)) * [*shares.values()]:
+        built = model.at([modulus * model.point[0], wall * model.point[1], model.point[2]])
+        terms = zip(limit_parts(limits), excesses(built, limits), strict=True)
+        kept += all(one.value + found.margins[part] <= 1e-8 for part, one in terms)
+    assert kept / 60 == pytest.approx(holds["all"], abs=0.15)
+    assert (kept >= 54) == bool(sigmas)
 
 
 def test_the_damper_found_is_the_optimal_one_of_the_year(folder):

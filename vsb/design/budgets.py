@@ -17,6 +17,7 @@ from scipy.integrate import quad
 from vsb.design.compared import Buoy, gain
 from vsb.design.evaluation import DAMPER, RESOLVED, DesignModel
 from vsb.design.linearised import linearised
+from vsb.design.margins import depends
 from vsb.design.problem import POWER
 from vsb.design.year import PortYear, band
 from vsb.results.budget import MODES, Budget, Source
@@ -70,7 +71,7 @@ def power_parts(buoy: Buoy, climate: Climate, uncertain: Sequence[str] = (), *, 
     ordered : bool
         Whether the seas of the climate stand in the order of the year.
     """
-    built, keys = buoy.with_damper(), [key for key in uncertain if _depends(buoy.study, key)]
+    built, keys = buoy.with_damper(), [key for key in uncertain if depends(buoy.study, key)]
     model = built.model(climate, keys)
     finer = replace(model, variables=(DAMPER,)).finer
     slopes = dict.fromkeys(uncertain, 0.0)
@@ -91,11 +92,6 @@ def power_parts(buoy: Buoy, climate: Climate, uncertain: Sequence[str] = (), *, 
 def _power(model: DesignModel) -> float:
     """Annual mean power of the study of a model [W]."""
     return model.at(model.point)[POWER].value
-
-
-def _depends(study: Study, key: str) -> bool:
-    """Whether the buoy has an input at all: a rigid one that is not at an equilibrium has only its size and mass."""
-    return study.flexible or key in OF_RIGID
 
 
 def _reshaped(built: Buoy, climate: Climate) -> float:

@@ -7,6 +7,7 @@ line search backs off. What it ends at is moved to the optimum of its active set
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,10 +24,9 @@ from vsb.design.certificate import (
     multipliers,
     newton_step,
 )
+from vsb.design.margins import beyond, by_modes
 from vsb.design.problem import IMPOSSIBLE, POWER, SMALLEST, Point, Problem
 from vsb.errors import ConvergenceError
-from vsb.scenes.mode_convergence import further as beyond_last
-from vsb.scenes.mode_convergence import further_about_rings
 from vsb.tools.arrays import FloatArray
 
 ROUNDS = ((3e-3, 1e-7), (1e-3, 1e-9), (1e-4, 1e-11), (1e-5, 1e-13), (0.0, 1e-15), (0.0, 1e-16))
@@ -190,6 +190,8 @@ def _polished(problem: Problem, point: Point) -> tuple[Point, Multipliers, Curva
         after = multipliers(moved, HELD)
         if max(multipliers(moved).kkt, moved.violation) >= max(exact.kkt, point.violation):
             break
+        if (after.free != found.free).any():  # the curvature is of other variables
+            curved = curvature(problem, moved, after)
         point, found = moved, after
     return point, multipliers(point), curved
 
@@ -236,6 +238,7 @@ class Converged:
     reasons: tuple[str, ...]  # why places tried before do not rest
     degree: int | None  # highest Legendre degree; none of a rigid buoy
     truncation: tuple[float, float] | None  # of the power, by `left_out`; none of a rigid buoy, or where not known
+    margins: dict[str, float]  # most by which shell modes left out raise the excess over each limit, relative to it
     evaluations: int
 
 
@@ -248,9 +251,8 @@ def left_out(
 ) -> tuple[float, float] | None:
     """Return the ends between which all further degrees of shell modes change a power, relative, zero included.
 
-    What they change beyond the last degree evaluated is bounded as in studies (`vsb.scenes.mode_convergence.further`),
-    and more where a load acts at a ring of the shell (`further_about_rings`, ibidem).
-    None where it is not known: the last step is the larger one, and more than a tolerance may be left out.
+    What they change beyond the last degree evaluated is bounded as in studies (`vsb.design.margins.beyond`). None where
+    it is not known: the last step is the larger one, and more than a tolerance may be left out.
 
     Parameters
     ----------
@@ -264,34 +266,97 @@ def left_out(
         See `vsb.scenes.mode_convergence.bending_degree`.
     """
     first, last = changes
-    powers = [np.asarray(change) for change in (0.0, first, last)]
-    beyond = float(beyond_last(powers) if bending is None else further_about_rings(powers, degrees, bending))
-    low, high = min(0.0, last - beyond), max(0.0, last + beyond)
+    more = float(beyond([np.asarray(change) for change in changes], degrees, bending))
+    low, high = min(0.0, last - more), max(0.0, last + more)
     grows = abs(last - first) > abs(first)
     return None if grows and max(-low, high) > tolerance else (low, high)
 
 
-def further(
+@dataclass(frozen=True)
+class Finer:
+    """A buoy with more shell modes: what those left out may change."""
+
+    truncation: tuple[float, float] | None  # of the power, relative, see `left_out`; none where not known
+    margins: FloatArray  # most by which they raise excesses over limits, shape (limit,); nan where not known
+    points: tuple[Point, ...] = ()  # the buoy with each of the degrees beyond its own
+
+
+def finer(
     problem_of: Callable[[int | None], Problem],
     degrees: Sequence[int | None],
     point: Point,
     tolerance: float,
     bending: Callable[[Point], float | None] = lambda point: None,
-) -> tuple[list[Point], tuple[float, float] | None]:
-    """Return a buoy with more shell modes, and between which ends all further ones change its power, see `left_out`.
+) -> Finer:
+    """Return a buoy with more shell modes, and what all further ones may change.
 
     Raises one of `IMPOSSIBLE` if it has no stable equilibrium with them.
 
     Parameters
     ----------
     degrees : sequence of int, or of one None
-        Of the buoy, and those beyond it that are evaluated.
+        Of the buoy, and those beyond it that are evaluated; one of none: a rigid buoy.
     """
-    finer = [problem_of(degree).at(point.place) for degree in degrees[1:]]
-    changes = [one.evaluation[POWER].value / point.evaluation[POWER].value - 1 for one in finer]
-    if len(changes) < FURTHER:
-        return finer, None
-    return finer, left_out(changes, tolerance, [one for one in degrees if one is not None], bending(point))
+    if degrees[0] is None:
+        return Finer(None, np.zeros_like(point.excess))
+    own, *points = (problem_of(degree).at(point.place) for degree in degrees)
+    if len(points) < FURTHER:
+        return Finer(None, np.full_like(point.excess, np.nan), tuple(points))
+    known, at = [one for one in degrees if one is not None], bending(point)
+    changes = [one.evaluation[POWER].value / own.evaluation[POWER].value - 1 for one in points]
+    margins = by_modes([one.excess - own.excess for one in points], known, at)
+    return Finer(left_out(changes, tolerance, known, at), margins, tuple(points))
+
+
+MARGIN_ROUNDS, SAFE = 4, 1.1
+"""Most searches with margins of the limits, each by what was found at the end of the one before, and a little more."""
+USED = 1e-3
+"""Part of a limit that a buoy uses up to which no margin is kept from it."""
+
+
+def within_margins(
+    problem: Problem,
+    found: Optimum,
+    finer_at: Callable[[Point], Finer],
+    spread: Callable[[Point], FloatArray] | None = None,
+    seen: Progress | None = None,
+) -> tuple[Optimum, Finer]:
+    """Return the best buoy that keeps its limits with all shell modes, and as it may be built.
+
+    One that does not in `MARGIN_ROUNDS` searches is not accepted. Raises one of `IMPOSSIBLE` if it has no stable
+    equilibrium with more shell modes.
+
+    Parameters
+    ----------
+    problem : Problem
+        Without margins.
+    found : Optimum
+        Of that problem.
+    finer_at : callable
+        Buoy -> what shell modes left out may change.
+    spread : callable, optional
+        Buoy -> margins for what is uncertain, (limit,).
+    """
+    known, searches = finer_at(found.point), 0
+    if not found.accepted:
+        return found, known
+    while True:
+        margins = known.margins + (spread(found.point) if spread else 0.0)
+        plain = problem.at(found.point.place).excess
+        if not plain.size or ((plain + margins).max() <= VIOLATION and found.accepted):
+            return found, known
+        worst = int(np.nan_to_num(plain + margins, nan=np.inf).argmax())
+        limit, over = problem.limit_names[worst], float((plain + margins)[worst])
+        if np.isnan(over):
+            words = f"what more shell modes change the limit of {limit} by is not known"
+            return replace(found, accepted=False, message=words), known
+        if searches == MARGIN_ROUNDS or not (found.accepted or found.violation <= VIOLATION):
+            break
+        factors = 1 + SAFE * np.divide(margins, 1 + plain, out=np.zeros_like(plain), where=1 + plain > USED)
+        found, searches = optimised(replace(problem, margins=factors), found.point, seen), searches + 1
+        known = finer_at(found.point)
+    words = f"with more shell modes{' or as built' if spread else ''} the limit of {limit} is exceeded by "
+    return replace(found, accepted=False, message=f"{words}{100 * over:.2g} %" if over > 0 else found.message), known
 
 
 def converged(
@@ -301,6 +366,7 @@ def converged(
     places: Sequence[FloatArray],
     seen: Progress | None = None,
     bending: Callable[[Point], float | None] = lambda point: None,
+    spread: Callable[[Problem, Point], FloatArray] | None = None,
 ) -> Converged:
     """Return the best buoy from one start, solved again with more shell modes until they change little.
 
@@ -321,6 +387,8 @@ def converged(
         Is called with every buoy evaluated.
     bending : callable
         Buoy -> what `left_out` needs where a load acts at a ring.
+    spread : callable, optional
+        Problem and buoy -> margins of its limits for what is uncertain, (limit,).
     """
     problems: dict[int | None, Problem] = {}
 
@@ -330,19 +398,28 @@ def converged(
         return problems[degree]
 
     start, reasons = first_possible(of(degrees[0]), places)
-    begin, truncation = start, None
+    begin, known = start, None
     solved = degrees[: max(1, len(degrees) - FURTHER)]
     for i, degree in enumerate(solved):
         found = optimised(of(degree), begin, seen)
+
+        def finer_at(point: Point, tried: Sequence[int | None] = degrees[i : i + 1 + FURTHER]) -> Finer:
+            return finer(of, tried, point, tolerance, bending)
+
         try:
-            finer, truncation = further(of, degrees[i : i + 1 + FURTHER], found.point, tolerance, bending)
+            known = finer_at(found.point)
+            sure = known.truncation is not None and max(map(abs, known.truncation)) <= tolerance
+            if degree == solved[-1] or (sure and max(point.violation for point in known.points) <= tolerance):
+                uncertain = partial(spread, of(degree)) if spread else None
+                found, known = within_margins(of(degree), found, finer_at, uncertain, seen)
+                break
         except IMPOSSIBLE as error:
             message = f"with more shell modes than to degree {degree} it has no stable rest shape: {error}"
-            found, truncation = replace(found, accepted=False, message=message), None
+            found, known = replace(found, accepted=False, message=message), None
             break
-        known = truncation is not None and max(map(abs, truncation)) <= tolerance
-        if degree == solved[-1] or (known and max(point.violation for point in finer) <= tolerance):
-            break
-        begin = finer[0]
+        begin = known.points[0]
+    names = of(degree).limit_names
+    margins = dict(zip(names, map(float, known.margins), strict=True)) if known else {}
     evaluations = sum(one.evaluations for one in problems.values())
-    return Converged(found, start, tuple(reasons), degree, truncation, evaluations)
+    truncation = known.truncation if known else None
+    return Converged(found, start, tuple(reasons), degree, truncation, margins, evaluations)

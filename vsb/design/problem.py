@@ -3,6 +3,8 @@
 With x the variables scaled to their bounds, f(x) = -objective / scale is minimised subject to g(x) <= 0, where
 g = q/L - 1 for a quantity q limited from above by L. The load factor 1/kappa is limited from below: g = L kappa - 1 for
 the largest kappa, which are smooth where the load factor passes through infinity. 10 h/r - 1 <= 0 keeps the shell thin.
+With margins (1 + g) f - 1 <= 0, f >= 1, a buoy keeps away from its limits by what shell modes left out and uncertain
+inputs may change.
 """
 
 from collections.abc import Mapping, Sequence
@@ -51,6 +53,24 @@ def objective(found: Evaluation, maximise: Objective, reference: Evaluation | No
     return power / (reference[POWER] if reference else found[DIVISORS[maximise]])
 
 
+def excesses(found: Evaluation, limits: Mapping[str, float]) -> list[Quantity]:
+    """Return the excesses g of a buoy over limits, relative to them, with their derivatives: of the parts of each."""
+    terms = []
+    for name, limit in limits.items():
+        if name == "load_factor":
+            parts = [found[f"{INVERSE_LOAD_FACTOR}_{i}"] for i in range(4)]
+            terms += [Quantity(limit * one.value - 1, limit * one.gradient) for one in parts]
+        else:
+            parts = [found[part] for part in PARTS.get(name, (name,))]
+            terms += [Quantity(one.value / limit - 1, one.gradient / limit) for one in parts]
+    return terms
+
+
+def limit_parts(limits: Mapping[str, float]) -> list[str]:
+    """Return the names of the parts of limits in the order of `excesses`."""
+    return [part for name in limits for part in PARTS.get(name, (name,))]
+
+
 @dataclass(frozen=True)
 class Point:
     """A buoy as the optimiser sees it: objective f and its gradient, excess g over limits and its Jacobian."""
@@ -86,13 +106,13 @@ class Problem:
     flexible: bool = True
     twin: Model | None = None  # the rigid buoy of the same shape and mass, which the gain is over
     scale: float = 1.0  # of the objective
+    margins: FloatArray | None = None  # f (limit,); none: 1
     known: dict[bytes, Known | Exception] = field(default_factory=dict)  # evaluations by place
 
     @property
     def limit_names(self) -> list[str]:
         """Names of the limits in the order of the excesses; of the load factor one for each of the largest kappa."""
-        found = [part for name in self.limits for part in PARTS.get(name, (name,))]
-        return [*found, *([THIN_SHELL] if self._thin else [])]
+        return [*limit_parts(self.limits), *([THIN_SHELL] if self._thin else [])]
 
     @property
     def _thin(self) -> bool:
@@ -139,25 +159,15 @@ class Problem:
         values = self.values(place)
         slopes = np.array([one.slope(float(v)) for one, v in zip(self.variables, values, strict=True)])
         aim = objective(found, self.maximise, twin)
-        terms = [*self._excesses(found), *([self._thickness(values)] if self._thin else [])]
-        excess = np.array([term.value for term in terms])
+        terms = [*excesses(found, self.limits), *([self._thickness(values)] if self._thin else [])]
+        margins = np.ones(len(terms)) if self.margins is None else self.margins
+        excess = margins * np.array([1 + term.value for term in terms]) - 1
         jacobian = np.array([term.gradient for term in terms]).reshape(len(terms), len(values)) * slopes
+        jacobian = margins[:, None] * jacobian
         cost, slope = -aim.value / self.scale, -aim.gradient * slopes / self.scale
         if not all(np.isfinite(part).all() for part in (cost, slope, excess, jacobian)):
             raise ConvergenceError("a quantity of the buoy, or a derivative, is not finite")
         return Point(place, values, aim.value, cost, slope, excess, jacobian, found)
-
-    def _excesses(self, found: Evaluation) -> list[Quantity]:
-        """Excess over the limits that are given."""
-        terms = []
-        for name, limit in self.limits.items():
-            if name == "load_factor":
-                parts = [found[f"{INVERSE_LOAD_FACTOR}_{i}"] for i in range(4)]
-                terms += [Quantity(limit * one.value - 1, limit * one.gradient) for one in parts]
-            else:
-                parts = [found[part] for part in PARTS.get(name, (name,))]
-                terms += [Quantity(one.value / limit - 1, one.gradient / limit) for one in parts]
-        return terms
 
     def _thickness(self, values: FloatArray) -> Quantity:
         """Excess of thickness over radius/10."""

@@ -12,7 +12,8 @@ import xarray as xr
 import vsb.design.variables  # noqa: F401  registers them
 from vsb.design.certificate import VIOLATION
 from vsb.design.evaluation import DAMPER, DesignModel
-from vsb.design.optimise import FURTHER, Converged, Optimum, Progress, converged, further, start_places
+from vsb.design.margins import spread
+from vsb.design.optimise import FURTHER, Converged, Finer, Optimum, Progress, converged, finer, start_places
 from vsb.design.problem import IMPOSSIBLE, Point, Problem
 from vsb.errors import ConvergenceError
 from vsb.scenes.mode_convergence import bending_degree
@@ -85,21 +86,40 @@ def from_start(search: Search, climate: Climate, starts: int, seed: int, start: 
         return problem_of(search, climate, degree)
 
     degrees = degrees_of(search)
-    bending = partial(bending_of, search)
-    return converged(of, degrees, search.tolerance, places(of(degrees[0]), starts, seed, start), seen, bending)
+    begin, bending = places(of(degrees[0]), starts, seed, start), partial(bending_of, search)
+    return converged(of, degrees, search.tolerance, begin, seen, bending, uncertain_margins(search))
 
 
-def known_truncation(
-    search: Search, of: Callable[[int | None], Problem], point: Point, degree: int | None
-) -> tuple[float, float] | None:
-    """Return what shell modes beyond those of a buoy change its power by, relative; None where it is not known.
+def finer_of(search: Search, of: Callable[[int | None], Problem], point: Point, degree: int | None) -> Finer:
+    """Return what shell modes beyond those of a buoy change.
 
     Raises one of `IMPOSSIBLE` if it has no stable equilibrium with more shell modes.
     """
-    if degree is None:
-        return None
-    degrees = degrees_of(search)[search.degrees.index(degree) :][: 1 + FURTHER]
-    return further(of, degrees, point, search.tolerance, partial(bending_of, search))[1]
+    tried = degrees_of(search)
+    degrees = tried[tried.index(degree) :][: 1 + FURTHER]
+    return finer(of, degrees, point, search.tolerance, partial(bending_of, search))
+
+
+def uncertain_margins(search: Search) -> Callable[[Problem, Point], FloatArray] | None:
+    """Return what gives the margins of limits for inputs that are uncertain, (limit,); None if none are asked for."""
+    return partial(_deviations, search) if search.sigmas else None
+
+
+def _deviations(search: Search, problem: Problem, point: Point) -> FloatArray:
+    """`sigmas` standard deviations of the excesses over limits of a buoy as it may be built, (limit,).
+
+    None of the limit that keeps the shell thin, which is one of theory.
+    """
+    assert isinstance(problem.model, DesignModel)
+    scatter = spread(
+        problem.model,
+        problem.model.study_at([float(value) for value in point.values]),
+        point.evaluation["damping"].value,
+        problem.limits,
+        search.uncertain,
+    )
+    deviations = search.sigmas * np.linalg.norm(scatter, axis=1)
+    return np.append(deviations, np.zeros(len(point.excess) - len(deviations)))
 
 
 def bending_of(search: Search, point: Point) -> float | None:
@@ -128,12 +148,14 @@ class Outcome:
     evaluations: int
     degree: int | None
     truncation: tuple[float, float] | None  # of the power by all further degrees, relative: at most 0, at least 0
+    margins: Mapping[str, float]  # most by which these raise excesses over limits, relative to them
 
     @classmethod
     def of(cls, found: Converged, keys: Sequence[str]) -> "Outcome":
         """Return what is kept of a start."""
         end = found.optimum
-        return cls.at(end, keys, found.start.values, found.degree, found.truncation, found.evaluations)
+        start, degree = found.start.values, found.degree
+        return cls.at(end, keys, start, degree, found.truncation, found.evaluations, found.margins)
 
     @classmethod
     def at(
@@ -144,6 +166,7 @@ class Outcome:
         degree: int | None,
         truncation: tuple[float, float] | None,
         evaluations: int,
+        margins: Mapping[str, float],
     ) -> "Outcome":
         """Return what is kept of an optimum."""
         known = end.point.evaluation.quantities
@@ -164,6 +187,7 @@ class Outcome:
             evaluations=evaluations,
             degree=degree,
             truncation=truncation,
+            margins=margins,
         )
 
     @property
@@ -190,6 +214,7 @@ class Outcome:
             "evaluations": self.evaluations,
             "degree": self.degree,
             "truncation": self.truncation,
+            "margins": {name: None if np.isnan(value) else value for name, value in self.margins.items()},
         }
         return xr.Dataset(
             {
@@ -213,6 +238,7 @@ class Outcome:
         facts = json.loads(ds.attrs["outcome"])
         names = [str(name) for name in ds["quantity"].values]
         truncation = facts.pop("truncation")
+        margins = {name: np.nan if value is None else value for name, value in facts.pop("margins").items()}
         return cls(
             keys=tuple(map(str, ds["variable"].values)),
             start=ds["start_value"].values,
@@ -223,6 +249,7 @@ class Outcome:
             kkt=float(ds["kkt"]),
             violation=float(ds["violation"]),
             truncation=None if truncation is None else tuple(truncation),
+            margins=margins,
             **{**facts, "curvatures": tuple(facts["curvatures"]), "flat": tuple(facts["flat"])},
         )
 

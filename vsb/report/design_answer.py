@@ -5,7 +5,7 @@ from typing import Any
 
 from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
 from vsb.report.answer import Answer
-from vsb.study.design import Limits, limit_of, unit_of
+from vsb.study.design import LIMITS, limit_of, unit_of
 from vsb.tools.words import gains_within, plain, prefixed, superscripts, watts_within
 
 Facts = Mapping[str, Any]
@@ -163,6 +163,7 @@ def limited(facts: Facts) -> list[str]:
     found = facts["found"][FLEXIBLE]
     words = [worth(facts, name, value) for name, value in grouped(found["multipliers"]).items()]
     lines = [f"What limits it: {'; '.join(words)}."] if words else ["No limit holds it."]
+    lines += as_built(facts["holds"][FLEXIBLE], facts["sigmas"])
     if found["flat"]:
         ridges = " and ".join(one[1:] if " " not in one else f"({one})" for one in found["flat"])
         lines.append(
@@ -170,6 +171,29 @@ def limited(facts: Facts) -> list[str]:
             "ridge are as good."
         )
     return lines
+
+
+SURE = 0.999
+"""Probability that a limit holds from which on it is not named."""
+LIKELY = 0.95
+"""Probability that all hold below which margins are advised."""
+
+
+def as_built(holds: Mapping[str, float], sigmas: float) -> list[str]:
+    """Return with what probability a buoy keeps its limits as it is built; nothing without uncertain inputs."""
+    if not holds:
+        return []
+    if holds["all"] >= SURE:
+        return [f"As built, by the uncertain inputs given, it keeps all limits with more than {100 * SURE:g} %."]
+    each = [f"{in_full(name)} with {100 * p:.0f} %" for name, p in holds.items() if name != "all" and p < SURE]
+    advice = ""
+    if holds["all"] < LIKELY:
+        more = "more than" if sigmas else "such as"
+        advice = f" To keep away from them: limits: {{sigmas: N}}, {more} {sigmas or 2:g} standard deviations."
+    return [
+        f"As built, by the uncertain inputs given, it keeps all limits with {100 * holds['all']:.0f} %: "
+        f"{', '.join(each)}.{advice}"
+    ]
 
 
 def grouped(multipliers: Mapping[str, float]) -> dict[str, float]:
@@ -182,7 +206,7 @@ def grouped(multipliers: Mapping[str, float]) -> dict[str, float]:
 
 def worth(facts: Facts, name: str, multiplier: float) -> str:
     """Return what a wider limit would bring, by its multiplier: 0.1 m more beam: +2.1 %."""
-    if name not in Limits.model_fields:
+    if name not in LIMITS:
         if name == "thin_shell":
             return f"thickness of a tenth of the radius (10 % more: {10 * multiplier:+.2g} %)"
         return f"the {name} (a tenth of its range beyond: {10 * multiplier:+.2g} %)"

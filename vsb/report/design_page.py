@@ -119,18 +119,22 @@ def limits_table(facts: Facts) -> dict[str, Any]:
     """Return the limits, what the best buoys make of them, and what wider ones would bring."""
     rows = []
     held = {name: grouped(facts["found"][name]["multipliers"]) for name in (FLEXIBLE, COMPETITOR)}
+    holds = facts["holds"]
+    built = [name for name in (FLEXIBLE, COMPETITOR) if holds[name]]
     for limit, value in facts["limits"].items():
         cells = [in_full(limit), with_unit(value, unit_of(limit))]
         for name in (FLEXIBLE, COMPETITOR):
             multiplier = held[name].pop(limit, None)
             cells.append("-" if multiplier is None else worth(facts, limit, multiplier).partition("(")[2].rstrip(")"))
+        cells += [f"{100 * holds[name][limit]:.1f} %" if limit in holds[name] else "-" for name in built]
         rows.append(cells)
     for name, some in held.items():
         for limit, multiplier in some.items():
-            cells = [limit, "-", "-", "-"]
+            cells = [limit, "-", "-", "-", *["-"] * len(built)]
             cells[2 if name == FLEXIBLE else 3] = worth(facts, limit, multiplier).partition("(")[2].rstrip(")")
             rows.append(cells)
-    return {"head": ["limit", "value", f"{FLEXIBLE}: wider brings", f"{COMPETITOR}: wider brings"], "body": rows}
+    head = ["limit", "value", f"{FLEXIBLE}: wider brings", f"{COMPETITOR}: wider brings"]
+    return {"head": [*head, *(f"{name}: holds as built" for name in built)], "body": rows}
 
 
 def starts_table(facts: Facts) -> dict[str, Any]:

@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 
 from vsb.design.certificate import VIOLATION
-from vsb.design.optimise import optimised
+from vsb.design.optimise import Finer, optimised, within_margins
 from vsb.design.problem import IMPOSSIBLE, Point
-from vsb.design.searched import Outcome, best, failed, from_start, known_truncation, problem_of
+from vsb.design.searched import Outcome, best, failed, finer_of, from_start, problem_of, uncertain_margins
 from vsb.errors import ConvergenceError
 from vsb.stages.climate import read_climate
 from vsb.stages.stage import stamp
@@ -74,7 +74,7 @@ def front(search: Search, climate: Climate, limit: str, values: Sequence[float],
     has = first.quantities.get(limit, search.limits.get(limit, values[-1]))
     nearest = int(np.argmin([abs(math.log(value / has)) for value in values]))
     ends: dict[int, Outcome | None] = {}
-    of, keys = cache(partial(problem_of, search, climate)), [one.key for one in search.variables]
+    keys = [one.key for one in search.variables]
     for order in (range(nearest, len(values)), range(nearest - 1, -1, -1)):
         begin = ends.get(nearest) or first
         for i in order:
@@ -87,11 +87,18 @@ def front(search: Search, climate: Climate, limit: str, values: Sequence[float],
                 ends[i] = None
                 continue
             try:
-                truncation = known_truncation(search, of, found.point, first.degree)
+                at_degree = cache(partial(problem_of, wanted, climate))
+                finer_at = partial(finer_of, wanted, at_degree, degree=first.degree)
+                margins_of = uncertain_margins(wanted)
+                uncertain = partial(margins_of, problem) if margins_of else None
+                found, known = within_margins(problem, found, finer_at, uncertain)
             except IMPOSSIBLE as error:
                 message = f"with more shell modes than to degree {first.degree} it has no stable rest shape: {error}"
-                found, truncation = replace(found, accepted=False, message=message), None
-            ends[i] = begin = Outcome.at(found, keys, start.values, first.degree, truncation, problem.evaluations)
+                found, known = replace(found, accepted=False, message=message), Finer(None, np.array([]))
+            margins = dict(zip(problem.limit_names, map(float, known.margins), strict=False))
+            made = problem.evaluations
+            end = Outcome.at(found, keys, start.values, first.degree, known.truncation, made, margins)
+            ends[i] = begin = end
     return as_dataset(limit, [(values[i], end) for i, end in sorted(ends.items()) if end is not None])
 
 

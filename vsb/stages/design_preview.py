@@ -105,7 +105,8 @@ def summary(plan: DesignPlan) -> list[str]:
         f"design       {plan.name}: {problem.maximise} of {plan.loaded.flexible} in {problem.study} over "
         f"{len(seas.hours)} seas",
         *(f"variable     {_bounds(one)}" for one in search.variables),
-        f"limits       {limits or 'none'}",
+        f"limits       {limits or 'none'}"
+        + (f", kept by {search.sigmas:g} standard deviations" if search.sigmas else ""),
         f"competitor   {plan.loaded.rigid}, optimised in {kept or 'nothing'}",
         f"jobs         {left} of {len(plan.start_paths)} starts to do, {points} points of Pareto fronts"
         + (f", {problem.verify.seas} seas in time" if problem.verify else ""),

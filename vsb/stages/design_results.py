@@ -24,14 +24,16 @@ from vsb.design.compared import (
     sphere,
     twin,
 )
-from vsb.design.problem import POWER
+from vsb.design.evaluation import Evaluation, Quantity
+from vsb.design.margins import depends, probabilities, spread
+from vsb.design.problem import IMPOSSIBLE, POWER, excesses, limit_parts
 from vsb.design.searched import Outcome, best
 from vsb.report.design_answer import answer, no_answer
 from vsb.results.campaign import POWER as IN_TIME
 from vsb.scenes.viability import viability
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes, points_of
-from vsb.study.design import Limits, limit_of, unit_of
+from vsb.study.design import LIMITS, limit_of, unit_of
 from vsb.study.design_plan import TABLES
 from vsb.study.quantities import canonical, content_id
 from vsb.study.specs import DesignSpec, Search
@@ -61,7 +63,10 @@ def run_design_results(
     curves = _fronts(spec, known, fronts)
     facts = {
         **_facts(spec, found, ends, buoys, known),
-        **_at_rest(buoys[FLEXIBLE]),
+        **known.at_rest(buoys[FLEXIBLE]),
+        "holds": {
+            name: _holds(spec, search, found[name], buoys[name], seas) for name, search in _searches(spec).items()
+        },
         "held": {name: one.displacement_held for name, one in buoys.items() if one.study.pto.stiffness < 0},
         "fronts": curves,
         "verified": known.runs,
@@ -107,6 +112,7 @@ class Known:
     best: Mapping[str, float]  # power of the buoys compared by name [W]
     runs: Mapping[str, Any] | None
     _parts: dict[tuple[object, ...], PowerParts] = field(default_factory=dict)
+    _rests: dict[tuple[object, ...], dict[str, str]] = field(default_factory=dict)
 
     def of_power(self, buoy: Buoy) -> Uncertainty:
         """Return what the power of a buoy is uncertain by [W]."""
@@ -127,12 +133,27 @@ class Known:
         return self.runs.get("powers", {}).get(buoy.name) if self.runs and followed else None
 
     def _of(self, buoy: Buoy) -> PowerParts:
-        """The parts of a buoy's errors: starts that ended at the same buoy, to nine digits, share them."""
-        key = (buoy.name, buoy.degree, buoy.truncation is None, *(f"{x:.9g}" for x in buoy.quantities.values()))
-        if key not in self._parts:
+        """The parts of a buoy's errors."""
+        if (key := self._key(buoy)) not in self._parts:
             ordered = self.spec.flexible.climate.form == "spectra"
             self._parts[key] = power_parts(buoy, self.climate, [*self.spec.uncertain], ordered=ordered)
         return replace(self._parts[key], truncation=buoy.truncation)
+
+    @staticmethod
+    def _key(buoy: Buoy) -> tuple[object, ...]:
+        """What starts that ended at the same buoy, to nine digits, share."""
+        return (buoy.name, buoy.degree, buoy.truncation is None, *(f"{x:.9g}" for x in buoy.quantities.values()))
+
+    def at_rest(self, buoy: Buoy) -> dict[str, str]:
+        """Why a buoy is not viable, and what of it is doubted, in a basis that resolves buckling; "" if it is sound."""
+        if (key := self._key(buoy)) not in self._rests:
+            try:
+                rest = viability(buoy.study)
+                said = rest.reasons.get(buoy.design, ""), rest.doubts.get(buoy.design, "")
+            except IMPOSSIBLE as error:
+                said = str(error), ""
+            self._rests[key] = dict(zip(("not_viable", "doubted"), said, strict=True))
+        return self._rests[key]
 
     def power(self, buoy: Buoy) -> dict[str, Any]:
         """Return the power of a buoy with its interval [W] and its budget, as JSON."""
@@ -151,10 +172,17 @@ class Known:
         return {"value": value, "low": low, "high": high, "budget": known.budget.rows, "unknown": unknown}
 
 
-def _at_rest(buoy: Buoy) -> dict[str, str]:
-    """Why a buoy is not viable, and what of it is doubted, in a basis that resolves buckling; "" where it is sound."""
-    rest = viability(buoy.study)
-    return {"not_viable": rest.reasons.get(buoy.design, ""), "doubted": rest.doubts.get(buoy.design, "")}
+def _holds(spec: DesignSpec, search: Search, found: Outcome, buoy: Buoy, climate: Climate) -> dict[str, float]:
+    """Probability that each limit holds of a buoy as built, and that `all` hold; none without uncertain inputs."""
+    parts = limit_parts(search.limits)
+    shares = {key: share for key, share in spec.uncertain.items() if depends(buoy.study, key)}
+    margins = [found.margins.get(part, math.nan) for part in parts]
+    if not shares or not parts or not np.isfinite(margins).all():
+        return {}
+    evaluation = Evaluation({name: Quantity(value, found.gradients[name]) for name, value in found.quantities.items()})
+    excess = np.array([one.value for one in excesses(evaluation, search.limits)]) + margins
+    scatter = spread(buoy.model(climate), buoy.study, buoy.quantities["damping"], search.limits, shares)
+    return probabilities(excess, scatter, parts)
 
 
 def _facts(
@@ -172,6 +200,7 @@ def _facts(
         "climate": spec.climate_name,
         "maximise": spec.flexible.maximise,
         "limits": spec.flexible.limits,
+        "sigmas": spec.flexible.sigmas,
         "notes": list(spec.notes),
         "designs": {FLEXIBLE: spec.flexible.design, COMPETITOR: spec.rigid.design},
         "power": {name: one.power for name, one in buoys.items()},
@@ -230,20 +259,28 @@ def _end(spec: DesignSpec, known: Known, name: str, one: Outcome | str, buoys: M
         "power": one.quantities[POWER],
         "within": known.power(buoy),
         "gain": known.gain(buoy, buoys[COMPETITOR]) if name == FLEXIBLE else None,
+        "not_valid": known.at_rest(buoy)["not_viable"],
         "kkt": one.kkt,
         "violation": one.violation,
         "evaluations": one.evaluations,
     }
 
 
-ENDS = ("power_low", "power_high", "gain", "low", "high", "not_in_interval")
-"""Columns: interval of a power [W], gain over the rigid buoy with its own [%], and what both leave out."""
+ENDS = ("power_low", "power_high", "gain", "low", "high", "not_in_interval", "valid")
+"""Columns: interval of a power [W], gain over the rigid buoy with its own [%], what both leave out, and whether the
+buoy rests in a stable shape."""
 
 
-def ends_of(power: Mapping[str, Any], over: Mapping[str, Any] | None) -> list[object]:
+def ends_of(power: Mapping[str, Any], over: Mapping[str, Any] | None, not_valid: str) -> list[object]:
     """Return the cells of the columns `ENDS`."""
     of_gain = [over[key] for key in ("value", "low", "high")] if over else [""] * 3
-    return [power["low"], power["high"], *of_gain, "; ".join(power["unknown"])]
+    return [
+        power["low"],
+        power["high"],
+        *of_gain,
+        "; ".join(power["unknown"]),
+        f"no: {not_valid}" if not_valid else "yes",
+    ]
 
 
 def starts_table(
@@ -275,9 +312,9 @@ def starts_table(
                 "" if one.degree is None else one.degree,
             ]
             cells += [significant(end, 6) for end in one.truncation] if one.truncation else ["", ""]
-            rows.append(
-                [*cells, "; ".join(one.flat), one.message, *ends_of(said[name][i]["within"], said[name][i]["gain"])]
-            )
+            end = said[name][i]
+            last = ends_of(end["within"], end["gain"], end["not_valid"])
+            rows.append([*cells, "; ".join(one.flat), one.message, *last])
     return head, rows
 
 
@@ -304,10 +341,10 @@ def sensitivity_table(spec: DesignSpec, found: Mapping[str, Outcome]) -> Table:
             rows.append([name, variable.key, unit(variable.key), float(value), per, shown_slope])
         for limit, value in one.multipliers.items():
             base = limit_of(limit)
-            per = "limit" if base in Limits.model_fields or base == "thin_shell" else "bound"
+            per = "limit" if base in LIMITS or base == "thin_shell" else "bound"
             given = search.limits.get(base, math.nan)
             shown: object = given if math.isfinite(given) else ""
-            rows.append([name, limit, unit_of(base) if base in Limits.model_fields else "1", shown, per, value])
+            rows.append([name, limit, unit_of(base) if base in LIMITS else "1", shown, per, value])
     return list(SENSITIVITY), rows
 
 
@@ -365,6 +402,7 @@ def _fronts(spec: DesignSpec, known: Known, folder: str) -> dict[str, dict[str, 
                     "point": one.point,
                     "power": known.power(buoy),
                     "gain": known.gain(buoy, rigid[value]) if value in rigid else None,
+                    "not_valid": known.at_rest(buoy)["not_viable"],
                 }
             )
     return found
@@ -379,7 +417,7 @@ def pareto_table(curves: Mapping[str, Mapping[str, Sequence[Mapping[str, Any]]]]
         [
             limit, buoy, one["limit"], one["objective"], "yes" if one["accepted"] else "no", significant(one["kkt"], 2),
             *(one["point"].get(key, "") for key in keys), *(one["quantities"].get(name, "") for name in names),
-            *ends_of(one["power"], one["gain"]),
+            *ends_of(one["power"], one["gain"], one["not_valid"]),
         ]
         for limit, buoy, one in ends
     ]  # fmt: skip

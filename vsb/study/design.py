@@ -42,11 +42,13 @@ DIVISORS = {"power_per_force": "force_rms", "power_per_mass": "mass", "power_per
 """Objective -> the quantity annual mean power is divided by."""
 OF_SHELL = ("load_factor", "static_strain")
 """Limits of a flexible shell; a rigid sphere meets them."""
+LIMITS = tuple(name for name in KEYS["Limits"] if name != "sigmas")
+"""Names of the limits."""
 QUANTITIES = {
     "annual_mean_power": Key("W", "", "mean power of the year under one damper"),
     "gain_percent": Key("%", "", "gain of mean power over the reference design"),
     "damping": Key("N s/m", "", "that damper, the optimal one unless it is a variable", "damping_unit"),
-    **KEYS["Limits"],
+    **{name: KEYS["Limits"][name] for name in LIMITS},
     "spring_pull_above": Key("-", "", "pull of a spring below zero at the rms stroke over the weight"),
     "spring_pull_below": Key("-", "", "the same over the buoyancy left"),
     **{
@@ -187,11 +189,12 @@ class Limits(Section):
     force_rms: Positive | None = None
     stroke_rms: Positive | None = None
     spring_pull: Positive | None = 0.05
+    sigmas: NonNegative = 0.0  # standard deviations by the uncertain inputs that are kept away from them
 
     @property
     def given(self) -> dict[str, float]:
         """Limits that hold, by name."""
-        return {name: value for name, value in self if value is not None}
+        return {name: value for name, value in self if name in LIMITS and value is not None}
 
     def without_shell(self) -> Self:
         """Return the limits of a rigid sphere."""
@@ -560,12 +563,18 @@ def _check_others(problem: Optimisation, study: Study, mistakes: _Mistakes) -> N
             mistakes.add(
                 ("pareto", name), f"received {', '.join(f'{one:g}' for one in values)}; needs every value once"
             )
-        if name not in (known := Limits.model_fields):
-            near = nearest(name, known)
+        if name not in LIMITS:
+            near = nearest(name, LIMITS)
             mistakes.add(
                 ("pareto", name),
-                f"needs one of {', '.join(known)}" + (f"; did you mean {near}?" if near else ""),
+                f"needs one of {', '.join(LIMITS)}" + (f"; did you mean {near}?" if near else ""),
             )
+    if problem.limits.sigmas and not problem.uncertain:
+        mistakes.add(
+            ("limits", "sigmas"),
+            f"received {problem.limits.sigmas:g} standard deviations of nothing; needs uncertain inputs beside it, "
+            "such as uncertain: {device.young_modulus: 0.1}",
+        )
     for key in problem.uncertain:
         if key not in (device := [one for one in VARIABLES if one.startswith("device.")]):
             mistakes.add(("uncertain", key), f"needs one of {', '.join(device)}")

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import PurePosixPath
+from typing import Any
 
 from vsb.study import figure_names
 from vsb.study.design import LoadedDesign
@@ -56,7 +57,14 @@ class DesignPlan(ResultsFolder):
             limits=problem.limits.given,
             degrees=self._degrees,
             tolerance=loaded.base.modes.tolerance,
+            **self._kept_away,
         )
+
+    @property
+    def _kept_away(self) -> dict[str, Any]:
+        """Standard deviations limits are kept away by, and the inputs they are of; nothing else depends on these."""
+        problem = self.loaded.problem
+        return {"sigmas": problem.limits.sigmas, "uncertain": problem.uncertain} if problem.limits.sigmas else {}
 
     @property
     def _degrees(self) -> tuple[int, ...]:
@@ -78,6 +86,7 @@ class DesignPlan(ResultsFolder):
             variables=loaded.competing,
             maximise=over,
             limits=problem.limits.without_shell().given,
+            **self._kept_away,
         )
 
     def _starts(self, search: Search) -> dict[str, DesignStartSpec]:

@@ -597,6 +597,12 @@ KEYS: dict[str, dict[str, Key]] = {
             "force of a spring below zero at the rms stroke over the most by which the water brings the buoy back: its "
             "weight or, if less, its buoyancy left; at 0.05 it comes back from 20 rms strokes",
         ),
+        "sigmas": Key(
+            "-",
+            "2.0",
+            "standard deviations by the `uncertain` inputs by which a buoy keeps away from all limits; 0: it may meet "
+            "them as designed",
+        ),
     },
     "Competitor": {
         "variables": Key(
