@@ -81,7 +81,7 @@ def test_sensitivity_is_the_exponent_of_a_power_law(folder):
     one = Outcome(
         keys=tuple(DAMPER), start=damper, values=damper, objective=power, quantities={POWER: power},
         gradients={POWER: 2 * power / damper}, multipliers={}, kkt=0.0, violation=0.0, curvatures=(), flat=(),
-        accepted=True, message="", evaluations=1, degree=None, truncation=None,
+        accepted=True, message="", evaluations=1, degree=None, truncation=None, margins={},
     )  # fmt: skip
     rows = sensitivity_table(planned(folder, "squared").design, {FLEXIBLE: one, COMPETITOR: one})[1]
     assert [(row[1], row[-1]) for row in rows] == 2 * [("pto.damping", pytest.approx(2.0, rel=1e-12))]

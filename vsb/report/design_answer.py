@@ -184,15 +184,17 @@ def as_built(holds: Mapping[str, float], sigmas: float) -> list[str]:
     if not holds:
         return []
     if holds["all"] >= SURE:
-        return [f"As built, by the uncertain inputs given, it keeps all limits with more than {100 * SURE:g} %."]
-    each = [f"{in_full(name)} with {100 * p:.0f} %" for name, p in holds.items() if name != "all" and p < SURE]
+        return [
+            f"As built, with the uncertain inputs given, it keeps all limits in more than {100 * SURE:g} % of cases."
+        ]
+    each = [f"{in_full(name)} {100 * p:.0f} %" for name, p in holds.items() if name != "all" and p < SURE]
     advice = ""
     if holds["all"] < LIKELY:
         more = "more than" if sigmas else "such as"
-        advice = f" To keep away from them: limits: {{sigmas: N}}, {more} {sigmas or 2:g} standard deviations."
+        advice = f" limits: {{sigmas: N}} keeps away from them by N standard deviations, {more} {sigmas or 2:g}."
     return [
-        f"As built, by the uncertain inputs given, it keeps all limits with {100 * holds['all']:.0f} %: "
-        f"{', '.join(each)}.{advice}"
+        f"As built, with the uncertain inputs given, it keeps all limits in {100 * holds['all']:.0f} % of cases "
+        f"({', '.join(each)}).{advice}"
     ]
 
 
