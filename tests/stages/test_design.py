@@ -136,8 +136,8 @@ BUILT = {
 def test_limits_of_built_buoys_hold_with_the_probability_that_is_stated(folder, sigmas):
     """Sixty buoys with modulus and wall as they may be built, evaluated with all physics, against first derivatives."""
     plan = planned(folder, f"built{sigmas:g}", **{**BUILT, "limits": BUILT["limits"] | {"sigmas": sigmas}})
-    for job in jobs(plan):
-        work(job)
+    for task in tasks(plan):
+        run_task(task)
     holds, limits = vsb.open(plan.folder).facts["holds"][FLEXIBLE], plan.flexible.limits
     (found,) = outcomes(f"{plan.folder}/starts", tuple(plan.starts))
     assert found.accepted
