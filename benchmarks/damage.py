@@ -20,6 +20,7 @@ import yaml
 from benchmarks import torture
 from benchmarks.measure import Outcome, tabulated
 from vsb.errors import VsbError
+from vsb.pipeline.tasks import products
 from vsb.stages.make import make
 from vsb.stages.verify import stale_products, verify
 from vsb.study.plan import StudyPlan
@@ -61,7 +62,7 @@ def finish() -> StudyPlan:
     """Put the study and its results into the current folder; sound ones, or every damage to them would be reported."""
     write_text(STUDY, small_text(8.0, witness="none"))
     plan = StudyPlan(load(STUDY))
-    make(plan, plan.products)
+    make(plan, products(plan))
     verify(STUDY)
     return plan
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from vsb.pipeline.tasks import products
 from vsb.study import study as config
 
 SEED = config.load(Path(__file__).parent / "data" / "seed.yaml").model_dump(exclude_none=True)
@@ -102,7 +103,7 @@ def datasets(plan):
         for i, wave in enumerate(plan.study.waves)
     }
     modes = f"{plan.folder}/modes.nc"  # of a shell
-    paths = plan.hydro_files | plan.response_files | ({"modes": modes} if modes in plan.products else {}) | runs
+    paths = plan.hydro_files | plan.response_files | ({"modes": modes} if modes in products(plan) else {}) | runs
     return {name: xr.load_dataset(path) for name, path in paths.items()}
 
 

@@ -7,7 +7,7 @@ import pytest
 from conftest import SEED, shipped, varied
 
 from vsb.pipeline.jobs import BATCH_SECONDS, jobs, rules
-from vsb.pipeline.tasks import Task, due, tasks
+from vsb.pipeline.tasks import Task, due, file_ids, products, tasks
 from vsb.stages.stage import function_of
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
@@ -34,8 +34,8 @@ def test_all_products_are_made_once_and_in_order(plan, steps):
         assert set(step.needs) <= set(made), step
         made += step.makes
     assert len(made) == len(set(made))
-    assert set(plan.products) <= set(made)
-    assert set(made) - set(plan.ids) <= {f"{plan.green_folder}.done"}
+    assert set(products(plan)) <= set(made)
+    assert set(made) - set(file_ids(plan)) <= {f"{plan.green_folder}.done"}
 
 
 def test_jobs_of_a_campaign_make_all_its_products_in_order():
@@ -46,7 +46,7 @@ def test_jobs_of_a_campaign_make_all_its_products_in_order():
     for job in jobs(plan):
         assert set(job.needs) <= set(made), job.rule
         made += job.makes
-    assert set(plan.products) <= set(made)
+    assert set(products(plan)) <= set(made)
 
 
 def test_functions_of_stages_take_the_files_of_their_tasks(plan):
@@ -73,7 +73,7 @@ def test_short_runs_share_jobs_of_ten_seconds_and_long_ones_have_their_own(tmp_p
     names = [rule.name for rule in rules(plan) if rule.stem == "simulate"]
     assert names == ([f"simulate_{i}" for i in range(1, len(runs) + 1)] if together else ["simulate"])
     made = {path.format(job=name) for rule in rules(plan) for name in rule.jobs for path in rule.makes}
-    assert set(plan.products) <= made
+    assert set(products(plan)) <= made
 
 
 @pytest.mark.parametrize(

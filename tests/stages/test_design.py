@@ -24,7 +24,7 @@ from vsb.design.problem import POWER, excesses, limit_parts
 from vsb.design.searched import Outcome
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.pipeline.jobs import rules
-from vsb.pipeline.tasks import tasks
+from vsb.pipeline.tasks import products, tasks
 from vsb.report import design_page
 from vsb.report.design_answer import answer, fronts, where_it_gains
 from vsb.report.design_page import (
@@ -119,8 +119,8 @@ def rows(plan, name):
 
 @pytest.mark.slow
 def test_every_product_is_there_and_carries_its_id(run):
-    assert all(Path(path).is_file() for path in run.products)
-    assert sorted(path for task in tasks(run) for path in task.makes) == sorted(run.products)
+    assert all(Path(path).is_file() for path in products(run))
+    assert sorted(path for task in tasks(run) for path in task.makes) == sorted(products(run))
     assert {rule.stem for rule in rules(run)} == {"design_start", "design_front", "design_results"}
 
 
@@ -309,12 +309,12 @@ def test_the_example_runs_a_design_in_15_lines_and_keeps_what_is_there(run, caps
     example = HOME / "examples" / "best_buoy.py"
     code = example.read_text(encoding="utf-8").split("import vsb\n")[1]
     assert len([line for line in code.splitlines() if line]) <= 15
-    before = {path: Path(path).stat().st_mtime_ns for path in run.products}
+    before = {path: Path(path).stat().st_mtime_ns for path in products(run)}
     monkeypatch.chdir(Path(run.root).parent)
     monkeypatch.setattr(sys, "argv", ["best_buoy.py", "damper.yaml"])
     runpy.run_path(str(example))
     assert "The best flexible buoy absorbs" in capsys.readouterr().out
-    assert before == {path: Path(path).stat().st_mtime_ns for path in run.products}
+    assert before == {path: Path(path).stat().st_mtime_ns for path in products(run)}
 
 
 def test_init_writes_a_design_and_its_study(folder, monkeypatch, capsys):
@@ -521,7 +521,7 @@ def test_a_run_in_time_that_fails_is_reported_with_all_that_was_found(folder):
     page = Path(plan.folder, "report.html").read_text()
     assert "Computed, but not valid: The best flexible buoy absorbs" in page
     assert "a spring below zero that drives the buoy out of the water" in page
-    assert all(Path(path).is_file() for path in plan.products)
+    assert all(Path(path).is_file() for path in products(plan))
 
 
 @pytest.mark.slow

@@ -18,6 +18,7 @@ from invariance import (
     restated,
 )
 
+from vsb.pipeline.tasks import products
 from vsb.stages.make import make
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
@@ -48,7 +49,7 @@ def results(tmp_path_factory):
         people = () if look else (".html", ".svg", ".csv")
         make(
             plan,
-            [path for path in plan.products if not path.endswith((".vtu", *people)) or path.endswith("ladder.csv")],
+            [path for path in products(plan) if not path.endswith((".vtu", *people)) or path.endswith("ladder.csv")],
         )
         return plan
 

@@ -11,6 +11,7 @@ from study.test_device import raw
 
 from vsb.hydro import database
 from vsb.hydro.formats.common import floating
+from vsb.pipeline.tasks import products
 from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
@@ -35,7 +36,7 @@ def planned(root, shape, model="linear", amplitude=0.1):
 @pytest.fixture(scope="module")
 def oblate(tmp_path_factory):
     plan = planned(tmp_path_factory.mktemp("oblate"), {"spheroid": {"height": 3.0}})
-    make(plan, plan.products)
+    make(plan, products(plan))
     return plan
 
 

@@ -12,6 +12,7 @@ from tools.test_files import rewritten
 import vsb
 from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
+from vsb.pipeline.tasks import file_ids
 from vsb.stages import report
 from vsb.stages.verify import differences, stale_products, study_faults, verify
 from vsb.study import study as config
@@ -85,9 +86,9 @@ def with_old_time(path, damage):
 def test_copied_results_are_valid_without_snakemakes_records(place):
     assert not (place / ".snakemake").exists()
     assert study_faults(PLAN) == []
-    assert verify("small.yaml") == [f"small.yaml: {len(PLAN.ids)} files are what they should be"]
+    assert verify("small.yaml") == [f"small.yaml: {len(file_ids(PLAN))} files are what they should be"]
     for folder in ("results", "results/small"):
-        assert verify(folder) == [f"{folder}: {len(PLAN.ids)} files are what they should be"]
+        assert verify(folder) == [f"{folder}: {len(file_ids(PLAN))} files are what they should be"]
 
 
 def test_change_of_a_study_is_told_from_what_it_was_to_what_it_is(place):
@@ -97,7 +98,7 @@ def test_change_of_a_study_is_told_from_what_it_was_to_what_it_is(place):
 
 def test_copied_results_are_continued(place):
     """From another folder only what is missing, and what rests on it, is made."""
-    whole, before = Path(FSB).read_bytes(), {path: os.stat(path).st_mtime_ns for path in PLAN.ids if path != FSB}
+    whole, before = Path(FSB).read_bytes(), {path: os.stat(path).st_mtime_ns for path in file_ids(PLAN) if path != FSB}
     power = vsb.open("results/small").comparison.power_mean
     Path(FSB).unlink()
     again = vsb.run(vsb.load("small.yaml"))

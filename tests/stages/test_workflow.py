@@ -25,7 +25,7 @@ from snakemake.shell import shell
 
 import vsb
 from vsb.cli import main
-from vsb.pipeline.tasks import tasks
+from vsb.pipeline.tasks import file_ids, tasks
 from vsb.stages.make import make
 from vsb.stages.verify import study_faults
 from vsb.study import study as config
@@ -202,7 +202,7 @@ def test_vsb_run_gives_the_same_files_as_the_workflow(folder, tmp_path, monkeypa
     """By panels, with the second solver."""
     shutil.copytree(folder / "results/hydro/green", tmp_path / "results/hydro/green")
     results = run_in_process(tmp_path, BASE)
-    for path in results.plan.ids:
+    for path in file_ids(results.plan):
         assert contents(tmp_path / path) == contents(folder / path), path
     rows = csv.DictReader((folder / "results/base/comparison.csv").open())
     monkeypatch.chdir(tmp_path)

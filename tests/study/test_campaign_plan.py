@@ -7,6 +7,7 @@ import yaml
 from conftest import SEED
 
 from vsb.errors import ConfigError
+from vsb.pipeline.tasks import file_ids, products
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import plan_of
@@ -101,12 +102,12 @@ def test_invalid_point_names_the_file(planned):
 def test_every_product_has_an_id(planned):
     """Batches and verifications have their own, all else that of the campaign."""
     plan = planned({"device.mass": [1.2e4, 1.4e4, 1.6e4, 1.7e4]}, verify={})
-    assert set(plan.ids) == set(plan.products)
-    assert not any(map(plan.is_shared, plan.products))
+    assert set(file_ids(plan)) == set(products(plan))
+    assert not any(map(plan.is_shared, products(plan)))
     assert (len(plan.batches), len(plan.verifications)) == (2, 4)
     own = {f"results/sweep/batches/{one}.nc": one for one in plan.batches}
     own |= {f"results/sweep/verification/{one}.nc": one for one in plan.verifications}
-    assert plan.ids == dict.fromkeys(plan.products, plan.identity) | own
+    assert file_ids(plan) == dict.fromkeys(products(plan), plan.identity) | own
     assert len({*own.values(), plan.identity}) == 7
 
 

@@ -9,6 +9,7 @@ import yaml
 from conftest import EXAMPLE, SEED, varied
 from pydantic import ValidationError
 
+from vsb.pipeline.tasks import file_ids, products
 from vsb.study import specs
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
@@ -39,7 +40,7 @@ def test_labels_are_those_of_the_basis(seed):
 def test_assumed_pressure_needs_no_bem(seed):
     plan = StudyPlan(varied(seed, hydro={"model": "assumed_pressure", "pressure": 100.0}))
     assert plan.bem_blocks == plan.hydro_files == plan.response_files == {}
-    assert not [path for path in plan.products if "/hydro/db" in path or "response" in path]
+    assert not [path for path in products(plan) if "/hydro/db" in path or "response" in path]
     assert plan.simulation("FSB", plan.study.waves[0]).hydro.pressure == 100.0
 
 
@@ -78,7 +79,8 @@ def test_memory_bounds_what_was_measured(seed):
 def test_every_file_has_the_id_of_what_it_is_made_from(solver):
     """Shared files carry it in their name or folder; tables, figures and report have the study's."""
     plan = StudyPlan(varied(load(SEED), hydro={"solver": solver}), root="r")
-    stages = dict.fromkeys(plan.response_files.values(), plan.response_id) | plan.shape_ids
+    stages = dict.fromkeys(plan.response_files.values(), plan.response_id)
+    stages |= {f"{plan.folder}/modes.nc": plan.modes_id}
     stages |= {f"{plan.folder}/ladder.{kind}": plan.ladder_id for kind in ("csv", "json")}
     runs = {
         plan.trajectory_path(design, wave.label): plan.trajectory_id(design, wave)
@@ -86,7 +88,7 @@ def test_every_file_has_the_id_of_what_it_is_made_from(solver):
         for wave in plan.study.waves
     }
     assert len({plan.response_id, plan.ladder_id, plan.identity, *runs.values()}) == 3 + len(runs)
-    for path, identity in plan.ids.items():
+    for path, identity in file_ids(plan).items():
         if path in stages or path in runs:
             assert identity == (stages | runs)[path]
         elif plan.is_shared(path):
@@ -95,8 +97,8 @@ def test_every_file_has_the_id_of_what_it_is_made_from(solver):
             assert file.startswith(f"{identity}.") or folder == identity
         else:
             assert identity == plan.identity
-    assert plan.ids[plan.database_path] == content_id(plan.database)
-    assert {path for path in plan.ids if "/mesh/" in path}
+    assert file_ids(plan)[plan.database_path] == content_id(plan.database)
+    assert {path for path in file_ids(plan) if "/mesh/" in path}
 
 
 @pytest.fixture(scope="module")

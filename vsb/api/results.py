@@ -21,6 +21,7 @@ from vsb.motion.constrained import ConstrainedOptimum, optimum_in_sea
 from vsb.motion.damper_matrix import Ports
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
+from vsb.pipeline.tasks import file_ids
 from vsb.report.answer import closing_line
 from vsb.results.series import time_series
 from vsb.results.year import Tuning, frequencies, year
@@ -31,7 +32,7 @@ from vsb.stages.planning import with_degree
 from vsb.study.body import AnyStudy, LocatedBody
 from vsb.study.design import LoadedDesign
 from vsb.study.design_plan import DesignPlan
-from vsb.study.plan import AnyPlan, BodyPlan, ResultsPlan, StudyPlan, plan_for
+from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, plan_for
 from vsb.study.study import Study
 from vsb.study.take_off import Pto, port_kind
 from vsb.study.waves import StillWater, Wave
@@ -95,7 +96,7 @@ class Results:
     folder: str = "results"  # of all results
 
     @cached_property
-    def plan(self) -> ResultsPlan:
+    def plan(self) -> AnyPlan:
         """Names and content ids of all files."""
         return with_degree(plan_for(self.study, self.folder))
 
@@ -125,7 +126,7 @@ class Results:
     def ladder(self) -> pd.DataFrame:
         """A row per design, sea and control level; NaN where a level has no such value."""
         path = self._with_bem("control levels", f"{self.plan.folder}/ladder.csv")
-        rows = csv.DictReader(read_text(path, self.plan.manifest, self.plan.ids[path]).splitlines())
+        rows = csv.DictReader(read_text(path, self.plan.manifest, file_ids(self.plan)[path]).splitlines())
         words = ("design", "wave", "rung")
         return self._frame([{k: v if k in words else float(v or "nan") for k, v in row.items()} for row in rows])
 
@@ -153,7 +154,7 @@ class Results:
         path = next(iter(self.plan.modes_files.values()), None)
         if path is None:
             raise ConfigError("body: has no shell modes; needs a study of a buoy")
-        return load(path, expected=self.plan.shape_ids[path])
+        return load(path, expected=self.plan.modes_id)
 
     def trajectory(self, design: str, wave: str | None = None) -> xr.Dataset:
         """Return the time series of a design in a sea, named by its label; by default in the first."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from vsb.pipeline import costs
 from vsb.pipeline.jobs import Job, jobs
-from vsb.pipeline.tasks import Task, due, tasks
+from vsb.pipeline.tasks import Task, due, products, tasks
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plans import Plan
 
@@ -16,7 +16,7 @@ WORTH_JOBS = 1.5
 
 def left(plan: Plan, stale: Collection[str] = ()) -> list[Job]:
     """Return the jobs of a plan that have something left to do, with the tasks left of each."""
-    some = {task.makes for task in due(tasks(plan), plan.products, stale)}
+    some = {task.makes for task in due(tasks(plan), products(plan), stale)}
     found = (Job(job.rule, tuple(task for task in job.tasks if task.makes in some)) for job in jobs(plan))
     return [job for job in found if job.tasks]
 

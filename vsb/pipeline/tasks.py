@@ -16,7 +16,7 @@ from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, degree_path
 from vsb.study.plans import Plan
-from vsb.study.quantities import id_in
+from vsb.study.quantities import content_id
 from vsb.study.specs import PanelsSpec
 
 WORDS = {
@@ -45,6 +45,7 @@ class Task:
     makes: tuple[str, ...]
     needs: tuple[str, ...] = ()  # files of other tasks; those of users stand in its specification by their contents
     id: str = ""  # content id that the files it makes carry; none of the Green-function table
+    on_the_way: bool = False  # made for other tasks, and not missed once what these make is there
     seconds: float = 0.15  # CPU time it takes, without the start of a process
     megabytes: int = 1000
     minutes: int = 30
@@ -64,24 +65,23 @@ class Task:
 
 def tasks(plan: Plan) -> list[Task]:
     """Return the tasks of a study, campaign or design problem, each after those whose files it needs."""
-    ids = plan.ids
-    return [replace(task, id=ids.get(task.makes[0], id_in(task.makes[0]))) if task.spec else task for task in _of(plan)]
-
-
-def _of(plan: Plan) -> Iterator[Task]:
-    """The tasks of a plan in their order."""
     if isinstance(plan, CampaignPlan):
-        yield from _year(plan)
-    elif isinstance(plan, DesignPlan):
-        yield from _design(plan)
-    else:
-        if isinstance(plan, BodyPlan):
-            yield from _body(plan)
-        else:
-            yield from _buoy(plan)
-        if plan.study.needs_bem:
-            yield from _coefficients(plan)
-        yield from (*_runs(plan), *_answers(plan))
+        return [*_year(plan)]
+    if isinstance(plan, DesignPlan):
+        return [*_design(plan)]
+    water = [*_body(plan)] if isinstance(plan, BodyPlan) else [*_buoy(plan)]
+    motion = [*_coefficients(plan)] if plan.study.needs_bem else []
+    return [*water, *motion, *_runs(plan), *_answers(plan)]
+
+
+def file_ids(plan: Plan) -> dict[str, str]:
+    """Return the content id that every file of a plan must carry, those made on the way included."""
+    return {path: task.id for task in tasks(plan) if task.id for path in task.makes}
+
+
+def products(plan: Plan) -> list[str]:
+    """Return all files a run of a plan promises."""
+    return [path for task in tasks(plan) if not task.on_the_way for path in task.makes]
 
 
 def due(ordered: Sequence[Task], targets: Collection[str], stale: Collection[str] = ()) -> list[Task]:
@@ -101,19 +101,20 @@ def _buoy(plan: StudyPlan) -> Iterator[Task]:
     """Shell modes and viewable meshes; the coefficients of the water by block, their cross-check and the database."""
     modes, folder = f"{plan.folder}/modes.nc", plan.display_folder
     display = {"out": folder, "manifest": f"{folder}/manifest.json"}  # beside them: studies share them
-    yield Task("modes", plan.modes, {"out": modes}, (modes,))
-    yield Task("display", plan.display, display, tuple(plan.display_paths))
+    yield Task("modes", plan.modes, {"out": modes}, (modes,), id=plan.modes_id)
+    yield Task("display", plan.display, display, tuple(plan.display_paths), id=content_id(plan.display))
     if not plan.study.needs_bem:
         return
     yield from blocks(plan)
     if witness := plan.witness:
         meshes, out = tuple(plan.deformed_paths), plan.witness_files["witness"]
         files = {"meshes": str(PurePosixPath(meshes[0]).parent), "out": out}
-        yield Task("deformed", witness.meshes, {"out": files["meshes"]}, meshes)
+        yield Task("deformed", witness.meshes, {"out": files["meshes"]}, meshes, id=content_id(witness.meshes))
         seconds = costs.witness_seconds(len(meshes), witness)
-        yield Task("witness", witness, files, (out,), meshes, seconds=seconds)
+        yield Task("witness", witness, files, (out,), meshes, content_id(witness), seconds=seconds)
     out, solved = plan.database_path, tuple(map(plan.block_path, plan.bem_blocks.values()))
-    yield Task("database", plan.database, {"blocks": plan.block_folder, "out": out}, (out,), solved)
+    files = {"blocks": plan.block_folder, "out": out}
+    yield Task("database", plan.database, files, (out,), solved, content_id(plan.database))
 
 
 def blocks(plan: StudyPlan) -> Iterator[Task]:
@@ -123,21 +124,22 @@ def blocks(plan: StudyPlan) -> Iterator[Task]:
         yield _green(plan)
     by_panels = [block for block in plan.bem_blocks.values() if isinstance(block, PanelsSpec)]
     for mesh, spec in {plan.mesh_path(block.mesh): block.mesh for block in by_panels}.items():
-        yield Task("mesh", spec, {"out": mesh}, (mesh,))
-    for block in plan.bem_blocks.values():
+        yield Task("mesh", spec, {"out": mesh}, (mesh,), id=content_id(spec), on_the_way=True)
+    for name, block in plan.bem_blocks.items():
         out, seconds = plan.block_path(block), costs.block_seconds(block)
         if isinstance(block, PanelsSpec):
             mesh = plan.mesh_path(block.mesh)
             files = {"mesh": mesh, "green": plan.green_folder, "out": out}
-            yield Task("panels", block, files, (out,), (mesh, green), seconds=seconds)
+            yield Task("panels", block, files, (out,), (mesh, green), name, on_the_way=True, seconds=seconds)
         else:
-            yield Task("spectral", block, {"out": out}, (out,), seconds=seconds)
+            yield Task("spectral", block, {"out": out}, (out,), (), name, on_the_way=True, seconds=seconds)
 
 
 def _green(plan: StudyPlan | BodyPlan) -> Task:
     """The Green-function table of panels."""
     green = f"{plan.green_folder}.done"
-    return Task("green", None, {"folder": plan.green_folder, "out": green}, (green,), seconds=20.0)
+    files = {"folder": plan.green_folder, "out": green}
+    return Task("green", None, files, (green,), on_the_way=True, seconds=20.0)
 
 
 def _body(plan: BodyPlan) -> Iterator[Task]:
@@ -150,7 +152,8 @@ def _body(plan: BodyPlan) -> Iterator[Task]:
 def _database_of_body(plan: BodyPlan) -> Task:
     """The hydro database of a body alone."""
     out = plan.database_path
-    task = Task("coefficients", plan.database, {**plan.sources, "out": out}, (out,), tuple(plan.inputs), seconds=0.5)
+    files, needs, identity = {**plan.sources, "out": out}, tuple(plan.inputs), content_id(plan.database)
+    task = Task("coefficients", plan.database, files, (out,), needs, identity, seconds=0.5)
     if isinstance(file := plan.study.body.file, BodyFile):
         memory, minutes = solve_resources(file, plan.files)
         seconds = costs.body_seconds(file, panel_count(file, plan.files))
@@ -162,7 +165,8 @@ def _radiation(plan: AnyPlan) -> Task:
     """The radiation memory of a hydro database."""
     read, out = plan.database_path, plan.radiation_path
     files = {"database": read, "out": out}
-    return Task("radiation", plan.radiation, files, (out,), (read,), seconds=costs.MEMORY_SECONDS)
+    identity = content_id(plan.radiation)
+    return Task("radiation", plan.radiation, files, (out,), (read,), identity, seconds=costs.MEMORY_SECONDS)
 
 
 def _coefficients(plan: AnyPlan) -> Iterator[Task]:
@@ -172,11 +176,12 @@ def _coefficients(plan: AnyPlan) -> Iterator[Task]:
     levels = plan.ladder_files["levels"]
     read = {"database": stored}
     yield _radiation(plan)
-    yield Task("response", plan.response, {**read, "out": response}, (response,), (stored,), seconds=0.8)
+    files = {**read, "out": response}
+    yield Task("response", plan.response, files, (response,), (stored,), plan.response_id, seconds=0.8)
     files = {**read, "out": ladder, "levels": levels, "manifest": plan.manifest}
     if isinstance(plan, StudyPlan):
         files["degrees"] = degree_path(plan.root, plan.degree)
-    yield Task("ladder", plan.ladder, files, (ladder, levels), (stored,), seconds=0.5)
+    yield Task("ladder", plan.ladder, files, (ladder, levels), (stored,), plan.ladder_id, seconds=0.5)
 
 
 def _runs(plan: AnyPlan) -> Iterator[Task]:
@@ -186,8 +191,8 @@ def _runs(plan: AnyPlan) -> Iterator[Task]:
         seconds, memory = costs.run_seconds(plan.study, wave), plan.simulation_megabytes(wave)
         for design in plan.study.designs:
             spec, out = plan.simulation(design, wave), plan.trajectory_path(design, wave.label)
-            needs = tuple(hydro.values())
-            yield Task("simulate", spec, {**hydro, "out": out}, (out,), needs, seconds=seconds, megabytes=memory)
+            files, needs, identity = {**hydro, "out": out}, tuple(hydro.values()), plan.trajectory_id(design, wave)
+            yield Task("simulate", spec, files, (out,), needs, identity, seconds=seconds, megabytes=memory)
 
 
 def _answers(plan: AnyPlan) -> Iterator[Task]:
@@ -206,15 +211,16 @@ def _answers(plan: AnyPlan) -> Iterator[Task]:
     }
     levels = plan.ladder_files
     needs = (*read, *levels.values())
-    compared = files | levels | tables
-    yield Task("compare", plan.comparison, compared, tuple(tables.values()), needs, seconds=0.5, megabytes=memory)
+    compared, whole = files | levels | tables, plan.identity
+    made = tuple(tables.values())
+    yield Task("compare", plan.comparison, compared, made, needs, whole, seconds=0.5, megabytes=memory)
     figures = tuple(figure_names.paths(folder, plan.figures))
     needs, seconds = (*read, *plan.modes_files.values()), costs.FIGURE_SECONDS * len(figures)
     drawn = {**files, **plan.modes_files, "out": f"{folder}/figures"}
-    yield Task("figures", study, drawn, figures, needs, seconds=seconds, megabytes=memory)
+    yield Task("figures", study, drawn, figures, needs, whole, seconds=seconds, megabytes=memory)
     report, shown = f"{folder}/report.html", {"tables": tables["tables"], "figures": f"{folder}/figures"}
     files, needs = {**files, **plan.modes_files, **shown, "out": report}, (*needs, shown["tables"], *figures)
-    yield Task("report", study, files, (report,), needs, seconds=1.5, megabytes=memory)
+    yield Task("report", study, files, (report,), needs, whole, seconds=1.5, megabytes=memory)
 
 
 # a campaign ---------------------------------------------------------------------------------------------------------
@@ -225,31 +231,33 @@ def _year(plan: CampaignPlan) -> Iterator[Task]:
     climate, folder, bodies = plan.loaded.climate_path, plan.folder, plan.bodies
     read = {"climate": climate, "root": plan.root}
     yield from {one.green_folder: _green(one) for one in bodies.values() if one.solves_panels}.values()
-    yield from map(_database_of_body, bodies.values())
+    yield from (replace(_database_of_body(one), on_the_way=True) for one in bodies.values())
     databases = tuple(one.database_path for one in bodies.values())
     for name, batch in plan.batches.items():
         files, out = {**read, "folder": f"{folder}/members"}, plan.batch_path(name)
         seconds = costs.members_seconds(plan, plan.members_by_batch[name])
         minutes = plan.batch_minutes
         yield Task(
-            "members", batch, {**files, "out": out}, (out,), databases,
+            "members", batch, {**files, "out": out}, (out,), databases, name,
             seconds=seconds, megabytes=2000, minutes=minutes,
         )  # fmt: skip
     if plan.verifications:
-        yield from map(_radiation, bodies.values())
+        yield from (replace(_radiation(one), on_the_way=True) for one in bodies.values())
     memories = tuple(one.radiation_path for one in bodies.values())
     for name, verification in plan.verifications.items():
-        out, seconds = plan.verification_path(name), costs.verification_seconds(verification)
-        files = {**read, "out": out}
-        yield Task("verification", verification, files, (out,), memories, seconds=seconds, megabytes=2000, minutes=240)
-    data, table, stamps = plan.data_path, plan.table_path, {"manifest": plan.manifest}
+        files, out = {**read, "out": plan.verification_path(name)}, plan.verification_path(name)
+        seconds = costs.verification_seconds(verification)
+        yield Task(
+            "verification", verification, files, (out,), memories, name, seconds=seconds, megabytes=2000, minutes=240
+        )
+    data, table, stamps, whole = plan.data_path, plan.table_path, {"manifest": plan.manifest}, plan.identity
     files = {"batches": f"{folder}/batches", "verifications": f"{folder}/verification", "out": data, "table": table}
-    needs = (*plan.batch_paths, *plan.verification_paths)
-    yield Task("campaign", plan.campaign, {**files, **stamps}, (data, table), needs, seconds=0.3, megabytes=4000)
+    files, needs = {**files, **stamps}, (*plan.batch_paths, *plan.verification_paths)
+    yield Task("campaign", plan.campaign, files, (data, table), needs, whole, seconds=0.3, megabytes=4000)
     report = f"{folder}/report.html"
     files = {**read, "data": data, "figures": f"{folder}/figures", "out": report, **stamps}
     made = (report, *plan.figure_paths)
-    yield Task("campaign_report", plan.campaign, files, made, (data,), seconds=3.0, megabytes=4000)
+    yield Task("campaign_report", plan.campaign, files, made, (data,), whole, seconds=3.0, megabytes=4000)
 
 
 # a design problem ---------------------------------------------------------------------------------------------------
@@ -257,26 +265,30 @@ def _year(plan: CampaignPlan) -> Iterator[Task]:
 
 def _design(plan: DesignPlan) -> Iterator[Task]:
     """Starts, Pareto fronts and runs in time from them, all of them together, the report."""
-    folder, read = plan.folder, {"climate": plan.loaded.climate_path}
+    folder, read, whole = plan.folder, {"climate": plan.loaded.climate_path}, plan.identity
     for starts, seconds in ((plan.starts, costs.START_SECONDS), (plan.rigid_starts, costs.RIGID_START_SECONDS)):
         for name, start in starts.items():
             out = plan.start_path(name)
-            yield Task("design_start", start, {**read, "out": out}, (out,), seconds=seconds, minutes=120)
+            files = {**read, "out": out}
+            yield Task("design_start", start, files, (out,), (), name, seconds=seconds, minutes=120)
     begun = {**read, "starts": f"{folder}/starts"}
     for name, front in plan.fronts.items():
         out, needs = plan.front_path(name), tuple(map(plan.start_path, front.starts))
-        seconds = costs.START_SECONDS
-        yield Task("design_front", front, {**begun, "out": out}, (out,), needs, seconds=seconds, minutes=240)
+        files, seconds = {**begun, "out": out}, costs.START_SECONDS
+        yield Task("design_front", front, files, (out,), needs, name, seconds=seconds, minutes=240)
     found = tuple(plan.start_paths)
     for out in plan.verification_paths:
         files, spec = {**begun, "root": plan.root, "out": out}, plan.verification
-        yield Task("design_verification", spec, files, (out,), found, seconds=60.0, minutes=600, megabytes=2000)
+        identity = content_id(spec)
+        yield Task(
+            "design_verification", spec, files, (out,), found, identity, seconds=60.0, minutes=600, megabytes=2000
+        )
     tables = tuple(plan.tables.values())
     files = {**begun, "fronts": f"{folder}/fronts", "verifications": f"{folder}/verification", "folder": folder}
     files["manifest"] = plan.manifest
     needs = (*found, *plan.front_paths, *plan.verification_paths)
-    yield Task("design_results", plan.design, files, tables, needs, seconds=8.0, megabytes=2000)
+    yield Task("design_results", plan.design, files, tables, needs, whole, seconds=8.0, megabytes=2000)
     report, data = f"{folder}/report.html", plan.tables["design.nc"]
     files = {"data": data, "figures": f"{folder}/figures", "out": report, "manifest": plan.manifest}
     made = (report, *plan.figure_paths)
-    yield Task("design_report", plan.design, files, made, (data,), seconds=3.0, megabytes=2000)
+    yield Task("design_report", plan.design, files, made, (data,), whole, seconds=3.0, megabytes=2000)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
-from vsb.pipeline.tasks import Task, blocks, due, tasks
+from vsb.pipeline.tasks import Task, blocks, due, products, tasks
 from vsb.stages.check import check_plan
 from vsb.stages.locks import exclusive_lock, shared_lock
 from vsb.stages.stage import run_task
@@ -22,7 +22,7 @@ def run(plan: Plan) -> None:
     check_plan(plan)
     check_folder(plan.root)
     with exclusive_lock(Path(plan.folder)):
-        make(plan, plan.products, stale=stale_products(plan, dry=False))
+        make(plan, products(plan), stale=stale_products(plan, dry=False))
 
 
 def make(plan: Plan, targets: Collection[str], stale: Collection[str] = (), begun: Begun | None = None) -> None:

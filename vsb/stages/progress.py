@@ -15,6 +15,10 @@ DONE = re.compile(r"^(\d+) of (\d+) steps \(\d+%\) done$")
 FAILED = re.compile(r"\bvsb (\w+)\s.* > (\S+) 2>&1' returned non-zero exit status \d+")
 
 
+FIRM = 10.0
+"""Work after which the rate of a run counts as much as the estimate [s]: what comes first is mostly imports."""
+
+
 @dataclass(frozen=True)
 class Progress:
     """How far a run is."""
@@ -26,7 +30,7 @@ class Progress:
     def begin(self, words: str, done: int) -> None:
         """Say what begins, when so many parts are done, and how long all that is left takes."""
         before, left = sum(self.seconds[:done]), sum(self.seconds[done:])
-        rate = (time.monotonic() - self.begun) / before if before else 1.0
+        rate = (time.monotonic() - self.begun + FIRM) / (before + FIRM)
         still = f", about {plain_seconds(rate * left)} left" if rate * left >= 1.0 else ""
         print(f"{self.name}: {done} of {len(self.seconds)} done{still}; {words}", file=sys.stderr, flush=True)
 

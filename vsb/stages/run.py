@@ -24,7 +24,7 @@ import psutil
 from vsb.errors import ConfigError, VsbError
 from vsb.pipeline.jobs import Job, rules
 from vsb.pipeline.schedule import is_faster_here, left
-from vsb.pipeline.tasks import due, tasks
+from vsb.pipeline.tasks import due, products, tasks
 from vsb.stages import slurm
 from vsb.stages.check import check_plan, unit_lines
 from vsb.stages.locks import exclusive_lock, shared_lock
@@ -80,11 +80,11 @@ def run(args: argparse.Namespace) -> int:
 
 def _run_here(plan: Plan, stale: Sequence[str]) -> None:
     """Make all products in this process; if terminated, end after one line."""
-    some = due(tasks(plan), plan.products, stale)
+    some = due(tasks(plan), products(plan), stale)
     progress = Progress(plan.name, [task.seconds for task in some])
     before = {number: signal.signal(number, _ask_to_end) for number in _heard()}
     try:
-        make(plan, plan.products, stale, lambda task: progress.begin(task.words, some.index(task)))
+        make(plan, products(plan), stale, lambda task: progress.begin(task.words, some.index(task)))
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
@@ -124,7 +124,7 @@ def _run_by_snakemake(
     begun, lines = time.time(), deque[str](maxlen=KEPT)
     with _caches() as caches, shared_lock(plan.root, () if dry else unmade(plan)) as shared:
         environment |= caches
-        missing = bool(stale or args.snakemake) or not all(Path(path).exists() for path in plan.products)
+        missing = bool(stale or args.snakemake) or not all(Path(path).exists() for path in products(plan))
         whole = slurm.single_job(plan, given) if on_slurm and missing and not dry else []
         named = ["--slurm-jobname-prefix", slurm.job_name(plan.name)] if on_slurm and not whole else []
         command = [*_command(args, profile, whole), *named, *_forced(args.snakemake, stale)]
@@ -214,7 +214,7 @@ def unmade(plan: Plan) -> list[str]:
     """Return the files a study shares with others and a run of it will make; members of a campaign make theirs."""
     if isinstance(plan, CampaignPlan | DesignPlan):
         return []
-    made = [path for task in due(tasks(plan), plan.products) for path in task.makes]
+    made = [path for task in due(tasks(plan), products(plan)) for path in task.makes]
     return [path for path in made if plan.is_shared(path) and not Path(path).exists()]
 
 

@@ -85,8 +85,8 @@ class Inputs:
     @cached_property
     def modes(self) -> xr.Dataset:
         """Shapes of the shell modes."""
-        expected = [self.plan.shape_ids[path] for path in self.plan.modes_files.values()]
-        return load(self.path("modes"), expected=expected[0]) if expected else xr.Dataset()
+        expected = self.plan.modes_id
+        return load(self.path("modes"), expected=expected) if expected else xr.Dataset()
 
     @cached_property
     def database(self) -> xr.Dataset:

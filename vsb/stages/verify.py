@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from vsb.errors import DatabaseError, VsbError
+from vsb.pipeline import tasks
 from vsb.stages.planning import plan_of
 from vsb.study.body import is_body, located
 from vsb.study.campaign_plan import CampaignPlan
@@ -39,8 +40,8 @@ def verify(target: str) -> list[str]:
     """
     plans = _plans(target)
     root = Path(plans[0].root if plans else target)
-    ids = {path: identity for plan in plans for path, identity in plan.ids.items()}
-    missing = sorted({path for plan in plans for path in plan.products if not Path(path).exists()})
+    ids = {path: identity for plan in plans for path, identity in tasks.file_ids(plan).items()}
+    missing = sorted({path for plan in plans for path in tasks.products(plan) if not Path(path).exists()})
     found = [*faults(ids, manifests(root)), *_index_faults(root)]
     if Path(target).is_dir():
         found += _other_faults(Path(target), {*ids, *(plan.manifest for plan in plans)}, root / TRASH)
@@ -152,7 +153,7 @@ def manifests(root: Path) -> Manifest:
 
 def study_faults(plan: Plan) -> list[Fault]:
     """Return which files of a study that are there are not what they should be."""
-    return faults(plan.ids, manifests(Path(plan.root)))
+    return faults(tasks.file_ids(plan), manifests(Path(plan.root)))
 
 
 MOST_CHANGES = 6

@@ -292,19 +292,6 @@ class CampaignPlan(ResultsFolder):
         return figure_names.paths(self.folder, figure_names.of_campaign(self.campaign))
 
     @property
-    def products(self) -> list[str]:
-        """All files a run of the campaign promises."""
-        answers = [f"{self.folder}/report.html", self.data_path, self.table_path, *self.figure_paths]
-        return [*answers, *self.batch_paths, *self.verification_paths]
-
-    @property
     def batch_paths(self) -> list[str]:
         """Results of all batches."""
         return [self.batch_path(batch) for batch in self.batches]
-
-    @property
-    def ids(self) -> dict[str, str]:
-        """Id every product must carry."""
-        parts = {self.batch_path(batch): batch for batch in self.batches}
-        parts |= {self.verification_path(one): one for one in self.verifications}
-        return dict.fromkeys(self.products, self.identity) | parts

@@ -189,16 +189,3 @@ class DesignPlan(ResultsFolder):
     def figure_paths(self) -> list[str]:
         """Figures of the report."""
         return figure_names.paths(self.folder, figure_names.of_design(self.design))
-
-    @property
-    def products(self) -> list[str]:
-        """All files a run promises."""
-        answers = [f"{self.folder}/report.html", *self.tables.values(), *self.figure_paths]
-        return [*answers, *self.start_paths, *self.front_paths, *self.verification_paths]
-
-    @property
-    def ids(self) -> dict[str, str]:
-        """Id every product must carry."""
-        parts = {path: PurePosixPath(path).stem for path in (*self.start_paths, *self.front_paths)}
-        parts |= {path: PurePosixPath(path).stem for path in self.verification_paths}
-        return dict.fromkeys(self.products, self.identity) | parts

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 from vsb.study import figure_names
 from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, panel_solver, witness_spec
 from vsb.study.body import PHYSICS, BodyFile, BodyStudy, wamit_files
-from vsb.study.quantities import content_id, id_in, result_id
+from vsb.study.quantities import content_id, result_id
 from vsb.study.sections import RECORDS_PER_PERIOD, Modes, thinning
 from vsb.study.specs import (
     AnySystem,
@@ -30,7 +30,6 @@ from vsb.study.specs import (
     LadderSpec,
     LoadedMesh,
     ModesSpec,
-    PanelsSpec,
     RadiationSpec,
     ResponseSpec,
     SimulateSpec,
@@ -164,9 +163,9 @@ class ResultsPlan(ResultsFolder):
         return CompareSpec(study=self.study)
 
     @property
-    def shape_ids(self) -> dict[str, str]:
-        """Files that show the shapes of the motions, each with its id; none of a body, whose own files hold them."""
-        return {}
+    def modes_id(self) -> str:
+        """Id of the shapes of the shell modes; empty of a body, whose own files hold those of its motions."""
+        return ""
 
     @property
     @abstractmethod
@@ -177,11 +176,6 @@ class ResultsPlan(ResultsFolder):
     def modes_files(self) -> dict[str, str]:
         """Shapes of the modes, by the option that names them; none of a body, likewise."""
         return {}
-
-    @property
-    def solved_files(self) -> list[str]:
-        """Files solved of the water on the way to the database, named by their ids; of a body one job keeps its own."""
-        return []
 
     @property
     def witness_files(self) -> dict[str, str]:
@@ -202,11 +196,6 @@ class ResultsPlan(ResultsFolder):
     @abstractmethod
     def highest(self) -> float:
         """Highest frequency a sea may have components at [rad/s]."""
-
-    @property
-    @abstractmethod
-    def products(self) -> list[str]:
-        """All files a run of the study promises."""
 
     # content ids ----------------------------------------------------------------------------------------------------
 
@@ -235,28 +224,8 @@ class ResultsPlan(ResultsFolder):
         response = [self.response_id, self.ladder_id] if self.study.needs_bem else []
         runs = [self.trajectory_id(design, wave) for wave in self.study.waves for design in sorted(self.study.designs)]
         witness = [PurePosixPath(path).stem for path in self.witness_files.values()]
-        shapes = dict.fromkeys(identity for path, identity in self.shape_ids.items() if not self.is_shared(path))
-        return result_id(self.comparison, *shapes, *self.hydro_ids, *witness, *response, *runs)
-
-    @cached_property
-    def ids(self) -> dict[str, str]:
-        """Id every file of the study must carry, those solved on the way included: a new product needs no entry.
-
-        Files under `hydro` are named by theirs; what is not of one stage of its own is of the whole study.
-        """
-        own = {
-            self.trajectory_path(d, w.label): self.trajectory_id(d, w)
-            for w in self.study.waves
-            for d in self.study.designs
-        }
-        if self.study.needs_bem:
-            own |= dict.fromkeys(self.response_files.values(), self.response_id)
-            own |= dict.fromkeys((f"{self.folder}/ladder.csv", *self.ladder_files.values()), self.ladder_id)
-        own |= self.shape_ids
-        return {
-            path: own.get(path) or (id_in(path) if self.is_shared(path) else self.identity)
-            for path in [*self.products, *self.solved_files]
-        }
+        modes = filter(None, [self.modes_id])
+        return result_id(self.comparison, *modes, *self.hydro_ids, *witness, *response, *runs)
 
     # memory ---------------------------------------------------------------------------------------------------------
 
@@ -303,21 +272,6 @@ class ResultsPlan(ResultsFolder):
     def trajectory_path(self, design: str, wave: str) -> str:
         """Time series of one design in one sea."""
         return f"{self.folder}/trajectories/{trajectory_name(design, wave)}"
-
-    @property
-    def answers(self) -> list[str]:
-        """Files of results that every study has."""
-        waves = [wave.label for wave in self.study.waves]
-        tables = ["comparison.csv", "statistics.csv", "validity.json", "study.json", "tables.json"]
-        return [
-            *(f"{self.folder}/{name}" for name in ["report.html", *tables]),
-            *figure_names.paths(self.folder, self.figures),
-            *(self.trajectory_path(design, wave) for wave in waves for design in self.study.designs),
-            *self.hydro_files.values(),
-            *self.response_files.values(),
-            *([f"{self.folder}/ladder.csv"] if self.study.needs_bem else []),
-            *self.ladder_files.values(),
-        ]
 
     @property
     def hydro_files(self) -> dict[str, str]:
@@ -412,10 +366,9 @@ class StudyPlan(HydroPlan, ResultsPlan):
         return self.study.hydro.omega_max
 
     @property
-    def shape_ids(self) -> dict[str, str]:
-        """Files that show the shapes of the motions, each with its id."""
-        own = {f"{self.folder}/modes.nc": content_id(self.modes)}
-        return own | dict.fromkeys(self.display_paths, content_id(self.display))
+    def modes_id(self) -> str:
+        """Id of the shapes of the shell modes."""
+        return content_id(self.modes)
 
     @property
     def solves_panels(self) -> bool:
@@ -426,13 +379,6 @@ class StudyPlan(HydroPlan, ResultsPlan):
     def modes_files(self) -> dict[str, str]:
         """Shapes of the shell modes, by the option that names them."""
         return {"modes": f"{self.folder}/modes.nc"}
-
-    @property
-    def solved_files(self) -> list[str]:
-        """Blocks, and meshes of panels."""
-        blocks = self.bem_blocks.values()
-        meshes = [self.mesh_path(block.mesh) for block in blocks if isinstance(block, PanelsSpec)]
-        return [*map(self.block_path, blocks), *meshes]
 
     # file names -----------------------------------------------------------------------------------------------------
 
@@ -453,12 +399,6 @@ class StudyPlan(HydroPlan, ResultsPlan):
     def display_folder(self) -> str:
         """Folder of the viewable meshes."""
         return f"{self.root}/hydro/mesh/{content_id(self.display)}"
-
-    @property
-    def products(self) -> list[str]:
-        """All files a run of the study promises."""
-        modes = f"{self.folder}/modes.nc"
-        return [*self.answers, modes, *self.witness_files.values(), *self.deformed_paths, *self.display_paths]
 
     @property
     def witness_files(self) -> dict[str, str]:
@@ -535,11 +475,6 @@ class BodyPlan(ResultsPlan):
     def highest(self) -> float:
         """Highest frequency a sea may have components at [rad/s]."""
         return self.study.body.file.omega[-1] if isinstance(self.study.body.file, BodyFile) else _HIGHEST
-
-    @property
-    def products(self) -> list[str]:
-        """All files a run of the study promises."""
-        return self.answers
 
     @property
     def sources(self) -> dict[str, str]:
