@@ -9,6 +9,7 @@ import pytest
 from conftest import varied
 
 from vsb.errors import ConvergenceError
+from vsb.hydro.dofs import Displacement
 from vsb.motion.tuning import best_dampers
 from vsb.results.left_out import left_out_of_year, modes_left_out
 from vsb.results.year import band_weights, frequencies
@@ -17,6 +18,7 @@ from vsb.scenes.mode_convergence import (
     DEGREES,
     MOST_FREQUENCIES,
     ModeConvergence,
+    _Around,
     directed,
     further,
     powers_of_ports,
@@ -102,6 +104,27 @@ def test_few_modes_suffice_about_an_equilibrium(seed):
     for degree, gain in {6: -9.60, 14: -9.65}.items():
         assert gains(found.powers_by_degree[degree], study)["VSWEC"][0] == pytest.approx(gain, abs=0.03)
     assert found.degree == 6
+
+
+def test_water_is_shared_by_buoys_of_one_shape_alone(seed):
+    """A spring changes no shape; a softer wall changes that of an inflated buoy, and the depth the water around it."""
+
+    def around(device=None, depth=np.inf, stiffness=0.0):
+        study = varied(
+            seed,
+            device={"young_modulus": 40e6, "thickness": 0.015, "internal_pressure": 18e3} | (device or {}),
+            reference_shape="equilibrium",
+            modes={"basis": "full", "degree": 4},
+            water={"depth": depth},
+            pto={"stiffness": stiffness},
+        )
+        shape = reference_shell(study).shape
+        return _Around.of(shape, study.water, 0, (Displacement("radial", 0),), (1.0, 2.0), 1e-4)
+
+    assert around() == around(stiffness=5e3)
+    assert hash(around()) == hash(around(stiffness=5e3))
+    assert around() != around({"young_modulus": 39e6})
+    assert around() != around(depth=8.0)
 
 
 def test_sampled_seas_keep_their_energy():

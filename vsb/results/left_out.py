@@ -138,14 +138,14 @@ def left_out_of_year(
         omega = waves[designs[0]].port.omega
         squares, water = (climate.mean_density @ band_weights(omega, climate))[None], floating.swept.at(omega)
         seen: list[Mapping[str, Port | Ports]] = [{design: one.port for design, one in waves.items()}]
-        before = powers_of_ports(seen[0], study.pto, squares)
         complete = has_attachment_modes(heaving)
         for n in reversed(lower):
             at_degree = buoy_at(heaving, floating.reference, water, n)
             seen.insert(0, at_degree.several_ports() if study.pto.several else at_degree.ports())
-        tried = {n: powers_of_ports(ports, study.pto, squares) for n, ports in zip(degrees, seen, strict=True)}
+        powers = [powers_of_ports(ports, study.pto, squares, judged=True) for ports in seen]
+        tried, before = dict(zip(degrees, powers, strict=True)), powers[-1]
     else:
-        convergence = ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)])
+        convergence = ModeConvergence(buoy, [mean_sea(climate, buoy.hydro.omega_max)], judged=True)
         before = convergence.powers(buoy.modes)
         if nested:  # the shape at rest, and with it the rigid design, depends on the modes, too
             tried = {n: convergence.powers(Modes(basis="full", degree=n)) for n in lower}

@@ -8,8 +8,8 @@ the static answer of all further degrees to it is part of what powers converge t
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,7 +32,7 @@ from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.orders import goes_with_sine
 from vsb.shell.shell import Shell
 from vsb.study.directions import IN_PLANE, RIGID, Motion
-from vsb.study.sections import DEGREES, Modes
+from vsb.study.sections import DEGREES, Modes, Water
 from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
 from vsb.study.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
 from vsb.study.waves import IrregularSea, RegularWave, SeaOfFile, StillWater, Wave
@@ -62,6 +62,8 @@ TAKE_OFFS = ("fixed", "best_damper", "best_spring_damper", "best_damper_all_seas
 damper and spring; one damper for all seas; any force."""
 OF_MATRICES = ("fixed", "best_damper", "best_diagonal", "best_damper_all_seas")
 """The same of a damper matrix at several ports, or spread over the shell; the optimal damper at each port alone."""
+KEPT, OUTLINE = 12, 91
+"""Shapes whose coefficients are kept for further members of a campaign, and points by which a shape is known."""
 JUDGED = 2
 """Number of take-offs, the first ones, whose powers are to be within the tolerance."""
 SHELL_MODE = re.compile(r"[A-Za-z]+(\d+)([cs]\d+)?")
@@ -103,6 +105,48 @@ def sampled(seas: Sequence[Sea]) -> Sampled:
     return Sampled(omega, directions, squares)
 
 
+@dataclass(frozen=True)
+class _Around:
+    """A shape in water, by its outline: those of a campaign's members are the same while only take-offs vary."""
+
+    outline: bytes
+    water: Water
+    order: int
+    moved: tuple[Displacement, ...]
+    omega: tuple[float, ...]  # [rad/s]
+    tolerance: float
+    shape: DeformedShell = field(compare=False)
+
+    @classmethod
+    def of(
+        cls,
+        shape: DeformedShell,
+        water: Water,
+        order: int,
+        moved: tuple[Displacement, ...],
+        omega: tuple[float, ...],
+        tolerance: float,
+    ) -> "_Around":
+        """Return a shape with what is asked of the water around it."""
+        at = shape.curve(np.linspace(0.0, np.pi, OUTLINE)[1:-1])
+        return cls(np.array([at.x, at.z]).tobytes(), water, order, moved, omega, tolerance, shape)
+
+
+@lru_cache(maxsize=KEPT)
+def _solved_around(one: _Around) -> ShapeWater:
+    """Coefficients of displacements of one azimuthal order around a shape; those of the last shapes are kept."""
+    water, omega = one.water, list(one.omega)
+    problem = SpectralProblem(one.shape, one.moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)
+    problem, _ = resolved(problem, [omega[0], omega[-1]], one.tolerance)
+    found = with_excitation(on_grid(problem.solve, omega, one.tolerance, incident_wave(problem)).coefficients)
+    if one.order:
+        found = with_haskind_damping(found, one.order, water.depth, water.density, water.gravity)
+    matrices = (found[name].values for name in ("added_mass", "radiation_damping"))
+    added_mass, damping = ((m + m.swapaxes(-1, -2)) / 2 for m in matrices)
+    excitation = np.asarray(found.excitation_force.values[:, 0])
+    return ShapeWater(one.moved, np.array(omega), Coefficients(added_mass, damping, excitation))
+
+
 @dataclass(frozen=True, eq=False)
 class ModeConvergence:
     """Mean powers of the designs of a study in seas, by the degree of the full basis.
@@ -113,6 +157,7 @@ class ModeConvergence:
     study: AnyBuoy
     seas: Sequence[Sea]
     families: Sequence[int] | None = None  # one sea of each, by index, for the damper for all seas; else every sea
+    judged: bool = False  # only the take-offs whose powers are judged
 
     @cached_property
     def _motion(self) -> Motion:
@@ -169,16 +214,8 @@ class ModeConvergence:
         self, shape: DeformedShell, order: int, moved: Iterable[Displacement], tolerance: float
     ) -> ShapeWater:
         """Coefficients of displacements of one azimuthal order."""
-        water, omega, moved = self.study.water, self._sampled.omega.tolist(), tuple(moved)
-        problem = SpectralProblem(shape, moved, water.density, water.gravity, FEWEST_NODES, depth=water.depth)
-        problem, _ = resolved(problem, [omega[0], omega[-1]], tolerance)
-        found = with_excitation(on_grid(problem.solve, omega, tolerance, incident_wave(problem)).coefficients)
-        if order:
-            found = with_haskind_damping(found, order, water.depth, water.density, water.gravity)
-        matrices = (found[name].values for name in ("added_mass", "radiation_damping"))
-        added_mass, damping = ((m + m.swapaxes(-1, -2)) / 2 for m in matrices)
-        excitation = np.asarray(found.excitation_force.values[:, 0])
-        return ShapeWater(moved, self._sampled.omega, Coefficients(added_mass, damping, excitation))
+        omega = tuple(self._sampled.omega.tolist())
+        return _solved_around(_Around.of(shape, self.study.water, order, tuple(moved), omega, tolerance))
 
     def powers(self, modes: Modes) -> FloatArray:
         """Return mean powers with a basis, shape (design, sea, take-off) [W]."""
@@ -190,7 +227,8 @@ class ModeConvergence:
             water = self._undeformed_water
         squares = self._sampled.squares
         squares = squares.reshape(len(squares), -1)
-        return powers_of_ports(self._ports(study, reference, water), study.pto, squares, self.families)
+        ports = self._ports(study, reference, water)
+        return powers_of_ports(ports, study.pto, squares, self.families, judged=self.judged)
 
     @property
     def completes(self) -> bool:
@@ -231,7 +269,7 @@ class ModeConvergence:
         found: dict[int, FloatArray] = {}
         for degree in self._degrees:
             try:
-                found[degree] = self.powers(Modes(basis="full", degree=degree))
+                found[degree] = self.powers(Modes(basis="full", degree=degree)) if found else self._first
             except ConvergenceError:  # the water around a deformed shell is not resolved to so high degrees
                 if len(found) < 2:
                     raise
@@ -314,7 +352,12 @@ def take_offs(pto: Pto) -> tuple[str, ...]:
 
 
 def powers_of_ports(
-    ports: Mapping[str, Port | Ports], pto: Pto, squares: FloatArray, families: Sequence[int] | None = None
+    ports: Mapping[str, Port | Ports],
+    pto: Pto,
+    squares: FloatArray,
+    families: Sequence[int] | None = None,
+    *,
+    judged: bool = False,
 ) -> FloatArray:
     """Return mean powers of designs in seas at every level of `take_offs`, shape (design, sea, take-off) [W].
 
@@ -326,27 +369,33 @@ def powers_of_ports(
         Squared amplitudes.
     families : sequence of int, optional
         Seas whose plain sum the damper for all seas maximises; by default all.
+    judged : bool
+        Only the first levels, whose powers are judged.
     """
     together = squares[list(families or range(len(squares)))].sum(axis=0)
     found = [
-        _of_matrices(port, pto, design, squares, together)
+        _of_matrices(port, pto, design, squares, together)[: JUDGED if judged else None]
         if isinstance(port, Ports)
-        else _of_dampers(port, pto, design, squares, together)
+        else _of_dampers(port, pto, design, squares, together, judged=judged)
         for design, port in ports.items()
     ]
     return np.asarray(found).swapaxes(1, 2)
 
 
-def _of_dampers(port: Port, pto: Pto, design: str, squares: FloatArray, together: FloatArray) -> list[FloatArray]:
+def _of_dampers(
+    port: Port, pto: Pto, design: str, squares: FloatArray, together: FloatArray, *, judged: bool
+) -> list[FloatArray]:
     """Powers of one design with a damper and a spring, at the levels `TAKE_OFFS`, each of shape (sea,) [W]."""
     optimal = best_dampers(port, squares, pto.stiffness, pto.efficiency)
-    sprung = best_pairs(port, squares, optimal, pto.efficiency).power
-    one = float(best_dampers(port, together[None], pto.stiffness, pto.efficiency).damping[0])
     given, stiffness = pto.damper(design), np.full(len(squares), pto.stiffness)
-    for_all = mean_power(port, squares, np.full(len(squares), one), stiffness, pto.efficiency)
     fixed = optimal.power
     if given is not None:
         fixed = mean_power(port, squares, np.full(len(squares), given), stiffness, pto.efficiency)
+    if judged:
+        return [fixed, optimal.power]
+    sprung = best_pairs(port, squares, optimal, pto.efficiency).power
+    one = float(best_dampers(port, together[None], pto.stiffness, pto.efficiency).damping[0])
+    for_all = mean_power(port, squares, np.full(len(squares), one), stiffness, pto.efficiency)
     return [fixed, optimal.power, sprung, for_all, squares @ port.matched_power]
 
 

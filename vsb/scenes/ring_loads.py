@@ -5,6 +5,7 @@ degree; `vsb.shell.rings` has the answer of all higher ones.
 """
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +16,12 @@ from vsb.scenes.rest import loaded_shell
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.modes import ModeBasis
 from vsb.shell.rings import RingLoad, RingModes, along_wall, normal_to_wall, vertical
+from vsb.shell.shell import Shell
 from vsb.study.specs import AnyBuoy
 from vsb.study.take_off import PortChoice, SeveralPorts, ShellPort
+
+KEPT = 12
+"""Shells whose modes of rings are kept."""
 
 
 def ring_loads(study: AnyBuoy) -> tuple[RingLoad, ...]:
@@ -64,13 +69,19 @@ def with_rings(study: AnyBuoy, reference: ReferenceShell, degree: int | None = N
     if not basis.modes or not has_attachment_modes(study) or not (loads := ring_loads(study)):
         return reference
     above = basis.highest_degree if degree is None else degree
-    rings = RingModes(basis.shell, above, loads, _tension(study, reference, loads))
+    rings = _ring_modes(basis.shell, above, loads, _tension(study, reference, loads))
     whole = replace(basis, rings=rings)
     stiffness = {name: np.pad(matrix, (0, len(rings.labels))) for name, matrix in reference.stiffness.items()}
     stiffness["structural"] = stiffness["structural"] + whole.of_rings(rings.stiffness)
     if "prestress" in stiffness:
         stiffness["prestress"] = stiffness["prestress"] + whole.of_rings(rings.prestress)
     return ReferenceShell(_with_basis(reference.shape, whole), stiffness)
+
+
+@lru_cache(maxsize=KEPT)
+def _ring_modes(shell: Shell, degree: int, loads: tuple[RingLoad, ...], tension: tuple[float, ...]) -> RingModes:
+    """Modes of rings; the last are kept, for members of a campaign that differ by their take-off have the same."""
+    return RingModes(shell, degree, loads, tension)
 
 
 def _with_basis(shape: DeformedShell, basis: ModeBasis) -> DeformedShell:
