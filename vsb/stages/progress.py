@@ -11,6 +11,7 @@ from vsb.pipeline.jobs import RULES, Rule
 
 BEGUN = re.compile(r"^(?:local)?rule (\w+):$")
 WILDCARD = re.compile(r"^\s+wildcards: job=(.+)$")
+LAST = re.compile(r"^\s+resources: ")
 DONE = re.compile(r"^(\d+) of (\d+) steps \(\d+%\) done$")
 FAILED = re.compile(r"\bvsb (\w+)\s.* > (\S+) 2>&1' returned non-zero exit status \d+")
 
@@ -64,7 +65,7 @@ def followed(
             name, which = found[1], ""
         elif found := WILDCARD.match(line):
             which = f" {found[1].strip()}"
-        elif not line.strip() and name in stems:
+        elif name in stems and LAST.match(line):
             progress.begin(f"{RULES[stems[name]]}{which}", done)
             name = ""
         elif found := DONE.match(line.strip()):
