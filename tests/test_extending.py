@@ -26,7 +26,7 @@ from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
 from vsb.motion.port import LinearPto
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
-from vsb.pipeline.tasks import Task
+from vsb.pipeline.tasks import STAGES, Stage, Task
 from vsb.report.answer import damping_in_words
 from vsb.report.canvas import StudyData, grid_of_axes, legend_above, style
 from vsb.scenes.rest import study_basis
@@ -35,7 +35,6 @@ from vsb.shell.deformed import DeformedShell, rigid_buoy, rigid_sphere
 from vsb.shell.modes import Mode, ModeBasis
 from vsb.shell.ritz import natural_modes
 from vsb.shell.shell import Shell, natural_frequencies
-from vsb.stages import stage
 from vsb.stages.stage import run_task, specification
 from vsb.study import keys, specs, take_off, waves
 from vsb.study.keys import UNITS
@@ -180,7 +179,7 @@ def test_recipe_of_a_stage(seed, tmp_path, monkeypatch):
         content_id=content_id,
     )
     monkeypatch.setitem(sys.modules, "vsb.stages.draft", SimpleNamespace(run_draft=made["run_draft"]))
-    monkeypatch.setitem(stage.HOMES, "draft", "draft")
+    monkeypatch.setitem(STAGES, "draft", Stage("modes", "draft", "how deep a buoy lies"))
     spec = made["DraftSpec"](device=seed.device, water=seed.water)
     out, manifest = str(tmp_path / "draft.txt"), str(tmp_path / "manifest.json")
     run_task(Task("draft", spec, {"out": out, "manifest": manifest}, (out,)))

@@ -11,7 +11,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from vsb.pipeline.costs import JOB_SECONDS
-from vsb.pipeline.tasks import Task, tasks
+from vsb.pipeline.tasks import STAGES, Task, tasks
 from vsb.study.plans import Plan
 from vsb.study.quantities import canonical
 
@@ -37,12 +37,6 @@ RULES = {
     "design_results": "tables, figures and report of a design problem",
 }
 """Rules in the order of the chain, and what they make."""
-_RULE_OF = {
-    "display": "meshes", "deformed": "cross_check", "witness": "cross_check", "ladder": "response",
-    "compare": "results", "figures": "results", "report": "results", "campaign_report": "campaign",
-    "design_report": "design_results",
-}  # fmt: skip
-"""Rule of each stage that does not have the name of its rule."""
 APART = {"mesh", "panels", "coefficients", "members", "design_front", "design_verification"}
 """Rules whose tasks are a job each: they are long, or others wait for one of them alone."""
 BATCHED = {"simulate", "verification", "design_start"}
@@ -103,7 +97,7 @@ def jobs(plan: Plan) -> list[Job]:
         if task.stage == "radiation":  # beside its database
             _making(by_rule, task.needs[0]).append(task)
             continue
-        rule = _RULE_OF.get(task.stage, task.stage)
+        rule = STAGES[task.stage].rule
         groups = by_rule.setdefault(rule, [])
         if rule in APART or rule in BATCHED or not groups:
             groups.append([task])

@@ -6,7 +6,7 @@ The rules of the workflow, a run in one process and the plan of a dry run all fo
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, NamedTuple
 
 from vsb.pipeline import costs
 from vsb.study import figure_names
@@ -19,20 +19,44 @@ from vsb.study.plans import Plan
 from vsb.study.quantities import content_id
 from vsb.study.specs import PanelsSpec
 
-WORDS = {
-    "modes": "shell modes", "display": "the shell deformed by each mode", "green": "Green-function table of the panels",
-    "mesh": "mean wetted mesh", "panels": "a block of frequencies by panels",
-    "spectral": "all frequencies by the spectral solver", "deformed": "meshes of the shell deformed by each mode",
-    "witness": "panels and spectral solver on the deformed shells", "coefficients": "hydro database of the body",
-    "database": "hydro database", "radiation": "radiation memory", "response": "frequency response",
-    "ladder": "control levels", "simulate": "motion in time", "compare": "comparison and doubts",
-    "figures": "figures", "report": "report", "members": "points over the year",
-    "verification": "seas of the year in time", "campaign": "all points together", "campaign_report": "report",
-    "design_start": "a search from one start", "design_front": "the best over the values of a limit",
-    "design_verification": "the best buoys in time", "design_results": "the best buoys together",
-    "design_report": "report",
-}  # fmt: skip
-"""What each stage does."""
+
+class Stage(NamedTuple):
+    """What a task may do: the function `run_STAGE` of a module of `vsb.stages`."""
+
+    rule: str  # of the workflow whose jobs do it
+    module: str
+    words: str
+
+
+STAGES = {
+    "modes": Stage("modes", "shell", "shell modes"),
+    "display": Stage("meshes", "shell", "the shell deformed by each mode"),
+    "green": Stage("green", "panels", "Green-function table of the panels"),
+    "mesh": Stage("mesh", "panels", "mean wetted mesh"),
+    "panels": Stage("panels", "panels", "a block of frequencies by panels"),
+    "spectral": Stage("spectral", "water", "all frequencies by the spectral solver"),
+    "deformed": Stage("cross_check", "panels", "meshes of the shell deformed by each mode"),
+    "witness": Stage("cross_check", "panels", "panels and spectral solver on the deformed shells"),
+    "coefficients": Stage("coefficients", "coefficients", "hydro database of the body"),
+    "database": Stage("database", "water", "hydro database"),
+    "radiation": Stage("database", "frequency", "radiation memory"),
+    "response": Stage("response", "frequency", "frequency response"),
+    "ladder": Stage("response", "frequency", "control levels"),
+    "simulate": Stage("simulate", "simulate", "motion in time"),
+    "compare": Stage("results", "compare", "comparison and doubts"),
+    "figures": Stage("results", "report", "figures"),
+    "report": Stage("results", "report", "report"),
+    "members": Stage("members", "campaign", "points over the year"),
+    "verification": Stage("verification", "verification", "seas of the year in time"),
+    "campaign": Stage("campaign", "campaign", "all points together"),
+    "campaign_report": Stage("campaign", "campaign_report", "report"),
+    "design_start": Stage("design_start", "design", "a search from one start"),
+    "design_front": Stage("design_front", "design", "the best over the values of a limit"),
+    "design_verification": Stage("design_verification", "design_verification", "the best buoys in time"),
+    "design_results": Stage("design_results", "design_results", "the best buoys together"),
+    "design_report": Stage("design_results", "design_report", "report"),
+}
+"""Stages in the order of the chain; the radiation memory of a body is made with its database."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +78,7 @@ class Task:
     def words(self) -> str:
         """What it does, and of several of its kind which."""
         which = PurePosixPath(self.makes[0]).stem if self.stage == "simulate" else ""
-        return f"{WORDS[self.stage]}{which and f' {which}'}"
+        return f"{STAGES[self.stage].words}{which and f' {which}'}"
 
     @property
     def handed(self) -> dict[str, Any]:

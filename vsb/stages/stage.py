@@ -9,28 +9,18 @@ from typing import Any, get_type_hints
 from pydantic import TypeAdapter, ValidationError
 
 from vsb.errors import ConfigError
-from vsb.pipeline.tasks import Task
+from vsb.pipeline.tasks import STAGES, Task
 from vsb.study.quantities import canonical, result_id
 from vsb.study.reading import one_line
 from vsb.study.specs import Spec
 from vsb.tools.stamps import check_product, faults, read_manifest
 
-HOMES = {
-    "modes": "shell", "display": "shell", "green": "panels", "mesh": "panels", "panels": "panels",
-    "deformed": "panels", "witness": "panels", "spectral": "water", "database": "water",
-    "coefficients": "coefficients", "radiation": "frequency", "response": "frequency", "ladder": "frequency",
-    "simulate": "simulate", "compare": "compare", "figures": "report", "report": "report", "members": "campaign",
-    "verification": "verification", "campaign": "campaign", "campaign_report": "campaign_report",
-    "design_start": "design", "design_front": "design", "design_verification": "design_verification",
-    "design_results": "design_results", "design_report": "design_report",
-}  # fmt: skip
-"""Module of each stage, imported when it is at work: the science is not needed to plan."""
 GIVEN = "standard input"
 
 
 def function_of(stage: str) -> Any:
     """Return the function of a stage; imports the science only now."""
-    return getattr(importlib.import_module(f"vsb.stages.{HOMES[stage]}"), f"run_{stage}")
+    return getattr(importlib.import_module(f"vsb.stages.{STAGES[stage].module}"), f"run_{stage}")
 
 
 def run_task(task: Task) -> None:
@@ -77,8 +67,8 @@ def read_tasks(text: str) -> Iterator[Task]:
     except (ValidationError, TypeError):
         raise ConfigError(f"{GIVEN}: received {text[:40]}, {needs}") from None
     for task in found:
-        if task.stage not in HOMES:
-            raise ConfigError(f"{GIVEN}: stage: received {task.stage}, needs one of {', '.join(HOMES)}")
+        if task.stage not in STAGES:
+            raise ConfigError(f"{GIVEN}: stage: received {task.stage}, needs one of {', '.join(STAGES)}")
     yield from found
 
 
