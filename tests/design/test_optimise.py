@@ -142,13 +142,16 @@ def test_an_optimum_beyond_the_last_shell_that_rests_is_shown_and_not_accepted()
     assert found.point.values[0] <= 2.5
 
 
-def test_starts_are_a_function_of_the_seed_and_those_without_a_buoy_are_replaced():
-    first, again = ([*start_places(5, 3, 7, np.full(3, 0.5))] for _ in range(2))
-    assert all((a[0] == b[0]).all() for a, b in zip(first, again, strict=True))
-    assert (first[0][0] == 0.5).all()
-    assert len({tuple(one[0]) for one in first}) == 5
-    other = [*start_places(5, 3, 8, None)]
-    assert (other[1][0] != first[1][0]).any()
+def test_starts_are_a_function_of_the_seed_and_their_number_and_those_without_a_buoy_are_replaced():
+    """However many there are; each with places of its own where none rests."""
+    every = [[start_places(i, 3, seed, np.full(3, 0.5)) for i in range(5)] for seed in (7, 7, 8)]
+    assert all((a == b).all() for one, other in zip(*every[:2], strict=True) for a, b in zip(one, other, strict=True))
+    assert (every[0][0][0] == 0.5).all()
+    assert len({tuple(place) for one in every[0] for place in one}) == sum(map(len, every[0]))
+    assert (every[2][1][0] != every[0][1][0]).any()
+    sobol = np.array([every[0][0][1], *(one[0] for one in every[0][1:4])])
+    for column in np.sort(sobol, axis=0).T:  # the first four are one in each quarter
+        assert (np.floor(4 * column) == np.arange(4)).all()
 
     def partly(values):
         if values[0] < 4.0:

@@ -5,7 +5,7 @@ line search backs off. What it ends at is moved to the optimum of its active set
 (`vsb.design.certificate`); what is not certified is returned all the same and says why.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -65,16 +65,16 @@ class Optimum:
     evaluations: int  # of the problem so far
 
 
-def start_places(count: int, variables: int, seed: int, given: FloatArray | None) -> Iterator[list[FloatArray]]:
-    """Yield the places each start tries in turn: the study's own first, then those of a scrambled Sobol sequence.
+def start_places(start: int, variables: int, seed: int, given: FloatArray | None) -> list[FloatArray]:
+    """Return the places a start tries in turn: the first the study's own, then its point of a scrambled Sobol sequence.
 
-    They are a function of the seed and the numbers alone.
+    Where no buoy rests there, points of a sequence of its own follow. They are a function of the seed and the start
+    alone: more starts later keep those there are.
     """
-    drawn = qmc.Sobol(variables, seed=seed).random_base2(int(np.ceil(np.log2(count * TRIES))))
-    for i in range(count):
-        own = [given] if given is not None and i == 0 else []
-        others = [drawn[count + i * (TRIES - 1) + k] for k in range(TRIES - 1)]
-        yield [*own, drawn[i], *others]
+    own = [given] if given is not None and start == 0 else []
+    drawn = qmc.Sobol(variables, seed=seed).random_base2(int(np.ceil(np.log2(start + 2))))[start]
+    others = qmc.Sobol(variables, seed=np.random.default_rng([seed, start])).random_base2(int(np.log2(TRIES)))
+    return [*own, drawn, *others[1:]]
 
 
 def first_possible(problem: Problem, places: Sequence[FloatArray]) -> tuple[Point, list[str]]:

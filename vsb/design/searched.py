@@ -69,14 +69,14 @@ def own_place(problem: Problem) -> FloatArray:
     return np.array([one.scaled(one.clipped(own[one.key])) for one in variables])
 
 
-def places(problem: Problem, starts: int, seed: int, start: int) -> list[FloatArray]:
-    """Return the places one of several starts tries in turn."""
+def places(problem: Problem, seed: int, start: int) -> list[FloatArray]:
+    """Return the places a start tries in turn."""
     own = own_place(problem)
-    return [*start_places(starts, len(own), seed, own)][start] if own.size else [own]
+    return start_places(start, len(own), seed, own) if own.size else [own]
 
 
-def from_start(search: Search, climate: Climate, starts: int, seed: int, start: int, seen: Progress) -> Converged:
-    """Return where one of several starts ended.
+def from_start(search: Search, climate: Climate, seed: int, start: int, seen: Progress) -> Converged:
+    """Return where a start ended.
 
     Raises `ConvergenceError` if no buoy rests among the places it tried.
     """
@@ -86,7 +86,7 @@ def from_start(search: Search, climate: Climate, starts: int, seed: int, start: 
         return problem_of(search, climate, degree)
 
     degrees = degrees_of(search)
-    begin, bending = places(of(degrees[0]), starts, seed, start), partial(bending_of, search)
+    begin, bending = places(of(degrees[0]), seed, start), partial(bending_of, search)
     return converged(of, degrees, search.tolerance, begin, seen, bending, uncertain_margins(search))
 
 

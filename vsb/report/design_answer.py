@@ -42,15 +42,16 @@ def with_unit(value: float | None, unit: str = "1") -> str:
 def answer(facts: Facts) -> Answer:
     """Return the answer of a design problem."""
     best, rigid = (powers(facts)[name] for name in (FLEXIBLE, COMPETITOR))
-    stands = [
+    best_of_all = (
         f"The best flexible buoy absorbs {best}, mean over the year of {facts['climate']}; the best rigid "
         f"buoy {rigid} within the same limits: {in_words(facts)}."
-    ]
+    )
     if headline := no_answer(facts):
-        return Answer([headline], ["Computed, but not valid: " + stands[0], *limited(facts)])
+        return Answer([headline], ["Computed, but not valid: " + best_of_all, *limited(facts)])
+    stands = [*fronts(facts), best_of_all]
     if unproven := [name for name in (FLEXIBLE, COMPETITOR) if not facts["found"][name]["accepted"]]:
         stands.append(f"The {' and the '.join(unproven)} shown are not proven optima.")
-    below = [verdict(facts), *in_time(facts), *fronts(facts), *size_or_flexibility(facts), *limited(facts)]
+    below = [verdict(facts), *in_time(facts), *size_or_flexibility(facts), *limited(facts)]
     return Answer(stands, below)
 
 
@@ -136,7 +137,7 @@ def fronts(facts: Facts) -> list[str]:
         if len(each) > LISTED:
             largest = max(range(1, len(each) - 1), key=lambda i: points[i]["gain"]["value"])
             each = [each[0], each[largest], each[-1]]
-        found.append(f"With other limits of the {in_full(limit)} {where_it_gains(limit, points)}: {', '.join(each)}.")
+        found.append(f"{where_it_gains(limit, points)}: {', '.join(each)}.")
     return found
 
 
@@ -146,16 +147,16 @@ def where_it_gains(limit: str, points: Sequence[Mapping[str, Any]]) -> str:
     values = [with_unit(one["limit"], unit_of(limit)) for one in points]
     count = sum(gains)
     if not count:
-        return "flexibility gains at none by more than the errors known"
+        return f"Flexibility gains at no limit of the {in_full(limit)} by more than the errors known"
     if count == len(points):
-        return "flexibility gains at all by more than the errors known"
+        return f"Flexibility gains at all limits of the {in_full(limit)} by more than the errors known"
     if all(gains[:count]):
         where = f"{values[count - 1]} or less"
     elif all(gains[-count:]):
         where = f"{values[-count]} or more"
     else:
         where = " and ".join(value for value, gain in zip(values, gains, strict=True) if gain)
-    return f"flexibility gains by more than the errors known at {where}"
+    return f"Flexibility gains by more than the errors known with the {in_full(limit)} limited to {where}"
 
 
 def limited(facts: Facts) -> list[str]:
@@ -206,15 +207,24 @@ def grouped(multipliers: Mapping[str, float]) -> dict[str, float]:
     return dict(sorted(found.items(), key=lambda one: -one[1]))
 
 
+LEAST_WORTH = 0.01
+"""What a wider limit brings up to which it is not told from errors [%]."""
+
+
+def brings(percent: float) -> str:
+    """Return what a wider limit brings [%] in words."""
+    return f"{percent:+.2g} %" if abs(percent) >= LEAST_WORTH else f"less than {LEAST_WORTH:g} %"
+
+
 def worth(facts: Facts, name: str, multiplier: float) -> str:
     """Return what a wider limit would bring, by its multiplier: 0.1 m more beam: +2.1 %."""
     if name not in LIMITS:
         if name == "thin_shell":
-            return f"thickness of a tenth of the radius (10 % more: {10 * multiplier:+.2g} %)"
-        return f"the {name} (a tenth of its range beyond: {10 * multiplier:+.2g} %)"
+            return f"thickness of a tenth of the radius (10 % more: {brings(10 * multiplier)})"
+        return f"the {name} (a tenth of its range beyond: {brings(10 * multiplier)})"
     limit, unit = facts["limits"][name], unit_of(name)
     step = WIDENED.get(name)
     share = 0.1 if step is None else abs(step) / limit
     size = "10 %" if step is None else with_unit(abs(step), unit)
     more = "less" if step is not None and step < 0 else "more"
-    return f"{in_full(name)} of {with_unit(limit, unit)} ({size} {more}: {100 * multiplier * share:+.2g} %)"
+    return f"{in_full(name)} of {with_unit(limit, unit)} ({size} {more}: {brings(100 * multiplier * share)})"

@@ -26,7 +26,7 @@ def run_design_start(spec: DesignStartSpec, climate: str, out: str) -> None:
     """Optimise from one start and write where it ended."""
     seas, keys = read_climate(spec.search.climate, climate), [one.key for one in spec.search.variables]
     try:
-        found = from_start(spec.search, seas, spec.starts, spec.seed, spec.start, BestSoFar(spec.search))
+        found = from_start(spec.search, seas, spec.seed, spec.start, BestSoFar(spec.search))
         result = Outcome.of(found, keys).dataset
     except ConvergenceError as error:
         result = failed(str(error))
@@ -64,6 +64,9 @@ def run_design_front(spec: DesignFrontSpec, climate: str, starts: str, out: str)
 def front(search: Search, climate: Climate, limit: str, values: Sequence[float], first: Outcome) -> xr.Dataset:
     """Return the best buoys over the values of a limit.
 
+    Each is begun at the best buoy of its neighbour, from the one nearest to the search's own outwards, and then once
+    more from its other neighbour: the better of both.
+
     Parameters
     ----------
     values : sequence of float
@@ -72,34 +75,41 @@ def front(search: Search, climate: Climate, limit: str, values: Sequence[float],
         The best buoy of the search itself: it is where the value next to its own begins.
     """
     has = first.quantities.get(limit, search.limits.get(limit, values[-1]))
-    nearest = int(np.argmin([abs(math.log(value / has)) for value in values]))
-    ends: dict[int, Outcome | None] = {}
-    keys = [one.key for one in search.variables]
-    for order in (range(nearest, len(values)), range(nearest - 1, -1, -1)):
-        begin = ends.get(nearest) or first
-        for i in order:
-            wanted = search.model_copy(update={"limits": {**search.limits, limit: values[i]}})
-            problem = problem_of(wanted, climate, first.degree)
-            try:
-                start = problem.at(problem.place(list(begin.values)))
-                found = optimised(problem, start)
-            except IMPOSSIBLE:
-                ends[i] = None
-                continue
-            try:
-                at_degree = cache(partial(problem_of, wanted, climate))
-                finer_at = partial(finer_of, wanted, at_degree, degree=first.degree)
-                margins_of = uncertain_margins(wanted)
-                uncertain = partial(margins_of, problem) if margins_of else None
-                found, known = within_margins(problem, found, finer_at, uncertain)
-            except IMPOSSIBLE as error:
-                message = f"with more shell modes than to degree {first.degree} it has no stable rest shape: {error}"
-                found, known = replace(found, accepted=False, message=message), Finer(None, np.array([]))
-            margins = dict(zip(problem.limit_names, map(float, known.margins), strict=False))
-            made = problem.evaluations
-            end = Outcome.at(found, keys, start.values, first.degree, known.truncation, made, margins)
-            ends[i] = begin = end
-    return as_dataset(limit, [(values[i], end) for i, end in sorted(ends.items()) if end is not None])
+    nearest, last = int(np.argmin([abs(math.log(value / has)) for value in values])), len(values) - 1
+    ends: dict[int, Outcome] = {}
+    outwards = [(i, i - 1) for i in range(nearest, last + 1)] + [(i, i + 1) for i in range(nearest - 1, -1, -1)]
+    inwards = [(i, i + 1) for i in range(last - 1, -1, -1)] + [(i, i - 1) for i in range(1, last + 1)]
+    begun: dict[int, set[bytes]] = {i: set() for i in range(last + 1)}
+    for i, neighbour in (*outwards, *inwards):
+        begin = ends.get(neighbour, first)
+        if begin.values.tobytes() in begun[i]:
+            continue
+        begun[i].add(begin.values.tobytes())
+        limited = search.model_copy(update={"limits": {**search.limits, limit: values[i]}})
+        found = _best_from(limited, climate, begin, first.degree)
+        if found and (i not in ends or (found.accepted, found.objective) > (ends[i].accepted, ends[i].objective)):
+            ends[i] = found
+    return as_dataset(limit, [(values[i], end) for i, end in sorted(ends.items())])
+
+
+def _best_from(search: Search, climate: Climate, begin: Outcome, degree: int | None) -> Outcome | None:
+    """The best buoy of a search from where another ended; None if there is no such buoy at rest."""
+    of = cache(partial(problem_of, search, climate))
+    problem, margins_of = of(degree), uncertain_margins(search)
+    try:
+        start = problem.at(problem.place(list(begin.values)))
+        found = optimised(problem, start)
+    except IMPOSSIBLE:
+        return None
+    uncertain = partial(margins_of, problem) if margins_of else None
+    try:
+        found, known = within_margins(problem, found, partial(finer_of, search, of, degree=degree), uncertain)
+    except IMPOSSIBLE as error:
+        message = f"with more shell modes than to degree {degree} it has no stable rest shape: {error}"
+        found, known = replace(found, accepted=False, message=message), Finer(None, np.array([]))
+    margins = dict(zip(problem.limit_names, map(float, known.margins), strict=False))
+    keys, made = [one.key for one in search.variables], problem.evaluations
+    return Outcome.at(found, keys, start.values, degree, known.truncation, made, margins)
 
 
 def as_dataset(limit: str, points: Sequence[tuple[float, Outcome]]) -> xr.Dataset:

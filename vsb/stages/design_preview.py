@@ -80,7 +80,7 @@ def _tried(one: Prepared, seed: int) -> Tried:
     """The buoy that the first start begins at."""
     problem = one.problem
     try:
-        place = first_possible(problem, places(problem, len(one.starts), seed, 0))[0].place
+        place = first_possible(problem, places(problem, seed, 0))[0].place
     except ConvergenceError as error:
         return Tried(None, 0.0, str(error))
     seconds = []

@@ -93,7 +93,7 @@ class DesignPlan(ResultsFolder):
         """Specs of the starts of a search by id; without variables there is one."""
         problem = self.loaded.problem
         count = problem.starts if search.variables else 1
-        found = [DesignStartSpec(search=search, starts=count, seed=problem.seed, start=i) for i in range(count)]
+        found = [DesignStartSpec(search=search, seed=problem.seed, start=i) for i in range(count)]
         return {content_id(spec): spec for spec in found}
 
     @cached_property
