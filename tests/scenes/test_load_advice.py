@@ -5,6 +5,7 @@ import re
 import pytest
 
 from vsb.errors import ConfigError
+from vsb.results.ledger import shell_checks
 from vsb.scenes.load_advice import advised
 from vsb.scenes.rest import computed_buckling, reference_shell
 from vsb.scenes.viability import static_strain
@@ -62,3 +63,19 @@ def test_modulus_and_pressure_that_are_advised_carry_the_shell_at_strains_hookes
     rest = reference_shell(better)
     assert static_strain(rest.basis, rest.modal_amplitude) < 0.1
     assert computed_buckling(better).load_factor > 1.0
+
+
+def test_what_is_advised_about_the_undeformed_shape_passes_its_checks():
+    """The pressure from which a shell of 10 MPa does not buckle strains it beyond the 10 % of Hooke's law: raising the
+    pressure and then a stiffer shell would be advised in turn.
+    """
+    study = soft({}, mass=17170.0).model_copy(update={"reference_shape": "undeformed"})
+    (line,) = (check for check in shell_checks(study, reference_shell(study)) if check.name == "computed_buckling")
+    words = r"where its law ends at 10 %; from about (\S+) mm at (\S+) Pa, or from young_modulus (\S+) MPa at (\S+) Pa"
+    wall, at, modulus, pressure = map(float, re.search(words, line.explanation).groups())
+    for changes in (
+        {"thickness": 1e-3 * wall, "internal_pressure": at},
+        {"young_modulus": 1e6 * modulus, "internal_pressure": pressure},
+    ):
+        better = study.model_copy(update={"device": study.device.model_copy(update=changes)})
+        assert all(check.verdict != "fail" for check in shell_checks(better, reference_shell(better)))

@@ -4,7 +4,6 @@ Checks of runs are in `vsb.results.run_checks`, those of control levels beside t
 """
 
 import json
-import math
 from collections.abc import Collection, Sequence
 from dataclasses import asdict, replace
 from itertools import product
@@ -21,11 +20,11 @@ from vsb.results.comparison import Row
 from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import batches_in, families
 from vsb.scenes.floating_system import band
+from vsb.scenes.load_advice import advice_undeformed, viable
 from vsb.scenes.rest import carries_load, complete_at_rest, complete_loaded_shell, computed_buckling, loaded_shell
 from vsb.scenes.viability import MOST_LOAD, rubber_load_factor, static_modal_amplitude, static_strain
 from vsb.shell.azimuthal import softest_order
 from vsb.shell.deformed import ReferenceShell
-from vsb.shell.loaded import viable_pressure
 from vsb.shell.lobes import LobedShell
 from vsb.shell.materials import Range
 from vsb.shell.shell import Shell
@@ -223,17 +222,23 @@ def wrinkling_check(study: Study) -> Check:
 
 
 def _viable_text(study: Study) -> str:
-    """Say from which internal pressure the shell is viable, and at what strain."""
+    """Say from which internal pressure the shell is viable, at what strain; if its law ends below that, what would do.
+
+    About the equilibrium the growing load decides, which `vsb.scenes.load_advice.advice` follows. Walls of other shapes
+    than spheres are not tried: lobes of one take a minute.
+    """
+    tried = study.device.shape is None and not study.at_equilibrium
     try:
-        sphere = study.device.shape is None
-        lobes = (lambda _: ()) if sphere else (lambda loaded: LobedShell.of(loaded).pencils())
-        pressure, found = viable_pressure(study.device, study.centre_height, study.water, lobes)
+        pressure, strain = viable(study)
     except ConvergenceError as error:
-        return f"; {error}"
-    strain = f"{100 * found.linear_strain:.2g} % linear strain at rest"
-    least = float(f"{pressure:.3e}")
-    least += 10.0 ** (math.floor(math.log10(least)) - 3) if 0 < least < pressure else 0.0  # rounded up: it holds there
-    return f"; by linear buckling viable from device.internal_pressure = {plain(least)} Pa, at {strain}"
+        return f"; {error}; {advice_undeformed(study)}" if tried else f"; {error}"
+    text = f"; by linear buckling viable from device.internal_pressure = {plain(pressure)} Pa, at {100 * strain:.2g} % "
+    text += "linear strain at rest"
+    holds = Shell.of(study.device).law.range
+    if study.at_equilibrium or not holds.is_invalid(strain):
+        return text
+    text += f", where its law ends at {100 * holds.invalid:g} %"
+    return f"{text}; {advice_undeformed(study)}" if tried else f"{text}: more pressure is no remedy for this shell"
 
 
 def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:

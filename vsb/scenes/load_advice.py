@@ -4,11 +4,11 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from vsb.errors import ConfigError
+from vsb.errors import ConfigError, ConvergenceError
 from vsb.scenes.rest import complete_loaded_shell
 from vsb.scenes.viability import static_strain
-from vsb.shell.loaded import buckling, stable_path
-from vsb.shell.lobes import with_lobes
+from vsb.shell.loaded import buckling, stable_path, viable_pressure
+from vsb.shell.lobes import LobedShell, with_lobes
 from vsb.shell.shell import Shell
 from vsb.study.device import Gas
 from vsb.study.material import Hookean
@@ -26,6 +26,8 @@ TRIALS = 4
 """Most walls, or moduli, that linear buckling allows and whose rest shape is followed under the growing load."""
 
 
+CLOSE = 1.05
+"""Likewise where the strain at rest says how much more is needed."""
 OVERSTRAINED = 1.5
 """Linear strain at rest over the largest its law holds for, beyond which the true one, a lesser, is not computed."""
 
@@ -70,6 +72,55 @@ def advice(study: Study) -> str:
     if not found:
         return f"{none}, and no thin wall, nor a modulus {MOST:g} times as large, does; needs a smaller radius"
     return f"{none}; from {', or from '.join(found)}, it stands (tried)"
+
+
+class Viable(NamedTuple):
+    """The least internal pressure at which a shell does not buckle by linear theory, and its strain there."""
+
+    pressure: float  # rounded up to four digits [Pa]
+    strain: float  # linear, at rest [-]
+
+
+def viable(study: Study) -> Viable:
+    """Return from which internal pressure a shell is viable by linear buckling, into lobes too if it is no sphere.
+
+    Raises `ConvergenceError` if no pressure suffices.
+    """
+    sphere = study.device.shape is None
+    lobes = (lambda _: ()) if sphere else (lambda loaded: LobedShell.of(loaded).pencils())
+    pressure, found = viable_pressure(study.device, study.centre_height, study.water, lobes)
+    least = float(f"{pressure:.3e}")
+    least += 10.0 ** (math.floor(math.log10(least)) - 3) if 0 < least < pressure else 0.0  # it holds there
+    return Viable(float(f"{least:.3e}"), found.linear_strain)
+
+
+def advice_undeformed(study: Study) -> str:
+    """Return in words the least wall and the least modulus that carry the load about the undeformed shape.
+
+    Each is tried by what judges such a study: linear buckling at the pressure named, and the linear strain there within
+    those the law of the material holds for. Strain falls with the wall and with the modulus.
+    """
+    found = [text for of_wall in (True, False) if (text := _least_undeformed(study, of_wall=of_wall))]
+    if not found:
+        return f"no thin wall, nor a modulus {MOST:g} times as large, does; needs a smaller radius"
+    return f"from {', or from '.join(found)}, it stands (tried)"
+
+
+def _least_undeformed(study: Study, *, of_wall: bool) -> str:
+    """The least wall, or modulus, that is viable at a strain its law holds for, in words; empty if none is."""
+    factor, size, stiffer = 1.0, _size(study, of_wall=of_wall), study
+    while True:
+        try:
+            pressure, strain = viable(stiffer)
+            if strain < _range(study):
+                return f"{_words(stiffer, of_wall=of_wall)} at {pressure:g} Pa"
+            factor *= max(CLOSE, strain / _range(study))
+        except ConvergenceError:
+            factor *= STEP
+        factor = _rounded_up(factor * size) / size  # what is tried is what is said
+        if factor > MOST or (next_one := _stiffer(study, factor, of_wall=of_wall)) is None:
+            return ""
+        stiffer = next_one
 
 
 def _least(study: Study, trials: Sequence[Trial], *, of_wall: bool) -> str:
