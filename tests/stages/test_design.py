@@ -332,6 +332,12 @@ def test_init_writes_a_design_and_its_study(folder, monkeypatch, capsys):
     assert "received several, needs at most one of them" in capsys.readouterr().err
 
 
+def test_more_starts_keep_those_there_are(folder):
+    few, many = (planned(folder, "several", MANY, starts=count) for count in (2, 5))
+    assert list(many.starts)[:2] == list(few.starts)
+    assert list(many.rigid_starts)[:2] == list(few.rigid_starts)
+
+
 def test_a_front_asked_for_later_keeps_the_starts(folder):
     one, two = planned(folder, "later"), planned(folder, "later", pareto={"force_rms": [1e4]})
     assert [*one.starts] == [*two.starts]
