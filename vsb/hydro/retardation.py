@@ -1,7 +1,8 @@
 """Retardation kernel and the Kramers-Kronig relations of radiation, from damping over frequency.
 
 The damping is a cubic spline through the solved frequencies and through B(0) = 0 (B ~ omega^3 in deep water, omega in
-finite depth), continued above the band as omega^-3, the decay of a body that meets the surface at a right angle.
+finite depth), continued above the band as omega^-3, the decay of a body that meets the surface at a right angle. All
+that follows from it is linear in the values at the solved frequencies: a sum with weights that all motions share.
 """
 
 from dataclasses import dataclass
@@ -30,36 +31,35 @@ class DampingSpectrum:
         if not (np.isfinite(self.omega).all() and np.isfinite(self.damping).all()):
             raise DatabaseError("radiation damping: received NaN or infinite values; solve these frequencies again.")
 
-    def combined(self, combinations: FloatArray) -> "DampingSpectrum":
-        """Return the spectrum of combinations of the motions, shape (dof, combination): all transforms are linear."""
-        return DampingSpectrum(self.omega, combinations.T @ self.damping @ combinations)
-
     @property
     def diagonal(self) -> "DampingSpectrum":
-        """The spectrum of each motion by itself, its damping of shape (omega, dof, 1)."""
-        return DampingSpectrum(self.omega, np.einsum("wii->wi", self.damping)[..., None])
+        """The spectrum of each motion by itself, its damping of shape (omega, dof)."""
+        return DampingSpectrum(self.omega, np.einsum("wii->wi", self.damping))
 
-    @cached_property
-    def spline(self) -> CubicSpline:
-        """Cubic spline of the damping over [0, omega_max], zero at 0."""
-        omega = np.concatenate([[0.0], self.omega])
-        damping = np.concatenate([np.zeros_like(self.damping[:1]), self.damping])
-        flat = np.zeros_like(self.damping[0])
-        return CubicSpline(omega, damping, bc_type=("not-a-knot", (2, flat)))
+    def combined(self, combinations: FloatArray) -> "DampingSpectrum":
+        """Return the spectrum of combinations of the motions, shape (dof, combination)."""
+        return DampingSpectrum(self.omega, combinations.T @ self.damping @ combinations)
 
     @cached_property
     def _quadrature(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Gauss points within every spline interval: frequencies, weights, damping there."""
-        edges = self.spline.x
+        """Gauss points within every spline interval: frequencies, weights, shares of the solved values there."""
+        edges = np.append(0.0, self.omega)
         half = np.diff(edges)[:, None] / 2
         nodes = ((edges[:-1] + edges[1:])[:, None] / 2 + half * _NODE).ravel()
-        return nodes, (half * _WEIGHT).ravel(), self.spline(nodes)
+        return nodes, (half * _WEIGHT).ravel(), self.shares(nodes)
 
-    @property
-    def _tail(self) -> FloatArray:
-        """Damping at the end of the band, beyond which it falls as omega^-3."""
-        end: FloatArray = self.damping[-1]
-        return end
+    @cached_property
+    def _unit(self) -> CubicSpline:
+        """Cubic splines over [0, omega_max], each one at one solved frequency and zero at the others and at 0."""
+        count = len(self.omega)
+        ends = "not-a-knot", (2, np.zeros(count))
+        return CubicSpline(np.append(0.0, self.omega), np.eye(count + 1)[:, 1:], bc_type=ends)
+
+    def shares(self, omega: FloatArray) -> FloatArray:
+        """Return the shares of the solved values in the damping at any frequency, shape (omega, solved) [-]."""
+        top = self.omega[-1]
+        fall = np.minimum(1.0, top / np.maximum(omega, 1e-12)) ** 3
+        return np.asarray(self._unit(np.minimum(omega, top)) * fall[:, None])
 
     def kernel(self, time: FloatArray) -> FloatArray:
         """Return the retardation kernel K(t) = (2/pi) int B cos(omega t) d omega, shape (time, dof, dof) [kg/s^2].
@@ -67,42 +67,39 @@ class DampingSpectrum:
         Eight Gauss points per interval are exact to round-off up to t = 10/(frequency step). The tail integral is a
         generalized exponential integral, int_W^inf cos(wt) w^-3 dw = Re E_3(iWt)/W^2.
         """
-        nodes, weights, values = self._quadrature
+        nodes, weights, shares = self._quadrature
         top = self.omega[-1]
-        band = np.cos(np.outer(time, nodes)) @ (weights[:, None] * values.reshape(len(nodes), -1))
-        tail = np.outer(np.real(_e3(1j * top * time)) * top, self._tail.ravel())
-        kernel: FloatArray = 2 / np.pi * (band + tail).reshape(len(time), *self.damping.shape[1:])
-        return kernel
+        rows = np.cos(np.outer(time, nodes)) @ (weights[:, None] * shares)
+        rows[:, -1] += np.real(_e3(1j * top * time)) * top
+        return np.asarray(2 / np.pi * np.tensordot(rows, self.damping, 1))
 
-    def added_mass_difference(self, omega: FloatArray) -> FloatArray:
-        """Return A(omega) - A(infinity) by Kramers-Kronig, shape (omega, dof, dof) [kg].
+    def added_mass_shares(self, omega: FloatArray) -> FloatArray:
+        """Return the weights of the solved damping in A(omega) - A(infinity) by Kramers-Kronig, (omega, solved) [s].
 
         -(2/pi) PV int B(v)/(omega^2 - v^2) dv, with the singularity taken out: PV int dv/(omega^2 - v^2) = 0.
         """
-        nodes, weights, values = self._quadrature
+        nodes, weights, shares = self._quadrature
         top = self.omega[-1]
         u = 0.5 * (_TAIL_NODE + 1)  # v = top/u beyond the band
         beyond, beyond_weight = top / u, 0.5 * _TAIL_WEIGHT * top / u**2
-        v, w = np.concatenate([nodes, beyond]), np.concatenate([weights, beyond_weight])
-        b = np.concatenate([values, u[:, None, None] ** 3 * self._tail])
-        here = self.at(omega)
-        kernel = w / (omega[:, None] ** 2 - v**2)
-        integral = np.tensordot(kernel, b, 1) - kernel.sum(axis=1)[:, None, None] * here
-        difference: FloatArray = -2 / np.pi * integral
-        return difference
+        within = weights / (omega[:, None] ** 2 - nodes**2)
+        above = beyond_weight / (omega[:, None] ** 2 - beyond**2)
+        rows = within @ shares - (within.sum(axis=1) + above.sum(axis=1))[:, None] * self.shares(omega)
+        rows[:, -1] += above @ u**3
+        return np.asarray(-2 / np.pi * rows)
+
+    def added_mass_difference(self, omega: FloatArray) -> FloatArray:
+        """Return A(omega) - A(infinity) by Kramers-Kronig, shape (omega, dof, dof) [kg]."""
+        return np.asarray(np.tensordot(self.added_mass_shares(omega), self.damping, 1))
 
     def at(self, omega: FloatArray) -> FloatArray:
         """Return the damping at any frequency, shape (omega, dof, dof) [kg/s]."""
-        top = self.omega[-1]
-        inside: FloatArray = self.spline(np.minimum(omega, top))
-        fall = np.minimum(1.0, top / np.maximum(omega, 1e-12)) ** 3
-        damping: FloatArray = inside * fall[:, None, None]
-        return damping
+        return np.asarray(np.tensordot(self.shares(omega), self.damping, 1))
 
     def transfer(self, omega: FloatArray) -> ComplexArray:
         """Return K(s = i omega) = B + i omega (A - A(infinity)), shape (omega, dof, dof) [kg/s]."""
-        transfer: ComplexArray = self.at(omega) + 1j * omega[:, None, None] * self.added_mass_difference(omega)
-        return transfer
+        rows = self.shares(omega) + 1j * omega[:, None] * self.added_mass_shares(omega)
+        return np.asarray(np.tensordot(rows, self.damping, 1))
 
 
 def _e3(z: ComplexArray) -> ComplexArray:

@@ -410,12 +410,6 @@ class _WetModes:
         damping = self.system.spectrum.damping
         return self._projected(damping).reshape(len(damping), -1)
 
-    @cached_property
-    def _unit(self) -> DampingSpectrum:
-        """The damping of one in turn at each solved frequency: what follows from the damping is linear in these."""
-        omega = self.system.spectrum.omega
-        return DampingSpectrum(omega, np.eye(len(omega))[:, None])
-
     def _projected(self, matrix: FloatArray) -> FloatArray:
         """A matrix in the motions allowed."""
         return np.asarray(self.motions.T @ matrix @ self.motions)
@@ -435,8 +429,8 @@ class _WetModes:
         """M + A at a frequency, (free, free) [kg]."""
         if not self.system.axisymmetric:
             return self._projected(self.system.mass + self.system.added_mass_at(omega))
-        weights = self._unit.added_mass_difference(np.array([omega]))[0, 0]
-        return np.asarray(self._mass + (weights @ self._damping).reshape(self._mass.shape))
+        shares = self.system.spectrum.added_mass_shares(np.array([omega]))[0]
+        return np.asarray(self._mass + (shares @ self._damping).reshape(self._mass.shape))
 
     def _eigen(self, omega: float) -> tuple[FloatArray, FloatArray]:
         """All w^2 mu_i, largest first, and their shapes of unit stiffness (free, held)."""
@@ -456,7 +450,7 @@ class _WetModes:
     def damping_ratio(self, omega: float, i: int) -> float:
         """Return the damping ratio of a natural mode at its frequency [-]."""
         shape, still = self._eigen(omega)[1][:, i], self.shape(omega, i)
-        radiated = self._unit.at(np.array([omega]))[0, 0] @ self._damping @ np.outer(shape, shape).ravel()
+        radiated = self.system.spectrum.shares(np.array([omega]))[0] @ self._damping @ np.outer(shape, shape).ravel()
         return float(omega * (radiated + still @ self.system.damping_at(np.asarray(omega)) @ still) / 2)
 
     def count_below(self, omega: float) -> int:
@@ -486,9 +480,9 @@ class _WetModes:
         mass, damping = shape @ self._mass @ shape, self._damping @ np.outer(shape, shape).ravel()
 
         def beyond(omega: float) -> float:
-            weights = self._unit.added_mass_difference(np.array([omega]))[0, 0]
+            shares = self.system.spectrum.added_mass_shares(np.array([omega]))[0]
             stiffness = shape @ self._stiffness(omega) @ shape
-            return float(omega**2 * (mass + weights @ damping) - stiffness)
+            return float(omega**2 * (mass + shares @ damping) - stiffness)
 
         return float(brentq(beyond, 1e-3, upper, xtol=1e-11)) if beyond(1e-3) < 0 < beyond(upper) else upper
 

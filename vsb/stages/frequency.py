@@ -67,7 +67,7 @@ def run_radiation(spec: RadiationSpec, database: str, out: str) -> None:
                 "state_matrix": (("state", "state_in"), model.state_matrix),
                 "input_matrix": (("state", "radiating_dof"), model.input_matrix),
                 "channel": (channels, model.channel),
-                "kernel": (("time", "radiating_dof"), spectrum.diagonal.kernel(time)[..., 0]),
+                "kernel": (("time", "radiating_dof"), spectrum.diagonal.kernel(time)),
                 "kernel_state_space": (("time", "radiating_dof"), model.own_kernels(time)),
                 "damping_state_space": (("omega", "radiating_dof"), np.einsum("wii->wi", damping)),
                 **own,
