@@ -52,8 +52,8 @@ class DampingSpectrum:
     def _unit(self) -> CubicSpline:
         """Cubic splines over [0, omega_max], each one at one solved frequency and zero at the others and at 0."""
         count = len(self.omega)
-        ends = "not-a-knot", (2, np.zeros(count))
-        return CubicSpline(np.append(0.0, self.omega), np.eye(count + 1)[:, 1:], bc_type=ends)
+        ones, flat = np.eye(count + 1)[:, 1:], np.zeros(count)
+        return CubicSpline(np.append(0.0, self.omega), ones, bc_type=("not-a-knot", (2, flat)))
 
     def shares(self, omega: FloatArray) -> FloatArray:
         """Return the shares of the solved values in the damping at any frequency, shape (omega, solved) [-]."""

@@ -29,8 +29,9 @@ WORTH = 0.6
 """Part of all motions up to which reduced ones are worth their making."""
 SWEEP_POINTS = 48
 """Frequencies of the band to choose from; between each two the error is measured."""
-BEYOND, OF_START, FURTHER = 4.0, 20.0, 33
-"""End of the frequencies looked at above the band, over its end and over the start's own, and their number."""
+BEYOND, OF_START, FURTHER = 4.0, 20.0, 32
+"""End of the frequencies looked at above the band, over its end and over the start's own, and their number; even, so
+that the last one may be chosen."""
 FAINT = 1e-4
 """Part of the largest power in the band below which errors of a power are relative to this part [-]."""
 NEW = 5e-5
@@ -110,7 +111,8 @@ def reduced_motions(
         power, moved = problem.errors(reduced)
         if power.max() <= PRECISION and moved.max() <= TRANSIENT:
             return ReducedMotions(motions @ reduced, float(power.max()), motions.shape[1])
-        chosen = [max(choice, key=lambda k: max(power[k] / PRECISION, moved[k] / TRANSIENT))]
+        worst = list(dict.fromkeys(max(choice, key=error.__getitem__) for error in (power, moved)))
+        chosen = [k for k in worst if power[k] > PRECISION or moved[k] > TRANSIENT] or worst
     return whole
 
 
