@@ -10,12 +10,15 @@ import numpy as np
 import pytest
 from conftest import varied
 
+from vsb.results.ledger import ring_width_checks
+from vsb.scenes.floating_system import floating_system
 from vsb.scenes.mode_convergence import ModeConvergence, beyond
 from vsb.scenes.rest import design_motions, reference_shell
 from vsb.scenes.ring_loads import has_attachment_modes, with_rings
 from vsb.shell.elastic import ElasticShell
 from vsb.shell.modes import mode_basis
-from vsb.shell.rings import RingModes, along_wall, normal_to_wall
+from vsb.shell.rings import HIGHEST, RingModes, along_wall, normal_to_wall
+from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.sections import Modes
 from vsb.waves.seas import sea
@@ -126,3 +129,20 @@ def test_design_that_loads_no_ring_moves_in_its_modes_alone(seed):
 def test_rings_of_other_shells_and_chosen_modes_have_no_modes_of_their_own(seed, changes):
     assert has_attachment_modes(varied(seed, modes={"basis": "full", "degree": 9}))
     assert not has_attachment_modes(varied(seed, **{"modes": {"basis": "full", "degree": 9}, **changes}))
+
+
+def test_rings_as_wide_as_the_wall_feel_degrees_to_radius_over_thickness(seed, tmp_path):
+    """Gain at 2.5 s with degrees to 60, 90 and all: -61.14, -61.27, -61.41 %; to r/h = 200 about 0.06 points are left."""
+    study = varied(
+        seed, modes={"basis": "full", "degree": 42}, designs=CLAMPED, waves=regular(2.5), hydro={"omega_max": 5.0}
+    )
+    plan = StudyPlan(study, root=str(tmp_path))
+    make(plan, [plan.database_path])
+    omega = np.array([2 * np.pi / 2.5])
+    for highest, expected in ((60, -61.14), (90, -61.27), (HIGHEST, -61.41)):
+        ports = floating_system(study, plan.database_path, highest).ports(omega)
+        rigid, clamped = (float(ports[design].best_power[0]) for design in CLAMPED)
+        assert 100 * (clamped / rigid - 1) == pytest.approx(expected, abs=0.03)
+    (check,) = ring_width_checks(study, plan.database_path)
+    assert (check.design, check.verdict) == ("CLAMPED", "ok")
+    assert 0.001 < check.value < 0.0025

@@ -15,6 +15,7 @@ ADVICE = {
     "angles": "angles in degrees",
     "specific_energy": "a thicker shell, or a smaller damper: the material converts less than the waves offer",
     "modes_left_out": "modes: {basis: full} and a higher degree, or modes: {tolerance: 0.005}",
+    "ring_width": "rings further apart, by several thicknesses of the wall",
     "reference_power": "longer waves, in which the rigid design absorbs power",
     "fair_damping": "pto.tuning: each, or read the gains at optimal damping",
     "energy_residual": "lower simulation.tolerance",

@@ -15,18 +15,28 @@ import xarray as xr
 from vsb.errors import ConvergenceError
 from vsb.hydro import witness
 from vsb.hydro.database import Check, Verdict, check_at_most, stored_checks
+from vsb.motion.tuning import best_dampers
 from vsb.results.budget import MODES
 from vsb.results.comparison import Row
 from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import batches_in, families
-from vsb.scenes.floating_system import band
+from vsb.scenes.floating_system import band, expected_sea, floating_system, port_in_seas
 from vsb.scenes.load_advice import advice_undeformed, viable
-from vsb.scenes.rest import carries_load, complete_at_rest, complete_loaded_shell, computed_buckling, loaded_shell
+from vsb.scenes.rest import (
+    carries_load,
+    complete_at_rest,
+    complete_loaded_shell,
+    computed_buckling,
+    loaded_at_ring,
+    loaded_shell,
+)
+from vsb.scenes.ring_loads import has_attachment_modes, ring_loads
 from vsb.scenes.viability import MOST_LOAD, rubber_load_factor, static_modal_amplitude, static_strain
 from vsb.shell.azimuthal import softest_order
 from vsb.shell.deformed import ReferenceShell
 from vsb.shell.lobes import LobedShell
 from vsb.shell.materials import Range
+from vsb.shell.rings import HIGHEST
 from vsb.shell.shell import Shell
 from vsb.shell.surface import largest_displacement
 from vsb.study.blocks import no_witness
@@ -49,6 +59,8 @@ ORDERS, FOLDED = 12, 32
 """Azimuthal orders, and Legendre degrees, of the wrinkles that are looked for."""
 WRINKLED = 1e-6
 """Compression over tension that is round-off."""
+RING_WIDTH = 0.01
+"""Change of a power by the width of rings that is worth a doubt."""
 LIKE_RADIANS = 4e-3
 """How near to a multiple of pi/12 an angle looks like radians: 1.57 and 6.28 do."""
 
@@ -315,6 +327,37 @@ def mode_checks(study: Study, levels: Sequence[ControlLevel]) -> list[Check]:
         where = {"design": design, "wave": wave.label}
         worst = max(shares, default=0.0)
         checks.append(check_at_most("modes_left_out", worst, tolerance, "-", text, doubt=True, **where))
+    return checks
+
+
+def ring_width_checks(study: Study, database: str) -> list[Check]:
+    """Return by how much rings as wide as the wall is thick, in place of lines, may change the mean power.
+
+    Such rings feel degrees of the shell up to about r/h. Of each design that is loaded at a ring, at its optimal
+    damping, the largest change in a sea.
+
+    Parameters
+    ----------
+    database : str
+        Path of the hydro database.
+    """
+    seas = [wave for wave in study.waves if not isinstance(wave, StillWater)]
+    if study.pto.several or not seas or not has_attachment_modes(study) or not ring_loads(study):
+        return []
+    shell, checks = Shell.of(study.device), []
+    widths = HIGHEST, int(shell.reach / shell.thickness)
+    line, wide = (floating_system(study, database, highest) for highest in widths)
+    pairs = [(wave, expected_sea(study, wave, line.linear.database)) for wave in seas]
+    for design in study.designs:
+        if not (study.designs[design].flexible and loaded_at_ring(study, design)):
+            continue
+        powers = []
+        for floating in (line, wide):
+            port, squares, _ = port_in_seas(floating, design, pairs)
+            powers.append(best_dampers(port, squares, study.pto.stiffness, study.pto.efficiency).power)
+        change = np.abs(np.divide(powers[1], powers[0], out=np.ones_like(powers[0]), where=powers[0] > 0) - 1).max()
+        text = "change of mean power if a ring is as wide as the wall is thick: clamps, held rings and ports are lines"
+        checks.append(check_at_most("ring_width", change, RING_WIDTH, "-", text, doubt=True, design=design))
     return checks
 
 

@@ -28,6 +28,7 @@ from vsb.scenes.rest import design_motions, order_bases
 from vsb.scenes.ring_loads import stored_with_rings
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import check_rank, mode_basis, rigid_basis
+from vsb.shell.rings import HIGHEST
 from vsb.study.body import BodyDesign, BodyStudy
 from vsb.study.quantities import is_rigid
 from vsb.study.specs import AnyBuoy, BodySystem, LadderSpec, SimulateSpec, SystemSpec
@@ -184,18 +185,23 @@ class FloatingSystem:
         return self.towards(direction).extended_port(omega, self.motions[design], self.port)
 
 
-def floating_system(study: AnyBuoy | AnyBody | SystemSpec, database_path: str) -> FloatingSystem:
-    """Return what floats in a study, or in the specification of a stage, from its database."""
+def floating_system(
+    study: AnyBuoy | AnyBody | SystemSpec, database_path: str, highest: int = HIGHEST
+) -> FloatingSystem:
+    """Return what floats in a study, or in the specification of a stage, from its database.
+
+    Degrees of its shell up to the highest answer loads at rings, see `vsb.scenes.ring_loads`.
+    """
     system = study.system if isinstance(study, SystemSpec) else study
     if isinstance(system, BodyStudy | BodySystem):
         return floating_body(system, stored_body(database_path))
-    return _floating_buoy(system, database_path)
+    return _floating_buoy(system, database_path, highest)
 
 
 # a buoy -------------------------------------------------------------------------------------------------------------
 
 
-def _floating_buoy(study: AnyBuoy, database_path: str) -> FloatingSystem:
+def _floating_buoy(study: AnyBuoy, database_path: str, highest: int) -> FloatingSystem:
     """The buoy of a study from its database; to a take-off of the volume trapped gas is a chamber before it."""
     ds = database.load_database(database_path, Path(database_path).stem)
     shell_moves = flexible(ds.influenced_dof.values)  # of the database: a rigid design may share it with flexible ones
@@ -203,7 +209,7 @@ def _floating_buoy(study: AnyBuoy, database_path: str) -> FloatingSystem:
     basis = mode_basis(study.device, modes.basis, modes.max_degree) if shell_moves else rigid_basis(study.device)
     orders = order_bases(study, basis)
     shape = DeformedShell(basis, study.centre_height, ds.reference_amplitude.values[: len(basis.labels)])
-    ds, shape = stored_with_rings(study, ds, shape)
+    ds, shape = stored_with_rings(study, ds, shape, highest)
     basis = shape.basis
     port = port_direction(study.pto.port, shape, orders)
     damping, maxwell = block_diag(basis.damping, *(order.damping for order in orders)), study.device.damping.maxwell

@@ -15,7 +15,7 @@ from vsb.hydro.variables import PAIR
 from vsb.scenes.rest import loaded_shell
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.modes import ModeBasis
-from vsb.shell.rings import RingLoad, RingModes, along_wall, normal_to_wall, vertical
+from vsb.shell.rings import HIGHEST, RingLoad, RingModes, along_wall, normal_to_wall, vertical
 from vsb.shell.shell import Shell
 from vsb.study.specs import AnyBuoy
 from vsb.study.take_off import PortChoice, SeveralPorts, ShellPort
@@ -55,7 +55,9 @@ def has_attachment_modes(study: AnyBuoy) -> bool:
     return bool(study.flexible and study.device.shape is None and study.modes.basis == "full")
 
 
-def with_rings(study: AnyBuoy, reference: ReferenceShell, degree: int | None = None) -> ReferenceShell:
+def with_rings(
+    study: AnyBuoy, reference: ReferenceShell, degree: int | None = None, highest: int = HIGHEST
+) -> ReferenceShell:
     """Return a shell at rest with the modes of the rings that a study loads.
 
     Parameters
@@ -64,12 +66,16 @@ def with_rings(study: AnyBuoy, reference: ReferenceShell, degree: int | None = N
         Without them.
     degree : int, optional
         Above which they answer; by default the highest of its modes.
+    highest : int
+        Degree up to which they do; without one above the modes there are none.
     """
     basis = reference.basis
     if not basis.modes or not has_attachment_modes(study) or not (loads := ring_loads(study)):
         return reference
     above = basis.highest_degree if degree is None else degree
-    rings = _ring_modes(basis.shell, above, loads, _tension(study, reference, loads))
+    if highest <= max(above, 1):
+        return reference
+    rings = _ring_modes(basis.shell, above, loads, _tension(study, reference, loads), highest)
     whole = replace(basis, rings=rings)
     stiffness = {name: np.pad(matrix, (0, len(rings.labels))) for name, matrix in reference.stiffness.items()}
     stiffness["structural"] = stiffness["structural"] + whole.of_rings(rings.stiffness)
@@ -79,9 +85,11 @@ def with_rings(study: AnyBuoy, reference: ReferenceShell, degree: int | None = N
 
 
 @lru_cache(maxsize=KEPT)
-def _ring_modes(shell: Shell, degree: int, loads: tuple[RingLoad, ...], tension: tuple[float, ...]) -> RingModes:
+def _ring_modes(
+    shell: Shell, degree: int, loads: tuple[RingLoad, ...], tension: tuple[float, ...], highest: int
+) -> RingModes:
     """Modes of rings; the last are kept, for members of a campaign that differ by their take-off have the same."""
-    return RingModes(shell, degree, loads, tension)
+    return RingModes(shell, degree, loads, tension, highest)
 
 
 def _with_basis(shape: DeformedShell, basis: ModeBasis) -> DeformedShell:
@@ -109,11 +117,11 @@ class Stored(NamedTuple):
     shape: DeformedShell
 
 
-def stored_with_rings(study: AnyBuoy, database: xr.Dataset, shape: DeformedShell) -> Stored:
+def stored_with_rings(study: AnyBuoy, database: xr.Dataset, shape: DeformedShell, highest: int = HIGHEST) -> Stored:
     """Return the database and the shape of a study with the modes of the rings that it loads; they move no water."""
     names = [name for name in ("structural", "prestress") if f"{name}_stiffness" in database]
     none = dict.fromkeys(names, np.zeros((len(shape.basis.labels),) * 2))
-    found = with_rings(study, ReferenceShell(shape, none))
+    found = with_rings(study, ReferenceShell(shape, none), highest=highest)
     if found.basis.rings is None:
         return Stored(database, shape)
     own = len(shape.basis.labels)

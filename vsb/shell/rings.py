@@ -71,6 +71,8 @@ class RingModes:
     loads : tuple of RingLoad
     tension : tuple of float
         Membrane force along the meridian at each ring, of a shell under load [N/m].
+    highest : int
+        Degree to which they are summed.
 
     Notes
     -----
@@ -82,6 +84,7 @@ class RingModes:
     degree: int
     loads: tuple[RingLoad, ...]
     tension: tuple[float, ...]
+    highest: int = HIGHEST
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -91,13 +94,13 @@ class RingModes:
     @cached_property
     def _degrees(self) -> IntArray:
         """The degrees above N."""
-        return np.arange(max(self.degree, 1) + 1, HIGHEST + 1)
+        return np.arange(max(self.degree, 1) + 1, self.highest + 1)
 
     @cached_property
     def _responses(self) -> FloatArray:
         """Radial and meridional amplitudes of each degree under each load, shape (degree, 2, load) [m/N]."""
         n = self._degrees
-        p, slope = _legendre(n[0], np.array([load.colatitude for load in self.loads]))
+        p, slope = _legendre(n, np.array([load.colatitude for load in self.loads]))
         along = np.array([[load.radial, load.meridional] for load in self.loads]).T
         rows = along * np.stack([p, slope], axis=1)
         elastic, stretched, found = self._elastic, tension_block(n), np.empty_like(rows)
@@ -152,11 +155,11 @@ class RingModes:
     def displacement(self, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return radial and meridional displacements at colatitudes [rad], each shape (mode, point) [-]."""
         radial, meridional = np.moveaxis(self._responses @ self._combinations, 1, 0)
-        p, slope = _legendre(self._degrees[0], np.asarray(colatitude, dtype=float))
+        p, slope = _legendre(self._degrees, np.asarray(colatitude, dtype=float))
         return np.asarray(radial.T @ p), np.asarray(meridional.T @ slope)
 
 
-def _legendre(first: int, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """P_n(cos phi) and its derivative by phi of the degrees from the first one on, each shape (degree, point)."""
-    p, by_cos = legendre_p_all(HIGHEST, np.cos(colatitude), diff_n=1)
-    return np.asarray(p[first:]), np.asarray(-np.sin(colatitude) * by_cos[first:])
+def _legendre(degrees: IntArray, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """P_n(cos phi) and its derivative by phi of consecutive degrees, each shape (degree, point)."""
+    p, by_cos = legendre_p_all(int(degrees[-1]), np.cos(colatitude), diff_n=1)
+    return np.asarray(p[degrees]), np.asarray(-np.sin(colatitude) * by_cos[degrees])

@@ -63,7 +63,9 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
         checks += irregular.statistical_checks(compared, lines)
         checks += [*fair_damping_checks(tuned, compared.pto), *constrained_checks(ladder)]
         checks += [*reference_power_checks(compared, ladder), *material_checks(compared.pto, ladder)]
-        checks += ledger.mode_checks(buoy, ladder) if buoy else []
+        checks += (
+            [*ledger.mode_checks(buoy, ladder), *ledger.ring_width_checks(buoy, found.path("database"))] if buoy else []
+        )
     elif buoy:
         checks += ledger.assumed_pressure_checks(buoy, rows)
         rows = with_mean_powers(rows, mean_powers(compared, rows, runs, (), None, {}))
