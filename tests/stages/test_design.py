@@ -545,4 +545,4 @@ def test_a_design_through_snakemake_is_resumed(folder):
     assert set(facts["power"]) >= {FLEXIBLE, COMPETITOR}
     first = next((folder / "results" / "whole" / "starts").glob("*.nc"))
     first.unlink()
-    assert "design_start          1" in run("-n")
+    assert re.search(r"^design_start(_1)? +1$", run("-n"), re.MULTILINE)  # of rigid buoys several share a job
