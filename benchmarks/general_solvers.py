@@ -1,7 +1,8 @@
-"""General integrators on the motion of any scene: scipy's, and CVODE of SUNDIALS where scikit-sundae is installed.
+"""General integrators on the motion of any scene: compiled ones, scipy's, and CVODE where scikit-sundae is installed.
 
 All are given the same compiled right-hand side in plain coordinates (y, y', x), as a user would write it down. Their
-tolerance is relative, and absolute in m, m/s and the root of J. Failures are results: the status says what happened.
+tolerance is relative, and absolute in m, m/s and the root of J; RK4 has a number of steps between two instants instead.
+Seconds are those a processor works. Failures are results: the status says what happened.
 """
 
 import time as clock
@@ -14,6 +15,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag
 
+from benchmarks.compiled_solvers import COMPILED_DOP853, RK4, eighth_order, rk4
 from vsb.motion.system import Remainder, System, remainder
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
@@ -62,6 +64,7 @@ class Equation:
     rates: Rates
     first: FloatArray  # (state,)
     free: int
+    compiled: tuple[Any, tuple[Any, ...]]  # the same function as a loop calls it, and what it is given
 
     @classmethod
     def of(cls, system: System, start: tuple[FloatArray, FloatArray]) -> "Equation":
@@ -72,14 +75,16 @@ class Equation:
         omega, push = system.omega, np.ascontiguousarray(system.waves @ modes.T)
         given = np.concatenate([*start, np.zeros(len(matrix) - 2 * free)])
         if system.remainder is None:
-            return cls(lambda t, z: np.asarray(linear_rates(t, z, matrix, omega, push)), given, free)
+            parts: tuple[Any, ...] = (matrix, omega, push)
+            return cls(lambda t, z: np.asarray(linear_rates(t, z, *parts)), given, free, (linear_rates, parts))
         water = system.remainder._replace(
             position=np.ascontiguousarray(system.scene.motions),
             project=np.ascontiguousarray(modes @ system.remainder.project),
             constant=modes @ system.remainder.constant,
             tangent=np.ascontiguousarray(np.linalg.solve(system.position.T, (modes @ system.remainder.tangent).T).T),
         )
-        return cls(lambda t, z: np.asarray(water_rates(t, z, matrix, omega, push, water)), given, free)
+        parts = (matrix, omega, push, water)
+        return cls(lambda t, z: np.asarray(water_rates(t, z, *parts)), given, free, (water_rates, parts))
 
 
 @dataclass
@@ -93,7 +98,7 @@ class Counted:
     def __call__(self, t: float, state: FloatArray) -> FloatArray:
         """Return the rates; `TimeoutError` after the deadline."""
         self.calls += 1
-        if clock.perf_counter() > self.deadline:
+        if clock.process_time() > self.deadline:
             raise TimeoutError(f"stopped after its limit at t = {t:.4g} s")
         return self.function(t, state)
 
@@ -124,20 +129,20 @@ def solved(equation: Equation, method: str, tolerance: float, time: FloatArray, 
     time : ndarray, shape (time,) [s]
     limit : float [s]
     """
-    none, begun = np.zeros(0), clock.perf_counter()
+    none, begun = np.zeros(0), clock.process_time()
     if method == SUNDIALS and CVODE is None:
         return Solution(none, none, 0.0, None, None, NOT_INSTALLED)
     counted = Counted(equation.rates, begun + limit)
-    run = _by_cvode if method == SUNDIALS else _by_scipy
+    run = {SUNDIALS: _by_cvode, RK4: _compiled, COMPILED_DOP853: _compiled}.get(method, _by_scipy)
     try:
         with np.errstate(all="ignore"), warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            states, steps = run(counted, equation.first, method, tolerance, time)
+            states, steps = run(counted, equation, method, tolerance, time)
         if not np.isfinite(states).all():
             raise ArithmeticError("the motion is not finite")
     except (ArithmeticError, TimeoutError, ValueError, np.linalg.LinAlgError) as error:
-        return Solution(none, none, clock.perf_counter() - begun, None, counted.calls, str(error))
-    return Solution(states[0], states[equation.free], clock.perf_counter() - begun, steps, counted.calls)
+        return Solution(none, none, clock.process_time() - begun, None, counted.calls, str(error))
+    return Solution(states[0], states[equation.free], clock.process_time() - begun, steps, counted.calls)
 
 
 def best(run: Callable[[], Solution]) -> Solution:
@@ -147,22 +152,32 @@ def best(run: Callable[[], Solution]) -> Solution:
 
 
 def _by_scipy(
-    counted: Counted, first: FloatArray, method: str, tolerance: float, time: FloatArray
+    counted: Counted, equation: Equation, method: str, tolerance: float, time: FloatArray
 ) -> tuple[FloatArray, int | None]:
     """States (state, time) and number of steps."""
     options: dict[str, Any] = {"rtol": tolerance, "atol": tolerance, "method": method, "dense_output": True}
-    out = solve_ivp(counted, (float(time[0]), float(time[-1])), first, **options)
+    out = solve_ivp(counted, (float(time[0]), float(time[-1])), equation.first, **options)
     if out.status < 0 or out.sol is None:
         raise ArithmeticError(str(out.message))
     return np.asarray(out.sol(time)), len(out.t) - 1
 
 
 def _by_cvode(
-    counted: Counted, first: FloatArray, method: str, tolerance: float, time: FloatArray
+    counted: Counted, equation: Equation, method: str, tolerance: float, time: FloatArray
 ) -> tuple[FloatArray, int | None]:
     """States (state, time); CVODE does not say its number of steps."""
     solver = cast(Any, CVODE)(counted.fill, rtol=tolerance, atol=tolerance, max_num_steps=MOST_STEPS)
-    out = solver.solve(time, first)
+    out = solver.solve(time, equation.first)
     if not out.success:
         raise ArithmeticError(str(out.message))
     return np.asarray(out.y).T, None
+
+
+def _compiled(
+    counted: Counted, equation: Equation, method: str, setting: float, time: FloatArray
+) -> tuple[FloatArray, int | None]:
+    """States (state, time) by a compiled loop, which does not count its steps; `setting` of RK4: steps an instant."""
+    rates, given = equation.compiled
+    if method == RK4:
+        return np.asarray(rk4(rates, equation.first, time, int(setting), given)).T, int(setting) * (len(time) - 1)
+    return np.asarray(eighth_order(rates, equation.first, time, setting, given)).T, None

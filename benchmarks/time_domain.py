@@ -4,7 +4,8 @@ Of a study with radiation (config/few_modes.yaml): four scenes of its first flex
 in a regular wave and in an irregular sea, from rest, and the mean power of the body-exact steady state. Of a study
 under assumed pressure (config/paper.yaml): every design, beside the published run times. Linear scenes are compared
 with DOP853 at `FINEST`, the others with exponential collocation at 1e-11, which DOP853 checks. A failed run is a row
-that says why, and a cross in the figure. Seconds are of one core, the least of three runs, without compilation.
+that says why, and a cross in the figure. Seconds are those one processor works, the least of three runs, without
+compilation.
 """
 
 import tempfile
@@ -18,6 +19,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.integrate import simpson
 
+from benchmarks.compiled_solvers import COMPILED_DOP853, RK4
 from benchmarks.general_solvers import NOT_INSTALLED, SCIPY, SUNDIALS, Equation, Solution, best, solved
 from benchmarks.measure import Row, as_csv, say
 from vsb.errors import ConfigError, VsbError
@@ -50,6 +52,7 @@ STYLES = {
     EXPONENTIAL: ("#D55E00", "o"), EXACT: ("#D55E00", "d"), CONVOLUTION: ("#56B4E9", "X"),
     BALANCE: ("#117733", "p"), "RK45": ("#000000", "s"), "DOP853": ("#0072B2", "^"), "Radau": ("#009E73", "D"),
     "BDF": ("#CC79A7", "v"), "LSODA": ("#E69F00", "P"), SUNDIALS: ("#882255", "<"),
+    RK4: ("#999999", "*"), COMPILED_DOP853: ("#0072B2", "h"),
 }  # fmt: skip
 """Colour and marker of a method; Okabe and Ito's palette."""
 PERIOD, PER_PERIOD = 2.5, 64
@@ -66,6 +69,8 @@ FINEST = 1e-13
 """Tolerance of DOP853 for the converged solution of a linear scene."""
 TOLERANCES, ADAMS = (1e-3, 1e-5, 1e-7, 1e-9), (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 """Of the general integrators, and of the exponential Adams method."""
+RK4_STEPS = (2, 4, 8, 16, 32)
+"""Of RK4 between two common instants."""
 STRIDES = (8, 4, 2, 1, -2, -4)
 """A fixed step is so many common instants, or (negative) such a fraction of one."""
 BALANCED, PERIODS = (1e-3, 1e-5, 1e-7), (5, 10, 20, 40, 80)
@@ -130,13 +135,13 @@ class Case:
 
     def ours(self, run: Callable[[], Motion | tuple[Motion, int]], stride: int = 1) -> Solution:
         """Run one of our integrators, which records every `stride`-th common instant, or fractions of them."""
-        begun, none = clock.perf_counter(), np.zeros(0)
+        begun, none = clock.process_time(), np.zeros(0)
         try:
             out = run()
         except VsbError as error:
-            return Solution(none, none, clock.perf_counter() - begun, None, None, str(error))
+            return Solution(none, none, clock.process_time() - begun, None, None, str(error))
         motion, steps = out if isinstance(out, tuple) else (out, len(out.time) - 1)
-        seconds, every = clock.perf_counter() - begun, max(-stride, 1)
+        seconds, every = clock.process_time() - begun, max(-stride, 1)
         return Solution(motion.position[::every, 0], motion.velocity[::every, 0], seconds, steps, None)
 
     def general(self, method: str, tolerance: float, limit: float = TIME_LIMIT) -> Solution:
@@ -220,7 +225,8 @@ def row_of(table: str, case: str, method: str, setting: float, found: Solution, 
 def attempts(case: Case) -> Iterator[tuple[str, float, Callable[[], Solution], int]]:
     """Return method, setting, run and stride of everything a scene is followed by.
 
-    The setting is a tolerance; of exact propagation the number of memory states; of fixed steps their number a period.
+    The setting is a tolerance; of exact propagation the number of memory states; of fixed steps their number a period,
+    of RK4 between two common instants.
     """
     system, scene = case.system, case.system.scene
     if not system.linear:
@@ -234,7 +240,9 @@ def attempts(case: Case) -> Iterator[tuple[str, float, Callable[[], Solution], i
     for stride in STRIDES if system.linear else ():
         per_period = PER_PERIOD / stride if stride > 0 else -PER_PERIOD * stride
         yield CONVOLUTION, per_period, partial(case.convolved, stride), stride
-    for method in (*SCIPY, SUNDIALS):
+    for steps in RK4_STEPS:
+        yield RK4, steps, partial(case.general, RK4, steps), 1
+    for method in (COMPILED_DOP853, *SCIPY, SUNDIALS):
         for tolerance in TOLERANCES:
             yield method, tolerance, partial(case.general, method, tolerance), 1
 
@@ -242,6 +250,8 @@ def attempts(case: Case) -> Iterator[tuple[str, float, Callable[[], Solution], i
 def integrator_rows(case: Case, name: str) -> list[Row]:
     """Return error and seconds of every method on one scene, and the check of its reference by DOP853."""
     _ = case.reference  # compiles what is not compiled yet
+    for method, setting in ((RK4, RK4_STEPS[0]), (COMPILED_DOP853, TOLERANCES[0])):
+        case.general(method, setting)
     rows = [
         row_of("integrators", name, method, setting, found, case.errors(found, stride))
         for method, setting, run, stride in attempts(case)
@@ -277,12 +287,12 @@ def power_rows(system: System, name: str) -> list[Row]:
 
 def _timed(run: Callable[[], float], found: list[float]) -> Solution:
     """Seconds of a function, whose result is appended."""
-    begun, none, status = clock.perf_counter(), np.zeros(0), "completed"
+    begun, none, status = clock.process_time(), np.zeros(0), "completed"
     try:
         found.append(run())
     except VsbError as error:
         status = str(error)
-    return Solution(none, none, clock.perf_counter() - begun, None, None, status)
+    return Solution(none, none, clock.process_time() - begun, None, None, status)
 
 
 def paper_row(study: Study, design: str, case: Case) -> Row:
