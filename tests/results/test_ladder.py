@@ -330,3 +330,37 @@ def test_levels_of_a_damper_spread_over_the_shell_and_of_its_material(seed, spec
     assert (material.design, material.power_mean) == ("VSWEC", pytest.approx(allowed, rel=1e-9))
     (check,) = material_checks(study.pto, [*levels, material])
     assert check.value == pytest.approx(energy * powers["best_damper"] / allowed, rel=1e-12)
+
+
+@pytest.mark.parametrize("limit", [np.inf, 300.0])
+def test_causal_control_lies_between_damper_and_known_future_at_its_force(small, limit):
+    """At the rms of the force limit, or of the optimal damper; regular waves have no such level."""
+    sea, regular = {"kind": "jonswap", "hs": 0.5, "tp": 3.0}, {"kind": "regular", "amplitude": 0.1, "period": 3.0}
+    data = small.study.model_dump() | {"waves": [sea, regular]}
+    pto = {"tuning": "each", "force_limit": limit, "control": {"noise": 1e-6, "forecast": 0.5}}
+    plan = StudyPlan(parse(data | {"pto": pto}))
+    levels = study_ladder(plan.ladder, small.database_path)
+    assert {level.wave for level in levels if level.rung == "causal"} == {plan.study.waves[0].label}
+    for design in data["designs"]:
+        by = {level.rung: level for level in levels if level.design == design and level.wave != "regular_A0.1_T3"}
+        causal, damper = by["causal"], by["damper_same_force"]
+        wanted = by["best_damper"].force_rms if np.isinf(limit) else limit
+        assert (causal.force_rms, damper.force_rms) == pytest.approx((wanted, wanted), rel=1e-6)
+        assert damper.power_mean < causal.power_mean < by["matched"].power_mean
+        assert causal.low < causal.power_mean < causal.high
+        assert (causal.noise, causal.forecast, damper.noise) == (1e-6, 0.5, None)
+        assert causal.limit_fraction == pytest.approx(causal.power_mean / by["matched"].power_mean)
+    header, row = (
+        line for line in as_csv(levels).splitlines() if "rung" in line or (",causal," in line and "FSB" in line)
+    )
+    assert header.endswith(",noise,forecast")
+    assert row.endswith(",1e-06,0.5")
+
+
+def test_damper_is_the_causal_level_where_noise_hides_the_waves(small):
+    data = small.study.model_dump() | {"waves": [{"kind": "jonswap", "hs": 0.5, "tp": 6.0}]}
+    plan = StudyPlan(parse(data | {"pto": {"force_limit": 300.0, "control": {"noise": 0.5}}}))
+    by = {level.rung: level for level in study_ladder(plan.ladder, small.database_path) if level.design == "FSB"}
+    assert by["causal"].power_mean == by["damper_same_force"].power_mean
+    assert by["causal"].damping == by["damper_same_force"].damping > 0
+    assert "damper" in by["causal"].note

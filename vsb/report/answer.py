@@ -210,6 +210,40 @@ def limited_statements(lines: Lines, reference: str | None, seas: dict[str, str]
     return statements
 
 
+AT_FORCE = (
+    "design", "sea", "rms force [{}]", "causal control [W]", "gain [%]", "interval [%]", "damper of that force [W]",
+    "gain [%]",
+)  # fmt: skip
+"""Head of the table of causal control."""
+
+
+def at_force_table(lines: Lines) -> list[list[str]]:
+    """Return the cells of the table of causal control, of lines of `vsb.results.gains.AtForce`."""
+
+    def percent(value: float | None) -> str:
+        return "-" if value is None else f"{value:+z.1f}"
+
+    damper = {True: "", False: " (the damper)"}
+    return [
+        [
+            line["design"], line["sea"], plain(line["force_rms"]),
+            plain(line["power"]) + damper[line["damper"] is None], percent(line["gain_percent"]),
+            interval_text(line["low"], line["high"]) or "-", plain(line["damper_power"]),
+            percent(line["damper_gain_percent"]),
+        ]
+        for line in lines
+    ]  # fmt: skip
+
+
+def knowledge_text(lines: Lines) -> str:
+    """Return what causal control knows of the waves, in words."""
+    if not lines:
+        return ""
+    noise, forecast = lines[0]["noise"], lines[0]["forecast"]
+    ahead = f"the waves {forecast:g} s ahead" if forecast else "no future waves"
+    return f"It knows {ahead}, and measures with noise of {10 * math.log10(noise):.0f} dB of the waves' force."
+
+
 def _gain(line: dict[str, Any], base: dict[str, Any]) -> str:
     """How a design stands against the reference at equal tuning, in words."""
     (own, its), unit = watts([line["best_power"], base["best_power"]])

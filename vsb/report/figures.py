@@ -243,6 +243,23 @@ def degrees_of_freedom(data: StudyData, wave: str) -> Figure:
     return figure
 
 
+def forecast(data: StudyData, wave: str) -> Figure:
+    """Draw power under causal control over seconds of forecast, and over noise, of every design in a sea."""
+    found = data.knowledge[wave]
+    figure, axes = grid_of_axes(3.2, columns=2, sharey="row")
+    left, right = axes[0]
+    for design in map(str, found.design.values):
+        line, own = style(design, data.designs), found.sel(design=design)
+        left.plot(own.forecast, own.over_forecast, **line)
+        right.plot(10 * np.log10(own.noise), own.over_noise, **line)
+        left.axhline(float(own.known_future), color=line["color"], linestyle=":", linewidth=0.8)
+        left.axhline(float(own.damper), color=line["color"], linestyle="--", linewidth=0.8, alpha=0.6)
+    left.set(xlabel="forecast [s]", ylabel="mean power [W]")
+    right.set(xlabel="noise [dB of the waves' force]")
+    legend_above(figure, left)
+    return figure
+
+
 def draw(name: str, data: StudyData) -> Figure:
     """Return the figure of a name from `vsb.study.figure_names`."""
     kind, _, wave = name.partition("-")
@@ -257,7 +274,7 @@ def draw(name: str, data: StudyData) -> Figure:
         f.__name__: f
         for f in (
             heave_excitation, directions, velocity_pto, power_energy, energy_audit, snapshots,
-            extreme_shapes, shapes_3d, volume_area, port_motion, degrees_of_freedom,
+            extreme_shapes, shapes_3d, volume_area, port_motion, degrees_of_freedom, forecast,
         )
     }  # fmt: skip
     return per_wave[kind](data, wave) if kind in per_wave else per_study[kind](data)
@@ -283,6 +300,9 @@ CAPTIONS = {
     "their difference on the mean shell and on shells deformed by each mode, relative to the largest coefficient at "
     "each frequency, and their own error estimates. Middle: effect of the deformation on the heave coefficients (dots: "
     "panels, open symbols: spectral). Bottom, in deep water: difference of the derivatives by the modes.",
+    "forecast": "What knowledge of the waves is worth to a controller of given rms force: mean power over seconds of "
+    "forecast (dotted: the future known; dashed: the best damper of that force), and over the noise of what it "
+    "measures.",
     "port_motion": "Displacement and velocity of the take-off's port.",
     "degrees_of_freedom": "Range of motion of every degree of freedom, with the take-off.",
     "heave_excitation": "Heave and the heave component of the excitation force.",

@@ -9,14 +9,17 @@ import xarray as xr
 
 from vsb.report.animation import in_motion
 from vsb.report.answer import (
+    AT_FORCE,
     COMPUTED,
     GIVEN,
     NO_OPTIMUM,
     PARTS,
     Answer,
+    at_force_table,
     damping_in_words,
     headline,
     interval_text,
+    knowledge_text,
     limited_statements,
     parts_table,
     shares_text,
@@ -76,6 +79,7 @@ class Report:
     statistics: Sequence[dict[str, Any]] = ()  # of irregular seas, realisations together
     equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their optimal damping; empty without BEM
     within_limits: Sequence[dict[str, Any]] = ()  # optima within limits, if the take-off has any
+    at_force: Sequence[dict[str, Any]] = ()  # causal control and dampers of the same rms force, in irregular seas
     invalid: Sequence[dict[str, Any]] = ()  # of `vsb.results.ledger.Invalid`: designs not valid, where and why
     thing: str = "buoy"  # what floats
     flexible: bool = True  # whether any design is
@@ -374,6 +378,9 @@ def render(report: Report) -> str:
         dampings=where,
         tuning_head=tuning_head(unit),
         tuning=tuning_table(tuned),
+        at_force_head=[head.format(superscripts(kind.load_unit)) for head in AT_FORCE],
+        at_force=at_force_table(report.at_force),
+        knowledge=knowledge_text(report.at_force),
         details_head=details_head,
         details=details,
         statistics_head=STATISTICS,

@@ -8,7 +8,7 @@ import numpy as np
 from vsb.hydro.database import Check, Verdict
 from vsb.results.budget import Budget, Rows, Source, mean_budget
 from vsb.results.comparison import Attributes, gains
-from vsb.results.ladder import ControlLevel
+from vsb.results.ladder import CAUSAL, SAME_FORCE, ControlLevel
 from vsb.results.mean_power import LEVELS, STATISTICS, MeanPower, MeanPowers, is_linear
 from vsb.scenes.drag import LINEARISED
 from vsb.study.study import BaseStudy
@@ -71,6 +71,26 @@ class Limited(NamedTuple):
     gain_percent: float | None
     low: float | None = None  # interval of the gain by all known sources of error [%]
     high: float | None = None
+
+
+class AtForce(NamedTuple):
+    """A design in an irregular sea with a given rms force, realisations together: causal control and a damper.
+
+    Gains are over the first rigid design's power, None without one.
+    """
+
+    design: str
+    sea: str
+    force_rms: float  # [N]
+    noise: float  # see `vsb.study.take_off.Control` [-]
+    forecast: float  # [s]
+    power: float  # under causal control [W]
+    gain_percent: float | None
+    low: float | None  # interval of the gain by all known sources of error [%]
+    high: float | None
+    damper_power: float  # of the best damper of the same rms force [W]
+    damper_gain_percent: float | None
+    damper: float | None  # the controller is that damper [N s/m]; None: it is not
 
 
 def equal_tuning(
@@ -160,6 +180,23 @@ def within_limits(study: BaseStudy, levels: Sequence[ControlLevel]) -> list[Limi
         for design, power in powers.items():
             ends = _interval(over[design], gain_budget(here, design, "constrained"))
             found.append(Limited(design, sea, power, over[design], *ends))
+    return found
+
+
+def at_force(study: BaseStudy, levels: Sequence[ControlLevel]) -> list[AtForce]:
+    """Return one line per irregular sea and design with causal control, and the damper of its rms force."""
+    found = []
+    for sea, here in _by_sea(study, levels).items():
+        known = {one.design: one for one in here if one.rung == CAUSAL and one.power_mean is not None}
+        causal, dampers = (_means([one for one in here if one.design in known], name) for name in (CAUSAL, SAME_FORCE))
+        reference = study.reference_design if study.reference_design in known else None
+        over, beside = (gains({d: p for d, (_, p) in some.items()}, reference) for some in (causal, dampers))
+        for design, level in known.items():
+            low, high = _interval(over[design], gain_budget(here, design, CAUSAL))
+            knows = (level.force_rms or 0.0, level.noise or 0.0, level.forecast or 0.0)
+            power, damper = causal[design][1], dampers[design][1]
+            line = AtForce(design, sea, *knows, power, over[design], low, high, damper, beside[design], level.damping)
+            found.append(line)
     return found
 
 

@@ -14,6 +14,7 @@ import xarray as xr
 
 from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import Check, check_at_most
+from vsb.motion.causal import RmsLimits, StationaryPort, numerical_error, optimum
 from vsb.motion.coefficient_errors import (
     CoefficientError,
     Sensitivity,
@@ -26,7 +27,15 @@ from vsb.motion.damper_matrix import best_matrix, matrix_text
 from vsb.motion.drag import DraggedPort, best_damper, best_pair, with_load
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port
-from vsb.motion.tuning import Load, best_dampers, best_pairs, frequencies, mean_power, squares
+from vsb.motion.tuning import (
+    Load,
+    best_dampers,
+    best_pairs,
+    damper_within_force,
+    frequencies,
+    mean_power,
+    squares,
+)
 from vsb.results.budget import MODES, Budget, Rows, Source
 from vsb.results.left_out import modes_left_out
 from vsb.scenes.drag import dragged_port
@@ -43,25 +52,32 @@ from vsb.scenes.floating_system import (
     study_sea,
 )
 from vsb.scenes.mode_convergence import one_of_each_family
+from vsb.scenes.stationary import stationary_ports
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.study.specs import LadderSpec
 from vsb.study.take_off import Pto
-from vsb.study.waves import StillWater, Wave
+from vsb.study.waves import IrregularSea, StillWater, Wave
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.waves.seas import Sea, expected, superposed
 
 CONSTRAINED = "constrained"
+CAUSAL = "causal"
+SAME_FORCE = "damper_same_force"
+"""The best damper whose force has at most the rms of that of the level `causal`."""
+NEAR_LIMITS = (SAME_FORCE, CAUSAL, CONSTRAINED)
+"""Levels whose force is limited: they have the errors of the optimal damper and of the matched force."""
 BEST_DIAGONAL = "best_diagonal"
 """Of several ports whose damper matrix may be full: the best damper at each port alone."""
 MATERIAL = "material"
 """What the energy per cycle of the shell's material would allow, beside what the take-off finds in the waves."""
 CONTROL_LEVELS = (
-    "fixed", BEST_DIAGONAL, "best_damper", "best_damper_all_seas", "best_spring_damper", CONSTRAINED, "matched",
-    MATERIAL,
+    "fixed", BEST_DIAGONAL, "best_damper", "best_damper_all_seas", "best_spring_damper", SAME_FORCE, CAUSAL,
+    CONSTRAINED, "matched", MATERIAL,
 )  # fmt: skip
 """Power does not decrease along the levels of the waves, to `matched`, but that of one damper for all seas is at most
-that of the best one."""
+that of the best one, and levels with a limit of force, of its rms to `causal`, of its peaks in `constrained`, are only
+comparable with each other."""
 INSTANTS = 8
 """Instants at which peaks are looked for, per shortest period of a sea."""
 MOST_HARMONICS = 1024
@@ -69,6 +85,7 @@ MOST_HARMONICS = 1024
 NAMED = 6
 """Ports up to which the damper matrix is reported."""
 STILL = "waves do not move this port"
+NUMERICAL = "time step of the controller"
 GAP = 0.005
 """Of the best force found within limits, as a part of the bound of all forces [-]."""
 
@@ -92,9 +109,12 @@ class ControlLevel(NamedTuple):
     high: float | None = None
     power_error: Rows = ()  # error budget of the mean power [W], see `vsb.results.budget.Budget.rows`
     gain_error: Rows | None = None  # of its gain over the reference [percentage points]; None of the reference
+    noise: float | None = None  # of what a causal controller measures, see `vsb.study.take_off.Control` [-]
+    forecast: float | None = None  # how far ahead it knows the waves [s]
+    numerical: float = 0.0  # relative error of the power by the grid of a controller [-]
 
 
-COLUMNS = (*ControlLevel._fields[: ControlLevel._fields.index("note")], "low", "high")
+COLUMNS = (*ControlLevel._fields[: ControlLevel._fields.index("note")], "low", "high", "noise", "forecast")
 """Of `ladder.csv`."""
 
 
@@ -151,8 +171,10 @@ def study_ladder(
     if pto.limited:
         matched = {(level.design, level.wave): level.power_mean for level in levels if level.rung == "matched"}
         levels += [in_sea(level, matched[level[:2]]) for level in constrained_levels(study, floating, records)]
-        designs, labels = list(study.designs), list(seas)
-        levels.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), CONTROL_LEVELS.index(r.rung)))
+    if dragged is None:
+        levels += causal_levels(study, floating, pairs, ports, levels)
+    designs, labels = list(study.designs), list(seas)
+    levels.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), CONTROL_LEVELS.index(r.rung)))
     levels = with_errors(levels, floating, pairs, study.reference_design, left_out)
     return [*levels, *material_levels(study, floating, seas, levels)]
 
@@ -443,6 +465,79 @@ def constrained_checks(levels: Sequence[ControlLevel]) -> list[Check]:
     return checks
 
 
+# causal control -------------------------------------------------------------------------------------------------------
+
+
+def causal_levels(
+    study: LadderSpec,
+    floating: FloatingSystem,
+    seas: Sequence[tuple[Wave, Sea]],
+    ports: Mapping[str, PortInSeas],
+    levels: Sequence[ControlLevel],
+) -> list[ControlLevel]:
+    """Return the optimal causal control of every design in every irregular sea, and the damper of the same rms force.
+
+    The limits of the take-off are read as limits of rms values; without a limit of force it is that of the optimal
+    damper. Where the damper, which measures without noise, absorbs more than the controller, it is the level.
+
+    Parameters
+    ----------
+    seas : sequence of (Wave, Sea)
+        Those that powers are of.
+    ports : mapping design -> PortInSeas
+        First in these seas.
+    levels : sequence of ControlLevel
+        The optimal dampers and matched powers of these designs and seas.
+    """
+    by = {(level.design, level.wave, level.rung): level for level in levels}
+    pto, found, stationary = study.pto, [], {}
+    irregular = [(i, wave, sea) for i, (wave, sea) in enumerate(seas) if isinstance(wave, IrregularSea)]
+    for (i, wave, sea), design in product(irregular, study.designs):
+        best, matched = (by[design, wave.label, rung] for rung in ("best_damper", "matched"))
+        if not best.force_rms or not matched.power_mean:
+            continue
+        if wave.label not in stationary:
+            stationary[wave.label] = stationary_ports(floating, wave, sea)
+        (port, squares_of_all, _), row = ports[design], slice(i, i + 1)
+        limits = RmsLimits(best.force_rms if np.isinf(pto.force_limit) else pto.force_limit, pto.stroke_limit)
+        damper = damper_within_force(port, squares_of_all[row], limits.force, pto.stiffness, pto.efficiency)
+        load = port.load(damper.damping, damper.stiffness)[0]
+        moved = port.velocity_under(load)
+        rms = float(np.sqrt(0.5 * np.abs(load * moved) ** 2 @ squares_of_all[i]))
+        stroke = float(np.sqrt(0.5 * np.abs(moved / port.omega) ** 2 @ squares_of_all[i]))
+        c, k, power = (float(values[0]) for values in damper)
+        same = ControlLevel(
+            design, wave.label, SAME_FORCE, c, k, power, power / matched.power_mean, rms, None, None, None
+        )
+        found += [same, causal_level(stationary[wave.label][design], same, stroke, limits, matched, pto)]
+    return found
+
+
+def causal_level(
+    port: StationaryPort, damper: ControlLevel, stroke: float, limits: RmsLimits, matched: ControlLevel, pto: Pto
+) -> ControlLevel:
+    """Return the level `causal` of a port in a sea: its share of the matched power, or the damper if that absorbs more.
+
+    Parameters
+    ----------
+    stroke : float [m]
+        Rms displacement under the damper.
+    """
+    noise, forecast = pto.control.noise, pto.control.forecast
+    unknown = damper._replace(rung=CAUSAL, damping=None, stiffness=None, noise=noise, forecast=forecast)
+    try:
+        best = optimum(port, limits, noise, forecast, pto.efficiency)
+    except VsbError as error:
+        return unknown._replace(power_mean=None, limit_fraction=None, force_rms=None, note=str(error))
+    share = best.converted(pto.efficiency) / port.matched_power
+    power = share * (matched.power_mean or 0.0)
+    if stroke <= limits.stroke and (damper.power_mean or 0.0) >= power:
+        note = "a damper absorbs no less than the controller with this noise"
+        return damper._replace(rung=CAUSAL, noise=noise, forecast=forecast, note=note)
+    away = numerical_error(port, best, noise, forecast)
+    return unknown._replace(power_mean=power, limit_fraction=share, force_rms=best.force_rms, numerical=away)
+
+
 # errors -------------------------------------------------------------------------------------------------------------
 
 
@@ -485,7 +580,7 @@ def with_errors(
             by_sea[level.wave][level.design, level.rung] = level
     for wave, sea in seas:
         here = by_sea[wave.label]
-        linear = {key: level for key, level in here.items() if level.rung != CONSTRAINED}
+        linear = {key: level for key, level in here.items() if level.rung not in NEAR_LIMITS}
         loads = [(key, level.damping, level.stiffness) for key, level in linear.items()]
         key = repr((heading(wave), loads)).encode() + sea.omega.tobytes() + np.abs(sea.amplitude).tobytes()
         key += b"" if sea.heading is None else sea.heading.tobytes()
@@ -507,7 +602,7 @@ def with_errors(
             budgets[design, wave.label, name] = (of_power, of_gain)
         for (design, name), level in here.items():
             ends = [linear[end] for end in ((design, "best_damper"), (design, "matched")) if end in linear]
-            if name == CONSTRAINED and (ends := [end for end in ends if end.power_mean]):
+            if name in NEAR_LIMITS and (ends := [end for end in ends if end.power_mean]):
                 budgets[design, wave.label, name] = _within_limits(level, ends, budgets)
     found = []
     for level in levels:
@@ -517,6 +612,8 @@ def with_errors(
         of_power, of_gain = budgets.get((level.design, level.wave, level.rung), (Budget(), None))
         if level.gap:
             of_power += Budget((Source("optimum not proven", 0.0, level.power_mean * level.gap / (1 - level.gap)),))
+        if level.numerical:
+            of_power += Budget((Source.within(NUMERICAL, level.power_mean * level.numerical),))
         low, high = of_power.interval(level.power_mean)
         gain_rows = None if of_gain is None else of_gain.rows
         found.append(level._replace(low=low, high=high, power_error=of_power.rows, gain_error=gain_rows))

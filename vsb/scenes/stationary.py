@@ -3,10 +3,10 @@
 import numpy as np
 
 from vsb.motion.causal import StationaryPort
-from vsb.scenes.floating_system import FloatingSystem, Heading, heading_in
-from vsb.study.waves import Wave
-from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.scenes.floating_system import FINE, FloatingSystem, heading, heading_in
+from vsb.study.waves import Irregular, RecordedSea, WhiteNoise
 from vsb.waves.seas import PARTS, Sea
+from vsb.waves.spectra import spectrum
 
 BEYOND = 4.0
 """End of the frequencies of a controller, over that of the band: its force may change within a time step."""
@@ -14,39 +14,49 @@ POINTS = 64
 """Frequencies beyond the band at which the port is computed; between them it is interpolated."""
 
 
-def stationary_port(floating: FloatingSystem, design: str, wave: Wave, sea: Sea) -> StationaryPort:
-    """Return the port of a design in a sea whose components carry its spectrum.
+def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dict[str, StationaryPort]:
+    """Return the ports of all designs in a sea whose components carry its spectrum.
 
     Parameters
     ----------
-    wave : Wave
-        Of a spectrum.
+    wave : Irregular
     sea : Sea
-        See `vsb.scenes.floating_system.expected_sea`: components at the centres of equal bands that begin at zero.
+        See `vsb.scenes.floating_system.expected_sea`.
 
     Notes
     -----
-    Outside the band the port has the coefficients of its nearest end. The directions of a spread sea take turns along
-    its components: the density of the free velocity is averaged over a round of them.
+    Outside the band ports have the coefficients of its nearest end. Of a record and of white noise the spectrum is
+    taken at frequencies of its own, of a record averaged (`vsb.waves.spectra.spectrum`). The directions of a spread sea
+    take turns along its components: the density of the free velocity is averaged over a round of them.
     """
+    if isinstance(wave, RecordedSea | WhiteNoise):
+        sea = _of_density(wave, floating.band)
     spacing = float(np.diff(sea.omega).min())
     at = np.rint(sea.omega / spacing - 0.5).astype(int)
     count = int(np.ceil(max(floating.band[1] / spacing, at.max() + 1)))
-    omega = (np.arange(count) + 0.5) * spacing
-    port = floating.extended_port(design, omega)
-    free = floating.towards(heading_in(wave, sea)).port(sea.omega, floating.motions[design], floating.port).velocity
-    spectrum = np.zeros(count)
-    spectrum[at] = np.abs(free * sea.amplitude) ** 2 / (2 * spacing)
-    if sea.heading is not None:
-        spectrum = np.convolve(spectrum, np.full(PARTS, 1 / PARTS), mode="same")
-    beyond = (np.arange(count, int(BEYOND * count)) + 0.5) * spacing
-    admittance = np.append(port.admittance, _continued(floating, design, 0.0, beyond))
-    passive = np.maximum(admittance.real, 0.0) + 1j * admittance.imag
-    return StationaryPort(spacing, passive, np.append(spectrum, np.zeros(len(beyond))))
+    omega = (np.arange(int(BEYOND * count)) + 0.5) * spacing
+    some = np.geomspace(omega[count], omega[-1], POINTS)  # beyond the band
+    linear = floating.towards(heading(wave))
+    near, far = linear.extended_equation(omega[:count]), linear.extended_equation(some)
+    spread = floating.towards(heading_in(wave, sea)).equation(sea.omega) if sea.heading is not None else None
+    found = {}
+    for design, motions in floating.motions.items():
+        port = near.port(motions, floating.port)
+        free = port.velocity[at] if spread is None else spread.port(motions, floating.port).velocity
+        density = np.zeros(len(omega))
+        density[at] = np.abs(free * sea.amplitude) ** 2 / (2 * spacing)
+        if spread is not None:
+            density = np.convolve(density, np.full(PARTS, 1 / PARTS), mode="same")
+        beyond = np.interp(np.log(omega[count:]), np.log(some), far.port(motions, floating.port).admittance)
+        admittance = np.append(port.admittance, beyond)
+        passive = np.maximum(admittance.real, 0.0) + 1j * admittance.imag  # where no waves are that the port would show
+        found[design] = StationaryPort(spacing, passive, density)
+    return found
 
 
-def _continued(floating: FloatingSystem, design: str, direction: Heading, omega: FloatArray) -> ComplexArray:
-    """Admittance beyond the band, from that at some frequencies."""
-    some = np.geomspace(omega[0], omega[-1], POINTS)
-    known = floating.extended_port(design, some, direction).admittance
-    return np.asarray(np.interp(np.log(omega), np.log(some), known))
+def _of_density(wave: RecordedSea | WhiteNoise, band: tuple[float, float]) -> Sea:
+    """Components with the spectrum of a sea, at the centres of equal bands that begin at zero."""
+    spacing = FINE * wave.omega
+    omega = (np.arange(int(band[1] / spacing)) + 0.5) * spacing
+    omega = omega[omega >= band[0]]
+    return Sea(omega, np.sqrt(2 * spectrum(wave, omega) * spacing).astype(complex))

@@ -8,8 +8,10 @@ from vsb.hydro.database import Check, stored_checks
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
 from vsb.results.gains import (
+    AtForce,
     Limited,
     Tuned,
+    at_force,
     equal_tuning,
     fair_damping_checks,
     reference_power_checks,
@@ -49,6 +51,7 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
     lines: list[irregular.Line] = []
     tuned: list[Tuned] = []
     limited: list[Limited] = []
+    controlled: list[AtForce] = []
     if compared.needs_bem:
         samples = {run: kept for one in in_seas for run, kept in one.samples.items()}
         lines = irregular.statistics(compared, samples)
@@ -59,6 +62,7 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
         checks += of_the_water(found, rows, runs, linear_seas(compared, runs, ladder))
         means = mean_powers(compared, rows, runs, ladder, found.response, samples)
         tuned, limited = equal_tuning(compared, ladder, means, runs), within_limits(compared, ladder)
+        controlled = at_force(compared, ladder)
         rows, lines = with_mean_powers(rows, means), of_seas(compared, lines, means)
         checks += irregular.statistical_checks(compared, lines)
         checks += [*fair_damping_checks(tuned, compared.pto), *constrained_checks(ladder)]
@@ -76,6 +80,7 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
         "statistics": [line._asdict() for line in lines],
         "equal_tuning": [line._asdict() for line in tuned],
         "within_limits": [line._asdict() for line in limited],
+        "at_force": [line._asdict() for line in controlled],
         "checks": [asdict(check) for check in checks],
         "invalid": [line._asdict() for line in invalid],
     }

@@ -26,6 +26,7 @@ from vsb.report.sketch import sketches
 from vsb.report.svg import drawn
 from vsb.results.comparison import in_direction
 from vsb.results.force_steps import SeenPort, force_steps
+from vsb.results.forecast import worth_of_knowledge
 from vsb.results.statistics import families
 from vsb.scenes.floating_system import FloatingSystem, band, floating_system
 from vsb.stages.animated import animated_study
@@ -86,6 +87,7 @@ def figures_of(found: Inputs) -> Iterator[tuple[str, Figure]]:
         spectra=_spectra(study, found.plan.highest),
         port=port_kind(study.pto.port),
         ports={name: port_kind(port) for name, port in named_ports(study.pto).items()},
+        knowledge=_knowledge(study, found),
         raos=_raos(study, found),
     )
     yield from ((name, draw(name, data)) for name in found.plan.figures)
@@ -105,6 +107,16 @@ def _raos(study: AnyStudy, found: Inputs) -> xr.DataArray:
     ]
     together: xr.DataArray = xr.concat([rao, *moved], "dof")
     return together
+
+
+def _knowledge(study: AnyStudy, found: Inputs) -> dict[str, xr.Dataset]:
+    """What knowledge of the waves is worth, by label of the seas with a figure of it."""
+    waves = {f"forecast-{wave.label}": wave for wave in study.drawn_waves if isinstance(wave, IrregularSea)}
+    drawn = [wave for name, wave in waves.items() if name in found.plan.figures]
+    if not drawn:
+        return {}
+    floating = floating_system(study, found.path("database"))
+    return {wave.label: worth_of_knowledge(study, floating, wave) for wave in drawn}
 
 
 def _spectra(study: AnyStudy, highest: float) -> xr.DataArray:
@@ -294,6 +306,7 @@ def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **fi
         statistics=found["statistics"],
         equal_tuning=found["equal_tuning"],
         within_limits=found["within_limits"],
+        at_force=found["at_force"],
         invalid=found["invalid"],
         checks=found["checks"],
         response=in_direction(stored.response, study.waves[0]) if study.needs_bem else None,

@@ -10,6 +10,7 @@ from vsb.study.body import BodyStudy
 from vsb.study.specs import CampaignSpec, DesignSpec
 from vsb.study.study import BaseStudy, Study
 from vsb.study.take_off import port_kind
+from vsb.study.waves import IrregularSea
 from vsb.tools.ports import MEMBRANE, SEVERAL
 
 FIGURE_KINDS = ("svg", "csv")
@@ -43,6 +44,7 @@ def of_buoy(study: Study) -> list[str]:
     if not no_witness(study):
         names.append("witness")
     per_wave: tuple[str, ...] = (*OF_A_SEA, *(OF_THE_SHELL if study.flexible else ()))
+    names += _of_knowledge(study)
     if study.motion != "heave":  # in which no meridian stands for all of a shell
         per_wave = ("directions", *(name for name in per_wave if name != "shapes_3d"))
     return [*names, *_in_seas(study, per_wave)]
@@ -51,7 +53,14 @@ def of_buoy(study: Study) -> list[str]:
 def of_body(study: BodyStudy) -> list[str]:
     """Return the names of the figures of a body's study."""
     spectra = ["spectra"] if study.has_spectra else []
-    return [*OF_THE_RESPONSE, *OF_THE_WATER, *spectra, *_in_seas(study, OF_A_BODY)]
+    return [*OF_THE_RESPONSE, *OF_THE_WATER, *spectra, *_of_knowledge(study), *_in_seas(study, OF_A_BODY)]
+
+
+def _of_knowledge(study: BaseStudy) -> list[str]:
+    """Names of figures of causal control, of each irregular sea; with one port, and without drag."""
+    if not study.needs_bem or study.pto.several or study.plates:
+        return []
+    return [f"forecast-{wave.label}" for wave in study.drawn_waves if isinstance(wave, IrregularSea)]
 
 
 def _in_seas(study: BaseStudy, names: Iterable[str]) -> list[str]:

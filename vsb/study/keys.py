@@ -219,7 +219,9 @@ KEYS: dict[str, dict[str, Key]] = {
             "one",
             "fixed: the damper given; each: every design's optimal one in each sea; one: its optimum over all seas",
         ),
-        "efficiency": Key("-", "0.9", "of both directions of power, in the dampers and springs of the control levels"),
+        "efficiency": Key(
+            "-", "0.9", "of both directions of power, in the control levels but `constrained` and `matched`"
+        ),
         "port": Key(
             "",
             "{colatitude: 90}",
@@ -254,6 +256,11 @@ KEYS: dict[str, dict[str, Key]] = {
             "motion from rest at which an end stop begins, m in heave; .inf is none",
             "motion_unit",
         ),
+        "control": Key("", "{noise: 1.0e-4, forecast: 2.0}", "what the controller of the level `causal` knows"),
+    },
+    "Control": {
+        "noise": Key("-", "1.0e-4", "density of the noise it measures, over the largest of the waves' force"),
+        "forecast": Key("s", "2.0", "how far ahead it knows the waves"),
     },
     "ShellPort": {
         "colatitude": Key("degrees", "90", "ring of the shell the take-off acts on, from the top pole"),

@@ -333,6 +333,16 @@ def _several_alone(schema: dict[str, Any]) -> None:
     damping["anyOf"] = [*damping["anyOf"], {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}]
 
 
+class Control(Brief):
+    """What a causal controller knows: `noise` of what it measures, `forecast` seconds of the waves to come.
+
+    The noise is white; it is given by its density over the largest one of the force of the waves at the port.
+    """
+
+    noise: Annotated[Positive, within(1e-14, 1.0, "-", "less is not resolved, more hides the waves")] = 1e-5
+    forecast: Annotated[NonNegative, within(0.0, 600.0, "s", "no sea is known so far ahead")] = 0.0
+
+
 class Pto(Brief):
     """Power take-off: damping [N s/m] of all designs or of each, stiffness [N/m] of a spring beside it, its port.
 
@@ -344,7 +354,8 @@ class Pto(Brief):
     `port: {ports: ...}` acts on several motions at once with a damper matrix; a file says `ports`, `damping` and
     `matrix` beside the other keys.
     `energy_per_cycle` [J/kg] is what a kilogram of the shell converts in a cycle at most, of ports of strain.
-    `efficiency` [-] of both directions of power judges the dampers and springs of the control levels.
+    `efficiency` [-] of both directions of power judges the dampers and springs of the control levels, and `causal`.
+    `control` says what the controller of the level `causal` knows.
 
     The law in time: `linear`, whose force saturates at a force limit [N] if there is one; `saturated` insists on the
     limit. `coulomb`: friction of the force limit, the pressure of a hydraulic take-off; the damping is then that of the
@@ -367,6 +378,7 @@ class Pto(Brief):
     force_limit: Limit = math.inf
     stroke_limit: Limit = math.inf
     energy_per_cycle: Annotated[Positive, within(1e-6, 1e6, "J/kg", "no elastomer converts so much")] | None = None
+    control: Control = Control()
 
     @property
     def limited(self) -> bool:
