@@ -129,10 +129,12 @@ def flat(row):
 
 
 def factors(name, values, coordinates):
-    """Factors of the numbers of a variable: rotations have a length less, moments one more."""
+    """Factors of the numbers of a variable: rotations have a length less, moments one more, by a rotation another."""
     units = values.attrs.get("units", "1")
     found = np.ones(values.shape) * factor(units)
     power = -1 if name in {"position", "velocity", "rao"} else float(units != "1")
+    if name in {"kernel", "kernel_state_space", "damping_state_space"}:  # of each motion on itself
+        power = 2
     for axis, dim in enumerate(values.dims):
         if "dof" in dim:
             pitch = np.where(coordinates[dim].values == "Pitch", LENGTH**power, 1.0)

@@ -12,6 +12,7 @@ from vsb.hydro.database import load_database
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.harmonic_balance import harmonic_balance
 from vsb.integrators.simulate import simulate
+from vsb.pipeline.tasks import tasks
 from vsb.scenes.build import linear_design
 from vsb.scenes.drag import LINEARISED
 from vsb.scenes.floating_system import floating_system, port_in_seas, study_sea
@@ -23,6 +24,7 @@ from vsb.scenes.rest import (
 )
 from vsb.scenes.viability import viability
 from vsb.stages import make
+from vsb.stages.stage import run_task
 from vsb.study.plan import StudyPlan
 from vsb.study.study import load, parse
 from vsb.tools.files import load as load_data
@@ -50,9 +52,9 @@ def study_with(**changes):
 def made(study, folder, stages=HYDRO):
     """The plan of a study of which some stages were run."""
     plan = StudyPlan(study, root=str(folder))
-    for job in make.jobs(plan):
-        if job.stage in stages and not all(Path(path).exists() for path in job.makes):
-            make.work(job)
+    for task in tasks(plan):
+        if task.stage in stages and not all(Path(path).exists() for path in task.makes):
+            run_task(task)
     return plan
 
 

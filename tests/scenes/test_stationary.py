@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import EXAMPLE, varied
+from pydantic import TypeAdapter
 
 from vsb.motion.causal import RmsLimits, optimum
 from vsb.motion.port import port_direction
@@ -10,6 +11,7 @@ from vsb.scenes.floating_system import FloatingSystem, expected_sea
 from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.scenes.stationary import stationary_ports
 from vsb.study.study import load
+from vsb.study.waves import Wave
 
 PUBLISHED = {
     3.0: {580.0: (372, 4.5, 372, 4.5), 1740.0: (1003, 3.8, 1004, 3.8), 5800.0: (2287, 1.4, 2303, 1.5)},
@@ -51,7 +53,7 @@ def test_spread_recorded_and_white_seas_have_spectra_of_their_own(example):
     ds, limits = floating.linear.database, RmsLimits(2e3)
 
     def power(wave):
-        (wave,) = varied(study, waves=[wave]).waves
+        wave = TypeAdapter(Wave).validate_python(wave)  # of a study that heaves a spread sea is refused
         port = stationary_ports(floating, wave, expected_sea(study, wave, ds))["FSB"]
         return optimum(port, limits).power, port
 

@@ -73,8 +73,8 @@ def test_errors_are_one_line(tmp_path, capsys):
     assert main(["compare", str(tmp_path / "absent.yaml")]) == 2
     assert "absent.yaml: cannot be read" in capsys.readouterr().err
     for words, expected in (
-        (["compare"], "needs studies, or as a rule of the workflow --trajectories"),
-        (["compare", "a.yaml", "--levels", "x"], "--levels is of the rule compare, which takes no studies"),
+        (["compare"], "the following arguments are required: CONFIG"),
+        (["compare", "a.yaml", "--levels", "x"], "unrecognized arguments: --levels x"),
     ):
         with pytest.raises(SystemExit) as stopped:
             main(words)

@@ -5,6 +5,7 @@ import numpy as np
 from vsb.motion.causal import StationaryPort
 from vsb.scenes.floating_system import FINE, FloatingSystem, heading, heading_in
 from vsb.study.waves import Irregular, RecordedSea, WhiteNoise
+from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import PARTS, Sea
 from vsb.waves.spectra import spectrum
 
@@ -39,19 +40,32 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
     linear = floating.towards(heading(wave))
     near, far = linear.extended_equation(omega[:count]), linear.extended_equation(some)
     spread = floating.towards(heading_in(wave, sea)).equation(sea.omega) if sea.heading is not None else None
+    spreading = None if isinstance(wave, RecordedSea) else wave.spreading
+    parts = spreading.directions if spreading else PARTS
     found = {}
     for design, motions in floating.motions.items():
         port = near.port(motions, floating.port)
         free = port.velocity[at] if spread is None else spread.port(motions, floating.port).velocity
-        density = np.zeros(len(omega))
+        density: FloatArray = np.zeros(len(omega))
         density[at] = np.abs(free * sea.amplitude) ** 2 / (2 * spacing)
         if spread is not None:
-            density = np.convolve(density, np.full(PARTS, 1 / PARTS), mode="same")
+            density = _averaged(density, parts)
         beyond = np.interp(np.log(omega[count:]), np.log(some), far.port(motions, floating.port).admittance)
         admittance = np.append(port.admittance, beyond)
         passive = np.maximum(admittance.real, 0.0) + 1j * admittance.imag  # where no waves are that the port would show
         found[design] = StationaryPort(spacing, passive, density)
     return found
+
+
+def _averaged(density: FloatArray, parts: int) -> FloatArray:
+    """A density averaged over a round of directions, without what an average flattens of a peak, to second order.
+
+    Twice the average less the average of it (twicing, Tukey 1977); a density is not below zero.
+    """
+    kernel = np.full(parts + 1, 1 / parts)
+    kernel[[0, -1]] /= 2
+    once = np.convolve(density, kernel, mode="same")
+    return np.asarray(np.maximum(2 * once - np.convolve(once, kernel, mode="same"), 0.0))
 
 
 def _of_density(wave: RecordedSea | WhiteNoise, band: tuple[float, float]) -> Sea:
