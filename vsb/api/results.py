@@ -43,8 +43,8 @@ from vsb.waves.climate import Climate
 UNITS = {
     "displacement_pp": "m", "velocity_pp": "m/s", "power_peak": "W", "power_mean": "W", "energy": "J",
     "capture_width": "m", "energy_gain_percent": "%", "power_gain_percent": "%", "energy_residual": "1",
-    "limit_fraction": "1", "gap": "1", "power_low": "W", "power_high": "W", "record_power_mean": "W",
-    "record_power_low": "W", "record_power_high": "W", "record_start": "s", "record_end": "s",
+    "limit_fraction": "1", "gap": "1", "noise": "1", "forecast": "s", "power_low": "W", "power_high": "W",
+    "record_power_mean": "W", "record_power_low": "W", "record_power_high": "W", "record_start": "s", "record_end": "s",
 }  # fmt: skip
 """Units of the columns of tables that do not depend on the port."""
 
