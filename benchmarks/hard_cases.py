@@ -21,6 +21,7 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
+from examples import paper_rotations as multibody
 from vsb.errors import ConfigError, VsbError
 from vsb.hydro.database import load_database
 from vsb.hydro.retardation import DampingSpectrum
@@ -29,7 +30,6 @@ from vsb.integrators.audit import energies, residual
 from vsb.integrators.exact import convolve, propagate
 from vsb.integrators.exponential import integrate
 from vsb.integrators.simulate import CONVOLVED, simulate
-from vsb.motion import sixdof as multibody
 from vsb.motion.linear import LinearSystem
 from vsb.motion.port import LinearPto
 from vsb.motion.system import Motion, System

@@ -6,7 +6,7 @@ from conftest import SEED
 from scipy.linalg import expm, sqrtm
 from scipy.spatial.transform import Rotation
 
-from vsb.motion.sixdof import AXIS, Body, Elastic, GeneralScene, Hydrostatic, State, Weight, integrate, skew
+from examples.paper_rotations import AXIS, Body, Elastic, GeneralScene, Hydrostatic, State, Weight, integrate, skew
 from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.study import study as config
 
