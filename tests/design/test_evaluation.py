@@ -200,6 +200,9 @@ def test_a_buoy_that_does_not_rest_stably_has_no_power(climate):
     half, water = 2 / 3 * np.pi * 2.0**3 * 1025, 1025 * 9.81 * np.pi * 2.0**2
     model = model_of(study_of(reference_shape="undeformed", device={"mass": half}), "FSB", climate, ["pto.stiffness"])
     assert model.at([-0.99 * water])["annual_mean_power"].value > 0
+    for spring in (-0.99, -1.01):  # a search looks beyond
+        share = replace(model, beyond=True).at([spring * water])["spring_share"]
+        assert [share.value, share.gradient[0] * spring * water] == pytest.approx([-spring, -spring], rel=1e-9)
     with pytest.raises(StabilityError, match=r"design FSB .* its least stiffness"):
         model.at([-1.01 * water])
     soft = SPHEROID | {"device": SPHEROID["device"] | {"thickness": 0.005, "young_modulus": 1e6}}

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from tests.design.conftest import study_of
 from vsb.design.certificate import curvature, multipliers, newton_step
 from vsb.design.evaluation import Evaluation, Quantity
 from vsb.design.margins import probabilities
 from vsb.design.optimise import KKT, VIOLATION, converged, first_possible, left_out, optimised, start_places
 from vsb.design.problem import Problem
+from vsb.design.searched import shares_of
 from vsb.errors import ConvergenceError
 from vsb.study.design import Variable
 from vsb.study.sections import DEGREES
@@ -29,7 +31,7 @@ class Analytic:
 
 
 def problem(function, limits=None, variables=(MASS, SPRING), maximise="annual_mean_power", **others):
-    return Problem(Analytic(function), variables, maximise, limits or {}, {}, flexible=False, **others)
+    return Problem(Analytic(function), variables, maximise, limits or {}, **others)
 
 
 def nearest(values):
@@ -195,13 +197,35 @@ def test_load_factors_and_the_thin_shell_are_limits():
         kappa = {f"load_factor_inverse_{i}": Quantity(0.5 - 0.1 * i, np.zeros(1)) for i in range(4)}
         return {"annual_mean_power": Quantity(values[0], np.ones(1)), **kappa}
 
-    of = Problem(Analytic(of_radius), (radius,), "annual_mean_power", {"load_factor": 1.5},
-                 {"device.radius": 2.0, "device.thickness": 0.15})  # fmt: skip
+    def thin(values):
+        return {"thin_shell": 10 * 0.15 / values[0]}
+
+    of = Problem(Analytic(of_radius), (radius,), "annual_mean_power", {"load_factor": 1.5}, thin)
     point = of.at(of.place([1.2]))
     assert of.limit_names == ["load_factor_0", "load_factor_1", "load_factor_2", "load_factor_3", "thin_shell"]
-    assert point.excess == pytest.approx([-0.25, -0.4, -0.55, -0.7, 0.25])
-    assert point.jacobian[-1] == pytest.approx([-10 * 0.15 / 1.2**2 * 2.0])
+    assert point.excess == pytest.approx([-0.25, -0.4, -0.55, -0.7, np.log(1.25)], abs=2e-6)
+    assert point.jacobian[-1] == pytest.approx([-1 / 1.2 * 2.0])
     assert multipliers(of.at(of.place([1.5]))).limits == pytest.approx(np.zeros(5))
+
+
+def test_a_wall_heavier_than_the_buoy_is_a_limit_and_no_error():
+    """Most power per mass of two, r, h: the wall is all of the mass, 4 pi r^2 h rho = m, exactly."""
+    keys = ("device.radius", "device.thickness", "device.mass")
+    bounds = ((1.5, 2.5), (0.01, 0.1), (500.0, 2e4))
+    variables = tuple(Variable(key=key, low=a, high=b, log=True) for key, (a, b) in zip(keys, bounds, strict=True))
+
+    def lighter(values):
+        radius, _, mass = values
+        slopes = np.array([3 * radius**2 / mass, 0.0, -(radius**3) / mass**2])
+        return {"annual_mean_power": Quantity(radius**3 / mass, slopes)}
+
+    of = problem(lighter, variables=variables, shares=shares_of(study_of(), keys))
+    found = optimised(of, of.at(np.full(3, 0.8)))
+    radius, thickness, mass = found.point.values
+    assert found.accepted
+    assert mass == pytest.approx(4 * np.pi * radius**2 * thickness * 2700.0, rel=3e-6)
+    assert {"wall_mass", "upper bound of device.radius", "lower bound of device.thickness"} == set(found.multipliers)
+    assert found.multipliers["wall_mass"] == pytest.approx(1.0, rel=1e-5)
 
 
 def test_modes_are_added_until_the_objective_stands():

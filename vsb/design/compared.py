@@ -16,7 +16,7 @@ from vsb.design.evaluation import DAMPER, DesignModel
 from vsb.design.optimise import FURTHER, left_out, optimised
 from vsb.design.problem import IMPOSSIBLE, POWER, Problem
 from vsb.design.resting import RestingBuoy
-from vsb.design.searched import Outcome, study_of
+from vsb.design.searched import Outcome, searching, study_of, with_rest
 from vsb.study.sections import DEGREES
 from vsb.study.specs import DesignSpec, Search
 from vsb.study.study import Study
@@ -99,9 +99,9 @@ def _with_take_off(name: str, search: Search, climate: Climate, found: Outcome) 
     try:
         study = study_of(search, found.degree, point)
         keys = [one.key for one in free]
-        model = DesignModel.of(study, search.design, climate, keys, found.degree)
+        model = searching(study, search.design, climate, keys, found.degree)
         limits = {key: value for key, value in search.limits.items() if key in OF_TAKE_OFF}
-        problem = Problem(model, free, POWER, limits, {}, flexible=False)
+        problem = Problem(model, free, POWER, with_rest(limits, free))
         place = problem.place([found.point[key] for key in keys])
         end = optimised(problem, problem.at(place))
         values = dict(zip(keys, map(float, end.point.values), strict=True))

@@ -8,7 +8,7 @@ import numpy as np
 
 from vsb.design.limits import hull, inverse_load_factors, static_strain
 from vsb.design.linearised import Linearised, displacements, linearised, of_all
-from vsb.design.resting import RestingBuoy, value_of
+from vsb.design.resting import RestingBuoy, value_of, with_values
 from vsb.design.year import FrequencyGrid, PortYear, band, chebyshev, interpolation
 from vsb.errors import ConfigError, StabilityError
 from vsb.hydro.spectral.solver import SpectralProblem, largest_error
@@ -16,10 +16,13 @@ from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import rigid_basis
 from vsb.study.campaign import sections, study_at
 from vsb.study.design import VARIABLES
+from vsb.study.feasible import OF_EVERY_BUOY, shares
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
 
+NEEDED = ("thin_shell", "least_draft", "floats")
+"""Limits of every buoy beyond which there is nothing to evaluate."""
 DAMPER, SPRING = "pto.damping", "pto.stiffness"
 NODES, MOST_NODES = 32, 128
 """Nodes of the boundary elements: derivatives by shape are then right to 1e-8 where the shape itself is resolved."""
@@ -73,7 +76,9 @@ class Evaluation:
 class DesignModel:
     """One design of a study over a climate as a smooth function of some keys of the study.
 
-    Degree, nodes and frequencies are frozen, so that values of close designs differ by the designs alone.
+    Degree, nodes and frequencies are frozen, so that values of close designs differ by the designs alone. A search may
+    look `beyond` what bounds a buoy, where the formulas still hold: a wall heavier than the buoy, a spring that pushes
+    it over, are limits of the search then (`vsb.study.feasible.shares`, `spring_share`), and no errors.
     """
 
     study: Study
@@ -83,6 +88,7 @@ class DesignModel:
     degree: int  # highest Legendre degree of the shell's displacements
     nodes: int  # of the boundary elements on the wet meridian
     grid: FrequencyGrid
+    beyond: bool = False
 
     @classmethod
     def of(
@@ -144,7 +150,17 @@ class DesignModel:
         ConfigError
             If no study has such values.
         """
-        return study_at(sections(self.study), dict(zip(self.variables, values, strict=True)))
+        point = dict(zip(self.variables, values, strict=True))
+        if not self.beyond:
+            return study_at(sections(self.study), point)
+        study = with_values(self.study, point)
+        try:
+            used = shares(study.device, study.water, flexible=study.flexible)
+        except ValueError as error:
+            raise ConfigError(f"device: {error}") from None
+        if no_buoy := [name for name in NEEDED if used.get(name, 0.0) >= 1]:
+            raise ConfigError(f"device: a buoy needs {OF_EVERY_BUOY[no_buoy[0]]}")
+        return study
 
     def at(self, values: Sequence[float]) -> Evaluation:
         """Return the year and the limits of the design at values of the variables, with their derivatives.
@@ -156,7 +172,8 @@ class DesignModel:
             damper [N s/m]; root mean squares of the take-off's `force_rms` [N] and `stroke_rms` [m]; `beam` and `draft`
             of the hull at rest [m], its `surface` [m^2] and `volume` [m^3]; `mass` [kg]. Where heave moves the port
             `spring_pull_above` and `_below`, the force of a spring below zero at the rms stroke over the most by which
-            the water brings the buoy back from above and from below [-]. If the study has a flexible design also the
+            the water brings the buoy back from above and from below [-]; `spring_share`, the stiffness of a spring
+            below zero over that at which it ceases to rest stably [-]. If the study has a flexible design also the
             four largest inverse load factors of buckling `load_factor_inverse_0` to `_3` [-], and `static_strain`, the
             largest membrane strain at rest [-].
 
@@ -177,7 +194,7 @@ class DesignModel:
         clamp = [i for i, key in enumerate(self.variables) if key == f"designs.{self.design}.clamp"]
         steps = [*stepped, *(None for _ in clamp)]
         linear, change = linearised(buoy, self.design, steps, self.grid.solved, self.nodes)
-        _check_stable(linear, study.pto.stiffness, self.design)
+        _check_stable(linear, 0.0 if self.beyond else study.pto.stiffness, self.design)
         found = self._year(study, linear, change, of_device + clamp)
         slopes = hull(buoy, stepped)
         if study.flexible:
@@ -228,7 +245,16 @@ class DesignModel:
             "damping": Quantity(c, c_change),
             "force_rms": Quantity(float(force), half / force),
             "stroke_rms": Quantity(float(np.sqrt(stroke)), stroke_change / (2 * np.sqrt(stroke))),
+            "spring_share": _spring_share(k, k_change, buoy, Linearised(**parts)),
         }
+
+
+def _spring_share(k: float, k_change: FloatArray, buoy: Linearised, change: Linearised) -> Quantity:
+    """Share of the stiffness at its port that a spring k takes from a buoy, -k b^T K^-1 b; at 1 it rests no more."""
+    yielding = np.linalg.solve(buoy.stiffness, buoy.port)
+    own = change.stiffness - k_change[:, None, None] * np.outer(buoy.port, buoy.port)
+    compliance, slope = buoy.port @ yielding, 2 * change.port @ yielding - yielding @ own @ yielding
+    return Quantity(float(0.0 - k * compliance), -k * slope - k_change * compliance)
 
 
 def _check_stable(buoy: Linearised, spring: float, design: str) -> None:

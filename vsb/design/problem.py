@@ -2,12 +2,13 @@
 
 With x the variables scaled to their bounds, f(x) = -objective / scale is minimised subject to g(x) <= 0, where
 g = q/L - 1 for a quantity q limited from above by L. The load factor 1/kappa is limited from below: g = L kappa - 1 for
-the largest kappa, which are smooth where the load factor passes through infinity. 10 h/r - 1 <= 0 keeps the shell thin.
+the largest kappa, which are smooth where the load factor passes through infinity. What every buoy must keep (a thin
+wall that is no heavier than the buoy, a draft) is g = ln(share), see `vsb.study.feasible.shares`, linear in logarithms.
 With margins (1 + g) f - 1 <= 0, f >= 1, a buoy keeps away from its limits by what shell modes left out and uncertain
 inputs may change.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, Protocol
 
@@ -16,15 +17,16 @@ import numpy as np
 from vsb.design.evaluation import Evaluation, Quantity
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.study.design import DIVISORS, PARTS, Objective, Variable
-from vsb.study.feasible import THINNEST_RATIO
 from vsb.tools.arrays import FloatArray
 
 POWER: Literal["annual_mean_power"] = "annual_mean_power"
 """Name of a quantity, and of an objective."""
 INVERSE_LOAD_FACTOR = "load_factor_inverse"
 """What the names of the largest inverse load factors begin with, numbered from 0."""
-THIN_SHELL = "thin_shell"
-"""Name of the implied limit."""
+SPARE = 1e-6
+"""By which a buoy keeps from the limits every buoy has: a study at them is refused."""
+STEP = 1e-5
+"""Of a central difference of the shares of those limits, relative: its error is 1e-10."""
 SMALLEST = 1e-300
 """Least scale of an objective."""
 IMPOSSIBLE = (ConfigError, ConvergenceError, StabilityError, np.linalg.LinAlgError)
@@ -102,8 +104,7 @@ class Problem:
     variables: tuple[Variable, ...]
     maximise: Objective
     limits: Mapping[str, float]  # by name, as in a design file
-    fixed: Mapping[str, float]  # device.radius and device.thickness of the study, for the limit they imply
-    flexible: bool = True
+    shares: Callable[[Sequence[float]], Mapping[str, float]] | None = None  # values -> those of limits of every buoy
     twin: Model | None = None  # the rigid buoy of the same shape and mass, which the gain is over
     scale: float = 1.0  # of the objective
     margins: FloatArray | None = None  # f (limit,); none: 1
@@ -112,12 +113,7 @@ class Problem:
     @property
     def limit_names(self) -> list[str]:
         """Names of the limits in the order of the excesses; of the load factor one for each of the largest kappa."""
-        return [*limit_parts(self.limits), *([THIN_SHELL] if self._thin else [])]
-
-    @property
-    def _thin(self) -> bool:
-        """Whether radius or thickness vary, so that the shell may cease to be thin."""
-        return self.flexible and bool({"device.radius", "device.thickness"} & {one.key for one in self.variables})
+        return [*limit_parts(self.limits), *self.bounding(np.full(len(self.variables), 0.5))]
 
     def values(self, place: FloatArray) -> FloatArray:
         """Return the values of the variables at a place."""
@@ -159,7 +155,7 @@ class Problem:
         values = self.values(place)
         slopes = np.array([one.slope(float(v)) for one, v in zip(self.variables, values, strict=True)])
         aim = objective(found, self.maximise, twin)
-        terms = [*excesses(found, self.limits), *([self._thickness(values)] if self._thin else [])]
+        terms = [*excesses(found, self.limits), *self.bounding(place).values()]
         margins = np.ones(len(terms)) if self.margins is None else self.margins
         excess = margins * np.array([1 + term.value for term in terms]) - 1
         jacobian = np.array([term.gradient for term in terms]).reshape(len(terms), len(values)) * slopes
@@ -169,15 +165,18 @@ class Problem:
             raise ConvergenceError("a quantity of the buoy, or a derivative, is not finite")
         return Point(place, values, aim.value, cost, slope, excess, jacobian, found)
 
-    def _thickness(self, values: FloatArray) -> Quantity:
-        """Excess of thickness over radius/10."""
-        keys = [one.key for one in self.variables]
-        now = {**self.fixed, **dict(zip(keys, map(float, values), strict=True))}
-        radius, thickness = now["device.radius"], now["device.thickness"]
-        gradient = np.zeros(len(keys))
-        for i, key in enumerate(keys):
-            if key == "device.thickness":
-                gradient[i] = THINNEST_RATIO / radius
-            elif key == "device.radius":
-                gradient[i] = -THINNEST_RATIO * thickness / radius**2
-        return Quantity(THINNEST_RATIO * thickness / radius - 1, gradient)
+    def bounding(self, place: FloatArray) -> dict[str, Quantity]:
+        """Return the excesses over the limits of every buoy by name, with derivatives by values."""
+        if self.shares is None:
+            return {}
+        values, shares = self.values(place), self.shares
+        steps = np.diag([STEP * (abs(v) or one.high - one.low) for one, v in zip(self.variables, values, strict=True)])
+        here, ends = shares(values), [(shares(values + step), shares(values - step)) for step in steps]
+        sizes = 2 * steps.sum(axis=1)
+        return {
+            name: Quantity(
+                float(np.log(share) + SPARE),
+                np.array([(ahead[name] - behind[name]) for ahead, behind in ends]) / sizes / share,
+            )
+            for name, share in here.items()
+        }

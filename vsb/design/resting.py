@@ -5,7 +5,7 @@ exact to round-off for a tiny h (Squire and Trapp, SIAM Review 40, 1998). Shell 
 with such numbers by the same code as with real ones, so there is no second copy of the model.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -19,6 +19,7 @@ from vsb.shell.loaded import LoadedShell, complete_basis, equilibrium
 from vsb.shell.modes import rigid_basis
 from vsb.shell.shell import Curve, Shell
 from vsb.study.device import Device
+from vsb.study.material import Hookean
 from vsb.study.meridian import ClosedMeridian, capsule, spheroid, through
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
@@ -159,6 +160,26 @@ def value_of(study: Study, key: str) -> float:
         if (found := getattr(found, word, None)) is None:
             raise ConfigError(f"variables: received {key}, which the study has not; needs a key of it")
     return float(found)
+
+
+def with_values(study: Study, values: Mapping[str, float]) -> Study:
+    """Return a study with values of keys, of what bounds a buoy unchecked."""
+    for key, value in values.items():
+        study = _with(study, key.split("."), value)
+    device = study.device
+    if not isinstance(device.material, Hookean):  # moduli are those of small strains
+        device = device.model_copy(update={"young_modulus": device.material.young_modulus})
+    return study.model_copy(update={"device": device})
+
+
+def _with(part: Any, path: Sequence[str], value: float) -> Any:
+    """A section, or a mapping of sections, with the value of a key."""
+    first, *rest = path
+    if isinstance(part, Mapping):
+        return {**part, first: _with(part[first], rest, value)}
+    if not rest:
+        return part.model_copy(update={first: (value,) if first == "clamp" else value})
+    return part.model_copy(update={first: _with(getattr(part, first), rest, value)})
 
 
 def _reshaped(device: Device, name: str, step: complex) -> ClosedMeridian:

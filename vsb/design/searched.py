@@ -11,13 +11,16 @@ import xarray as xr
 
 import vsb.design.variables  # noqa: F401  registers them
 from vsb.design.certificate import VIOLATION
-from vsb.design.evaluation import DAMPER, DesignModel
+from vsb.design.evaluation import DAMPER, SPRING, DesignModel
 from vsb.design.margins import spread
 from vsb.design.optimise import FURTHER, Converged, Finer, Optimum, Progress, converged, finer, start_places
 from vsb.design.problem import IMPOSSIBLE, Point, Problem
+from vsb.design.resting import with_values
 from vsb.errors import ConvergenceError
 from vsb.scenes.mode_convergence import bending_degree
 from vsb.study.campaign import study_at
+from vsb.study.design import Variable
+from vsb.study.feasible import shares
 from vsb.study.specs import Search
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -35,18 +38,43 @@ def study_of(search: Search, degree: int | None, point: Mapping[str, float] | No
 def problem_of(search: Search, climate: Climate, degree: int | None) -> Problem:
     """Return the problem of a search over a climate, with a degree of shell modes; none of a rigid buoy."""
     study, keys = study_of(search, degree), [one.key for one in search.variables]
-    twin = None
-    if search.maximise == "gain":
-        twin = DesignModel.of(study, study.reference_design or "", climate, keys, degree)
+    gain = search.maximise == "gain"
+    twin = searching(study, study.reference_design or "", climate, keys, degree) if gain else None
     return Problem(
-        model=DesignModel.of(study, search.design, climate, keys, degree),
+        model=searching(study, search.design, climate, keys, degree),
         variables=search.variables,
         maximise=search.maximise,
-        limits=search.limits,
-        fixed={"device.radius": study.device.radius, "device.thickness": study.device.thickness},
-        flexible=search.flexible,
+        limits=with_rest(search.limits, search.variables),
+        shares=shares_of(study, keys),
         twin=twin,
     )
+
+
+STEADIEST = 0.99
+"""Share of its stiffness at most that a spring below zero may take from a buoy, so that it rests stably."""
+
+
+def with_rest(limits: Mapping[str, float], variables: Sequence[Variable]) -> dict[str, float]:
+    """Return limits with that of a spring that may be below zero."""
+    below = any(one.key == SPRING and one.low < 0 for one in variables)
+    return {**limits, **({"spring_share": STEADIEST} if below else {})}
+
+
+def searching(study: Study, design: str, climate: Climate, keys: Sequence[str], degree: int | None) -> DesignModel:
+    """Return a model for a search, which looks beyond what bounds a buoy."""
+    return replace(DesignModel.of(study, design, climate, keys, degree), beyond=True)
+
+
+def shares_of(study: Study, keys: Sequence[str]) -> Callable[[Sequence[float]], Mapping[str, float]] | None:
+    """Return what gives a buoy's shares of the limits every buoy has; None where the device does not vary."""
+    if not any(key.startswith("device.") for key in keys):
+        return None
+
+    def found(values: Sequence[float]) -> Mapping[str, float]:
+        built = with_values(study, dict(zip(keys, map(float, values), strict=True)))
+        return shares(built.device, built.water, flexible=study.flexible)
+
+    return found
 
 
 def degrees_of(search: Search) -> Sequence[int | None]:

@@ -6,6 +6,7 @@ from typing import Any
 from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
 from vsb.report.answer import Answer
 from vsb.study.design import LIMITS, limit_of, unit_of
+from vsb.study.feasible import OF_EVERY_BUOY
 from vsb.tools.words import gains_within, plain, prefixed, superscripts, watts_within
 
 Facts = Mapping[str, Any]
@@ -219,8 +220,9 @@ def brings(percent: float) -> str:
 def worth(facts: Facts, name: str, multiplier: float) -> str:
     """Return what a wider limit would bring, by its multiplier: 0.1 m more beam: +2.1 %."""
     if name not in LIMITS:
-        if name == "thin_shell":
-            return f"thickness of a tenth of the radius (10 % more: {brings(10 * multiplier)})"
+        if name in OF_EVERY_BUOY or name == "spring_share":
+            words = OF_EVERY_BUOY.get(name, "stable rest beside the spring")
+            return f"{words} (10 % more: {brings(10 * multiplier)})"
         return f"the {name} (a tenth of its range beyond: {brings(10 * multiplier)})"
     limit, unit = facts["limits"][name], unit_of(name)
     step = WIDENED.get(name)

@@ -35,6 +35,7 @@ from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes, points_of
 from vsb.study.design import LIMITS, limit_of, unit_of
 from vsb.study.design_plan import TABLES
+from vsb.study.feasible import OF_EVERY_BUOY
 from vsb.study.quantities import canonical, content_id
 from vsb.study.specs import DesignSpec, Search
 from vsb.study.study import Study
@@ -341,7 +342,7 @@ def sensitivity_table(spec: DesignSpec, found: Mapping[str, Outcome]) -> Table:
             rows.append([name, variable.key, unit(variable.key), float(value), per, shown_slope])
         for limit, value in one.multipliers.items():
             base = limit_of(limit)
-            per = "limit" if base in LIMITS or base == "thin_shell" else "bound"
+            per = "limit" if base in LIMITS or base in OF_EVERY_BUOY or base == "spring_share" else "bound"
             given = search.limits.get(base, math.nan)
             shown: object = given if math.isfinite(given) else ""
             rows.append([name, limit, unit_of(base) if base in LIMITS else "1", shown, per, value])
@@ -431,6 +432,8 @@ def study_text(spec: DesignSpec, one: Buoy, name: str, power: Mapping[str, Any])
     (words,), unit = watts_within([(power["value"], power["low"], power["high"])])
     kind = "flexible buoy" if one.name == FLEXIBLE else one.name
     about = f"# The best {kind} of design {spec.name}: {words} {unit}, mean over the year of {spec.climate_name}.\n"
+    if one.name == COMPETITOR:
+        about += "# A rigid buoy is one of its size and mass: the wall given here has no mass and bounds nothing.\n"
     return about + yaml.safe_dump(raw, sort_keys=False, allow_unicode=True)
 
 

@@ -14,6 +14,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
 
 from vsb.errors import ConfigError
 from vsb.study.campaign import ClimateFile, Verify, check_no_direction, sections, study_at
+from vsb.study.device import Device
 from vsb.study.feasible import Ranges, Unmet
 from vsb.study.keys import KEYS, Key
 from vsb.study.quantities import Count, Name, NonNegative, Positive, Section
@@ -51,6 +52,7 @@ QUANTITIES = {
     **{name: KEYS["Limits"][name] for name in LIMITS},
     "spring_pull_above": Key("-", "", "pull of a spring below zero at the rms stroke over the weight"),
     "spring_pull_below": Key("-", "", "the same over the buoyancy left"),
+    "spring_share": Key("-", "", "stiffness of a spring below zero over that at which the buoy rests no more"),
     **{
         f"load_factor_inverse_{i}": Key("-", "", f"load over buckling load, mode {i + 1} of those that buckle first")
         for i in range(4)
@@ -279,9 +281,10 @@ class LoadedDesign(Section):
 
     @property
     def rigid_sections(self) -> dict[str, Any]:
-        """The same of the competitor: a rigid sphere, undeformed."""
+        """The same of the competitor: a rigid sphere, undeformed, whose wall does not bound its mass."""
         found = {key: value for key, value in self.sections.items() if key not in ("modes", "reference_shape")}
-        return {**found, "designs": {self.rigid: {"flexible": False}}}
+        device = {**found["device"], **_no_wall(self.base.device, self.problem.variables)}
+        return {**found, "device": device, "designs": {self.rigid: {"flexible": False}}}
 
     @property
     def ranges(self) -> dict[str, Ranges]:
@@ -516,6 +519,12 @@ def _check_competitor(problem: Optimisation, mistakes: _Mistakes) -> None:
             )
 
 
+def _no_wall(device: Device, variables: Sequence[Variable]) -> dict[str, float]:
+    """Thickness and density of a wall that bounds no rigid buoy: thin, and of no mass to speak of."""
+    largest = max([device.radius, *(one.high for one in variables if one.key == "device.radius")])
+    return {"thickness": 1e-4 * largest, "density": 0.1}
+
+
 def _ranges(problem: Optimisation, study: Study) -> dict[str, Ranges]:
     """What decides how the flexible buoy and its competitor float, by design."""
     flexible, rigid = problem.optimise or first_flexible(study), study.reference_design or "FSB"
@@ -525,7 +534,13 @@ def _ranges(problem: Optimisation, study: Study) -> dict[str, Ranges]:
     limits, device, water = problem.limits, study.device, study.water
     return {
         flexible: Ranges(device, water, ends, limits.given, study.at_equilibrium),
-        rigid: Ranges(device, water, competing, limits.without_shell().given, deforms=False),
+        rigid: Ranges(
+            device.model_copy(update=_no_wall(device, problem.variables)),
+            water,
+            competing,
+            limits.without_shell().given,
+            deforms=False,
+        ),
     }
 
 

@@ -1,4 +1,6 @@
-"""Which buoys of a design file's ranges can float and keep the limits, from their masses and sizes alone. Pure Python.
+"""What bounds a buoy, and which buoys of a design file's ranges can float and keep the limits. Pure Python.
+
+Both follow from masses and sizes alone. `shares` says of one buoy how far it is from what bounds it.
 
 The radius is divided into cells. Let a cell reach from r_a to r_b, and let the height h of a shape, the thickness t and
 the density d of the shell reach from their least to their largest values. A buoy of mass m in it needs
@@ -21,13 +23,31 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from vsb.study.device import NEAREST_POLE, Device, cap_volume, full_volume, shell_mass, volume_to
+from vsb.study.device import (
+    NEAREST_POLE,
+    THINNEST_SHELL,
+    Device,
+    cap_volume,
+    full_volume,
+    shell_mass,
+    volume_to,
+)
 from vsb.study.sections import Water
 
 THINNEST_RATIO = 10.0
 """Radius over thickness that thin-shell theory needs at least: an implied limit."""
+OF_EVERY_BUOY = {
+    "thin_shell": "a wall of a tenth of the least radius of curvature",
+    "film": "a wall of a thirty-thousandth of the radius, below which it is a film",
+    "wall_mass": "the mass of the wall and of the ballast that keeps the centre of mass",
+    "least_draft": "the least draft there is",
+    "floats": "the mass of the water displaced",
+}
+"""Limits that every buoy must keep, by name; the last two those of a rigid one."""
 CELLS, CELLS_OF_SHAPE = 200, 10
 """Cells of the radius of a sphere, and of another meridian, whose area and volume take longer to compute."""
+DEEPER = 1.02
+"""Least depth of the water in drafts."""
 HEIGHTS = ("device.shape.spheroid.height", "device.shape.capsule.length")
 ROUND_OFF = 1e-9
 """Relative excess that is none."""
@@ -45,6 +65,32 @@ WHY = {
 }
 """Why a demand is not met, by name."""
 Ends = tuple[float, float]
+
+
+def shares(device: Device, water: Water, *, flexible: bool) -> dict[str, float]:
+    """Return what a buoy uses of each limit of `OF_EVERY_BUOY` [-]: at most 1 if it can be made and floats.
+
+    Parameters
+    ----------
+    flexible : bool
+        Whether it has a wall; a rigid buoy is one of its size and mass alone.
+    """
+    most = 2 - NEAREST_POLE
+    if math.isfinite(water.depth):
+        rest = device.meridian
+        most = min(most, 2 * water.depth / DEEPER / (2 * device.radius if rest is None else rest.highest - rest.lowest))
+    least, full = (volume_to(device, part) * water.density for part in (NEAREST_POLE, most))
+    found = {"least_draft": least / device.mass, "floats": device.mass / full}
+    if not flexible:
+        return found
+    radius, thickness = device.radius, device.thickness
+    sharpest = radius if device.meridian is None else device.meridian.sharpest
+    return {
+        "thin_shell": THINNEST_RATIO * thickness / sharpest,
+        "film": THINNEST_SHELL * radius / thickness,
+        "wall_mass": device.shell_mass / device.mass + abs(device.centre_of_mass or 0.0) / radius,
+        **found,
+    }
 
 
 class Demand(NamedTuple):
