@@ -150,10 +150,10 @@ class DesignModel:
         ConfigError
             If no study has such values.
         """
-        point = dict(zip(self.variables, values, strict=True))
+        point: dict[str, float | str] = dict(zip(self.variables, values, strict=True))
         if not self.beyond:
             return study_at(sections(self.study), point)
-        study = with_values(self.study, point)
+        study = with_values(self.study, dict(zip(self.variables, values, strict=True)))
         try:
             used = shares(study.device, study.water, flexible=study.flexible)
         except ValueError as error:

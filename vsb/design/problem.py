@@ -104,7 +104,7 @@ class Problem:
     variables: tuple[Variable, ...]
     maximise: Objective
     limits: Mapping[str, float]  # by name, as in a design file
-    shares: Callable[[Sequence[float]], Mapping[str, float]] | None = None  # values -> those of limits of every buoy
+    shares: Callable[[FloatArray], Mapping[str, float]] | None = None  # values -> those of limits of every buoy
     twin: Model | None = None  # the rigid buoy of the same shape and mass, which the gain is over
     scale: float = 1.0  # of the objective
     margins: FloatArray | None = None  # f (limit,); none: 1

@@ -65,12 +65,12 @@ def searching(study: Study, design: str, climate: Climate, keys: Sequence[str], 
     return replace(DesignModel.of(study, design, climate, keys, degree), beyond=True)
 
 
-def shares_of(study: Study, keys: Sequence[str]) -> Callable[[Sequence[float]], Mapping[str, float]] | None:
+def shares_of(study: Study, keys: Sequence[str]) -> Callable[[FloatArray], Mapping[str, float]] | None:
     """Return what gives a buoy's shares of the limits every buoy has; None where the device does not vary."""
     if not any(key.startswith("device.") for key in keys):
         return None
 
-    def found(values: Sequence[float]) -> Mapping[str, float]:
+    def found(values: FloatArray) -> Mapping[str, float]:
         built = with_values(study, dict(zip(keys, map(float, values), strict=True)))
         return shares(built.device, built.water, flexible=study.flexible)
 
