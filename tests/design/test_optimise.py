@@ -13,6 +13,7 @@ from vsb.design.margins import probabilities
 from vsb.design.optimise import KKT, VIOLATION, converged, first_possible, left_out, optimised, start_places
 from vsb.design.problem import Problem
 from vsb.design.searched import shares_of
+from vsb.design.violation import within_limits
 from vsb.errors import ConvergenceError
 from vsb.study.design import Variable
 from vsb.study.sections import DEGREES
@@ -55,6 +56,22 @@ def test_nearest_point_of_a_disc_and_its_multiplier(start):
     power = 20 - (np.sqrt(10) - 2) ** 2
     assert found.objective == pytest.approx(power, rel=1e-9)
     assert found.multipliers == {"mass": pytest.approx(2 * 2 * (np.sqrt(10) - 2) / power, rel=1e-5)}
+
+
+def test_limits_that_leave_no_buoy_are_named_with_the_bound_they_conflict_with():
+    """|x| of at most 0.3 where x is at least 0.5: the nearest is (0.5, 0), 67 % too large, after a few evaluations."""
+    of = problem(nearest, {"mass": 0.3})
+    found = optimised(of, of.at(of.place([6.0, 3.0])))
+    assert not found.accepted
+    assert (
+        found.message
+        == "no buoy keeps the limits: the nearest has mass exceeded by 67 %, device.mass at its lower bound, 0.5"
+    )
+    assert found.point.values == pytest.approx([0.5, 0.0], abs=1e-2)
+    assert of.evaluations < 20
+    led = within_limits(of := problem(nearest, {"mass": 0.6}), of.at(of.place([6.0, 3.0])))
+    assert not led.conflict
+    assert np.hypot(*led.point.values) <= 0.6
 
 
 def test_newton_step_from_beyond_a_limit_lands_on_the_optimum():

@@ -94,6 +94,14 @@ def test_front_far_from_what_the_buoys_have_is_doubted(folder):
     assert [line.partition(", and")[0] for line in doubts] == 2 * ["doubt        pareto.force_rms: received 1e-09"]
 
 
+def test_ranges_whose_limits_conflict_are_refused_before_anything_is_solved(folder):
+    plan = planned(folder, "film", variables={"device.thickness": [1e-6, 2e-6], **DAMPER})
+    with pytest.raises(
+        ConfigError, match=r"film exceeded by .*device\.thickness at its upper bound, 2e-06 \(design VSWEC"
+    ):
+        check(plan)
+
+
 def test_best_of_all_starts_is_told_while_they_run(folder):
     plan = planned(folder, "watched", starts=2)
     assert _best_so_far(plan) == ""

@@ -8,9 +8,9 @@ import numpy as np
 
 from vsb.design.limits import hull, inverse_load_factors, static_strain
 from vsb.design.linearised import Linearised, displacements, linearised, of_all
-from vsb.design.resting import RestingBuoy, value_of, with_values
+from vsb.design.resting import RestingBuoy, Stepped, value_of, with_values
 from vsb.design.year import FrequencyGrid, PortYear, band, chebyshev, interpolation
-from vsb.errors import ConfigError, StabilityError
+from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.hydro.spectral.solver import SpectralProblem, largest_error
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.modes import rigid_basis
@@ -188,27 +188,30 @@ class DesignModel:
         """
         study = self.study_at(values)
         buoy = RestingBuoy.of(study, self.degree)
-        of_device = [i for i, key in enumerate(self.variables) if key.startswith("device.")]
-        keys = [self.variables[i] for i in of_device]
-        stepped = [buoy.with_step(key) for key in keys]
+        of_device, stepped = self._stepped(buoy)
         clamp = [i for i, key in enumerate(self.variables) if key == f"designs.{self.design}.clamp"]
         steps = [*stepped, *(None for _ in clamp)]
         linear, change = linearised(buoy, self.design, steps, self.grid.solved, self.nodes)
         _check_stable(linear, 0.0 if self.beyond else study.pto.stiffness, self.design)
         found = self._year(study, linear, change, of_device + clamp)
-        slopes = hull(buoy, stepped)
-        if study.flexible:
-            slopes["static_strain"] = static_strain(buoy, stepped)
-            factors = inverse_load_factors(study, keys)
-            slopes |= {f"load_factor_inverse_{i}": factor for i, factor in enumerate(factors)}
-        count = len(self.variables)
-        found |= {
-            name: Quantity(value, of_all(np.array(change), of_device, count))
-            for name, (value, change) in slopes.items()
-        }
+        found |= self._at_rest(buoy, of_device, stepped)
         if study.pto.moved_by_heave:
             found |= self._spring_pulls(study, found)
         return Evaluation(found)
+
+    def _stepped(self, buoy: RestingBuoy) -> tuple[list[int], list[Stepped]]:
+        """Places of the variables of the device, and the buoy with a step of each."""
+        places = [i for i, key in enumerate(self.variables) if key.startswith("device.")]
+        return places, [buoy.with_step(self.variables[i]) for i in places]
+
+    def _at_rest(self, buoy: RestingBuoy, places: Sequence[int], stepped: Sequence[Stepped]) -> dict[str, Quantity]:
+        """Hull, strain and buckling of a buoy, with derivatives by the variables at `places`."""
+        slopes, count = hull(buoy, stepped), len(self.variables)
+        if buoy.study.flexible:
+            slopes["static_strain"] = static_strain(buoy, stepped)
+            factors = inverse_load_factors(buoy.study, [self.variables[i] for i in places])
+            slopes |= {f"load_factor_inverse_{i}": factor for i, factor in enumerate(factors)}
+        return {name: Quantity(value, of_all(np.array(by), places, count)) for name, (value, by) in slopes.items()}
 
     def _spring_pulls(self, study: Study, found: Mapping[str, Quantity]) -> dict[str, Quantity]:
         """Force of a spring below zero at the rms stroke over the most by which the water brings the buoy back.
@@ -247,6 +250,22 @@ class DesignModel:
             "stroke_rms": Quantity(float(np.sqrt(stroke)), stroke_change / (2 * np.sqrt(stroke))),
             "spring_share": _spring_share(k, k_change, buoy, Linearised(**parts)),
         }
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """What `DesignModel.at` says of a buoy without waves; of a shell that does not carry its load by linear theory."""
+
+    model: DesignModel
+
+    def at(self, values: Sequence[float]) -> Evaluation:
+        """Return the quantities at rest at values of the variables, with their derivatives."""
+        study = self.model.study_at(values)
+        try:
+            buoy = RestingBuoy.of(study, self.model.degree)
+        except ConvergenceError:
+            buoy = RestingBuoy.of(study.model_copy(update={"reference_shape": "undeformed"}), self.model.degree)
+        return Evaluation(self.model._at_rest(buoy, *self.model._stepped(buoy)))
 
 
 def _spring_share(k: float, k_change: FloatArray, buoy: Linearised, change: Linearised) -> Quantity:

@@ -26,6 +26,7 @@ from vsb.design.certificate import (
 )
 from vsb.design.margins import beyond, by_modes
 from vsb.design.problem import IMPOSSIBLE, POWER, SMALLEST, Point, Problem
+from vsb.design.violation import led_at_rest, within_limits
 from vsb.errors import ConvergenceError
 from vsb.tools.arrays import FloatArray
 
@@ -40,6 +41,8 @@ NEWTON_STEPS, LONGEST_STEP = 6, 0.05
 """Most Newton steps, and the longest of them in ranges."""
 HELD = 1e-3
 """Distance from a limit within which it is taken for active before the Newton steps."""
+BEYOND = 0.02
+"""Violation from which on a start is led within the limits before it is searched from."""
 TRIES = 16
 """Places tried for one start until a buoy rests."""
 Progress = Callable[[Point], None]
@@ -78,13 +81,23 @@ def start_places(start: int, variables: int, seed: int, given: FloatArray | None
 
 
 def first_possible(problem: Problem, places: Sequence[FloatArray]) -> tuple[Point, list[str]]:
-    """Return the first buoy that rests, and why those before it do not; raises `ConvergenceError` if none does."""
+    """Return the first buoy that rests, and why those before it do not; raises `ConvergenceError` if none does.
+
+    A place without one is led to the limits at rest first. Where these leave no buoy no other place is tried.
+    """
     reasons: list[str] = []
     for place in places:
         try:
             return problem.at(place), reasons
         except IMPOSSIBLE as error:
             reasons.append(str(error))
+        try:
+            led = led_at_rest(problem, place)
+            if not led.conflict:
+                return problem.at(led.point.place), reasons
+        except IMPOSSIBLE:
+            continue
+        raise ConvergenceError(led.conflict)
     raise ConvergenceError(f"none of {len(places)} buoys tried rests: {reasons[-1]}")
 
 
@@ -100,6 +113,12 @@ def optimised(problem: Problem, start: Point, seen: Progress | None = None) -> O
     """
     scaled = problem.rescaled(start)
     point, best = scaled.at(start.place), None
+    if point.violation > BEYOND and problem.variables:
+        point, conflict, _ = within_limits(scaled, point, seen)
+        if conflict:
+            return replace(_certified(scaled, point, multipliers(point), None, ""), message=conflict)
+        scaled = problem.rescaled(point)
+        point = scaled.at(point.place)
     if not problem.variables:
         return _certified(scaled, point, multipliers(point), None, "no variables")
     for close, change in ROUNDS:

@@ -16,7 +16,7 @@ import numpy as np
 
 from vsb.design.evaluation import Evaluation, Quantity
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.study.design import DIVISORS, PARTS, Objective, Variable
+from vsb.study.design import DIVISORS, OF_WAVES, PARTS, Objective, Variable
 from vsb.tools.arrays import FloatArray
 
 POWER: Literal["annual_mean_power"] = "annual_mean_power"
@@ -108,6 +108,7 @@ class Problem:
     twin: Model | None = None  # the rigid buoy of the same shape and mass, which the gain is over
     scale: float = 1.0  # of the objective
     margins: FloatArray | None = None  # f (limit,); none: 1
+    resting: Model | None = None  # what it is at rest, without waves
     known: dict[bytes, Known | Exception] = field(default_factory=dict)  # evaluations by place
 
     @property
@@ -146,6 +147,14 @@ class Problem:
         """Number of buoys evaluated so far, those that do not rest among them."""
         return len(self.known)
 
+    @property
+    def at_rest(self) -> "Problem | None":
+        """The problem of its limits at rest, without waves and objective; None if what it is at rest is not known."""
+        if self.resting is None:
+            return None
+        limits = {name: limit for name, limit in self.limits.items() if name not in OF_WAVES}
+        return replace(self, model=self.resting, limits=limits, twin=None, margins=None, known={})
+
     def rescaled(self, point: Point) -> "Problem":
         """Return the same problem with its objective scaled to that of a point."""
         return replace(self, scale=max(abs(point.objective), SMALLEST))
@@ -154,7 +163,8 @@ class Problem:
         """A buoy, evaluated."""
         values = self.values(place)
         slopes = np.array([one.slope(float(v)) for one, v in zip(self.variables, values, strict=True)])
-        aim = objective(found, self.maximise, twin)
+        waves = POWER in found.quantities
+        aim = objective(found, self.maximise, twin) if waves else Quantity(0.0, np.zeros(len(values)))
         terms = [*excesses(found, self.limits), *self.bounding(place).values()]
         margins = np.ones(len(terms)) if self.margins is None else self.margins
         excess = margins * np.array([1 + term.value for term in terms]) - 1

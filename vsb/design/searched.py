@@ -11,7 +11,7 @@ import xarray as xr
 
 import vsb.design.variables  # noqa: F401  registers them
 from vsb.design.certificate import VIOLATION
-from vsb.design.evaluation import DAMPER, SPRING, DesignModel
+from vsb.design.evaluation import DAMPER, SPRING, AtRest, DesignModel
 from vsb.design.margins import spread
 from vsb.design.optimise import FURTHER, Converged, Finer, Optimum, Progress, converged, finer, start_places
 from vsb.design.problem import IMPOSSIBLE, Point, Problem
@@ -40,13 +40,15 @@ def problem_of(search: Search, climate: Climate, degree: int | None) -> Problem:
     study, keys = study_of(search, degree), [one.key for one in search.variables]
     gain = search.maximise == "gain"
     twin = searching(study, study.reference_design or "", climate, keys, degree) if gain else None
+    model = searching(study, search.design, climate, keys, degree)
     return Problem(
-        model=searching(study, search.design, climate, keys, degree),
+        model=model,
         variables=search.variables,
         maximise=search.maximise,
         limits=with_rest(search.limits, search.variables),
         shares=shares_of(study, keys),
         twin=twin,
+        resting=AtRest(model),
     )
 
 

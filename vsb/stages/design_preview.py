@@ -6,8 +6,9 @@ from time import process_time
 from typing import NamedTuple
 
 from vsb.design.optimise import first_possible
-from vsb.design.problem import Point, Problem
+from vsb.design.problem import IMPOSSIBLE, Point, Problem
 from vsb.design.searched import degrees_of, places, problem_of
+from vsb.design.violation import led_at_rest, within_limits
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.stages.climate import read_climate
 from vsb.study.campaign import study_at
@@ -35,7 +36,8 @@ FAR = 100.0
 
 def check(plan: DesignPlan) -> None:
     """Raise what would fail later in a design problem; raises `ConfigError`."""
-    _problems(plan, read_climate(plan.climate, plan.loaded.climate_path))
+    for one in _problems(plan, read_climate(plan.climate, plan.loaded.climate_path)):
+        _check_within(plan, one)
 
 
 class Prepared(NamedTuple):
@@ -68,6 +70,31 @@ def _problems(plan: DesignPlan, seas: Climate) -> list[Prepared]:
     return found
 
 
+LED, MUCH = 2, 1.0
+"""Starts led to the limits until one reaches them, and what is a large violation of limits."""
+
+
+def _check_within(plan: DesignPlan, one: Prepared) -> None:
+    """Check that one of the first starts leads to a buoy within the limits, or none is certified or far from them.
+
+    Limits in waves are looked at where they are far away, for they take longer.
+    """
+    conflict = ""
+    for start in range(LED):
+        try:
+            found = led_at_rest(one.problem, places(one.problem, plan.loaded.problem.seed, start)[0])
+            if not found.conflict and (point := one.problem.at(found.point.place)).violation > MUCH:
+                found = within_limits(one.problem, point)
+        except IMPOSSIBLE:
+            continue
+        if not found.conflict:
+            return
+        if found.certified or found.point.violation > MUCH:
+            conflict = found.conflict
+    if conflict:
+        raise ConfigError(f"{plan.loaded.source}: limits: {conflict} (design {one.search.design})")
+
+
 class Tried(NamedTuple):
     """A buoy of a search evaluated, and the CPU time of that [s]; or why none rests."""
 
@@ -96,6 +123,8 @@ def summary(plan: DesignPlan) -> list[str]:
     """Return the lines `vsb check` prints of a design problem: variables, limits, cost, and what is probably a slip."""
     seas = read_climate(plan.climate, plan.loaded.climate_path)
     prepared = _problems(plan, seas)
+    for one in prepared:
+        _check_within(plan, one)
     problem, search = plan.loaded.problem, plan.flexible
     tried = [_tried(one, problem.seed) for one in prepared]
     limits = ", ".join(f"{name} {value:g} {unit_of(name)}".removesuffix(" 1") for name, value in search.limits.items())

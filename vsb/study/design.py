@@ -64,6 +64,8 @@ PARTS = {
     "spring_pull": ("spring_pull_above", "spring_pull_below"),
 }
 """Limits of which several parts must be met, with names of their own, and a multiplier each."""
+OF_WAVES = ("force_rms", "stroke_rms", "spring_pull", "spring_share")
+"""Limits that a buoy meets in waves, by its take-off; the others at rest."""
 OF_SIZE = ("beam", "surface", "volume", "force_rms")
 """Limits of which one must hold where the radius is free, or power grows with it up to its bound."""
 NARROWEST = 1e-6
