@@ -12,6 +12,8 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from examples import command
 from vsb.scenes.mode_convergence import ModeConvergence
 from vsb.study.plan import StudyPlan
@@ -54,13 +56,12 @@ def rows_of(shell: str, path: str) -> Iterator[tuple[object, ...]]:
         buoy = StudyPlan(study).ladder.buoy
         assert buoy is not None
         found = ModeConvergence(buoy, seas)
-        rigid, free = found.converged[:, :, 1]
-        beyond = 100 * found.further[1, :, 1] / rigid
+        rigid, free = found.compared[-1][:, :, 1]
+        beyond = 100 * np.ptp(found.compared, axis=0)[1, :, 1] / rigid
         for i, period in enumerate(PERIODS):
             limit = power_limit(2 * math.pi / period, water.depth, water.density, water.gravity) * AMPLITUDE**2
             gain = 100 * float(free[i] / rigid[i] - 1)
-            degree = max(found.powers_by_degree)
-            yield shell, port, period, float(rigid[i] / limit), gain, float(beyond[i]), degree
+            yield shell, port, period, float(rigid[i] / limit), gain, float(beyond[i]), found.finer
 
 
 def run(args: argparse.Namespace) -> int:

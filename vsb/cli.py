@@ -53,7 +53,7 @@ def check(args: argparse.Namespace) -> int:
 
     Nothing is solved.
     """
-    plan = plan_of(args.config, keep=False)
+    plan = plan_of(args.config)
     check_name(plan)
     lines = summary(plan)
     print(*lines, sep="\n")
@@ -85,7 +85,7 @@ def shell(args: argparse.Namespace) -> int:
     """Print dry natural frequencies of both branches, the paper's Ritz column, and the buckling pressure."""
     from vsb.stages import preview
 
-    table = preview.shell_table(with_degree(StudyPlan(load(args.config)), keep=False).study)
+    table = preview.shell_table(with_degree(StudyPlan(load(args.config))).study)
     print(json.dumps(table, indent=1) if args.json else preview.shell_text(table))
     return 0
 
@@ -185,7 +185,7 @@ def figures(args: argparse.Namespace) -> int:
     """Draw the figures of finished results for print, as PDF or PNG, beside those of the page or into a folder."""
     from vsb.stages.printing import print_figures
 
-    plan = plan_of(args.config, keep=False)
+    plan = plan_of(args.config)
     folder = args.out or f"{plan.folder}/figures"
     written = [path for kind in args.kinds or ["pdf"] for path in print_figures(plan, folder, kind)]
     print(*written, sep="\n")

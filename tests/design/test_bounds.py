@@ -16,10 +16,10 @@ from tests.design.conftest import study_of
 from vsb.design.budgets import drawn_years, power_parts, uncertainty
 from vsb.design.compared import Buoy, gain
 from vsb.design.evaluation import DesignModel, Quantity
+from vsb.design.margins import bending_degree
 from vsb.design.optimise import left_out
 from vsb.design.problem import IMPOSSIBLE, POWER
 from vsb.design.year import FrequencyGrid
-from vsb.scenes.mode_convergence import bending_degree
 from vsb.study.design import load_design
 from vsb.study.sections import DEGREES
 

@@ -9,13 +9,13 @@ from tests.design.conftest import study_of
 from vsb.design.compared import Buoy
 from vsb.design.evaluation import DesignModel
 from vsb.design.linearised import displacements
+from vsb.design.margins import bending_degree
 from vsb.design.optimise import left_out
 from vsb.design.resting import RestingBuoy
 from vsb.design.year import FrequencyGrid
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.hydro.database import Coefficients, with_excitation
 from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.scenes.mode_convergence import bending_degree
 from vsb.scenes.ports import ShapeWater, buoy_at
 from vsb.scenes.rest import reference_shell, stiffness_about
 from vsb.study.design import PARTS

@@ -1,23 +1,15 @@
-"""The degree of the shell modes: found from the tolerance, stored, and part of the ids."""
+"""The degree of the shell modes: it follows from the tolerance and the wall, and is part of the ids."""
 
-import json
-from pathlib import Path
-
-import numpy as np
 import pytest
-import xarray as xr
 import yaml
 from conftest import EXAMPLE, varied
 
-from vsb.results.left_out import modes_left_out
-from vsb.scenes.floating_system import study_sea
-from vsb.scenes.mode_convergence import from_lists, one_of_each_family
-from vsb.stages.planning import degree_lines, plan_of, stored_search, with_degree
-from vsb.study.plan import StudyPlan, degree_path
+from vsb.stages.planning import degree_lines, plan_of, with_degree
+from vsb.study.degree import degree_needed
+from vsb.study.plan import StudyPlan
 from vsb.study.quantities import content_id
 from vsb.study.sections import DEGREES
 from vsb.study.study import load
-from vsb.waves.seas import expected
 
 TOLERANT = {"basis": "full", "degree": None, "tolerance": 0.005}
 
@@ -28,30 +20,36 @@ def asked():
     return varied(load(EXAMPLE), modes=TOLERANT, designs={"FSB": {"flexible": False}, "VSWEC": {}})
 
 
-@pytest.fixture(scope="module")
-def planned(asked, tmp_path_factory):
-    return with_degree(StudyPlan(asked, root=str(tmp_path_factory.mktemp("results"))))
-
-
-def kept(plan):
-    (path,) = Path(plan.root, "hydro", "degrees").iterdir()
-    return path
-
-
-def test_degree_is_found_from_the_tolerance_and_stored(asked, planned):
-    assert planned.study.modes.degree in DEGREES
-    assert planned.study.modes.tolerance == 0.005
-    assert json.loads(kept(planned).read_text())["degree"] == planned.study.modes.degree
-
-
-def test_degree_stands_in_the_ids(asked, planned):
+def test_degree_stands_in_the_ids_and_depends_on_the_buoy_alone(asked):
+    plan = with_degree(StudyPlan(asked))
+    assert plan.study.modes.degree in DEGREES
     other = varied(asked, waves=[{"kind": "regular", "amplitude": 0.1, "period": 6.0}])
-    there = with_degree(StudyPlan(other, root=planned.root))
-    assert there.study.modes.degree == planned.study.modes.degree
-    assert content_id(there.database) == content_id(planned.database)
-    given = StudyPlan(varied(asked, modes={"basis": "full", "degree": 20}), root=planned.root)
+    assert content_id(with_degree(StudyPlan(other)).database) == content_id(plan.database)
+    given = StudyPlan(varied(asked, modes={"basis": "full", "degree": 20}))
     assert with_degree(given) is given
-    assert content_id(given.database) != content_id(planned.database)
+    assert content_id(given.database) != content_id(plan.database)
+
+
+def test_softer_thinner_and_vented_walls_and_smaller_tolerances_need_more_degrees(asked):
+    def needed(tolerance=0.005, **device):
+        return degree_needed(varied(asked, device=device, modes={"tolerance": tolerance}))
+
+    assert needed(tolerance=1e-4) > needed()
+    for softer in ({"young_modulus": 5e6}, {"thickness": 0.004}, {"internal_pressure": 0.0}):
+        assert needed(**softer) > needed()
+
+
+def test_degree_does_not_depend_on_units_of_length(asked):
+    """Froude scaling in the same water: lengths and stresses grow alike."""
+    device = asked.device
+    large = {"radius": 2 * device.radius, "thickness": 2 * device.thickness, "mass": 8 * device.mass}
+    stresses = {"young_modulus": 2 * device.young_modulus, "internal_pressure": 2 * device.internal_pressure}
+    tolerances = (0.05, 0.005, 5e-4, 1e-4)
+    one, other = (
+        [degree_needed(varied(study, modes={"tolerance": tolerance})) for tolerance in tolerances]
+        for study in (asked, varied(asked, device=large | stresses))
+    )
+    assert one == other
 
 
 def test_campaign_has_the_degree_of_its_thinnest_shell(asked, tmp_path, monkeypatch):
@@ -60,53 +58,20 @@ def test_campaign_has_the_degree_of_its_thinnest_shell(asked, tmp_path, monkeypa
     (tmp_path / "site.csv").write_text("Hs/Te, 5, 6\n0.75, 5, 8\n1.25, 4, 10\n")
     given = {"campaign": "site", "study": "buoy.yaml", "climate": {"scatter": "site.csv"}, "tuning": ["one"]}
 
-    def degree(vary):
-        (tmp_path / "site.yaml").write_text(yaml.safe_dump({**given, "vary": vary}))
+    def degree(thickness):
+        (tmp_path / "site.yaml").write_text(yaml.safe_dump({**given, "vary": {"device.thickness": thickness}}))
         return plan_of("site.yaml").loaded.base.modes.degree
 
-    thick, thin = degree({"device.thickness": [0.03]}), degree({"device.thickness": [0.008]})
-    assert thin >= thick
-    assert degree({"device.thickness": [0.03, 0.008]}) == max(thick, thin)
-    assert degree({"device.internal_pressure": [0.0]}) == DEGREES[0]  # vented, without equilibrium
+    assert degree([0.008]) > degree([0.03])
+    assert degree([0.03, 0.008]) == degree([0.008])
 
 
-def test_check_compares_a_given_degree_with_the_tolerance(asked, planned):
-    needed = planned.study.modes.degree
+def test_check_compares_given_modes_with_the_tolerance(asked):
+    needed = degree_needed(asked)
 
-    def line(**modes):
-        (only,) = degree_lines(StudyPlan(varied(asked, modes=modes), root=planned.root))
-        return only
+    def lines(**modes):
+        return degree_lines(StudyPlan(varied(asked, modes=modes)))
 
-    assert line(basis="full", degree=needed).startswith("ok ")
-    assert f"needs the full basis to degree {needed}" in line(basis="full", degree=needed - 1)
-    assert line(basis="membrane", degree=90).startswith("doubt")
-
-
-def test_check_says_where_the_highest_degree_may_not_meet_the_tolerance(seed, tmp_path):
-    clamped = {"FSB": {"flexible": False}, "VSWEC90": {"clamp": 90}}
-    modes = {"basis": "full", "degree": 90, "tolerance": 1e-4}
-    study = varied(seed, modes=modes, designs=clamped, device={"thickness": 0.004})
-    (line,) = degree_lines(StudyPlan(study, root=str(tmp_path)))
-    assert line.startswith("doubt")
-    assert "degree 90 may not meet modes.tolerance" in line
-
-
-def test_control_levels_need_no_search_of_their_own(asked, tmp_path):
-    """What the plan found is what the ladder would find: seas, families of realisations and designs are the same.
-
-    A record holds a wave of 100 s, below the first frequency solved: it would be most of the matched power.
-    """
-    time = np.arange(0.0, 100.0, 0.5)
-    elevation = 0.1 * np.cos(0.4 * np.pi * time) + 0.008 * np.cos(0.02 * np.pi * time)
-    gusts = [{"kind": "jonswap", "hs": 0.5, "tp": 4.0, "seed": seed} for seed in (1, 2)]
-    record = {"kind": "record", "file": {"step": 0.5, "elevation": tuple(elevation)}}
-    study = varied(asked, waves=[*gusts, record], simulation={"duration": 10.0, "window": [0.0, 10.0]})
-    plan = with_degree(StudyPlan(study, root=str(tmp_path)))
-    spec, search = plan.ladder, stored_search(degree_path(plan.root, plan.degree))
-    powers = from_lists(search.powers, spec.designs)
-    solved = xr.Dataset(coords={"omega": [plan.first_omega, plan.highest_omega]})
-    seas = [(wave, study_sea(spec, expected(wave), solved)) for wave in spec.waves]
-    families = one_of_each_family(spec.waves)
-    assert families == [0, 2]
-    stored, searched = (modes_left_out(spec.buoy, seas, families, known) for known in (powers, None))
-    assert stored.identical(searched)
+    assert not lines(basis="full", degree=needed)
+    assert f"needs the full basis to about degree {needed}" in lines(basis="full", degree=needed - 1)[0]
+    assert lines(basis="membrane", degree=90)[0].startswith("doubt")

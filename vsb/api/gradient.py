@@ -65,7 +65,7 @@ def gradient(
     if DAMPER in variables and not (isinstance(study.pto.damping, float) and study.pto.damping > 0):
         raise ConfigError(f"pto.damping: received {study.pto.damping}; needs one above 0, or not to be a variable")
     if study.flexible and degree is None and study.modes.degree is None:
-        degree = with_degree(StudyPlan(study), keep=False).study.modes.max_degree
+        degree = with_degree(StudyPlan(study)).study.modes.max_degree
     model = DesignModel.of(study, next(iter(study.designs)), climate, variables, degree)
     models = {name: replace(model, design=name) for name in study.designs}
     found = {name: dict(model.at(model.point).quantities) for name, model in models.items()}

@@ -282,7 +282,7 @@ def left_out(
     degrees : sequence of int
         Of the power and those two; needed with `bending` only.
     bending : float, optional
-        See `vsb.scenes.mode_convergence.bending_degree`.
+        See `vsb.design.margins.bending_degree`.
     """
     first, last = changes
     more = float(beyond([np.asarray(change) for change in changes], degrees, bending))

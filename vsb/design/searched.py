@@ -12,12 +12,11 @@ import xarray as xr
 import vsb.design.variables  # noqa: F401  registers them
 from vsb.design.certificate import VIOLATION
 from vsb.design.evaluation import DAMPER, SPRING, AtRest, DesignModel
-from vsb.design.margins import spread
+from vsb.design.margins import bending_degree, spread
 from vsb.design.optimise import FURTHER, Converged, Finer, Optimum, Progress, converged, finer, start_places
 from vsb.design.problem import IMPOSSIBLE, Point, Problem
 from vsb.design.resting import with_values
 from vsb.errors import ConvergenceError
-from vsb.scenes.mode_convergence import bending_degree
 from vsb.study.campaign import study_at
 from vsb.study.design import Variable
 from vsb.study.feasible import shares
@@ -153,7 +152,7 @@ def _deviations(search: Search, problem: Problem, point: Point) -> FloatArray:
 
 
 def bending_of(search: Search, point: Point) -> float | None:
-    """Return what errors of a buoy's shell modes need to be known, see `vsb.scenes.mode_convergence.bending_degree`."""
+    """Return what errors of a buoy's shell modes need to be known, see `vsb.design.margins.bending_degree`."""
     keys = [one.key for one in search.variables]
     return bending_degree(study_of(search, None, dict(zip(keys, point.values, strict=True))), search.design)
 

@@ -14,7 +14,7 @@ from vsb.study.body import BodyFile
 from vsb.study.body_cost import panel_count, solve_resources
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
-from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, degree_path
+from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
 from vsb.study.plans import Plan
 from vsb.study.quantities import content_id
 from vsb.study.specs import PanelsSpec
@@ -203,8 +203,6 @@ def _coefficients(plan: AnyPlan) -> Iterator[Task]:
     files = {**read, "out": response}
     yield Task("response", plan.response, files, (response,), (stored,), plan.response_id, seconds=0.8)
     files = {**read, "out": ladder, "levels": levels, "manifest": plan.manifest}
-    if isinstance(plan, StudyPlan):
-        files["degrees"] = degree_path(plan.root, plan.degree)
     yield Task("ladder", plan.ladder, files, (ladder, levels), (stored,), plan.ladder_id, seconds=0.5)
 
 

@@ -20,7 +20,7 @@ from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, sensiti
 from vsb.motion.constrained import ConstrainedOptimum, NoForceFoundError, constrained_optimum
 from vsb.motion.force_bound import Harmonics, Limits
 from vsb.motion.port import Port, PortMotion
-from vsb.results.left_out import YearLeftOut
+from vsb.results.left_out import LeftOut
 from vsb.results.member import OF_LIMITS, radius_of
 from vsb.results.statistics import Estimate, stratified_half_width
 from vsb.results.year import POWER_ENDS, Bins, bins_of
@@ -266,7 +266,7 @@ class Optima:
     known: dict[bytes, ConstrainedYear] = field(default_factory=dict)
 
     def __call__(
-        self, study: Study | AnyBody, floating: Floating, climate: Climate, left_out: YearLeftOut | None = None
+        self, study: Study | AnyBody, floating: Floating, climate: Climate, left_out: LeftOut | None = None
     ) -> xr.Dataset:
         """Return the years of designs within the limits of their take-off.
 
@@ -276,7 +276,7 @@ class Optima:
             Of viable designs alone.
         floating : Floating
             What floats in it.
-        left_out : YearLeftOut, optional
+        left_out : LeftOut, optional
             Errors by shell modes left out.
         """
         low, high = floating.band
@@ -311,7 +311,7 @@ def constrained_dataset(
     waves: Mapping[str, InWaves],
     climate: Climate,
     errors: Sequence[CoefficientError] = (),
-    left_out: YearLeftOut | None = None,
+    left_out: LeftOut | None = None,
 ) -> xr.Dataset:
     """Return the years of designs within limits as other tunings have theirs, and how far they are proved.
 

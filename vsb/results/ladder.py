@@ -130,9 +130,7 @@ class Given(NamedTuple):
     efficiency: float = 1.0
 
 
-def study_ladder(
-    study: LadderSpec, database: str, powers: Mapping[int, FloatArray] | None = None
-) -> list[ControlLevel]:
+def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
     """Return the levels of every design of a study in every sea; still water has none.
 
     Powers are expectations over the spectrum, peaks those of a realisation as long as a run, with expected amplitudes,
@@ -142,8 +140,6 @@ def study_ladder(
     ----------
     database : str
         Path of its hydro database.
-    powers : mapping, optional
-        Of the shell modes by degree, where they are known; see `vsb.results.left_out.modes_left_out`.
     """
     floating, pto = floating_system(study, database), study.pto
     waves = [wave for wave in study.waves if not isinstance(wave, StillWater)]
@@ -154,7 +150,7 @@ def study_ladder(
     seas = {wave.label: expected_sea(study, wave, ds) for wave in waves}
     families = one_of_each_family(waves)
     pairs = list(zip(waves, seas.values(), strict=True))
-    left_out = modes_left_out(study.buoy, pairs, families, powers) if study.buoy else xr.Dataset()
+    left_out = modes_left_out(study.buoy, pairs, families) if study.buoy else xr.Dataset()
     if pto.several:
         matrices = several_matrices(study, floating, seas, families)
         levels = several_levels(floating, seas, matrices)

@@ -15,7 +15,7 @@ import numpy as np
 
 from vsb.motion.coefficient_errors import CoefficientError, sensitivity_at_ports
 from vsb.motion.damper_matrix import Kind, Ports, best_matrix
-from vsb.results.left_out import YearLeftOut
+from vsb.results.left_out import LeftOut
 from vsb.results.year import (
     PRACTICE_GAMMA,
     OverClimate,
@@ -127,7 +127,7 @@ class MatrixYears:
         study: Study | AnyBody,
         waves: Mapping[str, SeveralInWaves],
         errors: Sequence[CoefficientError] = (),
-        left_out: YearLeftOut | None = None,
+        left_out: LeftOut | None = None,
     ) -> Values:
         """Return the results of some designs of a study in waves, each shape (design, ...), and their gains.
 

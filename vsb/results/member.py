@@ -12,7 +12,7 @@ import xarray as xr
 
 from vsb.motion.coefficient_errors import CoefficientError, sensitivity
 from vsb.motion.port import Port
-from vsb.results.left_out import YearLeftOut, left_out_of_year
+from vsb.results.left_out import LeftOut, left_out_of_year
 from vsb.results.matrix_year import MatrixYears
 from vsb.results.year import (
     POWER_ENDS,
@@ -37,7 +37,7 @@ from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.waves.climate import Climate
 
 Labels = dict[str, list[str]]
-YearsWithin = Callable[[Study | AnyBody, Floating, Climate, YearLeftOut | None], xr.Dataset]
+YearsWithin = Callable[[Study | AnyBody, Floating, Climate, LeftOut | None], xr.Dataset]
 """Study of viable designs, what floats in it, climate, shell modes left out -> their years within limits."""
 
 BY, BINS = ("design", "tuning"), ("hs", "te")
@@ -102,7 +102,7 @@ def member(
         errors, moving = system.errors(omega), system.at(omega)
         ports = moving.several_in_waves() if some.pto.several else {}
         waves = {} if ports else moving.in_waves()
-        left_out = left_out_of_year(some, system, climate, ports or waves)
+        left_out = left_out_of_year(some, system, climate)
         if ports:
             own = MatrixYears(climate, damped.tunings)(some, ports, errors, left_out)
         else:
@@ -191,7 +191,7 @@ class DampedYears:
         study: Study | AnyBody,
         waves: Mapping[str, InWaves],
         errors: Sequence[CoefficientError] = (),
-        left_out: YearLeftOut | None = None,
+        left_out: LeftOut | None = None,
     ) -> Values:
         """Return the results of some designs of a study in waves, each shape (design, ...), and their gains.
 
@@ -200,7 +200,7 @@ class DampedYears:
         waves : mapping design -> InWaves
         errors : sequence of CoefficientError
             Shared by all designs; with quadrature over frequency they make the intervals of powers and gains.
-        left_out : YearLeftOut, optional
+        left_out : LeftOut, optional
             Added to these intervals.
         """
         keys = {name: self._key(study, name, one) for name, one in waves.items() if not study.designs[name].flexible}
@@ -259,7 +259,7 @@ class DampedYears:
         waves: Mapping[str, InWaves],
         found: Values,
         errors: Sequence[CoefficientError],
-        left_out: YearLeftOut | None,
+        left_out: LeftOut | None,
     ) -> Values:
         """Intervals of powers by all known errors, gains over the reference under the same tuning, and theirs.
 

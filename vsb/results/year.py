@@ -243,7 +243,7 @@ def gains_within(
     reference : int
         The design gains are over.
     left_out : ndarray, shape (design, end) [percentage points], optional
-        As of `vsb.results.left_out.YearLeftOut.gain`.
+        As of `vsb.results.left_out.LeftOut.gain`.
     """
     gain = gain_percent(power, reference)
     if gain is None:

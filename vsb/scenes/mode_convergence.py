@@ -1,16 +1,16 @@
-"""Convergence of mean powers in the shell modes: how far a basis is from a shell with all its modes.
+"""Powers with more shell modes, for what a basis leaves out: at the frequencies of the seas alone, to twice a degree.
 
-Bending makes a shell of thickness h answer over lengths sqrt(r h), so Legendre degrees to about 3 sqrt(r/h) take part,
-more beside a clamp. Powers are computed with the full basis of ascending degrees of a fixed nested list, at the
-frequencies of the seas alone, until what further degrees may change is small. Where a load acts at a ring of a sphere
-the static answer of all further degrees to it is part of what powers converge to (`vsb.scenes.ring_loads`).
+The degree of a basis follows from the stiffness of the wall (`vsb.study.degree`); here powers are computed with it and
+with up to twice as many degrees. Where a load acts at a ring of a sphere the static answer of all further degrees to it
+is part of all of them (`vsb.scenes.ring_loads`).
 """
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,29 +25,23 @@ from vsb.motion.port import Port
 from vsb.motion.tuning import best_dampers, best_pairs, mean_power
 from vsb.scenes.floating_system import heading
 from vsb.scenes.ports import ShapeWater, buoy_at
-from vsb.scenes.rest import loaded_at_ring, order_bases, reference_shell
-from vsb.scenes.ring_loads import has_attachment_modes, with_rings
+from vsb.scenes.rest import order_bases, reference_shell
+from vsb.scenes.ring_loads import with_rings
 from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.orders import goes_with_sine
-from vsb.shell.shell import Shell
+from vsb.study.degree import degree_needed
 from vsb.study.directions import IN_PLANE, RIGID, Motion
-from vsb.study.sections import DEGREES, Modes, Water
-from vsb.study.specs import AnyBuoy, BuoySystem, DegreeSpec
+from vsb.study.sections import Modes, Water
+from vsb.study.specs import AnyBuoy
 from vsb.study.take_off import BetweenPort, DofPort, Pto, ShellPort, StrainPort
-from vsb.study.waves import IrregularSea, RegularWave, SeaOfFile, StillWater, Wave
+from vsb.study.waves import IrregularSea, Wave
 from vsb.tools.arrays import FloatArray
 from vsb.waves.climate import Climate
-from vsb.waves.seas import Sea, expected, sea
+from vsb.waves.seas import Sea
 
-SAFETY = 2.0
-"""Of the last steps of the list, for what all further degrees may change where powers do not approach a limit yet."""
-RESOLVED = 2.0
-"""Degree that resolves what bends about a loaded ring, in terms of `bending_degree`."""
-UNRESOLVED = 3.0
-"""Of the last steps, where all degrees answer loads at rings but the modes do not resolve what bends about them."""
-PROBED = (0.4, 0.7, 1.0, 1.3)
-"""Frequencies of regular waves that stand for the seas of a study in still water, in sqrt(g/radius)."""
+FINER = (2.0, 1.5, 1.25)
+"""Degree with which powers are compared, over the one that is enough: the first for which the water is resolved."""
 SOLVED = 2e-4
 """Tolerance of the coefficients of the undeformed shape: all degrees share their errors."""
 SOLVED_EACH = 2e-5
@@ -158,6 +152,7 @@ class ModeConvergence:
     seas: Sequence[Sea]
     families: Sequence[int] | None = None  # one sea of each, by index, for the damper for all seas; else every sea
     judged: bool = False  # only the take-offs whose powers are judged
+    _known: dict[int, FloatArray] = field(default_factory=dict, repr=False)
 
     @cached_property
     def _motion(self) -> Motion:
@@ -169,22 +164,6 @@ class ModeConvergence:
         if self._motion == "heave":
             return sampled([replace(one, heading=None) for one in self.seas])
         return sampled(self.seas)
-
-    @cached_property
-    def _undeformed_water(self) -> ShapeWater:
-        """Of the undeformed shell, whose displacements of all degrees are solved once.
-
-        As far as the points of the solver resolve them: around spheres that heave mostly all, in shallow water fewer.
-        """
-        shape = reference_shell(self._with(Modes(basis="full", degree=1))).shape
-        sphere = self.study.device.shape is None
-        out_of_reach = 2 if not sphere else 1 if self._motion != "heave" else 0
-        for highest in reversed(DEGREES[2 : len(DEGREES) - out_of_reach]):
-            try:
-                return self._solved(shape, highest, meridional=not sphere)
-            except ConvergenceError:
-                continue
-        return self._solved(shape, DEGREES[1], meridional=not sphere)
 
     def _with(self, modes: Modes) -> AnyBuoy:
         """The study with another basis, in the directions its port follows."""
@@ -217,23 +196,62 @@ class ModeConvergence:
         omega = tuple(self._sampled.omega.tolist())
         return _solved_around(_Around.of(shape, self.study.water, order, tuple(moved), omega, tolerance))
 
-    def powers(self, modes: Modes) -> FloatArray:
-        """Return mean powers with a basis, shape (design, sea, take-off) [W]."""
+    def powers(self, modes: Modes, among: int = 0) -> FloatArray:
+        """Return mean powers with a basis, shape (design, sea, take-off) [W].
+
+        Parameters
+        ----------
+        among : int
+            Degree to which the water is solved, if higher: bases that are compared are to share its errors. About an
+            equilibrium each has its own shape.
+        """
         study = self._with(modes)
         reference = reference_shell(study)
-        if study.at_equilibrium or modes.max_degree > self._degrees[-1]:
-            water = self._solved(reference.shape, max(1, modes.max_degree), SOLVED_EACH)
-        else:
-            water = self._undeformed_water
+        water = self._around(reference.shape, max(modes.max_degree, 0 if study.at_equilibrium else among))
         squares = self._sampled.squares
         squares = squares.reshape(len(squares), -1)
         ports = self._ports(study, reference, water)
         return powers_of_ports(ports, study.pto, squares, self.families, judged=self.judged)
 
-    @property
-    def completes(self) -> bool:
-        """Whether all degrees answer loads at rings, whatever the degree of the modes."""
-        return self._motion == "heave" and has_attachment_modes(self._with(Modes(basis="full", degree=1)))
+    @cached_property
+    def enough(self) -> int:
+        """Degree of the full basis that is enough for the tolerance, or the higher one of the study or of its port."""
+        modes, port = self.study.modes, self.study.pto.port
+        given = modes.degree or 0 if modes.basis == "full" else 0
+        moved = [SHELL_MODE.fullmatch(name) for name in port.dofs] if isinstance(port, DofPort) else []
+        return max(given, degree_needed(self.study), *(int(mode[1]) for mode in moved if mode))
+
+    @cached_property
+    def finer(self) -> int:
+        """Degree with which powers are compared; `enough` itself where the water is resolved no further."""
+        for factor in FINER:
+            degree = math.ceil(factor * self.enough)
+            known = degree if self.study.at_equilibrium else 1  # modes that the shape at rest depends on
+            try:
+                self._around(reference_shell(self._with(full(known))).shape, degree)
+            except ConvergenceError:
+                continue
+            return degree
+        return self.enough
+
+    @cached_property
+    def compared(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Powers with the full basis of enough degrees, of some more, and of most; else of half as many to enough."""
+        few = self.enough if self.finer > self.enough else self.enough // 2
+        between = round(math.sqrt(few * self.finer))
+        return self.powers_of_degree(few), self.powers_of_degree(between), self.powers_of_degree(self.finer)
+
+    def powers_of_degree(self, degree: int) -> FloatArray:
+        """Return mean powers with the full basis to a degree, shape (design, sea, take-off) [W]."""
+        if degree not in self._known:
+            self._known[degree] = self.powers(full(degree), 0 if self.study.at_equilibrium else self.finer)
+        return self._known[degree]
+
+    def _around(self, shape: DeformedShell, degree: int) -> ShapeWater:
+        """Coefficients of the displacements to a degree around a shape at rest."""
+        deformed = self.study.at_equilibrium
+        meridional = deformed or self.study.device.shape is not None
+        return self._solved(shape, max(1, degree), SOLVED_EACH if deformed else SOLVED, meridional=meridional)
 
     def _ports(self, study: AnyBuoy, reference: ReferenceShell, water: ShapeWater) -> Mapping[str, Port | Ports]:
         """Ports of the designs, in waves of one direction after the other.
@@ -260,84 +278,10 @@ class ModeConvergence:
             found[design] = Port(np.tile(omega, len(directions)), admittance, velocity.ravel(), one.port.compliance)
         return found
 
-    @cached_property
-    def powers_by_degree(self) -> Mapping[int, FloatArray]:
-        """Powers by degree of the full basis, up to where further degrees change less than half the tolerance.
 
-        Or to where the water around the shell can be solved: of shapes other than spheres that is less than the list.
-        """
-        found: dict[int, FloatArray] = {}
-        for degree in self._degrees:
-            try:
-                found[degree] = self.powers(Modes(basis="full", degree=degree)) if found else self._first
-            except ConvergenceError:  # the water around a deformed shell is not resolved to so high degrees
-                if len(found) < 2:
-                    raise
-                break
-            enough = self.study.modes.tolerance / 2
-            if len(found) > 2 and self.worst(beyond(self.study, found, complete=self.completes)) <= enough:
-                break
-        return found
-
-    @cached_property
-    def _degrees(self) -> list[int]:
-        """Degrees there are displacements of, from that of the modes its port is of."""
-        port = self.study.pto.port
-        modes = [SHELL_MODE.fullmatch(name) for name in port.dofs] if isinstance(port, DofPort) else []
-        least = max([DEGREES[0], *(int(mode[1]) for mode in modes if mode)])
-        highest = DEGREES[-1]
-        if not self.study.at_equilibrium:
-            highest = max(moved.degree for moved in self._undeformed_water.displacements)
-        return [degree for degree in DEGREES if least <= degree <= highest] or [least]
-
-    @cached_property
-    def further(self) -> FloatArray:
-        """What degrees beyond the highest tried may change, shape of the powers [W]."""
-        return beyond(self.study, self.powers_by_degree, complete=self.completes)
-
-    @property
-    def converged(self) -> FloatArray:
-        """Powers with the highest degree tried, shape (design, sea, take-off) [W]."""
-        return self.powers_by_degree[max(self.powers_by_degree)]
-
-    @cached_property
-    def _size(self) -> FloatArray:
-        """Power that changes are relative to: of each design, or of the reference design where that is smaller [W].
-
-        A rigid reference design absorbs nothing at a port within the shell: there is no gain then.
-        """
-        power, reference = self._first, self.study.reference_design
-        if reference is None:
-            return power
-        base = power[[list(self.study.designs).index(reference)]]
-        return np.where(base > 0, np.minimum(power, base), power)
-
-    @cached_property
-    def _first(self) -> FloatArray:
-        """Powers with the lowest degree [W]."""
-        return self.powers(Modes(basis="full", degree=self._degrees[0]))
-
-    def worst(self, change: FloatArray) -> float:
-        """Return the largest of changes of powers, relative to each power or to the reference design's [-]."""
-        relative = np.abs(change) / np.where(self._size > 0, self._size, np.inf)
-        return float(relative[..., :JUDGED].max(initial=0.0))
-
-    @cached_property
-    def degree(self) -> int:
-        """Least degree whose powers and gains are within the tolerance of those of all modes, or the highest tried."""
-        return next((degree for degree in self.powers_by_degree if self._meets(degree)), max(self.powers_by_degree))
-
-    @property
-    def met(self) -> bool:
-        """Whether the tolerance is met with that degree."""
-        return self._meets(self.degree)
-
-    def _meets(self, degree: int) -> bool:
-        return self._tolerable(np.abs(self.converged - self.powers_by_degree[degree]) + self.further)
-
-    def _tolerable(self, missing: FloatArray) -> bool:
-        """Whether what may be missing from powers is within the tolerance."""
-        return self.worst(missing) <= self.study.modes.tolerance
+def full(degree: int) -> Modes:
+    """Return the full basis to a degree, also to a higher one than studies may have."""
+    return Modes(basis="full", degree=0).model_copy(update={"degree": degree})
 
 
 def one_of_each_family(waves: Sequence[Wave]) -> list[int]:
@@ -413,106 +357,6 @@ def _of_matrices(ports: Ports, pto: Pto, design: str, squares: FloatArray, toget
     return [fixed, optimal, diagonal, for_all]
 
 
-def as_lists(powers: Mapping[int, FloatArray], study: AnyBuoy) -> dict[str, dict[str, list[Any]]]:
-    """Return powers by degree and design as lists, for JSON; see `from_lists`."""
-    return {str(degree): dict(zip(study.designs, one.tolist(), strict=True)) for degree, one in powers.items()}
-
-
-def from_lists(stored: Mapping[str, Mapping[str, list[Any]]], designs: Iterable[str]) -> dict[int, FloatArray]:
-    """Return powers by degree from lists, (sea, take-off) of each design, of designs in order."""
-    names = list(designs)
-    return {int(degree): np.array([by_design[name] for name in names]) for degree, by_design in stored.items()}
-
-
-def beyond(study: AnyBuoy, powers: Mapping[int, FloatArray], *, complete: bool = False) -> FloatArray:
-    """Return what degrees beyond the last may change, of each design, shape of the powers.
-
-    Parameters
-    ----------
-    powers : mapping degree -> ndarray, shape (design, ...)
-        Powers or gains with two or more ascending degrees of the full basis.
-    complete : bool
-        Whether all degrees answer loads at rings (`vsb.scenes.ring_loads`).
-    """
-    degrees, values = list(powers), list(powers.values())
-    change = further(values)
-    for row, design in enumerate(study.designs):
-        bending = bending_degree(study, design)
-        if bending is None:
-            continue
-        if not complete or len(degrees) == 2:
-            change[row] = further_about_rings([one[row] for one in values], degrees, bending)
-        elif degrees[-1] < RESOLVED * bending:
-            change[row] *= UNRESOLVED  # steps may be small by chance
-    return change
-
-
-def further(powers: Sequence[FloatArray]) -> FloatArray:
-    """Return what degrees beyond the last may change, shape of the powers [W]: the span of the last three powers.
-
-    That holds of errors that fall like 1/degree or faster, because two steps of `DEGREES` double the degree. One step
-    would not do: before bending is resolved it may be small by chance. Steps of opposite signs have a small span, and
-    count at least `SAFETY` times the last; where the last step is larger than the one before, errors do not fall yet:
-    `SAFETY` times both.
-
-    Parameters
-    ----------
-    powers : sequence of ndarray [W]
-        With two or more ascending degrees of `DEGREES`.
-    """
-    step = np.abs(powers[-1] - powers[-2])
-    if len(powers) == 2:
-        return SAFETY * step
-    previous = np.abs(powers[-2] - powers[-3])
-    falling = np.maximum(np.ptp(powers[-3:], axis=0), SAFETY * step)
-    return np.where(step > previous, SAFETY * (step + previous), falling)
-
-
-def further_about_rings(powers: Sequence[FloatArray], degrees: Sequence[int], bending: float) -> FloatArray:
-    """Return what degrees beyond the last may change where a load acts at a ring of the shell, shape of the powers [W].
-
-    Below `bending_degree` each degree yields about as much to such a load as the one before, more or less with its
-    amplitude at the ring: the steepest change per degree seen counts up to `RESOLVED` times that degree. Beyond it
-    errors fall like 1/degree, unevenly. `SAFETY` times the larger of that and of both last steps.
-
-    Parameters
-    ----------
-    powers : sequence of ndarray [W]
-        With two or more ascending degrees of `DEGREES`.
-    degrees : sequence of int
-    bending : float
-        See `bending_degree`.
-    """
-    steps, widths = np.abs(np.diff(powers[-3:], axis=0)), np.diff(degrees[-3:])
-    per_degree = (steps.T / widths).T.max(axis=0)
-    missing = max(RESOLVED * bending - degrees[-1], 0.0)
-    return np.asarray(SAFETY * np.maximum(steps.sum(axis=0), missing * per_degree))
-
-
-def bending_degree(study: AnyBuoy, design: str) -> float | None:
-    """Return the degree at which the shell is as stiff by bending as by its membrane; None if no load acts at a ring.
-
-    D n^4/r^4 = E h/r^2 with D = E h^3/(12 (1 - nu^2)), r the largest radius or half the height. See `loaded_at_ring`.
-    """
-    if not loaded_at_ring(study, design):
-        return None
-    shell = Shell.of(study.device)
-    return float((12 * (1 - shell.poisson_ratio**2)) ** 0.25 * np.sqrt(shell.reach / shell.thickness))
-
-
-def mode_convergence(spec: DegreeSpec, climate: Climate | None = None) -> ModeConvergence:
-    """Return the search for the least degree whose powers and gains are within `modes.tolerance` of all modes.
-
-    Parameters
-    ----------
-    climate : Climate, optional
-        The seas of a year: its mean spectrum, from which its mean power follows, takes the place of the waves.
-    """
-    buoy = spec.buoy
-    assert buoy is not None
-    return ModeConvergence(buoy, *_seas(spec, buoy, climate))
-
-
 def motion_of_port(study: AnyBuoy) -> Motion:
     """Return in which directions a buoy must move for the power of its port to be known, as few as may be.
 
@@ -544,20 +388,3 @@ def mean_sea(climate: Climate, highest: float = np.inf) -> Sea:
     inside = (climate.omega <= highest) & (climate.mean_density > 0)
     variance = climate.mean_density * np.diff(climate.edges)
     return Sea(climate.omega[inside], np.sqrt(2 * variance[inside]).astype(complex))
-
-
-def _seas(spec: DegreeSpec, buoy: BuoySystem, climate: Climate | None) -> tuple[tuple[Sea, ...], list[int] | None]:
-    """The seas powers are to converge in, and one of each family."""
-    assert spec.band is not None
-    highest = spec.band[1]
-    if climate is not None:
-        return (mean_sea(climate, highest),), None
-    waves = [wave for wave in spec.waves if not isinstance(wave, StillWater)]
-    if not waves:
-        unit = np.sqrt(spec.water.gravity / buoy.device.radius)
-        periods = [2 * np.pi / min(part * unit, highest) for part in PROBED]
-        return tuple(sea(RegularWave(kind="regular", amplitude=0.1, period=t), highest, 0.0) for t in periods), None
-    seas = [sea(expected(wave), highest, spec.simulation.duration) for wave in waves]
-    lowest = [spec.omega_min - 1e-9 if isinstance(wave, SeaOfFile) else 0.0 for wave in waves]
-    kept = [one.part(one.omega >= low) for one, low in zip(seas, lowest, strict=True)]
-    return tuple(map(directed, waves, kept)), one_of_each_family(waves)

@@ -47,7 +47,7 @@ def summary(plan: Plan) -> list[str]:
     """Return the lines `vsb check` prints: what would be computed, at what cost, and what to doubt."""
     with units_doubted(_study(plan)):
         first, *others = _of(plan).summary(plan)
-    degrees = degree_lines(plan, keep=False) if isinstance(plan, StudyPlan | CampaignPlan) else []
+    degrees = degree_lines(plan) if isinstance(plan, StudyPlan | CampaignPlan) else []
     return [first, *sea_lines(plan), *cost_lines(plan), *others, *unit_lines(plan), *degrees]
 
 

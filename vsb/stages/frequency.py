@@ -24,9 +24,7 @@ from vsb.motion.reduced import reduced_motions
 from vsb.report.band import with_extremes
 from vsb.results.ladder import as_csv, study_ladder
 from vsb.scenes.floating_system import FloatingSystem, floating_system, stored_body
-from vsb.scenes.mode_convergence import from_lists
 from vsb.scenes.take_off import given_matrix, matrix_kind
-from vsb.stages.planning import stored_search
 from vsb.stages.stage import stamp
 from vsb.study.quantities import canonical
 from vsb.study.specs import LadderSpec, RadiationSpec, ResponseSpec
@@ -332,14 +330,9 @@ def natural(spec: ResponseSpec, floating: FloatingSystem) -> xr.Dataset:
     )
 
 
-def run_ladder(spec: LadderSpec, database: str, out: str, levels: str, manifest: str, degrees: str = "") -> None:
-    """Write the ladder of a study for people, and all its digits, with notes, for the stages after it.
-
-    The search for the degree of its shell modes, where it is stored, is not repeated.
-    """
-    search = stored_search(degrees)
-    powers = from_lists(search.powers if search else {}, spec.designs)
-    found = study_ladder(spec, database, powers)
+def run_ladder(spec: LadderSpec, database: str, out: str, levels: str, manifest: str) -> None:
+    """Write the ladder of a study for people, and all its digits, with notes, for the stages after it."""
+    found = study_ladder(spec, database)
     write_text(out, as_csv(found))
     write_text(levels, json.dumps([level._asdict() for level in found], indent=1, allow_nan=False) + "\n")
     record(manifest, stamp(spec, database)["spec_id"], [out, levels])

@@ -15,7 +15,7 @@ from vsb.study import figure_names
 from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, panel_solver, witness_spec
 from vsb.study.body import PHYSICS, BodyFile, BodyStudy, wamit_files
 from vsb.study.quantities import content_id, result_id
-from vsb.study.sections import RECORDS_PER_PERIOD, Modes, thinning
+from vsb.study.sections import RECORDS_PER_PERIOD, thinning
 from vsb.study.specs import (
     AnySystem,
     Band,
@@ -24,7 +24,6 @@ from vsb.study.specs import (
     BuoySystem,
     CompareSpec,
     DatabaseSpec,
-    DegreeSpec,
     DisplaySpec,
     Dynamics,
     LadderSpec,
@@ -44,11 +43,6 @@ from vsb.study.waves import IrregularSea, RecordedSea, RegularWave, Wave
 def database_path(root: str, identity: str) -> str:
     """Return the path of a hydro database."""
     return f"{root}/hydro/db/{identity}.nc"
-
-
-def degree_path(root: str, spec: DegreeSpec) -> str:
-    """Return the path of a search for the degree of the shell modes."""
-    return f"{root}/hydro/degrees/{content_id(spec)}.json"
 
 
 def radiation_path(root: str, identity: str) -> str:
@@ -294,14 +288,6 @@ class StudyPlan(HydroPlan, ResultsPlan):
     """Everything a study of a buoy needs computed, as specs with content ids."""
 
     root: str = "results"
-
-    @property
-    def degree(self) -> DegreeSpec:
-        """Spec of the search for the degree of the shell modes in the seas of the study, whatever degree is given."""
-        modes = Modes(tolerance=self.study.modes.tolerance, order=self.study.modes.order)
-        ladder = StudyPlan(self.study.model_copy(update={"modes": modes})).ladder
-        sections = {name: value for name, value in ladder if name not in Spec.model_fields}
-        return DegreeSpec(**sections, omega_min=self.lowest_omega)
 
     @property
     def display(self) -> DisplaySpec:

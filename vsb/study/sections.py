@@ -31,7 +31,7 @@ Basis = Literal["paper", "membrane", "full"]
 
 
 DEGREES = (6, 9, 14, 20, 30, 42, 60, 90)
-"""Degrees a converged basis is looked for among; each basis is part of the next."""
+"""Degrees a basis has that follows from a tolerance; few, that studies share their water."""
 MODE_TOLERANCE = 0.005
 """Change of mean power, relative, and of gain, absolute, that shell modes left out may cause by default [-]."""
 
@@ -39,8 +39,8 @@ MODE_TOLERANCE = 0.005
 class Modes(Section):
     """Ritz basis of the shell: `paper`, `membrane` or `full`, up to Legendre degree `degree`.
 
-    Without a degree a `full` basis has the least of `DEGREES` that leaves out no more than `tolerance`: of the mean
-    power, relative, and of the gain, absolute, in every sea and of every design (`vsb.scenes.mode_convergence`).
+    Without a degree a `full` basis has the least of `DEGREES` that is to leave out no more than `tolerance` of the mean
+    power, relative, and of the gain, absolute (`vsb.study.degree`); how much it leaves out is measured.
     `paper` and `membrane` leave out bending, so no degree of theirs converges: it is 6 unless given.
 
     Beside axisymmetric shapes, where the buoy moves in more directions than heave, those up to azimuthal order `order`.
@@ -70,7 +70,7 @@ class Modes(Section):
         Raises
         ------
         ConfigError
-            If it is to follow from the tolerance and has not been found yet.
+            If it is to follow from the tolerance, as in `vsb.stages.planning.with_degree`.
         """
         if self.degree is None:
             raise ConfigError(

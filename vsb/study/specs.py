@@ -30,8 +30,8 @@ from vsb.study.vary import Vary
 from vsb.study.waves import StillWater, Wave
 
 PHYSICS = {
-    "block": 4, "body": 1, "campaign": 1, "compare": 6, "database": 1, "degree": 7, "design_front": 4,
-    "design_results": 6, "design_start": 6, "design_verification": 5, "ladder": 9, "member": 7,
+    "block": 4, "body": 1, "campaign": 1, "compare": 6, "database": 1, "design_front": 4,
+    "design_results": 6, "design_start": 6, "design_verification": 5, "ladder": 10, "member": 8,
     "members": 1, "mesh": 2, "radiation": 3, "response": 5, "simulate": 9, "verification": 5, "witness": 2,
 }  # fmt: skip
 """Hand-bumped version of the physics behind each tag: a library edit alone never reruns anything."""
@@ -404,15 +404,6 @@ class LadderSpec(SeasSpec):
     """Control levels of all designs in all seas."""
 
     TAG = "ladder"
-
-
-class DegreeSpec(LadderSpec):
-    """Search for the degree of the shell modes: what powers follow from, in seas of a study or in those of a year."""
-
-    TAG = "degree"
-    climate: ClimateSpec | None = None
-    omega_min: float = 0.0
-    """Lowest frequency solved [rad/s]: a study leaves out what files of seas hold below it."""
 
 
 class SimulateSpec(SeasSpec):
