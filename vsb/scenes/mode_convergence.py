@@ -235,11 +235,14 @@ class ModeConvergence:
         return self.enough
 
     @cached_property
-    def compared(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Powers with the full basis of enough degrees, of some more, and of most; else of half as many to enough."""
+    def compared(self) -> list[FloatArray]:
+        """Powers with the full basis of enough degrees, of some more, and of most; else of half as many to enough.
+
+        About an equilibrium, where each degree has its own shape and water, of the first and the last alone.
+        """
         few = self.enough if self.finer > self.enough else self.enough // 2
-        between = round(math.sqrt(few * self.finer))
-        return self.powers_of_degree(few), self.powers_of_degree(between), self.powers_of_degree(self.finer)
+        between = [] if self.study.at_equilibrium else [round(math.sqrt(few * self.finer))]
+        return [self.powers_of_degree(degree) for degree in (few, *between, self.finer)]
 
     def powers_of_degree(self, degree: int) -> FloatArray:
         """Return mean powers with the full basis to a degree, shape (design, sea, take-off) [W]."""
