@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from vsb.integrators.audit import energies, residual
 from vsb.integrators.switching import Switching
 from vsb.motion.builders import assumed_pressure_scene
+from vsb.motion.controller import Controller
 from vsb.motion.forces import AssumedPressure, EndStop, TakeOff
 from vsb.motion.port import LinearPto, port_direction
 from vsb.motion.system import System
@@ -18,12 +19,21 @@ from vsb.shell.modes import mode_basis, rigid_basis
 from vsb.study.take_off import StrainPort
 
 B, START, DURATION = np.ones(1), (0.1, 0.2), 5.0
+FILTER = Controller(
+    np.array([[-0.5, 2.0], [-2.0, -0.5]]),
+    np.array([60.0, 0.0]),
+    np.array([0.0, 2e-3]),
+    np.array([50.0, 20.0]),
+    0.0,
+    0.0,
+)
 LAWS = {
     "saturated": (TakeOff(B, 8e3, 2e4, 4e3), None),
     "coulomb": (TakeOff(B, np.inf, limit=4e3), None),
     "latching": (TakeOff(B, 8e3, latching_time=0.4), None),
     "declutching": (TakeOff(B, 3e4, latching_time=0.4, latching_damping=0.0), None),
     "end stop": (TakeOff(B, 8e3), EndStop(B, 0.3, 1e6, 1e4)),
+    "controller": (TakeOff(B, 6e3, -1e4, 4e3, controller=FILTER), None),
 }
 
 
@@ -59,7 +69,7 @@ def test_motion_agrees_with_an_explicit_method(seed, name):
     assert found.position[:, 0] == pytest.approx(expected.y[0], abs=2e-7 * np.abs(expected.y[0]).max())
 
 
-@pytest.mark.parametrize("name", ["coulomb", "latching", "end stop"])
+@pytest.mark.parametrize("name", ["coulomb", "latching", "end stop", "controller"])
 def test_energy_audit_closes_and_forces_balance(seed, name):
     """A flexible shell from rest."""
     law, stop = LAWS[name]

@@ -26,6 +26,7 @@ from scipy.linalg import eigh
 from vsb.integrators.exact import SERIES, steady_state, transition
 from vsb.integrators.exponential import phi_integrals
 from vsb.integrators.implicit_force import STALLED, Step, added, solve_nodes
+from vsb.motion.controller import Controller
 from vsb.motion.system import Remainder, System
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.sampling import Sampler, signals, signals_along
@@ -44,11 +45,13 @@ class Signals(NamedTuple):
     stroke: FloatArray  # S [m]
     velocity: FloatArray  # V [m/s]
     net_force: FloatArray  # net force of all but the take-off on a port that is held [N]
+    remembered: FloatArray  # C x of a controller [N]
+    remembered_rate: FloatArray  # its rate [N/s]
 
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """A scene with a damper and a spring at its port, or with the port held; states are (z, f)."""
+    """A scene with a damper, a spring and a controller at its port, or with the port held; states are (z, f)."""
 
     system: System  # without the take-off
     port: FloatArray  # beta (free,)
@@ -57,6 +60,8 @@ class Phase:
     held: bool
     step: float  # between the instants of a run, the longest span [s]
     rest: float = 0.0  # S at rest, from which it is measured [m]
+    output: float = 0.0  # part of the output of a controller's states that acts: all or nothing
+    controller: Controller | None = None
 
     carried = 0
     """Further states per mode: none in a linear scene."""
@@ -70,10 +75,22 @@ class Phase:
     def free_rates(self) -> FloatArray:
         """Rates of p' of a port that is not held, shape (free, state + 1)."""
         n = self.system.free
-        rates = np.column_stack([self.system.matrix[n : 2 * n], self.port])
-        rates[:, :n] -= self.stiffness * np.outer(self.port, self.port / self.system.scale)
-        rates[:, n : 2 * n] -= self.damping * np.outer(self.port, self.port)
-        return rates
+        return np.pad(self.system.matrix[n : 2 * n], ((0, 0), (0, 1))) + np.outer(self.port, self.load)
+
+    @cached_property
+    def load(self) -> FloatArray:
+        """Row of the force on the port over (z, f), shape (state + 1,)."""
+        n, row = self.system.free, -self.output * self.remembered
+        row[:n] -= self.stiffness * self.port / self.system.scale
+        row[n : 2 * n] -= self.damping * self.port
+        row[-1] = 1.0
+        return np.asarray(row)
+
+    @cached_property
+    def remembered(self) -> FloatArray:
+        """Row of the output of the controller's states over (z, f), shape (state + 1,)."""
+        own = np.zeros(0) if self.controller is None else self.controller.output
+        return np.concatenate([np.zeros(len(self.system.matrix) - len(own)), own, np.zeros(1)])
 
     @property
     def allowed(self) -> FloatArray:
@@ -88,6 +105,8 @@ class Phase:
         out = np.zeros((order + 1, order + 1))
         out[:order, :order] = self.system.matrix
         out[n : 2 * n] = self.allowed @ self.free_rates
+        if self.controller is not None:
+            out[order - len(self.controller.output) : order] -= np.outer(self.controller.of_force, self.load)
         return out
 
     @cached_property
@@ -109,11 +128,13 @@ class Phase:
 
     @cached_property
     def signals(self) -> FloatArray:
-        """Rows of the signals over (z, f), shape (3, state + 1)."""
-        n, out = self.system.free, np.zeros((3, len(self.matrix)))
+        """Rows of the signals over (z, f), shape (5, state + 1)."""
+        n, out = self.system.free, np.zeros((5, len(self.matrix)))
         out[0, :n] = self.port / self.system.scale
         out[1, n : 2 * n] = self.port
         out[2] = self.port @ self.free_rates / (self.port @ self.port)
+        out[3] = self.remembered
+        out[4] = self.remembered @ self.matrix
         return out
 
     @cached_property
@@ -143,10 +164,10 @@ class Phase:
         """Return the signals of (z, f, ...) at some instants."""
         count, n = len(self.matrix), self.system.free
         wave = self.swung(time)[:, -1]
-        stroke, velocity, net_force = self.signals @ states[:, :count].T
+        stroke, velocity, net_force, *remembered = self.signals @ states[:, :count].T
         if self.carried:
             wave = wave + states[:, count : count + n] @ self.port / (self.port @ self.port)
-        return Signals(stroke - self.rest, velocity, net_force + wave)
+        return Signals(stroke - self.rest, velocity, net_force + wave, *remembered)
 
     def begun(self, t: float, state: FloatArray, steps: int, limit: float) -> tuple[FloatArray, float]:
         """Return (z, f, ...) at the start of some steps, and the error of z at their end: none in a linear scene."""

@@ -157,7 +157,7 @@ class Switching:
     system: System
     tolerance: float = EXACT  # of a body-exact motion, relative to the largest norm of the state; of any other's works
     modes: dict[float, Mode] = field(default_factory=dict)  # at the ends of legs
-    phases: dict[tuple[float, float, bool, str], Phase] = field(default_factory=dict)
+    phases: dict[tuple[float, float, float, bool, str], Phase] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check that all forces but the water's are piecewise linear and act at one port."""
@@ -190,7 +190,9 @@ class Switching:
         """Return the fastest rate at the port [rad/s]: of modes under each spring, of the laws' dampers."""
         springs = {0.0, self.law.stiffness, stop.stiffness if stop else 0.0}
         dampers = (self.law.damping, self.law.latching_damping, stop.damping if stop else 0.0)
-        return port_rate(self.system, self.port, springs, [c for c in dampers if np.isfinite(c)])
+        rate = port_rate(self.system, self.port, springs, [c for c in dampers if np.isfinite(c)])
+        poles = np.linalg.eigvals(self.law.controller.state_matrix) if self.law.controller else np.zeros(1)
+        return max(rate, float(np.abs(poles).max()))
 
     def finer(self, dt: float) -> int:
         """Return how many instants of the lookout there are in a recorded step, a power of 2."""
@@ -217,9 +219,9 @@ class Switching:
         c, k = self.law.coefficients(mode.in_latching_time)
         if np.isinf(c):
             return LinearLaw(0.0, 0.0, -mode.way * self.law.limit if mode.way else 0.0)
-        return (
-            LinearLaw(0.0, 0.0, -mode.limited * self.law.limit) if mode.limited else LinearLaw(c, k, k * self.law.rest)
-        )
+        if mode.limited:
+            return LinearLaw(0.0, 0.0, -mode.limited * self.law.limit)
+        return LinearLaw(c, k, k * self.law.rest, float(self.law.controller is not None))
 
     def stopped(self, mode: Mode) -> LinearLaw:
         """Force of the end stop."""
@@ -234,12 +236,13 @@ class Switching:
 
     def phase(self, mode: Mode, lookout: Lookout) -> tuple[Phase, float]:
         """Return the regime of a mode, and its constant force."""
-        c, k, f = (a + b for a, b in zip(self.taken(mode), self.stopped(mode), strict=True))
+        c, k, f, output = (a + b for a, b in zip(self.taken(mode), self.stopped(mode), strict=True))
         held, step = mode.way == 0, lookout.apart(mode)
-        key = c, k, held, f"{step:.9e}"  # equal in all blocks of a run but for round-off
+        key = c, k, output, held, f"{step:.9e}"  # equal in all blocks of a run but for round-off
         if key not in self.phases:
             kind = Phase if self.system.scene.water is None else WetPhase
-            self.phases[key] = kind(self.system, self.port, c, k, held, step, self.law.rest)
+            own = output, self.law.controller
+            self.phases[key] = kind(self.system, self.port, c, k, held, step, self.law.rest, *own)
         return self.phases[key], f
 
     # events ---------------------------------------------------------------------------------------------------------
@@ -260,9 +263,9 @@ class Switching:
         return out
 
     def _within(self, mode: Mode, at: Signals) -> FloatArray:
-        """Distance of the spring-damper's force below its limit [N]; of a limited one on its side."""
+        """Distance of the force wanted below its limit [N]; of a limited one on its side."""
         c, k = self.law.coefficients(mode.in_latching_time)
-        wanted = c * at.velocity + k * at.stroke
+        wanted = c * at.velocity + k * at.stroke + at.remembered
         return self.law.limit - (mode.limited * wanted if mode.limited else np.abs(wanted))
 
     def after(self, event: str, mode: Mode, t: float, at: Signals) -> Mode:
@@ -285,7 +288,7 @@ class Switching:
         c, k = self.law.coefficients(mode.in_latching_time)
         if np.isinf(c):
             return mode._replace(limited=0)
-        wanted = float(c * at.velocity + k * at.stroke)
+        wanted = float(c * at.velocity + k * at.stroke + at.remembered)
         return mode._replace(limited=sign(wanted) if crossed or abs(wanted) > self.law.limit else 0)
 
     def stuck(self, mode: Mode, at: Signals) -> Mode:
@@ -443,8 +446,8 @@ class Switching:
             out["turn"] = mode.way * gained
             if np.isfinite(law.limit) and not self.friction(mode):
                 c, k = law.coefficients(mode.in_latching_time)
-                sign = mode.limited or -np.sign(c * at.velocity + k * at.stroke)
-                out["limit"] = sign * (c * gained + k * at.velocity)
+                sign = mode.limited or -np.sign(c * at.velocity + k * at.stroke + at.remembered)
+                out["limit"] = sign * (c * gained + k * at.velocity + at.remembered_rate)
         if self.stop:
             out["stop"] = at.velocity * (mode.contact or -np.sign(at.stroke))
         return out

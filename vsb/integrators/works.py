@@ -24,11 +24,12 @@ AT_ONCE = 512
 
 
 class LinearLaw(NamedTuple):
-    """A force -(c V + k S) + f at the port."""
+    """A force -(c V + k S + g C x) + f at the port, C x of a controller's states."""
 
     damping: float  # c [N s/m]
     stiffness: float  # k [N/m]
     constant: float  # f [N]
+    output: float = 0.0  # g, 0 or 1
 
 
 class Piece(NamedTuple):
@@ -58,8 +59,8 @@ class Piece(NamedTuple):
 
     def at_port(self, load: LinearLaw, jet: FloatArray) -> FloatArray:
         """Return a force on the port and its derivatives, shape (3, node)."""
-        stroke, velocity = (jet @ row[:-1] for row in self.phase.signals[:2])
-        out = -(load.damping * velocity + load.stiffness * stroke)
+        rows = load.damping * self.phase.signals[1] + load.stiffness * self.phase.signals[0]
+        out = -jet @ (rows + load.output * self.phase.remembered)[:-1]
         out[0] += load.constant
         return np.asarray(out)
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from vsb.errors import ConfigError
 from vsb.hydro.statespace import RadiationModel
+from vsb.motion.controller import Controller
 from vsb.motion.froude_krylov import Incident, scaled, wave_forces
 from vsb.motion.wetted import WetShell
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -352,6 +353,8 @@ class WaterPressure(Force):
 class TakeOff(Force):
     """f = -b clip(c V + k S, -limit, limit); for a time `latching_time` after each reversal of V, c differs and k is 0.
 
+    A causal controller adds the output C x of its states, which are part of the motion, and so is then this force.
+
     Its spring stores what a port that moves slowly would give it, U = int clip(k S, -limit, limit) dS, and absorbs
     nothing: without latching the power absorbed, (clip(c V + k S) - clip(k S)) V, is never negative, and c V^2 below
     the limit. The force of friction at rest and the latching times are part of the motion, which gives this force.
@@ -365,6 +368,7 @@ class TakeOff(Force):
     latching_time: float = 0.0  # latching or declutching time [s]
     latching_damping: float = np.inf  # c in that time [N s/m]; infinite: latched, 0: declutched
     rest: float = 0.0  # S at rest, from where the spring counts [m]
+    controller: Controller | None = None  # that adds C x to c V + k S, c and k its own
 
     def __post_init__(self) -> None:
         """Check that the port moves."""
@@ -391,14 +395,17 @@ class TakeOff(Force):
         return np.asarray(-np.outer(wanted, self.direction))
 
     def potential_energy(self, q: FloatArray) -> FloatArray:
-        """Return the energy U of its spring."""
+        """Return the energy U of its spring; of a controller none."""
+        if self.controller or not self.stiffness:
+            return np.zeros(len(q))
         stroke = q @ self.direction - self.rest
         held = np.clip(self.stiffness * stroke, -self.limit, self.limit)
-        return np.asarray(held * stroke - (held**2 / (2 * self.stiffness) if self.stiffness else 0.0))
+        return np.asarray(held * stroke - held**2 / (2 * self.stiffness))
 
     def absorbed_power(self, q: FloatArray, v: FloatArray, force: FloatArray) -> FloatArray:
         """Return -f.v less the rate of U."""
-        held = np.clip(self.stiffness * (q @ self.direction - self.rest), -self.limit, self.limit)
+        spring = 0.0 if self.controller else self.stiffness
+        held = np.clip(spring * (q @ self.direction - self.rest), -self.limit, self.limit)
         return np.asarray(-np.einsum("ti,ti->t", force, v) - held * (v @ self.direction))
 
 

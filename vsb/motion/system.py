@@ -2,10 +2,10 @@
 
     z' = A z + B (n(t, z) + Re sum w_j exp(-i omega_j t)),    z = (S p, p', x),
 
-with p the natural modes, y = V p, S their frequencies, x the memory states of radiation and of a chamber's gas. A holds
-springs, dampers, memory and the tangents of nonlinear forces; n is what these forces do beyond their tangents; w are
-the linear waves. Every entry of A is of the size of a frequency, so a shell of 1e15 Pa costs no digits of the slow
-motion.
+with p the natural modes, y = V p, S their frequencies, x the memory states of radiation, of a chamber's gas and, last,
+those of a controller, which its own force drives besides (`vsb.integrators.phases`). A holds springs, dampers, memory
+and the tangents of nonlinear forces; n is what these forces do beyond their tangents; w are the linear waves. Every
+entry of A is of the size of a frequency, so a shell of 1e15 Pa costs no digits of the slow motion.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -137,16 +137,20 @@ class System:
         stiffness, mass = scene.stiffness, scene.motions.T @ scene.mass @ scene.motions
         squares, modes = normal_modes(stiffness, mass, unrestrained_motions(stiffness, scene.labels, scene.motions))
         scale = np.sqrt(np.maximum(np.abs(squares), 1.0))
-        n, order = len(scale), scene.memory.order if scene.memory else 0
-        a = np.zeros((2 * n + order, 2 * n + order))
+        n, order = len(scale), 2 * len(scale) + (scene.memory.order if scene.memory else 0)
+        controller = scene.law.controller if scene.law else None
+        a = np.zeros((whole := order + (len(controller.output) if controller else 0), whole))
         a[:n, n : 2 * n] = np.diag(scale)
         a[n : 2 * n, :n] = -np.diag(squares / scale)
         a[n : 2 * n, n : 2 * n] = -modes.T @ scene.damping @ modes
         if scene.memory:
             g = scene.memory.input_matrix @ scene.motions @ modes
-            a[n : 2 * n, 2 * n :] = -g.T
-            a[2 * n :, n : 2 * n] = g
-            a[2 * n :, 2 * n :] = scene.memory.state_matrix
+            a[n : 2 * n, 2 * n : order] = -g.T
+            a[2 * n : order, n : 2 * n] = g
+            a[2 * n : order, 2 * n : order] = scene.memory.state_matrix
+        if scene.law and controller:
+            a[order:, n : 2 * n] = np.outer(controller.of_velocity, scene.law.direction @ scene.motions @ modes)
+            a[order:, order:] = controller.state_matrix
         wave = scene.excitation
         if wave is None:
             return cls(scene, a, np.zeros(0), np.zeros((0, n), dtype=complex), scale, modes)
@@ -362,7 +366,8 @@ class System:
         """Return the energy stored in mass, forces and memory, and its kinetic part, each shape (time,) [J]."""
         q, v = self._moved(motion)
         kinetic = 0.5 * np.einsum("ti,ti->t", v @ self.scene.mass, v)
-        remembered = 0.5 * np.einsum("ti,ti->t", motion.memory, motion.memory)
+        memory = motion.memory[:, : self.scene.memory.order if self.scene.memory else 0]
+        remembered = 0.5 * np.einsum("ti,ti->t", memory, memory)
         return sum((force.potential_energy(q) for force in self.scene.forces.values()), kinetic + remembered), kinetic
 
     def beyond_tangents(self, position: FloatArray) -> FloatArray:

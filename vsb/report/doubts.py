@@ -38,6 +38,7 @@ ADVICE = {
     "assumed_pressure": "hydro.model: linear, which includes radiation",
     "left_out": "lower hydro.power_tolerance",
     "gain_error": "lower hydro.power_tolerance",
+    "controller_margin": "a lower pto.force_limit, or more pto.control.noise",
     "latching_time": "lower waves, or another damping",
     "drag": "use the powers in the time domain, or lower waves",
     "pitch": "lower waves",

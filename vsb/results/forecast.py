@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 
 from vsb.motion.causal import RmsLimits, StationaryPort, optimum
-from vsb.motion.tuning import best_dampers, damper_within_force, mean_power
+from vsb.motion.tuning import damper_within_force, mean_power
 from vsb.scenes.floating_system import FloatingSystem, InSeas, expected_sea, port_in_seas
-from vsb.scenes.stationary import stationary_ports
+from vsb.scenes.stationary import rms_limits, stationary_ports
 from vsb.study.take_off import Pto
 from vsb.study.waves import Irregular
 from vsb.tools.arrays import FloatArray
@@ -50,10 +50,7 @@ def worth_of_knowledge(study: InSeas, floating: FloatingSystem, wave: Irregular)
         seen, squares, _ = port_in_seas(floating, design, [(wave, sea)])
         if not seen.moves:
             continue
-        best = best_dampers(seen, squares, pto.stiffness, pto.efficiency)
-        load = seen.load(best.damping, best.stiffness)[0]
-        force = float(np.sqrt(0.5 * np.abs(load * seen.velocity_under(load)) ** 2 @ squares[0]))
-        limits = RmsLimits(force if np.isinf(pto.force_limit) else pto.force_limit, pto.stroke_limit)
+        limits = rms_limits(floating, design, pto, wave, sea)
         damper = damper_within_force(seen, squares, limits.force, pto.stiffness, pto.efficiency)
         absorbed = float(mean_power(seen, squares, damper.damping, damper.stiffness, pto.efficiency)[0])
         control = _Control(port, limits, pto, float(squares[0] @ seen.matched_power))

@@ -1,7 +1,7 @@
 """Checks of runs of a buoy or a body: energy, small motion, steady state, agreement with linear theory."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -29,6 +29,8 @@ from vsb.waves.dispersion import wavenumber
 
 ROTATION, TRANSLATION = 0.2, 0.3
 """Rotation of a body [rad], and translation over the cube root of the displaced volume, beyond which there is doubt."""
+LEAST_MARGIN = 0.1
+"""Distance of an open loop from -1 (Nyquist) below which its port must be known better than it is."""
 NEAR_THE_END = 0.8
 """Part of the range of latching times searched, beyond which the best one may lie outside it."""
 
@@ -175,10 +177,22 @@ def transient_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
     return checks
 
 
-def latching_checks(runs: Attributes) -> list[Check]:
-    """Return where the best latching time of each body-exact run lies in the range searched around the linear one."""
+def _controller_check(attrs: Mapping[str, Any], **where: str) -> Check:
+    """The margin of a causal controller, whose loop is stable, and what it absorbs by linear theory without a limit."""
+    margin = attrs["controller_margin"]
+    text = f"margin of a controller of {attrs['controller_states']} states, distance of its open loop from -1 "
+    text += f"(Nyquist): {margin:.3g}; by linear theory without a force limit it absorbs "
+    text += f"{attrs['controller_power']:.4g} W with an rms force of {attrs['controller_force_rms']:.4g}, as a filter "
+    text += f"{attrs['controller_error']:.1e} from the optimum"
+    return check_at_most("controller_margin", LEAST_MARGIN / margin, 1.0, "-", text, doubt=True, **where)
+
+
+def law_checks(runs: Attributes) -> list[Check]:
+    """Return the margin of each controller, and where each body-exact latching time lies in the range searched."""
     checks = []
     for (design, wave), attrs in runs.items():
+        if "controller_margin" in attrs:
+            checks.append(_controller_check(attrs, design=design, wave=wave))
         if "linear_latching_time" not in attrs or not attrs["latching_time"]:
             continue
         best, linear, searched = (

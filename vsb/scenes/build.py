@@ -41,13 +41,14 @@ from vsb.scenes.latching import (
     with_latching_time,
 )
 from vsb.scenes.rest import design_motions, mooring_rows, order_bases, rubber_shell, study_basis
+from vsb.scenes.stationary import controlled
 from vsb.scenes.take_off import tuned_take_off, with_take_off
 from vsb.shell.deformed import DeformedShell
 from vsb.shell.orders import OrderBasis, all_clamp_rows
 from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.specs import BodySystem, BuoySystem, Dynamics, SimulateSpec
 from vsb.study.take_off import Pto, SeveralPorts
-from vsb.study.waves import RegularWave
+from vsb.study.waves import RegularWave, Wave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 from vsb.waves.seas import NO_WAVES, Sea
@@ -108,7 +109,7 @@ def radiation_model(path: str, labels: Sequence[str]) -> RadiationModel:
 def linear_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     """Return the scene of linear hydrodynamics about the mean shape."""
     at = _from_bem(run, paths)
-    scene, notes = _released(_linear(run, at), run, at)
+    scene, notes = _tuned_in_time(_linear(run, at), run, at)
     return at.with_scene(with_drag(scene, _buoy_of(run)[0], run.waves[0], at.sea), notes, {"model": "linear"})
 
 
@@ -117,7 +118,7 @@ def body_exact_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
     at = _from_bem(run, paths)
     rubber = rubber_shell(_buoy_of(run)[0], at.shape.basis)
     scene = body_exact_scene(at.buoy, at.shape, at.radiation, at.sea, at.motions, rubber)
-    scene, notes = _released(with_take_off(scene, run.pto, at.buoy.pto), run, at)
+    scene, notes = _tuned_in_time(with_take_off(scene, run.pto, at.buoy.pto), run, at)
     return at.with_scene(with_drag(scene, _buoy_of(run)[0], run.waves[0], at.sea), notes, {"model": "body_exact"})
 
 
@@ -144,6 +145,8 @@ class _FromBem(NamedTuple):
     notes: dict[str, Any]  # of the take-off
     held: FloatArray  # clamps of the design (constraint, dof)
     orders: Sequence[OrderBasis]  # beside heave and axisymmetric modes
+    floating: FloatingSystem
+    spectral: tuple[Wave, Sea]  # the wave and the sea powers are expected in
 
     def with_scene(self, scene: Scene, *notes: dict[str, Any]) -> DesignInSea:
         """The design in its sea by a scene."""
@@ -156,12 +159,15 @@ def _linear(run: SimulateSpec, at: _FromBem) -> Scene:
     return with_take_off(linear_scene(at.buoy, at.radiation, at.sea, at.motions), run.pto, at.buoy.pto)
 
 
-def _released(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
-    """A scene with the latching time that maximises mean power, if its law latches, and metadata.
+def _tuned_in_time(scene: Scene, run: SimulateSpec, at: _FromBem) -> tuple[Scene, dict[str, Any]]:
+    """A scene with the latching time or causal controller that maximises mean power, if its law has one; metadata.
 
     A damper tuned to its sea is found together with the latching time by linear hydrodynamics; where the water's force
     is not linear the time is refined on the scene itself.
     """
+    if run.pto.law == "causal" and scene.law:
+        (design,) = run.designs
+        return controlled(scene, at.floating, design, run.pto, *at.spectral)
     if not (run.pto.has_latching_time and scene.law):  # or nothing there moves
         return scene, {}
     damper, best, notes = _latched(_linear(run, at), run, at.sea, at.buoy, at.motions)
@@ -218,7 +224,7 @@ def _from_bem(run: SimulateSpec, paths: dict[str, Any]) -> _FromBem:
     held = all_clamp_rows(system.designs[design].clamp, shape.basis, orders)
     if not orders:
         held = np.concatenate([held, mooring_rows(system, shape.basis)])
-    return _FromBem(buoy, shape, model, waves, motions, notes, held, orders)
+    return _FromBem(buoy, shape, model, waves, motions, notes, held, orders, floating, (wave, spectral))
 
 
 def _reduced(floating: FloatingSystem, design: str, system: BuoySystem) -> ReducedMotions:
@@ -262,6 +268,9 @@ def body_design(run: SimulateSpec, paths: dict[str, Any]) -> DesignInSea:
         damper, best, tuned = _latched(scene, run, waves, equipped, motions)
         scene = with_latching_time(scene, best.time, damper)
         notes |= tuned | _noted(best)
+    if run.pto.law == "causal" and scene.law:
+        scene, own = controlled(scene, floating, design, run.pto, wave, expected_sea(run, wave, body.database))
+        notes |= own
     held = held_rows(system.designs[design], scene.labels)
     return DesignInSea(scene, None, waves, body.spectrum, notes, held, port=floating.port)
 

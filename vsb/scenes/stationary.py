@@ -1,10 +1,19 @@
-"""Ports in stationary seas at equally spaced frequencies from next to zero to beyond the band, for causal control."""
+"""Causal control in a stationary sea: ports at equally spaced frequencies to beyond the band, controllers in time."""
+
+from dataclasses import replace
 
 import numpy as np
 
-from vsb.motion.causal import StationaryPort
-from vsb.scenes.floating_system import FINE, FloatingSystem, heading, heading_in
-from vsb.study.waves import Irregular, RecordedSea, WhiteNoise
+from vsb.errors import StabilityError
+from vsb.integrators.switching import Mode, Switching
+from vsb.motion.causal import RmsLimits, StationaryPort, optimum
+from vsb.motion.controller import achieved, realised, within_limit
+from vsb.motion.scene import Scene
+from vsb.motion.system import System
+from vsb.motion.tuning import best_dampers
+from vsb.scenes.floating_system import FINE, FloatingSystem, heading, heading_in, port_in_seas
+from vsb.study.take_off import Pto
+from vsb.study.waves import Irregular, IrregularSea, RecordedSea, Wave, WhiteNoise
 from vsb.tools.arrays import FloatArray
 from vsb.waves.seas import PARTS, Sea
 from vsb.waves.spectra import spectrum
@@ -55,6 +64,58 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
         passive = np.maximum(admittance.real, 0.0) + 1j * admittance.imag  # where no waves are that the port would show
         found[design] = StationaryPort(spacing, passive, density)
     return found
+
+
+def rms_limits(floating: FloatingSystem, design: str, pto: Pto, wave: Irregular, sea: Sea) -> RmsLimits:
+    """Return the rms values a causal controller keeps: the limits given; of force without one its optimal damper's."""
+    if pto.force_limit < np.inf:
+        return RmsLimits(pto.force_limit, pto.stroke_limit)
+    seen, squares, _ = port_in_seas(floating, design, [(wave, sea)])
+    best = best_dampers(seen, squares, pto.stiffness, pto.efficiency)
+    load = seen.load(best.damping, best.stiffness)[0]
+    force = 0.5 * np.abs(load * seen.velocity_under(load)) ** 2 @ squares[0]
+    return RmsLimits(float(np.sqrt(force)), pto.stroke_limit)
+
+
+def controlled(
+    scene: Scene, floating: FloatingSystem, design: str, pto: Pto, wave: Wave, sea: Sea
+) -> tuple[Scene, dict[str, float]]:
+    """Return a scene whose take-off follows the causal control of its sea, and what a run records of it.
+
+    Raises `StabilityError` if the loop of controller and scene, linear about its rest, is not stable.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a take-off that switches.
+    sea : Sea
+        See `vsb.scenes.floating_system.expected_sea`.
+    """
+    law = scene.law
+    assert law is not None
+    assert isinstance(wave, IrregularSea)  # a study's own check
+    one = replace(floating, motions={design: floating.motions[design]})
+    port, limits = stationary_ports(one, wave, sea)[design], rms_limits(floating, design, pto, wave, sea)
+    best = optimum(port, limits, pto.control.noise, 0.0, pto.efficiency)
+    if best.power <= 0:
+        return scene, {}
+    gain = port.controller(best.weights, pto.control.noise)
+    if law.limit < np.inf:
+        gain = within_limit(port, best, pto.control.noise, law.limit)
+    controller, error = realised(port, gain)
+    _, margin = controller.stability(port.omega, port.admittance)
+    own = replace(law, damping=controller.damping, stiffness=controller.stiffness, controller=controller)
+    scene = replace(scene, forces={**scene.forces, scene.take_off: own})
+    runner = Switching(System.of(scene))
+    loop = runner.phase(Mode(1), runner.lookout(np.array([0.0, 1.0]), 1))[0].matrix[:-1, :-1]
+    if (growth := float(np.linalg.eigvals(loop).real.max())) >= 0:
+        raise StabilityError(
+            f"pto.law causal: the loop of controller and {design} is unstable, a disturbance grows by {growth:.2g}/s; "
+            "lower pto.force_limit, or raise pto.control.noise"
+        )
+    power, force = achieved(port, controller.gain(port.omega, port.admittance))
+    notes = {"states": len(controller.output), "error": error, "margin": margin, "power": power, "force_rms": force}
+    return scene, {f"controller_{name}": value for name, value in notes.items()}
 
 
 def _averaged(density: FloatArray, parts: int) -> FloatArray:

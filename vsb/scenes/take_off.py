@@ -36,10 +36,11 @@ FORCES: dict[str, Callable[[Pto, FloatArray, float, float], Force]] = {
     "coulomb": lambda pto, port, _, rest: TakeOff(port, np.inf, limit=pto.force_limit, rest=rest),
     "latching": _limited,
     "declutching": lambda pto, port, damper, rest: replace(_limited(pto, port, damper, rest), latching_damping=0.0),
+    "causal": lambda pto, port, _, rest: TakeOff(port, 0.0, limit=pto.force_limit, rest=rest),
 }
 """Law of `vsb.study.take_off.LAWS`, at a port, with a damper [N s/m] and the stroke at rest [m] -> its force.
 
-Latching times are found in a sea (`vsb.scenes.latching`)."""
+Latching times are found in a sea (`vsb.scenes.latching`), and so is a causal controller (`vsb.scenes.stationary`)."""
 
 
 def law_of_package(pto: Pto, port: FloatArray, rest: float) -> PortForce:

@@ -19,7 +19,7 @@ from vsb.results.gains import (
 )
 from vsb.results.ladder import ControlLevel, constrained_checks, material_checks
 from vsb.results.mean_power import linear_seas, mean_powers, of_seas, with_mean_powers, with_record_intervals
-from vsb.results.run_checks import agreement_checks, latching_checks, sea_checks, transient_checks
+from vsb.results.run_checks import agreement_checks, law_checks, sea_checks, transient_checks
 from vsb.scenes.floating_system import expected_sea, study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
@@ -47,7 +47,7 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
     checks = [check for one in in_seas for check in one.checks]
     if buoy and reference:
         checks = [*ledger.shell_checks(buoy, reference), *checks]
-    checks += [*ledger.angle_checks(compared), *transient_checks(runs, rows), *latching_checks(runs)]
+    checks += [*ledger.angle_checks(compared), *transient_checks(runs, rows), *law_checks(runs)]
     lines: list[irregular.Line] = []
     tuned: list[Tuned] = []
     limited: list[Limited] = []

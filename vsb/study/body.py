@@ -449,6 +449,7 @@ class BodyStudy(Brief, BaseStudy):
         check_all(
             self.check_labels,
             self.check_records,
+            self.check_control,
             self._check_spreading,
             self.check_dampers_of_designs,
             self.check_published,

@@ -305,6 +305,8 @@ class LoadedCampaign(Section):
         """
         checked = (leading_tuning(self.tuning), "constrained") if self.campaign.verify else ("constrained",)
         blind = [tuning for tuning in self.tuning if tuning not in checked]
+        if study.pto.law == "causal":
+            raise ConfigError(f"{where}: pto.law: a year has no run under 'causal'; needs a study, or another law")
         if study.pto.nonlinear and blind:
             raise ConfigError(
                 f"{where}: pto: received law {study.pto.law}, force_limit {study.pto.force_limit:g} N, stroke_limit "

@@ -240,6 +240,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "coulomb",
             "linear: a damper; saturated: one with a force limit; coulomb: friction of the force limit; latching, "
             "declutching: a damper that holds the port, or lets it go, after each reversal, for the optimal time; "
+            "causal: the optimal controller that knows no future waves; "
             "my_package:law: a function of an installed package",
         ),
         "parameters": Key("", "{exponent: 2.0}", "numbers that the law of a package is called with"),

@@ -170,6 +170,12 @@ class BaseStudy(WithDesigns):
                     f"at most {wave.file.length:.6g} s"
                 )
 
+    def check_control(self) -> None:
+        """Check that a causal controller has seas that it does not know beforehand; `ValueError`."""
+        for i, wave in enumerate(self.waves):
+            if self.pto.law == "causal" and not isinstance(wave, IrregularSea):
+                raise ValueError(f"pto.law 'causal': controls in irregular seas alone, received waves.{i} {wave.label}")
+
     def check_dampers_of_designs(self) -> None:
         """Check that dampers given one by one are those of the designs; `ValueError`."""
         if isinstance(self.pto.damping, dict) and set(self.pto.damping) != set(self.designs):
@@ -334,7 +340,7 @@ class Study(Buoy, BaseStudy):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        of_the_sea = (self._check_floats, self._check_waves, self.check_records)
+        of_the_sea = (self._check_floats, self._check_waves, self.check_records, self.check_control)
         check_all(*of_the_sea, self._check_model, self._check_take_off, self._check_shape)
         return self
 

@@ -264,6 +264,7 @@ LAWS = {
     "coulomb": Law(needs=("force_limit",), words="Coulomb friction of {force_limit:g} {load_unit}"),
     "latching": Law(has_latching_time=True),
     "declutching": Law(has_latching_time=True),
+    "causal": Law(words="the optimal causal controller"),
 }
 if TYPE_CHECKING:
     LawName = str
@@ -360,7 +361,8 @@ class Pto(Brief):
     The law in time: `linear`, whose force saturates at a force limit [N] if there is one; `saturated` insists on the
     limit. `coulomb`: friction of the force limit, the pressure of a hydraulic take-off; the damping is then that of the
     linear response alone. `latching` holds the port after each reversal of its velocity, `declutching` lets it go, both
-    for the latching time that maximises mean power in each sea. At the stroke limit [m] an end stop begins.
+    for the latching time that maximises mean power in each sea. `causal`: the controller of the level `causal` as a
+    filter of measured motion and own force, cut at the force limit. At the stroke limit [m] an end stop begins.
     A law `my_package:law` is a function of an installed package with `parameters` of its own; which `distribution` it
     is of, name and version, is found out.
     """
@@ -499,6 +501,11 @@ class Pto(Brief):
                 raise ValueError("tuning: of several ports is fixed with a damping matrix, each or one without")
         elif self.tuning == "fixed" and self.damping is None:
             raise ValueError(f"damping: missing; tuning fixed needs one in {port_kind(self.port).damping_unit}")
+        if self.law == "causal" and (self.control.forecast or self.stiffness):
+            raise ValueError(
+                f"law 'causal': measures motion and force alone, and is the whole force; received control.forecast "
+                f"{self.control.forecast:g} s and stiffness {self.stiffness:g}, needs both to be 0"
+            )
         return self
 
     @model_validator(mode="after")
