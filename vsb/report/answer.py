@@ -235,6 +235,25 @@ def at_force_table(lines: Lines) -> list[list[str]]:
     ]  # fmt: skip
 
 
+ELSEWHERE = (
+    "design", "tuned in", "peak period [s]", "power [W]", "rms force [{}]", "tuned there [W]", "its rms force [{}]",
+    "loss [%]",
+)  # fmt: skip
+"""Head of the table of controllers in other seas."""
+
+
+def elsewhere_table(lines: Lines) -> list[list[str]]:
+    """Return the cells of controllers in seas they are not tuned in, of lines of `vsb.results.forecast.Elsewhere`."""
+    return [
+        [
+            line["design"], line["sea"], f"{line['period']:.2f}", plain(line["power"]), plain(line["force_rms"]),
+            plain(line["own_power"]), plain(line["own_force_rms"]),
+            f"{100 * (1 - line['power'] / line['own_power']):z.1f}",
+        ]
+        for line in lines
+    ]  # fmt: skip
+
+
 def knowledge_text(lines: Lines) -> str:
     """Return what causal control knows of the waves, in words."""
     if not lines:

@@ -11,12 +11,14 @@ from vsb.report.animation import in_motion
 from vsb.report.answer import (
     AT_FORCE,
     COMPUTED,
+    ELSEWHERE,
     GIVEN,
     NO_OPTIMUM,
     PARTS,
     Answer,
     at_force_table,
     damping_in_words,
+    elsewhere_table,
     headline,
     interval_text,
     knowledge_text,
@@ -80,6 +82,7 @@ class Report:
     equal_tuning: Sequence[dict[str, Any]] = ()  # designs at their optimal damping; empty without BEM
     within_limits: Sequence[dict[str, Any]] = ()  # optima within limits, if the take-off has any
     at_force: Sequence[dict[str, Any]] = ()  # causal control and dampers of the same rms force, in irregular seas
+    elsewhere: Sequence[dict[str, Any]] = ()  # controllers in seas they are not tuned in
     invalid: Sequence[dict[str, Any]] = ()  # of `vsb.results.ledger.Invalid`: designs not valid, where and why
     thing: str = "buoy"  # what floats
     flexible: bool = True  # whether any design is
@@ -381,6 +384,8 @@ def render(report: Report) -> str:
         at_force_head=[head.format(superscripts(kind.load_unit)) for head in AT_FORCE],
         at_force=at_force_table(report.at_force),
         knowledge=knowledge_text(report.at_force),
+        elsewhere_head=[head.format(superscripts(kind.load_unit)) for head in ELSEWHERE],
+        elsewhere=elsewhere_table(report.elsewhere),
         details_head=details_head,
         details=details,
         statistics_head=STATISTICS,

@@ -1,22 +1,76 @@
-"""What knowledge of the waves is worth: power under causal control over seconds of forecast, and over noise."""
+"""What knowledge is worth to a controller: seconds of forecast, less noise, and the sea it is tuned in."""
 
+import contextlib
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from vsb.errors import VsbError
 from vsb.motion.causal import RmsLimits, StationaryPort, optimum
+from vsb.motion.controller import achieved
 from vsb.motion.tuning import damper_within_force, mean_power
 from vsb.scenes.floating_system import FloatingSystem, InSeas, expected_sea, port_in_seas
 from vsb.scenes.stationary import rms_limits, stationary_ports
 from vsb.study.take_off import Pto
-from vsb.study.waves import Irregular
-from vsb.tools.arrays import FloatArray
+from vsb.study.waves import Irregular, Jonswap, PiersonMoskowitz, Wave
+from vsb.tools.arrays import ComplexArray, FloatArray
+from vsb.waves.spectra import share_above
 
 FORECASTS = (0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0)
 """Forecasts over the period of the sea's peak [-]."""
 NOISES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 """Densities of the noise over the peak of that of the waves' force [-]."""
+
+
+PERIODS = (0.7, 0.85, 1.0, 1.2, 1.5)
+"""Peak periods of the seas a controller is run in, over that of the sea it is tuned in [-]."""
+LEFT_OUT = 0.05
+"""Part of a sea beyond the frequencies of the coefficients with which a controller is not run in it."""
+
+
+class Elsewhere(NamedTuple):
+    """A causal controller in a sea that it is not tuned in, and one that is tuned in it."""
+
+    design: str
+    sea: str  # it is tuned in
+    period: float  # of the peak of the sea it is run in [s]
+    power: float  # [W]
+    force_rms: float  # [N]
+    own_power: float  # of the one tuned there [W]
+    own_force_rms: float  # [N]
+
+
+def elsewhere(study: InSeas, floating: FloatingSystem, waves: Sequence[Wave]) -> list[Elsewhere]:
+    """Return what causal controllers absorb by linear theory in seas of the same height and other peak periods.
+
+    Each keeps the rms force of the level `causal` in its own sea, and has no forecast. It stays stable: its loop is
+    that of the same port. Seas without a peak period of their own, as records, have no lines.
+    """
+    pto, found = study.pto, []
+    for wave in waves:
+        if not isinstance(wave, Jonswap | PiersonMoskowitz):
+            continue
+        seas = [wave.model_copy(update={"tp": factor * wave.tp}) for factor in PERIODS]
+        seas = [one for one in seas if share_above(one, floating.band[1]) < LEFT_OUT]
+        tuned: dict[tuple[str, float], tuple[StationaryPort, ComplexArray]] = {}
+        for one in seas:
+            sea = expected_sea(study, one, floating.linear.database)
+            for design, port in stationary_ports(floating, one, sea).items():
+                with contextlib.suppress(VsbError):  # no control keeps the stroke
+                    limits = rms_limits(floating, design, pto, one, sea)
+                    best = optimum(port, limits, pto.control.noise, 0.0, pto.efficiency)
+                    if best.power > 0:
+                        tuned[design, one.tp] = port, port.controller(best.weights, pto.control.noise)
+        for (design, period), (port, own) in tuned.items():
+            if (design, wave.tp) not in tuned:
+                continue
+            home, gain = tuned[design, wave.tp]
+            there = np.interp(port.omega, home.omega, gain)
+            reached = *achieved(port, there), *achieved(port, own)
+            found.append(Elsewhere(design, wave.family, period, *reached))
+    return found
 
 
 class _Control(NamedTuple):

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from vsb.hydro.database import Check, stored_checks
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
+from vsb.results.forecast import Elsewhere, elsewhere
 from vsb.results.gains import (
     AtForce,
     Limited,
@@ -20,7 +21,7 @@ from vsb.results.gains import (
 from vsb.results.ladder import ControlLevel, constrained_checks, material_checks
 from vsb.results.mean_power import linear_seas, mean_powers, of_seas, with_mean_powers, with_record_intervals
 from vsb.results.run_checks import agreement_checks, law_checks, sea_checks, transient_checks
-from vsb.scenes.floating_system import expected_sea, study_sea
+from vsb.scenes.floating_system import expected_sea, floating_system, study_sea
 from vsb.scenes.rest import reference_shell
 from vsb.shell.modes import ModeBasis
 from vsb.stages.stored import Inputs
@@ -52,6 +53,7 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
     tuned: list[Tuned] = []
     limited: list[Limited] = []
     controlled: list[AtForce] = []
+    other_seas: list[Elsewhere] = []
     if compared.needs_bem:
         samples = {run: kept for one in in_seas for run, kept in one.samples.items()}
         lines = irregular.statistics(compared, samples)
@@ -63,6 +65,8 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
         means = mean_powers(compared, rows, runs, ladder, found.response, samples)
         tuned, limited = equal_tuning(compared, ladder, means, runs), within_limits(compared, ladder)
         controlled = at_force(compared, ladder)
+        if controlled:
+            other_seas = elsewhere(compared, floating_system(compared, found.path("database")), compared.drawn_waves)
         rows, lines = with_mean_powers(rows, means), of_seas(compared, lines, means)
         checks += irregular.statistical_checks(compared, lines)
         checks += [*fair_damping_checks(tuned, compared.pto), *constrained_checks(ladder)]
@@ -81,6 +85,7 @@ def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:
         "equal_tuning": [line._asdict() for line in tuned],
         "within_limits": [line._asdict() for line in limited],
         "at_force": [line._asdict() for line in controlled],
+        "elsewhere": [line._asdict() for line in other_seas],
         "checks": [asdict(check) for check in checks],
         "invalid": [line._asdict() for line in invalid],
     }

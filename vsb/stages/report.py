@@ -307,6 +307,7 @@ def run_report(study: AnyStudy, trajectories: str, out: str, manifest: str, **fi
         equal_tuning=found["equal_tuning"],
         within_limits=found["within_limits"],
         at_force=found["at_force"],
+        elsewhere=found["elsewhere"],
         invalid=found["invalid"],
         checks=found["checks"],
         response=in_direction(stored.response, study.waves[0]) if study.needs_bem else None,
