@@ -14,7 +14,7 @@ from vsb.results.run_checks import (
     body_motion_checks,
     buoy_motion_checks,
     energy_check,
-    latching_checks,
+    law_checks,
     sea_checks,
     simplification_checks,
     transient_checks,
@@ -149,7 +149,7 @@ def test_latching_time_at_the_border_of_the_search_is_in_doubt():
         ("C", "w"): {"model": "linear", "latching_time": 1.08},
         ("D", "w"): {**wet, "linear_latching_time": 0.2, "latching_time": 0.0},
     }
-    near, far = latching_checks(runs)
+    near, far = law_checks(runs)
     assert near.name == far.name == "latching_time"
     assert (near.verdict, near.value) == ("ok", pytest.approx(0.2))
     assert (far.verdict, far.value, far.design) == ("doubt", pytest.approx(0.96), "B")
