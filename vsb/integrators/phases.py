@@ -26,8 +26,7 @@ from scipy.linalg import eigh
 from vsb.integrators.exact import SERIES, steady_state, transition
 from vsb.integrators.exponential import phi_integrals
 from vsb.integrators.implicit_force import STALLED, Step, added, solve_nodes
-from vsb.motion.controller import Controller
-from vsb.motion.system import Remainder, System
+from vsb.motion.system import Controller, Remainder, System
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.waves.sampling import Sampler, signals, signals_along
 

@@ -15,6 +15,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from vsb.motion.controller import Controller
 from vsb.motion.forces import (
     EXCITING,
     AssumedPressure,
@@ -71,7 +72,7 @@ def joined(parts: Sequence[Motion]) -> Motion:
     )
 
 
-__all__ = ["EXCITING", "EndStop", "Remainder", "System", "TakeOff", "remainder"]
+__all__ = ["EXCITING", "Controller", "EndStop", "Remainder", "System", "TakeOff", "remainder"]
 
 
 class Remainder(NamedTuple):
