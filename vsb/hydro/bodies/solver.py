@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from vsb.hydro.bodies.body import PLANES, SYMMETRIES, FlexibleBody, detected_symmetry
 from vsb.hydro.bodies.coarsening import coarser_body, coarser_panels
 from vsb.hydro.bodies.mesh import joined, solid_angle_share
-from vsb.hydro.panels.rings import influence_blocks, panel_mesh
+from vsb.hydro.panels.rings import influence, panel_mesh
 from vsb.hydro.variables import PAIR
 from vsb.study.sections import Water
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
@@ -71,16 +71,30 @@ class SymmetricPanels:
         return panel_mesh(self.vertices, self.faces)
 
     @cached_property
+    def _images(self) -> IntArray:
+        """Panels by the half or quarter they lie in, shape (image, panel), each in the column of its images."""
+        centres = self.whole.faces_centers
+        sides = [centres[:, PLANES[plane]] > 0 for plane in self.planes]
+        images = [centres[np.all([np.ones(len(centres)), *sides], axis=0)]]
+        for plane in self.planes:
+            images += [image * np.where(np.arange(3) == PLANES[plane], -1.0, 1.0) for image in images]
+        return np.asarray(cKDTree(centres).query(images)[1])
+
+    @property
     def _kept(self) -> IntArray:
         """Panels of the half or quarter that is mirrored."""
-        sides = [self.whole.faces_centers[:, PLANES[plane]] > 0 for plane in self.planes]
-        return np.flatnonzero(np.all([np.ones(len(self.faces)), *sides], axis=0))
+        return np.asarray(self._images[0])
 
     @cached_property
-    def _mirrored(self) -> tuple[Any, IntArray]:
-        """Capytaine's symmetric mesh, and the place in it of each panel."""
-        mesh = panel_mesh(self.vertices, self.faces[self._kept], self.planes)
-        return mesh, np.asarray(cKDTree(mesh.faces_centers).query(self.whole.faces_centers)[1])
+    def _meshes(self) -> tuple[Any, Any]:
+        """All panels image after image, and those kept, as capytaine's meshes."""
+        return tuple(panel_mesh(self.vertices, self.faces[some]) for some in (self._images.ravel(), self._kept))
+
+    def _influence(self, k: float) -> tuple[ComplexArray, ComplexArray]:
+        """S and D of the panels kept on themselves and on their images, each shape (image, panel, panel)."""
+        shape = (*self._images.shape, len(self._kept))
+        s, d = influence(self.green, *self._meshes, k, self.depth)
+        return s.reshape(shape), d.reshape(shape)
 
     @cached_property
     def correction(self) -> FloatArray:
@@ -89,7 +103,7 @@ class SymmetricPanels:
         A hull that stands on the sea bed is closed by the bed below it, through which some of the flux passes.
         """
         body, areas = self._kept < self.of_body, self.whole.faces_areas[self._kept]
-        d = influence_blocks(self.green, self._mirrored[0], 0.0, self.depth)[1]
+        d = self._influence(0.0)[1]
         under = solid_angle_share(self.bed_lid, self.whole.faces_centers[self._kept])
         return np.where(body, 1.0 - under - np.where(body, areas, 0.0) @ d.sum(axis=0).real / areas, 0.0)
 
@@ -99,15 +113,14 @@ class SymmetricPanels:
         The characters (+1, -1) of the group of reflections are the rows of Hadamard's matrix: in sums and differences
         of images every parity has a system of its own, of a half or quarter of the unknowns.
         """
-        (mesh, place), parity = self._mirrored, hadamard(2 ** len(self.planes))
-        s, d = (np.tensordot(parity, m, axes=1) for m in influence_blocks(self.green, mesh, k, self.depth))
-        ordered = np.empty(velocities.shape, dtype=complex)
-        ordered[:, place] = velocities
-        right = np.tensordot(parity, ordered.reshape(len(velocities), len(parity), -1), axes=(1, 1)).swapaxes(1, 2)
+        parity = hadamard(len(self._images))
+        s, d = (np.tensordot(parity, m, axes=1) for m in self._influence(k))
+        right = np.tensordot(parity, velocities[:, self._images], axes=(1, 1)).swapaxes(1, 2)
         sources = np.linalg.solve(d + np.diag(self.correction), right)
         fields = np.tensordot(parity, np.stack([sources, s @ sources], axis=1), axes=1) / len(parity)
-        strength, potential = fields.transpose(1, 3, 0, 2).reshape(2, len(velocities), -1)[:, :, place]
-        return np.asarray(strength), np.asarray(potential)
+        found = np.empty((2, *velocities.shape), dtype=complex)
+        found[:, :, self._images] = fields.transpose(1, 3, 0, 2)
+        return found[0], found[1]
 
 
 @dataclass(frozen=True)

@@ -57,6 +57,7 @@ from vsb.study.sections import Water
 from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 from vsb.tools.files import load, save
 from vsb.tools.stamps import check_output
+from vsb.tools.variables import described
 from vsb.waves.dispersion import wavenumber
 
 Spec = dict[str, Any]
@@ -197,10 +198,11 @@ class Blocks:
         if omega not in self._known:
             spec = _spec(self.study, self.body, omega, self.study.lid if self.lid else 0)
             path = self.folder / f"{content_id(spec)}.nc"
-            if not _is_solved(path, content_id(spec)):
-                own, *others = solved_block(self.problem, *self._coarser, spec)
-                save(own, path, dict(zip(_GROUPS, others, strict=True)))
-            self._known[omega] = Block(load(path), *(load(path, group) for group in _GROUPS))
+            known = _stored(path, content_id(spec))
+            block = known or solved_block(self.problem, *self._coarser, spec)
+            if known is None:
+                save(block.own, path, dict(zip(_GROUPS, block[1:], strict=True)))
+            self._known[omega] = Block(*map(described, block))
         return self._known[omega]
 
 
@@ -214,12 +216,12 @@ def _spec(study: BodyFile, body: FlexibleBody, omega: float, belts: int) -> Spec
     return spec if np.isinf(omega) else spec | {"lid": belts, "wave_direction": list(study.wave_direction)}
 
 
-def _is_solved(path: Path, spec_id: str) -> bool:
-    """Whether a block is there; an unreadable file is solved again."""
+def _stored(path: Path, spec_id: str) -> Block | None:
+    """A block if it is there; an unreadable file is solved again."""
     try:
-        return path.is_file() and load(path).attrs.get("spec_id") == spec_id
+        return Block(load(path, expected=spec_id), *(load(path, group) for group in _GROUPS))
     except DatabaseError:
-        return False
+        return None
 
 
 def solved_block(problem: BodyProblem, fewer: BodyProblem, share: float, spec: Spec) -> Block:

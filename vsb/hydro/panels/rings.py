@@ -392,22 +392,18 @@ def immersed_panels(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, 
     return np.array(mesh.vertices), np.asarray(mesh.faces), np.asarray(mesh.faces_metadata["parent"])
 
 
-def panel_mesh(vertices: FloatArray, faces: IntArray, planes: tuple[str, ...] = ()) -> Any:
-    """Return panels as a mesh of capytaine, mirrored in planes of symmetry; nothing is cleaned or reordered."""
-    mesh: Any = _mesh(vertices, faces)
-    for plane in planes:
-        mesh = cpt.ReflectionSymmetricMesh(mesh, plane=plane)
-    return mesh
+def panel_mesh(vertices: FloatArray, faces: IntArray) -> Any:
+    """Return panels as a mesh of capytaine; nothing is cleaned or reordered."""
+    return _mesh(vertices, faces)
 
 
-def influence_blocks(green: cpt.Delhommeau, mesh: Any, k: float, depth: float) -> tuple[ComplexArray, ComplexArray]:
-    """Return the influence of a mesh's half or quarter on itself and its images, S and D, (image, panel, panel).
+def influence(green: cpt.Delhommeau, mesh: Any, kept: Any, k: float, depth: float) -> tuple[ComplexArray, ComplexArray]:
+    """Return the influence of panels on those of a mesh of which they are the first, S and D, (panel, panel kept).
 
-    One block without symmetry; sign and diagonal as of `ring_matrices`. k = 0 and infinite k are walls and no walls.
+    Sign and diagonal as of `ring_matrices`. k = 0 and infinite k are walls and no walls.
     """
     if np.isinf(k) and np.isfinite(depth):
         k = _LARGEST_DEPTH_IN_WAVENUMBERS / depth
     water = {"free_surface": 0.0, "water_depth": depth if k else np.inf, "wavenumber": k}
-    engine = cpt.DefaultMatrixEngine(green_function=green)
-    s, d = engine.build_matrices(mesh, mesh, adjoint_double_layer=True, **water)
-    return (s[None], d[None]) if isinstance(d, np.ndarray) else (np.asarray(s.blocks), np.asarray(d.blocks))
+    s, d = green.evaluate(mesh, kept, adjoint_double_layer=True, **water)
+    return s, d
