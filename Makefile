@@ -3,6 +3,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 CONFIG ?= config/buoy.yaml config/year.yaml
 MARKS ?= not slow
 BIN := .venv/bin
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 READY := .venv/.installed
 
 .PHONY: verification study benchmark barge claims published hard-cases torture cluster-test test test-all lint unit format docs links container lock docs-lock clean help
@@ -10,10 +11,20 @@ READY := .venv/.installed
 study: $(READY) ## run the example study and its year, or others: make study [CONFIG=config/seed.yaml]
 	@for one in $(CONFIG); do $(BIN)/vsb run $$one || exit; done
 
-benchmark: $(READY) ## error against seconds of every method: integrators on the paper's study, hydrodynamic coefficients
-	@$(BIN)/python -m benchmarks coefficients results/hydro_precision
-	@$(BIN)/python -m benchmarks time-domain config/few_modes.yaml results/time_precision
-	@$(BIN)/python -m benchmarks time-domain config/paper.yaml results/paper
+SPEED := $(patsubst %,results/benchmarks/%.csv,machine coefficients motion paper growth shares)
+
+benchmark: $(SPEED) ## docs/speed.md anew: error against seconds, growth, shares; what is in results/benchmarks is kept. One table: make results/benchmarks/growth.csv
+	@mkdir -p docs/published/speed && cp $(SPEED) docs/published/speed
+	@$(BIN)/python -m examples.published --stored
+
+results/benchmarks/motion.csv: $(READY)
+	@$(ONE_THREAD) $(BIN)/python -m benchmarks time-domain config/few_modes.yaml $@
+
+results/benchmarks/paper.csv: $(READY)
+	@$(ONE_THREAD) $(BIN)/python -m benchmarks time-domain config/paper.yaml $@
+
+results/benchmarks/%.csv: $(READY)
+	@$(ONE_THREAD) $(BIN)/python -m benchmarks $* $@
 
 barge: $(READY) ## any body by the general route: a flexible barge
 	@$(BIN)/python -m examples.barge config/barge_convergence.yaml results/barge
@@ -22,7 +33,7 @@ claims: $(READY) ## published claims about flexible devices, recomputed: tables,
 	@$(BIN)/python -m examples.claims results/claims
 
 published: $(READY) ## every number, table and picture of README and docs that a command writes, anew; or some: make published [SOURCE=study]
-	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m examples.published $(SOURCE)
+	@$(ONE_THREAD) $(BIN)/python -m examples.published $(SOURCE)
 
 hard-cases: $(READY) ## table of the cases that break other codes
 	@$(BIN)/python -m benchmarks hard-cases config/hard_cases.yaml results/hard_cases.csv

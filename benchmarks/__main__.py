@@ -4,7 +4,6 @@ import argparse
 import importlib
 import sys
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from vsb.cli import answer
@@ -17,20 +16,22 @@ class Command(NamedTuple):
     text: str
     arguments: tuple[str, ...]  # the last is what is written
     reads: Callable[[str], Any] = str  # the first argument
-    files: str = ""  # files in the folder, printed at the end
     fails: Callable[[Any], bool] = lambda found: False  # of what it returns: exit code 1
 
 
 COMMANDS = {
     "coefficients": Command(
-        "Error against seconds and memory of coefficients by six methods: tables and a figure; takes minutes.",
-        ("folder",), files="hydro_precision*",
+        "Error against seconds and memory of coefficients by six methods: a table.", ("out",),
         fails=lambda rows: any(row["status"].startswith("failed") for row in rows),
     ),
     "time-domain": Command(
-        "Error against seconds of every integrator and radiation model: a table and a figure.",
-        ("config", "folder"), load, "time_*",
+        "Error against seconds of every integrator and radiation model: a table.", ("config", "out"), load,
     ),
+    "growth": Command(
+        "How processor time grows with duration, frequencies, modes, designs and points: a table.", ("out",),
+    ),
+    "shares": Command("Which parts of whole commands take their processor time: a table.", ("out",)),
+    "machine": Command("The machine and the versions that the others measure: a table.", ("out",)),
     "hard-cases": Command(
         "Run every hard case and write a table; 1 if any ends in garbage or otherwise than expected.",
         ("config", "out"), fails=lambda rows: any(row.verdict == "wrong" for row in rows),
@@ -55,8 +56,6 @@ def run(args: argparse.Namespace) -> int:
     one: Command = args.benchmark
     first, *others = (getattr(args, name) for name in one.arguments)
     found = importlib.import_module(f"benchmarks.{args.module}").benchmark(one.reads(first), *others)
-    if one.files:
-        print(*sorted(Path(args.folder).glob(one.files)), sep="\n")
     return int(one.fails(found))
 
 

@@ -27,7 +27,7 @@ except ImportError:
 
 NOT_INSTALLED = "not installed"
 SUNDIALS = "CVODE (SUNDIALS)"
-SCIPY = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
+SCIPY = ("RK45", "Radau")
 MOST_STEPS = 10_000_000
 ENOUGH = 2.0
 """A run that takes so long is not repeated [s]."""

@@ -1,17 +1,24 @@
 """Timing, progress and tables of the benchmarks, and the outcome of random trials."""
 
+import os
+import subprocess
 import sys
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
+
+import numpy as np
+import yaml
 
 from vsb.errors import VsbError
 from vsb.tools.files import write_text
 from vsb.tools.tables import check_table, csv_text
 
 Row = dict[str, Any]
+CONFIG = Path(__file__).parents[1] / "config"
 
 
 def timed(work: Callable[[], Any]) -> tuple[float, Any]:
@@ -30,6 +37,46 @@ def say(line: str) -> None:
 def as_csv(rows: Sequence[Row], columns: Sequence[str]) -> str:
     """Return the table as CSV; an empty cell is a quantity that does not exist, such as the error of a failed run."""
     return csv_text(columns, ([row.get(name) for name in columns] for row in rows), 6)
+
+
+def written(file: str, changed: Mapping[str, object], folder: str) -> str:
+    """Write a file of config/ with some keys changed, None to leave one out, as one.yaml; return the name in it."""
+    data = yaml.safe_load((CONFIG / file).read_text(encoding="utf-8")) | dict(changed)
+    name = str(data.get("design") or data.get("campaign") or data["study"])
+    if data["study"] != name:
+        data["study"] = str(CONFIG / data["study"])
+        data["climate"] = {kind: str(CONFIG / path) for kind, path in data["climate"].items()}
+    kept = {key: value for key, value in data.items() if value is not None}
+    write_text(Path(folder, "one.yaml"), yaml.safe_dump(kept))
+    return name
+
+
+def on_one_core() -> None:
+    """Keep this process and those it starts on one core, where the system can: a run then stays in one process."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+
+
+def run_python(folder: str, *words: str) -> None:
+    """Run Python in a folder; raise `VsbError` unless it ends with 0, or with 1 as a study in doubt does."""
+    done = subprocess.run([sys.executable, *words], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode not in (0, 1):
+        raise VsbError(done.stderr)
+
+
+def seconds_at(rows: Sequence[Row], method: str, error: float) -> tuple[float, bool]:
+    """Return the seconds in which a method reaches an error, and whether its coarsest run is better already.
+
+    Interpolated on logarithmic scales between its runs, never extrapolated: infinite if no run reaches the error.
+    """
+    done = sorted((r["seconds"], r["error"]) for r in rows if r["method"] == method and r.get("error") is not None)
+    seconds, errors = np.log(np.array(done).reshape(-1, 2)).T
+    reached = np.flatnonzero(errors <= np.log(error))
+    if not reached.size:
+        return np.inf, False
+    if (i := int(reached[0])) == 0:
+        return float(np.exp(seconds[0])), bool(done[0][1] < error)
+    return float(np.exp(np.interp(np.log(error), errors[[i, i - 1]], seconds[[i, i - 1]]))), False
 
 
 class Outcome(NamedTuple):

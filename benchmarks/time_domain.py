@@ -4,23 +4,22 @@ Of a study with radiation (config/few_modes.yaml): four scenes of its first flex
 in a regular wave and in an irregular sea, from rest, and the mean power of the body-exact steady state. Of a study
 under assumed pressure (config/paper.yaml): every design, beside the published run times. Linear scenes are compared
 with DOP853 at `FINEST`, the others with exponential collocation at 1e-11, which DOP853 checks. A failed run is a row
-that says why, and a cross in the figure. Seconds are those one processor works, the least of three runs, without
+that says why. Seconds are those one processor works, the least of three runs, without
 compilation.
 """
 
 import tempfile
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 from scipy.integrate import simpson
 
 from benchmarks.compiled_solvers import COMPILED_DOP853, RK4
-from benchmarks.general_solvers import NOT_INSTALLED, SCIPY, SUNDIALS, Equation, Solution, best, solved
+from benchmarks.general_solvers import SCIPY, SUNDIALS, Equation, Solution, best, solved
 from benchmarks.measure import Row, as_csv, say
 from vsb.errors import ConfigError, VsbError
 from vsb.hydro.retardation import DampingSpectrum
@@ -31,7 +30,6 @@ from vsb.integrators.harmonic_balance import steady_power
 from vsb.integrators.simulate import EXACT
 from vsb.motion.forces import RadiationMemory
 from vsb.motion.system import Motion, System
-from vsb.report.canvas import grid_of_axes, legend_above
 from vsb.scenes.automatic import absorbed
 from vsb.scenes.build import DesignInSea, design_in_sea
 from vsb.stages.make import hydro_files
@@ -40,7 +38,6 @@ from vsb.study.study import Study, parse
 from vsb.study.waves import RegularWave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
-from vsb.tools.tables import svg_text
 
 COLUMNS = (
     "table", "case", "method", "setting", "error", "error_energy", "seconds", "steps", "evaluations",
@@ -48,13 +45,6 @@ COLUMNS = (
 )  # fmt: skip
 EXPONENTIAL, CONVOLUTION = "exponential Adams", "convolution"
 BALANCE = "harmonic balance"
-STYLES = {
-    EXPONENTIAL: ("#D55E00", "o"), EXACT: ("#D55E00", "d"), CONVOLUTION: ("#56B4E9", "X"),
-    BALANCE: ("#117733", "p"), "RK45": ("#000000", "s"), "DOP853": ("#0072B2", "^"), "Radau": ("#009E73", "D"),
-    "BDF": ("#CC79A7", "v"), "LSODA": ("#E69F00", "P"), SUNDIALS: ("#882255", "<"),
-    RK4: ("#999999", "*"), COMPILED_DOP853: ("#0072B2", "h"),
-}  # fmt: skip
-"""Colour and marker of a method; Okabe and Ito's palette."""
 PERIOD, PER_PERIOD = 2.5, 64
 """Period of the regular wave [s], and instants per period at which motions are compared."""
 REGULAR, IRREGULAR = "regular wave", "irregular sea"
@@ -80,9 +70,6 @@ TIME_LIMIT = 20.0
 PUBLISHED_SECONDS, PUBLISHED_DURATION = {True: 2.4 * 3600, False: 2.11 * 60}, 60.0
 """Run time of the paper's flexible and fixed buoys [s], "2.4 hours" and "2.11 minutes" with MATLAB's ode45 on a machine
 and at a tolerance it does not state, and the duration of the motion in its Table II [s]."""
-LEAST = 1e-16
-"""Smaller errors are drawn here."""
-
 
 # cases --------------------------------------------------------------------------------------------------------------
 
@@ -312,33 +299,6 @@ def paper_row(study: Study, design: str, case: Case) -> Row:
 # output -------------------------------------------------------------------------------------------------------------
 
 
-def error_figure(rows: Sequence[Row]) -> Figure:
-    """Draw error against seconds, a panel for each scene and one for mean power; crosses are runs that failed."""
-    shown = [row for row in rows if row["table"] in ("integrators", "power") and row["status"] != NOT_INSTALLED]
-    panels = list(dict.fromkeys((row["case"], row["table"]) for row in shown))
-    lines = -(-len(panels) // 2)
-    figure, axes = grid_of_axes(0.9 + 2.3 * lines, lines, 2)
-    for ax in axes.flat[len(panels) :]:
-        ax.set_axis_off()
-    for ax, (case, table) in zip(axes.flat, panels, strict=False):
-        ax.set_title(f"{case}{', mean power' if table == 'power' else ''}", fontsize=9)
-        here = [row for row in shown if (row["case"], row["table"]) == (case, table)]
-        for i, method in enumerate(dict.fromkeys(row["method"] for row in here)):
-            colour, marker = STYLES[method]
-            done = [row for row in here if row["method"] == method and row["status"] == "completed"]
-            lost = [row["seconds"] for row in here if row["method"] == method and row["status"] != "completed"]
-            seconds, errors = [row["seconds"] for row in done], [max(row["error"], LEAST) for row in done]
-            ax.loglog(seconds, errors, color=colour, marker=marker, markersize=4)
-            ax.plot(lost, [0.98 - 0.03 * i] * len(lost), "x", color=colour, transform=ax.get_xaxis_transform())
-    for method in dict.fromkeys(row["method"] for row in shown):
-        axes[0, 0].plot([], [], color=STYLES[method][0], marker=STYLES[method][1], markersize=4, label=method)
-    axes[0, 0].plot([], [], "x", color="#555555", label="failed")
-    legend_above(figure, axes[0, 0])
-    figure.supxlabel("run time [s]", fontsize=9)
-    figure.supylabel("largest error of heave over its range; of mean power, relative [-]", fontsize=9)
-    return figure
-
-
 def measured(study: Study, folder: str) -> list[Row]:
     """Return all rows of a study; its hydro files are made in a folder."""
     rows: list[Row] = []
@@ -352,18 +312,17 @@ def measured(study: Study, folder: str) -> list[Row]:
     return rows
 
 
-def benchmark(study: Study, folder: str | Path) -> list[Row]:
-    """Measure a study; write `time_precision.csv` and `time_precision.svg`.
+def benchmark(study: Study, out: str | Path) -> list[Row]:
+    """Measure a study and write a table.
 
     Parameters
     ----------
     study : Study
         With radiation (in deep water; only device, modes, water, take-off and the tolerance of `hydro` are used), or
         under assumed pressure.
-    folder : str or Path
+    out : str or Path
     """
     with tempfile.TemporaryDirectory() as files:
         rows = measured(study, files)
-    write_text(Path(folder) / "time_precision.csv", as_csv(rows, COLUMNS))
-    write_text(Path(folder) / "time_precision.svg", svg_text(error_figure(rows)))
+    write_text(out, as_csv(rows, COLUMNS))
     return rows
