@@ -110,6 +110,14 @@ def test_what_waves_do_not_matter_for_scales_by_froude(climate):
         assert one.gradient @ weights == pytest.approx(power * one.value, abs=1e-8 * scale), name
 
 
+def test_cost_is_the_sum_of_what_is_priced(climate):
+    model = model_of(study_of(), "VSWEC", climate, ["device.radius", "pto.damping"])
+    prices = {"mass": 4.0, "force_rms": 0.3, "surface": 120.0}
+    found = replace(model, cost=prices).at([2.0, 1e5])
+    assert found["cost"].value == pytest.approx(sum(price * found[of].value for of, price in prices.items()))
+    assert found["cost"].gradient == pytest.approx(sum(price * found[of].gradient for of, price in prices.items()))
+
+
 def test_hull_of_a_sphere_has_its_measures(climate):
     """Beam 2 r, surface 4 pi r^2, volume 4 pi r^3/3 and the draft of the study, with their slopes."""
     study = study_of(designs={"FSB": {"flexible": False}})

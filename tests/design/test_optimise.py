@@ -15,7 +15,7 @@ from vsb.design.problem import Problem
 from vsb.design.searched import shares_of
 from vsb.design.violation import within_limits
 from vsb.errors import ConvergenceError
-from vsb.study.design import Variable
+from vsb.study.design import DIVISORS, Variable
 from vsb.study.sections import DEGREES
 
 MASS, SPRING = (Variable(key="device.mass", low=0.5, high=8.0), Variable(key="pto.stiffness", low=-4.0, high=4.0))
@@ -194,9 +194,10 @@ def test_objectives_over_a_quantity_have_the_quotients_derivative():
             "mass": Quantity(m**2 + 1, np.array([2 * m, 0.0])),
             "surface": Quantity(m + k**2, np.array([1.0, 2 * k])),
             "force_rms": Quantity(np.sqrt(m), np.array([0.5 / np.sqrt(m), 0.0])),
+            "cost": Quantity(np.exp(m), np.array([np.exp(m), 0.0])),
         }
 
-    for maximise in ("power_per_mass", "power_per_surface", "power_per_force", "gain"):
+    for maximise in (*DIVISORS, "gain"):
         twin = Analytic(lambda v: {"annual_mean_power": Quantity(v[0] ** 3, np.array([3 * v[0] ** 2, 0.0]))})
         of = problem(smooth, {"surface": 5.0}, maximise=maximise, twin=twin if maximise == "gain" else None)
         place = rng.uniform(0.2, 0.8, 2)

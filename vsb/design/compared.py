@@ -99,7 +99,7 @@ def _with_take_off(name: str, search: Search, climate: Climate, found: Outcome) 
     try:
         study = study_of(search, found.degree, point)
         keys = [one.key for one in free]
-        model = searching(study, search.design, climate, keys, found.degree)
+        model = searching(search, study, climate, keys, found.degree)
         limits = {key: value for key, value in search.limits.items() if key in OF_TAKE_OFF}
         problem = Problem(model, free, POWER, with_rest(limits, free))
         place = problem.place([found.point[key] for key in keys])

@@ -1,7 +1,7 @@
 """A design evaluated: the year's mean power and everything that limits it, each with its exact derivatives."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -89,6 +89,7 @@ class DesignModel:
     nodes: int  # of the boundary elements on the wet meridian
     grid: FrequencyGrid
     beyond: bool = False
+    cost: Mapping[str, float] = field(default_factory=dict)  # prices by the quantity they are of
 
     @classmethod
     def of(
@@ -173,9 +174,9 @@ class DesignModel:
             of the hull at rest [m], its `surface` [m^2] and `volume` [m^3]; `mass` [kg]. Where heave moves the port
             `spring_pull_above` and `_below`, the force of a spring below zero at the rms stroke over the most by which
             the water brings the buoy back from above and from below [-]; `spring_share`, the stiffness of a spring
-            below zero over that at which it ceases to rest stably [-]. If the study has a flexible design also the
-            four largest inverse load factors of buckling `load_factor_inverse_0` to `_3` [-], and `static_strain`, the
-            largest membrane strain at rest [-].
+            below zero over that at which it ceases to rest stably [-]; the `cost`, with prices. If the study has a
+            flexible design also the four largest inverse load factors of buckling `load_factor_inverse_0` to `_3` [-],
+            and `static_strain`, the largest membrane strain at rest [-].
 
         Raises
         ------
@@ -197,6 +198,11 @@ class DesignModel:
         found |= self._at_rest(buoy, of_device, stepped)
         if study.pto.moved_by_heave:
             found |= self._spring_pulls(study, found)
+        if self.cost:
+            found["cost"] = Quantity(
+                sum(price * found[of].value for of, price in self.cost.items()),
+                np.sum([price * found[of].gradient for of, price in self.cost.items()], axis=0),
+            )
         return Evaluation(found)
 
     def _stepped(self, buoy: RestingBuoy) -> tuple[list[int], list[Stepped]]:
@@ -230,7 +236,7 @@ class DesignModel:
     def _year(self, study: Study, buoy: Linearised, change: Linearised, places: Sequence[int]) -> dict[str, Quantity]:
         """Power, damper, force and stroke over the year; derivatives of matrices are by the variables at `places`."""
         count, k = len(self.variables), study.pto.stiffness
-        parts = {field.name: of_all(getattr(change, field.name), places, count) for field in fields(change)}
+        parts = {part.name: of_all(getattr(change, part.name), places, count) for part in fields(change)}
         is_damper, k_change = (np.array([float(key == name) for key in self.variables]) for name in (DAMPER, SPRING))
         parts["stiffness"] = parts["stiffness"] + k_change[:, None, None] * np.outer(buoy.port, buoy.port)
         port = PortYear.of(self.grid, buoy, Linearised(**parts), k)

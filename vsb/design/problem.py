@@ -45,7 +45,7 @@ def objective(found: Evaluation, maximise: Objective, reference: Evaluation | No
 
     Parameters
     ----------
-    maximise : {'annual_mean_power', 'gain', 'power_per_force', 'power_per_mass', 'power_per_surface'}
+    maximise : {'annual_mean_power', 'gain', 'power_per_force', 'power_per_mass', 'power_per_surface', 'power_per_cost'}
     reference : Evaluation, optional
         The rigid buoy of the same shape and mass, which `gain` needs: the term is 1 + gain.
     """

@@ -38,8 +38,8 @@ def problem_of(search: Search, climate: Climate, degree: int | None) -> Problem:
     """Return the problem of a search over a climate, with a degree of shell modes; none of a rigid buoy."""
     study, keys = study_of(search, degree), [one.key for one in search.variables]
     gain = search.maximise == "gain"
-    twin = searching(study, study.reference_design or "", climate, keys, degree) if gain else None
-    model = searching(study, search.design, climate, keys, degree)
+    twin = searching(search, study, climate, keys, degree, study.reference_design) if gain else None
+    model = searching(search, study, climate, keys, degree)
     return Problem(
         model=model,
         variables=search.variables,
@@ -61,9 +61,17 @@ def with_rest(limits: Mapping[str, float], variables: Sequence[Variable]) -> dic
     return {**limits, **({"spring_share": STEADIEST} if below else {})}
 
 
-def searching(study: Study, design: str, climate: Climate, keys: Sequence[str], degree: int | None) -> DesignModel:
-    """Return a model for a search, which looks beyond what bounds a buoy."""
-    return replace(DesignModel.of(study, design, climate, keys, degree), beyond=True)
+def searching(
+    search: Search,
+    study: Study,
+    climate: Climate,
+    keys: Sequence[str],
+    degree: int | None,
+    design: str | None = None,
+) -> DesignModel:
+    """Return a model for a search, which looks beyond what bounds a buoy, and knows its cost; of its design if none."""
+    model = DesignModel.of(study, design or search.design, climate, keys, degree)
+    return replace(model, beyond=True, cost=search.cost)
 
 
 def shares_of(study: Study, keys: Sequence[str]) -> Callable[[FloatArray], Mapping[str, float]] | None:

@@ -17,6 +17,7 @@ OBJECTIVES = {
     "power_per_force": "annual mean power over rms force",
     "power_per_mass": "annual mean power over mass",
     "power_per_surface": "annual mean power over surface",
+    "power_per_cost": "annual mean power over cost",
 }
 WIDENED = {"beam": 0.1, "draft": 0.1, "stroke_rms": 0.1, "load_factor": -0.1, "static_strain": 0.01}
 """Change of a limit whose worth is said [its unit]; of others a tenth of it."""

@@ -182,7 +182,9 @@ def _holds(spec: DesignSpec, search: Search, found: Outcome, buoy: Buoy, climate
         return {}
     evaluation = Evaluation({name: Quantity(value, found.gradients[name]) for name, value in found.quantities.items()})
     excess = np.array([one.value for one in excesses(evaluation, search.limits)]) + margins
-    scatter = spread(buoy.model(climate), buoy.study, buoy.quantities["damping"], search.limits, shares)
+    scatter = spread(
+        replace(buoy.model(climate), cost=search.cost), buoy.study, buoy.quantities["damping"], search.limits, shares
+    )
     return probabilities(excess, scatter, parts)
 
 

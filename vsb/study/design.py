@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
 from vsb.errors import ConfigError
 from vsb.study.campaign import ClimateFile, Verify, check_no_direction, sections, study_at
@@ -38,8 +38,12 @@ OF_RIGID = (
     "pto.stiffness",
 )  # fmt: skip
 """Those a rigid buoy has as well."""
-Objective = Literal["annual_mean_power", "gain", "power_per_force", "power_per_mass", "power_per_surface"]
-DIVISORS = {"power_per_force": "force_rms", "power_per_mass": "mass", "power_per_surface": "surface"}
+Objective = Literal[
+    "annual_mean_power", "gain", "power_per_force", "power_per_mass", "power_per_surface", "power_per_cost"
+]
+DIVISORS = {
+    "power_per_force": "force_rms", "power_per_mass": "mass", "power_per_surface": "surface", "power_per_cost": "cost",
+}  # fmt: skip
 """Objective -> the quantity annual mean power is divided by."""
 OF_SHELL = ("load_factor", "static_strain")
 """Limits of a flexible shell; a rigid sphere meets them."""
@@ -64,7 +68,9 @@ PARTS = {
     "spring_pull": ("spring_pull_above", "spring_pull_below"),
 }
 """Limits of which several parts must be met, with names of their own, and a multiplier each."""
-OF_WAVES = ("force_rms", "stroke_rms", "spring_pull", "spring_share")
+PRICED = {"per_kg": "mass", "per_newton": "force_rms", "per_square_metre": "surface"}
+"""Price -> the quantity it is of."""
+OF_WAVES = ("force_rms", "stroke_rms", "spring_pull", "spring_share", "cost")
 """Limits that a buoy meets in waves, by its take-off; the others at rest."""
 OF_SIZE = ("beam", "surface", "volume", "force_rms")
 """Limits of which one must hold where the radius is free, or power grows with it up to its bound."""
@@ -193,6 +199,7 @@ class Limits(Section):
     force_rms: Positive | None = None
     stroke_rms: Positive | None = None
     spring_pull: Positive | None = 0.05
+    cost: Positive | None = None
     sigmas: NonNegative = 0.0  # standard deviations by the uncertain inputs that are kept away from them
 
     @property
@@ -211,6 +218,25 @@ class Competitor(Section):
     variables: Annotated[tuple[str, ...], Field(min_length=1)] | None = None  # none: every one it has
 
 
+class Cost(Section):
+    """Prices of what a buoy is made of, in any currency."""
+
+    per_kg: NonNegative = 0.0
+    per_newton: NonNegative = 0.0
+    per_square_metre: NonNegative = 0.0
+
+    @model_validator(mode="after")
+    def _costs(self) -> Self:
+        if not self.given:
+            raise ValueError(f"received no price above 0; needs one of {', '.join(PRICED)}")
+        return self
+
+    @property
+    def given(self) -> dict[str, float]:
+        """Prices above 0 by the quantity they are of."""
+        return {of: price for name, of in PRICED.items() if (price := getattr(self, name))}
+
+
 class Optimisation(Section):
     """One design file; names of files are relative to it."""
 
@@ -220,6 +246,7 @@ class Optimisation(Section):
     climate: ClimateFile
     variables: Variables
     maximise: Objective = "annual_mean_power"
+    cost: Cost | None = None
     limits: Limits = Limits()
     competitor: Competitor = Competitor()
     starts: Annotated[Count, Field(ge=1, le=200)] = 8
@@ -231,6 +258,11 @@ class Optimisation(Section):
     verify: Verify | None = None
 
     _design_not_reserved = field_validator("design")(not_reserved)
+
+    @property
+    def prices(self) -> dict[str, float]:
+        """Prices by the quantity they are of; none without a cost."""
+        return self.cost.given if self.cost else {}
 
     @field_validator("pareto")
     @classmethod
@@ -586,6 +618,13 @@ def _check_others(problem: Optimisation, study: Study, mistakes: _Mistakes) -> N
                 ("pareto", name),
                 f"needs one of {', '.join(LIMITS)}" + (f"; did you mean {near}?" if near else ""),
             )
+    asked = {
+        "maximise": problem.maximise == "power_per_cost",
+        "limits": problem.limits.cost,
+        "pareto": problem.pareto.get("cost"),
+    }
+    for key in (key for key, of_cost in asked.items() if of_cost and not problem.cost):
+        mistakes.add((key,), "received the cost without prices; needs them, such as cost: {per_kg: 4, per_newton: 0.3}")
     if problem.limits.sigmas and not problem.uncertain:
         mistakes.add(
             ("limits", "sigmas"),

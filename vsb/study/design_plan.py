@@ -55,6 +55,7 @@ class DesignPlan(ResultsFolder):
             variables=problem.variables,
             maximise=problem.maximise,
             limits=problem.limits.given,
+            cost=problem.prices,
             degrees=self._degrees,
             tolerance=loaded.base.modes.tolerance,
             **self._kept_away,
@@ -86,6 +87,7 @@ class DesignPlan(ResultsFolder):
             variables=loaded.competing,
             maximise=over,
             limits=problem.limits.without_shell().given,
+            cost=problem.prices,
             **self._kept_away,
         )
 

@@ -577,7 +577,13 @@ KEYS: dict[str, dict[str, Key]] = {
             "",
             "power_per_mass",
             "annual_mean_power; gain: over the rigid buoy of the same shape and mass; or power over rms force, mass, "
-            "surface",
+            "surface, cost",
+        ),
+        "cost": Key(
+            "",
+            "{per_kg: 4.0, per_newton: 0.3, per_square_metre: 120.0}",
+            "prices, in any currency, of mass, of the take-off's rms force and of the shell's area: for "
+            "power_per_cost, and for a limit of cost",
         ),
         "limits": Key("", "{load_factor: 1.5, beam: 4.8, force_rms: 2.0e+4}", "limits that every buoy must satisfy"),
         "competitor": Key("", "{variables: [device.radius, device.mass]}", "the rigid buoy that is also optimised"),
@@ -588,6 +594,11 @@ KEYS: dict[str, dict[str, Key]] = {
             "-", "{device.young_modulus: 0.1}", "relative standard deviations of inputs, for the interval of the gain"
         ),
         "verify": Key("", "{seas: 48}", "seas in which the best buoys are simulated in time"),
+    },
+    "Cost": {
+        "per_kg": Key("", "4.0", "price of a kilogram of shell and ballast"),
+        "per_newton": Key("", "0.3", "price of a newton of the take-off's rms force over the year"),
+        "per_square_metre": Key("", "120.0", "price of a square metre of the shell"),
     },
     "Limits": {
         "load_factor": Key("-", "1.5", "least buckling load over static load"),
@@ -605,6 +616,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "force of a spring below zero at the rms stroke over the most by which the water brings the buoy back: its "
             "weight or, if less, its buoyancy left; at 0.05 it comes back from 20 rms strokes",
         ),
+        "cost": Key("-", "5.0e4", "cost by the prices given, in their currency"),
         "sigmas": Key(
             "-",
             "2.0",

@@ -492,6 +492,7 @@ class Search(Section):
     limits: dict[str, float]
     degrees: tuple[int, ...] = ()  # of shell modes, to be tried in turn, the last two for errors; none of a rigid buoy
     tolerance: float = 0.0  # change of the power by the next two degrees that is small enough
+    cost: dict[str, float] = Field(default_factory=dict)  # prices by the quantity they are of
     sigmas: float = 0.0  # standard deviations by the uncertain inputs that limits are kept away by
     uncertain: dict[str, float] = Field(default_factory=dict)  # those of these inputs, relative; none without sigmas
 
