@@ -78,6 +78,9 @@ def differences(model, variable, part):
         ("VSWEC90", PORT | {"pto": {"port": {"between": [0, 180]}}}, "device.internal_pressure"),
         ("VSWEC", PORT | {"pto": {"port": {"strain": "area"}, "held": {"place": "heave"}}}, "device.internal_pressure"),
         ("VSWEC90", PORT | {"pto": {"port": {"colatitude": 20}, "held": {"place": "ring", "colatitude": 110}}}, CLAMP),
+        ("VSWEC", PORT | {"pto": {"port": {"colatitude": 20}}}, "pto.port.colatitude"),
+        ("VSWEC90", PORT | {"pto": {"port": {"colatitude": 60, "direction": "radial"}}}, "pto.port.colatitude"),
+        ("VSWEC", SPHEROID | {"pto": {"port": {"colatitude": 70, "against": "frame"}}}, "pto.port.colatitude"),
         ("FSB", SPHEROID, "device.shape.spheroid.height"),
         ("VSWEC", SPHEROID, "device.mass"),
         ("VSWEC90", SPHEROID, "device.radius"),
@@ -186,6 +189,7 @@ def test_what_cannot_be_evaluated_is_named(climate):
     for changes, design, keys, words in (
         ({}, "none", [], "design: received 'none'"),
         ({}, "FSB", ["device.colour"], "variables: received device.colour"),
+        ({"pto": {"port": {"distributed": "membrane"}}}, "VSWEC", [], "pto.port: received several, or the whole shell"),
         ({"pto": {"port": "volume"}, "device": {"gas": {}}}, "VSWEC", [], "pto.port"),
         ({"motion": "planar", "device": {"centre_of_mass": -0.5, "ballast_inertia": 1e4}}, "FSB", [], "motion"),
         ({"modes": {"basis": "membrane", "degree": 4}}, "VSWEC", [], "modes.basis"),

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from vsb.design.limits import hull, inverse_load_factors, static_strain
-from vsb.design.linearised import Linearised, displacements, linearised, of_all
+from vsb.design.linearised import Angle, Linearised, displacements, linearised, of_all
 from vsb.design.resting import RestingBuoy, Stepped, value_of, with_values
 from vsb.design.year import FrequencyGrid, PortYear, band, chebyshev, interpolation
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
@@ -23,7 +23,7 @@ from vsb.waves.climate import Climate
 
 NEEDED = ("thin_shell", "least_draft", "floats")
 """Limits of every buoy beyond which there is nothing to evaluate."""
-DAMPER, SPRING = "pto.damping", "pto.stiffness"
+DAMPER, SPRING, PORT = "pto.damping", "pto.stiffness", "pto.port.colatitude"
 NODES, MOST_NODES = 32, 128
 """Nodes of the boundary elements: derivatives by shape are then right to 1e-8 where the shape itself is resolved."""
 SOLVES, FURTHER, MOST_SOLVES = 16, 4, 64
@@ -111,6 +111,8 @@ class DesignModel:
             raise ConfigError(f"motion: received {study.motion!r}; derivatives of designs need heave")
         if study.device.damping.maxwell:
             raise ConfigError("device.damping.maxwell: received branches; derivatives of designs need none")
+        if study.pto.several:
+            raise ConfigError("pto.port: received several, or the whole shell; derivatives of designs need one port")
         if study.opens_chamber:
             raise ConfigError(
                 "pto.port: received 'volume' with device.gas; a design needs another port, or no trapped gas"
@@ -190,11 +192,12 @@ class DesignModel:
         study = self.study_at(values)
         buoy = RestingBuoy.of(study, self.degree)
         of_device, stepped = self._stepped(buoy)
-        clamp = [i for i, key in enumerate(self.variables) if key == f"designs.{self.design}.clamp"]
-        steps = [*stepped, *(None for _ in clamp)]
+        angles: dict[str, Angle] = {f"designs.{self.design}.clamp": "clamp", PORT: "port"}
+        turned = [i for i, key in enumerate(self.variables) if key in angles]
+        steps = [*stepped, *(angles[self.variables[i]] for i in turned)]
         linear, change = linearised(buoy, self.design, steps, self.grid.solved, self.nodes)
         _check_stable(linear, 0.0 if self.beyond else study.pto.stiffness, self.design)
-        found = self._year(study, linear, change, of_device + clamp)
+        found = self._year(study, linear, change, of_device + turned)
         found |= self._at_rest(buoy, of_device, stepped)
         if study.pto.moved_by_heave:
             found |= self._spring_pulls(study, found)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
+from typing import Literal
 
 import numpy as np
 from scipy.linalg import null_space
@@ -16,7 +17,11 @@ from vsb.motion.port import port_direction
 from vsb.scenes.rest import design_motions, mooring_rows
 from vsb.shell.modes import DISTINCT
 from vsb.shell.shell import Curve
+from vsb.study.take_off import ShellPort
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
+
+Angle = Literal["clamp", "port"]
+"""A colatitude that is varied."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +69,7 @@ class Linearised:
 
 
 def linearised(
-    buoy: RestingBuoy, design: str, steps: Sequence[Stepped | None], omega: FloatArray, nodes: int
+    buoy: RestingBuoy, design: str, steps: Sequence[Stepped | Angle], omega: FloatArray, nodes: int
 ) -> tuple[Linearised, Linearised]:
     """Return the matrices of a design at rest over its free motions, and their derivatives by variables.
 
@@ -73,7 +78,7 @@ def linearised(
     Parameters
     ----------
     steps : sequence of Stepped
-        None stands for the colatitude of the design's clamp [degrees].
+        Or of an angle: that of the design's clamp, or of the port [degrees].
     omega : ndarray, shape (omega,) [rad/s]
         Frequencies of radiation and excitation.
     nodes : int
@@ -88,12 +93,13 @@ def linearised(
     def directions(colatitude: FloatArray) -> Curve:
         """How points of the meridian move with each variable."""
         still = np.zeros((4, len(colatitude)))
-        parts = [one.displacement(colatitude) if one else still for one in steps]
+        parts = [one.displacement(colatitude) if isinstance(one, Stepped) else still for one in steps]
         return Curve(*np.reshape(parts, (count, 4, len(colatitude))).swapaxes(0, 1))
 
     def change(of: Callable[[RestingBuoy], AnyArray], *size: int) -> FloatArray:
         """Derivatives by all variables of an analytic function of the buoy, of values of a size."""
-        return np.reshape([one.derivative(of) if one else np.zeros(size) for one in steps], (count, *size))
+        parts = [one.derivative(of) if isinstance(one, Stepped) else np.zeros(size) for one in steps]
+        return np.reshape(parts, (count, *size))
 
     def radiated(values: ComplexArray) -> ComplexArray:
         found = shape @ values @ shape.T
@@ -112,15 +118,16 @@ def linearised(
         mixed = turned @ ((solved.radiation + solved.radiation.swapaxes(1, 2)) / 2)[:, None] @ shape.T
         radiation_change = radiation_change + mixed + mixed.swapaxes(-1, -2)
         excitation_change = excitation_change + (solved.excitation[:, None, None] @ turned.swapaxes(-1, -2))[..., 0, :]
+    by_port = np.reshape([_port_slope(buoy) if one == "port" else np.zeros(dof) for one in steps], (count, dof))
     changes = Linearised(
         change(lambda b: b.matrices.mass, dof, dof),
         change(lambda b: b.matrices.damping, dof, dof),
         change(lambda b: b.matrices.stiffness, dof, dof),
         radiation_change.swapaxes(0, 1),
         excitation_change.swapaxes(0, 1),
-        change(_port, dof),
+        change(_port, dof) + by_port,
     ).over(motions)
-    if None in steps or (flexible and buoy.frame is not None):
+    if "clamp" in steps or (flexible and buoy.frame is not None):
         changes = changes.plus(values.turned(motions, _motions_change(buoy, design, steps, motions)))
     return values.over(motions), changes
 
@@ -135,6 +142,22 @@ def _port(buoy: RestingBuoy) -> FloatArray:
     """The motion of the take-off's port, b over all degrees of freedom."""
     found = port_direction(buoy.study.pto.port, buoy.shape)
     return found if buoy.frame is None or buoy.study.pto.port == "heave" else found @ buoy.frame
+
+
+def _port_slope(buoy: RestingBuoy) -> FloatArray:
+    """Derivative of the motion of a port at a ring of the shell by its colatitude [1/degree]."""
+    port, basis = buoy.study.pto.port, buoy.loaded.basis
+    if not isinstance(port, ShellPort):
+        raise ConfigError(
+            "pto.port.colatitude: received another port; derivatives by it need one at a ring of the shell"
+        )
+    at = np.deg2rad([port.colatitude])
+    radial, meridional, *slopes = basis.displacement_and_slope(at)
+    slope = slopes[0]
+    if port.direction == "vertical":
+        slope = (slopes[0] - meridional) * np.cos(at) - (slopes[1] + radial) * np.sin(at)
+    found = np.deg2rad(slope[:, 0]) * (1.0 if port.against == "sea_bed" else np.arange(len(slope)) > 0)
+    return np.asarray(found if buoy.frame is None else found @ buoy.frame)
 
 
 def _held(buoy: RestingBuoy, design: str, derivative: bool = False) -> FloatArray:
@@ -158,18 +181,23 @@ def _motions(buoy: RestingBuoy, design: str) -> FloatArray:
     return null_space(rows) if len(rows) else np.eye(len(found))
 
 
-def _motions_change(buoy: RestingBuoy, design: str, steps: Sequence[Stepped | None], motions: FloatArray) -> FloatArray:
+def _motions_change(
+    buoy: RestingBuoy, design: str, steps: Sequence[Stepped | Angle], motions: FloatArray
+) -> FloatArray:
     """Derivatives of the motions N that clamp and mooring leave free, shape (variable, dof, free).
 
     Of Phi N = 0 remains Phi dN = -dPhi N, whose least solution turns the motions without mixing them.
     """
     colatitudes = buoy.study.designs[design].clamp
-    if None in steps and (len(colatitudes) != 1 or colatitudes[0] in (0.0, 180.0)):
+    if "clamp" in steps and (len(colatitudes) != 1 or colatitudes[0] in (0.0, 180.0)):
         raise ConfigError(
             f"designs.{design}.clamp: received {list(colatitudes)}; derivatives by it need one clamp between the poles"
         )
     rows, by_clamp = _held(buoy, design), np.deg2rad(_held(buoy, design, derivative=True))
-    slopes = [by_clamp if one is None else one.derivative(lambda b: _held(b, design)) for one in steps]
+    slopes = [
+        one.derivative(lambda b: _held(b, design)) if isinstance(one, Stepped) else by_clamp * (one == "clamp")
+        for one in steps
+    ]
     turned = [-np.linalg.pinv(rows, rcond=DISTINCT) @ slope @ motions for slope in slopes]
     return np.reshape(turned, (len(steps), *motions.shape))
 

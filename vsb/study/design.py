@@ -29,7 +29,7 @@ VARIABLES = (
     "device.radius", "device.shape.spheroid.height", "device.shape.capsule.length", "device.thickness",
     "device.young_modulus", "device.poisson_ratio", "device.density", "device.internal_pressure", "device.mass",
     "device.damping.alpha", "device.damping.beta", "device.material.mu", "device.material.c1", "device.material.c2",
-    "device.material.jm", "pto.damping", "pto.stiffness",
+    "device.material.jm", "pto.damping", "pto.stiffness", "pto.port.colatitude",
 )  # fmt: skip
 """Keys of a study that derivatives are taken by, beside the clamp of a design, designs.NAME.clamp."""
 CLAMP = re.compile(r"designs\.(\w+)\.clamp")
@@ -525,7 +525,11 @@ def _check_variables(problem: Optimisation, study: Study, given: object, mistake
                     ("variables", key),
                     f"received a clamp that {chosen}, which is optimised, has not; needs its only one",
                 )
-        elif key.startswith("device.") and _value(study, key) is None:
+        elif key.startswith("pto.port.") and getattr(study.pto.port, "direction", "") == "radial":
+            mistakes.add(
+                ("variables", key), "received a radial port, whose share of heave changes with it; needs vertical"
+            )
+        elif key.startswith(("device.", "pto.port.")) and _value(study, key) is None:
             mistakes.add(("variables", key), f"{problem.study} has no {key}; remove it from the variables")
     if "device.radius" in keys and "device.mass" not in keys and "mass" not in device:
         mistakes.add(
