@@ -298,9 +298,11 @@ def _axisymmetric_port(
         hoop, meridional, area = shape.strain_gradients(float(upper), float(lower))
         direction = {"hoop": hoop, "meridional": meridional, "area": area * (hoop + meridional)}[choice.strain]
     elif isinstance(choice, BetweenPort):
-        m = shape.meridian(np.deg2rad(choice.between))
+        at = np.deg2rad(choice.between)
+        m, (v, u) = shape.meridian(at), shape.basis.ring_displacement(at)
         chord = np.array([np.diff(m.x)[0], np.diff(m.z)[0]])
-        apart = np.array([np.diff(m.shape_x)[:, 0], np.diff(m.shape_z)[:, 0]])
+        sin, cos = np.sin(at), np.cos(at)
+        apart = np.array([np.diff(v * sin + u * cos)[:, 0], np.diff(v * cos - u * sin)[:, 0]])
         direction = np.asarray(chord @ apart / np.sqrt(chord @ chord))
     else:
         at = np.deg2rad([choice.colatitude])

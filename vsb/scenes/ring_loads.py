@@ -1,7 +1,7 @@
 """Loads of a study at rings of its shell, and the shell with what all its degrees do under them.
 
-A clamp, a ring that is held and a take-off at a ring load the wall along a line. The modes of a study end at some
-degree; `vsb.shell.rings` has the answer of all higher ones.
+A clamp, a ring that is held, a take-off at a ring or between two, and the edges of a belt whose strain drives one load
+the wall along lines. The modes of a study end at some degree; `vsb.shell.rings` has the answer of all higher ones.
 """
 
 from dataclasses import replace
@@ -15,24 +15,27 @@ from vsb.hydro.variables import PAIR
 from vsb.scenes.rest import loaded_shell
 from vsb.shell.deformed import DeformedShell, ReferenceShell
 from vsb.shell.modes import ModeBasis
-from vsb.shell.rings import HIGHEST, RingLoad, RingModes, along_wall, normal_to_wall, vertical
+from vsb.shell.rings import HIGHEST, BeltLoad, RingLoad, RingModes, along_wall, normal_to_wall, vertical
 from vsb.shell.shell import Shell
 from vsb.study.specs import AnyBuoy
-from vsb.study.take_off import PortChoice, SeveralPorts, ShellPort
+from vsb.study.take_off import BetweenPort, PortChoice, SeveralPorts, ShellPort, StrainPort
 
 KEPT = 12
 """Shells whose modes of rings are kept."""
 
 
-def ring_loads(study: AnyBuoy) -> tuple[RingLoad, ...]:
+Load = RingLoad | BeltLoad
+
+
+def ring_loads(study: AnyBuoy) -> tuple[Load, ...]:
     """Return the loads at rings of all designs, mooring and take-off, each once."""
-    found = []
+    found: list[Load] = []
     for angle in np.deg2rad(sorted({angle for design in study.designs.values() for angle in design.clamp})):
         found += [normal_to_wall(angle), along_wall(angle)]
     held = study.pto.held
     if held is not None and held.place == "ring":
         found.append(vertical(np.deg2rad(held.colatitude)))
-    found += [_of_port(port) for port in _ports(study.pto.port) if isinstance(port, ShellPort)]
+    found += [load for port in _ports(study.pto.port) for load in _of_port(port)]
     return tuple(dict.fromkeys(load for load in found if load.moves))
 
 
@@ -41,10 +44,17 @@ def _ports(port: PortChoice) -> list[PortChoice]:
     return list(port.ports.values()) if isinstance(port, SeveralPorts) else [port]
 
 
-def _of_port(port: ShellPort) -> RingLoad:
-    """The load of a take-off at a ring."""
+def _of_port(port: PortChoice) -> list[Load]:
+    """The loads of a take-off at rings; none of one elsewhere."""
+    if isinstance(port, StrainPort):
+        upper, lower = map(float, np.deg2rad(port.belt))
+        return [BeltLoad(upper, lower, float(port.strain != "meridional"), float(port.strain != "hoop"))]
+    if isinstance(port, BetweenPort):
+        return [way(angle) for angle in np.deg2rad(port.between) for way in (normal_to_wall, along_wall)]
+    if not isinstance(port, ShellPort):
+        return []
     angle = np.deg2rad(port.colatitude)
-    return normal_to_wall(angle) if port.direction == "radial" else vertical(angle)
+    return [normal_to_wall(angle) if port.direction == "radial" else vertical(angle)]
 
 
 def has_attachment_modes(study: AnyBuoy) -> bool:
@@ -86,7 +96,7 @@ def with_rings(
 
 @lru_cache(maxsize=KEPT)
 def _ring_modes(
-    shell: Shell, degree: int, loads: tuple[RingLoad, ...], tension: tuple[float, ...], highest: int
+    shell: Shell, degree: int, loads: tuple[Load, ...], tension: tuple[float, ...], highest: int
 ) -> RingModes:
     """Modes of rings; the last are kept, for members of a campaign that differ by their take-off have the same."""
     return RingModes(shell, degree, loads, tension, highest)
@@ -98,7 +108,7 @@ def _with_basis(shape: DeformedShell, basis: ModeBasis) -> DeformedShell:
     return replace(shape, basis=basis, modal_amplitude=np.pad(shape.modal_amplitude, (0, more)))
 
 
-def _tension(study: AnyBuoy, reference: ReferenceShell, loads: tuple[RingLoad, ...]) -> tuple[float, ...]:
+def _tension(study: AnyBuoy, reference: ReferenceShell, loads: tuple[Load, ...]) -> tuple[float, ...]:
     """Membrane force along the meridian at rings [N/m]; none of a shell linearised without its load."""
     if "prestress" not in reference.stiffness:
         return (0.0,) * len(loads)

@@ -90,6 +90,9 @@ class DeformedShell:
         area: float = np.dot(weight, m.x * arc)
         hoop = m.shape_x @ (weight * arc) / area
         along = (m.dshape_x * m.dx + m.dshape_z * m.dz) @ (weight * m.x / arc) / area
+        if rings := self.basis.rings:
+            own = slice(-len(rings.labels), None)
+            hoop[own], along[own] = rings.mean_strains(upper, lower)
         return hoop, along, area
 
     @cached_property

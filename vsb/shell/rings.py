@@ -1,4 +1,4 @@
-"""Residual attachment modes of a spherical shell under loads along rings: clamps, held rings, take-offs on a ring.
+"""Residual attachment modes of a spherical shell under loads along rings: clamps, held rings, take-offs on rings.
 
 Such a load acts along a line, and all degrees yield to it: normal to the wall like n^-4, by bending, but along it like
 n^-2, by stretching, so that modes up to degree N miss something like 1/N. The static response of degrees above N
@@ -42,6 +42,45 @@ class RingLoad(NamedTuple):
         """Whether it moves the shell: at a pole only if it is radial, by symmetry."""
         return bool(self.radial) or abs(np.sin(self.colatitude)) > AT_POLE
 
+    def rows(self, degrees: IntArray) -> FloatArray:
+        """Return its work on radial and meridional amplitudes of degrees, shape (degree, 2) [-]."""
+        p, slope = _legendre(degrees, np.array([self.colatitude]))
+        return np.hstack([self.radial * p, self.meridional * slope])
+
+
+class BeltLoad(NamedTuple):
+    """A tension of a belt of the wall, per unit of the mean strains between two colatitudes; its edges are lines."""
+
+    upper: float  # [rad]
+    lower: float
+    hoop: float  # share of the strain around the axis [-]
+    meridional: float  # and along the meridian
+
+    @property
+    def colatitude(self) -> float:
+        """The middle of the belt [rad]."""
+        return (self.upper + self.lower) / 2
+
+    @property
+    def moves(self) -> bool:
+        """Whether degrees above 1 answer: not if it is the change of the whole area."""
+        ends = np.sin([self.upper, self.lower])
+        return bool(np.abs(ends).max() > AT_POLE) or self.hoop != self.meridional
+
+    def rows(self, degrees: IntArray) -> FloatArray:
+        """Return its work on radial and meridional amplitudes of degrees times the radius, shape (degree, 2) [-].
+
+        Strains are (u cot phi + v)/r and (u' + v)/r, their means over the sphere's belt integrals in closed form, as
+        (sin phi P_n')' = -n(n+1) sin phi P_n.
+        """
+        ends = np.array([self.upper, self.lower])
+        p, slope = _legendre(degrees, ends)
+        edges = np.diff(slope * np.sin(ends))[:, 0]
+        radial = -edges / (degrees * (degrees + 1))
+        around = np.diff(p * np.cos(ends))[:, 0] + radial
+        hoop, meridional = np.array([radial, around]).T, np.array([radial, edges - around]).T
+        return np.asarray((self.hoop * hoop + self.meridional * meridional) / -np.diff(np.cos(ends)))
+
 
 def normal_to_wall(colatitude: float) -> RingLoad:
     """Return a radial load at a colatitude [rad]."""
@@ -68,7 +107,7 @@ class RingModes:
         A sphere.
     degree : int
         N, of the modes beside which they stand.
-    loads : tuple of RingLoad
+    loads : tuple of RingLoad or BeltLoad
     tension : tuple of float
         Membrane force along the meridian at each ring, of a shell under load [N/m].
     highest : int
@@ -82,7 +121,7 @@ class RingModes:
 
     shell: Shell
     degree: int
-    loads: tuple[RingLoad, ...]
+    loads: tuple[RingLoad | BeltLoad, ...]
     tension: tuple[float, ...]
     highest: int = HIGHEST
 
@@ -100,9 +139,7 @@ class RingModes:
     def _responses(self) -> FloatArray:
         """Radial and meridional amplitudes of each degree under each load, shape (degree, 2, load) [m/N]."""
         n = self._degrees
-        p, slope = _legendre(n, np.array([load.colatitude for load in self.loads]))
-        along = np.array([[load.radial, load.meridional] for load in self.loads]).T
-        rows = along * np.stack([p, slope], axis=1)
+        rows = np.stack([load.rows(n) for load in self.loads], axis=-1)
         elastic, stretched, found = self._elastic, tension_block(n), np.empty_like(rows)
         for i, force in enumerate(self.tension):
             stiffness = elastic + max(force, 0.0) * stretched
@@ -157,6 +194,12 @@ class RingModes:
         radial, meridional = np.moveaxis(self._responses @ self._combinations, 1, 0)
         p, slope = _legendre(self._degrees, np.asarray(colatitude, dtype=float))
         return np.asarray(radial.T @ p), np.asarray(meridional.T @ slope)
+
+    def mean_strains(self, upper: float, lower: float) -> tuple[FloatArray, FloatArray]:
+        """Return the mean strains around the axis and along the meridian of a belt, each shape (mode,) [1/m]."""
+        rows = np.stack([BeltLoad(upper, lower, *way).rows(self._degrees) for way in ((1.0, 0.0), (0.0, 1.0))])
+        hoop, meridional = np.einsum("wna,naj->wj", rows, self._responses @ self._combinations) / self.shell.radius
+        return hoop, meridional
 
 
 def _legendre(degrees: IntArray, colatitude: FloatArray) -> tuple[FloatArray, FloatArray]:
