@@ -6,6 +6,9 @@ from vsb.study.sections import DEGREES
 from vsb.study.specs import AnyBuoy
 from vsb.study.take_off import BetweenPort, DistributedPort, PortChoice, SeveralPorts, StrainPort
 
+WITHIN = 4.0
+"""Change of the power of a port within the shell over that of a port that heaves, in terms of the wall's stiffness over
+rho g [-]."""
 MARGIN = 2.0
 """Over the change that is expected, 0.3 to 2.5 times of which was found of stiff spheres [-]."""
 SOFT = 8.0
@@ -42,7 +45,7 @@ def degree_needed(study: AnyBuoy) -> int:
     wall yields. How much is left out is measured afterwards (`vsb.results.left_out`).
     """
     stiffness = wall_stiffness(study, 2)
-    factor = MARGIN * (1 + SOFT / stiffness + (stiffness if _within_shell(study.pto.port) else 0.0))
+    factor = MARGIN * (1 + SOFT / stiffness + (WITHIN * stiffness if _within_shell(study.pto.port) else 0.0))
     enough = study.modes.tolerance / factor
     return next((degree for degree in DEGREES if expected_change(study, degree) <= enough), DEGREES[-1])
 
