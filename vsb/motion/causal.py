@@ -225,15 +225,16 @@ class StationaryPort:
         power = objective + weights.force * force + weights.stroke * stroke + weights.speed * speed
         return Controlled(power, force, stroke, speed, weights)
 
-    def controller(self, weights: Weights, noise: float = NOISE) -> ComplexArray:
-        """Return K = Q/H of the optimum without forecast, the force over the Thevenin force, shape (omega,) [-]."""
+    def controller(self, weights: Weights, noise: float = NOISE, forecast: float = 0.0) -> ComplexArray:
+        """Return K = Q/H of the optimum, the force over the Thevenin force, shape (omega,) [-]; see `controlled`."""
         (cost, kappa), size = self._cost(weights), len(self.omega)
+        ahead = np.exp(1j * self.omega * forecast)
         density = self.excitation + noise * self.excitation.max()
         w, h = (np.exp(self.causal_part(0.5 * np.log(square))) for square in (cost, density))
-        wanted = self.signal(self._whitened(noise) * (1 / self.admittance.conj() + 2 * kappa) / (2 * w.conj()))
+        wanted = self.signal(self._whitened(noise) * ahead * (1 / self.admittance.conj() + 2 * kappa) / (2 * w.conj()))
         wanted[0] /= 2
         wanted[size:] = 0.0
-        return np.asarray(self.phasors(wanted) / (w * h))
+        return np.asarray(self.phasors(wanted) / (w * h * ahead))
 
     def _whitened(self, noise: float) -> ComplexArray:
         """S_v/conj(H), shape (omega,)."""

@@ -20,9 +20,11 @@ TUNED = {
     "one": "each design at its optimal damping for the year",
     "each": "each design at its optimal damping in each sea",
     "fixed": "all at the given damping",
+    "causal": "each design with causal control scheduled over the sea states, of given rms force",
     "constrained": "each design with the optimal force within its limits",
 }
 BESIDE = {
+    "causal": "With causal control, scheduled over the sea states",
     "constrained": "With the optimal force within its limits",
     "fixed": "All at the given damping",
 }

@@ -24,7 +24,7 @@ from vsb.results.left_out import LeftOut
 from vsb.results.member import OF_LIMITS, radius_of
 from vsb.results.statistics import Estimate, stratified_half_width
 from vsb.results.year import POWER_ENDS, Bins, bins_of
-from vsb.results.year_validity import limits_of, motion_limits, wave_limits
+from vsb.results.year_validity import beyond_in_bins
 from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.study.campaign import CONSTRAINED
 from vsb.study.sections import Water
@@ -223,10 +223,7 @@ def _phases(seed: int, place: int, harmonics: Harmonics) -> ComplexArray:
 
 def _squares(bins: Bins, climate: Climate, harmonics: Harmonics) -> FloatArray:
     """Squared amplitudes at the harmonics of the mean spectrum of each occupied bin, (bin, harmonic) [m^2]."""
-    weight = np.zeros((len(bins.occupied), len(climate.hours)))
-    weight[np.searchsorted(bins.occupied, bins.index), np.arange(len(climate.hours))] = climate.hours
-    mean = weight @ climate.density / weight.sum(axis=1, keepdims=True)
-    edges = climate.edges
+    mean, edges = bins.mean_densities(climate), climate.edges
     below = np.concatenate([np.zeros((len(mean), 1)), np.cumsum(mean * np.diff(edges), axis=1)], axis=1)
     half = harmonics.spacing / 2
     cuts = np.append(harmonics.omega - half, harmonics.omega[-1] + half)
@@ -342,7 +339,8 @@ def constrained_dataset(
             "optimum_excess": one.excess,
             "impossible_share": one.impossible,
         }
-        column |= _beyond(study, one, waves[design].motion, climate)
+        moved = {name: one.matrix(values) for name, values in _motion_rms(one, waves[design].motion).items()}
+        column |= beyond_in_bins(one.bins, climate, study.water, one.power_matrix, moved, radius_of(study))
         least, most = (0.0, 0.0) if left_out is None else mean * left_out.power[i]
         error = mean * sum(slopes[design].to(each) for each in errors)
         column |= dict(zip(POWER_ENDS, (low - error + least, high + error + most), strict=True))
@@ -385,31 +383,6 @@ def _slopes(years: Mapping[str, ConstrainedYear], waves: Mapping[str, InWaves]) 
             np.repeat(one.share, each) / each,
         )
     return slopes
-
-
-def _beyond(
-    study: Study | AnyBody, one: ConstrainedYear, motion: PortMotion, climate: Climate
-) -> dict[str, float | FloatArray]:
-    """Which part of the seas of each bin lies beyond validity, and their shares of the energy.
-
-    Steepness is that of every sea; the motion is that of the mean spectrum of a bin, which marks all of it.
-    """
-    bins = one.bins
-    shares = {limit.name: bins.mean(limit.seas.astype(float)) for limit in wave_limits(climate, study.water)}
-    steep = bins.mean(np.any([limit.seas for limit in wave_limits(climate, study.water)], axis=0).astype(float))
-    radius, marked = radius_of(study), steep
-    if radius is not None:
-        moved = {name: one.matrix(values) for name, values in _motion_rms(one, motion).items()}
-        for limit in motion_limits({name: v.ravel() for name, v in moved.items()}, radius):
-            shares[limit.name] = limit.seas.reshape(bins.shape).astype(float)
-        marked = np.where(shares["deformation"] > 0, 1.0, steep)
-    energy = bins.share * one.power_matrix
-    total = max(float(energy.sum()), np.finfo(float).tiny)
-    return {
-        "beyond_validity": marked,
-        "energy_beyond": np.array([float((energy * shares[name]).sum()) / total for name in limits_of(radius)]),
-        "energy_beyond_validity": float((energy * marked).sum()) / total,
-    }
 
 
 def _motion_rms(one: ConstrainedYear, motion: PortMotion) -> dict[str, FloatArray]:

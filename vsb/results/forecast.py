@@ -59,7 +59,8 @@ def elsewhere(study: InSeas, floating: FloatingSystem, waves: Sequence[Wave]) ->
             sea = expected_sea(study, one, floating.linear.database)
             for design, port in stationary_ports(floating, one, sea).items():
                 with contextlib.suppress(VsbError):  # no control keeps the stroke
-                    limits = rms_limits(floating, design, pto, one, sea)
+                    seen, squares, _ = port_in_seas(floating, design, [(one, sea)])
+                    limits = rms_limits(pto, seen, squares[0])
                     best = optimum(port, limits, pto.control.noise, 0.0, pto.efficiency)
                     if best.power > 0:
                         tuned[design, one.tp] = port, port.controller(best.weights, pto.control.noise)
@@ -104,7 +105,7 @@ def worth_of_knowledge(study: InSeas, floating: FloatingSystem, wave: Irregular)
         seen, squares, _ = port_in_seas(floating, design, [(wave, sea)])
         if not seen.moves:
             continue
-        limits = rms_limits(floating, design, pto, wave, sea)
+        limits = rms_limits(pto, seen, squares[0])
         damper = damper_within_force(seen, squares, limits.force, pto.stiffness, pto.efficiency)
         absorbed = float(mean_power(seen, squares, damper.damping, damper.stiffness, pto.efficiency)[0])
         control = _Control(port, limits, pto, float(squares[0] @ seen.matched_power))

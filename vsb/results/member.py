@@ -12,6 +12,7 @@ import xarray as xr
 
 from vsb.motion.coefficient_errors import CoefficientError, sensitivity
 from vsb.motion.port import Port
+from vsb.results.causal_year import causal_years
 from vsb.results.left_out import LeftOut, left_out_of_year
 from vsb.results.matrix_year import MatrixYears
 from vsb.results.year import (
@@ -30,7 +31,7 @@ from vsb.results.year import (
 from vsb.results.year_validity import beyond_validity, limits_of, motion_rms
 from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.scenes.viability import Viability, with_designs
-from vsb.study.campaign import CONSTRAINED, Tunings
+from vsb.study.campaign import CAUSAL, CONSTRAINED, Tunings
 from vsb.study.study import Study
 from vsb.study.take_off import named_ports
 from vsb.tools.arrays import AnyArray, FloatArray
@@ -81,7 +82,7 @@ def member(
         Of the study, a buoy's or a body's.
     floating : callable
         Returns what floats of the designs that are viable; not called where none is.
-    tunings : sequence of {'fixed', 'one', 'each', 'constrained'}
+    tunings : sequence of {'fixed', 'one', 'each', 'causal', 'constrained'}
     optima : callable, optional
         Computes the years within limits, `vsb.results.constrained_year.Optima`; needed for `constrained`.
     known : dict, optional
@@ -97,7 +98,8 @@ def member(
         some = with_designs(study, rest.designs)
         system = floating()
         omega = frequencies(climate, *system.band)
-        damped = DampedYears(climate, [one for one in tunings if one != CONSTRAINED], {} if known is None else known)
+        dampers = [one for one in tunings if one not in (CAUSAL, CONSTRAINED)]
+        damped = DampedYears(climate, dampers, {} if known is None else known)
         here: Labels = {"design": list(some.designs), "tuning": [*damped.tunings]}
         errors, moving = system.errors(omega), system.at(omega)
         ports = moving.several_in_waves() if some.pto.several else {}
@@ -108,6 +110,8 @@ def member(
         else:
             own = damped(some, waves, errors, left_out)
         _fill(found, at, own, here)
+        if CAUSAL in tunings:
+            _fill(found, at, causal_years(some, system, climate, left_out), here | {"tuning": [CAUSAL]})
         if optima:
             within = optima(some, system, climate, left_out)
             _fill(found, at, _values(within), here | {"tuning": [CONSTRAINED]})

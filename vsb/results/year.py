@@ -98,6 +98,18 @@ class Bins:
         row, column = np.unravel_index(self.occupied, self.shape)
         return self.hs_centres[row], self.te_centres[column]
 
+    def matrix(self, values: FloatArray) -> FloatArray:
+        """Return values of the occupied bins, shape (bin,), in their places, 0 elsewhere, shape (hs, te)."""
+        out = np.zeros(self.shape)
+        out.ravel()[self.occupied] = values
+        return out
+
+    def mean_densities(self, climate: Climate) -> FloatArray:
+        """Return the mean spectrum of each occupied bin, shape (bin, omega) [m^2 s]."""
+        weight = np.zeros((len(self.occupied), len(self.hours)))
+        weight[np.searchsorted(self.occupied, self.index), np.arange(len(self.hours))] = self.hours
+        return np.asarray(weight @ climate.density / weight.sum(axis=1, keepdims=True))
+
     def total(self, values: FloatArray) -> FloatArray:
         """Return sums over the seas of each bin, shape (hs, te), of values, shape (sea,)."""
         size = self.shape[0] * self.shape[1]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.results.year import Year, band_weights
+from vsb.results.year import Bins, Year, band_weights
 from vsb.scenes.floating_system import InWaves, SeveralInWaves
 from vsb.study.sections import Water
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
@@ -186,4 +186,36 @@ def beyond_validity(year: Year, motions: Callable[[str, str], Mapping[str, Float
         "beyond_validity": ((*by, "hs", "te"), marked),
         "energy_beyond": ((*by, "limit"), energy),
         "energy_beyond_validity": (by, together),
+    }
+
+
+def beyond_in_bins(
+    bins: Bins,
+    climate: Climate,
+    water: Water,
+    power: FloatArray,
+    moved: Mapping[str, FloatArray],
+    radius: float | None,
+) -> dict[str, float | FloatArray]:
+    """Return the same of one design whose motion is known of the mean spectrum of each bin, which marks all of it.
+
+    Parameters
+    ----------
+    power : ndarray, shape (hs, te) [W]
+    moved : mapping 'heave' or 'deformation' -> ndarray, shape (hs, te) [m]
+        Root mean squares.
+    """
+    shares = {limit.name: bins.mean(limit.seas.astype(float)) for limit in wave_limits(climate, water)}
+    steep = bins.mean(np.any([limit.seas for limit in wave_limits(climate, water)], axis=0).astype(float))
+    marked = steep
+    if radius is not None:
+        for limit in motion_limits({name: values.ravel() for name, values in moved.items()}, radius):
+            shares[limit.name] = limit.seas.reshape(bins.shape).astype(float)
+        marked = np.where(shares["deformation"] > 0, 1.0, steep)
+    energy = bins.share * power
+    total = max(float(energy.sum()), np.finfo(float).tiny)
+    return {
+        "beyond_validity": marked,
+        "energy_beyond": np.array([float((energy * shares[name]).sum()) / total for name in limits_of(radius)]),
+        "energy_beyond_validity": float((energy * marked).sum()) / total,
     }

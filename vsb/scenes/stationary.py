@@ -8,6 +8,7 @@ from vsb.errors import StabilityError
 from vsb.integrators.switching import Mode, Switching
 from vsb.motion.causal import RmsLimits, StationaryPort, optimum
 from vsb.motion.controller import achieved, realised, within_limit
+from vsb.motion.port import Port
 from vsb.motion.scene import Scene
 from vsb.motion.system import System
 from vsb.motion.tuning import best_dampers
@@ -44,10 +45,9 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
     spacing = float(np.diff(sea.omega).min())
     at = np.rint(sea.omega / spacing - 0.5).astype(int)
     count = int(np.ceil(max(floating.band[1] / spacing, at.max() + 1)))
-    omega = (np.arange(int(BEYOND * count)) + 0.5) * spacing
-    some = np.geomspace(omega[count], omega[-1], POINTS)  # beyond the band
+    inside, beyond = grid(spacing, count)
     linear = floating.towards(heading(wave))
-    near, far = linear.extended_equation(omega[:count]), linear.extended_equation(some)
+    near, far = linear.extended_equation(inside), linear.extended_equation(beyond)
     spread = floating.towards(heading_in(wave, sea)).equation(sea.omega) if sea.heading is not None else None
     spreading = None if isinstance(wave, RecordedSea) else wave.spreading
     parts = spreading.directions if spreading else PARTS
@@ -55,25 +55,42 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
     for design, motions in floating.motions.items():
         port = near.port(motions, floating.port)
         free = port.velocity[at] if spread is None else spread.port(motions, floating.port).velocity
-        density: FloatArray = np.zeros(len(omega))
+        density: FloatArray = np.zeros(count)
         density[at] = np.abs(free * sea.amplitude) ** 2 / (2 * spacing)
         if spread is not None:
             density = _averaged(density, parts)
-        beyond = np.interp(np.log(omega[count:]), np.log(some), far.port(motions, floating.port).admittance)
-        admittance = np.append(port.admittance, beyond)
-        passive = np.maximum(admittance.real, 0.0) + 1j * admittance.imag  # where no waves are that the port would show
-        found[design] = StationaryPort(spacing, passive, density)
+        found[design] = continued(spacing, port, far.port(motions, floating.port), density)
     return found
 
 
-def rms_limits(floating: FloatingSystem, design: str, pto: Pto, wave: Irregular, sea: Sea) -> RmsLimits:
-    """Return the rms values a causal controller keeps: the limits given; of force without one its optimal damper's."""
+def grid(spacing: float, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return the frequencies of a band, (k + 1/2) spacing, and some beyond, at which a port is to be known [rad/s]."""
+    first, last = (count + 0.5) * spacing, (int(BEYOND * count) - 0.5) * spacing
+    return (np.arange(count) + 0.5) * spacing, np.geomspace(first, last, POINTS)
+
+
+def continued(spacing: float, near: Port, far: Port, density: FloatArray) -> StationaryPort:
+    """Return a port known at both frequencies of `grid`, with a density of its free velocity in the band [m^2/s]."""
+    count, omega = len(near.omega), (np.arange(int(BEYOND * len(near.omega))) + 0.5) * spacing
+    beyond = np.interp(np.log(omega[count:]), np.log(far.omega), far.admittance)
+    admittance = np.append(near.admittance, beyond)
+    passive = np.maximum(admittance.real, 0.0) + 1j * admittance.imag  # where no waves are that the port would show
+    return StationaryPort(spacing, passive, np.append(density, np.zeros(len(beyond))))
+
+
+def rms_limits(pto: Pto, seen: Port, squares: FloatArray) -> RmsLimits:
+    """Return the rms values a causal controller keeps: the limits given; of force without one its optimal damper's.
+
+    Parameters
+    ----------
+    squares : ndarray, shape (omega,) [m^2]
+        Squared amplitudes of the sea at the frequencies of the port.
+    """
     if pto.force_limit < np.inf:
         return RmsLimits(pto.force_limit, pto.stroke_limit)
-    seen, squares, _ = port_in_seas(floating, design, [(wave, sea)])
-    best = best_dampers(seen, squares, pto.stiffness, pto.efficiency)
+    best = best_dampers(seen, squares[None], pto.stiffness, pto.efficiency)
     load = seen.load(best.damping, best.stiffness)[0]
-    force = 0.5 * np.abs(load * seen.velocity_under(load)) ** 2 @ squares[0]
+    force = 0.5 * np.abs(load * seen.velocity_under(load)) ** 2 @ squares
     return RmsLimits(float(np.sqrt(force)), pto.stroke_limit)
 
 
@@ -95,7 +112,8 @@ def controlled(
     assert law is not None
     assert isinstance(wave, IrregularSea)  # a study's own check
     one = replace(floating, motions={design: floating.motions[design]})
-    port, limits = stationary_ports(one, wave, sea)[design], rms_limits(floating, design, pto, wave, sea)
+    seen, squares, _ = port_in_seas(floating, design, [(wave, sea)])
+    port, limits = stationary_ports(one, wave, sea)[design], rms_limits(pto, seen, squares[0])
     best = optimum(port, limits, pto.control.noise, 0.0, pto.efficiency)
     if best.power <= 0:
         return scene, {}

@@ -26,7 +26,6 @@ from vsb.stages.campaign import at_rest
 from vsb.stages.climate import read_climate
 from vsb.stages.shell import shell_modes
 from vsb.study import figure_names
-from vsb.study.campaign import CONSTRAINED
 from vsb.study.campaign_plan import members
 from vsb.study.quantities import content_id
 from vsb.study.sections import Water
@@ -96,9 +95,8 @@ def animated_year(
     place = shown_place(ds, tuning, reference)
     index = int(np.ravel_multi_index(list(place.values()), ds.margin.shape)) if place else 0
     point, one = sweep_point(spec, index, root), ds.isel(place)
-    tuned = next(
-        (name for name in (tuning, "one", "each", "fixed") if name in one.tuning and name != CONSTRAINED), None
-    )
+    dampers = [name for name in ("one", "each", "fixed") if name in one.tuning]
+    tuned = tuning if tuning in dampers else next(iter(dampers), None)
     if point is None or tuned is None or not isinstance(buoy := point.floating, BuoyOfShape):
         return None
     study = buoy.study

@@ -18,10 +18,12 @@ from vsb.study.take_off import port_kind
 from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary, scaled
 from vsb.tools.bounded import sha256_of
 
-Tunings = Literal["fixed", "one", "each", "constrained"]
-"""Damper as given, the best one of the year, the best one of each sea; the best force of any kind within limits."""
+Tunings = Literal["fixed", "one", "each", "causal", "constrained"]
+"""Damper as given, the best one of the year, the best one of each sea; a causal controller scheduled over sea states;
+the best force of any kind within limits."""
+CAUSAL: Literal["causal"] = "causal"
 CONSTRAINED: Literal["constrained"] = "constrained"
-LEADING: tuple[Tunings, ...] = ("one", "each", "fixed", "constrained")
+LEADING: tuple[Tunings, ...] = ("one", "each", "fixed", "causal", "constrained")
 """Order in which a campaign's answer is given for the tunings it has."""
 
 
@@ -185,10 +187,10 @@ def read(raw: object, source: str) -> "LoadedCampaign":
         raise ConfigError(
             f"{source}: constrained: applies with the tuning constrained only; add it to tuning, or remove this"
         )
-    if campaign.verify and campaign.tuning == ("constrained",):
+    if campaign.verify and not {"fixed", "one", "each"} & {*(campaign.tuning or ("one",))}:
         raise ConfigError(
-            f"{source}: verify: received tuning constrained alone, whose forces are of no law in time; needs "
-            "fixed, one or each beside it"
+            f"{source}: verify: received tuning {', '.join(campaign.tuning or ())} alone, of which a year has no runs "
+            "in time; needs fixed, one or each beside it"
         )
     if isinstance(study, BodyStudy):
         campaign, floats_by = _of_a_body(campaign, study, source), {}
@@ -254,10 +256,10 @@ def _check_matrix(campaign: Campaign, source: str) -> None:
     """Refuse what a damper matrix, at several ports or spread over the shell, does not have in a year."""
     if PORT in campaign.vary.keys:
         raise ConfigError(f"{source}: vary.{PORT}: received several ports in the study; needs a study with one")
-    if "constrained" in (campaign.tuning or ()):
+    if optimal := {CAUSAL, CONSTRAINED} & {*(campaign.tuning or ())}:
         raise ConfigError(
-            f"{source}: tuning: optima of constrained are of one port; received a study with several, or with a damper "
-            "spread over the shell; needs fixed, one or each"
+            f"{source}: tuning: optima of {min(optimal)} are of one port; received a study with several, or with a "
+            "damper spread over the shell; needs fixed, one or each"
         )
 
 
@@ -303,7 +305,8 @@ class LoadedCampaign(Section):
 
         Raises `ConfigError`.
         """
-        checked = (leading_tuning(self.tuning), "constrained") if self.campaign.verify else ("constrained",)
+        limited = (CAUSAL, CONSTRAINED)
+        checked = (leading_tuning(self.tuning), *limited) if self.campaign.verify else limited
         blind = [tuning for tuning in self.tuning if tuning not in checked]
         if study.pto.law == "causal":
             raise ConfigError(f"{where}: pto.law: a year has no run under 'causal'; needs a study, or another law")
@@ -311,7 +314,7 @@ class LoadedCampaign(Section):
             raise ConfigError(
                 f"{where}: pto: received law {study.pto.law}, force_limit {study.pto.force_limit:g} N, stroke_limit "
                 f"{study.pto.stroke_limit:g} m, which linear theory of tuning {blind[0]} does not see; needs tuning: "
-                f"[constrained], or [{blind[0]}] with verify"
+                f"[causal] or [constrained], or [{blind[0]}] with verify"
             )
 
 

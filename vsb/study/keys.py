@@ -553,7 +553,10 @@ KEYS: dict[str, dict[str, Key]] = {
         ),
         "climate": Key("", "{spectra: sea.txt}", "seas of the year: measured spectra, or a table of occurrences"),
         "tuning": Key(
-            "", "[one, each]", "dampers of the year; constrained: the best force within the take-off's limits"
+            "",
+            "[one, each, causal]",
+            "dampers of the year; causal: a controller that knows no future waves, of the rms force of the limit or of "
+            "the optimal damper, scheduled over sea states; constrained: the best force within the take-off's limits",
         ),
         "constrained": Key("", "{seconds: 10.0}", "amount of computation for the optima within limits"),
         "verify": Key("", "{seas: 24}", "seas simulated in time beside linear theory, which they correct"),
