@@ -25,7 +25,9 @@ def test_year_lies_between_dampers_and_the_matched_force(example, climate, limit
     checked = floating.linear.database.assign_attrs(quality="[]", **water)
     floating = replace(floating, linear=replace(floating.linear, database=checked))
     limited = study.model_copy(update={"pto": type(study.pto)(force_limit=limit)})
-    found = {name: np.asarray(values)[:, 0] for name, (_, values) in causal_years(limited, floating, climate).items()}
+    whole = causal_years(limited, floating, climate)
+    dampers, found = ({name: np.asarray(values)[:, i] for name, (_, values) in whole.items()} for i in (0, 1))
+    assert (dampers["annual_mean_power"] < found["annual_mean_power"]).all()
     power, bins = found["annual_mean_power"], bins_of(climate)
     omega = frequencies(climate, *floating.band)
     for i, one in enumerate(floating.at(omega).in_waves().values()):
@@ -38,6 +40,7 @@ def test_year_lies_between_dampers_and_the_matched_force(example, climate, limit
         else:
             best = float(year.absorbed("each", None).power @ climate.hours)
             assert 1.1 * best < power[i] < matched
+            assert dampers["annual_mean_power"][i] == pytest.approx(best, rel=1e-2)  # of each bin, not of each sea
         assert found["annual_mean_power_low"][i] < power[i] < found["annual_mean_power_high"][i]
         assert (bins.share * found["power_matrix"][i]).sum() == pytest.approx(power[i])
     assert 0.0 < found["gain_percent"][1] < 5.0 if limit == 1e3 else found["gain_percent"][0] == 0.0

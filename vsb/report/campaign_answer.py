@@ -20,6 +20,7 @@ TUNED = {
     "one": "each design at its optimal damping for the year",
     "each": "each design at its optimal damping in each sea",
     "fixed": "all at the given damping",
+    "damper_same_force": "each design with the best damper of given rms force in each sea state",
     "causal": "each design with causal control scheduled over the sea states, of given rms force",
     "constrained": "each design with the optimal force within its limits",
 }

@@ -10,7 +10,7 @@ from vsb.motion.damper_matrix import matrix_text
 from vsb.results.member import SAME_FOR_ALL
 from vsb.results.year import POWER_ENDS
 from vsb.study.body import BodyDesign
-from vsb.study.campaign import CAUSAL, CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
+from vsb.study.campaign import AT_FORCE, CONSTRAINED, GAIN_IN_TIME, IN_TIME, POWER_IN_TIME, leading_tuning
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import first_rigid
@@ -168,7 +168,7 @@ def as_csv(spec: CampaignSpec, ds: xr.Dataset) -> str:
 
 def damper(ds: xr.Dataset) -> xr.DataArray:
     """Return the damper of every tuning that has one for all seas [N s/m]; NaN of the others."""
-    occupied = ds["damping"].where((ds["count"] > 0) & ~ds.tuning.isin([CAUSAL, CONSTRAINED]))
+    occupied = ds["damping"].where((ds["count"] > 0) & ~ds.tuning.isin([*AT_FORCE, CONSTRAINED]))
     lowest, highest = occupied.min(("hs", "te")), occupied.max(("hs", "te"))
     return highest.where(highest - lowest <= 1e-9 * highest)
 

@@ -2,13 +2,14 @@
 
 The controller of a bin is the optimum of the bin's mean spectrum at a given rms force. It is linear: over the seas of
 the bin, whatever their spectra, it has the mean power and the mean square of the force that it has in their mean. Where
-a damper of that rms force absorbs more it is the controller of the bin.
+a damper of that rms force absorbs more it is the controller of the bin. Beside it stands the year under such dampers.
 """
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from vsb.motion.causal import StationaryPort, numerical_error, optimum
 from vsb.motion.coefficient_errors import CoefficientError, sensitivity
@@ -18,6 +19,7 @@ from vsb.results.year import DesignYear, Values, best_for_all, bins_of, frequenc
 from vsb.results.year_validity import beyond_in_bins
 from vsb.scenes.floating_system import FINE, AnyBody, Floating, InWaves
 from vsb.scenes.stationary import continued, grid, rms_limits
+from vsb.study.campaign import CAUSAL, SAME_FORCE
 from vsb.study.study import Study
 from vsb.study.take_off import Pto
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -33,8 +35,8 @@ class Scheduled(NamedTuple):
     force: ComplexArray  # per wave amplitude (omega,) [N/m]
 
 
-def scheduled(pto: Pto, year: DesignYear, squares: FloatArray, port: StationaryPort) -> Scheduled:
-    """Return the best of causal controller and damper of a given rms force in the mean spectrum of a bin.
+def scheduled(pto: Pto, year: DesignYear, squares: FloatArray, port: StationaryPort) -> dict[str, Scheduled]:
+    """Return the damper of a given rms force, and the causal control, in the mean spectrum of a bin.
 
     Parameters
     ----------
@@ -52,17 +54,23 @@ def scheduled(pto: Pto, year: DesignYear, squares: FloatArray, port: StationaryP
     load = seen.load(damper.damping, damper.stiffness)[0]
     force = np.asarray(load * seen.velocity_under(load))
     stroke = float(np.sqrt(0.5 * np.abs((seen.velocity - seen.admittance * force) / seen.omega) ** 2 @ squares))
+    damped = Scheduled(float(damper.power[0]), 0.0, float(np.sqrt(0.5 * np.abs(force) ** 2 @ squares)), force)
     if stroke <= limits.stroke and damper.power[0] >= ratio * best.power:
-        return Scheduled(float(damper.power[0]), 0.0, float(np.sqrt(0.5 * np.abs(force) ** 2 @ squares)), force)
+        return {SAME_FORCE: damped, CAUSAL: damped}
     gain = np.interp(seen.omega, port.omega, port.controller(best.weights, noise, forecast))
     error = ratio * best.power * numerical_error(port, best, noise, forecast)
-    return Scheduled(ratio * best.power, error, best.force_rms, gain * seen.velocity / seen.admittance)
+    own = Scheduled(ratio * best.power, error, best.force_rms, gain * seen.velocity / seen.admittance)
+    return {SAME_FORCE: damped, CAUSAL: own}
 
 
 def causal_years(
-    study: Study | AnyBody, floating: Floating, climate: Climate, left_out: LeftOut | None = None
+    study: Study | AnyBody,
+    floating: Floating,
+    climate: Climate,
+    tunings: Sequence[str] = (SAME_FORCE, CAUSAL),
+    left_out: LeftOut | None = None,
 ) -> Values:
-    """Return the years of designs under causal control, and their gains, by design and this one tuning.
+    """Return the years of designs under causal control, or dampers of its rms force, and their gains.
 
     Parameters
     ----------
@@ -74,11 +82,11 @@ def causal_years(
     bins, omega = bins_of(climate), frequencies(climate, *floating.band)
     density, flux = bins.mean_densities(climate), climate.flux(study.water)
     spacing = FINE * 2 * np.pi / float(climate.te @ climate.hours)
-    inside, beyond = grid(spacing, int(np.ceil(floating.band[1] / spacing)))
+    inside, beyond = grid(spacing, next_fast_len(int(np.ceil(floating.band[1] / spacing))))
     waves, near, far = floating.at(omega).in_waves(), floating.at(inside).ports(), floating.at(beyond).ports()
     spectra = np.array([np.interp(inside, climate.omega, row, left=0.0, right=0.0) for row in density])
     radius = study.buoy.device.radius if study.buoy else None
-    columns: dict[str, list[float | FloatArray]] = {}
+    columns: dict[str, list[list[float | FloatArray]]] = {}
     for design, one in waves.items():
         year = DesignYear(one.port, climate)
         rows = density @ year.weights
@@ -86,31 +94,32 @@ def causal_years(
         for squares, spectrum in zip(rows, spectra, strict=True):
             free = np.abs(near[design].velocity) ** 2 * spectrum
             found.append(scheduled(study.pto, year, squares, continued(spacing, near[design], far[design], free)))
-        power = bins.matrix(np.array([bin_.power for bin_ in found]))
-        force = np.array([bin_.force for bin_ in found])
-        moved = {name: bins.matrix(rms) for name, rms in _motion_rms(one, force, rows).items()}
-        mean, none = float((bins.share * power).sum()), np.zeros(bins.shape)
-        of_flux = bins.mean(flux)
-        column: dict[str, float | FloatArray] = {
-            "annual_mean_power": mean,
-            "annual_energy": mean * YEAR_HOURS / 1e6,
-            "capture_width": mean / float(flux @ climate.hours),
-            "force_rms": float(np.sqrt((bins.share * bins.matrix(np.array([b.force_rms**2 for b in found]))).sum())),
-            "quadrature_error": float((bins.share * bins.matrix(np.array([b.error for b in found]))).sum()),
-            "power_matrix": power,
-            "capture_width_matrix": np.divide(power, of_flux, out=none.copy(), where=of_flux > 0),
-            "damping": none,
-            "power_deviation": none,
-            "capture_width_deviation": none,
-        }
-        column |= beyond_in_bins(bins, climate, study.water, power, moved, radius)
-        for name, value in column.items():
-            columns.setdefault(name, []).append(value)
-    dims = {0: (), 1: ("limit",), 2: ("hs", "te")}
-    values = {
-        name: (("design", "tuning", *dims[np.ndim(value[0])]), np.array(value)[:, None])
-        for name, value in columns.items()
-    }
+        by_tuning = [[in_bin[tuning] for in_bin in found] for tuning in tunings]
+        for own in by_tuning:
+            power, error, square = (
+                bins.matrix(np.array(values))
+                for values in zip(*((b.power, b.error, b.force_rms**2) for b in own), strict=True)
+            )
+            moved = {
+                name: bins.matrix(rms) for name, rms in _motion_rms(one, np.array([b.force for b in own]), rows).items()
+            }
+            mean, none, of_flux = float((bins.share * power).sum()), np.zeros(bins.shape), bins.mean(flux)
+            column: dict[str, float | FloatArray] = {
+                "annual_mean_power": mean,
+                "annual_energy": mean * YEAR_HOURS / 1e6,
+                "capture_width": mean / float(flux @ climate.hours),
+                "force_rms": float(np.sqrt((bins.share * square).sum())),
+                "quadrature_error": float((bins.share * error).sum()),
+                "power_matrix": power,
+                "capture_width_matrix": np.divide(power, of_flux, out=none.copy(), where=of_flux > 0),
+                **dict.fromkeys(("damping", "power_deviation", "capture_width_deviation"), none),
+            }
+            column |= beyond_in_bins(bins, climate, study.water, power, moved, radius)
+            for name, value in column.items():
+                columns.setdefault(name, [[] for _ in waves])[list(waves).index(design)].append(value)
+    dims = {2: (), 3: ("limit",), 4: ("hs", "te")}
+    together = {name: np.array(values) for name, values in columns.items()}
+    values = {name: (("design", "tuning", *dims[array.ndim]), array) for name, array in together.items()}
     return {**values, **_intervals(study, waves, climate, floating.errors(omega), values, left_out)}
 
 

@@ -31,7 +31,7 @@ from vsb.results.year import (
 from vsb.results.year_validity import beyond_validity, limits_of, motion_rms
 from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.scenes.viability import Viability, with_designs
-from vsb.study.campaign import CAUSAL, CONSTRAINED, Tunings
+from vsb.study.campaign import AT_FORCE, CONSTRAINED, Tunings
 from vsb.study.study import Study
 from vsb.study.take_off import named_ports
 from vsb.tools.arrays import AnyArray, FloatArray
@@ -82,7 +82,7 @@ def member(
         Of the study, a buoy's or a body's.
     floating : callable
         Returns what floats of the designs that are viable; not called where none is.
-    tunings : sequence of {'fixed', 'one', 'each', 'causal', 'constrained'}
+    tunings : sequence of {'fixed', 'one', 'each', 'damper_same_force', 'causal', 'constrained'}
     optima : callable, optional
         Computes the years within limits, `vsb.results.constrained_year.Optima`; needed for `constrained`.
     known : dict, optional
@@ -98,7 +98,7 @@ def member(
         some = with_designs(study, rest.designs)
         system = floating()
         omega = frequencies(climate, *system.band)
-        dampers = [one for one in tunings if one not in (CAUSAL, CONSTRAINED)]
+        dampers = [one for one in tunings if one not in (*AT_FORCE, CONSTRAINED)]
         damped = DampedYears(climate, dampers, {} if known is None else known)
         here: Labels = {"design": list(some.designs), "tuning": [*damped.tunings]}
         errors, moving = system.errors(omega), system.at(omega)
@@ -110,8 +110,8 @@ def member(
         else:
             own = damped(some, waves, errors, left_out)
         _fill(found, at, own, here)
-        if CAUSAL in tunings:
-            _fill(found, at, causal_years(some, system, climate, left_out), here | {"tuning": [CAUSAL]})
+        if at_force := [str(one) for one in tunings if one in AT_FORCE]:
+            _fill(found, at, causal_years(some, system, climate, at_force, left_out), here | {"tuning": at_force})
         if optima:
             within = optima(some, system, climate, left_out)
             _fill(found, at, _values(within), here | {"tuning": [CONSTRAINED]})

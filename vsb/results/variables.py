@@ -13,7 +13,7 @@ def _may_be_missing(ds: xr.Dataset, name: str) -> xr.DataArray | bool:
     """Where a year has no value: designs that are not viable, practice under constraints, gains over no power."""
     missing: xr.DataArray | bool = ~ds.viable if "viable" in ds and "design" in ds[name].dims else False
     if name == "practice_power" and "tuning" in ds[name].dims:
-        missing = missing | ds.tuning.isin(["causal", "constrained"])
+        missing = missing | ds.tuning.isin(["damper_same_force", "causal", "constrained"])
     if name.startswith(_GAINS):
         power = ds["corrected_mean_power" if "annual_mean_power" not in ds else "annual_mean_power"]
         missing = missing | (power <= 0).any("design")

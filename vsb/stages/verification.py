@@ -70,8 +70,7 @@ def _of_viable(
 ) -> xr.Dataset:
     """The corrected year of designs that are viable, in the water of all."""
     (tuning,) = spec.tuning
-    assert tuning != "constrained"  # whose forces are of no law in time
-    assert tuning != "causal"  # of which a campaign has no runs
+    assert tuning in ("fixed", "one", "each")  # the others are of no law in time
     at = floating.at(frequencies(seas, *floating.band))
     if study.pto.several:
         year, dampers = year_of_matrices(study, at.several_ports(), seas, tuning)

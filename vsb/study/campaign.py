@@ -18,12 +18,14 @@ from vsb.study.take_off import port_kind
 from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary, scaled
 from vsb.tools.bounded import sha256_of
 
-Tunings = Literal["fixed", "one", "each", "causal", "constrained"]
-"""Damper as given, the best one of the year, the best one of each sea; a causal controller scheduled over sea states;
-the best force of any kind within limits."""
+Tunings = Literal["fixed", "one", "each", "damper_same_force", "causal", "constrained"]
+"""Damper as given, the best one of the year, the best one of each sea; scheduled over sea states, the best damper of a
+given rms force, and a causal controller; the best force of any kind within limits."""
+SAME_FORCE: Literal["damper_same_force"] = "damper_same_force"
 CAUSAL: Literal["causal"] = "causal"
+AT_FORCE = (SAME_FORCE, CAUSAL)
 CONSTRAINED: Literal["constrained"] = "constrained"
-LEADING: tuple[Tunings, ...] = ("one", "each", "fixed", "causal", "constrained")
+LEADING: tuple[Tunings, ...] = ("one", "each", "fixed", "causal", "damper_same_force", "constrained")
 """Order in which a campaign's answer is given for the tunings it has."""
 
 
@@ -189,7 +191,7 @@ def read(raw: object, source: str) -> "LoadedCampaign":
         )
     if campaign.verify and not {"fixed", "one", "each"} & {*(campaign.tuning or ("one",))}:
         raise ConfigError(
-            f"{source}: verify: received tuning {', '.join(campaign.tuning or ())} alone, of which a year has no runs "
+            f"{source}: verify: received tuning {', '.join(campaign.tuning or ())} alone, whose forces are of no law "
             "in time; needs fixed, one or each beside it"
         )
     if isinstance(study, BodyStudy):
@@ -256,7 +258,7 @@ def _check_matrix(campaign: Campaign, source: str) -> None:
     """Refuse what a damper matrix, at several ports or spread over the shell, does not have in a year."""
     if PORT in campaign.vary.keys:
         raise ConfigError(f"{source}: vary.{PORT}: received several ports in the study; needs a study with one")
-    if optimal := {CAUSAL, CONSTRAINED} & {*(campaign.tuning or ())}:
+    if optimal := {*AT_FORCE, CONSTRAINED} & {*(campaign.tuning or ())}:
         raise ConfigError(
             f"{source}: tuning: optima of {min(optimal)} are of one port; received a study with several, or with a "
             "damper spread over the shell; needs fixed, one or each"
@@ -305,7 +307,7 @@ class LoadedCampaign(Section):
 
         Raises `ConfigError`.
         """
-        limited = (CAUSAL, CONSTRAINED)
+        limited = (*AT_FORCE, CONSTRAINED)
         checked = (leading_tuning(self.tuning), *limited) if self.campaign.verify else limited
         blind = [tuning for tuning in self.tuning if tuning not in checked]
         if study.pto.law == "causal":

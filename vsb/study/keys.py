@@ -556,7 +556,8 @@ KEYS: dict[str, dict[str, Key]] = {
             "",
             "[one, each, causal]",
             "dampers of the year; causal: a controller that knows no future waves, of the rms force of the limit or of "
-            "the optimal damper, scheduled over sea states; constrained: the best force within the take-off's limits",
+            "the optimal damper, scheduled over sea states; damper_same_force: dampers of that force; constrained: the "
+            "best force within the take-off's limits",
         ),
         "constrained": Key("", "{seconds: 10.0}", "amount of computation for the optima within limits"),
         "verify": Key("", "{seas: 24}", "seas simulated in time beside linear theory, which they correct"),
