@@ -171,6 +171,11 @@ def read(raw: object, source: str) -> "LoadedCampaign":
             f"{source}: tuning: received fixed, but {campaign.study} has no pto.damping; needs one in "
             f"{port_kind(study.pto.port).damping_unit}"
         )
+    if study.pto.law == CAUSAL:
+        raise ConfigError(
+            f"{source}: study: {campaign.study} has pto.law 'causal', of runs in time; a year needs another law, and "
+            "tuning: [causal]"
+        )
     if study.pto.several:
         _check_matrix(campaign, source)
     ports = {*campaign.vary.values.get(PORT, ())}
@@ -310,8 +315,6 @@ class LoadedCampaign(Section):
         limited = (*AT_FORCE, CONSTRAINED)
         checked = (leading_tuning(self.tuning), *limited) if self.campaign.verify else limited
         blind = [tuning for tuning in self.tuning if tuning not in checked]
-        if study.pto.law == "causal":
-            raise ConfigError(f"{where}: pto.law: a year has no run under 'causal'; needs a study, or another law")
         if study.pto.nonlinear and blind:
             raise ConfigError(
                 f"{where}: pto: received law {study.pto.law}, force_limit {study.pto.force_limit:g} N, stroke_limit "
