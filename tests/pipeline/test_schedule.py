@@ -28,7 +28,7 @@ def seconds(plan):
 def test_estimate_is_within_a_factor_of_two_of_a_measured_run(tmp_path):
     plan = StudyPlan(varied(load(EXAMPLE), modes={"degree": 6}), root=str(tmp_path))
     assert MEASURED / 2 < seconds(plan) < 2 * MEASURED
-    assert schedule.cost_line(plan).startswith("cost         8 of 8 jobs to do: about ")
+    assert schedule.cost_line(plan, {}).startswith("cost         8 of 8 jobs to do: about ")
 
 
 def test_what_is_there_costs_nothing(tmp_path):
@@ -41,7 +41,7 @@ def test_what_is_there_costs_nothing(tmp_path):
                 (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
                 (tmp_path / path).touch()
     assert seconds(plan) < before - 10
-    assert "6 of 8 jobs" in schedule.cost_line(plan)
+    assert "6 of 8 jobs" in schedule.cost_line(plan, {})
 
 
 def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 from vsb.errors import ConfigError
 from vsb.results.ledger import shell_checks
 from vsb.scenes.load_advice import advised
-from vsb.scenes.rest import computed_buckling, reference_shell
+from vsb.scenes.rest import check_stable, computed_buckling, reference_shell
 from vsb.scenes.viability import static_strain
 from vsb.study.study import parse
 
@@ -65,11 +65,12 @@ def test_modulus_and_pressure_that_are_advised_carry_the_shell_at_strains_hookes
     assert computed_buckling(better).load_factor > 1.0
 
 
-def test_what_is_advised_about_the_undeformed_shape_passes_its_checks():
+@pytest.mark.parametrize("shape", [{}, {"shape": {"spheroid": {"height": 3.0}}}], ids=["sphere", "spheroid"])
+def test_what_is_advised_about_the_undeformed_shape_passes_its_checks(shape):
     """The pressure from which a shell of 10 MPa does not buckle strains it beyond the 10 % of Hooke's law: raising the
     pressure and then a stiffer shell would be advised in turn.
     """
-    study = soft({}, mass=17170.0).model_copy(update={"reference_shape": "undeformed"})
+    study = soft({}, mass=17170.0, **shape).model_copy(update={"reference_shape": "undeformed"})
     (line,) = (check for check in shell_checks(study, reference_shell(study)) if check.name == "computed_buckling")
     words = r"where its law ends at 10 %; from about (\S+) mm at (\S+) Pa, or from young_modulus (\S+) MPa at (\S+) Pa"
     wall, at, modulus, pressure = map(float, re.search(words, line.explanation).groups())
@@ -79,3 +80,29 @@ def test_what_is_advised_about_the_undeformed_shape_passes_its_checks():
     ):
         better = study.model_copy(update={"device": study.device.model_copy(update=changes)})
         assert all(check.verdict != "fail" for check in shell_checks(better, reference_shell(better)))
+
+
+def test_a_shell_that_its_pressure_makes_unstable_is_advised_less():
+    """More of modulus, wall or pressure is no advice where the pressure, 60 times what the shell needs, is the cause."""
+    shell = {"young_modulus": 2e6, "thickness": 0.015}
+    study = soft(shell, mass=17170.0, internal_pressure=2e5, shape={"spheroid": {"height": 3.0}})
+    study = study.model_copy(update={"reference_shape": "undeformed"})
+    with pytest.raises(ConfigError, match="is unstable") as error:
+        check_stable(study, reference_shell(study))
+    text = str(advised(study, error.value))
+    modulus, pressure = re.search(r"from young_modulus (\S+) MPa at (\S+) Pa, it stands \(tried\)", text).groups()
+    assert float(pressure) < 2e5
+    device = {"young_modulus": 1e6 * float(modulus), "internal_pressure": float(pressure)}
+    better = study.model_copy(update={"device": study.device.model_copy(update=device)})
+    check_stable(better, reference_shell(better))
+
+
+def test_pressure_that_strains_a_shell_beyond_its_law_is_advised_to_be_less():
+    """Thirteen times the water's pressure at the keel: the shell stands, at strains no law of linear elasticity holds for."""
+    study = soft({"young_modulus": 4e7, "thickness": 0.015}, mass=17170.0, internal_pressure=2e5)
+    (line,) = (check for check in shell_checks(study, reference_shell(study)) if check.name == "static_strain")
+    assert line.verdict == "fail"
+    (pressure,) = re.search(
+        r"device.internal_pressure of (\S+) Pa carries this shell \(tried\)", line.explanation
+    ).groups()
+    assert float(pressure) < 2e5

@@ -18,21 +18,27 @@ from vsb.study.waves import IrregularSea, RegularWave, StillWater, Wave
 
 WORKFLOW_SECONDS, JOB_SECONDS = 6.0, 2.3
 """Of Snakemake and the plan, and of a job that does nothing: a process, its imports, what Snakemake does of it."""
-START_OF_A_PROCESS = 1.7
-"""Of Python and its imports."""
+START_OF_A_PROCESS = 3.5
+"""Of Python, its imports, and what is checked before a run."""
+GREEN_SECONDS, GREEN_KEPT_SECONDS = 20.0, 0.2
+"""Of the Green-function table of panels: computed once on a machine, then copied."""
 MEMORY_SECONDS = 1.5
 """Of the radiation memory of a database."""
 START_SECONDS, RIGID_START_SECONDS = 30.0, 3.0
 """Of a start of a search for the best buoy, to know which starts share a job; `vsb check` measures."""
-FIGURE_SECONDS = 0.17
+FIGURE_SECONDS = 0.2
 """Of a file of a figure; each has two."""
+LADDER_SECONDS, CAUSAL_SECONDS = 0.5, 0.5
+"""Of the control levels, and how many more of a design in an irregular sea, whose control is causal too."""
+COMPARED_SECONDS, REPORTED_SECONDS = (0.2, 0.15), (1.0, 0.2)
+"""Of the tables and of the page, each also for every run in time."""
 SPECTRAL_SECONDS = 0.4
 """Of the coefficients of one azimuthal order of a shape, all frequencies."""
 PANEL_ROW2_SECONDS = 3e-5
 """Of a frequency per squared row count, lid included; measured with 40 + 8 rows."""
 WITNESS_ROW2_SECONDS = 4e-4
 """Of a shape, by both solvers, per squared row count; measured with 32 rows, 7 modes and derivatives by them."""
-RUN_SECONDS = {"linear": (0.3, 5e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.7, 4e-3), "auto": (1.0, 5e-3)}
+RUN_SECONDS = {"linear": (0.3, 7e-4), "assumed_pressure": (0.5, 1e-2), "body_exact": (0.4, 3e-3), "auto": (1.0, 5e-3)}
 """Of a run in time, and of each second it follows, by model."""
 LATCHING_TIME_SECONDS = {"regular": 5.0, "body_exact": 20.0}
 """Of the search for a latching time in a regular wave, and how many more on the wet shell."""
@@ -42,7 +48,7 @@ REST_SECONDS = 1.2
 """What a point of a campaign about its equilibrium takes more: its rest and the modes left out."""
 SEA_SECONDS = {"linear": 0.05, "body_exact": 0.15}
 """Of one design in one sea of `verify`, by model."""
-BODY_SECONDS, IN_FINITE_DEPTH = 0.5, 2.5
+BODY_SECONDS, IN_FINITE_DEPTH = 0.4, 2.5
 """Of a frequency of a body beside its matrices, and how many times as long these take in finite depth."""
 MOST_MEMORY = 0.7
 """Part of a machine's memory that a job may need without a doubt: the rest is the system's and other jobs'."""
@@ -88,16 +94,24 @@ def witness_seconds(shapes: int, spec: WitnessSpec) -> float:
     return shapes * WITNESS_ROW2_SECONDS * float(spec.meshes.rows) ** 2
 
 
-def body_seconds(file: BodyFile, panels: float) -> float:
-    """Return the CPU time of the coefficients of a body on panels [s]: matrices grow with the square of their number.
+def matrices_seconds(file: BodyFile, panels: float) -> float:
+    """Return the CPU time of the matrices of a frequency in deep water [s]: they grow with the square of their number.
 
     Planes of symmetry halve them; those of a mesh that are to be found are not known here.
     """
     planes = file.symmetry.count("O") if file.symmetry != "auto" else 2 if file.hull else 0
-    matrices = SECONDS_PER_PANEL2 * panels**2 / 2**planes
-    return float(
-        len(file.omega) * (BODY_SECONDS + matrices * (1.0 if math.isinf(file.water.depth) else IN_FINITE_DEPTH))
-    )
+    return SECONDS_PER_PANEL2 * panels**2 / 2**planes
+
+
+def body_seconds(file: BodyFile, matrices: float) -> float:
+    """Return the CPU time of the coefficients of a body on panels, `matrices` that of a frequency in deep water [s]."""
+    return len(file.omega) * (BODY_SECONDS + matrices * (1.0 if math.isinf(file.water.depth) else IN_FINITE_DEPTH))
+
+
+def ladder_seconds(study: BaseStudy) -> float:
+    """Return the CPU time of the control levels of a study [s]."""
+    irregular = sum(isinstance(wave, IrregularSea) for wave in study.waves)
+    return LADDER_SECONDS + CAUSAL_SECONDS * irregular * len(study.designs)
 
 
 def run_seconds(study: BaseStudy, wave: Wave) -> float:

@@ -1,7 +1,7 @@
 """What a plan has left to do, and whether one process does it sooner than jobs side by side."""
 
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from vsb.pipeline import costs
@@ -52,10 +52,18 @@ def _seconds_side_by_side(some: Collection[Job], cores: int) -> float:
     return costs.WORKFLOW_SECONDS + max(busy, *over.values(), 0.0)
 
 
-def cost_line(plan: Plan) -> str:
-    """Return the line `vsb check` prints of the jobs left and their CPU time."""
+def cost_line(plan: Plan, known: Mapping[str, float]) -> str:
+    """Return the line `vsb check` prints of the jobs left and their CPU time.
+
+    Parameters
+    ----------
+    plan : plan of a study or campaign
+    known : mapping of str to float
+        CPU time of the task that makes a file, where it is known better than from the plan [s].
+    """
     some = left(plan)
-    seconds = costs.START_OF_A_PROCESS + sum(_seconds_here(plan, job) for job in some)
+    better = sum(known[task.makes[0]] - task.seconds for job in some for task in job.tasks if task.makes[0] in known)
+    seconds = costs.START_OF_A_PROCESS + sum(_seconds_here(plan, job) for job in some) + better
     if not is_faster_here(plan):
         seconds += costs.WORKFLOW_SECONDS + costs.JOB_SECONDS * len(some)
     return f"cost         {len(some)} of {len(jobs(plan))} jobs to do: about {costs.plain_seconds(seconds)} on one core"

@@ -163,7 +163,7 @@ def _green(plan: StudyPlan | BodyPlan) -> Task:
     """The Green-function table of panels."""
     green = f"{plan.green_folder}.done"
     files = {"folder": plan.green_folder, "out": green}
-    return Task("green", None, files, (green,), on_the_way=True, seconds=20.0)
+    return Task("green", None, files, (green,), on_the_way=True, seconds=costs.GREEN_SECONDS)
 
 
 def _body(plan: BodyPlan) -> Iterator[Task]:
@@ -180,7 +180,8 @@ def _database_of_body(plan: BodyPlan) -> Task:
     task = Task("coefficients", plan.database, files, (out,), needs, identity, seconds=0.5)
     if isinstance(file := plan.study.body.file, BodyFile):
         memory, minutes = solve_resources(file, plan.files)
-        seconds = costs.body_seconds(file, panel_count(file, plan.files))
+        matrices = costs.matrices_seconds(file, panel_count(file, plan.files))
+        seconds = costs.body_seconds(file, matrices)
         return replace(task, seconds=seconds, megabytes=memory, minutes=minutes)
     return replace(task, megabytes=4000)
 
@@ -203,7 +204,8 @@ def _coefficients(plan: AnyPlan) -> Iterator[Task]:
     files = {**read, "out": response}
     yield Task("response", plan.response, files, (response,), (stored,), plan.response_id, seconds=0.8)
     files = {**read, "out": ladder, "levels": levels, "manifest": plan.manifest}
-    yield Task("ladder", plan.ladder, files, (ladder, levels), (stored,), plan.ladder_id, seconds=0.5)
+    seconds = costs.ladder_seconds(plan.study)
+    yield Task("ladder", plan.ladder, files, (ladder, levels), (stored,), plan.ladder_id, seconds=seconds)
 
 
 def _runs(plan: AnyPlan) -> Iterator[Task]:
@@ -235,14 +237,18 @@ def _answers(plan: AnyPlan) -> Iterator[Task]:
     needs = (*read, *levels.values())
     compared, whole = files | levels | tables, plan.identity
     made = tuple(tables.values())
-    yield Task("compare", plan.comparison, compared, made, needs, whole, seconds=0.5, megabytes=memory)
+    once, each = costs.COMPARED_SECONDS
+    seconds = once + each * len(runs)
+    yield Task("compare", plan.comparison, compared, made, needs, whole, seconds=seconds, megabytes=memory)
     figures = tuple(figure_names.paths(folder, plan.figures))
     needs, seconds = (*read, *plan.modes_files.values()), costs.FIGURE_SECONDS * len(figures)
     drawn = {**files, **plan.modes_files, "out": f"{folder}/figures"}
     yield Task("figures", study, drawn, figures, needs, whole, seconds=seconds, megabytes=memory)
     report, shown = f"{folder}/report.html", {"tables": tables["tables"], "figures": f"{folder}/figures"}
     files, needs = {**files, **plan.modes_files, **shown, "out": report}, (*needs, shown["tables"], *figures)
-    yield Task("report", study, files, (report,), needs, whole, seconds=1.5, megabytes=memory)
+    once, each = costs.REPORTED_SECONDS
+    seconds = once + each * len(runs)
+    yield Task("report", study, files, (report,), needs, whole, seconds=seconds, megabytes=memory)
 
 
 # a campaign ---------------------------------------------------------------------------------------------------------

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.errors import ConvergenceError
 from vsb.hydro import witness
 from vsb.hydro.database import Check, Verdict, check_at_most, stored_checks
 from vsb.motion.tuning import best_dampers
@@ -21,7 +20,7 @@ from vsb.results.comparison import Row
 from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import batches_in, families
 from vsb.scenes.floating_system import band, expected_sea, floating_system, port_in_seas
-from vsb.scenes.load_advice import advice_undeformed, viable
+from vsb.scenes.load_advice import advice
 from vsb.scenes.rest import (
     carries_load,
     complete_at_rest,
@@ -141,6 +140,8 @@ def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
     if not study.flexible:
         return []
     checks, static = viability_checks(study), static_checks(study, reference)
+    if all(check.verdict != "fail" for check in checks):  # else it is said there
+        static = [_with_advice(study, check) for check in static]
     if reference.basis.shell.rubber and study.at_equilibrium:
         return [*checks, *static, wrinkling_check(study)]
     if study.device.shape is not None:
@@ -148,6 +149,13 @@ def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
     classical, carried = classical_check(study, reference), all(check.verdict != "fail" for check in checks)
     decides = classical.verdict == "ok" or not carried
     return [*([classical] if decides else []), *checks, *static]
+
+
+def _with_advice(study: Study, check: Check) -> Check:
+    """The strain of a shell with what keeps it within its law, if it is beyond: less pressure, or a stiffer shell."""
+    if (check.name, check.verdict) != ("static_strain", "fail"):
+        return check
+    return replace(check, explanation=f"{check.explanation}; {advice(study)}")
 
 
 def classical_check(study: Study, reference: ReferenceShell) -> Check:
@@ -191,7 +199,7 @@ def viability_checks(study: Study) -> list[Check]:
         text += "; advice only: along the nonlinear path of the growing load the shell comes to a stable rest shape, "
         text += "which reference_shape: equilibrium computes"
     elif found.load_factor < 1.0:
-        text += _viable_text(study)
+        text += f"; {advice(study)}"
     check = check_at_most("computed_buckling", 1 / found.load_factor, 1.0, "-", text)
     return [replace(check, verdict="doubt") if carried else check]
 
@@ -201,7 +209,7 @@ def _lobes_check(study: Study) -> Check:
     (found,) = LobedShell.of(complete_loaded_shell(study)).buckling(1)
     text = f"static load over the linear buckling load, into a shape of azimuthal order {found.order}"
     if found.inverse_load_factor > 1.0:
-        text += _viable_text(study)
+        text += f"; {advice(study)}"
     return check_at_most("computed_buckling", max(0.0, found.inverse_load_factor), 1.0, "-", text)
 
 
@@ -231,26 +239,6 @@ def wrinkling_check(study: Study) -> Check:
         text += f": bending holds it, shapes of azimuthal order {order} keep {softest:.2g} of their stiffness"
         return Check("wrinkling", share, WRINKLED, "-", "doubt", text)
     return Check("wrinkling", share, WRINKLED, "-", "fail", f"{text}: the shell wrinkles into azimuthal order {order}")
-
-
-def _viable_text(study: Study) -> str:
-    """Say from which internal pressure the shell is viable, at what strain; if its law ends below that, what would do.
-
-    About the equilibrium the growing load decides, which `vsb.scenes.load_advice.advice` follows. Walls of other shapes
-    than spheres are not tried: lobes of one take a minute.
-    """
-    tried = study.device.shape is None and not study.at_equilibrium
-    try:
-        pressure, strain = viable(study)
-    except ConvergenceError as error:
-        return f"; {error}; {advice_undeformed(study)}" if tried else f"; {error}"
-    text = f"; by linear buckling viable from device.internal_pressure = {plain(pressure)} Pa, at {100 * strain:.2g} % "
-    text += "linear strain at rest"
-    holds = Shell.of(study.device).law.range
-    if study.at_equilibrium or not holds.is_invalid(strain):
-        return text
-    text += f", where its law ends at {100 * holds.invalid:g} %"
-    return f"{text}; {advice_undeformed(study)}" if tried else f"{text}: more pressure is no remedy for this shell"
 
 
 def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:

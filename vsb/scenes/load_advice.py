@@ -5,14 +5,15 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.scenes.rest import complete_loaded_shell
-from vsb.scenes.viability import static_strain
+from vsb.scenes.rest import complete_loaded_shell, reference_shell
+from vsb.scenes.viability import static_modal_amplitude, static_strain
 from vsb.shell.loaded import buckling, stable_path, viable_pressure
 from vsb.shell.lobes import LobedShell, with_lobes
 from vsb.shell.shell import Shell
 from vsb.study.device import Gas
 from vsb.study.material import Hookean
 from vsb.study.study import Study
+from vsb.tools.words import plain
 
 PRESSURES = (0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0)
 """Internal pressures that are tried, in terms of that of water at the keel."""
@@ -22,14 +23,18 @@ INFLATED = 1.24
 """Pressure over mu h/r at which a sphere of neo-Hookean rubber inflates without bound: 2 (7^(-1/6) - 7^(-7/6))."""
 GIVES_WAY = "of its load"
 """Words of an error of a shell that does not carry its load, `vsb.shell.loaded`."""
+UNSTABLE = "is unstable (least stiffness"
+"""Likewise about the undeformed shape, `vsb.scenes.rest`."""
 TRIALS = 4
 """Most walls, or moduli, that linear buckling allows and whose rest shape is followed under the growing load."""
-
-
 CLOSE = 1.05
 """Likewise where the strain at rest says how much more is needed."""
 OVERSTRAINED = 1.5
 """Linear strain at rest over the largest its law holds for, beyond which the true one, a lesser, is not computed."""
+
+
+NOTHING = f"no thin wall, nor a modulus {MOST:g} times as large, does; needs a smaller radius"
+"""What is said where nothing in reach stands."""
 
 
 class Trial(NamedTuple):
@@ -47,18 +52,25 @@ class Trial(NamedTuple):
 
 def advised(study: Study, error: ConfigError) -> ConfigError:
     """Return an error with what would carry the shell's load in place of general advice, if that is what is wrong."""
-    if not (study.at_equilibrium and GIVES_WAY in str(error)):
+    if (GIVES_WAY if study.at_equilibrium else UNSTABLE) not in str(error):
         return error
     text = f"{str(error).partition(';')[0]}; {advice(study)}"
     return ConfigError(text, [text])
 
 
 def advice(study: Study) -> str:
-    """Return in words what carries the load: another pressure, or the least wall and the least modulus that stand.
+    """Return in words what carries the load of a shell: another pressure, or the least wall and the least modulus.
 
-    Each is tried: linear buckling, into lobes around the axis too where the shell is no sphere, and the limit point of
-    rubber choose; the rest shape under the growing load decides, within the strains the material's law holds for.
+    Each is tried by what judges the study: about the equilibrium linear buckling, into lobes around the axis too where
+    the shell is no sphere, and the limit point of rubber choose, and the rest shape under the growing load decides;
+    about the undeformed shape linear buckling and the linear strain decide. Strains are within those of the material's
+    law.
     """
+    return _advice_at_rest(study) if study.at_equilibrium else _advice_undeformed(study)
+
+
+def _advice_at_rest(study: Study) -> str:
+    """What carries the load about the equilibrium."""
     trials = _trials(study)
     if (pressure := _standing(trials)) is not None:
         return f"device.internal_pressure of {pressure:g} Pa carries this shell (tried)"
@@ -70,15 +82,32 @@ def advice(study: Study) -> str:
     highest = f"{PRESSURES[-1] * _keel_pressure(study):.2g}"
     none = f"no device.internal_pressure from 0 to {highest} Pa carries this wall without straining it too far"
     if not found:
-        return f"{none}, and no thin wall, nor a modulus {MOST:g} times as large, does; needs a smaller radius"
+        return f"{none}, and {NOTHING}"
     return f"{none}; from {', or from '.join(found)}, it stands (tried)"
+
+
+def _advice_undeformed(study: Study) -> str:
+    """What carries the load about the undeformed shape."""
+    try:
+        pressure, strain = viable(study)
+    except ConvergenceError as error:
+        none = str(error).partition(";")[0]
+    else:
+        less = "from" if study.device.internal_pressure < pressure else "at"
+        text = f"by linear buckling viable {less} device.internal_pressure = {plain(pressure)} Pa, at "
+        text += f"{100 * strain:.2g} % linear strain at rest"
+        if strain < _range(study):
+            return text
+        none = f"{text}, where its law ends at {100 * _range(study):g} %"
+    found = [text for of_wall in (True, False) if (text := _least_undeformed(study, of_wall=of_wall))]
+    return f"{none}; from {', or from '.join(found)}, it stands (tried)" if found else f"{none}; {NOTHING}"
 
 
 class Viable(NamedTuple):
     """The least internal pressure at which a shell does not buckle by linear theory, and its strain there."""
 
     pressure: float  # rounded up to four digits [Pa]
-    strain: float  # linear, at rest [-]
+    strain: float  # at rest, the larger of those of the complete basis and of the study's modes [-]
 
 
 def viable(study: Study) -> Viable:
@@ -91,19 +120,11 @@ def viable(study: Study) -> Viable:
     pressure, found = viable_pressure(study.device, study.centre_height, study.water, lobes)
     least = float(f"{pressure:.3e}")
     least += 10.0 ** (math.floor(math.log10(least)) - 3) if 0 < least < pressure else 0.0  # it holds there
-    return Viable(float(f"{least:.3e}"), found.linear_strain)
-
-
-def advice_undeformed(study: Study) -> str:
-    """Return in words the least wall and the least modulus that carry the load about the undeformed shape.
-
-    Each is tried by what judges such a study: linear buckling at the pressure named, and the linear strain there within
-    those the law of the material holds for. Strain falls with the wall and with the modulus.
-    """
-    found = [text for of_wall in (True, False) if (text := _least_undeformed(study, of_wall=of_wall))]
-    if not found:
-        return f"no thin wall, nor a modulus {MOST:g} times as large, does; needs a smaller radius"
-    return f"from {', or from '.join(found)}, it stands (tried)"
+    least = float(f"{least:.3e}")
+    at_it = study.model_copy(update={"device": study.device.model_copy(update={"internal_pressure": least})})
+    reference = reference_shell(at_it)
+    judged = static_strain(reference.basis, static_modal_amplitude(at_it, reference))
+    return Viable(least, max(found.linear_strain, judged))
 
 
 def _least_undeformed(study: Study, *, of_wall: bool) -> str:

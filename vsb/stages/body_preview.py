@@ -20,7 +20,7 @@ from vsb.hydro.formats.exchange import read_source
 from vsb.hydro.repairs import check_repairable
 from vsb.motion.frequency import allowed_part, compliance
 from vsb.motion.linear import LinearSystem, direction_index
-from vsb.pipeline.costs import IN_FINITE_DEPTH, body_seconds, memory_doubts, plain_seconds
+from vsb.pipeline.costs import body_seconds, memory_doubts, plain_seconds
 from vsb.results import ledger
 from vsb.scenes.body import check_water, complete_body, dry_database, within_band
 from vsb.scenes.drag import dragged
@@ -163,7 +163,7 @@ def check_stored(plan: BodyPlan) -> None:
         load(plan.radiation_path)
 
 
-QUICK = 15.0
+QUICK = 25.0
 """Seconds within which a body is solved to see what a run would say of it."""
 
 
@@ -195,14 +195,20 @@ def solved_lines(plan: BodyPlan, file: BodyFile, mesh: FlexibleBody) -> list[str
         smaller.append(history_of(file, finer, checks))
         file, mesh = finer, build_body(finer, plan.files)
         if not _quick(file, mesh):
-            more = plain_seconds(body_seconds(file, len(mesh.faces)))
+            more = plain_seconds(body_seconds(file, cost(file, mesh)[1]))
             return [_refined(smaller, f"not tried: {count} frequencies take about {more}; the run judges them")]
+
+
+def solving_seconds(plan: BodyPlan) -> float:
+    """Return the CPU time of the coefficients of a body on its panels, with the planes of symmetry they have [s]."""
+    file = plan.study.body.file
+    assert isinstance(file, BodyFile)
+    return body_seconds(file, cost(file, build_body(file, plan.files))[1])
 
 
 def _quick(file: BodyFile, mesh: FlexibleBody) -> bool:
     """Whether the coefficients of a body are solved within seconds."""
-    deep = np.isinf(file.water.depth)
-    return cost(file, mesh)[1] * len(file.omega) * (1.0 if deep else IN_FINITE_DEPTH) <= QUICK
+    return body_seconds(file, cost(file, mesh)[1]) <= QUICK
 
 
 def _refined(smaller: Sequence[str], outcome: str) -> str:

@@ -6,6 +6,7 @@ Each kind has a module of its own, imported only for a plan of that kind: a run 
 import importlib
 from typing import Any
 
+from vsb.pipeline.costs import GREEN_KEPT_SECONDS
 from vsb.pipeline.schedule import cost_line
 from vsb.stages.planning import degree_lines
 from vsb.study.campaign_plan import CampaignPlan
@@ -52,10 +53,19 @@ def summary(plan: Plan) -> list[str]:
 
 
 def cost_lines(plan: Plan) -> list[str]:
-    """Return the jobs left and their CPU time; a design problem measures its own."""
+    """Return the jobs left and their CPU time, of bodies from their meshes as built; a design measures its own."""
     if isinstance(plan, DesignPlan):
         return []
-    return [cost_line(plan)]
+    known: dict[str, float] = {}
+    bodies = [plan] if isinstance(plan, BodyPlan) else [*plan.bodies.values()] if isinstance(plan, CampaignPlan) else []
+    if some := [one for one in bodies if one.solves_panels]:
+        from vsb.hydro.panels.rings import is_table_kept
+        from vsb.stages.body_preview import solving_seconds
+
+        known = {one.database_path: solving_seconds(one) for one in some}
+        if is_table_kept():
+            known |= {f"{one.green_folder}.done": GREEN_KEPT_SECONDS for one in some}
+    return [cost_line(plan, known)]
 
 
 def sea_lines(plan: Plan) -> list[str]:

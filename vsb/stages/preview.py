@@ -34,7 +34,7 @@ def check(plan: StudyPlan) -> None:
     study = plan.study
     with load_advised(study):
         reference = reference_shell(study)
-    check_stable(study, seen_by_take_off(study, reference)[0])
+        check_stable(study, seen_by_take_off(study, reference)[0])
     check_spring(study, reference)
     check_rests(study, reference)
     if study.needs_bem:

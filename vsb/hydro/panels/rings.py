@@ -95,6 +95,11 @@ def stored_green_function(folder: str | Path) -> cpt.Delhommeau:
     return green_function(place)
 
 
+def is_table_kept() -> bool:
+    """Whether this machine keeps a table of the Green function, so that none is computed."""
+    return any(_kept_tables().glob("tabulation_*.npz"))
+
+
 def _kept_tables() -> Path:
     """Folder in which capytaine keeps tables of its Green function, for all that use it on this machine."""
     try:
