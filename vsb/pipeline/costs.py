@@ -100,7 +100,7 @@ def matrices_seconds(file: BodyFile, panels: float) -> float:
     Planes of symmetry halve them; those of a mesh that are to be found are not known here.
     """
     planes = file.symmetry.count("O") if file.symmetry != "auto" else 2 if file.hull else 0
-    return SECONDS_PER_PANEL2 * panels**2 / 2**planes
+    return float(SECONDS_PER_PANEL2 * panels**2 / 2**planes)
 
 
 def body_seconds(file: BodyFile, matrices: float) -> float:
