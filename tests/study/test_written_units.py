@@ -110,6 +110,16 @@ def test_a_number_out_of_range_that_fits_in_another_unit_is_asked_for(section, v
         config.parse(raw)
 
 
+def test_a_number_below_one_is_not_taken_for_per_cent_or_millimetres():
+    """Who writes 0.5 means a half, and 0.25 m is no shell of a quarter of a millimetre."""
+    for values in ({"poisson_ratio": 0.5}, {"thickness": 0.25}):
+        raw = copy.deepcopy(WHOLE[Study])
+        raw["device"] |= values
+        with pytest.raises(ConfigError) as error:
+            config.parse(raw)
+        assert "did you mean" not in str(error.value)
+
+
 @pytest.mark.parametrize(
     ("section", "values", "guess"),
     [

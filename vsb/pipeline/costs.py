@@ -48,7 +48,7 @@ REST_SECONDS = 1.2
 """What a point of a campaign about its equilibrium takes more: its rest and the modes left out."""
 SEA_SECONDS = {"linear": 0.05, "body_exact": 0.15}
 """Of one design in one sea of `verify`, by model."""
-BODY_SECONDS, IN_FINITE_DEPTH = 0.4, 2.5
+BODY_SECONDS, IN_FINITE_DEPTH = 0.25, 2.5
 """Of a frequency of a body beside its matrices, and how many times as long these take in finite depth."""
 MOST_MEMORY = 0.7
 """Part of a machine's memory that a job may need without a doubt: the rest is the system's and other jobs'."""

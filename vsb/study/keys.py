@@ -620,7 +620,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "force of a spring below zero at the rms stroke over the most by which the water brings the buoy back: its "
             "weight or, if less, its buoyancy left; at 0.05 it comes back from 20 rms strokes",
         ),
-        "cost": Key("-", "5.0e4", "cost by the prices given, in their currency"),
+        "cost": Key("-", "5.0e+4", "cost by the prices given, in their currency"),
         "sigmas": Key(
             "-",
             "2.0",

@@ -46,7 +46,13 @@ SAME = {
     "h5": {"bemio": "bemio"},
     "period": {"omega": "omega = 2 pi/period"},
     "omega": {"period": "period = 2 pi/omega"},
-    "freq": {"omega": "omega = 2 pi freq"},
+    "freq": {"omega": "omega = 2 pi freq", "period": "period = 1/freq"},
+    "frequency": {"omega": "omega = 2 pi frequency", "period": "period = 1/frequency, in Hz"},
+    "type": {"kind": "kind"},
+    "optimal": {"each": "each, the optimal damper of each design in each sea"},
+    "infinite": {".inf": ".inf"},
+    "infinity": {".inf": ".inf"},
+    "deep": {".inf": ".inf"},
     "wavelength": {"omega": "omega, which follows from the wavelength"},
     "heading": {"wave_direction": "wave_direction, in degrees", "direction": "direction, in degrees"},
     "lid_mesh": {"lid": "lid"},
@@ -385,11 +391,18 @@ def _needed(error: ErrorDetails, place: Place, raw: object, model: type[BaseMode
         tag, choices = str(ctx["tag"]), str(ctx["expected_tags"])
         return f"kind {shortened(repr(tag))}: needs one of {choices}{_meant(tag, choices)}"
     if kind == "union_tag_not_found":
-        return "kind: missing, but required"
+        other = next((key for key in error["input"] if same(str(key), ["kind"])), "")
+        return "kind: missing, but required" + (f"; did you mean kind in place of {other}?" if other else "")
     if kind == "float_parsing" and re.fullmatch(r"\s*[+-]?\d+,\d+\s*", str(error["input"])):
         return "needs a number with a decimal point, not a comma"
     if model and isinstance(text := error["input"], str) and (said := needed(text, unit_of(model, raw, place))):
         return said
+    if kind == "float_parsing" and schema:
+        what = keys_at(schema, place[:-1]).get(str(place[-1]), {}).get("description", "")
+        meant = same(str(error["input"]), [".inf"])
+        return f"needs a number{what and ': '}{what}" + (f"; did you mean {meant}?" if meant else "")
+    if kind in ("list_type", "tuple_type") and isinstance(error["input"], str | int | float):
+        return f"needs a list, [{shortened(str(error['input']))}]"
     if kind in ("model_type", "dict_type", "model_attributes_type") and re.match(r"\w+:\S", str(error["input"])):
         return "needs a mapping of keys and values: a space behind every colon"
     what = error["msg"] if kind == "value_error" else _WORDS.get(kind, "needs another value").format(**ctx)

@@ -157,8 +157,8 @@ def other_units(model: type[BaseModel], raw: Any, place: Place) -> Iterator[tupl
         return
     for other in LIKELY.get(unit.unit, ()):
         text = f"{number:.12g} {other}"
-        if split(text):
-            yield text, value_in(text, unit.unit)
+        if split(text) and not abs(value := value_in(text, unit.unit)) < abs(number) < 1:  # 0.017 is not meant in mm
+            yield text, value
 
 
 _SI_UNITS = (
