@@ -29,7 +29,7 @@ NOT_INSTALLED = "not installed"
 SUNDIALS = "CVODE (SUNDIALS)"
 SCIPY = ("RK45", "Radau")
 MOST_STEPS = 10_000_000
-ENOUGH = 2.0
+ENOUGH = 0.5
 """A run that takes so long is not repeated [s]."""
 Rates = Callable[[float, FloatArray], FloatArray]
 

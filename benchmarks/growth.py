@@ -30,7 +30,7 @@ from vsb.tools.files import write_text
 COLUMNS = ("direction", "size", "seconds", "error")
 DURATIONS, TOLERANCE = (150, 300, 600), 1e-6
 FREQUENCIES, NODES = (15, 60, 240), 16
-DEGREES, DESIGNS, POINTS = (12, 24, 48), (2, 8, 32), (25, 100, 400)
+DEGREES, DESIGNS, POINTS = (12, 24, 48), (2, 6, 18), (25, 100, 300)
 
 
 def by_duration() -> Iterator[Row]:
@@ -77,7 +77,7 @@ def by_modes() -> Iterator[Row]:
 
 def by_designs() -> Iterator[Row]:
     """The same of shells clamped at different colatitudes."""
-    clamped = {f"C{5 * i}": {"clamp": 5.0 * i} for i in range(max(DESIGNS))}
+    clamped = {f"C{10 * i}": {"clamp": 10.0 * i} for i in range(max(DESIGNS))}
     return _unchanged(
         _study({"modes": {"degree": 6}, "designs": dict(list(clamped.items())[:count])}, count) for count in DESIGNS
     )

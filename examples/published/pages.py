@@ -52,6 +52,12 @@ def printed(value: Value, form: str = "", *, negated: bool = False) -> str:
     return power_of_ten.sub(lambda found: f"e{found[1].strip('+')}", text).replace("-", MINUS)
 
 
+def table(head: list[str], rows: list[list[str]]) -> str:
+    """Return a table in Markdown."""
+    lines = [f"| {' | '.join(line)} |" for line in (head, *rows)]
+    return "\n".join([lines[0], "|---" * len(head) + "|", *lines[1:]])
+
+
 def completed(sentence: str, values: Values) -> str:
     """Return a sentence with its numbers."""
     return FIELD.sub(lambda field: _printed(field, values), sentence)

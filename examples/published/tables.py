@@ -9,7 +9,8 @@ import vsb
 from examples import claims
 from examples import directions as directions_example
 from examples.power_from_strain import HELD, TAKE_OFFS
-from examples.published.pages import MINUS, Value, Values, printed
+from examples.published import speed
+from examples.published.pages import MINUS, Value, Values, printed, table
 from examples.published.sources import (
     BASES,
     CONDITIONS,
@@ -32,12 +33,6 @@ def interval(values: Values, name: str, digits: int = 1) -> str:
     """Return a gain with its interval as a cell."""
     gain, low, high = (printed(values[f"{name}.{end}"], f"+.{digits}f") for end in ("percent", "low", "high"))
     return f"{gain} ({low} to {high})"
-
-
-def table(head: list[str], rows: list[list[str]]) -> str:
-    """Return a table in Markdown."""
-    lines = [f"| {' | '.join(line)} |" for line in (head, *rows)]
-    return "\n".join([lines[0], "|---" * len(head) + "|", *lines[1:]])
 
 
 def year(values: Values) -> str:
@@ -248,6 +243,7 @@ BLOCKS: Mapping[str, Callable[[Values], str]] = {
     "paper_inferred": partial(table_2, "paper_inferred", "inferred: P = 360 Pa, c = 6000"),
     "paper-choices": paper_choices,
     "paper-optimal": paper_optimal,
+    **speed.BLOCKS,
     **{name: partial(case, name) for name in SOURCES if name.startswith(("claims.", "surprises."))},
 }
 """By the name in the marker."""
