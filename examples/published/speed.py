@@ -100,12 +100,12 @@ def coefficients(values: Values) -> str:
         times = []
         for name in (CORRECTED, SPECTRAL):
             seconds, better = seconds_at(rows, name, finest["error"])
-            times.append(f"{name} {'more than ' if better else ''}{few(finest['seconds'] / seconds)} times")
+            times.append(f"{name}: {'more than ' if better else ''}{few(finest['seconds'] / seconds)}")
         found.append(
-            f"At the error of {base} with {finest['setting']:.0f} rows, {printed(finest['error'], '.0e')}, "
-            f"{' and '.join(times)} less time."
+            f"How many times faster at the error of {base} with {finest['setting']:.0f} rows, "
+            f"{printed(finest['error'], '.0e')}: {'; '.join(times)}."
         )
-    return table(head, lines) + "\n\n" + "\n".join(found)
+    return table(head, lines) + "\n\n" + "\n\n".join(found)
 
 
 def integrators(model: str, values: Values) -> str:
