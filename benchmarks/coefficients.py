@@ -25,11 +25,11 @@ import numpy as np
 import xarray as xr
 
 from benchmarks.measure import Row, as_csv, say
-from vsb.hydro.dofs import Displacement
-from vsb.hydro.panels import rings as bem
-from vsb.hydro.panels.mesh import mean_mesh
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.shell.deformed import rigid_sphere
+from vsb.engine.hydro.dofs import Displacement
+from vsb.engine.hydro.panels import rings as bem
+from vsb.engine.hydro.panels.mesh import mean_mesh
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.shell.deformed import rigid_sphere
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 

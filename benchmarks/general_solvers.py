@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag
 
 from benchmarks.compiled_solvers import COMPILED_DOP853, RK4, eighth_order, rk4
-from vsb.motion.system import Remainder, System, remainder
+from vsb.engine.motion.system import Remainder, System, remainder
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.compiled import njit
 

@@ -19,8 +19,8 @@ import vsb
 from benchmarks import coefficients
 from benchmarks.measure import CONFIG, Row, as_csv, on_one_core, run_python, say, timed, written
 from benchmarks.time_domain import IRREGULAR, SEAS, varied
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.shell.deformed import rigid_sphere
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.shell.deformed import rigid_sphere
 from vsb.stages.make import hydro_files
 from vsb.stages.simulate import run_simulate
 from vsb.study.plan import StudyPlan

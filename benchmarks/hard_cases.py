@@ -22,24 +22,24 @@ from scipy.linalg import eigh
 from scipy.spatial.transform import Rotation
 
 from examples import paper_rotations as multibody
+from vsb.engine.hydro.database import load_database
+from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.statespace import fit_radiation
+from vsb.engine.integrators.audit import energies, residual
+from vsb.engine.integrators.exact import convolve, propagate
+from vsb.engine.integrators.exponential import integrate
+from vsb.engine.integrators.simulate import CONVOLVED, simulate
+from vsb.engine.motion.linear import LinearSystem
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.system import Motion, System
+from vsb.engine.shell.device import Device
+from vsb.engine.shell.modes import constraint_drift, rigid_basis
 from vsb.errors import ConfigError, VsbError
-from vsb.hydro.database import load_database
-from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import fit_radiation
-from vsb.integrators.audit import energies, residual
-from vsb.integrators.exact import convolve, propagate
-from vsb.integrators.exponential import integrate
-from vsb.integrators.simulate import CONVOLVED, simulate
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto
-from vsb.motion.system import Motion, System
-from vsb.scenes.build import design_in_sea
-from vsb.scenes.rest import design_motions, reference_shell, study_basis
-from vsb.shell.modes import constraint_drift, rigid_basis
+from vsb.keys.reading import read_yaml
+from vsb.models.build import design_in_sea
+from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.stages.make import hydro_files
-from vsb.study.device import Device
 from vsb.study.plan import StudyPlan
-from vsb.study.reading import read_yaml
 from vsb.study.study import Study, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text

@@ -21,21 +21,21 @@ from scipy.integrate import simpson
 from benchmarks.compiled_solvers import COMPILED_DOP853, RK4
 from benchmarks.general_solvers import SCIPY, SUNDIALS, Equation, Solution, best, solved
 from benchmarks.measure import Row, as_csv, say
+from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.statespace import RadiationModel, truncated
+from vsb.engine.integrators.exact import convolve, propagate
+from vsb.engine.integrators.exponential import integrate
+from vsb.engine.integrators.harmonic_balance import steady_power
+from vsb.engine.integrators.simulate import EXACT
+from vsb.engine.motion.forces import RadiationMemory
+from vsb.engine.motion.system import Motion, System
+from vsb.engine.waves.kinds import RegularWave
 from vsb.errors import ConfigError, VsbError
-from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import RadiationModel, truncated
-from vsb.integrators.exact import convolve, propagate
-from vsb.integrators.exponential import integrate
-from vsb.integrators.harmonic_balance import steady_power
-from vsb.integrators.simulate import EXACT
-from vsb.motion.forces import RadiationMemory
-from vsb.motion.system import Motion, System
-from vsb.scenes.automatic import absorbed
-from vsb.scenes.build import DesignInSea, design_in_sea
+from vsb.models.automatic import absorbed
+from vsb.models.build import DesignInSea, design_in_sea
 from vsb.stages.make import hydro_files
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, parse
-from vsb.study.waves import RegularWave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 

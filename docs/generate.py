@@ -8,11 +8,12 @@ from typing import Any
 
 import vsb
 from vsb.cli import parser
-from vsb.study.body import BodyFile, BodyStudy
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.keys.meanings import KEYS
+from vsb.keys.schema import Schema, schema_of
+from vsb.study.body import BodyStudy
 from vsb.study.campaign import Campaign
 from vsb.study.design import Optimisation
-from vsb.study.keys import KEYS
-from vsb.study.schema import Schema, schema_of
 from vsb.study.study import Study
 from vsb.tools.commands import commands
 

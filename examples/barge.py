@@ -22,18 +22,18 @@ from scipy.optimize import minimize_scalar
 
 from examples import command
 from vsb.cli import print_verdict
+from vsb.engine.hydro.bodies.body import FlexibleBody
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.families import free_free_root, free_free_shape
+from vsb.engine.hydro.bodies.files import write_body
+from vsb.engine.hydro.bodies.mesh import at_centres, joined
+from vsb.engine.hydro.bodies.solution import read_config, run, solve
+from vsb.engine.hydro.database import Check, stored_checks
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody
-from vsb.hydro.bodies.families import free_free_root, free_free_shape
-from vsb.hydro.bodies.files import write_body
-from vsb.hydro.bodies.mesh import at_centres, joined
-from vsb.hydro.bodies.study import read_config, run, solve
-from vsb.hydro.database import Check, stored_checks
+from vsb.keys.quantities import Count, Finite, NonNegative, Number, Positive, Section, canonical
+from vsb.keys.reading import validated
 from vsb.report.canvas import grid_of_axes, legend_above, style
-from vsb.study.body import BodyFile
-from vsb.study.quantities import Count, Finite, NonNegative, Number, Positive, Section, canonical
-from vsb.study.reading import validated
-from vsb.study.sections import Water
 from vsb.tools.arrays import FloatArray, IntArray
 from vsb.tools.files import load, write_text
 from vsb.tools.tables import csv_text, svg_text
@@ -160,7 +160,7 @@ class Convergence(Section):
 class BargeStudy(Section):
     """A barge in waves: frequencies [rad/s], directions [degrees], panels over the draught, and what to compare.
 
-    `tolerance` [-] of interpolation between the frequencies solved, as of `vsb.study.body.BodyFile`.
+    `tolerance` [-] of interpolation between the frequencies solved, as of `vsb.engine.hydro.bodies.body_file.BodyFile`.
     """
 
     barge: Barge

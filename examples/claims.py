@@ -27,29 +27,29 @@ from scipy.integrate import cumulative_trapezoid
 import vsb
 from examples import command
 from examples.surprises import FLEXIBLE, RIGID, Figures, Ladder, chosen, regular, study_of, table
-from vsb.hydro.bodies.families import free_free_shape
-from vsb.hydro.bodies.plates import plate_modes
-from vsb.hydro.orders import order_groups
-from vsb.integrators.exact import propagate
-from vsb.motion.damper_matrix import best_matrix
-from vsb.motion.frequency import LinearEquation
+from vsb.engine.hydro.bodies.body_file import RoundPlate
+from vsb.engine.hydro.bodies.families import free_free_shape
+from vsb.engine.hydro.bodies.plates import plate_modes
+from vsb.engine.hydro.orders import order_groups
+from vsb.engine.integrators.exact import propagate
+from vsb.engine.motion.damper_matrix import best_matrix
+from vsb.engine.motion.frequency import LinearEquation
+from vsb.engine.waves.dispersion import power_limit
+from vsb.engine.waves.seas import sea
+from vsb.keys.reading import read_yaml
+from vsb.models.build import linear_design
+from vsb.models.floating_system import floating_system
+from vsb.models.mode_convergence import TAKE_OFFS, ModeConvergence
 from vsb.report.canvas import STYLES, grid_of_axes, legend_above
 from vsb.report.svg import drawn
-from vsb.scenes.build import linear_design
-from vsb.scenes.floating_system import floating_system
-from vsb.scenes.mode_convergence import TAKE_OFFS, ModeConvergence
 from vsb.stages.make import hydro_files, make
-from vsb.study.body import RoundPlate
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
 from vsb.study.plans import planned
-from vsb.study.reading import read_yaml
 from vsb.study.sections import Modes
 from vsb.study.study import Study, load, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load as load_file
 from vsb.tools.files import write_text
-from vsb.waves.dispersion import power_limit
-from vsb.waves.seas import sea
 
 PERIODS = np.linspace(2.0, 10.0, 161)
 """Of the regular waves in which designs are compared [s]."""

@@ -16,9 +16,9 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from examples import command
+from vsb.engine.integrators.harmonic_balance import steady_power
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.integrators.harmonic_balance import steady_power
-from vsb.scenes.build import assumed_pressure_design
+from vsb.models.build import assumed_pressure_design
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load
 from vsb.tools.files import write_text

@@ -24,9 +24,9 @@ from scipy.linalg import block_diag, solve
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
+from vsb.engine.shell.deformed import DeformedShell, Meridian
+from vsb.engine.shell.modes import ModeBasis
 from vsb.errors import StabilityError
-from vsb.shell.deformed import DeformedShell, Meridian
-from vsb.shell.modes import ModeBasis
 from vsb.tools.arrays import FloatArray
 
 AXIS = np.array([0.0, 0.0, 1.0])  # body axis of symmetry, through the top pole

@@ -16,18 +16,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from examples import command
-from vsb.motion.damper_matrix import best_matrix
-from vsb.motion.tuning import best_dampers
+from vsb.engine.motion.damper_matrix import best_matrix
+from vsb.engine.motion.tuning import best_dampers
+from vsb.engine.waves.climate import Climate
+from vsb.models.floating_system import floating_system
+from vsb.models.take_off import matrix_kind
 from vsb.results.year import band_weights, frequencies
-from vsb.scenes.floating_system import floating_system
-from vsb.scenes.take_off import matrix_kind
 from vsb.stages.climate import read_seas
 from vsb.stages.make import hydro_files
 from vsb.study.study import Study, load, parse
 from vsb.study.vary import scaled
 from vsb.tools.files import write_text
 from vsb.tools.tables import csv_text
-from vsb.waves.climate import Climate
 
 SCALES = (1.0, 4.0)
 """Of lengths, by Froude's law, in the same seas."""

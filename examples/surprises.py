@@ -17,14 +17,14 @@ import numpy as np
 
 from examples import command
 from examples.paper_at_optimal_damping import rows_of
+from vsb.engine.waves.seas import sea
 from vsb.errors import ConfigError
+from vsb.models.build import linear_design
+from vsb.models.floating_system import floating_system
 from vsb.results.ladder import ControlLevel, study_ladder
-from vsb.scenes.build import linear_design
-from vsb.scenes.floating_system import floating_system
 from vsb.stages.make import hydro_files
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study, load, parse
-from vsb.waves.seas import sea
 
 Figures = dict[str, float]
 RIGID, FLEXIBLE = "FSB", "VSWEC"

@@ -18,23 +18,23 @@ from scipy.integrate import solve_ivp
 
 import vsb
 from vsb.cli import main
-from vsb.hydro import database
-from vsb.hydro.panels import rings as bem
-from vsb.hydro.panels import sweep as panelsweep
-from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.spectral import solver as spectralsolver
-from vsb.hydro.statespace import fit_radiation
-from vsb.integrators.audit import START, energies
-from vsb.integrators.simulate import Leg, recorded
-from vsb.motion.forces import Spring
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto
-from vsb.scenes.rest import reference_shell, study_basis
+from vsb.engine.hydro import database
+from vsb.engine.hydro.panels import rings as bem
+from vsb.engine.hydro.panels import sweep as panelsweep
+from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.spectral import solver as spectralsolver
+from vsb.engine.hydro.statespace import fit_radiation
+from vsb.engine.integrators.audit import START, energies
+from vsb.engine.integrators.simulate import Leg, recorded
+from vsb.engine.motion.forces import Spring
+from vsb.engine.motion.linear import LinearSystem
+from vsb.engine.motion.port import LinearPto
+from vsb.keys.quantities import canonical
+from vsb.models.rest import reference_shell, study_basis
 from vsb.stages.panels import mean_mesh
 from vsb.stages.water import spectral_problem
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import canonical
 from vsb.study.specs import SpectralSpec
 from vsb.study.study import Study
 
@@ -146,7 +146,7 @@ def pytest_make_parametrize_id(config, val, argname):
     return argname if isinstance(val, bytes) else None
 
 
-FIRST, LAST = ("hydro",), ("shell", "study", "tools", "waves")
+FIRST, LAST = ("hydro",), ("keys", "shell", "study", "tools", "waves")
 
 
 def pytest_collection_modifyitems(items):

@@ -15,9 +15,9 @@ from stages.test_members import planned, with_seas
 
 from vsb import __version__
 from vsb.cli import main, parser
+from vsb.keys.quantities import canonical
 from vsb.pipeline.tasks import tasks
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import canonical
 from vsb.study.study import load
 from vsb.tools.commands import commands
 from vsb.tools.stamps import check_product

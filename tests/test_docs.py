@@ -16,19 +16,20 @@ from meshio import Mesh
 
 import vsb
 from vsb.cli import main, parser
-from vsb.hydro.bodies.body import detected_symmetry
-from vsb.hydro.bodies.files import read_body
-from vsb.hydro.bodies.hydrostatics import linear_share
-from vsb.hydro.bodies.study import read_config
-from vsb.hydro.panels.mesh import revolved
+from vsb.engine.hydro.bodies.body import detected_symmetry
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.files import read_body
+from vsb.engine.hydro.bodies.hydrostatics import linear_share
+from vsb.engine.hydro.bodies.solution import read_config
+from vsb.engine.hydro.panels.mesh import revolved
+from vsb.engine.waves.scatter import read_scatter
+from vsb.keys.schema import dotted, schema_of
 from vsb.stages import planning
 from vsb.stages.body_preview import check
-from vsb.study.body import BodyFile, BodyStudy, load_body
+from vsb.study.body import BodyStudy, load_body
 from vsb.study.plans import plan_of
-from vsb.study.schema import dotted, schema_of
 from vsb.study.study import Study, load
 from vsb.tools.commands import commands, long_options
-from vsb.waves.scatter import read_scatter
 
 HOME = Path(__file__).parent.parent
 PAGES = sorted([*HOME.glob("*.md"), *(HOME / "docs").glob("*.md"), *(HOME / "docs" / "decisions").glob("*.md")])

@@ -14,32 +14,35 @@ import xarray as xr
 from conftest import HERE
 from matplotlib.figure import Figure
 
+from vsb.engine.hydro.dofs import Displacement
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.integrators.audit import energies, residual
+from vsb.engine.integrators.exact import propagate
+from vsb.engine.integrators.exponential import phi_integrals
+from vsb.engine.integrators.harmonic_balance import harmonic_balance
+from vsb.engine.integrators.simulate import METHODS, Method, suited
+from vsb.engine.motion import take_off
+from vsb.engine.motion.forces import Damper, Excitation, Force, Linear, Spring
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System
+from vsb.engine.shell.deformed import DeformedShell, rigid_buoy, rigid_sphere
+from vsb.engine.shell.meridian import RestMeridian
+from vsb.engine.shell.modes import Mode, ModeBasis
+from vsb.engine.shell.ritz import natural_modes
+from vsb.engine.shell.shell import Shell, natural_frequencies
+from vsb.engine.waves import kinds as waves
 from vsb.errors import ConfigError
-from vsb.hydro.dofs import Displacement
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.integrators.audit import energies, residual
-from vsb.integrators.exact import propagate
-from vsb.integrators.exponential import phi_integrals
-from vsb.integrators.harmonic_balance import harmonic_balance
-from vsb.integrators.simulate import METHODS, Method, suited
-from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
-from vsb.motion.port import LinearPto
-from vsb.motion.scene import Scene
-from vsb.motion.system import System
+from vsb.keys import meanings as keys
+from vsb.keys.meanings import UNITS
+from vsb.keys.quantities import canonical, content_id
+from vsb.models.rest import study_basis
+from vsb.models.take_off import FORCES, with_take_off
 from vsb.pipeline.tasks import STAGES, Stage, Task
 from vsb.report.answer import damping_in_words
 from vsb.report.canvas import StudyData, grid_of_axes, legend_above, style
-from vsb.scenes.rest import study_basis
-from vsb.scenes.take_off import FORCES, with_take_off
-from vsb.shell.deformed import DeformedShell, rigid_buoy, rigid_sphere
-from vsb.shell.modes import Mode, ModeBasis
-from vsb.shell.ritz import natural_modes
-from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages.stage import run_task, specification
-from vsb.study import keys, specs, take_off, waves
-from vsb.study.keys import UNITS
-from vsb.study.meridian import RestMeridian
-from vsb.study.quantities import canonical, content_id
+from vsb.study import specs
 from vsb.tools.files import write_text
 from vsb.tools.stamps import faults, read_manifest, record
 

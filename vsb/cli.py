@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from vsb import __version__
 from vsb.errors import ConfigError, VsbError
+from vsb.keys.quantities import Section
+from vsb.keys.reading import nearest
 from vsb.pipeline.jobs import RULES
 from vsb.stages.check import summary
 from vsb.stages.init import init, init_body, init_campaign, init_design
@@ -20,13 +22,11 @@ from vsb.stages.stage import run_job
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import Section
-from vsb.study.reading import nearest
 from vsb.study.study import Study, load
 from vsb.tools.commands import long_options
 
 if TYPE_CHECKING:
-    from vsb.hydro.database import Check
+    from vsb.engine.hydro.database import Check
 
 Handler = Callable[[argparse.Namespace], int]
 AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
@@ -62,10 +62,11 @@ def check(args: argparse.Namespace) -> int:
 
 def schema(args: argparse.Namespace) -> int:
     """Print the JSON schema of study, body, campaign or design files, for editors to complete and check them."""
-    from vsb.study.body import BodyFile, BodyStudy
+    from vsb.engine.hydro.bodies.body_file import BodyFile
+    from vsb.keys.schema import schema_of
+    from vsb.study.body import BodyStudy
     from vsb.study.campaign import Campaign
     from vsb.study.design import Optimisation
-    from vsb.study.schema import schema_of
 
     models: dict[str, type[Section]] = {"study": Study, "campaign": Campaign, "design": Optimisation}
     models |= {"body-study": BodyStudy, "body": BodyFile}
@@ -92,7 +93,7 @@ def shell(args: argparse.Namespace) -> int:
 
 def export(args: argparse.Namespace) -> int:
     """Write the hydro database of a study, or a database file, for other codes: WAMIT's files and WEC-Sim's .h5."""
-    from vsb.hydro.formats.exchange import exported
+    from vsb.engine.hydro.formats.exchange import exported
 
     if (path := Path(args.config)).suffix == ".nc":
         print(*exported(path, args.folder, path.stem, inputs=[path]), sep="\n")
@@ -166,7 +167,7 @@ def _imported(checks: "list[Check]", notes: list[str], causes: list[str], out: s
 
 def body(args: argparse.Namespace) -> int:
     """Compute the hydro database of a mesh with any displacements and print its checks; 1 if one fails."""
-    from vsb.hydro.bodies import study as bodystudy
+    from vsb.engine.hydro.bodies import solution as bodystudy
 
     study, read = bodystudy.read_study(args.config, args.out)
     notes = [f"note: {note}" for note in read.history.split("; ") if note]
@@ -383,9 +384,9 @@ def _named_in(path: Path) -> list[Path]:
     """Files that exist and are named in a study, body or campaign file."""
     if path.suffix not in (".yaml", ".yml"):
         return []
-    from vsb.study.body import WAMIT
-    from vsb.study.quantities import leaves
-    from vsb.study.reading import read_yaml
+    from vsb.engine.hydro.bodies.body_file import WAMIT
+    from vsb.keys.quantities import leaves
+    from vsb.keys.reading import read_yaml
 
     try:
         values = leaves(read_yaml(path, "a study file")).items()

@@ -22,19 +22,19 @@ from examples import claims, paper_at_optimal_damping, surprises
 from examples.power_from_strain import SEAS
 from examples.published.pages import Value
 from examples.when_flexibility_pays import DEGREE
+from vsb.engine.motion.port import Port
+from vsb.engine.waves.dispersion import power_limit
+from vsb.engine.waves.kinds import RegularWave
 from vsb.errors import VsbError
-from vsb.motion.port import Port
+from vsb.models.floating_system import floating_system
+from vsb.models.rest import computed_buckling, reference_shell
+from vsb.models.viability import static_modal_amplitude, static_strain
 from vsb.report.band import gain_band
 from vsb.results.ledger import classical_check
-from vsb.scenes.floating_system import floating_system
-from vsb.scenes.rest import computed_buckling, reference_shell
-from vsb.scenes.viability import static_modal_amplitude, static_strain
 from vsb.stages.make import hydro_files
 from vsb.study.study import Study, parse
-from vsb.study.waves import RegularWave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
-from vsb.waves.dispersion import power_limit
 
 HOME = Path(__file__).parents[2]
 """The checkout."""

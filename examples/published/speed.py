@@ -14,7 +14,7 @@ from benchmarks.general_solvers import SCIPY, SUNDIALS
 from benchmarks.measure import seconds_at
 from benchmarks.time_domain import BALANCE, BALANCED, CONVOLUTION, EXPONENTIAL, IRREGULAR, PERIODS, REGULAR
 from examples.published.pages import Values, printed, table
-from vsb.integrators.simulate import EXACT
+from vsb.engine.integrators.simulate import EXACT
 
 FOLDER = Path(__file__).parents[2] / "docs" / "published" / "speed"
 Row = dict[str, Any]

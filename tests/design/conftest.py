@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from vsb.engine.waves.climate import Climate
 from vsb.study.study import parse
-from vsb.waves.climate import Climate
 
 DEVICE = {
     "radius": 2.0, "thickness": 0.01, "young_modulus": 10.0e6, "poisson_ratio": 0.3, "density": 2700.0,

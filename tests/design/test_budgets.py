@@ -10,8 +10,8 @@ from vsb.design.budgets import PowerParts, drawn_years, power_of_seas, power_par
 from vsb.design.compared import Buoy, gain
 from vsb.design.evaluation import DAMPER, DesignModel
 from vsb.design.problem import POWER
+from vsb.engine.waves.climate import Climate
 from vsb.results.budget import MODES
-from vsb.waves.climate import Climate
 
 
 def buoy_of(study, design, climate, degree=2):

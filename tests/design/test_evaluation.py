@@ -13,14 +13,14 @@ from vsb.design.margins import bending_degree
 from vsb.design.optimise import left_out
 from vsb.design.resting import RestingBuoy
 from vsb.design.year import FrequencyGrid
+from vsb.engine.hydro.database import Coefficients, with_excitation
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.hydro.database import Coefficients, with_excitation
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.scenes.ports import ShapeWater, buoy_at
-from vsb.scenes.rest import reference_shell, stiffness_about
+from vsb.models.ports import ShapeWater, buoy_at
+from vsb.models.rest import reference_shell, stiffness_about
 from vsb.study.design import PARTS
 from vsb.study.sections import Modes
-from vsb.waves.climate import Climate
 
 RUBBER = {
     "device": {

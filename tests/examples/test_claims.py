@@ -8,8 +8,8 @@ from scipy.linalg import eigh
 
 import vsb
 from examples import claims, surprises
-from vsb.hydro.bodies.files import read_body
-from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.engine.hydro.bodies.files import read_body
+from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.study.study import load, parse
 
 DOCS = HERE.parent / "docs"

@@ -7,7 +7,7 @@ from scipy.linalg import expm, sqrtm
 from scipy.spatial.transform import Rotation
 
 from examples.paper_rotations import AXIS, Body, Elastic, GeneralScene, Hydrostatic, State, Weight, integrate, skew
-from vsb.shell.modes import ModeBasis, mode_basis, rigid_basis
+from vsb.engine.shell.modes import ModeBasis, mode_basis, rigid_basis
 from vsb.study import study as config
 
 G = 9.81

@@ -8,7 +8,7 @@ import pytest
 from conftest import varied
 
 from examples import when_flexibility_pays as example
-from vsb.study.quantities import canonical
+from vsb.keys.quantities import canonical
 from vsb.study.vary import scaled
 
 

@@ -4,17 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from vsb.engine.hydro import database
+from vsb.engine.hydro.database import Check, Coefficients, in_modes, load_database, save_database, with_symmetrized
+from vsb.engine.shell.modes import mode_basis
 from vsb.errors import DatabaseError
-from vsb.hydro import database
-from vsb.hydro.database import (
-    Check,
-    Coefficients,
-    in_modes,
-    load_database,
-    save_database,
-    with_symmetrized,
-)
-from vsb.shell.modes import mode_basis
 
 
 def block(omega, degrees=(0, 1, 2), seed=0):

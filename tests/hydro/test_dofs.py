@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.hydro.dofs import (
+from vsb.engine.hydro.dofs import (
     Displacement,
     bessel,
     displacements,

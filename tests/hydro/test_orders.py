@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.hydro.dofs import Displacement
-from vsb.hydro.orders import (
+from vsb.engine.hydro.dofs import Displacement
+from vsb.engine.hydro.orders import (
     ORDER,
     heading_shares,
     in_order_modes,
@@ -14,13 +14,13 @@ from vsb.hydro.orders import (
     side_by_side,
     with_haskind_damping,
 )
-from vsb.hydro.quality import haskind_difference
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.shell.deformed import rigid_sphere
-from vsb.shell.modes import mode_basis
-from vsb.shell.orders import Ballast, order_basis, semi_normalisation
-from vsb.study.device import Device
-from vsb.waves.dispersion import power_limit
+from vsb.engine.hydro.quality import haskind_difference
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.shell.deformed import rigid_sphere
+from vsb.engine.shell.device import Device
+from vsb.engine.shell.modes import mode_basis
+from vsb.engine.shell.orders import Ballast, order_basis, semi_normalisation
+from vsb.engine.waves.dispersion import power_limit
 
 RHO, G = 1025.0, 9.81
 DEVICE = Device(radius=2.0, thickness=0.01, young_modulus=1e7, poisson_ratio=0.3, density=2700.0, mass=17170.0)

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from vsb.engine.hydro.passive import RadiationSamples, entry_error, fit_lowest, fit_passive, sizes
+from vsb.engine.hydro.realisation import StateSpace, least_damping
+from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.statespace import RadiationModel
 from vsb.errors import ConvergenceError, DatabaseError, StabilityError
-from vsb.hydro.passive import RadiationSamples, entry_error, fit_lowest, fit_passive, sizes
-from vsb.hydro.realisation import StateSpace, least_damping
-from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import RadiationModel
 
 OMEGA = np.linspace(0.05, 6.0, 80)
 

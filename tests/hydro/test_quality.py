@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from vsb.engine.hydro import quality
+from vsb.engine.waves.dispersion import group_velocity
+from vsb.engine.waves.water import Water
 from vsb.errors import DatabaseError
-from vsb.hydro import quality
-from vsb.study.sections import Water
-from vsb.waves.dispersion import group_velocity
 
 OMEGA = np.arange(1, 121) * 0.1
 RHO, G = 1000.0, 9.81

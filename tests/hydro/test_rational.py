@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vsb.engine.hydro.rational import interpolants, selected
 from vsb.errors import ConvergenceError
-from vsb.hydro.rational import interpolants, selected
 
 GRID = np.linspace(0.1, 12.0, 400)
 ONE = np.ones_like(GRID)

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vsb.engine.hydro.realisation import LEVEL, Balanced, StateSpace, crossings, least_damping, rational_fit
 from vsb.errors import StabilityError
-from vsb.hydro.realisation import LEVEL, Balanced, StateSpace, crossings, least_damping, rational_fit
 
 OMEGA = np.linspace(0.05, 6.0, 80)
 

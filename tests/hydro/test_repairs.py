@@ -5,9 +5,15 @@ import pytest
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
+from vsb.engine.hydro.repairs import (
+    PAIR,
+    repaired,
+    with_causal_added_mass,
+    with_passive_damping,
+    with_symmetric_stiffness,
+)
+from vsb.engine.hydro.retardation import DampingSpectrum
 from vsb.errors import ConfigError
-from vsb.hydro.repairs import PAIR, repaired, with_causal_added_mass, with_passive_damping, with_symmetric_stiffness
-from vsb.hydro.retardation import DampingSpectrum
 
 LABELS = ["Heave", "Pitch"]
 OMEGA = np.arange(1, 61) * 0.1

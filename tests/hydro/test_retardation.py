@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from vsb.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.retardation import DampingSpectrum
 
 OMEGA = np.arange(1, 121) * 0.1
 TAIL = 2 / np.pi * 3 / (4 * 12.0**4)  # what w^-3 beyond 12 rad/s misses of w^-3 (1 - 3 w^-2 + ...)

@@ -5,8 +5,7 @@ import pytest
 import xarray as xr
 from conftest import varied
 
-from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.shape_dependence import (
+from vsb.engine.hydro.shape_dependence import (
     COEFFICIENTS,
     ShapeDatabase,
     ShapeFamily,
@@ -18,8 +17,9 @@ from vsb.hydro.shape_dependence import (
     shape_database,
     tried_shapes,
 )
-from vsb.scenes.rest import reference_shell
-from vsb.shell.deformed import rigid_sphere
+from vsb.engine.shell.deformed import rigid_sphere
+from vsb.errors import ConfigError, DatabaseError
+from vsb.models.rest import reference_shell
 
 OMEGAS = (0.8, 1.6, 3.2, 6.4)
 

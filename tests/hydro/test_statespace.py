@@ -3,9 +3,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.statespace import RadiationModel, _dissipative, fit_order, fit_radiation, vector_fit
 from vsb.errors import StabilityError
-from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import RadiationModel, _dissipative, fit_order, fit_radiation, vector_fit
 
 
 def chain(order: int, dof: int, seed: int) -> RadiationModel:

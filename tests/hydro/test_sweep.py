@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vsb.engine.hydro import dofs
+from vsb.engine.hydro.spectral.solver import SpectralProblem, converged, converged_on_grid, incident_wave, resolved
+from vsb.engine.hydro.sweep import FORCES, on_grid
+from vsb.engine.shell.deformed import rigid_sphere
 from vsb.errors import ConvergenceError
-from vsb.hydro import dofs
-from vsb.hydro.spectral.solver import SpectralProblem, converged, converged_on_grid, incident_wave, resolved
-from vsb.hydro.sweep import FORCES, on_grid
-from vsb.scenes.rest import reference_shell
-from vsb.shell.deformed import rigid_sphere
+from vsb.models.rest import reference_shell
 from vsb.study import study as config
 
 HERE = Path(__file__).parents[1]

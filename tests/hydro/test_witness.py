@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
+from vsb.engine.hydro import witness
+from vsb.engine.hydro.database import displacements_of, in_modes, with_excitation
+from vsb.engine.hydro.panels.mesh import deformed_mesh
+from vsb.engine.hydro.panels.sweep import witness_runs
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.hydro.witness import Waves, deformed_shapes
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.modes import ModeBasis, shell_modes
+from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError
-from vsb.hydro import witness
-from vsb.hydro.database import displacements_of, in_modes, with_excitation
-from vsb.hydro.panels.mesh import deformed_mesh
-from vsb.hydro.panels.sweep import witness_runs
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.hydro.witness import Waves, deformed_shapes
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import ModeBasis, shell_modes
-from vsb.shell.shell import Shell
 from vsb.tools.files import load, save
 
 SHELL = Shell(2.0, 0.01, 1.0, 0.3, 1.0)

@@ -8,21 +8,21 @@ from conftest import varied
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vsb.engine.hydro import database
+from vsb.engine.hydro.statespace import RadiationModel, fit_radiation
+from vsb.engine.integrators.audit import TERMS, energies, flow, residual
+from vsb.engine.integrators.exact import propagate
+from vsb.engine.integrators.simulate import legs, recorded, simulate
+from vsb.engine.motion.builders import linear_scene
+from vsb.engine.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.engine.motion.linear import LinearSystem
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import Motion, System
+from vsb.engine.waves.seas import sea
 from vsb.errors import ConvergenceError
-from vsb.hydro import database
-from vsb.hydro.statespace import RadiationModel, fit_radiation
-from vsb.integrators.audit import TERMS, energies, flow, residual
-from vsb.integrators.exact import propagate
-from vsb.integrators.simulate import legs, recorded, simulate
-from vsb.motion.builders import linear_scene
-from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto
-from vsb.motion.scene import Scene
-from vsb.motion.system import Motion, System
-from vsb.scenes.rest import design_motions, reference_shell, study_basis
+from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.study import sections
-from vsb.waves.seas import sea
 
 
 def one_mass(**forces):

@@ -5,15 +5,15 @@ import pytest
 from conftest import EXAMPLE, compiled_motion, only_run, springs, varied
 from scipy.integrate import solve_ivp
 
-from vsb.integrators.exponential import integrate
-from vsb.integrators.simulate import simulate
-from vsb.motion.system import System
-from vsb.motion.wetted import WetShell, meridian_series, wet_intervals
-from vsb.scenes.build import assumed_pressure_design
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import mode_basis
+from vsb.engine.integrators.exponential import integrate
+from vsb.engine.integrators.simulate import simulate
+from vsb.engine.motion.system import System
+from vsb.engine.motion.wetted import WetShell, meridian_series, wet_intervals
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.modes import mode_basis
+from vsb.engine.waves.seas import NO_WAVES
+from vsb.models.build import assumed_pressure_design
 from vsb.study import study as config
-from vsb.waves.seas import NO_WAVES
 
 STILL = [{"kind": "still"}]
 

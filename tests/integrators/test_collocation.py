@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from vsb.engine.integrators.collocation import NODES, SHORTEST, Collocation, collocated
+from vsb.engine.integrators.harmonic_balance import harmonic_balance
+from vsb.engine.integrators.settings import Simulation
+from vsb.engine.integrators.simulate import legs, suited
+from vsb.engine.motion.forces import Damper, Excitation, Force, Linear, QuadraticDrag, Spring
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System
+from vsb.engine.waves.seas import Sea
 from vsb.errors import ConvergenceError
-from vsb.integrators.collocation import NODES, SHORTEST, Collocation, collocated
-from vsb.integrators.harmonic_balance import harmonic_balance
-from vsb.integrators.simulate import legs, suited
-from vsb.motion.forces import Damper, Excitation, Force, Linear, QuadraticDrag, Spring
-from vsb.motion.scene import Scene
-from vsb.motion.system import System
-from vsb.study.sections import Simulation
-from vsb.waves.seas import Sea
 
 OMEGA, PUSH, FLOW, DRAG = 2.5, 30.0 + 5.0j, 0.2 - 0.1j, 3.0
 LINEAR = {

@@ -12,21 +12,21 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq
 
-from vsb.hydro import database
-from vsb.hydro.dofs import Displacement
-from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.hydro.statespace import fit_radiation
-from vsb.integrators.exact import propagate
-from vsb.integrators.exponential import integrate
-from vsb.motion.builders import body_exact_scene, linear_scene
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto
-from vsb.motion.system import System
-from vsb.scenes.rest import reference_shell
-from vsb.shell.deformed import rigid_sphere
+from vsb.engine.hydro import database
+from vsb.engine.hydro.dofs import Displacement
+from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.hydro.statespace import fit_radiation
+from vsb.engine.integrators.exact import propagate
+from vsb.engine.integrators.exponential import integrate
+from vsb.engine.motion.builders import body_exact_scene, linear_scene
+from vsb.engine.motion.linear import LinearSystem
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.system import System
+from vsb.engine.shell.deformed import rigid_sphere
+from vsb.engine.waves.seas import NO_WAVES
+from vsb.models.rest import reference_shell
 from vsb.study.plan import StudyPlan
-from vsb.waves.seas import NO_WAVES
 
 RADIUS, MASS, DENSITY, GRAVITY = 5.0, 261.8e3, 1000.0, 9.81
 WEIGHT = DENSITY * GRAVITY

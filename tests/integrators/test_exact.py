@@ -7,20 +7,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vsb.engine.hydro.statespace import RadiationModel, fit_radiation
+from vsb.engine.integrators.audit import energies, residual
+from vsb.engine.integrators.exact import convolve, propagate, steady_state, transition
+from vsb.engine.integrators.harmonic_balance import harmonic_balance
+from vsb.engine.integrators.settings import Simulation
+from vsb.engine.integrators.simulate import simulate
+from vsb.engine.motion.builders import linear_scene
+from vsb.engine.motion.forces import Damper, Excitation, RadiationMemory, RelaxingDamper, Spring
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System
+from vsb.engine.waves.seas import Sea
 from vsb.errors import StabilityError
-from vsb.hydro.statespace import RadiationModel, fit_radiation
-from vsb.integrators.audit import energies, residual
-from vsb.integrators.exact import convolve, propagate, steady_state, transition
-from vsb.integrators.harmonic_balance import harmonic_balance
-from vsb.integrators.simulate import simulate
-from vsb.motion.builders import linear_scene
-from vsb.motion.forces import Damper, Excitation, RadiationMemory, RelaxingDamper, Spring
-from vsb.motion.port import LinearPto
-from vsb.motion.scene import Scene
-from vsb.motion.system import System
-from vsb.scenes.rest import design_motions, study_basis
-from vsb.study.sections import Simulation
-from vsb.waves.seas import Sea
+from vsb.models.rest import design_motions, study_basis
 
 
 def oscillator(forces):

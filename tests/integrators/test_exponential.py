@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from conftest import compiled_motion, labelled, only_run, varied
 
-from vsb.errors import ConvergenceError
-from vsb.integrators.audit import energies
-from vsb.integrators.exponential import (
+from vsb.engine.integrators.audit import energies
+from vsb.engine.integrators.exponential import (
     EVALUATIONS,
     HISTORY,
     KEPT,
@@ -17,11 +16,12 @@ from vsb.integrators.exponential import (
     integrate,
     march,
 )
-from vsb.integrators.simulate import simulate
-from vsb.motion.system import System
+from vsb.engine.integrators.simulate import simulate
+from vsb.engine.motion.system import System
+from vsb.engine.waves.seas import NO_WAVES
+from vsb.errors import ConvergenceError
+from vsb.models.build import assumed_pressure_design
 from vsb.results.comparison import merit
-from vsb.scenes.build import assumed_pressure_design
-from vsb.waves.seas import NO_WAVES
 
 ASSUMED = {"model": "assumed_pressure", "pressure": 1800.0}
 

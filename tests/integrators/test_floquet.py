@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.special import mathieu_a, mathieu_b
 
+from vsb.engine.integrators.floquet import harmonics_of, hill_matrix, monodromy, multipliers, phases, synthesized
 from vsb.errors import ConvergenceError
-from vsb.integrators.floquet import harmonics_of, hill_matrix, monodromy, multipliers, phases, synthesized
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -6,25 +6,25 @@ import numpy as np
 import pytest
 from conftest import HERE, solved_block, varied
 
+from vsb.engine.hydro import database
+from vsb.engine.hydro.statespace import fit_radiation
+from vsb.engine.integrators import harmonic_balance as harmonic
+from vsb.engine.integrators.exact import steady_state
+from vsb.engine.integrators.exponential import integrate
+from vsb.engine.integrators.floquet import largest, multipliers
+from vsb.engine.integrators.harmonic_balance import PeriodicScene, continued, harmonic_balance, steady_power
+from vsb.engine.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
+from vsb.engine.motion.forces import AssumedPressure, Excitation, TakeOff
+from vsb.engine.motion.linear import LinearSystem
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.scene import Scene, resting
+from vsb.engine.motion.system import System
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.waves.seas import NO_WAVES, Sea
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.hydro import database
-from vsb.hydro.statespace import fit_radiation
-from vsb.integrators import harmonic_balance as harmonic
-from vsb.integrators.exact import steady_state
-from vsb.integrators.exponential import integrate
-from vsb.integrators.floquet import largest, multipliers
-from vsb.integrators.harmonic_balance import PeriodicScene, continued, harmonic_balance, steady_power
-from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
-from vsb.motion.forces import AssumedPressure, Excitation, TakeOff
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto
-from vsb.motion.scene import Scene, resting
-from vsb.motion.system import System
-from vsb.scenes.rest import design_motions, reference_shell, study_basis
-from vsb.shell.deformed import DeformedShell
+from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
-from vsb.waves.seas import NO_WAVES, Sea
 
 OMEGA = 2 * np.pi / 2.5
 STATED, INFERRED = {"pressure": 1800.0}, {"pressure": 360.0}

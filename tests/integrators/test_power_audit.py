@@ -9,22 +9,22 @@ import xarray as xr
 from conftest import SEED, varied
 from scipy.interpolate import CubicSpline
 
-from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import fit_radiation
-from vsb.integrators.audit import TERMS, absorbed_power, energies, residual
-from vsb.integrators.harmonic_balance import harmonic_balance
-from vsb.integrators.simulate import METHODS
-from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
-from vsb.motion.forces import EXCITING, AssumedPressure, QuadraticDrag
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto
-from vsb.motion.system import System
-from vsb.scenes.latching import with_latching_time
-from vsb.scenes.rest import design_motions, reference_shell
-from vsb.scenes.take_off import with_take_off
+from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.statespace import fit_radiation
+from vsb.engine.integrators.audit import TERMS, absorbed_power, energies, residual
+from vsb.engine.integrators.harmonic_balance import harmonic_balance
+from vsb.engine.integrators.simulate import METHODS
+from vsb.engine.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
+from vsb.engine.motion.forces import EXCITING, AssumedPressure, QuadraticDrag
+from vsb.engine.motion.linear import LinearSystem
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.system import System
+from vsb.engine.motion.take_off import Pto
+from vsb.engine.waves.seas import Sea
+from vsb.models.latching import with_latching_time
+from vsb.models.rest import design_motions, reference_shell
+from vsb.models.take_off import with_take_off
 from vsb.study.study import load
-from vsb.study.take_off import Pto
-from vsb.waves.seas import Sea
 
 PERIOD = 4.0
 SEA = Sea(np.array([2 * np.pi / PERIOD]), np.array([0.15 + 0.0j]))

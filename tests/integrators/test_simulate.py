@@ -7,22 +7,22 @@ import pytest
 from conftest import EXAMPLE, only_run, varied
 from motion.test_builders import buoy_of
 
+from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.integrators.audit import energies, residual
+from vsb.engine.integrators.exponential import phi_integrals
+from vsb.engine.integrators.harmonic_balance import harmonic_balance
+from vsb.engine.integrators.settings import Simulation
+from vsb.engine.integrators.simulate import METHODS, legs, recorded_steps, simulate
+from vsb.engine.motion.builders import body_exact_scene
+from vsb.engine.motion.forces import Damper, Excitation, Force, Linear, Spring
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System
+from vsb.engine.waves.seas import NO_WAVES, Sea
 from vsb.errors import StabilityError
-from vsb.hydro.retardation import DampingSpectrum
-from vsb.integrators.audit import energies, residual
-from vsb.integrators.exponential import phi_integrals
-from vsb.integrators.harmonic_balance import harmonic_balance
-from vsb.integrators.simulate import METHODS, legs, recorded_steps, simulate
-from vsb.motion.builders import body_exact_scene
-from vsb.motion.forces import Damper, Excitation, Force, Linear, Spring
-from vsb.motion.port import LinearPto
-from vsb.motion.scene import Scene
-from vsb.motion.system import System
-from vsb.scenes.build import assumed_pressure_design
-from vsb.scenes.rest import reference_shell
-from vsb.study.sections import Simulation
+from vsb.models.build import assumed_pressure_design
+from vsb.models.rest import reference_shell
 from vsb.study.study import load
-from vsb.waves.seas import NO_WAVES, Sea
 
 SWELL = Sea(np.array([2.5]), np.array([0.1 + 0j]))
 

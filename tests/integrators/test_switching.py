@@ -9,20 +9,20 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
+from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.integrators.audit import absorbed_power, energies, residual
+from vsb.engine.integrators.exact import propagate
+from vsb.engine.integrators.exponential import integrate
+from vsb.engine.integrators.harmonic_balance import harmonic_balance
+from vsb.engine.integrators.periodic import Trials, periodic_power
+from vsb.engine.integrators.settings import Simulation
+from vsb.engine.integrators.simulate import legs, simulate
+from vsb.engine.integrators.switching import Switching
+from vsb.engine.motion.forces import Damper, EndStop, Excitation, RadiationMemory, Spring, SpringDamper, TakeOff
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System
+from vsb.engine.waves.seas import Sea
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.hydro.statespace import RadiationModel
-from vsb.integrators.audit import absorbed_power, energies, residual
-from vsb.integrators.exact import propagate
-from vsb.integrators.exponential import integrate
-from vsb.integrators.harmonic_balance import harmonic_balance
-from vsb.integrators.periodic import Trials, periodic_power
-from vsb.integrators.simulate import legs, simulate
-from vsb.integrators.switching import Switching
-from vsb.motion.forces import Damper, EndStop, Excitation, RadiationMemory, Spring, SpringDamper, TakeOff
-from vsb.motion.scene import Scene
-from vsb.motion.system import System
-from vsb.study.sections import Simulation
-from vsb.waves.seas import Sea
 
 B, MASS, SPRING, DRAG = np.array([1.0]), 2.0, 50.0, 0.3
 TIME = np.linspace(0.0, 12.0, 801)

@@ -7,16 +7,16 @@ import pytest
 from conftest import springs
 from scipy.integrate import solve_ivp
 
-from vsb.integrators.audit import energies, residual
-from vsb.integrators.switching import Switching
-from vsb.motion.builders import assumed_pressure_scene
-from vsb.motion.controller import Controller
-from vsb.motion.forces import AssumedPressure, EndStop, TakeOff
-from vsb.motion.port import LinearPto, port_direction
-from vsb.motion.system import System
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import mode_basis, rigid_basis
-from vsb.study.take_off import StrainPort
+from vsb.engine.integrators.audit import energies, residual
+from vsb.engine.integrators.switching import Switching
+from vsb.engine.motion.builders import assumed_pressure_scene
+from vsb.engine.motion.controller import Controller
+from vsb.engine.motion.forces import AssumedPressure, EndStop, TakeOff
+from vsb.engine.motion.port import LinearPto, port_direction
+from vsb.engine.motion.system import System
+from vsb.engine.motion.take_off import StrainPort
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.modes import mode_basis, rigid_basis
 
 B, START, DURATION = np.ones(1), (0.1, 0.2), 5.0
 FILTER = Controller(

@@ -7,19 +7,19 @@ import pytest
 import xarray as xr
 from conftest import labelled
 
+from vsb.engine.hydro.database import Check, as_json
+from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.integrators.settings import Simulation
+from vsb.engine.integrators.simulate import simulate
+from vsb.engine.motion.builders import linear_scene, together
+from vsb.engine.motion.coefficient_errors import INTERPOLATION, OF_OTHERS, RESOLVED, coefficient_errors
+from vsb.engine.motion.linear import linear_body, with_added_mass_inf
+from vsb.engine.motion.port import LinearPto, combination
+from vsb.engine.motion.system import System
+from vsb.engine.waves.seas import Sea
 from vsb.errors import StabilityError
-from vsb.hydro.database import Check, as_json
-from vsb.hydro.statespace import RadiationModel
-from vsb.integrators.simulate import simulate
-from vsb.motion.builders import linear_scene, together
-from vsb.motion.coefficient_errors import INTERPOLATION, OF_OTHERS, RESOLVED, coefficient_errors
-from vsb.motion.linear import linear_body, with_added_mass_inf
-from vsb.motion.port import LinearPto, combination
-from vsb.motion.system import System
-from vsb.scenes.floating_system import body_motions
+from vsb.models.floating_system import body_motions
 from vsb.study.body import BodyDesign
-from vsb.study.sections import Simulation
-from vsb.waves.seas import Sea
 
 PAIR = ("influenced_dof", "radiating_dof")
 OBLIQUE = np.pi / 4

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from conftest import varied
 
+from vsb.engine.integrators.exact import propagate
+from vsb.engine.integrators.exponential import integrate
+from vsb.engine.motion.builders import body_exact_scene, linear_scene
+from vsb.engine.motion.forces import Excitation
+from vsb.engine.motion.system import System
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.waves.seas import NO_WAVES, Sea
 from vsb.errors import ConvergenceError
-from vsb.integrators.exact import propagate
-from vsb.integrators.exponential import integrate
-from vsb.motion.builders import body_exact_scene, linear_scene
-from vsb.motion.forces import Excitation
-from vsb.motion.system import System
-from vsb.scenes.rest import design_motions, reference_shell, study_basis
-from vsb.shell.deformed import DeformedShell
-from vsb.waves.seas import NO_WAVES, Sea
+from vsb.models.rest import design_motions, reference_shell, study_basis
 
 OMEGA = 2 * np.pi / 3.0
 
@@ -50,7 +50,7 @@ def exact_linear(parts, study, design, amplitude):
     water = body_exact_scene(buoy, shape, radiation, swell(tiny), motions).water
 
     def head(wave, time):
-        from vsb.motion.froude_krylov import wave_forces
+        from vsb.engine.motion.froude_krylov import wave_forces
 
         return wave_forces(water.shell.shape, water.rest[None], wave, np.array([time]))[0]
 

@@ -5,14 +5,14 @@ import pytest
 import xarray as xr
 from conftest import SEED, varied
 
-from vsb.hydro.statespace import RadiationModel
-from vsb.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
-from vsb.motion.forces import AssumedPressure
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto
-from vsb.scenes.rest import design_motions, reference_shell
+from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.motion.builders import assumed_pressure_scene, body_exact_scene, linear_scene
+from vsb.engine.motion.forces import AssumedPressure
+from vsb.engine.motion.linear import LinearSystem
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.waves.seas import NO_WAVES, Sea
+from vsb.models.rest import design_motions, reference_shell
 from vsb.study.study import load
-from vsb.waves.seas import NO_WAVES, Sea
 
 SEA = Sea(np.array([1.5, 2.5]), np.array([0.05 + 0.02j, 0.03j]))
 OMEGA = np.linspace(0.5, 6.0, 12)

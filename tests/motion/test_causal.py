@@ -6,11 +6,11 @@ from motion.test_harmonics import MASS, admittance
 from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 from scipy.optimize import minimize
 
+from vsb.engine.motion.causal import RmsLimits, StationaryPort, Weights, numerical_error, optimum
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.tuning import damper_within_force
+from vsb.engine.waves.spectra import jonswap_spectrum
 from vsb.errors import StabilityError
-from vsb.motion.causal import RmsLimits, StationaryPort, Weights, numerical_error, optimum
-from vsb.motion.port import Port
-from vsb.motion.tuning import damper_within_force
-from vsb.waves.spectra import jonswap_spectrum
 
 
 def buoy(tp=4.0, spacing=0.01, top=24.0, resonance=1.6):

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.integrators.exact import propagate
+from vsb.engine.motion.forces import Damper, Excitation, RadiationMemory, Spring
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.modes import check_rank, constraint_drift, mode_basis
 from vsb.errors import ConfigError
-from vsb.hydro.statespace import RadiationModel
-from vsb.integrators.exact import propagate
-from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring
-from vsb.motion.scene import Scene
-from vsb.motion.system import System
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import check_rank, constraint_drift, mode_basis
 
 PERIOD = 2.5
 CLAMPS = {"VSWEC0": [0], "VSWEC90": [90], "two": [0, 90], "pair": [60, 120], "repeated": [0, 90, 90, 0, 180]}

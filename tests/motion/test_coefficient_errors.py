@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from vsb.hydro.database import Coefficients
-from vsb.motion.coefficient_errors import (
+from vsb.engine.hydro.database import Coefficients
+from vsb.engine.motion.coefficient_errors import (
     _SAFETY,
     CoefficientError,
     Sensitivity,
@@ -14,8 +14,8 @@ from vsb.motion.coefficient_errors import (
     sensitivity_at_ports,
     sensitivity_of_forces,
 )
-from vsb.motion.frequency import LinearEquation
-from vsb.waves.dispersion import group_velocity, wavenumber
+from vsb.engine.motion.frequency import LinearEquation
+from vsb.engine.waves.dispersion import group_velocity, wavenumber
 
 OMEGA = np.array([0.7, 1.1, 1.9])
 SQUARES = np.array([0.3, 1.0, 0.2])

@@ -8,10 +8,10 @@ import pytest
 from motion.test_harmonics import SEA, WAVES, admittance, buoy, buoy_port, instants
 from scipy.optimize import linprog, lsq_linear, minimize
 
+from vsb.engine.motion import constrained
+from vsb.engine.motion.constrained import NoForceFoundError, constrained_optimum
+from vsb.engine.motion.force_bound import NODES, Harmonics, Limits, force_bound
 from vsb.errors import StabilityError
-from vsb.motion import constrained
-from vsb.motion.constrained import NoForceFoundError, constrained_optimum
-from vsb.motion.force_bound import NODES, Harmonics, Limits, force_bound
 from vsb.results.ladder import GAP as PROVEN
 
 GAP = 1e-6

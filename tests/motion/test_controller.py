@@ -5,14 +5,14 @@ import pytest
 from motion.test_causal import buoy
 from scipy.integrate import solve_ivp
 
+from vsb.engine.integrators.audit import energies, residual
+from vsb.engine.integrators.switching import Switching
+from vsb.engine.motion.causal import NOISE, RmsLimits, optimum
+from vsb.engine.motion.controller import FITTED, Controller, achieved, realised, within_limit
+from vsb.engine.motion.forces import Damper, Excitation, Spring, TakeOff
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System
 from vsb.errors import StabilityError
-from vsb.integrators.audit import energies, residual
-from vsb.integrators.switching import Switching
-from vsb.motion.causal import NOISE, RmsLimits, optimum
-from vsb.motion.controller import FITTED, Controller, achieved, realised, within_limit
-from vsb.motion.forces import Damper, Excitation, Spring, TakeOff
-from vsb.motion.scene import Scene
-from vsb.motion.system import System
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5])

@@ -7,12 +7,12 @@ import pytest
 from conftest import varied
 from motion.test_port import solved
 
-from vsb.hydro.database import Coefficients
-from vsb.motion.damper_matrix import Ports, best_matrix
-from vsb.motion.frequency import LinearEquation
-from vsb.motion.port import LinearPto, port_direction
-from vsb.scenes.rest import design_motions, reference_shell, study_basis
-from vsb.study.take_off import DistributedPort, SeveralPorts
+from vsb.engine.hydro.database import Coefficients
+from vsb.engine.motion.damper_matrix import Ports, best_matrix
+from vsb.engine.motion.frequency import LinearEquation
+from vsb.engine.motion.port import LinearPto, port_direction
+from vsb.engine.motion.take_off import DistributedPort, SeveralPorts
+from vsb.models.rest import design_motions, reference_shell, study_basis
 
 ALL = np.ones(1)
 

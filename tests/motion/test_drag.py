@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.motion.drag import GAUSSIAN, REGULAR, DraggedPort, best_damper, best_pair, with_load
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto, Port
-from vsb.motion.tuning import best_dampers, best_pairs
+from vsb.engine.motion.drag import GAUSSIAN, REGULAR, DraggedPort, best_damper, best_pair, with_load
+from vsb.engine.motion.linear import LinearSystem
+from vsb.engine.motion.port import LinearPto, Port
+from vsb.engine.motion.tuning import best_dampers, best_pairs
 
 DRAG = 0.4
 

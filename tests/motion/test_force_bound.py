@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from motion.test_harmonics import buoy
 
-from vsb.hydro.statespace import RadiationModel
-from vsb.integrators.switching import Switching
-from vsb.motion.constrained import constrained_optimum
-from vsb.motion.force_bound import Harmonics, Limits, force_bound, mean_magnitude
-from vsb.motion.forces import Damper, Excitation, RadiationMemory, Spring, TakeOff
-from vsb.motion.port import Port
-from vsb.motion.scene import Scene
-from vsb.motion.system import System
+from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.integrators.switching import Switching
+from vsb.engine.motion.constrained import constrained_optimum
+from vsb.engine.motion.force_bound import Harmonics, Limits, force_bound, mean_magnitude
+from vsb.engine.motion.forces import Damper, Excitation, RadiationMemory, Spring, TakeOff
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System
 
 SEA, WAVES = Harmonics(0.13, 0.5, 40), Harmonics(0.8, 1.0, 9)
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.motion.forces import (
+from vsb.engine.motion.forces import (
     AssumedPressure,
     ConstantForce,
     Damper,
@@ -21,11 +21,11 @@ from vsb.motion.forces import (
     TakeOff,
     WaterPressure,
 )
-from vsb.motion.froude_krylov import incident
-from vsb.motion.wetted import WetShell
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import mode_basis
-from vsb.waves.seas import Sea
+from vsb.engine.motion.froude_krylov import incident
+from vsb.engine.motion.wetted import WetShell
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.modes import mode_basis
+from vsb.engine.waves.seas import Sea
 
 DOF, RNG = 5, np.random.default_rng(3)
 ROOT = RNG.normal(size=(DOF, DOF))

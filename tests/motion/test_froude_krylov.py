@@ -5,11 +5,11 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import j0
 
-from vsb.motion.froude_krylov import dynamic_head, elevation_at, incident, moment, wave_force
-from vsb.motion.wetted import WetShell
-from vsb.shell.modes import mode_basis
-from vsb.waves.sampling import sampled
-from vsb.waves.seas import NO_WAVES, Sea
+from vsb.engine.motion.froude_krylov import dynamic_head, elevation_at, incident, moment, wave_force
+from vsb.engine.motion.wetted import WetShell
+from vsb.engine.shell.modes import mode_basis
+from vsb.engine.waves.sampling import sampled
+from vsb.engine.waves.seas import NO_WAVES, Sea
 
 G, OMEGA = 9.81, 2 * np.pi / 2.5
 K = OMEGA**2 / G

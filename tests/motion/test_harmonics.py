@@ -5,11 +5,11 @@ import pytest
 from conftest import varied
 from scipy.linalg import hankel, toeplitz
 
+from vsb.engine.motion.constrained import optimum_in_sea
+from vsb.engine.motion.force_bound import Harmonics, Limits
+from vsb.engine.motion.port import Port
+from vsb.engine.waves.seas import sea
 from vsb.errors import ConfigError
-from vsb.motion.constrained import optimum_in_sea
-from vsb.motion.force_bound import Harmonics, Limits
-from vsb.motion.port import Port
-from vsb.waves.seas import sea
 
 SEA = Harmonics(0.13, 0.5, 40)
 WAVES = Harmonics(0.8, 1.0, 9)

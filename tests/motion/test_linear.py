@@ -7,12 +7,12 @@ import pytest
 import xarray as xr
 from conftest import varied
 
+from vsb.engine.motion.frequency import compliance, normal_modes, softest, unrestrained_motions
+from vsb.engine.motion.linear import Channel, LinearSystem, one_channel
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.shell.device import MaxwellBranch
 from vsb.errors import DatabaseError, StabilityError
-from vsb.motion.frequency import compliance, normal_modes, softest, unrestrained_motions
-from vsb.motion.linear import Channel, LinearSystem, one_channel
-from vsb.motion.port import LinearPto
-from vsb.scenes.rest import design_motions, study_basis
-from vsb.study.device import MaxwellBranch
+from vsb.models.rest import design_motions, study_basis
 
 
 def power(buoy_of, study, design, omega):

@@ -9,18 +9,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shell.test_orders import DEVICE, at_order, deformed
 
+from vsb.engine.hydro import database
+from vsb.engine.hydro.spectral.solver import converged_on_grid
+from vsb.engine.motion.linear import LinearSystem, with_open_chamber
+from vsb.engine.motion.port import LinearPto, Port, channels_reached, combination, line_shares, port_direction
+from vsb.engine.motion.take_off import BetweenPort, LinePort, ShellPort, StrainPort
+from vsb.engine.shell.deformed import DeformedShell, enclosed
+from vsb.engine.shell.modes import mode_basis
+from vsb.engine.waves.dispersion import power_limit
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro import database
-from vsb.hydro.spectral.solver import converged_on_grid
-from vsb.motion.linear import LinearSystem, with_open_chamber
-from vsb.motion.port import LinearPto, Port, channels_reached, combination, line_shares, port_direction
-from vsb.scenes.rest import design_motions, reference_shell, study_basis
-from vsb.shell.deformed import DeformedShell, enclosed
-from vsb.shell.modes import mode_basis
+from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.stages.water import spectral_problem
 from vsb.study.plan import StudyPlan
-from vsb.study.take_off import BetweenPort, LinePort, ShellPort, StrainPort
-from vsb.waves.dispersion import power_limit
 
 
 def solved(study):

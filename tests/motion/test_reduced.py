@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.integrators.exact import propagate
-from vsb.motion.builders import linear_scene, unit_heave
-from vsb.motion.port import LinearPto
-from vsb.motion.reduced import FEWEST, reduced_motions
-from vsb.motion.system import System
-from vsb.scenes.rest import design_motions, study_basis
-from vsb.waves.seas import NO_WAVES
+from vsb.engine.integrators.exact import propagate
+from vsb.engine.motion.builders import linear_scene, unit_heave
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.reduced import FEWEST, reduced_motions
+from vsb.engine.motion.system import System
+from vsb.engine.waves.seas import NO_WAVES
+from vsb.models.rest import design_motions, study_basis
 
 DEVICE = {"young_modulus": 40e6, "thickness": 0.015, "density": 1100.0, "internal_pressure": 16.5e3}
 

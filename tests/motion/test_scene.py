@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from vsb.engine.motion.builders import assumed_pressure_scene
+from vsb.engine.motion.forces import AssumedPressure, ConstantForce, Damper, Spring
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.scene import Scene, resting
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.modes import mode_basis
 from vsb.errors import ConvergenceError
-from vsb.motion.builders import assumed_pressure_scene
-from vsb.motion.forces import AssumedPressure, ConstantForce, Damper, Spring
-from vsb.motion.port import LinearPto
-from vsb.motion.scene import Scene, resting
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import mode_basis
 
 STIFFNESS, MORE, DAMPING = np.diag([3.0, 5.0]), np.array([[1.0, 0.5], [0.5, 2.0]]), np.array([[2.0, 0.0], [0.0, 1.0]])
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from vsb.integrators.audit import energies, residual
-from vsb.integrators.collocation import collocated
-from vsb.integrators.simulate import suited
-from vsb.motion.builders import still_scene
-from vsb.motion.shell_forces import shell_forces
-from vsb.motion.system import System
-from vsb.scenes.rest import loaded_shell, reference_shell
-from vsb.shell.loaded import equilibrium
+from vsb.engine.integrators.audit import energies, residual
+from vsb.engine.integrators.collocation import collocated
+from vsb.engine.integrators.simulate import suited
+from vsb.engine.motion.builders import still_scene
+from vsb.engine.motion.shell_forces import shell_forces
+from vsb.engine.motion.system import System
+from vsb.engine.shell.loaded import equilibrium
+from vsb.models.rest import loaded_shell, reference_shell
 from vsb.study.study import parse
 
 RHO, G = 1025.0, 9.81

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from conftest import EXAMPLE, only_run, varied
 
-from vsb.hydro.statespace import RadiationModel
-from vsb.motion.forces import (
+from vsb.engine.hydro.statespace import RadiationModel
+from vsb.engine.motion.forces import (
     ConstantForce,
     Damper,
     Excitation,
@@ -17,9 +17,9 @@ from vsb.motion.forces import (
     Spring,
     SpringDamper,
 )
-from vsb.motion.scene import Scene
-from vsb.motion.system import System, remainder
-from vsb.scenes.build import assumed_pressure_design
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System, remainder
+from vsb.models.build import assumed_pressure_design
 from vsb.study.study import load
 
 OMEGA = np.array([1.3, 2.1])

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.motion.port import Port
-from vsb.motion.tuning import (
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.tuning import (
     best_damper_of_each,
     best_dampers,
     best_of_table,

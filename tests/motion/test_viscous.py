@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from vsb.engine.integrators.audit import energies, residual
+from vsb.engine.integrators.collocation import collocated
+from vsb.engine.integrators.exact import propagate, steady_state
+from vsb.engine.integrators.harmonic_balance import harmonic_balance
+from vsb.engine.motion.builders import still_scene
+from vsb.engine.motion.forces import Excitation, Spring
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System
+from vsb.engine.motion.viscous import ViscousForce, loss, stiffening
+from vsb.engine.shell.device import MaxwellBranch
 from vsb.errors import ConfigError
-from vsb.integrators.audit import energies, residual
-from vsb.integrators.collocation import collocated
-from vsb.integrators.exact import propagate, steady_state
-from vsb.integrators.harmonic_balance import harmonic_balance
-from vsb.motion.builders import still_scene
-from vsb.motion.forces import Excitation, Spring
-from vsb.motion.scene import Scene
-from vsb.motion.system import System
-from vsb.motion.viscous import ViscousForce, loss, stiffening
-from vsb.scenes.rest import loaded_shell, reference_shell
-from vsb.study.device import MaxwellBranch
+from vsb.models.rest import loaded_shell, reference_shell
 from vsb.study.study import parse
 
 BRANCHES = (MaxwellBranch(ratio=0.4, time=0.5), MaxwellBranch(ratio=0.1, time=3.0))

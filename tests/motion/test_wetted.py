@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.motion.wetted import WetShell
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import ModeBasis, mode_basis, natural_shapes
-from vsb.shell.shell import Shell
-from vsb.study.meridian import RestMeridian, capsule, spheroid
+from vsb.engine.motion.wetted import WetShell
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.meridian import RestMeridian, capsule, spheroid
+from vsb.engine.shell.modes import ModeBasis, mode_basis, natural_shapes
+from vsb.engine.shell.shell import Shell
 
 ONE_DIP = {"Bending6": -0.4}  # with the centre at -1.7 m the top pole dips under and a ring stays out
 

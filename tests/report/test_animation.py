@@ -7,6 +7,8 @@ import pytest
 import xarray as xr
 from browser import asked
 
+from vsb.engine.waves.seas import NO_WAVES, Sea
+from vsb.engine.waves.water import Water
 from vsb.report import html
 from vsb.report.animation import (
     FROM_LEFT,
@@ -20,8 +22,6 @@ from vsb.report.animation import (
     surface,
 )
 from vsb.report.interactive import as_script, designs_data, packed
-from vsb.study.sections import Water
-from vsb.waves.seas import NO_WAVES, Sea
 
 PERIOD = 4.0
 SWELL = Sea(np.array([2 * np.pi / PERIOD]), np.array([0.3 + 0.0j]))

@@ -3,13 +3,13 @@
 import numpy as np
 import xarray as xr
 
+from vsb.engine.motion.take_off import LAWS, Law
 from vsb.report.answer import (
     closing_line,
     damping_in_words,
     interval_text,
 )
 from vsb.report.answer import headline as answered
-from vsb.study.take_off import LAWS, Law
 
 OMEGA = np.linspace(0.5, 4.0, 351)
 SEAS = {"w": "a swell", "v": "a chop"}

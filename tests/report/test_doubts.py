@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
+from vsb.keys.meanings import KEYS
 from vsb.report.doubts import ADVICE, reasons, warnings
-from vsb.study.keys import KEYS
 
 BUCKLING = {
     "name": "buckling",

@@ -17,12 +17,12 @@ from report import (
     test_side_by_side,
 )
 
+from vsb.models.shape_dependence import _EXPANSIONS
 from vsb.report.campaign_figures import DRAWN
 from vsb.report.canvas import style
 from vsb.report.figures import draw
 from vsb.report.hydro_figures import shape_figure, year_spectra
 from vsb.report.side_by_side import figure as side_by_side
-from vsb.scenes.shape_dependence import _EXPANSIONS
 
 OMEGA = np.linspace(0.1, 6.0, 60)
 

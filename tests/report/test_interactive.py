@@ -9,8 +9,12 @@ import pytest
 from browser import asked, evaluated
 from results.test_year import climate
 
-from vsb.motion.port import Port
-from vsb.motion.tuning import best_dampers, mean_power
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.tuning import best_dampers, mean_power
+from vsb.engine.waves.kinds import Jonswap, PiersonMoskowitz
+from vsb.engine.waves.seas import components
+from vsb.engine.waves.spectra import jonswap_spectrum
+from vsb.engine.waves.water import Water
 from vsb.report import html
 from vsb.report.canvas import style
 from vsb.report.interactive import (
@@ -22,11 +26,7 @@ from vsb.report.interactive import (
 )
 from vsb.results.force_steps import ForceSteps
 from vsb.results.year import frequencies, year
-from vsb.study.sections import Water
-from vsb.study.waves import Jonswap, PiersonMoskowitz
 from vsb.tools.ports import FORCE
-from vsb.waves.seas import components
-from vsb.waves.spectra import jonswap_spectrum
 
 TEMPLATES = Path(html.__file__).parent / "templates"
 ALGEBRA = (TEMPLATES / "algebra.js").read_text(encoding="utf-8")

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.hydro.bodies.body import FlexibleBody
-from vsb.hydro.bodies.hulls import hull_panels
-from vsb.hydro.bodies.mesh import joined, wetted
-from vsb.hydro.bodies.outline import cut
+from vsb.engine.hydro.bodies.body import FlexibleBody
+from vsb.engine.hydro.bodies.hulls import hull_panels
+from vsb.engine.hydro.bodies.mesh import joined, wetted
+from vsb.engine.hydro.bodies.outline import cut
+from vsb.engine.hydro.bodies.plain_hulls import BoxHull, SphereHull
 from vsb.report.animation import displaced_outline
-from vsb.study.hulls import BoxHull, SphereHull
 
 CENTRE = np.array([0.0, 0.0, 1.0])
 

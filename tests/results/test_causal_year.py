@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scenes.test_stationary import example  # noqa: F401
 
+from vsb.engine.waves.scatter import climate_of_cells
 from vsb.results.causal_year import causal_years
 from vsb.results.year import DesignYear, bins_of, frequencies
-from vsb.waves.scatter import climate_of_cells
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,13 @@ import pytest
 import xarray as xr
 from conftest import varied
 
+from vsb.engine.motion.port import Port
+from vsb.engine.waves.dispersion import group_velocity, power_limit
+from vsb.engine.waves.kinds import RegularWave, StillWater
+from vsb.engine.waves.seas import NO_WAVES, Sea, regular, sea
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
-from vsb.motion.port import Port
+from vsb.models.build import TUNED
 from vsb.results.comparison import (
     COLUMNS,
     as_csv,
@@ -20,11 +25,6 @@ from vsb.results.comparison import (
     merit,
     power_response,
 )
-from vsb.scenes.build import TUNED
-from vsb.study.sections import Water
-from vsb.study.waves import RegularWave, StillWater
-from vsb.waves.dispersion import group_velocity, power_limit
-from vsb.waves.seas import NO_WAVES, Sea, regular, sea
 
 WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
 STILL = StillWater(kind="still")

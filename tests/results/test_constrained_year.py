@@ -9,14 +9,14 @@ from conftest import varied
 from results.test_year import WATER, climate, port
 from scenes.test_ports import water
 
-from vsb.motion.force_bound import Harmonics, Limits
+from vsb.engine.motion.force_bound import Harmonics, Limits
+from vsb.models.ports import BuoyOfShape, buoy_at
+from vsb.models.rest import reference_shell
+from vsb.models.viability import viability
 from vsb.results.constrained_year import ConstrainedYear, Optima, affordable, constrained_year, harmonics_of_year
 from vsb.results.member import member
 from vsb.results.year import Bins
 from vsb.results.year_validity import LIMITS as WAVE_LIMITS
-from vsb.scenes.ports import BuoyOfShape, buoy_at
-from vsb.scenes.rest import reference_shell
-from vsb.scenes.viability import viability
 from vsb.study.campaign import CONSTRAINED
 
 SEAS = climate()

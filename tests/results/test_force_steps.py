@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from report.test_interactive import ports
 
-from vsb.motion.port import Port
-from vsb.motion.tuning import best_dampers
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.tuning import best_dampers
+from vsb.engine.waves.kinds import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
+from vsb.engine.waves.seas import regular
 from vsb.results.force_steps import SHARES, force_steps, harmonics_within, repeating
-from vsb.study.waves import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
-from vsb.waves.seas import regular
 
 BAND = (0.2, 9.0)
 SWELL = RegularWave(kind="regular", amplitude=0.2, period=2.5)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scenes.test_stationary import PUBLISHED, example  # noqa: F401
 
-from vsb.motion.causal import RmsLimits, optimum
-from vsb.motion.controller import achieved
+from vsb.engine.motion.causal import RmsLimits, optimum
+from vsb.engine.motion.controller import achieved
+from vsb.models.floating_system import expected_sea
+from vsb.models.stationary import stationary_ports
 from vsb.results.forecast import elsewhere
-from vsb.scenes.floating_system import expected_sea
-from vsb.scenes.stationary import stationary_ports
 
 
 def test_a_controller_loses_nothing_at_home_and_its_objective_elsewhere(example):  # noqa: F811

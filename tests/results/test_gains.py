@@ -7,6 +7,7 @@ from conftest import varied
 from hypothesis import given
 from hypothesis import strategies as st
 
+from vsb.engine.motion.take_off import Pto
 from vsb.errors import VsbError
 from vsb.results.budget import Budget, Source, mean_budget
 from vsb.results.gains import (
@@ -16,7 +17,6 @@ from vsb.results.gains import (
     within_limits,
 )
 from vsb.results.ladder import ControlLevel
-from vsb.study.take_off import Pto
 
 REGULAR = {"kind": "regular", "amplitude": 0.5, "period": 5.0}
 NOISE = {"kind": "jonswap", "hs": 1.0, "tp": 5.0, "realisations": 2}

@@ -10,14 +10,18 @@ from conftest import varied
 from motion.test_drag import Buoy
 from scipy.optimize import minimize, minimize_scalar
 
-from vsb.hydro import database
-from vsb.hydro.dofs import Displacement
-from vsb.hydro.spectral.solver import SpectralProblem, converged_on_grid
-from vsb.motion.constrained import REFINED
-from vsb.motion.force_bound import Limits
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto, Port, port_direction
-from vsb.motion.tuning import frequencies, mean_power, squares
+from vsb.engine.hydro import database
+from vsb.engine.hydro.dofs import Displacement
+from vsb.engine.hydro.spectral.solver import SpectralProblem, converged_on_grid
+from vsb.engine.motion.constrained import REFINED
+from vsb.engine.motion.force_bound import Limits
+from vsb.engine.motion.linear import LinearSystem
+from vsb.engine.motion.port import LinearPto, Port, port_direction
+from vsb.engine.motion.tuning import frequencies, mean_power, squares
+from vsb.engine.shell.deformed import rigid_sphere
+from vsb.engine.waves.seas import Sea
+from vsb.models.floating_system import FloatingSystem, PortInSeas
+from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.results.ladder import (
     Given,
     as_csv,
@@ -29,13 +33,9 @@ from vsb.results.ladder import (
     several_matrices,
     study_ladder,
 )
-from vsb.scenes.floating_system import FloatingSystem, PortInSeas
-from vsb.scenes.rest import design_motions, reference_shell, study_basis
-from vsb.shell.deformed import rigid_sphere
 from vsb.stages.water import spectral_problem
 from vsb.study.plan import StudyPlan
 from vsb.study.study import parse
-from vsb.waves.seas import Sea
 
 
 def ladder(ports, seas, families, given, time, dragged=None):

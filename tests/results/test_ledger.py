@@ -9,22 +9,22 @@ import pytest
 import xarray as xr
 from conftest import varied
 
-from vsb.hydro.database import INVALIDATING, Check
+from vsb.engine.hydro.database import INVALIDATING, Check
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.elastic import ElasticShell
+from vsb.engine.shell.shell import Shell
+from vsb.engine.waves.dispersion import power_limit, wavenumber
+from vsb.engine.waves.kinds import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
+from vsb.engine.waves.water import Water
+from vsb.keys.reading import validated
+from vsb.models.rest import reference_shell, study_basis
+from vsb.models.viability import static_modal_amplitude
 from vsb.report.doubts import ADVICE, REASONS
 from vsb.results import ledger
 from vsb.results.budget import MODES, Source
 from vsb.results.ladder import ControlLevel
 from vsb.results.ledger import Invalid, flexible_designs, invalid_designs
-from vsb.scenes.rest import reference_shell, study_basis
-from vsb.scenes.viability import static_modal_amplitude
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.elastic import ElasticShell
-from vsb.shell.shell import Shell
 from vsb.study.body import BodyStudy
-from vsb.study.reading import validated
-from vsb.study.sections import Water
-from vsb.study.waves import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
-from vsb.waves.dispersion import power_limit, wavenumber
 
 WAVE = RegularWave(kind="regular", amplitude=0.5, period=4.0)
 LENGTH = 2 * np.pi * 9.81 / WAVE.omega**2

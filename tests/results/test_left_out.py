@@ -8,29 +8,22 @@ import numpy as np
 import pytest
 from conftest import varied
 
+from vsb.engine.hydro.dofs import Displacement
+from vsb.engine.motion.tuning import best_dampers
+from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.seas import Sea, sea
+from vsb.engine.waves.spectra import jonswap_spectrum
 from vsb.errors import ConvergenceError
-from vsb.hydro.dofs import Displacement
-from vsb.motion.tuning import best_dampers
+from vsb.models.floating_system import floating_system, port_in_seas
+from vsb.models.mode_convergence import MOST_FREQUENCIES, ModeConvergence, _Around, directed, powers_of_ports, sampled
+from vsb.models.ports import BuoyOfShape
+from vsb.models.rest import reference_shell
 from vsb.results.left_out import left_out_of_year, modes_left_out
 from vsb.results.year import band_weights, frequencies
-from vsb.scenes.floating_system import floating_system, port_in_seas
-from vsb.scenes.mode_convergence import (
-    MOST_FREQUENCIES,
-    ModeConvergence,
-    _Around,
-    directed,
-    powers_of_ports,
-    sampled,
-)
-from vsb.scenes.ports import BuoyOfShape
-from vsb.scenes.rest import reference_shell
 from vsb.stages.campaign import swept_shape
 from vsb.stages.make import make
 from vsb.study.plan import StudyPlan
 from vsb.study.sections import Modes
-from vsb.waves.climate import Climate
-from vsb.waves.seas import Sea, sea
-from vsb.waves.spectra import jonswap_spectrum
 
 PERIODS = (2.5, 3.0, 3.06, 3.3, 5.0, 8.0)
 MULTIPOLES = {  # degree of the full basis: gains of the free shell over the rigid buoy [%]
@@ -71,7 +64,7 @@ def converged(vented):
 
 @pytest.mark.parametrize("degree", [6, 40])
 def test_gains_of_the_full_basis_agree_with_independent_multipoles(vented, converged, degree):
-    """Of the free shell; those of clamped ones are in `tests/scenes/test_ring_loads.py`."""
+    """Of the free shell; those of clamped ones are in `tests/models/test_ring_loads.py`."""
     found = gains(converged.powers(Modes(basis="full", degree=degree)), vented)
     assert found["VSWEC"] == pytest.approx(MULTIPOLES[degree], abs=0.1)
 

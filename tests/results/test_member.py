@@ -8,13 +8,13 @@ from conftest import varied
 from results.test_year import climate
 from scenes.test_ports import water
 
+from vsb.engine.waves.climate import Climate
+from vsb.models.ports import BuoyOfShape, buoy_at
+from vsb.models.rest import reference_shell
+from vsb.models.viability import viability, with_designs
 from vsb.results.member import CURVES, MATRICES, OF_DESIGNS, TRIED, DampedYears, member
 from vsb.results.year import band_weights, frequencies, year
-from vsb.scenes.ports import BuoyOfShape, buoy_at
-from vsb.scenes.rest import reference_shell
-from vsb.scenes.viability import viability, with_designs
 from vsb.study.study import Study
-from vsb.waves.climate import Climate
 
 TUNINGS = ("fixed", "one", "each")
 BETWEEN = -0.95

@@ -5,7 +5,12 @@ import pytest
 import xarray as xr
 from conftest import SEED, varied
 
+from vsb.engine.integrators.settings import Simulation
+from vsb.engine.waves.dispersion import wavenumber
 from vsb.errors import ConvergenceError
+from vsb.keys.reading import validated
+from vsb.models.build import TUNED
+from vsb.models.rest import study_basis
 from vsb.results.run_checks import (
     DAMPERS,
     LINEARISED,
@@ -20,13 +25,8 @@ from vsb.results.run_checks import (
     transient_checks,
 )
 from vsb.results.verification import check_audit
-from vsb.scenes.build import TUNED
-from vsb.scenes.rest import study_basis
 from vsb.study.body import BodyStudy
-from vsb.study.reading import validated
-from vsb.study.sections import Simulation
 from vsb.study.study import load, parse
-from vsb.waves.dispersion import wavenumber
 
 SWELL = {"kind": "regular", "amplitude": 0.5, "period": 7.0, "direction": 90.0}
 TIME = np.linspace(0.0, 60.0, 61)

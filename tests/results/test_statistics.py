@@ -7,7 +7,9 @@ import pytest
 import xarray as xr
 from conftest import varied
 
-from vsb.motion.port import Port
+from vsb.engine.motion.port import Port
+from vsb.engine.waves.seas import Sea, expected, sea, superposed
+from vsb.models.build import TUNED
 from vsb.results import statistics as seastatistics
 from vsb.results.ledger import seas_checks
 from vsb.results.statistics import (
@@ -22,9 +24,7 @@ from vsb.results.statistics import (
     statistical_checks,
     statistics,
 )
-from vsb.scenes.build import TUNED
 from vsb.study.study import FEWEST_BATCHES, parse
-from vsb.waves.seas import Sea, expected, sea, superposed
 
 DESIGNS = {"FSB": {"flexible": False}, "VSWEC": {}}
 

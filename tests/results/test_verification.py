@@ -7,9 +7,15 @@ import numpy as np
 import pytest
 from results.test_year import WATER, climate, port
 
+from vsb.engine.hydro.statespace import fit_radiation
+from vsb.engine.integrators.settings import Simulation
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.take_off import Pto
+from vsb.engine.waves.climate import realised
+from vsb.engine.waves.ndbc import read_ndbc
 from vsb.errors import ConfigError
-from vsb.hydro.statespace import fit_radiation
-from vsb.motion.port import LinearPto
+from vsb.models.build import Memory
+from vsb.models.rest import design_motions, reference_shell, study_basis
 from vsb.results.statistics import linear_batches
 from vsb.results.verification import (
     DECAYS,
@@ -27,13 +33,7 @@ from vsb.results.verification import (
     with_all_designs,
 )
 from vsb.results.year import band_weights, frequencies, year
-from vsb.scenes.build import Memory
-from vsb.scenes.rest import design_motions, reference_shell, study_basis
 from vsb.stages.verification import powers_in_time
-from vsb.study.sections import Simulation
-from vsb.study.take_off import Pto
-from vsb.waves.climate import realised
-from vsb.waves.ndbc import read_ndbc
 
 SPECTRA = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"
 

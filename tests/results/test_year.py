@@ -9,15 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from vsb.engine.motion.port import Port
+from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.ndbc import read_ndbc
+from vsb.engine.waves.scatter import climate_of_cells
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
-from vsb.motion.port import Port
+from vsb.models.rest import design_motions, study_basis
 from vsb.results.matrix_year import Absorbed
 from vsb.results.year import Bins, DesignYear, band_weights, frequencies, gain_percent, powers_within, year
-from vsb.scenes.rest import design_motions, study_basis
-from vsb.study.sections import Water
-from vsb.waves.climate import Climate
-from vsb.waves.ndbc import read_ndbc
-from vsb.waves.scatter import climate_of_cells
 
 WATER = Water()
 

@@ -7,13 +7,13 @@ from conftest import varied
 from results.test_year import climate
 from scenes.test_ports import water
 
+from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.scatter import climate_of_cells
+from vsb.engine.waves.water import Water
+from vsb.models.ports import buoy_at
+from vsb.models.rest import reference_shell
 from vsb.results.year import band_weights, year
 from vsb.results.year_validity import LIMITS, beyond_validity, motion_rms, wave_limits
-from vsb.scenes.ports import buoy_at
-from vsb.scenes.rest import reference_shell
-from vsb.study.sections import Water
-from vsb.waves.dispersion import wavenumber
-from vsb.waves.scatter import climate_of_cells
 
 SEAS = climate_of_cells(np.array([1.0, 4.0, 6.0]), np.array([9.0, 7.0, 6.5]), np.array([0.5, 0.3, 0.2]), 3.3, "three")
 

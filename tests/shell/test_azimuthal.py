@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from vsb.shell.azimuthal import azimuthal_stiffness, complete_order, softest_order
-from vsb.shell.elastic import ElasticShell
-from vsb.shell.loaded import LoadedShell, complete_basis, equilibrium
-from vsb.shell.materials import GentLaw, HookeLaw, MooneyRivlinLaw, NeoHookeanLaw
-from vsb.shell.orders import volume_hessian
-from vsb.shell.shell import Shell
+from vsb.engine.shell.azimuthal import azimuthal_stiffness, complete_order, softest_order
+from vsb.engine.shell.elastic import ElasticShell
+from vsb.engine.shell.elasticity import GentLaw, HookeLaw, MooneyRivlinLaw, NeoHookeanLaw
+from vsb.engine.shell.loaded import LoadedShell, complete_basis, equilibrium
+from vsb.engine.shell.orders import volume_hessian
+from vsb.engine.shell.shell import Shell
 
 LAWS = [HookeLaw(3e6, 0.3), NeoHookeanLaw(1e6), MooneyRivlinLaw(4e5, 1e5), GentLaw(1e6, 20.0)]
 

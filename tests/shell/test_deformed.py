@@ -6,12 +6,12 @@ from conftest import varied
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from vsb.engine.hydro.panels.mesh import deformed_mesh
+from vsb.engine.shell.deformed import DeformedShell, ReferenceShell, check_meridian, enclosed, rigid_buoy
+from vsb.engine.shell.meridian import capsule
+from vsb.engine.shell.modes import ModeBasis, mode_basis, shell_modes
+from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError
-from vsb.hydro.panels.mesh import deformed_mesh
-from vsb.shell.deformed import DeformedShell, ReferenceShell, check_meridian, enclosed, rigid_buoy
-from vsb.shell.modes import ModeBasis, mode_basis, shell_modes
-from vsb.shell.shell import Shell
-from vsb.study.meridian import capsule
 
 RHO, G = 1025.0, 9.81
 

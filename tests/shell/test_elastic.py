@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from vsb.shell.elastic import ElasticShell
-from vsb.shell.modes import ModeBasis, curvature_shapes, mode_basis, natural_shapes, shell_modes
-from vsb.shell.shell import Shell
-from vsb.study.meridian import capsule, spheroid
+from vsb.engine.shell.elastic import ElasticShell
+from vsb.engine.shell.meridian import capsule, spheroid
+from vsb.engine.shell.modes import ModeBasis, curvature_shapes, mode_basis, natural_shapes, shell_modes
+from vsb.engine.shell.shell import Shell
 
 
 @pytest.fixture(scope="module")

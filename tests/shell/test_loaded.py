@@ -7,14 +7,22 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.elastic import ElasticShell, converged_degree
+from vsb.engine.shell.loaded import (
+    Gas,
+    LoadedShell,
+    buckling,
+    complete_basis,
+    complete_shell,
+    equilibrium,
+    viable_pressure,
+)
+from vsb.engine.shell.lobes import LobedShell, with_lobes
+from vsb.engine.shell.meridian import capsule, spheroid
+from vsb.engine.shell.modes import ModeBasis, mode_basis, natural_shapes
+from vsb.engine.shell.shell import Shell
 from vsb.errors import ConvergenceError
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.elastic import ElasticShell, converged_degree
-from vsb.shell.loaded import Gas, LoadedShell, buckling, complete_basis, complete_shell, equilibrium, viable_pressure
-from vsb.shell.lobes import LobedShell, with_lobes
-from vsb.shell.modes import ModeBasis, mode_basis, natural_shapes
-from vsb.shell.shell import Shell
-from vsb.study.meridian import capsule, spheroid
 
 RHO, G = 1025.0, 9.81
 SHELL = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)

@@ -5,14 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from vsb.shell.azimuthal import complete_order
-from vsb.shell.deformed import rigid_buoy
-from vsb.shell.elastic import ElasticShell, converged_degree
-from vsb.shell.loaded import LoadedShell, buckling, complete_basis, complete_shell
-from vsb.shell.lobes import LobedShell, displacements, strains, with_lobes
-from vsb.shell.orders import prestress_stiffness
-from vsb.shell.shell import Shell, bend, curve
-from vsb.study.meridian import RestMeridian, capsule, spheroid
+from vsb.engine.shell.azimuthal import complete_order
+from vsb.engine.shell.deformed import rigid_buoy
+from vsb.engine.shell.elastic import ElasticShell, converged_degree
+from vsb.engine.shell.loaded import LoadedShell, buckling, complete_basis, complete_shell
+from vsb.engine.shell.lobes import LobedShell, displacements, strains, with_lobes
+from vsb.engine.shell.meridian import RestMeridian, capsule, spheroid
+from vsb.engine.shell.orders import prestress_stiffness
+from vsb.engine.shell.shell import Shell, bend, curve
 
 RHO, G = 1025.0, 9.81
 SPHERE = Shell(radius=2.0, thickness=0.04, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
@@ -174,7 +174,7 @@ def test_strains_are_those_of_the_deformed_surface(rest, order):
 
 
 def test_energies_of_the_floating_sphere_are_those_of_its_degrees(seed):
-    """Shapes of one degree of `vsb.shell.orders`, whose elastic, prestress and hydrostatic stiffness are their own."""
+    """Shapes of one degree of `vsb.engine.shell.orders`, whose elastic, prestress and hydrostatic stiffness are their own."""
     sphere = complete_shell(seed.device, seed.centre_height, seed.water, 9e3)
     (phi, area), basis = sphere.elastic.rings, complete_order(sphere, 3, 6)
     (v, u, w), psi = basis.field(phi), displacements(3, 20, phi)

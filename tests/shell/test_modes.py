@@ -8,11 +8,10 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh
 from shell.test_shell import LOWER, TABLE_I
 
-from vsb.errors import ConfigError
-from vsb.scenes.rest import design_motions, study_basis
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.degrees import mass_block, membrane_block
-from vsb.shell.modes import (
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.degrees import mass_block, membrane_block
+from vsb.engine.shell.meridian import RestMeridian, capsule, spheroid
+from vsb.engine.shell.modes import (
     ModeBasis,
     check_rank,
     mode_basis,
@@ -21,9 +20,10 @@ from vsb.shell.modes import (
     shell_modes,
     strain_shapes,
 )
-from vsb.shell.ritz import natural_modes
-from vsb.shell.shell import Shell, natural_frequencies
-from vsb.study.meridian import RestMeridian, capsule, spheroid
+from vsb.engine.shell.ritz import natural_modes
+from vsb.engine.shell.shell import Shell, natural_frequencies
+from vsb.errors import ConfigError
+from vsb.models.rest import design_motions, study_basis
 
 PAPER_RITZ = [51.434449987, 62.153777189, 86.525263883, 115.855327968, 146.580164630, 177.820039783, 209.298426663]
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.special import assoc_legendre_p
 
-from vsb.errors import ConfigError
-from vsb.shell.deformed import enclosed
-from vsb.shell.elastic import ElasticShell
-from vsb.shell.loaded import LoadedShell
-from vsb.shell.modes import mode_basis
-from vsb.shell.orders import (
+from vsb.engine.shell.deformed import enclosed
+from vsb.engine.shell.device import Device, Gas
+from vsb.engine.shell.elastic import ElasticShell
+from vsb.engine.shell.loaded import LoadedShell
+from vsb.engine.shell.modes import mode_basis
+from vsb.engine.shell.orders import (
     Ballast,
     OrderBasis,
     ballast_of,
@@ -23,8 +23,8 @@ from vsb.shell.orders import (
     volume_hessian,
     yaw,
 )
-from vsb.shell.surface import enclosed_in_orders, largest_deformation
-from vsb.study.device import Device, Gas
+from vsb.engine.shell.surface import enclosed_in_orders, largest_deformation
+from vsb.errors import ConfigError
 
 DEVICE = Device(
     radius=2.0, thickness=0.02, young_modulus=3e7, poisson_ratio=0.3, density=2700.0, mass=17170.0,

@@ -5,11 +5,11 @@ import pytest
 from numpy.polynomial import legendre
 from scipy.linalg import eigh
 
-from vsb.shell import ritz
-from vsb.shell.degrees import bending_block, mass_block, membrane_block
-from vsb.shell.ritz import heave, matrices, natural_modes
-from vsb.shell.shell import Shell, bend, curve
-from vsb.study.meridian import RestMeridian, capsule, spheroid
+from vsb.engine.shell import ritz
+from vsb.engine.shell.degrees import bending_block, mass_block, membrane_block
+from vsb.engine.shell.meridian import RestMeridian, capsule, spheroid
+from vsb.engine.shell.ritz import heave, matrices, natural_modes
+from vsb.engine.shell.shell import Shell, bend, curve
 
 SEED = Shell(radius=2.0, thickness=0.01, young_modulus=10e6, poisson_ratio=0.3, density=2700.0)
 OBLATE = Shell(2.0, 0.01, 10e6, 0.3, 2700.0, spheroid(2.0, 3.0))

@@ -8,12 +8,12 @@ from scipy.linalg import null_space
 from scipy.optimize import brentq, minimize
 from verification import membrane
 
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.elastic import ElasticShell
+from vsb.engine.shell.elasticity import GentLaw, MooneyRivlinLaw, NeoHookeanLaw
+from vsb.engine.shell.loaded import Gas, LoadedShell, complete_basis, equilibrium, stable_path
+from vsb.engine.shell.shell import Shell
 from vsb.errors import ConvergenceError
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.elastic import ElasticShell
-from vsb.shell.loaded import Gas, LoadedShell, complete_basis, equilibrium, stable_path
-from vsb.shell.materials import GentLaw, MooneyRivlinLaw, NeoHookeanLaw
-from vsb.shell.shell import Shell
 
 MU, RADIUS, THICKNESS = 1e5, 2.0, 0.05
 GAS = Gas(adiabatic_index=1.4, atmospheric_pressure=101325.0)

@@ -9,8 +9,8 @@ import yaml
 from stages.test_members import with_seas
 from stages.test_two_bodies import BOTH, DAMPER, HEAVES, MASSES, RM3, wamit
 
+from vsb.engine.hydro.formats.wamit import import_wamit
 from vsb.errors import ConfigError
-from vsb.hydro.formats.wamit import import_wamit
 from vsb.pipeline.tasks import tasks
 from vsb.stages.campaign_preview import summary
 from vsb.stages.check import check_plan

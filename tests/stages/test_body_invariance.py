@@ -15,8 +15,8 @@ from invariance import (
     renamed,
 )
 
-from vsb.hydro.database import save_database
-from vsb.hydro.formats.wamit import import_wamit
+from vsb.engine.hydro.database import save_database
+from vsb.engine.hydro.formats.wamit import import_wamit
 from vsb.pipeline.tasks import products
 from vsb.stages.make import make
 from vsb.study.body import load_body

@@ -16,17 +16,17 @@ from stages.test_coefficients import SWELL, as_body
 
 from examples import barge
 from vsb.cli import main
+from vsb.engine.hydro.bodies.files import write_body
+from vsb.engine.hydro.database import stored_checks
+from vsb.engine.hydro.panels.rings import quick_green_function
+from vsb.engine.waves.kinds import RegularWave, StillWater
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.bodies.files import write_body
-from vsb.hydro.database import stored_checks
-from vsb.hydro.panels.rings import quick_green_function
+from vsb.keys.reading import validated
 from vsb.stages.body_preview import check, check_wave, drifting_motions, solved_lines, solving_seconds
 from vsb.stages.coefficients import finely_solved
 from vsb.study.body import BodyStudy, located
 from vsb.study.plan import BodyPlan
 from vsb.study.plans import plan_of
-from vsb.study.reading import validated
-from vsb.study.waves import RegularWave, StillWater
 from vsb.tools.shipped import HOME
 
 

@@ -14,8 +14,8 @@ from conftest import SMALL, SMALL_PLAN, error_line
 import vsb
 from vsb.api.results import Results
 from vsb.cli import main
+from vsb.engine.hydro.formats.exchange import read_source
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.exchange import read_source
 from vsb.pipeline.tasks import file_ids
 from vsb.stages.coefficients import judged
 from vsb.stages.planning import plan_of

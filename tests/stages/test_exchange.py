@@ -6,8 +6,8 @@ import pytest
 from study.test_device import raw
 
 from tests.hydro.formats.test_checks import sound
-from vsb.hydro.formats.bemio import bemio_entries, write_h5
-from vsb.hydro.formats.wamit import wamit_texts
+from vsb.engine.hydro.formats.bemio import bemio_entries, write_h5
+from vsb.engine.hydro.formats.wamit import wamit_texts
 from vsb.stages.coefficients import import_bemio, import_wamit
 from vsb.stages.water import _at_rest
 from vsb.study.plan import StudyPlan

@@ -7,9 +7,9 @@ import pytest
 from browser import asked, evaluated
 from conftest import varied
 
+from vsb.engine.waves.kinds import Jonswap, RegularWave
 from vsb.report import html
 from vsb.stages.report import interactive_study, no_slider
-from vsb.study.waves import Jonswap, RegularWave
 from vsb.tools.files import load
 
 

@@ -10,15 +10,15 @@ from conftest import varied
 from scenes.test_ports import water
 from stages.test_members import folder, planned, run  # noqa: F401
 
+from vsb.engine.waves.seas import Sea
+from vsb.models.ports import BuoyOfShape
+from vsb.models.rest import reference_shell
 from vsb.report import html
 from vsb.report.animation import PERIODS
 from vsb.report.campaign_answer import leading
-from vsb.scenes.ports import BuoyOfShape
-from vsb.scenes.rest import reference_shell
 from vsb.stages import campaign_report as module
 from vsb.stages.campaign_report import animated_year, interactive_year
 from vsb.stages.climate import read_climate
-from vsb.waves.seas import Sea
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,12 @@ import yaml
 from conftest import SEED
 
 from vsb.api.campaign import Campaign
+from vsb.engine.motion.damper_matrix import best_matrix
+from vsb.engine.waves.spectra import jonswap_spectrum
 from vsb.errors import VsbError
-from vsb.motion.damper_matrix import best_matrix
+from vsb.keys.quantities import canonical
+from vsb.models.floating_system import floating_system
 from vsb.results.year import band_weights, frequencies, year
-from vsb.scenes.floating_system import floating_system
 from vsb.stages import campaign, campaign_report
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
@@ -24,9 +26,7 @@ from vsb.stages.stage import function_of, specification
 from vsb.stages.verify import verify
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import plan_of
-from vsb.study.quantities import canonical
 from vsb.tools.files import load
-from vsb.waves.spectra import jonswap_spectrum
 
 BASE = yaml.safe_load(SEED.read_text())
 BASE["modes"]["degree"] = 2

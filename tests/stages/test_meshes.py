@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from conftest import shipped, varied
 
-from vsb.hydro.panels import mesh as meshing
-from vsb.scenes.rest import reference_shell
+from vsb.engine.hydro.panels import mesh as meshing
+from vsb.keys.quantities import content_id
+from vsb.models.rest import reference_shell
 from vsb.stages import panels, shell
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import content_id
 from vsb.study.specs import SphereMesh
 from vsb.study.study import load
 

@@ -5,7 +5,7 @@ import yaml
 from stages.test_body_invariance import barge
 
 import vsb
-from vsb.hydro.database import save_database
+from vsb.engine.hydro.database import save_database
 from vsb.study.body import load_body
 from vsb.study.study import parse
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.scenes.rest import study_basis
+from vsb.models.rest import study_basis
 from vsb.stages import shell
 from vsb.study.plan import StudyPlan
 from vsb.tools.files import load

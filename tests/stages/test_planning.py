@@ -4,10 +4,10 @@ import pytest
 import yaml
 from conftest import EXAMPLE, varied
 
+from vsb.keys.quantities import content_id
 from vsb.stages.planning import degree_lines, plan_of, with_degree
 from vsb.study.degree import degree_needed
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import content_id
 from vsb.study.sections import DEGREES
 from vsb.study.study import load
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from conftest import varied
 
+from vsb.engine.shell.modes import mode_basis
+from vsb.engine.shell.shell import Shell, natural_frequencies
 from vsb.errors import DatabaseError
-from vsb.shell.modes import mode_basis
-from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages import preview
 
 

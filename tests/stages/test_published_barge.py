@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from vsb.api.results import Results
-from vsb.hydro.formats.checks import coefficient_checks
-from vsb.hydro.formats.wamit import import_wamit
+from vsb.engine.hydro.formats.checks import coefficient_checks
+from vsb.engine.hydro.formats.wamit import import_wamit
 from vsb.stages.make import make
 from vsb.study.body import load_body
 from vsb.study.plan import BodyPlan

@@ -3,11 +3,11 @@
 import numpy as np
 import xarray as xr
 
-from vsb.hydro.database import load_database
-from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import RadiationModel, fit_radiation
+from vsb.engine.hydro.database import load_database
+from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.statespace import RadiationModel, fit_radiation
+from vsb.keys.quantities import content_id
 from vsb.stages import frequency
-from vsb.study.quantities import content_id
 from vsb.tools.files import load
 
 

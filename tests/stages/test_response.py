@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.motion.frequency import frequency_grid, with_others
-from vsb.motion.port import LinearPto
+from vsb.engine.motion.frequency import frequency_grid, with_others
+from vsb.engine.motion.port import LinearPto
+from vsb.models.floating_system import floating_system
 from vsb.report.band import gain_band
-from vsb.scenes.floating_system import floating_system
 from vsb.stages import frequency
 from vsb.study.plan import StudyPlan
 from vsb.tools.files import load

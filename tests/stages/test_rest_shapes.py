@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 from study.test_device import raw
 
-from vsb.hydro import database
-from vsb.hydro.formats.common import floating
+from vsb.engine.hydro import database
+from vsb.engine.hydro.formats.common import floating
 from vsb.pipeline.tasks import products
 from vsb.stages.make import make
 from vsb.study.plan import StudyPlan

@@ -8,15 +8,15 @@ import pytest
 import xarray as xr
 from conftest import SMALL_PLAN, varied
 
-from vsb.integrators.exact import propagate
-from vsb.integrators.periodic import periodic_power
-from vsb.motion.forces import Damper, Excitation, Spring
-from vsb.motion.scene import Scene
-from vsb.motion.system import System
-from vsb.scenes import build
-from vsb.scenes.build import linear_design
-from vsb.scenes.latching import LatchingTime
-from vsb.shell.deformed import enclosed
+from vsb.engine.integrators.exact import propagate
+from vsb.engine.integrators.periodic import periodic_power
+from vsb.engine.motion.forces import Damper, Excitation, Spring
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System
+from vsb.engine.shell.deformed import enclosed
+from vsb.models import build
+from vsb.models.build import linear_design
+from vsb.models.latching import LatchingTime
 from vsb.stages import simulate
 from vsb.study.plan import StudyPlan
 from vsb.tools.files import load

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from conftest import shipped, varied
 
+from vsb.engine.hydro import database
+from vsb.engine.shell.deformed import rigid_sphere
 from vsb.errors import DatabaseError
-from vsb.hydro import database
-from vsb.shell.deformed import rigid_sphere
+from vsb.keys.quantities import content_id
 from vsb.stages import panels
 from vsb.stages import water as solving
 from vsb.stages.make import make
 from vsb.stages.water import spectral_problem
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import content_id
 from vsb.study.specs import DatabaseSpec
 from vsb.study.study import load
 from vsb.tools import files

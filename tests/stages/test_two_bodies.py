@@ -11,8 +11,8 @@ from browser import evaluated
 
 import vsb
 from vsb.api.results import Results
+from vsb.engine.hydro.formats.wamit import import_wamit
 from vsb.errors import ConfigError
-from vsb.hydro.formats.wamit import import_wamit
 from vsb.report import html
 from vsb.report.page import STILL
 from vsb.stages.make import make

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import yaml
 
+from vsb.engine.shell.meridian import capsule, spheroid
 from vsb.results.ladder import study_ladder
 from vsb.stages.make import make
 from vsb.study import study as config
 from vsb.study.body import load_body
-from vsb.study.meridian import capsule, spheroid
 from vsb.study.plan import BodyPlan, StudyPlan
 
 pytestmark = pytest.mark.slow

@@ -9,8 +9,8 @@ import yaml
 from stages.test_body_invariance import barge
 from stages.test_members import BASE, batches, gather, parsed, with_seas
 
-from vsb.hydro.database import save_database
-from vsb.motion.port import LinearPto
+from vsb.engine.hydro.database import save_database
+from vsb.engine.motion.port import LinearPto
 from vsb.report.campaign_answer import answer as answer_of
 from vsb.results.verification import DesignInTime
 from vsb.stages import campaign_report, verification

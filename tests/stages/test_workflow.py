@@ -25,12 +25,12 @@ from snakemake.shell import shell
 
 import vsb
 from vsb.cli import main
+from vsb.keys.quantities import canonical
 from vsb.pipeline.tasks import file_ids, tasks
 from vsb.stages.make import make
 from vsb.stages.verify import study_faults
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import canonical
 from vsb.tools.files import load, read_groups
 
 pytestmark = pytest.mark.slow

@@ -7,12 +7,12 @@ import pytest
 import yaml
 from invariance import HEAVE, LENGTH, assert_close, factor, renamed, restated, usual
 
+from vsb.engine.waves.spectra import jonswap_spectrum
+from vsb.keys.quantities import canonical
 from vsb.stages import campaign
 from vsb.stages.stage import function_of, specification
 from vsb.study.plans import plan_of
-from vsb.study.quantities import canonical
 from vsb.tools.files import load
-from vsb.waves.spectra import jonswap_spectrum
 
 pytestmark = pytest.mark.slow
 

@@ -9,16 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from study.test_plan import block_ids
 
+from vsb.engine.hydro.database import displacements_of, in_modes
+from vsb.engine.hydro.quality import added_mass_difference
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.waves.dispersion import wavenumber
 from vsb.errors import ConfigError
-from vsb.hydro.database import displacements_of, in_modes
-from vsb.hydro.quality import added_mass_difference
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.scenes.rest import study_basis
-from vsb.shell.deformed import DeformedShell
+from vsb.keys.quantities import content_id
+from vsb.models.rest import study_basis
 from vsb.study.blocks import frequency_step, tolerance_rows
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import content_id
-from vsb.waves.dispersion import wavenumber
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,11 @@ from pathlib import Path
 import pytest
 import yaml
 
+from vsb.engine.hydro.bodies.body_file import BodyFile
 from vsb.errors import ConfigError
-from vsb.study.body import BodyFile, BodyStudy, is_body, load_body, located, wamit_files
-from vsb.study.quantities import canonical
-from vsb.study.reading import validated
+from vsb.keys.quantities import canonical
+from vsb.keys.reading import validated
+from vsb.study.body import BodyStudy, is_body, load_body, located, wamit_files
 from vsb.study.study import parse
 
 RAW = {

@@ -2,10 +2,10 @@
 
 import pytest
 
+from vsb.keys.quantities import content_id
 from vsb.study.body import LocatedBody, located
 from vsb.study.plan import BodyPlan
 from vsb.study.plans import planned
-from vsb.study.quantities import content_id
 
 RAW = {
     "study": "raft",

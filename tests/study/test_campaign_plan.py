@@ -7,11 +7,11 @@ import yaml
 from conftest import SEED
 
 from vsb.errors import ConfigError
+from vsb.keys.quantities import content_id
 from vsb.pipeline.tasks import file_ids, products
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import StudyPlan
 from vsb.study.plans import plan_of
-from vsb.study.quantities import content_id
 
 
 @pytest.fixture

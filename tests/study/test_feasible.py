@@ -7,7 +7,7 @@ from conftest import SEED
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.study.device import centre_height, keel_depth
+from vsb.engine.shell.device import centre_height, keel_depth
 from vsb.study.feasible import Ranges, Reachable, Unmet
 from vsb.study.study import load
 

@@ -9,12 +9,12 @@ import yaml
 from conftest import EXAMPLE, SEED, varied
 from pydantic import ValidationError
 
+from vsb.engine.shell.device import Basis
+from vsb.keys.quantities import canonical, content_id
 from vsb.pipeline.tasks import file_ids, products
 from vsb.study import specs
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import canonical, content_id
-from vsb.study.sections import Basis
 from vsb.study.specs import PHYSICS
 from vsb.study.study import load
 
@@ -30,7 +30,7 @@ def block_ids(study):
 
 
 def test_labels_are_those_of_the_basis(seed):
-    from vsb.scenes.rest import study_basis
+    from vsb.models.rest import study_basis
 
     for basis in get_args(Basis):
         study = varied(seed, modes={"basis": basis, "degree": 4})

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from study.test_sections import RAW, changed
 
 from vsb.errors import ConfigError
+from vsb.keys.quantities import canonical
+from vsb.keys.reading import validated
 from vsb.study import study as config
 from vsb.study.body import BodyStudy
-from vsb.study.quantities import canonical
-from vsb.study.reading import validated
 
 
 def shuffled(data, rnd):

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel
 
-from vsb.shell.modes import mode_basis
+from vsb.engine.shell.modes import mode_basis
+from vsb.keys.meanings import KEYS
 from vsb.study import study as config
-from vsb.study.keys import KEYS
 from vsb.study.vary import Vary, length_power, powers, read_vary, scaled, unit
 from vsb.tools.ports import MOMENT, PRESSURE
 

@@ -19,13 +19,15 @@ def test_edited_force_reaches_the_loops_that_call_it_and_one_of_two_processes_co
     compiled = "\n\n@njit(cache=True)\ndef {}():\n    return {}\n"
     text = force.read_text()
     loop.write_text(
-        loop.read_text() + "\nfrom vsb.motion.wetted import a_force\n" + compiled.format("a_loop", "a_force()")
+        loop.read_text() + "\nfrom vsb.engine.motion.wetted import a_force\n" + compiled.format("a_loop", "a_force()")
     )
     environment = {**os.environ, "PYTHONPATH": str(tmp_path), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     found = []
     for value in ("1.0", "2.0"):
         force.write_text(text + compiled.format("a_force", value))
-        code = "from vsb.integrators.exponential import a_loop; print(a_loop(), a_loop.stats.cache_misses.total())"
+        code = (
+            "from vsb.engine.integrators.exponential import a_loop; print(a_loop(), a_loop.stats.cache_misses.total())"
+        )
         command = [sys.executable, "-c", code]
         both = [subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE) for _ in range(2)]
         found.append(sorted(process.communicate()[0].decode().strip() for process in both))

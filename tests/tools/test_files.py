@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-import vsb.motion.variables  # noqa: F401  (registers rao)
+import vsb.engine.motion.variables  # noqa: F401  (registers rao)
 from vsb.errors import DatabaseError
 from vsb.tools.files import ROOT, checksum, load, locked, read_text, save, write_text
 from vsb.tools.variables import VARIABLES

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.study.keys import KEYS
+from vsb.keys.meanings import KEYS
 from vsb.tools.ports import KINDS
 from vsb.tools.units import parsed_unit, split, unit, value_in
 

@@ -5,11 +5,11 @@ import re
 import numpy as np
 import pytest
 
+from vsb.engine.waves.climate import Climate, height_and_period, is_doubt, of_records, realised
+from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.records import impossible
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
-from vsb.study.records import impossible
-from vsb.study.sections import Water
-from vsb.waves.climate import Climate, height_and_period, is_doubt, of_records, realised
-from vsb.waves.dispersion import wavenumber
 
 
 def flat(seas=1, hours=None):

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from vsb.engine.waves.kinds import RecordedSea, TabulatedSea
+from vsb.engine.waves.measured_spectra import read_spectra
+from vsb.engine.waves.scatter import read_scatter
 from vsb.errors import ConfigError
-from vsb.study.waves import RecordedSea, TabulatedSea
-from vsb.waves.measured_spectra import read_spectra
-from vsb.waves.scatter import read_scatter
 
 TIME = 0.5 * np.arange(64)
 FREQUENCY = np.linspace(0.05, 0.4, 24)

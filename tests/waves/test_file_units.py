@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from vsb.engine.waves.kinds import Jonswap, RecordedSea, TabulatedSea
+from vsb.engine.waves.spectra import spectrum
 from vsb.errors import ConfigError
-from vsb.study.waves import Jonswap, RecordedSea, TabulatedSea
 from vsb.tools.units import Frequency, density, frequency, number, unit
-from vsb.waves.spectra import spectrum
 
 HERTZ = np.linspace(0.05, 1.2, 231)
 SEA = Jonswap(kind="jonswap", hs=1.0, tp=4.0)

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vsb.engine.waves.ndbc import read_ndbc
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
-from vsb.study.sections import Water
-from vsb.waves.ndbc import read_ndbc
 
 SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "ndbc46042_1996_spectra.txt.gz"
 HEADER = "YY MM DD hh   .050   .100   .150\n"

@@ -5,12 +5,12 @@ import pytest
 import yaml
 from conftest import SMALL
 
+from vsb.engine.waves.kinds import Jonswap
+from vsb.engine.waves.records import read_record
+from vsb.engine.waves.seas import irregular
 from vsb.errors import ConfigError
 from vsb.study.plan import plan_for
-from vsb.study.records import read_record
 from vsb.study.study import load, parse
-from vsb.study.waves import Jonswap
-from vsb.waves.seas import irregular
 
 STEP, COUNT = 0.5, 1200
 TIME = STEP * np.arange(COUNT)

@@ -8,15 +8,15 @@ import pytest
 import yaml
 from conftest import EXAMPLE, SMALL, SMALL_PLAN, varied
 
+from vsb.engine.waves.kinds import RecordedSea
+from vsb.engine.waves.records import read_record
+from vsb.engine.waves.seas import components, sea
+from vsb.engine.waves.spectra import share_above, share_below, spectrum
 from vsb.errors import ConfigError
 from vsb.stages.simulate import run_simulate
 from vsb.study.plan import StudyPlan, plan_for
-from vsb.study.records import read_record
 from vsb.study.study import load, parse
-from vsb.study.waves import RecordedSea
 from vsb.tools.files import load as stored
-from vsb.waves.seas import components, sea
-from vsb.waves.spectra import share_above, share_below, spectrum
 
 STEP = 0.25
 

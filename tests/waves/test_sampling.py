@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from vsb.waves.sampling import (
+from vsb.engine.waves.sampling import (
     INTERPOLATED,
     WIDTH,
     Sampler,
@@ -13,7 +13,7 @@ from vsb.waves.sampling import (
     signals,
     signals_along,
 )
-from vsb.waves.seas import FEW
+from vsb.engine.waves.seas import FEW
 
 OMEGA_MAX = 8.0
 

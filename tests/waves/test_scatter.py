@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from scipy.special import gamma as gamma_function
 
-from vsb.errors import ConfigError
-from vsb.waves.climate import is_doubt
-from vsb.waves.scatter import (
+from vsb.engine.waves.climate import is_doubt
+from vsb.engine.waves.scatter import (
     climate_of_cells,
     energy_over_peak_period,
     energy_period_over,
     jonswap_bands,
     read_scatter,
 )
-from vsb.waves.scatter_table import read_table
-from vsb.waves.spectra import jonswap_spectrum
+from vsb.engine.waves.scatter_table import read_table
+from vsb.engine.waves.spectra import jonswap_spectrum
+from vsb.errors import ConfigError
 
 SHIPPED = Path(__file__).parents[2] / "config" / "climate" / "PacWave-South_Oregon_Wave-Resource.csv"
 FULL = "Hs/Te,6.5,7.5\n0.25,10,20\n0.75,0,70\n"

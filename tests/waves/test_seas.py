@@ -3,11 +3,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vsb.study.sections import Water
-from vsb.study.waves import Jonswap, OchiHubble, PiersonMoskowitz, RegularWave, StillWater, WhiteNoise
-from vsb.waves.climate import Climate
-from vsb.waves.seas import FEW, Sea, components, irregular, sea, superposed
-from vsb.waves.spectra import jonswap_spectrum, sea_energy, share_above, share_below, spectrum
+from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.kinds import Jonswap, OchiHubble, PiersonMoskowitz, RegularWave, StillWater, WhiteNoise
+from vsb.engine.waves.seas import FEW, Sea, components, irregular, sea, superposed
+from vsb.engine.waves.spectra import jonswap_spectrum, sea_energy, share_above, share_below, spectrum
+from vsb.engine.waves.water import Water
 
 
 def test_realisations_differ_by_phase_only_and_repeat_by_seed():

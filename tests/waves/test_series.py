@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from vsb.engine.waves.measured_spectra import read_spectra
+from vsb.engine.waves.scatter import energy_period_over, read_scatter
+from vsb.engine.waves.scatter_table import read_table
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
-from vsb.study.sections import Water
-from vsb.waves.measured_spectra import read_spectra
-from vsb.waves.scatter import energy_period_over, read_scatter
-from vsb.waves.scatter_table import read_table
 
 HS, TE = [1.1, 1.3, 2.6, 1.2], [6.2, 6.8, 8.0, 6.5]
 DAYS = ["2020-01-01 00:00", "2020-01-01 03:00", "2020-01-01 06:00", "2020-01-01 09:00"]

@@ -5,12 +5,12 @@ import pytest
 import yaml
 from conftest import SMALL
 
+from vsb.engine.waves.kinds import Jonswap, TabulatedSea
+from vsb.engine.waves.seas import components, sea
+from vsb.engine.waves.spectra import share_above, share_below, spectrum
 from vsb.errors import ConfigError
 from vsb.study.plan import plan_for
 from vsb.study.study import load, parse
-from vsb.study.waves import Jonswap, TabulatedSea
-from vsb.waves.seas import components, sea
-from vsb.waves.spectra import share_above, share_below, spectrum
 
 HERTZ = np.linspace(0.05, 1.2, 400)
 SAME = Jonswap(kind="jonswap", hs=0.4, tp=5.0, seed=3)

@@ -5,14 +5,14 @@ import pytest
 from conftest import SEED
 from scipy.special import betaincinv
 
+from vsb.engine.hydro.orders import Directions, heading_shares
+from vsb.engine.waves.kinds import Jonswap, Spreading
+from vsb.engine.waves.seas import irregular
 from vsb.errors import ConfigError
-from vsb.hydro.orders import Directions, heading_shares
-from vsb.scenes.floating_system import heading_in
+from vsb.keys.reading import validated
+from vsb.models.floating_system import heading_in
 from vsb.study.body import BodyStudy
-from vsb.study.reading import validated
 from vsb.study.study import load, parse
-from vsb.study.waves import Jonswap, Spreading
-from vsb.waves.seas import irregular
 
 PLANAR = {"motion": "planar", "mooring": [2e4, 0, 0, 0, 0, 0], "modes": {"basis": "membrane", "degree": 2}}
 

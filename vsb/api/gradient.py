@@ -7,14 +7,14 @@ import numpy as np
 import xarray as xr
 
 from vsb.design.evaluation import DAMPER, DesignModel, Quantity
+from vsb.engine.motion.take_off import port_kind
+from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError
 from vsb.stages.planning import with_degree
 from vsb.study.design import QUANTITIES, unit_of
 from vsb.study.plan import StudyPlan
 from vsb.study.study import Study
-from vsb.study.take_off import port_kind
 from vsb.study.vary import unit
-from vsb.waves.climate import Climate
 
 POWER, GAIN = "annual_mean_power", "gain_percent"
 

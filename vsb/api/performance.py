@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from vsb.engine.waves.climate import YEAR_HOURS
 from vsb.errors import ConfigError
 from vsb.results.year import Bins
-from vsb.waves.climate import YEAR_HOURS
 
 
 def power_matrix(

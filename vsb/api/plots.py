@@ -8,16 +8,16 @@ import xarray as xr
 from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 
+from vsb.engine.hydro.bodies.outline import OUTLINE
+from vsb.engine.hydro.labels import ROTATIONS, motion_of
+from vsb.engine.motion.linear import direction_index
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.outline import OUTLINE
-from vsb.motion.linear import direction_index
+from vsb.models.floating_system import heading, study_sea
 from vsb.report.animation import displaced_outline, largest_motion, outline_data, surface, without_drift
 from vsb.report.canvas import bin_edges, number_cells, style
 from vsb.report.shell_figures import outline
 from vsb.results.year import HEIGHT, PERIOD
-from vsb.scenes.floating_system import heading, study_sea
 from vsb.study.body import AnyStudy
-from vsb.study.quantities import ROTATIONS, motion_of
 from vsb.tools.arrays import FloatArray
 
 FRAMES_PER_PERIOD = 24

@@ -15,18 +15,21 @@ import xarray as xr
 
 from vsb.api.best_buoy import BestBuoy
 from vsb.api.plots import StudyPlots
+from vsb.engine.hydro.database import load_database
+from vsb.engine.motion.constrained import ConstrainedOptimum, optimum_in_sea
+from vsb.engine.motion.damper_matrix import Ports
+from vsb.engine.motion.force_bound import Harmonics, Limits
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.take_off import Pto, port_kind
+from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.kinds import StillWater, Wave
 from vsb.errors import ConfigError
-from vsb.hydro.database import load_database
-from vsb.motion.constrained import ConstrainedOptimum, optimum_in_sea
-from vsb.motion.damper_matrix import Ports
-from vsb.motion.force_bound import Harmonics, Limits
-from vsb.motion.port import Port
+from vsb.models.build import DesignInSea, design_in_sea
+from vsb.models.floating_system import FloatingSystem, band, floating_system, heading_in, study_sea
 from vsb.pipeline.tasks import file_ids
 from vsb.report.answer import closing_line
 from vsb.results.series import time_series
 from vsb.results.year import Tuning, frequencies, year
-from vsb.scenes.build import DesignInSea, design_in_sea
-from vsb.scenes.floating_system import FloatingSystem, band, floating_system, heading_in, study_sea
 from vsb.stages import make
 from vsb.stages.planning import with_degree
 from vsb.study.body import AnyStudy, LocatedBody
@@ -34,11 +37,8 @@ from vsb.study.design import LoadedDesign
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, plan_for
 from vsb.study.study import Study
-from vsb.study.take_off import Pto, port_kind
-from vsb.study.waves import StillWater, Wave
 from vsb.tools.files import load
 from vsb.tools.stamps import read_text
-from vsb.waves.climate import Climate
 
 UNITS = {
     "displacement_pp": "m", "velocity_pp": "m/s", "power_peak": "W", "power_mean": "W", "energy": "J",

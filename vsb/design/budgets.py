@@ -20,13 +20,13 @@ from vsb.design.linearised import linearised
 from vsb.design.margins import depends
 from vsb.design.problem import POWER
 from vsb.design.year import PortYear, band
+from vsb.engine.shell.meridian import also_through
+from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.dispersion import power_limit
 from vsb.results.budget import MODES, Budget, Source
 from vsb.study.design import OF_RIGID
-from vsb.study.meridian import also_through
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
-from vsb.waves.climate import Climate
-from vsb.waves.dispersion import power_limit
 
 SAFETY = 2.0
 """Of the change by finer nodes and frequencies, or by another curve through a profile, for the error of those used."""

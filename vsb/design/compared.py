@@ -17,11 +17,11 @@ from vsb.design.optimise import FURTHER, left_out, optimised
 from vsb.design.problem import IMPOSSIBLE, POWER, Problem
 from vsb.design.resting import RestingBuoy
 from vsb.design.searched import Outcome, searching, study_of, with_rest
+from vsb.engine.waves.climate import Climate
 from vsb.study.sections import DEGREES
 from vsb.study.specs import DesignSpec, Search
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
-from vsb.waves.climate import Climate
 
 FLEXIBLE, COMPETITOR, TWIN, SPHERE = "flexible", "rigid competitor", "rigid twin", "undeformed sphere"
 """Names of the buoys compared."""

@@ -10,16 +10,16 @@ from vsb.design.limits import hull, inverse_load_factors, static_strain
 from vsb.design.linearised import Angle, Linearised, displacements, linearised, of_all
 from vsb.design.resting import RestingBuoy, Stepped, value_of, with_values
 from vsb.design.year import FrequencyGrid, PortYear, band, chebyshev, interpolation
+from vsb.engine.hydro.spectral.solver import SpectralProblem, largest_error
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.modes import rigid_basis
+from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.hydro.spectral.solver import SpectralProblem, largest_error
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import rigid_basis
 from vsb.study.campaign import sections, study_at
 from vsb.study.design import VARIABLES
 from vsb.study.feasible import OF_EVERY_BUOY, shares
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
-from vsb.waves.climate import Climate
 
 NEEDED = ("thin_shell", "least_draft", "floats")
 """Limits of every buoy beyond which there is nothing to evaluate."""

@@ -8,11 +8,11 @@ from scipy.linalg import eigh
 from scipy.optimize import minimize_scalar
 
 from vsb.design.resting import OF_DAMPING, RestingBuoy, Stepped, with_variable
-from vsb.scenes.rest import complete_loaded_shell, loaded_shell
-from vsb.shell.loaded import LoadedShell, buckling_pencil
-from vsb.shell.lobes import LobedShell, Lobes
-from vsb.shell.modes import rigid_basis
-from vsb.shell.shell import length, meridian_rule
+from vsb.engine.shell.loaded import LoadedShell, buckling_pencil
+from vsb.engine.shell.lobes import LobedShell, Lobes
+from vsb.engine.shell.modes import rigid_basis
+from vsb.engine.shell.shell import length, meridian_rule
+from vsb.models.rest import complete_loaded_shell, loaded_shell
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 
@@ -95,10 +95,10 @@ def static_strain(buoy: RestingBuoy, stepped: Sequence[Stepped]) -> Slopes:
 def inverse_load_factors(study: Study, keys: Sequence[str]) -> list[Slopes]:
     """Return the largest inverse load factors of linear buckling [-], descending, with derivatives by keys of a device.
 
-    Eigenvalues kappa of -K_1 x = kappa K_0 x (`vsb.shell.loaded.buckling_pencil`): 1 buckles under its load, 0 and less
-    under no load. They are smooth where load factors leap to infinity. With x^T K_0 x = 1
+    Eigenvalues kappa of -K_1 x = kappa K_0 x (`vsb.engine.shell.loaded.buckling_pencil`): 1 buckles under its load, 0
+    and less under no load. They are smooth where load factors leap to infinity. With x^T K_0 x = 1
     dkappa = -x^T (dK_1 + kappa dK_0) x. On other meridians than the sphere's those of lobes around the axis are among
-    them (`vsb.shell.lobes`).
+    them (`vsb.engine.shell.lobes`).
     """
     loaded = complete_loaded_shell(study)
     elastic, load = buckling_pencil(loaded)

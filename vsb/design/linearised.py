@@ -8,16 +8,16 @@ import numpy as np
 from scipy.linalg import null_space
 
 from vsb.design.resting import RestingBuoy, Stepped
+from vsb.engine.hydro.database import shares
+from vsb.engine.hydro.dofs import Displacement
+from vsb.engine.hydro.spectral.shape_derivative import shape_derivative
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.motion.port import port_direction
+from vsb.engine.motion.take_off import ShellPort
+from vsb.engine.shell.modes import DISTINCT
+from vsb.engine.shell.shell import Curve
 from vsb.errors import ConfigError
-from vsb.hydro.database import shares
-from vsb.hydro.dofs import Displacement
-from vsb.hydro.spectral.shape_derivative import shape_derivative
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.motion.port import port_direction
-from vsb.scenes.rest import design_motions, mooring_rows
-from vsb.shell.modes import DISTINCT
-from vsb.shell.shell import Curve
-from vsb.study.take_off import ShellPort
+from vsb.models.rest import design_motions, mooring_rows
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
 
 Angle = Literal["clamp", "port"]

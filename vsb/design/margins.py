@@ -13,8 +13,8 @@ import numpy as np
 
 from vsb.design.evaluation import DAMPER, DesignModel
 from vsb.design.problem import excesses
-from vsb.scenes.rest import loaded_at_ring
-from vsb.shell.shell import Shell
+from vsb.engine.shell.shell import Shell
+from vsb.models.rest import loaded_at_ring
 from vsb.study.design import OF_RIGID, limit_of
 from vsb.study.specs import AnyBuoy
 from vsb.study.study import Study

@@ -12,15 +12,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.device import Device
+from vsb.engine.shell.loaded import LoadedShell, complete_basis, equilibrium
+from vsb.engine.shell.material import Hookean
+from vsb.engine.shell.meridian import ClosedMeridian, capsule, spheroid, through
+from vsb.engine.shell.modes import rigid_basis
+from vsb.engine.shell.shell import Curve, Shell
 from vsb.errors import ConfigError
-from vsb.scenes.rest import loaded_shell, stiffness_about
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.loaded import LoadedShell, complete_basis, equilibrium
-from vsb.shell.modes import rigid_basis
-from vsb.shell.shell import Curve, Shell
-from vsb.study.device import Device
-from vsb.study.material import Hookean
-from vsb.study.meridian import ClosedMeridian, capsule, spheroid, through
+from vsb.models.rest import loaded_shell, stiffness_about
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray
 

@@ -16,6 +16,7 @@ from vsb.design.margins import bending_degree, spread
 from vsb.design.optimise import FURTHER, Converged, Finer, Optimum, Progress, converged, finer, start_places
 from vsb.design.problem import IMPOSSIBLE, Point, Problem
 from vsb.design.resting import with_values
+from vsb.engine.waves.climate import Climate
 from vsb.errors import ConvergenceError
 from vsb.study.campaign import study_at
 from vsb.study.design import Variable
@@ -23,7 +24,6 @@ from vsb.study.feasible import shares
 from vsb.study.specs import Search
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
-from vsb.waves.climate import Climate
 
 
 def study_of(search: Search, degree: int | None, point: Mapping[str, float] | None = None) -> Study:

@@ -13,12 +13,12 @@ from functools import cached_property
 import numpy as np
 
 from vsb.design.linearised import Linearised
+from vsb.engine.hydro.spectral.meridian import unit_rule
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.tuning import best_damper_of_each
+from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError
-from vsb.hydro.spectral.meridian import unit_rule
-from vsb.motion.port import Port
-from vsb.motion.tuning import best_damper_of_each
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.waves.climate import Climate
 
 
 def band(climate: Climate, omega_max: float) -> tuple[float, float]:

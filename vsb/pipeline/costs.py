@@ -8,13 +8,13 @@ from collections.abc import Sequence
 
 import psutil
 
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.cost import SECONDS as SECONDS_PER_PANEL2
+from vsb.engine.waves.kinds import IrregularSea, RegularWave, StillWater, Wave
 from vsb.study.blocks import BlockSpec
-from vsb.study.body import BodyFile
-from vsb.study.body_cost import SECONDS as SECONDS_PER_PANEL2
 from vsb.study.campaign_plan import CampaignPlan, Member
 from vsb.study.specs import PanelsSpec, VerificationSpec, WitnessSpec
 from vsb.study.study import BaseStudy
-from vsb.study.waves import IrregularSea, RegularWave, StillWater, Wave
 
 WORKFLOW_SECONDS, JOB_SECONDS = 6.0, 2.3
 """Of Snakemake and the plan, and of a job that does nothing: a process, its imports, what Snakemake does of it."""

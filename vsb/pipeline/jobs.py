@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 from typing import Any
 
+from vsb.keys.quantities import canonical
 from vsb.pipeline.costs import JOB_SECONDS
 from vsb.pipeline.tasks import STAGES, Task, tasks
 from vsb.study.plans import Plan
-from vsb.study.quantities import canonical
 
 RULES = {
     "modes": "shell modes",

@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
 
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.cost import panel_count, solve_resources
+from vsb.keys.quantities import content_id
 from vsb.pipeline import costs
 from vsb.study import figure_names
-from vsb.study.body import BodyFile
-from vsb.study.body_cost import panel_count, solve_resources
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
 from vsb.study.plans import Plan
-from vsb.study.quantities import content_id
 from vsb.study.specs import PanelsSpec
 
 

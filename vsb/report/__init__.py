@@ -1,5 +1,4 @@
 """Figures, pages and answers in words, made from results alone.
 
 Those of a study are `answer`, `page` and `figures`; `campaign_*` and `design_*` are of the others.
-Imports every room except stages and cli.
 """

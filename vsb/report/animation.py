@@ -6,14 +6,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.hydro.bodies.outline import DISPLACED, OUTLINE
+from vsb.engine.hydro.bodies.outline import DISPLACED, OUTLINE
+from vsb.engine.hydro.labels import motion_of
+from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.seas import Sea, superposed
+from vsb.engine.waves.water import Water
 from vsb.report.interactive import as_script, packed
 from vsb.report.shell_figures import round_factor
-from vsb.study.quantities import motion_of
-from vsb.study.sections import Water
 from vsb.tools.arrays import FloatArray
-from vsb.waves.dispersion import wavenumber
-from vsb.waves.seas import Sea, superposed
 
 PER_PERIOD = 24
 """Frames of a period."""

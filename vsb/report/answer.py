@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import xarray as xr
 
+from vsb.engine.motion.take_off import DEFAULTS, LAWS, port_kind
 from vsb.report.band import gain_band, useful_band
 from vsb.report.doubts import no_answer, reasons
-from vsb.study.take_off import DEFAULTS, LAWS, port_kind
 from vsb.tools.words import SAME, against, multiple, plain, power, the_rigid, watts
 
 Lines = Sequence[dict[str, Any]]

@@ -8,13 +8,13 @@ import math
 import numpy as np
 import xarray as xr
 
+from vsb.engine.waves.climate import YEAR_HOURS
 from vsb.report.answer import COMPUTED, Answer
 from vsb.report.doubts import ADVICE
 from vsb.results.campaign import GAIN, POWER, in_time
 from vsb.results.year import POWER_ENDS
 from vsb.study.campaign import GAIN_IN_TIME, leading_tuning
 from vsb.tools.words import against, quantity, short, the_rigid
-from vsb.waves.climate import YEAR_HOURS
 
 TUNED = {
     "one": "each design at its optimal damping for the year",

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from vsb import __version__
+from vsb.engine.waves.climate import is_doubt
 from vsb.report.animation import in_motion
 from vsb.report.campaign_answer import (
     MODELS,
@@ -34,7 +35,6 @@ from vsb.study.campaign import CONSTRAINED
 from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import kind_of
 from vsb.tools.words import plain, short
-from vsb.waves.climate import is_doubt
 
 CAPTIONS = {
     "spectra": "Spectra of the year: mean, median at each frequency, and the range between the 10 % and 90 % "

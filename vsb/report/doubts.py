@@ -81,7 +81,7 @@ REASONS = {
     "power_limit": "a design absorbs {value} times the theoretical limit of any device",
     "assumed_pressure": "the assumed pressure gives a buoy {value} times the power of a wave with that pressure",
 }
-"""Name of a check that invalidates results (`vsb.hydro.database.INVALIDATING`) -> the reason in words."""
+"""Name of a check that invalidates results (`vsb.engine.hydro.database.INVALIDATING`) -> the reason in words."""
 
 
 def reasons(invalid: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -8,6 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vsb.engine.hydro.labels import RIGID, ROTATIONS
 from vsb.report.band import useful_band
 from vsb.report.canvas import (
     StudyData,
@@ -27,7 +28,6 @@ from vsb.report.hydro_figures import added_mass_damping, radiation_kernel, spect
 from vsb.report.response_figures import excitation, rao
 from vsb.report.shell_figures import extreme_shapes, mode_shapes, shapes_3d, snapshots, volume_area
 from vsb.study.figure_names import OF_THE_RESPONSE
-from vsb.study.quantities import RIGID, ROTATIONS
 from vsb.tools.words import superscripts
 
 

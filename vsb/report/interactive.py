@@ -1,6 +1,6 @@
 """The data of a page's scripts: ports and seas, from which a reader's choice of damping gives powers and gains.
 
-The scripts use the algebra of `vsb.motion.port`: a damping c absorbs c |Z V0|^2 / (2 |Z + c|^2) per squared wave
+The scripts use the algebra of `vsb.engine.motion.port`: a damping c absorbs c |Z V0|^2 / (2 |Z + c|^2) per squared wave
 amplitude, and in a sea the sum over its components. Numbers are base64 of little-endian floats.
 """
 
@@ -14,13 +14,13 @@ import markupsafe
 import numpy as np
 import numpy.typing as npt
 
-from vsb.motion.port import Port
+from vsb.engine.motion.port import Port
+from vsb.engine.waves.climate import YEAR_HOURS, Climate
 from vsb.report.canvas import style
 from vsb.results.year import band_weights, bins_of
 from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import superscripts
-from vsb.waves.climate import YEAR_HOURS, Climate
 
 if TYPE_CHECKING:
     from vsb.results.force_steps import ForceSteps  # imports compiled code

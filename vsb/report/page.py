@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from vsb.engine.motion.take_off import port_kind
 from vsb.report.animation import in_motion
 from vsb.report.answer import (
     AT_FORCE,
@@ -34,7 +35,6 @@ from vsb.report.doubts import no_answer, warnings
 from vsb.report.figures import captions
 from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
-from vsb.study.take_off import port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.words import multiple, plain, power, superscripts, the_rigid

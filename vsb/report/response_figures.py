@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from vsb.engine.hydro.labels import ROTATIONS, body_of, is_rigid, motion_of
 from vsb.report.canvas import PORT, StudyData, grid_of_axes, legend_above, note, period_axis, shown_band, style
-from vsb.study.quantities import ROTATIONS, body_of, is_rigid, motion_of
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 from vsb.tools.words import superscripts
 

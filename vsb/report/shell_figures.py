@@ -8,10 +8,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vsb.hydro.dofs import flexible
+from vsb.engine.hydro.dofs import flexible
+from vsb.engine.hydro.labels import RIGID, is_of_ring
+from vsb.engine.shell.orders import goes_with_sine
 from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style
-from vsb.shell.orders import goes_with_sine
-from vsb.study.quantities import RIGID, is_of_ring
 from vsb.tools.arrays import FloatArray
 
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from vsb.motion.damper_matrix import matrix_text
+from vsb.engine.motion.damper_matrix import matrix_text
+from vsb.engine.motion.take_off import port_kind
 from vsb.results.member import SAME_FOR_ALL
 from vsb.results.year import POWER_ENDS
 from vsb.study.body import BodyDesign
@@ -14,7 +15,6 @@ from vsb.study.campaign import AT_FORCE, CONSTRAINED, GAIN_IN_TIME, IN_TIME, POW
 from vsb.study.campaign_plan import VARIABLES
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import first_rigid
-from vsb.study.take_off import port_kind
 from vsb.study.vary import MEMBER, PORT, Vary, unit
 from vsb.tools.arrays import AnyArray, FloatArray
 from vsb.tools.ports import PortKind

@@ -11,19 +11,19 @@ from typing import NamedTuple
 import numpy as np
 from scipy.fft import next_fast_len
 
-from vsb.motion.causal import StationaryPort, numerical_error, optimum
-from vsb.motion.coefficient_errors import CoefficientError, sensitivity
-from vsb.motion.tuning import damper_within_force
+from vsb.engine.motion.causal import StationaryPort, numerical_error, optimum
+from vsb.engine.motion.coefficient_errors import CoefficientError, sensitivity
+from vsb.engine.motion.take_off import Pto
+from vsb.engine.motion.tuning import damper_within_force
+from vsb.engine.waves.climate import YEAR_HOURS, Climate
+from vsb.models.floating_system import FINE, AnyBody, Floating, InWaves
+from vsb.models.stationary import continued, grid, rms_limits
 from vsb.results.left_out import LeftOut
 from vsb.results.year import DesignYear, Values, best_for_all, bins_of, frequencies, gains_within, powers_within
 from vsb.results.year_validity import beyond_in_bins
-from vsb.scenes.floating_system import FINE, AnyBody, Floating, InWaves
-from vsb.scenes.stationary import continued, grid, rms_limits
 from vsb.study.campaign import CAUSAL, SAME_FORCE
 from vsb.study.study import Study
-from vsb.study.take_off import Pto
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.waves.climate import YEAR_HOURS, Climate
 
 
 class Scheduled(NamedTuple):

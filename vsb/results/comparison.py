@@ -7,20 +7,20 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
+from vsb.engine.motion.damper_matrix import Ports
+from vsb.engine.motion.linear import direction_index
+from vsb.engine.motion.take_off import SeveralPorts
+from vsb.engine.waves.dispersion import group_velocity
+from vsb.engine.waves.kinds import RegularWave, StillWater, Wave
+from vsb.engine.waves.seas import Sea
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
-from vsb.motion.damper_matrix import Ports
-from vsb.motion.linear import direction_index
-from vsb.scenes.build import TUNED, TUNED_MATRIX
-from vsb.scenes.drag import LINEARISED
-from vsb.scenes.take_off import given_matrix
-from vsb.study.sections import Water
+from vsb.models.build import TUNED, TUNED_MATRIX
+from vsb.models.drag import LINEARISED
+from vsb.models.take_off import given_matrix
 from vsb.study.study import BaseStudy
-from vsb.study.take_off import SeveralPorts
-from vsb.study.waves import RegularWave, StillWater, Wave
 from vsb.tools.arrays import FloatArray
 from vsb.tools.tables import csv_text
-from vsb.waves.dispersion import group_velocity
-from vsb.waves.seas import Sea
 
 NO_POWER = 1e-9
 """Mean power that counts as none [W]."""
@@ -75,7 +75,7 @@ def averaging_window(wave: Wave, window: tuple[float, float]) -> tuple[float, fl
 
 
 def merit(run: xr.Dataset, wave: Wave, sea: Sea, water: Water, window: tuple[float, float]) -> Merit:
-    """Return the figures of merit of a run (see `vsb.integrators.simulate.recorded`)."""
+    """Return the figures of merit of a run (see `vsb.engine.integrators.simulate.recorded`)."""
     time = run.time.values
     inside = (time >= window[0] - 1e-9) & (time <= window[1] + 1e-9)
     if not inside.any():

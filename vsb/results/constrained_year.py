@@ -15,22 +15,22 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
+from vsb.engine.motion.coefficient_errors import CoefficientError, Sensitivity, sensitivity_of_forces
+from vsb.engine.motion.constrained import ConstrainedOptimum, NoForceFoundError, constrained_optimum
+from vsb.engine.motion.force_bound import Harmonics, Limits
+from vsb.engine.motion.port import Port, PortMotion
+from vsb.engine.waves.climate import OUTSIDE, YEAR_HOURS, Climate
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError, StabilityError
-from vsb.motion.coefficient_errors import CoefficientError, Sensitivity, sensitivity_of_forces
-from vsb.motion.constrained import ConstrainedOptimum, NoForceFoundError, constrained_optimum
-from vsb.motion.force_bound import Harmonics, Limits
-from vsb.motion.port import Port, PortMotion
+from vsb.models.floating_system import AnyBody, Floating, InWaves
 from vsb.results.left_out import LeftOut
 from vsb.results.member import OF_LIMITS, radius_of
 from vsb.results.statistics import Estimate, stratified_half_width
 from vsb.results.year import POWER_ENDS, Bins, bins_of
 from vsb.results.year_validity import beyond_in_bins
-from vsb.scenes.floating_system import AnyBody, Floating, InWaves
 from vsb.study.campaign import CONSTRAINED
-from vsb.study.sections import Water
 from vsb.study.study import Study
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from vsb.waves.climate import OUTSIDE, YEAR_HOURS, Climate
 
 SECONDS_PER_CUBE = 4e-9
 """Time of one optimum over the third power of its harmonics, on one core of a usual machine [s]."""

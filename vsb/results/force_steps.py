@@ -9,16 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vsb.engine.motion.constrained import optimum_in_sea
+from vsb.engine.motion.force_bound import Harmonics, Limits
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.tuning import best_dampers
+from vsb.engine.waves.kinds import Irregular, IrregularSea, RegularWave, SeaOfFile, SpectralSea
+from vsb.engine.waves.seas import Sea, regular
+from vsb.engine.waves.spectra import band_variances, spectrum
 from vsb.errors import VsbError
-from vsb.motion.constrained import optimum_in_sea
-from vsb.motion.force_bound import Harmonics, Limits
-from vsb.motion.port import Port
-from vsb.motion.tuning import best_dampers
 from vsb.results.constrained_year import SECONDS_AT_LEAST, SECONDS_PER_CUBE
-from vsb.study.waves import Irregular, IrregularSea, RegularWave, SeaOfFile, SpectralSea
 from vsb.tools.arrays import FloatArray
-from vsb.waves.seas import Sea, regular
-from vsb.waves.spectra import band_variances, spectrum
 
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
 """Limits of force, over the largest force of the reference's best damper [-]."""

@@ -7,16 +7,16 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from vsb.engine.motion.causal import RmsLimits, StationaryPort, optimum
+from vsb.engine.motion.controller import achieved
+from vsb.engine.motion.take_off import Pto
+from vsb.engine.motion.tuning import damper_within_force, mean_power
+from vsb.engine.waves.kinds import Irregular, Jonswap, PiersonMoskowitz, Wave
+from vsb.engine.waves.spectra import share_above
 from vsb.errors import VsbError
-from vsb.motion.causal import RmsLimits, StationaryPort, optimum
-from vsb.motion.controller import achieved
-from vsb.motion.tuning import damper_within_force, mean_power
-from vsb.scenes.floating_system import FloatingSystem, InSeas, expected_sea, port_in_seas
-from vsb.scenes.stationary import rms_limits, stationary_ports
-from vsb.study.take_off import Pto
-from vsb.study.waves import Irregular, Jonswap, PiersonMoskowitz, Wave
+from vsb.models.floating_system import FloatingSystem, InSeas, expected_sea, port_in_seas
+from vsb.models.stationary import rms_limits, stationary_ports
 from vsb.tools.arrays import ComplexArray, FloatArray
-from vsb.waves.spectra import share_above
 
 FORECASTS = (0.0, 0.0625, 0.125, 0.25, 0.5, 1.0, 2.0)
 """Forecasts over the period of the sea's peak [-]."""

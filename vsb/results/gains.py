@@ -5,15 +5,15 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from vsb.hydro.database import Check, Verdict
+from vsb.engine.hydro.database import Check, Verdict
+from vsb.engine.motion.take_off import Pto, port_kind
+from vsb.engine.waves.kinds import IrregularSea, Wave
+from vsb.models.drag import LINEARISED
 from vsb.results.budget import Budget, Rows, Source, mean_budget
 from vsb.results.comparison import Attributes, gains
 from vsb.results.ladder import CAUSAL, SAME_FORCE, ControlLevel
 from vsb.results.mean_power import LEVELS, STATISTICS, MeanPower, MeanPowers, is_linear
-from vsb.scenes.drag import LINEARISED
 from vsb.study.study import BaseStudy
-from vsb.study.take_off import Pto, port_kind
-from vsb.study.waves import IrregularSea, Wave
 from vsb.tools.words import plain, superscripts
 
 LOST = 0.05
@@ -82,7 +82,7 @@ class AtForce(NamedTuple):
     design: str
     sea: str
     force_rms: float  # [N]
-    noise: float  # see `vsb.study.take_off.Control` [-]
+    noise: float  # see `vsb.engine.motion.take_off.Control` [-]
     forecast: float  # [s]
     power: float  # under causal control [W]
     gain_percent: float | None

@@ -12,22 +12,22 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.errors import ConfigError, VsbError
-from vsb.hydro.database import Check, check_at_most
-from vsb.motion.causal import RmsLimits, StationaryPort, numerical_error, optimum
-from vsb.motion.coefficient_errors import (
+from vsb.engine.hydro.database import Check, check_at_most
+from vsb.engine.motion.causal import RmsLimits, StationaryPort, numerical_error, optimum
+from vsb.engine.motion.coefficient_errors import (
     CoefficientError,
     Sensitivity,
     coefficient_errors,
     sensitivity,
     sensitivity_at_ports,
 )
-from vsb.motion.constrained import optimum_in_sea
-from vsb.motion.damper_matrix import best_matrix, matrix_text
-from vsb.motion.drag import DraggedPort, best_damper, best_pair, with_load
-from vsb.motion.force_bound import Harmonics, Limits
-from vsb.motion.port import Port
-from vsb.motion.tuning import (
+from vsb.engine.motion.constrained import optimum_in_sea
+from vsb.engine.motion.damper_matrix import best_matrix, matrix_text
+from vsb.engine.motion.drag import DraggedPort, best_damper, best_pair, with_load
+from vsb.engine.motion.force_bound import Harmonics, Limits
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.take_off import Pto
+from vsb.engine.motion.tuning import (
     Load,
     best_dampers,
     best_pairs,
@@ -36,10 +36,11 @@ from vsb.motion.tuning import (
     mean_power,
     squares,
 )
-from vsb.results.budget import MODES, Budget, Rows, Source
-from vsb.results.left_out import modes_left_out
-from vsb.scenes.drag import dragged_port
-from vsb.scenes.floating_system import (
+from vsb.engine.waves.kinds import IrregularSea, StillWater, Wave
+from vsb.engine.waves.seas import Sea, expected, superposed
+from vsb.errors import ConfigError, VsbError
+from vsb.models.drag import dragged_port
+from vsb.models.floating_system import (
     FloatingSystem,
     PortInSeas,
     band,
@@ -51,15 +52,14 @@ from vsb.scenes.floating_system import (
     port_in_seas,
     study_sea,
 )
-from vsb.scenes.mode_convergence import one_of_each_family
-from vsb.scenes.stationary import stationary_ports
-from vsb.scenes.take_off import given_matrix, matrix_kind
+from vsb.models.mode_convergence import one_of_each_family
+from vsb.models.stationary import stationary_ports
+from vsb.models.take_off import given_matrix, matrix_kind
+from vsb.results.budget import MODES, Budget, Rows, Source
+from vsb.results.left_out import modes_left_out
 from vsb.study.specs import LadderSpec
-from vsb.study.take_off import Pto
-from vsb.study.waves import IrregularSea, StillWater, Wave
 from vsb.tools.arrays import ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
-from vsb.waves.seas import Sea, expected, superposed
 
 CONSTRAINED = "constrained"
 CAUSAL = "causal"
@@ -109,7 +109,7 @@ class ControlLevel(NamedTuple):
     high: float | None = None
     power_error: Rows = ()  # error budget of the mean power [W], see `vsb.results.budget.Budget.rows`
     gain_error: Rows | None = None  # of its gain over the reference [percentage points]; None of the reference
-    noise: float | None = None  # of what a causal controller measures, see `vsb.study.take_off.Control` [-]
+    noise: float | None = None  # of what a causal controller measures, see `vsb.engine.motion.take_off.Control` [-]
     forecast: float | None = None  # how far ahead it knows the waves [s]
     numerical: float = 0.0  # relative error of the power by the grid of a controller [-]
 

@@ -12,16 +12,25 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.hydro import witness
-from vsb.hydro.database import Check, Verdict, check_at_most, stored_checks
-from vsb.motion.tuning import best_dampers
-from vsb.results.budget import MODES
-from vsb.results.comparison import Row
-from vsb.results.ladder import ControlLevel
-from vsb.results.statistics import batches_in, families
-from vsb.scenes.floating_system import band, expected_sea, floating_system, port_in_seas
-from vsb.scenes.load_advice import advice
-from vsb.scenes.rest import (
+from vsb.engine.hydro import witness
+from vsb.engine.hydro.database import Check, Verdict, check_at_most, stored_checks
+from vsb.engine.motion.tuning import best_dampers
+from vsb.engine.shell.azimuthal import softest_order
+from vsb.engine.shell.deformed import ReferenceShell
+from vsb.engine.shell.elasticity import Range
+from vsb.engine.shell.lobes import LobedShell
+from vsb.engine.shell.rings import HIGHEST
+from vsb.engine.shell.shell import Shell
+from vsb.engine.shell.surface import largest_displacement
+from vsb.engine.waves.dispersion import power_limit, wavenumber
+from vsb.engine.waves.kinds import IrregularSea, RecordedSea, RegularWave, StillWater, Wave
+from vsb.engine.waves.spectra import share_above, share_below
+from vsb.engine.waves.water import Water
+from vsb.keys.meanings import KEYS
+from vsb.keys.quantities import leaves
+from vsb.models.floating_system import band, expected_sea, floating_system, port_in_seas
+from vsb.models.load_advice import advice
+from vsb.models.rest import (
     carries_load,
     complete_at_rest,
     complete_loaded_shell,
@@ -29,25 +38,16 @@ from vsb.scenes.rest import (
     loaded_at_ring,
     loaded_shell,
 )
-from vsb.scenes.ring_loads import has_attachment_modes, ring_loads
-from vsb.scenes.viability import MOST_LOAD, rubber_load_factor, static_modal_amplitude, static_strain
-from vsb.shell.azimuthal import softest_order
-from vsb.shell.deformed import ReferenceShell
-from vsb.shell.lobes import LobedShell
-from vsb.shell.materials import Range
-from vsb.shell.rings import HIGHEST
-from vsb.shell.shell import Shell
-from vsb.shell.surface import largest_displacement
+from vsb.models.ring_loads import has_attachment_modes, ring_loads
+from vsb.models.viability import MOST_LOAD, rubber_load_factor, static_modal_amplitude, static_strain
+from vsb.results.budget import MODES
+from vsb.results.comparison import Row
+from vsb.results.ladder import ControlLevel
+from vsb.results.statistics import batches_in, families
 from vsb.study.blocks import no_witness
 from vsb.study.body import BodyStudy
-from vsb.study.keys import KEYS
-from vsb.study.quantities import leaves
-from vsb.study.sections import Water
 from vsb.study.study import FEWEST_BATCHES, BaseStudy, Study
-from vsb.study.waves import IrregularSea, RecordedSea, RegularWave, StillWater, Wave
 from vsb.tools.words import plain
-from vsb.waves.dispersion import power_limit, wavenumber
-from vsb.waves.spectra import share_above, share_below
 
 HEAVING = "an axisymmetric heaving body"
 DEGREES = {name for keys in KEYS.values() for name, key in keys.items() if key.unit == "degrees"}
@@ -390,8 +390,8 @@ def flexible_designs(study: BaseStudy) -> list[str]:
 def invalid_designs(study: BaseStudy, checks: Sequence[Check]) -> list[Invalid]:
     """Return why designs are not valid: a line for each design, sea and check that invalidates.
 
-    A check that names no design invalidates all it may (`vsb.hydro.database.INVALIDATING`), one without a sea all seas;
-    of several realisations the worst is kept.
+    A check that names no design invalidates all it may (`vsb.engine.hydro.database.INVALIDATING`), one without a sea
+    all seas; of several realisations the worst is kept.
     """
     families = {wave.label: wave.family if isinstance(wave, IrregularSea) else wave.label for wave in study.waves}
     found: dict[tuple[str, str, str], Invalid] = {}

@@ -6,17 +6,17 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.scenes.floating_system import AnyBody, Floating
-from vsb.scenes.mode_convergence import SAMPLED, ModeConvergence, directed, mean_sea, take_offs
-from vsb.scenes.ports import BuoyOfShape
-from vsb.scenes.rest import loaded_at_ring
+from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.kinds import Wave
+from vsb.engine.waves.seas import Sea
+from vsb.models.floating_system import AnyBody, Floating
+from vsb.models.mode_convergence import SAMPLED, ModeConvergence, directed, mean_sea, take_offs
+from vsb.models.ports import BuoyOfShape
+from vsb.models.rest import loaded_at_ring
 from vsb.study.degree import expected_change
 from vsb.study.specs import BuoySystem
 from vsb.study.study import Study
-from vsb.study.waves import Wave
 from vsb.tools.arrays import FloatArray
-from vsb.waves.climate import Climate
-from vsb.waves.seas import Sea
 
 ENDS = ("low", "high")
 """Of a range about zero: the value with all modes less the one computed."""
@@ -39,7 +39,7 @@ def modes_left_out(
     xarray.Dataset
         `power(design, wave, take_off, end)`, of the mean power [-], and `gain(design, wave, take_off, end)`, of the
         gain over the reference design [percentage points], `end` as `ENDS`, `take_off` as of
-        `vsb.scenes.mode_convergence.take_offs`; empty of a rigid buoy, or without seas.
+        `vsb.models.mode_convergence.take_offs`; empty of a rigid buoy, or without seas.
 
     Notes
     -----

@@ -13,8 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vsb.motion.coefficient_errors import CoefficientError, sensitivity_at_ports
-from vsb.motion.damper_matrix import Kind, Ports, best_matrix
+from vsb.engine.motion.coefficient_errors import CoefficientError, sensitivity_at_ports
+from vsb.engine.motion.damper_matrix import Kind, Ports, best_matrix
+from vsb.engine.waves.climate import Climate
+from vsb.models.floating_system import AnyBody, SeveralInWaves
+from vsb.models.take_off import given_matrix, matrix_kind
 from vsb.results.left_out import LeftOut
 from vsb.results.year import (
     PRACTICE_GAMMA,
@@ -29,11 +32,8 @@ from vsb.results.year import (
     variance_outside,
 )
 from vsb.results.year_validity import beyond_validity, rms_of_motions
-from vsb.scenes.floating_system import AnyBody, SeveralInWaves
-from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.study.study import Study
 from vsb.tools.arrays import AnyArray, FloatArray, IntArray
-from vsb.waves.climate import Climate
 
 
 class Absorbed(NamedTuple):

@@ -13,14 +13,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from vsb.engine.motion.take_off import Pto
+from vsb.engine.waves.kinds import IrregularSea, SpectralSea, StillWater, Wave
+from vsb.models.drag import LINEARISED
 from vsb.results.budget import Budget, Source
 from vsb.results.comparison import Attributes, Row, gains, linear_mean, relative_difference
 from vsb.results.ladder import ControlLevel
 from vsb.results.statistics import Line, Sample, families, record_interval, student, together
-from vsb.scenes.drag import LINEARISED
 from vsb.study.study import FEWEST_BATCHES, BaseStudy
-from vsb.study.take_off import Pto
-from vsb.study.waves import IrregularSea, SpectralSea, StillWater, Wave
 from vsb.tools.arrays import FloatArray
 
 LEVELS = {"fixed": "fixed", "each": "best_damper", "one": "best_damper_all_seas"}

@@ -10,8 +10,12 @@ from functools import lru_cache
 import numpy as np
 import xarray as xr
 
-from vsb.motion.coefficient_errors import CoefficientError, sensitivity
-from vsb.motion.port import Port
+from vsb.engine.motion.coefficient_errors import CoefficientError, sensitivity
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.take_off import named_ports
+from vsb.engine.waves.climate import Climate
+from vsb.models.floating_system import AnyBody, Floating, InWaves
+from vsb.models.viability import Viability, with_designs
 from vsb.results.causal_year import causal_years
 from vsb.results.left_out import LeftOut, left_out_of_year
 from vsb.results.matrix_year import MatrixYears
@@ -29,13 +33,9 @@ from vsb.results.year import (
     year,
 )
 from vsb.results.year_validity import beyond_validity, limits_of, motion_rms
-from vsb.scenes.floating_system import AnyBody, Floating, InWaves
-from vsb.scenes.viability import Viability, with_designs
 from vsb.study.campaign import AT_FORCE, CONSTRAINED, Tunings
 from vsb.study.study import Study
-from vsb.study.take_off import named_ports
 from vsb.tools.arrays import AnyArray, FloatArray
-from vsb.waves.climate import Climate
 
 Labels = dict[str, list[str]]
 YearsWithin = Callable[[Study | AnyBody, Floating, Climate, LeftOut | None], xr.Dataset]

@@ -8,24 +8,25 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from vsb.hydro.database import Check, check_at_most
-from vsb.hydro.dofs import flexible
-from vsb.hydro.formats.common import volume_of
-from vsb.integrators.simulate import CONVOLVED
+from vsb.engine.hydro.database import Check, check_at_most
+from vsb.engine.hydro.dofs import flexible
+from vsb.engine.hydro.formats.common import volume_of
+from vsb.engine.hydro.labels import RIGID, ROTATIONS, body_of, is_of_ring, motion_of
+from vsb.engine.integrators.settings import Simulation
+from vsb.engine.integrators.simulate import CONVOLVED
+from vsb.engine.shell.modes import ModeBasis
+from vsb.engine.shell.surface import largest_deformation, largest_displacement, largest_strain
+from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.kinds import RegularWave, StillWater, Wave
+from vsb.models.drag import DAMPERS, LINEARISED
+from vsb.models.rest import order_bases, reference_shell
+from vsb.models.viability import static_strain
 from vsb.results.comparison import Attributes, Row, Runs, linear_mean, relative_difference
 from vsb.results.ledger import strain_check
-from vsb.scenes.drag import DAMPERS, LINEARISED
-from vsb.scenes.rest import order_bases, reference_shell
-from vsb.scenes.viability import static_strain
-from vsb.shell.modes import ModeBasis
-from vsb.shell.surface import largest_deformation, largest_displacement, largest_strain
-from vsb.study.quantities import RIGID, ROTATIONS, body_of, is_of_ring, motion_of
-from vsb.study.sections import POWER_TOLERANCE, Simulation
+from vsb.study.sections import POWER_TOLERANCE
 from vsb.study.study import BaseStudy, Study
-from vsb.study.waves import RegularWave, StillWater, Wave
 from vsb.tools.ports import FORCE, MOMENT
 from vsb.tools.words import plain
-from vsb.waves.dispersion import wavenumber
 
 ROTATION, TRANSLATION = 0.2, 0.3
 """Rotation of a body [rad], and translation over the cube root of the displaced volume, beyond which there is doubt."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
-from vsb.study.quantities import ROTATIONS, motion_of
+from vsb.engine.hydro.labels import ROTATIONS, motion_of
 from vsb.tools.ports import kind_of
 from vsb.tools.tables import csv_text
 
@@ -47,7 +47,7 @@ def time_series(run: xr.Dataset, port: xr.DataArray) -> xr.Dataset:
     Parameters
     ----------
     run : Dataset
-        See `vsb.integrators.simulate.recorded`.
+        See `vsb.engine.integrators.simulate.recorded`.
     port : DataArray, dims (dof,)
         b of the take-off, which moves with b.q.
 

@@ -15,15 +15,15 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 from scipy.special import stdtrit
 
-from vsb.hydro.database import Check, check_at_most
+from vsb.engine.hydro.database import Check, check_at_most
+from vsb.engine.waves.kinds import Irregular, IrregularSea
+from vsb.engine.waves.seas import Sea, superposed
+from vsb.models.drag import LINEARISED
 from vsb.results.comparison import in_direction, power_response, power_waves, relative_difference
-from vsb.scenes.drag import LINEARISED
 from vsb.study.study import FEWEST_BATCHES, BaseStudy
-from vsb.study.waves import Irregular, IrregularSea
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 from vsb.tools.tables import csv_text
 from vsb.tools.words import plain
-from vsb.waves.seas import Sea, superposed
 
 CONFIDENCE = 0.95
 INSTANTS = 8
@@ -71,7 +71,7 @@ def batch_means(run: xr.Dataset, window: tuple[float, float], length: float) -> 
     Parameters
     ----------
     run : xarray.Dataset
-        See `vsb.integrators.simulate.recorded`.
+        See `vsb.engine.integrators.simulate.recorded`.
     window : tuple of float [s]
         Cut into as many equal batches as fit, at least one.
     length : float
@@ -138,11 +138,11 @@ def sample(
     Parameters
     ----------
     sea, spectral : Sea
-        The realisation, and the same with the amplitudes of the spectrum (`vsb.waves.seas.expected`).
+        The realisation, and the same with the amplitudes of the spectrum (`vsb.engine.waves.seas.expected`).
     response : xarray.Dataset
         The frequency response of the study.
     fine : Sea, optional
-        The spectrum in finer bands (`vsb.scenes.floating_system.expected_sea`), for expectations.
+        The spectrum in finer bands (`vsb.models.floating_system.expected_sea`), for expectations.
     """
     window, found, whole = study.simulation.window, [], spectral if fine is None else fine
     linear = sum(

@@ -24,25 +24,25 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
+from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, Simulation
+from vsb.engine.integrators.simulate import legs
+from vsb.engine.motion.builders import body_exact_scene, linear_scene
+from vsb.engine.motion.linear import LinearSystem
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.motion.system import System
+from vsb.engine.motion.take_off import Pto
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.loaded import LoadedShell
+from vsb.engine.waves.seas import Sea
 from vsb.errors import ConfigError, ConvergenceError
-from vsb.integrators.simulate import legs
-from vsb.motion.builders import body_exact_scene, linear_scene
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto
-from vsb.motion.system import System
+from vsb.models.build import Memory, check_followed
+from vsb.models.latching import body_exact_latching_time, linear_latching_time, with_latching_time
+from vsb.models.take_off import with_take_off
 from vsb.results.campaign import GAIN, POWER
 from vsb.results.run_checks import energy_check
 from vsb.results.statistics import Estimate, linear_batches, stratified_half_width
 from vsb.results.year import Year
-from vsb.scenes.build import Memory, check_followed
-from vsb.scenes.latching import body_exact_latching_time, linear_latching_time, with_latching_time
-from vsb.scenes.take_off import with_take_off
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.loaded import LoadedShell
-from vsb.study.sections import RECORDS_PER_PERIOD, Simulation
-from vsb.study.take_off import Pto
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray, IntArray
-from vsb.waves.seas import Sea
 
 FEWEST = 4
 """Fewest seas to draw: two strata."""
@@ -185,7 +185,7 @@ class DesignInTime:
         Parameters
         ----------
         sea : Sea
-            A realisation, see `vsb.waves.climate.realised`.
+            A realisation, see `vsb.engine.waves.climate.realised`.
         settings : Simulation
             Its window begins after the transient, which linear theory does not have.
         model : {'body_exact', 'linear'}

@@ -15,15 +15,15 @@ from typing import Generic, Literal, Self, TypeVar
 import numpy as np
 import xarray as xr
 
+from vsb.engine.motion.damper_matrix import Ports
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.tuning import Load, best_damper_of_each, best_of_table, dampers
+from vsb.engine.waves.climate import OUTSIDE, YEAR_HOURS, Climate
+from vsb.engine.waves.scatter import climate_of_cells
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
-from vsb.motion.damper_matrix import Ports
-from vsb.motion.port import Port
-from vsb.motion.tuning import Load, best_damper_of_each, best_of_table, dampers
-from vsb.study.sections import Water
 from vsb.tools.arrays import AnyArray, FloatArray, IntArray
 from vsb.tools.variables import described
-from vsb.waves.climate import OUTSIDE, YEAR_HOURS, Climate
-from vsb.waves.scatter import climate_of_cells
 
 Tuning = Literal["fixed", "one", "each"]
 TUNINGS: tuple[Tuning, ...] = ("fixed", "one", "each")

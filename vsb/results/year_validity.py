@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.water import Water
+from vsb.models.floating_system import InWaves, SeveralInWaves
 from vsb.results.year import Bins, Year, band_weights
-from vsb.scenes.floating_system import InWaves, SeveralInWaves
-from vsb.study.sections import Water
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from vsb.waves.climate import Climate
-from vsb.waves.dispersion import wavenumber
 
 STEEPEST = 0.05
 """Hs over the length of the energy period, as the ledger of a study has it [-]."""
@@ -97,7 +97,7 @@ def motion_rms(waves: InWaves, climate: Climate, damping: FloatArray, stiffness:
 
     Notes
     -----
-    Variances are smooth in the logarithm of the damper, see `vsb.motion.tuning`: a polynomial through few.
+    Variances are smooth in the logarithm of the damper, see `vsb.engine.motion.tuning`: a polynomial through few.
     """
     dampers, shares = _nodes(damping)
     heave, shell = waves.motion.with_load(waves.port, waves.port.load(dampers, np.full(len(dampers), stiffness)))

@@ -6,7 +6,10 @@ from typing import Any
 
 import xarray as xr
 
-from vsb.hydro.bodies.outline import OUTLINE
+from vsb.engine.hydro.bodies.outline import OUTLINE
+from vsb.engine.waves.kinds import StillWater, Wave
+from vsb.engine.waves.seas import NO_WAVES
+from vsb.models.floating_system import heading, study_sea
 from vsb.report.animation import (
     PERIODS,
     SEEN,
@@ -19,10 +22,7 @@ from vsb.report.animation import (
 )
 from vsb.report.interactive import designs_data
 from vsb.report.shell_figures import round_factor
-from vsb.scenes.floating_system import heading, study_sea
 from vsb.stages.stored import Inputs
-from vsb.study.waves import StillWater, Wave
-from vsb.waves.seas import NO_WAVES
 
 ANIMATED_SEAS = 4
 """Most seas whose motion a page holds."""

@@ -8,29 +8,31 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vsb.engine.hydro import database, quality
+from vsb.engine.hydro.bodies.body import FlexibleBody
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.build import build_body
+from vsb.engine.hydro.bodies.refinement import history_of, refined_file
+from vsb.engine.hydro.bodies.solution import check_solvable, cost, solved
+from vsb.engine.hydro.bodies.verdict import mesh_checks
+from vsb.engine.hydro.database import Check
+from vsb.engine.hydro.formats.exchange import read_source
+from vsb.engine.hydro.labels import motion_of
+from vsb.engine.hydro.repairs import check_repairable
+from vsb.engine.motion.frequency import allowed_part, compliance
+from vsb.engine.motion.linear import LinearSystem, direction_index
+from vsb.engine.waves.kinds import IrregularSea, SeaOfFile, StillWater, Wave, file_lines
 from vsb.errors import ConfigError, StabilityError
-from vsb.hydro import database, quality
-from vsb.hydro.bodies.body import FlexibleBody
-from vsb.hydro.bodies.build import build_body
-from vsb.hydro.bodies.refinement import history_of, refined_file
-from vsb.hydro.bodies.study import check_solvable, cost, solved
-from vsb.hydro.bodies.verdict import mesh_checks
-from vsb.hydro.database import Check
-from vsb.hydro.formats.exchange import read_source
-from vsb.hydro.repairs import check_repairable
-from vsb.motion.frequency import allowed_part, compliance
-from vsb.motion.linear import LinearSystem, direction_index
+from vsb.keys.quantities import content_id
+from vsb.models.body import check_water, complete_body, dry_database, within_band
+from vsb.models.drag import dragged
+from vsb.models.floating_system import floating_body, port_in_seas, study_sea
+from vsb.models.take_off import check_law
 from vsb.pipeline.costs import body_seconds, memory_doubts, plain_seconds
 from vsb.results import ledger
-from vsb.scenes.body import check_water, complete_body, dry_database, within_band
-from vsb.scenes.drag import dragged
-from vsb.scenes.floating_system import floating_body, port_in_seas, study_sea
-from vsb.scenes.take_off import check_law
 from vsb.stages.coefficients import REMEDY, judged, of_own_mass
-from vsb.study.body import REPAIRS, BodyFile
+from vsb.study.body import REPAIRS
 from vsb.study.plan import BodyPlan
-from vsb.study.quantities import content_id, motion_of
-from vsb.study.waves import IrregularSea, SeaOfFile, StillWater, Wave, file_lines
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 
@@ -178,7 +180,7 @@ def solved_lines(plan: BodyPlan, file: BodyFile, mesh: FlexibleBody) -> list[str
     count = len(file.omega)
     if not _quick(file, mesh):
         return [f"panels       not tried: {count} frequencies take more than {QUICK:g} s; the run judges them"]
-    from vsb.hydro.panels.rings import quick_green_function  # capytaine
+    from vsb.engine.hydro.panels.rings import quick_green_function  # capytaine
 
     green, smaller = quick_green_function(), list[str]()
     while True:

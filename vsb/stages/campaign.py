@@ -8,32 +8,32 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 import xarray as xr
 
+from vsb.engine.hydro import database, orders, quality
+from vsb.engine.hydro.database import Check
+from vsb.engine.motion.linear import LinearSystem
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.shell.modes import ModeBasis
+from vsb.engine.shell.orders import OrderBasis
+from vsb.engine.waves.climate import Climate
 from vsb.errors import DatabaseError
-from vsb.hydro import database, orders, quality
-from vsb.hydro.database import Check
-from vsb.motion.linear import LinearSystem
-from vsb.motion.port import LinearPto
+from vsb.keys.quantities import canonical, content_id
+from vsb.models.floating_system import AnyBody, Floating, floating_body, stored_body
+from vsb.models.ports import STATED, BuoyOfShape, SweptShape
+from vsb.models.rest import order_bases
+from vsb.models.viability import Viability, viability, viability_of_body, with_designs
 from vsb.results.campaign import as_csv, gathered, stacked, with_verification
 from vsb.results.member import YearsWithin, member
-from vsb.scenes.floating_system import AnyBody, Floating, floating_body, stored_body
-from vsb.scenes.ports import STATED, BuoyOfShape, SweptShape
-from vsb.scenes.rest import order_bases
-from vsb.scenes.viability import Viability, viability, viability_of_body, with_designs
-from vsb.shell.modes import ModeBasis
-from vsb.shell.orders import OrderBasis
 from vsb.stages.climate import read_climate
 from vsb.stages.make import solve
 from vsb.stages.water import refined
 from vsb.study.blocks import COARSEST_SWEEP
 from vsb.study.campaign_plan import Member, members
 from vsb.study.plan import StudyPlan, database_path
-from vsb.study.quantities import canonical, content_id
 from vsb.study.specs import CampaignSpec, MemberSpec, MembersSpec
 from vsb.study.study import Study
 from vsb.tools import packed
 from vsb.tools.files import load, save, write_text
 from vsb.tools.stamps import record
-from vsb.waves.climate import Climate
 
 
 def run_members(spec: MembersSpec, climate: str, folder: str, root: str, out: str) -> None:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+from vsb.engine.waves.climate import OUTSIDE, Climate, climate_line
 from vsb.errors import ConfigError
 from vsb.stages.climate import read_climate
 from vsb.study.campaign import where_of
@@ -10,7 +11,6 @@ from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.study import Study
 from vsb.tools import packed
-from vsb.waves.climate import OUTSIDE, Climate, climate_line
 
 MOST_POINTS = 24
 """Points of a campaign whose static load `vsb check` computes: a second each at most."""
@@ -67,7 +67,7 @@ def _check_body(plan: CampaignPlan, body: BodyPlan, seas: Climate) -> None:
 
 def _check_clamps(buoy: Study, where: str, source: str) -> None:
     """Raise where clamps, of two equations each, leave no mode free: of few modes alone, for it reads what solves."""
-    from vsb.scenes.rest import design_motions, study_basis
+    from vsb.models.rest import design_motions, study_basis
 
     try:
         for design in buoy.designs:
@@ -78,8 +78,8 @@ def _check_clamps(buoy: Study, where: str, source: str) -> None:
 
 def _check_runs(study: Study, source: str) -> None:
     """Raise what would fail in the runs in time of a member; designs that are not viable are not run."""
-    from vsb.scenes.rest import check_rests
-    from vsb.scenes.viability import viability, with_designs
+    from vsb.models.rest import check_rests
+    from vsb.models.viability import viability, with_designs
 
     rest = viability(study)
     if rest.designs and rest.reference:
@@ -111,9 +111,9 @@ def summary(plan: CampaignPlan) -> list[str]:
 
 def _load_lines(plan: CampaignPlan) -> list[str]:
     """Whether the shells carry their static load: the answer is void if none does. Only of few points, for its time."""
-    from vsb.hydro.database import Check, Verdict
+    from vsb.engine.hydro.database import Check, Verdict
+    from vsb.models.viability import buckling_margin
     from vsb.report.doubts import ADVICE
-    from vsb.scenes.viability import buckling_margin
 
     shells = [one.study.buoy for one in plan.members if one.study.buoy and one.study.flexible]
     if not 0 < len(shells) <= MOST_POINTS:

@@ -8,6 +8,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from vsb.engine.waves.climate import Climate, realised
+from vsb.engine.waves.seas import Sea, superposed
+from vsb.engine.waves.water import Water
+from vsb.keys.quantities import content_id
+from vsb.models.floating_system import AnyBody, Floating
+from vsb.models.ports import BuoyOfShape
+from vsb.models.rest import whole_labels
+from vsb.models.viability import with_designs
 from vsb.report.animation import PER_PERIOD, PERIODS, SEEN, View, frames_data, largest_shell, shapes_data
 from vsb.report.campaign_answer import TUNED, leading, shown_place, where
 from vsb.report.campaign_figures import DRAWN
@@ -18,24 +26,16 @@ from vsb.report.shell_figures import round_factor
 from vsb.report.sketch import sketches
 from vsb.report.svg import drawn
 from vsb.results.year import Bins, frequencies
-from vsb.scenes.floating_system import AnyBody, Floating
-from vsb.scenes.ports import BuoyOfShape
-from vsb.scenes.rest import whole_labels
-from vsb.scenes.viability import with_designs
 from vsb.stages.campaign import at_rest
 from vsb.stages.climate import read_climate
 from vsb.stages.shell import shell_modes
 from vsb.study import figure_names
 from vsb.study.campaign_plan import members
-from vsb.study.quantities import content_id
-from vsb.study.sections import Water
 from vsb.study.specs import CampaignSpec
 from vsb.study.study import Study
 from vsb.tools.files import load, write_text
 from vsb.tools.ports import kind_of
 from vsb.tools.stamps import record
-from vsb.waves.climate import Climate, realised
-from vsb.waves.seas import Sea, superposed
 
 FRAMES = PER_PERIOD * PERIODS
 """Instants at which motions are summed; a page shows as many."""

@@ -6,6 +6,7 @@ Each kind has a module of its own, imported only for a plan of that kind: a run 
 import importlib
 from typing import Any
 
+from vsb.engine.waves.kinds import RegularWave, StillWater
 from vsb.pipeline.costs import GREEN_KEPT_SECONDS
 from vsb.pipeline.schedule import cost_line
 from vsb.stages.planning import degree_lines
@@ -15,7 +16,6 @@ from vsb.study.plan import BodyPlan, StudyPlan
 from vsb.study.plans import Plan
 from vsb.study.study import BaseStudy
 from vsb.study.unlikely import units_doubted, unlikely_units
-from vsb.study.waves import RegularWave, StillWater
 
 MODULES: dict[type, str] = {
     StudyPlan: "preview", BodyPlan: "body_preview", CampaignPlan: "campaign_preview", DesignPlan: "design_preview",
@@ -59,7 +59,7 @@ def cost_lines(plan: Plan) -> list[str]:
     known: dict[str, float] = {}
     bodies = [plan] if isinstance(plan, BodyPlan) else [*plan.bodies.values()] if isinstance(plan, CampaignPlan) else []
     if some := [one for one in bodies if one.solves_panels]:
-        from vsb.hydro.panels.rings import is_table_kept
+        from vsb.engine.hydro.panels.rings import is_table_kept
         from vsb.stages.body_preview import solving_seconds
 
         known = {one.database_path: solving_seconds(one) for one in some}
@@ -78,7 +78,7 @@ def sea_lines(plan: Plan) -> list[str]:
 
         seas = read_climate(plan.climate, plan.loaded.climate_path)
         return [f"seas         {len(seas.hours)} over the year: {seas.means(plan.loaded.base.water)}"]
-    from vsb.waves.spectra import sea_energy
+    from vsb.engine.waves.spectra import sea_energy
 
     found = {}
     for wave in plan.study.waves if plan.study.needs_bem else ():

@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import Literal
 
+from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.measured_spectra import read_spectra
+from vsb.engine.waves.scatter import Spectrum, read_scatter
 from vsb.errors import ConfigError
 from vsb.study.specs import ClimateSpec
 from vsb.tools.bounded import sha256_of
-from vsb.waves.climate import Climate
-from vsb.waves.measured_spectra import read_spectra
-from vsb.waves.scatter import Spectrum, read_scatter
 
 
 def read_climate(spec: ClimateSpec, path: str) -> Climate:

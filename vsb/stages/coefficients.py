@@ -7,22 +7,23 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from vsb import __version__
-from vsb.hydro import database, quality
-from vsb.hydro.bodies.build import build_body
-from vsb.hydro.bodies.refinement import history_of, refined_file
-from vsb.hydro.bodies.study import solved
-from vsb.hydro.database import Check
-from vsb.hydro.formats import bemio, checks, nemoh, wamit
-from vsb.hydro.formats.checks import LARGEST_MASS_ERROR, displaced_mass_checks
-from vsb.hydro.formats.common import check_positive, volume_of
-from vsb.hydro.formats.exchange import read_source, source_checks
-from vsb.hydro.repairs import failures_as_doubts, repaired, with_conjugated_forces, with_symmetric_stiffness
-from vsb.hydro.variables import PAIR
-from vsb.motion.linear import LinearSystem
-from vsb.scenes.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
+from vsb.engine.hydro import database, quality
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.build import build_body
+from vsb.engine.hydro.bodies.refinement import history_of, refined_file
+from vsb.engine.hydro.bodies.solution import solved
+from vsb.engine.hydro.database import Check
+from vsb.engine.hydro.formats import bemio, checks, nemoh, wamit
+from vsb.engine.hydro.formats.checks import LARGEST_MASS_ERROR, displaced_mass_checks
+from vsb.engine.hydro.formats.common import check_positive, volume_of
+from vsb.engine.hydro.formats.exchange import read_source, source_checks
+from vsb.engine.hydro.labels import of_bodies
+from vsb.engine.hydro.repairs import failures_as_doubts, repaired, with_conjugated_forces, with_symmetric_stiffness
+from vsb.engine.hydro.variables import PAIR
+from vsb.engine.motion.linear import LinearSystem
+from vsb.models.body import check_water, chosen, complete_body, with_hydrostatics, within_band, without_negative_ends
 from vsb.stages.stage import stamp
-from vsb.study.body import REPAIRS, Body, BodyFile
-from vsb.study.quantities import of_bodies
+from vsb.study.body import REPAIRS, Body
 from vsb.study.specs import BodySpec
 from vsb.tools.files import save
 

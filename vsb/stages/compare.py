@@ -4,7 +4,13 @@ import json
 from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
-from vsb.hydro.database import Check, stored_checks
+from vsb.engine.hydro.database import Check, stored_checks
+from vsb.engine.shell.modes import ModeBasis
+from vsb.engine.waves.kinds import IrregularSea, Wave
+from vsb.engine.waves.seas import NO_WAVES, expected
+from vsb.keys.quantities import canonical
+from vsb.models.floating_system import expected_sea, floating_system, study_sea
+from vsb.models.rest import reference_shell
 from vsb.results import comparison, ledger
 from vsb.results import statistics as irregular
 from vsb.results.forecast import Elsewhere, elsewhere
@@ -21,16 +27,10 @@ from vsb.results.gains import (
 from vsb.results.ladder import ControlLevel, constrained_checks, material_checks
 from vsb.results.mean_power import linear_seas, mean_powers, of_seas, with_mean_powers, with_record_intervals
 from vsb.results.run_checks import agreement_checks, law_checks, sea_checks, transient_checks
-from vsb.scenes.floating_system import expected_sea, floating_system, study_sea
-from vsb.scenes.rest import reference_shell
-from vsb.shell.modes import ModeBasis
 from vsb.stages.stored import Inputs
-from vsb.study.quantities import canonical
 from vsb.study.specs import CompareSpec
-from vsb.study.waves import IrregularSea, Wave
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
-from vsb.waves.seas import NO_WAVES, expected
 
 
 def run_compare(spec: CompareSpec, trajectories: str, **files: str) -> None:

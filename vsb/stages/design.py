@@ -14,12 +14,12 @@ from vsb.design.certificate import VIOLATION
 from vsb.design.optimise import Finer, optimised, within_margins
 from vsb.design.problem import IMPOSSIBLE, Point
 from vsb.design.searched import Outcome, best, failed, finer_of, from_start, problem_of, uncertain_margins
+from vsb.engine.waves.climate import Climate
 from vsb.errors import ConvergenceError
 from vsb.stages.climate import read_climate
 from vsb.stages.stage import stamp
 from vsb.study.specs import DesignFrontSpec, DesignStartSpec, Search
 from vsb.tools.files import load, save
-from vsb.waves.climate import Climate
 
 
 def run_design_start(spec: DesignStartSpec, climate: str, out: str) -> None:

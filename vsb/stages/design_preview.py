@@ -9,6 +9,7 @@ from vsb.design.optimise import first_possible
 from vsb.design.problem import IMPOSSIBLE, Point, Problem
 from vsb.design.searched import degrees_of, places, problem_of
 from vsb.design.violation import led_at_rest, within_limits
+from vsb.engine.waves.climate import OUTSIDE, Climate, climate_line
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.stages.climate import read_climate
 from vsb.study.campaign import study_at
@@ -16,7 +17,6 @@ from vsb.study.design import PARTS, Variable, unit_of
 from vsb.study.design_plan import DesignPlan
 from vsb.study.specs import Search
 from vsb.study.vary import unit
-from vsb.waves.climate import OUTSIDE, Climate, climate_line
 
 JOB_SECONDS, RESULTS_SECONDS = 2.4, 14.0
 """CPU time of a process of its own with what Snakemake does of it, and of Snakemake, tables, figures and report [s]."""

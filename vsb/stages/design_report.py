@@ -7,11 +7,11 @@ import matplotlib as mpl
 import xarray as xr
 from matplotlib.figure import Figure
 
+from vsb.keys.quantities import content_id
 from vsb.report.design_figures import figure_of
 from vsb.report.design_page import render
 from vsb.report.svg import drawn
 from vsb.study import figure_names
-from vsb.study.quantities import content_id
 from vsb.study.specs import DesignSpec
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import record

@@ -28,15 +28,16 @@ from vsb.design.evaluation import Evaluation, Quantity
 from vsb.design.margins import depends, probabilities, spread
 from vsb.design.problem import IMPOSSIBLE, POWER, excesses, limit_parts
 from vsb.design.searched import Outcome, best
+from vsb.engine.waves.climate import Climate
+from vsb.keys.quantities import canonical, content_id
+from vsb.models.viability import viability
 from vsb.report.design_answer import answer, no_answer
 from vsb.results.campaign import POWER as IN_TIME
-from vsb.scenes.viability import viability
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes, points_of
 from vsb.study.design import LIMITS, limit_of, unit_of
 from vsb.study.design_plan import TABLES
 from vsb.study.feasible import OF_EVERY_BUOY
-from vsb.study.quantities import canonical, content_id
 from vsb.study.specs import DesignSpec, Search
 from vsb.study.study import Study
 from vsb.study.vary import unit
@@ -44,7 +45,6 @@ from vsb.tools.files import load, save, write_text
 from vsb.tools.stamps import record
 from vsb.tools.tables import csv_text
 from vsb.tools.words import watts_within
-from vsb.waves.climate import Climate
 
 Table = tuple[list[str], list[list[object]]]
 """Head and rows."""

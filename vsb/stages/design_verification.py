@@ -7,13 +7,14 @@ import xarray as xr
 
 from vsb.design.compared import COMPETITOR, FLEXIBLE, Buoy, buoy_of
 from vsb.design.searched import best
+from vsb.engine.motion.port import Port
+from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
-from vsb.motion.port import Port
+from vsb.models.ports import BuoyOfShape
+from vsb.models.rest import reference_shell
+from vsb.models.viability import with_designs
 from vsb.results.verification import DesignInTime, chances, drawn, verified, verified_dataset
 from vsb.results.year import frequencies, year
-from vsb.scenes.ports import BuoyOfShape
-from vsb.scenes.rest import reference_shell
-from vsb.scenes.viability import with_designs
 from vsb.stages.campaign import swept_shape
 from vsb.stages.climate import read_climate
 from vsb.stages.design import outcomes
@@ -23,7 +24,6 @@ from vsb.study.sections import DEGREES
 from vsb.study.specs import DesignVerificationSpec
 from vsb.study.study import Study, parse
 from vsb.tools.files import save
-from vsb.waves.climate import Climate
 
 GIVEN: Literal["fixed"] = "fixed"
 """Tuning of the runs: each buoy has the damper it was found with."""

@@ -11,28 +11,28 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from vsb.hydro.database import load_database
-from vsb.hydro.orders import order_groups
-from vsb.hydro.retardation import DampingSpectrum
-from vsb.hydro.statespace import RadiationModel, fit_radiation, joined
-from vsb.hydro.variables import PAIR
-from vsb.motion import frequency as response
-from vsb.motion.damper_matrix import best_matrix
-from vsb.motion.linear import NO_TAKE_OFF
-from vsb.motion.port import LinearPto, Port
-from vsb.motion.reduced import reduced_motions
+from vsb.engine.hydro.database import load_database
+from vsb.engine.hydro.orders import order_groups
+from vsb.engine.hydro.retardation import DampingSpectrum
+from vsb.engine.hydro.statespace import RadiationModel, fit_radiation, joined
+from vsb.engine.hydro.variables import PAIR
+from vsb.engine.motion import frequency as response
+from vsb.engine.motion.damper_matrix import best_matrix
+from vsb.engine.motion.linear import NO_TAKE_OFF
+from vsb.engine.motion.port import LinearPto, Port
+from vsb.engine.motion.reduced import reduced_motions
+from vsb.engine.motion.take_off import SeveralPorts, port_kind
+from vsb.engine.waves.dispersion import power_limit
+from vsb.keys.quantities import canonical
+from vsb.models.floating_system import FloatingSystem, floating_system, stored_body
+from vsb.models.take_off import given_matrix, matrix_kind
 from vsb.report.band import with_extremes
 from vsb.results.ladder import as_csv, study_ladder
-from vsb.scenes.floating_system import FloatingSystem, floating_system, stored_body
-from vsb.scenes.take_off import given_matrix, matrix_kind
 from vsb.stages.stage import stamp
-from vsb.study.quantities import canonical
 from vsb.study.specs import LadderSpec, RadiationSpec, ResponseSpec
-from vsb.study.take_off import SeveralPorts, port_kind
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save, write_text
 from vsb.tools.stamps import record
-from vsb.waves.dispersion import power_limit
 
 LONGEST = 60.0
 """Time the kernels of a body are shown for, times the end of its band [rad]."""
@@ -234,7 +234,7 @@ class DesignMotion(NamedTuple):
 
 
 def in_few_motions(floating: FloatingSystem) -> dict[str, DesignMotion]:
-    """Return all designs, each in what it moves in; of many shell modes in few motions, see `vsb.motion.reduced`."""
+    """Return all designs, each in what it moves in; of many shell modes in few motions, see `motion.reduced`."""
     found, linear = {}, floating.linear
     for design, motions in floating.motions.items():
         own, port, shapes = linear, floating.port, None

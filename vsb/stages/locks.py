@@ -8,7 +8,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from vsb.errors import VsbError
-from vsb.study.quantities import id_in
+from vsb.keys.quantities import id_in
 
 LOCKS = ".locks"
 """Folder of the locks on what studies share, beside it."""

@@ -35,7 +35,7 @@ def hydro_files(study: Study, folder: str | Path) -> dict[str, str]:
 
     Files are named by content, so studies in one folder share them.
     """
-    from vsb.scenes.rest import check_stable, reference_shell  # a dry run does without them
+    from vsb.models.rest import check_stable, reference_shell  # a dry run does without them
 
     plan = StudyPlan(study, root=str(folder))
     check_stable(study, reference_shell(study))

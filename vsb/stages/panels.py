@@ -7,18 +7,23 @@ from pathlib import Path
 
 import xarray as xr
 
-from vsb.hydro.panels import mesh as meshing
-from vsb.hydro.panels.mesh import deformed_mesh
-from vsb.hydro.panels.rings import stored_green_function
-from vsb.hydro.panels.sweep import solve_block, witness_runs
-from vsb.hydro.witness import Deformed, Waves, compared, deformed_shapes, derivatives, spectral_runs
-from vsb.scenes.rest import reference_shell
-from vsb.shell.deformed import DeformedShell, rigid_sphere
-from vsb.shell.modes import ModeBasis, shell_modes
-from vsb.shell.shell import Shell
+from vsb.engine.hydro.dofs import displacements
+from vsb.engine.hydro.panels import mesh as meshing
+from vsb.engine.hydro.panels.mesh import deformed_mesh
+from vsb.engine.hydro.panels.rings import (
+    AxisymmetricProblem,
+    green_function,
+    stored_green_function,
+)
+from vsb.engine.hydro.panels.sweep import TwoMeshes, witness_runs
+from vsb.engine.hydro.witness import Deformed, Waves, compared, deformed_shapes, derivatives, spectral_runs
+from vsb.engine.shell.deformed import DeformedShell, rigid_sphere
+from vsb.engine.shell.modes import ModeBasis, shell_modes
+from vsb.engine.shell.shell import Shell
+from vsb.keys.quantities import content_id
+from vsb.models.rest import reference_shell
 from vsb.stages.stage import stamp
 from vsb.study.blocks import degree
-from vsb.study.quantities import content_id
 from vsb.study.specs import DeformedSpec, LoadedMesh, LoadedShape, PanelsSpec, Shapes, SphereMesh, WitnessSpec
 from vsb.tools.files import load, save, write_text
 
@@ -101,3 +106,15 @@ def run_witness(spec: WitnessSpec, meshes: str, out: str) -> None:
     ds = compared(found, by_panels, by_spectral, waves).merge(derivatives(found, by_panels, basis, waves))
     attrs = {"title": "two solvers on the mean and on deformed shapes", "panels": spec.solver, "rows": spec.meshes.rows}
     save(ds.assign_attrs(attrs, **stamp(spec)), out)
+
+
+def solve_block(spec: PanelsSpec, fine: xr.Dataset, coarse: xr.Dataset, green_folder: str | Path) -> xr.Dataset:
+    """Solve one block of frequencies (`vsb.study.plan`) on two meshes; infinite frequency is a block of its own."""
+    water, moved, green = spec.water, displacements(spec.displacements), green_function(green_folder)
+    meshes = (
+        AxisymmetricProblem(green, mesh, moved, water.density, water.depth, water.gravity) for mesh in (fine, coarse)
+    )
+    problem = TwoMeshes(*meshes)
+    if spec.omega == (math.inf,):
+        return problem.at_infinity()
+    return problem.solve(list(spec.omega), spec.interpolation)

@@ -73,7 +73,7 @@ def load_advised(study: Study) -> Iterator[None]:
     try:
         yield
     except ConfigError as error:
-        from vsb.scenes.load_advice import advised  # only now: it imports what solves
+        from vsb.models.load_advice import advised  # only now: it imports what solves
 
         raise advised(study, error) from None
 

@@ -4,20 +4,20 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from vsb.hydro import database
+from vsb.engine.hydro import database
+from vsb.engine.shell.modes import mode_basis
+from vsb.engine.shell.ritz import natural_modes
+from vsb.engine.shell.shell import Shell, natural_frequencies
+from vsb.engine.waves.kinds import file_lines
+from vsb.keys.quantities import content_id
+from vsb.models.rest import check_rests, check_spring, check_stable, reference_shell, seen_by_take_off
+from vsb.models.take_off import check_law
 from vsb.pipeline.costs import WITNESS_ROW2_SECONDS, block_seconds, latching_seconds
-from vsb.scenes.rest import check_rests, check_spring, check_stable, reference_shell, seen_by_take_off
-from vsb.scenes.take_off import check_law
-from vsb.shell.modes import mode_basis
-from vsb.shell.ritz import natural_modes
-from vsb.shell.shell import Shell, natural_frequencies
 from vsb.stages.planning import load_advised
 from vsb.study.blocks import BlockSpec, no_witness
 from vsb.study.plan import StudyPlan
-from vsb.study.quantities import content_id
 from vsb.study.specs import PanelsSpec
 from vsb.study.study import Study
-from vsb.study.waves import file_lines
 from vsb.tools.files import load
 
 SECONDS_PER_INSTANT, NOTABLE = 1e-4, 60.0
@@ -102,7 +102,7 @@ def _switching_lines(study: Study) -> list[str]:
     """How long a run under a nonlinear take-off takes, of a shell so stiff that this matters."""
     if not (study.pto.nonlinear and study.flexible) or study.pto.of_package:
         return []
-    from vsb.integrators.switching import RESOLVED  # compiled
+    from vsb.engine.integrators.switching import RESOLVED  # compiled
 
     rate = float(reference_shell(study).basis.dry_frequencies.max(initial=0.0))
     seconds = SECONDS_PER_INSTANT * study.simulation.duration * rate / RESOLVED

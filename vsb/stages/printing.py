@@ -6,6 +6,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from vsb.keys.quantities import content_id
 from vsb.report.svg import for_print
 from vsb.stages import campaign_report, design_report, report
 from vsb.stages.climate import read_climate
@@ -13,7 +14,6 @@ from vsb.stages.stored import Inputs
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plans import Plan
-from vsb.study.quantities import content_id
 from vsb.tools.files import atomic_write, load
 from vsb.tools.stamps import check_output
 

@@ -17,6 +17,23 @@ import yaml
 from matplotlib.figure import Figure
 
 from vsb import __version__
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.motion.take_off import named_ports, port_kind
+from vsb.engine.waves.dispersion import group_velocity
+from vsb.engine.waves.kinds import (
+    Irregular,
+    IrregularSea,
+    Jonswap,
+    PiersonMoskowitz,
+    RegularWave,
+    SeaOfFile,
+    SpectralSea,
+    StillWater,
+    Wave,
+)
+from vsb.engine.waves.seas import components
+from vsb.engine.waves.spectra import jonswap_spectrum, spectrum
+from vsb.models.floating_system import FloatingSystem, band, floating_system
 from vsb.report.band import lowest
 from vsb.report.canvas import PORT, StudyData
 from vsb.report.figures import draw
@@ -28,30 +45,14 @@ from vsb.results.comparison import in_direction
 from vsb.results.force_steps import SeenPort, force_steps
 from vsb.results.forecast import worth_of_knowledge
 from vsb.results.statistics import families
-from vsb.scenes.floating_system import FloatingSystem, band, floating_system
 from vsb.stages.animated import animated_study
 from vsb.stages.stored import Inputs
 from vsb.study.blocks import no_witness
-from vsb.study.body import CONTENTS, AnyStudy, BodyFile
+from vsb.study.body import CONTENTS, AnyStudy
 from vsb.study.study import Study
-from vsb.study.take_off import named_ports, port_kind
-from vsb.study.waves import (
-    Irregular,
-    IrregularSea,
-    Jonswap,
-    PiersonMoskowitz,
-    RegularWave,
-    SeaOfFile,
-    SpectralSea,
-    StillWater,
-    Wave,
-)
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
 from vsb.tools.stamps import read_text, record
-from vsb.waves.dispersion import group_velocity
-from vsb.waves.seas import components
-from vsb.waves.spectra import jonswap_spectrum, spectrum
 
 FREQUENCIES = 2000
 """At which spectra are drawn."""

@@ -22,6 +22,7 @@ from typing import Any, NoReturn
 import psutil
 
 from vsb.errors import ConfigError, VsbError
+from vsb.keys.reading import nearest, read_yaml
 from vsb.pipeline.jobs import Job, rules
 from vsb.pipeline.schedule import is_faster_here, left
 from vsb.pipeline.tasks import due, products, tasks
@@ -34,7 +35,6 @@ from vsb.stages.progress import Progress, failed, followed
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plans import Plan
-from vsb.study.reading import nearest, read_yaml
 from vsb.tools.commands import long_options
 from vsb.tools.shipped import HOME
 from vsb.tools.words import shortened

@@ -11,10 +11,10 @@ import xarray as xr
 
 from vsb import __version__
 from vsb.errors import DatabaseError
+from vsb.keys.quantities import content_id
+from vsb.models.rest import reference_shell
+from vsb.models.shape_dependence import answer, shape_dataset, shapes_of_study, study_family
 from vsb.report.hydro_figures import shape_figure
-from vsb.scenes.rest import reference_shell
-from vsb.scenes.shape_dependence import answer, shape_dataset, shapes_of_study, study_family
-from vsb.study.quantities import content_id
 from vsb.study.study import Study
 from vsb.tools.files import load, save, write_text
 from vsb.tools.tables import svg_text

@@ -5,15 +5,15 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from vsb.hydro.panels.mesh import display_shapes, write_wet_shell
-from vsb.scenes.rest import check_stable, order_bases, reference_shell
-from vsb.shell.deformed import ReferenceShell
-from vsb.shell.modes import Mode
-from vsb.shell.orders import OrderBasis
-from vsb.shell.shell import curve
+from vsb.engine.hydro.panels.mesh import display_shapes, write_wet_shell
+from vsb.engine.shell.deformed import ReferenceShell
+from vsb.engine.shell.meridian import ClosedMeridian
+from vsb.engine.shell.modes import Mode
+from vsb.engine.shell.orders import OrderBasis
+from vsb.engine.shell.shell import curve
+from vsb.keys.quantities import content_id
+from vsb.models.rest import check_stable, order_bases, reference_shell
 from vsb.stages.stage import stamp
-from vsb.study.meridian import ClosedMeridian
-from vsb.study.quantities import content_id
 from vsb.study.specs import DisplaySpec, ModesSpec
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray

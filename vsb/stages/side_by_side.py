@@ -6,6 +6,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from vsb.engine.motion.take_off import port_kind
+from vsb.engine.waves.climate import YEAR_HOURS
+from vsb.engine.waves.kinds import IrregularSea, StillWater, Wave
 from vsb.errors import ConfigError
 from vsb.report.side_by_side import Line, as_csv, as_page, as_text
 from vsb.stages.planning import plan_of
@@ -13,11 +16,8 @@ from vsb.study.campaign import leading_tuning
 from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan
-from vsb.study.take_off import port_kind
-from vsb.study.waves import IrregularSea, StillWater, Wave
 from vsb.tools.files import load, write_text
 from vsb.tools.stamps import read_text
-from vsb.waves.climate import YEAR_HOURS
 
 
 def lines(plans: Sequence[AnyPlan | CampaignPlan]) -> list[Line]:

@@ -5,26 +5,26 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from vsb.engine.integrators.exact import propagate, steady_state
+from vsb.engine.integrators.harmonic_balance import harmonic_balance
+from vsb.engine.integrators.periodic import periodic_power
+from vsb.engine.integrators.simulate import in_words, legs, recorded
+from vsb.engine.motion.system import System
+from vsb.engine.motion.take_off import port_kind
+from vsb.engine.shell.deformed import DeformedShell, enclosed
+from vsb.engine.shell.modes import constraint_drift
+from vsb.engine.shell.orders import OrderBasis
+from vsb.engine.shell.surface import enclosed_in_orders
+from vsb.engine.waves.kinds import RegularWave, StillWater
+from vsb.engine.waves.sampling import relative_error
+from vsb.engine.waves.seas import FEW
 from vsb.errors import ConvergenceError, StabilityError
-from vsb.integrators.exact import propagate, steady_state
-from vsb.integrators.harmonic_balance import harmonic_balance
-from vsb.integrators.periodic import periodic_power
-from vsb.integrators.simulate import in_words, legs, recorded
-from vsb.motion.system import System
-from vsb.scenes.build import DesignInSea, design_in_sea
-from vsb.scenes.latching import STEADY
-from vsb.shell.deformed import DeformedShell, enclosed
-from vsb.shell.modes import constraint_drift
-from vsb.shell.orders import OrderBasis
-from vsb.shell.surface import enclosed_in_orders
+from vsb.models.build import DesignInSea, design_in_sea
+from vsb.models.latching import STEADY
 from vsb.stages.stage import stamp
 from vsb.study.specs import SimulateSpec
-from vsb.study.take_off import port_kind
-from vsb.study.waves import RegularWave, StillWater
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
-from vsb.waves.sampling import relative_error
-from vsb.waves.seas import FEW
 
 UNSETTLED = 1e-3
 """Relative difference between the powers of late periods above which a motion does not repeat [-]."""

@@ -9,9 +9,9 @@ from typing import Any, get_type_hints
 from pydantic import TypeAdapter, ValidationError
 
 from vsb.errors import ConfigError
+from vsb.keys.quantities import canonical, result_id
+from vsb.keys.reading import one_line
 from vsb.pipeline.tasks import STAGES, Task
-from vsb.study.quantities import canonical, result_id
-from vsb.study.reading import one_line
 from vsb.study.specs import Spec
 from vsb.tools.stamps import check_product, faults, read_manifest
 

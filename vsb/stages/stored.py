@@ -8,7 +8,7 @@ from typing import Any
 
 import xarray as xr
 
-from vsb.hydro.database import load_database
+from vsb.engine.hydro.database import load_database
 from vsb.study.body import AnyStudy
 from vsb.study.plan import ResultsPlan, plan_for, trajectory_name
 from vsb.tools.files import attributes, check_stamp, load

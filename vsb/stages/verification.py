@@ -6,8 +6,15 @@ from functools import cache
 import numpy as np
 import xarray as xr
 
+from vsb.engine.integrators.settings import Simulation
+from vsb.engine.motion.port import LinearPto
+from vsb.engine.waves.climate import Climate, realised
 from vsb.errors import ConvergenceError, StabilityError
-from vsb.motion.port import LinearPto
+from vsb.keys.quantities import content_id
+from vsb.models.build import Memory, body_memory, radiation_model
+from vsb.models.floating_system import AnyBody, Floating, floating_system
+from vsb.models.rest import rubber_shell
+from vsb.models.viability import with_designs
 from vsb.results.matrix_year import year_of_matrices
 from vsb.results.member import ports_year
 from vsb.results.verification import (
@@ -26,10 +33,6 @@ from vsb.results.verification import (
     without_power,
 )
 from vsb.results.year import frequencies
-from vsb.scenes.build import Memory, body_memory, radiation_model
-from vsb.scenes.floating_system import AnyBody, Floating, floating_system
-from vsb.scenes.rest import rubber_shell
-from vsb.scenes.viability import with_designs
 from vsb.stages.campaign import at_rest
 from vsb.stages.climate import read_climate
 from vsb.stages.make import make
@@ -37,13 +40,10 @@ from vsb.stages.stage import stamp
 from vsb.study.body import BodyHydro
 from vsb.study.campaign import Verify
 from vsb.study.plan import StudyPlan, database_path, radiation_path
-from vsb.study.quantities import content_id
-from vsb.study.sections import Simulation
 from vsb.study.specs import BodySystem, RadiationSpec, VerificationSpec
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import save
-from vsb.waves.climate import Climate, realised
 
 
 def run_verification(spec: VerificationSpec, climate: str, root: str, out: str) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from vsb.errors import DatabaseError, VsbError
+from vsb.keys.quantities import id_in, leaves
 from vsb.pipeline import tasks
 from vsb.stages.planning import plan_of
 from vsb.study.body import is_body, located
@@ -14,7 +15,6 @@ from vsb.study.campaign_plan import CampaignPlan
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan, plan_for
 from vsb.study.plans import Plan
-from vsb.study.quantities import id_in, leaves
 from vsb.study.study import parse
 from vsb.tools import packed
 from vsb.tools.files import DELETE, attributes
@@ -117,7 +117,7 @@ def _other_faults(folder: Path, known: set[str], trash: Path) -> list[Fault]:
 
 def _index_faults(root: Path) -> list[Fault]:
     """Whether the index of the databases lists those there are."""
-    from vsb.hydro.database import index_text
+    from vsb.engine.hydro.database import index_text
 
     index, folder = root / "hydro" / "INDEX.tsv", root / "hydro" / "db"
     if not index.is_file() or index.read_bytes() == index_text(folder).encode():

@@ -11,19 +11,19 @@ import numpy as np
 import xarray as xr
 
 from vsb import __version__
+from vsb.engine.hydro import database, orders, quality
+from vsb.engine.hydro.database import Check, with_history
+from vsb.engine.hydro.dofs import displacements
+from vsb.engine.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, converged, converged_on_grid
+from vsb.engine.hydro.variables import AT_GEOMETRY, OF_GEOMETRY, PAIR
+from vsb.engine.shell.deformed import ReferenceShell, rigid_buoy
+from vsb.engine.shell.meridian import also_through
+from vsb.engine.shell.orders import OrderBasis
+from vsb.engine.shell.shell import Shell
 from vsb.errors import ConvergenceError, DatabaseError
-from vsb.hydro import database, orders, quality
-from vsb.hydro.database import Check, with_history
-from vsb.hydro.dofs import displacements
-from vsb.hydro.spectral.solver import FEWEST_NODES, SpectralProblem, converged, converged_on_grid
-from vsb.hydro.variables import AT_GEOMETRY, OF_GEOMETRY, PAIR
-from vsb.scenes.rest import mooring_stiffness, order_bases, order_stiffness, reference_shell
-from vsb.shell.deformed import ReferenceShell, rigid_buoy
-from vsb.shell.orders import OrderBasis
-from vsb.shell.shell import Shell
+from vsb.models.rest import mooring_stiffness, order_bases, order_stiffness, reference_shell
 from vsb.stages.stage import stamp
 from vsb.study.blocks import COARSEST_SWEEP
-from vsb.study.meridian import also_through
 from vsb.study.specs import DatabaseSpec, LoadedShape, SpectralSpec
 from vsb.tools.files import load, save
 

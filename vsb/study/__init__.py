@@ -1,6 +1,5 @@
-"""The files a user writes: a study of a buoy or a body, a campaign; what they ask for, and the plan of its jobs.
+"""The files a user writes: a study of a buoy or a body, a campaign, a design problem; and their plans.
 
-Sections of a file are in modules of their names, such as `device`, `take_off`, `waves`, `drag`, the small ones in
-`sections`; `keys` explains every key; `specs`, `plan` and `jobs` say what is computed.
-Pure Python, read at every parse of the Snakefile: no numpy, nothing that solves. May import errors and tools.
+Sections that the engine computes with are with it (a sea in `engine/waves/kinds`, a buoy in `engine/shell/device`, a
+take-off in `engine/motion/take_off`); the others are here. `vsb.keys.meanings` explains every key.
 """

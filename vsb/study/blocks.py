@@ -3,12 +3,13 @@
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.metadata import version
 from typing import Any
 
+from vsb.engine.hydro.panel_solver import LEAST_DEPTH_IN_WAVENUMBERS, panel_solver
+from vsb.engine.waves.kinds import IrregularSea, RegularWave, SeaOfFile
 from vsb.errors import ConfigError
-from vsb.study.quantities import content_id
-from vsb.study.sections import LEAST_DEPTH_IN_WAVENUMBERS, Modes
+from vsb.keys.quantities import content_id
+from vsb.study.sections import Modes
 from vsb.study.specs import (
     DeformedSpec,
     LoadedMesh,
@@ -22,7 +23,6 @@ from vsb.study.specs import (
     WitnessSpec,
 )
 from vsb.study.study import CLEARANCE, Study
-from vsb.study.waves import IrregularSea, RegularWave, SeaOfFile
 
 BlockSpec = PanelsSpec | SpectralSpec
 BLOCK = 32
@@ -86,11 +86,6 @@ def wave_rows(radius: float, wavelength: float) -> int:
     depth = min(wavelength / 2 / radius, 1.0)
     passed = 2 / math.pi * math.acos(1 - 2 / math.pi * math.asin(depth))
     return 2 * math.ceil(ROWS_PER_HALF_WAVE / passed / 2)
-
-
-def panel_solver() -> str:
-    """Name and version of the panel solver, part of every id of its results."""
-    return f"capytaine {version('capytaine')}"
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema, field_validator
 
+from vsb.engine.motion.take_off import port_kind
 from vsb.errors import ConfigError
+from vsb.keys.quantities import Count, Name, Number, Section
+from vsb.keys.reading import read_yaml, validated
 from vsb.study.body import AnyStudy, BodyStudy, LocatedBody, is_body, located
-from vsb.study.quantities import Count, Name, Number, Section
-from vsb.study.reading import read_yaml, validated
 from vsb.study.study import Study, not_reserved, parse
-from vsb.study.take_off import port_kind
 from vsb.study.vary import PORT, SCALE, VARIED, Point, Value, Vary, read_vary, scaled
 from vsb.tools.bounded import sha256_of
 
@@ -99,7 +99,7 @@ class Scatter(YearOfSeas):
 
 
 def _climate_kind(value: object) -> str:
-    """Which kind of file is meant, by its key: no name of a key, which `vsb.study.reading` would take for one."""
+    """Which kind of file is meant, by its key: no name of a key, which `vsb.keys.reading` would take for one."""
     counted = isinstance(value, Scatter) or (isinstance(value, dict) and "scatter" in value)
     return "occurrence" if counted else "measured"
 

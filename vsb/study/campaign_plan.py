@@ -12,7 +12,9 @@ from functools import cached_property
 from pathlib import PurePosixPath
 from typing import Any
 
+from vsb.engine.integrators.settings import Simulation
 from vsb.errors import ConfigError
+from vsb.keys.quantities import canonical, content_id
 from vsb.study import figure_names
 from vsb.study.body import AnyStudy, BodyStudy
 from vsb.study.campaign import (
@@ -28,8 +30,6 @@ from vsb.study.campaign import (
     where_of,
 )
 from vsb.study.plan import BodyPlan, ResultsFolder, StudyPlan, plan_for
-from vsb.study.quantities import canonical, content_id
-from vsb.study.sections import Simulation
 from vsb.study.specs import (
     BodySystem,
     BuoySystem,

@@ -2,9 +2,9 @@
 
 import math
 
+from vsb.engine.motion.take_off import BetweenPort, DistributedPort, PortChoice, SeveralPorts, StrainPort
 from vsb.study.sections import DEGREES
 from vsb.study.specs import AnyBuoy
-from vsb.study.take_off import BetweenPort, DistributedPort, PortChoice, SeveralPorts, StrainPort
 
 WITHIN = 4.0
 """Change of the power of a port within the shell over that of a port that heaves, in terms of the wall's stiffness over

@@ -12,14 +12,14 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
 
+from vsb.engine.shell.device import Device
 from vsb.errors import ConfigError
+from vsb.keys.meanings import KEYS, Key
+from vsb.keys.quantities import Count, Name, NonNegative, Positive, Section
+from vsb.keys.reading import Located, nearest, read_yaml, validated
+from vsb.keys.schema import range_at, schema_of
 from vsb.study.campaign import ClimateFile, Verify, check_no_direction, sections, study_at
-from vsb.study.device import Device
 from vsb.study.feasible import Ranges, Unmet
-from vsb.study.keys import KEYS, Key
-from vsb.study.quantities import Count, Name, NonNegative, Positive, Section
-from vsb.study.reading import Located, nearest, read_yaml, validated
-from vsb.study.schema import range_at, schema_of
 from vsb.study.study import Study, not_reserved
 from vsb.study.study import load as load_study
 from vsb.tools.bounded import sha256_of

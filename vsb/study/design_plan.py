@@ -5,11 +5,12 @@ from functools import cached_property
 from pathlib import PurePosixPath
 from typing import Any
 
+from vsb.engine.integrators.settings import Simulation
+from vsb.keys.quantities import content_id
 from vsb.study import figure_names
 from vsb.study.design import LoadedDesign
 from vsb.study.plan import ResultsFolder
-from vsb.study.quantities import content_id
-from vsb.study.sections import DEGREES, Simulation
+from vsb.study.sections import DEGREES
 from vsb.study.specs import (
     ClimateSpec,
     DesignFrontSpec,

@@ -5,9 +5,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator
 
-from vsb.study.quantities import Finite
+from vsb.engine.motion.take_off import LinePort
+from vsb.keys.quantities import Finite
 from vsb.study.sections import DEGREES
-from vsb.study.take_off import LinePort
 
 Motion = Literal["heave", "planar", "free"]
 """Heave alone; surge, heave and pitch, with shell modes of azimuthal orders from 0 on; all six, in any waves."""

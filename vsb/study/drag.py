@@ -1,6 +1,6 @@
 """Quadratic drag in a study: coefficients and areas, of a buoy's rigid motions and of a body's motions. Pure Python.
 
-`vsb.scenes.drag` makes forces of them, `vsb.motion.drag` what linear theory sees.
+`vsb.models.drag` makes forces of them, `vsb.engine.motion.drag` what linear theory sees.
 """
 
 from collections.abc import Mapping
@@ -8,8 +8,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from vsb.study.quantities import Name, NonNegative, Positive, Section, within
-from vsb.study.take_off import Pto
+from vsb.engine.motion.take_off import Pto
+from vsb.keys.quantities import Name, NonNegative, Positive, Section, within
 
 Coefficient = Annotated[NonNegative, within(0.0, 100.0, "", "no body of any shape drags more")]
 

@@ -23,16 +23,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from vsb.study.device import (
-    NEAREST_POLE,
-    THINNEST_SHELL,
-    Device,
-    cap_volume,
-    full_volume,
-    shell_mass,
-    volume_to,
-)
-from vsb.study.sections import Water
+from vsb.engine.shell.device import NEAREST_POLE, THINNEST_SHELL, Device, cap_volume, full_volume, shell_mass, volume_to
+from vsb.engine.waves.water import Water
 
 THINNEST_RATIO = 10.0
 """Radius over thickness that thin-shell theory needs at least: an implied limit."""

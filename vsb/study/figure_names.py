@@ -5,12 +5,12 @@
 
 from collections.abc import Iterable
 
+from vsb.engine.motion.take_off import port_kind
+from vsb.engine.waves.kinds import IrregularSea
 from vsb.study.blocks import no_witness
 from vsb.study.body import BodyStudy
 from vsb.study.specs import CampaignSpec, DesignSpec
 from vsb.study.study import BaseStudy, Study
-from vsb.study.take_off import port_kind
-from vsb.study.waves import IrregularSea
 from vsb.tools.ports import MEMBRANE, SEVERAL
 
 FIGURE_KINDS = ("svg", "csv")

@@ -11,11 +11,14 @@ from functools import cached_property
 from pathlib import PurePosixPath
 from typing import Any, ClassVar
 
+from vsb.engine.hydro.bodies.body_file import PHYSICS, BodyFile
+from vsb.engine.hydro.panel_solver import panel_solver
+from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, thinning
+from vsb.engine.waves.kinds import IrregularSea, RecordedSea, RegularWave, Wave
+from vsb.keys.quantities import content_id, result_id
 from vsb.study import figure_names
-from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, panel_solver, witness_spec
-from vsb.study.body import PHYSICS, BodyFile, BodyStudy, wamit_files
-from vsb.study.quantities import content_id, result_id
-from vsb.study.sections import RECORDS_PER_PERIOD, thinning
+from vsb.study.blocks import BlockSpec, HydroPlan, no_witness, witness_spec
+from vsb.study.body import BodyStudy, wamit_files
 from vsb.study.specs import (
     AnySystem,
     Band,
@@ -37,7 +40,6 @@ from vsb.study.specs import (
     WitnessSpec,
 )
 from vsb.study.study import BaseStudy, Study
-from vsb.study.waves import IrregularSea, RecordedSea, RegularWave, Wave
 
 
 def database_path(root: str, identity: str) -> str:

@@ -3,6 +3,7 @@
 import os
 from typing import Any
 
+from vsb.keys.reading import read_yaml
 from vsb.study.body import is_body, located
 from vsb.study.campaign import is_campaign, read
 from vsb.study.campaign_plan import CampaignPlan
@@ -10,7 +11,6 @@ from vsb.study.design import is_design
 from vsb.study.design import read as read_design
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import BodyPlan, StudyPlan
-from vsb.study.reading import read_yaml
 from vsb.study.study import parse
 
 Plan = StudyPlan | BodyPlan | CampaignPlan | DesignPlan

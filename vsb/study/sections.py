@@ -3,31 +3,15 @@
 Imports nothing heavy: the Snakefile reads a study at every parse.
 """
 
-import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from vsb.engine.shell.device import Basis
 from vsb.errors import ConfigError
-from vsb.study.quantities import (
-    OR_AUTO,
-    Colatitude,
-    Count,
-    Finite,
-    Name,
-    NonNegative,
-    Number,
-    Positive,
-    Section,
-    within,
-)
+from vsb.keys.quantities import OR_AUTO, Colatitude, Count, Finite, Name, NonNegative, Number, Positive, Section, within
 
-LEAST_DEPTH_IN_WAVENUMBERS = 0.3
-"""Least depth times wavenumber of panels: capytaine has no finite-depth Green function for kd near 0.1."""
-DEEPEST = 2e4
-"""No sea is deeper [m]."""
 RestShape = Literal["undeformed", "equilibrium"]
-Basis = Literal["paper", "membrane", "full"]
 
 
 DEGREES = (6, 9, 14, 20, 30, 42, 60, 90)
@@ -101,21 +85,6 @@ class Design(Section):
         return self
 
 
-class Water(Section):
-    """Density [kg/m^3], depth [m] (`.inf` for deep water), gravity [m/s^2]."""
-
-    density: Annotated[Positive, within(1.0, 2e4, "kg/m^3", "mercury has 13 534 kg/m^3")] = 1025.0
-    depth: Annotated[Number, Field(gt=0)] = math.inf
-    gravity: Annotated[Positive, within(0.01, 300.0, "m/s^2", "on the sun it is 274 m/s^2")] = 9.81
-
-    @field_validator("depth")
-    @classmethod
-    def _on_earth(cls, value: float) -> float:
-        if DEEPEST < value < math.inf:
-            raise ValueError(f"needs at most {DEEPEST:g} m, or .inf for deep water")
-        return value
-
-
 POWER_TOLERANCE = 0.01
 """Error of mean absorbed power that model auto may cause, unless another is given [-]."""
 
@@ -162,24 +131,6 @@ class Hydro(Section):
         return self
 
 
-class Simulation(Section):
-    """Time-domain run: duration [s], window of the statistics [s], initial heave [m] and heave velocity [m/s]."""
-
-    duration: Annotated[Positive, within(1e-3, 2e5, "s", "no sea stays the same for two days")] = 60.0
-    window: tuple[NonNegative, Positive] = (40.0, 60.0)
-    initial_position: Annotated[Finite, within(-1e4, 1e4, "m", "no buoy starts out of sight of the sea")] = 0.0
-    initial_velocity: Annotated[Finite, within(-1e3, 1e3, "m/s", "faster it would be a shell of another kind")] = 0.0
-    tolerance: Annotated[Number, Field(ge=1e-12, le=0.1)] = 1e-6
-    method: Literal["auto", "exact", "convolution", "exponential"] = "auto"
-
-    @model_validator(mode="after")
-    def _window_inside(self) -> Self:
-        start, end = self.window
-        if not start < end <= self.duration:
-            raise ValueError(f"window {list(self.window)}: needs 0 <= start < end <= duration = {self.duration:g} s")
-        return self
-
-
 Measure = Literal["displacement_pp", "velocity_pp", "pto_force_pp", "power_peak", "power_mean", "energy"]
 
 
@@ -188,16 +139,3 @@ class Published(Section):
 
     source: str
     values: dict[str, dict[Measure, Finite]]
-
-
-RECORDS_PER_PERIOD = 200
-"""Instants recorded per period of the shortest wave that matters."""
-LEG = 2**17
-"""Instants followed at one time."""
-KEPT, THINNEST = 2**17, 10
-"""A run of more instants than that keeps a part of them, a tenth at least: 20 a period."""
-
-
-def thinning(instants: int) -> int:
-    """Return every how many instants a run of so many is recorded."""
-    return min(THINNEST, math.ceil(instants / KEPT))

@@ -16,18 +16,20 @@ from pydantic import (
     model_validator,
 )
 
+from vsb.engine.integrators.settings import Simulation
+from vsb.engine.motion.take_off import Pto
+from vsb.engine.shell.device import Basis, Device, Shape, centre_height
+from vsb.engine.waves.kinds import StillWater, Wave
+from vsb.engine.waves.water import Water
+from vsb.keys.quantities import Brief, Name, Section
 from vsb.study.body import AnyStudy, Body, BodyDesign, BodyHydro
 from vsb.study.campaign import Constrained, Scatter, Spectra, Tunings, Verify
 from vsb.study.design import Objective, Variable
-from vsb.study.device import Device, Shape, centre_height
 from vsb.study.directions import Mooring, Motion
 from vsb.study.drag import BodyDrag, Drag
-from vsb.study.quantities import Brief, Name, Section
-from vsb.study.sections import Basis, Design, Hydro, Modes, RestShape, Simulation, Water
+from vsb.study.sections import Design, Hydro, Modes, RestShape
 from vsb.study.study import Buoy, Study, WithDesigns, first_rigid
-from vsb.study.take_off import Pto
 from vsb.study.vary import Vary
-from vsb.study.waves import StillWater, Wave
 
 PHYSICS = {
     "block": 4, "body": 1, "campaign": 1, "compare": 7, "database": 1, "design_front": 4,

@@ -11,42 +11,20 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from vsb.errors import ConfigError
-from vsb.study.device import (
+from vsb.engine.integrators.settings import RECORDS_PER_PERIOD, Simulation
+from vsb.engine.motion.take_off import Pto, SeveralPorts, Tuning, port_kind
+from vsb.engine.shell.device import (
     NEAREST_POLE,
     Device,
     centre_height,
-    check_shape,
     full_volume,
     keel_depth,
-    resolved,
     volume_to,
     waterline_radius,
     with_points,
 )
-from vsb.study.directions import (
-    Mooring,
-    Motion,
-    check_directions,
-    check_heading,
-    check_spreading,
-)
-from vsb.study.drag import Drag, Plate, check_followed
-from vsb.study.material import Hookean, check_rubber
-from vsb.study.quantities import Name, Section
-from vsb.study.reading import read_yaml, validated
-from vsb.study.sections import (
-    RECORDS_PER_PERIOD,
-    Design,
-    Hydro,
-    Modes,
-    Published,
-    RestShape,
-    Simulation,
-    Water,
-)
-from vsb.study.take_off import Pto, SeveralPorts, Tuning, port_kind
-from vsb.study.waves import (
+from vsb.engine.shell.material import Hookean
+from vsb.engine.waves.kinds import (
     IrregularSea,
     RecordedSea,
     SpectralSea,
@@ -57,6 +35,20 @@ from vsb.study.waves import (
     directions_of,
     with_files,
 )
+from vsb.engine.waves.water import Water
+from vsb.errors import ConfigError
+from vsb.keys.quantities import Name, Section
+from vsb.keys.reading import read_yaml, validated
+from vsb.study.directions import (
+    Mooring,
+    Motion,
+    check_directions,
+    check_heading,
+    check_spreading,
+)
+from vsb.study.drag import Drag, Plate, check_followed
+from vsb.study.resolved import check_rubber, check_shape, resolved
+from vsb.study.sections import Design, Hydro, Modes, Published, RestShape
 from vsb.tools.ports import PortKind
 
 RESERVED_NAMES = ("hydro", "hydro_precision", "barge", "logs", "benchmarks", "trash")
@@ -280,7 +272,7 @@ CHECKS = (
     "error_estimate", "interpolation_error", "limit_difference", "symmetry", "positive_damping", "rank_one", "haskind",
     "irregular_frequencies", "kramers_kronig",
 )  # fmt: skip
-"""Names of the checks on a hydro database, as `vsb.hydro.quality` gives them; a study may accept their failures."""
+"""Names of the checks on a hydro database, as `hydro.quality` gives them; a study may accept their failures."""
 
 
 class Buoy(WithDesigns):

@@ -5,11 +5,11 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from vsb.engine.motion.take_off import port_kind
+from vsb.engine.shell.material import Hookean
 from vsb.errors import ConfigError
-from vsb.study.material import Hookean
+from vsb.keys.written_units import LIKELY
 from vsb.study.study import BaseStudy, Study
-from vsb.study.take_off import port_kind
-from vsb.study.written_units import LIKELY
 from vsb.tools.ports import FORCE
 from vsb.tools.units import value_in
 

@@ -12,9 +12,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, Self
 
-from vsb.study.keys import AT_PORT, UNITS
-from vsb.study.quantities import Section
-from vsb.study.take_off import port_kind
+from vsb.engine.motion.take_off import port_kind
+from vsb.keys.meanings import AT_PORT, UNITS
+from vsb.keys.quantities import Section
 from vsb.tools.ports import FORCE, PortKind
 from vsb.tools.units import DIMENSIONS, parsed_unit
 from vsb.tools.words import shortened

@@ -1,4 +1,1 @@
-"""Tools that know nothing of the physics: files, stamps, variables of files, units of ports, words.
-
-Imports only `vsb.errors`.
-"""
+"""Tools that know nothing of the physics: files, stamps, variables of files, units of ports, words."""

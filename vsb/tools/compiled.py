@@ -1,9 +1,9 @@
 """Where compiled loops are kept between runs: a folder of its own for every state of their sources.
 
 A compiled loop holds what it calls from other files, and numba looks at its own file alone: kept beside the source, a
-loop would go on with the old force after `vsb.motion.wetted` was edited. Import `njit` from here. What one loop alone
-calls has `inline="always"`: else it is compiled by itself and once more within the loop. The jobs of a first run need
-the same loops at the same time: one process compiles them, the others wait for it.
+loop would go on with the old force after `vsb.engine.motion.wetted` was edited. Import `njit` from here. What one loop
+alone calls has `inline="always"`: else it is compiled by itself and once more within the loop. The jobs of a first run
+need the same loops at the same time: one process compiles them, the others wait for it.
 """
 
 import fcntl

@@ -6,15 +6,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from examples import barge
+from vsb.engine.hydro.bodies import body as bodies
+from vsb.engine.hydro.bodies.body import FlexibleBody
+from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.engine.hydro.bodies.mesh import at_centres
+from vsb.engine.hydro.panels.mesh import graded_colatitudes, polygon_radius, revolved
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.modes import Mode, ModeBasis
+from vsb.engine.shell.shell import Shell, legendre
 from vsb.errors import ConfigError
-from vsb.hydro.bodies import body as bodies
-from vsb.hydro.bodies.body import FlexibleBody
-from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
-from vsb.hydro.bodies.mesh import at_centres
-from vsb.hydro.panels.mesh import graded_colatitudes, polygon_radius, revolved
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import Mode, ModeBasis
-from vsb.shell.shell import Shell, legendre
 
 LENGTH, BEAM, DRAUGHT = 6.0, 4.0, 2.0
 CENTRE_OF_MASS = np.array([0.0, 0.0, 0.3])

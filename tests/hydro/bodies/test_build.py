@@ -4,13 +4,13 @@ import meshio
 import numpy as np
 import pytest
 
+from vsb.engine.hydro.bodies.body import FlexibleBody, detected_symmetry
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.build import build_body
+from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.engine.hydro.labels import RIGID
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, detected_symmetry
-from vsb.hydro.bodies.build import build_body
-from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
-from vsb.study.body import BodyFile
-from vsb.study.quantities import RIGID
-from vsb.study.reading import validated
+from vsb.keys.reading import validated
 
 L, B, H, DRAUGHT = 6.0, 4.0, 3.0, 2.0  # m, of a box with a deck
 

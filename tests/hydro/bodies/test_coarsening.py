@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from examples import barge
-from vsb.hydro.bodies import body as bodies
-from vsb.hydro.bodies.coarsening import coarser_body, coarser_panels
+from vsb.engine.hydro.bodies import body as bodies
+from vsb.engine.hydro.bodies.coarsening import coarser_body, coarser_panels
 
 BOTH = ("xOz", "yOz")
 

@@ -7,14 +7,14 @@ import pytest
 import yaml
 from scipy.linalg import eigh
 
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.build import build_body
+from vsb.engine.hydro.bodies.files import read_body
+from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.build import build_body
-from vsb.hydro.bodies.files import read_body
-from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.keys.reading import validated
 from vsb.stages.body_preview import check
-from vsb.study.body import BodyFile
 from vsb.study.plans import planned
-from vsb.study.reading import validated
 
 HOME = Path(__file__).parents[3]
 BARGE = HOME / "config" / "barge" / "barge.nc"

@@ -11,10 +11,10 @@ import xarray as xr
 from hydro.bodies.test_body import made, rigid
 
 from examples import barge
+from vsb.engine.hydro.bodies import files
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.build import build_body
 from vsb.errors import ConfigError
-from vsb.hydro.bodies import files
-from vsb.hydro.bodies.build import build_body
-from vsb.study.body import BodyFile
 from vsb.tools import bounded
 
 LABELS = ("Heave", "Pitch")

@@ -7,10 +7,10 @@ import pytest
 from hydro.bodies.test_body import made, rigid
 
 from examples import barge
+from vsb.engine.hydro.bodies.files import read_body, write_body
+from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.engine.hydro.bodies.mesh import joined
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.files import read_body, write_body
-from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
-from vsb.hydro.bodies.mesh import joined
 
 CENTRES = np.array([[0.0, 0.0, -0.4], [9.0, 1.0, 0.2]])
 """Of mass, of two boxes of other sizes."""

@@ -5,9 +5,9 @@ import pytest
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
 
 from examples.barge import box
-from vsb.hydro.bodies.lid import first_irregular_frequency, gap_resonance, interior_lid
-from vsb.hydro.bodies.mesh import joined
-from vsb.hydro.panels import rings as bem
+from vsb.engine.hydro.bodies.lid import first_irregular_frequency, gap_resonance, interior_lid
+from vsb.engine.hydro.bodies.mesh import joined
+from vsb.engine.hydro.panels import rings as bem
 
 
 @pytest.fixture(scope="module")

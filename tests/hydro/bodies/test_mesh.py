@@ -7,10 +7,10 @@ from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
 from hydro.bodies.test_lid import disc_and_walls
 
 from examples.barge import box
+from vsb.engine.hydro.bodies.body import FlexibleBody, check_apart
+from vsb.engine.hydro.bodies.files import read_body, write_body
+from vsb.engine.hydro.bodies.mesh import at_centres, at_vertices, divided, joined, rigid_motion
 from vsb.errors import ConfigError
-from vsb.hydro.bodies.body import FlexibleBody, check_apart
-from vsb.hydro.bodies.files import read_body, write_body
-from vsb.hydro.bodies.mesh import at_centres, at_vertices, divided, joined, rigid_motion
 
 LINEAR = np.array([[1.0, 0.2, 0.3], [0.0, 1.0, 0.5], [0.4, 0.0, 1.0]])
 

@@ -10,13 +10,13 @@ import xarray as xr
 from hydro.bodies.test_files import damaged
 
 from examples import barge
+from vsb.engine.hydro.bodies import files
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.build import build_body
+from vsb.engine.hydro.bodies.mesh import joined, triangulated, turned_outward
+from vsb.engine.hydro.bodies.mesh_files import read_mesh
 from vsb.errors import ConfigError
-from vsb.hydro.bodies import files
-from vsb.hydro.bodies.build import build_body
-from vsb.hydro.bodies.mesh import joined, triangulated, turned_outward
-from vsb.hydro.bodies.mesh_files import read_mesh
-from vsb.study.body import BodyFile
-from vsb.study.reading import validated
+from vsb.keys.reading import validated
 from vsb.tools import bounded
 
 R, T, N = 2.0, 3.0, 12  # radius and draught of an upright cylinder [m], panels around

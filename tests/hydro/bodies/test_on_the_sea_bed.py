@@ -6,17 +6,17 @@ import xarray as xr
 from hydro.bodies.test_mesh_files import VOLUME, N, R, T, cylinder, described, obj
 from scipy.special import h1vp, hankel1, kve
 
+from vsb.engine.hydro.bodies import files
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.build import build_body
+from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.engine.hydro.bodies.mesh import joined
+from vsb.engine.hydro.bodies.solver import BodyProblem
+from vsb.engine.hydro.panels.rings import quick_green_function
+from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
-from vsb.hydro.bodies import files
-from vsb.hydro.bodies.build import build_body
-from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
-from vsb.hydro.bodies.mesh import joined
-from vsb.hydro.bodies.solver import BodyProblem
-from vsb.hydro.panels.rings import quick_green_function
-from vsb.study.body import BodyFile
-from vsb.study.reading import validated
-from vsb.study.sections import Water
-from vsb.waves.dispersion import wavenumber
+from vsb.keys.reading import validated
 
 G, RHO = 9.81, 1000.0
 WATER = {"density": RHO, "depth": T, "gravity": G}

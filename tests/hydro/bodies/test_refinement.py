@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import pytest
 
-from vsb.hydro import database
-from vsb.hydro.bodies.build import build_body
-from vsb.hydro.bodies.refinement import refined_file
-from vsb.hydro.database import Check
-from vsb.hydro.panels.rings import quick_green_function
+from vsb.engine.hydro import database
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.build import build_body
+from vsb.engine.hydro.bodies.refinement import refined_file
+from vsb.engine.hydro.database import Check
+from vsb.engine.hydro.panels.rings import quick_green_function
 from vsb.stages.coefficients import finely_solved
-from vsb.study.body import BodyFile
 
 SPHERE = {"kind": "sphere", "radius": 3.0, "draft": 3.0, "panel": 1.4}
 FAILED = Check("error_estimate", 0.5, 0.05, "-", "fail", "")

@@ -4,17 +4,17 @@ import pytest
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
 
 from examples import barge
-from vsb.hydro import dofs
-from vsb.hydro.bodies.hydrostatics import hydrostatic_stiffness
-from vsb.hydro.bodies.lid import interior_lid
-from vsb.hydro.bodies.solver import BodyProblem, SymmetricPanels, unit_wave, unit_wave_slope
-from vsb.hydro.bodies.verdict import identities
-from vsb.hydro.panels import rings as bem
-from vsb.hydro.panels.mesh import polygon_radius, revolved
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.shell.shell import legendre
-from vsb.study.sections import Water
-from vsb.waves.dispersion import wavenumber
+from vsb.engine.hydro import dofs
+from vsb.engine.hydro.bodies.hydrostatics import hydrostatic_stiffness
+from vsb.engine.hydro.bodies.lid import interior_lid
+from vsb.engine.hydro.bodies.solver import BodyProblem, SymmetricPanels, unit_wave, unit_wave_slope
+from vsb.engine.hydro.bodies.verdict import identities
+from vsb.engine.hydro.panels import rings as bem
+from vsb.engine.hydro.panels.mesh import polygon_radius, revolved
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.shell.shell import legendre
+from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.water import Water
 
 UNIT = Water(density=1.0, gravity=1.0)
 SEA = Water(density=1025.0, gravity=9.81)

@@ -8,14 +8,14 @@ import yaml
 from hydro.bodies.test_body import made, rigid
 
 from examples import barge
+from vsb.engine.hydro import database
+from vsb.engine.hydro.bodies import files as bodyfiles
+from vsb.engine.hydro.bodies import solution as bodystudy
+from vsb.engine.hydro.bodies.coarsening import CoarserBody
+from vsb.engine.hydro.bodies.solver import BodyProblem
 from vsb.errors import ConfigError
-from vsb.hydro import database
-from vsb.hydro.bodies import files as bodyfiles
-from vsb.hydro.bodies import study as bodystudy
-from vsb.hydro.bodies.coarsening import CoarserBody
-from vsb.hydro.bodies.solver import BodyProblem
+from vsb.keys.quantities import content_id
 from vsb.study import blocks
-from vsb.study.quantities import content_id
 from vsb.tools.files import load
 
 LABELS = ("Heave", "Pitch", "Bend")

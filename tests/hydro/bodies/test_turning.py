@@ -8,11 +8,11 @@ from hydro.bodies.test_body import made
 from scipy.spatial.transform import Rotation
 
 from examples import barge
-from vsb.hydro.bodies.body import SYMMETRIES, detected_symmetry
-from vsb.hydro.bodies.coarsening import coarser_body
-from vsb.hydro.bodies.files import read_body, write_body
-from vsb.hydro.bodies.hydrostatics import hinge_gap, hydrostatic_stiffness, linear_share
-from vsb.hydro.bodies.mesh import joined
+from vsb.engine.hydro.bodies.body import SYMMETRIES, detected_symmetry
+from vsb.engine.hydro.bodies.coarsening import coarser_body
+from vsb.engine.hydro.bodies.files import read_body, write_body
+from vsb.engine.hydro.bodies.hydrostatics import hinge_gap, hydrostatic_stiffness, linear_share
+from vsb.engine.hydro.bodies.mesh import joined
 
 LENGTH, BEAM, DRAUGHT, MASS = 40.0, 6.0, 3.0, 0.4
 """Of a box, and the height of its centre of mass [m]."""

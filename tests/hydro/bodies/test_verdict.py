@@ -8,18 +8,18 @@ import xarray as xr
 from hydro.bodies.test_body import made, revolved_body, rigid, shell_with
 
 from examples import barge
-from vsb.hydro import dofs
-from vsb.hydro.bodies.lid import interior_lid
-from vsb.hydro.bodies.solver import BodyProblem
-from vsb.hydro.bodies.study import Measure, solved_block, swept
-from vsb.hydro.bodies.verdict import Block, error_estimate, least_sizes, mesh_checks, sizes
-from vsb.hydro.database import with_excitation
-from vsb.hydro.panels import rings as bem
-from vsb.hydro.quality import negative_damping
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.study.body import BodyFile
-from vsb.study.sections import Water
-from vsb.waves.dispersion import wavenumber
+from vsb.engine.hydro import dofs
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.bodies.lid import interior_lid
+from vsb.engine.hydro.bodies.solution import Measure, solved_block, swept
+from vsb.engine.hydro.bodies.solver import BodyProblem
+from vsb.engine.hydro.bodies.verdict import Block, error_estimate, least_sizes, mesh_checks, sizes
+from vsb.engine.hydro.database import with_excitation
+from vsb.engine.hydro.panels import rings as bem
+from vsb.engine.hydro.quality import negative_damping
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.waves.dispersion import wavenumber
+from vsb.engine.waves.water import Water
 
 UNIT = Water(density=1.0, gravity=1.0)
 SEA = Water(density=1025.0, gravity=9.81)

@@ -6,10 +6,10 @@ import pytest
 from hydro.formats.test_exchange import WAVE, random_database, with_structure
 from scipy.linalg import block_diag
 
+from vsb.engine.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
+from vsb.engine.hydro.formats.capytaine import read_capytaine
+from vsb.engine.hydro.retardation import DampingSpectrum
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
-from vsb.hydro.formats.capytaine import read_capytaine
-from vsb.hydro.retardation import DampingSpectrum
 from vsb.stages.coefficients import import_bemio
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from vsb.engine.hydro.formats.capytaine import read_capytaine
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.capytaine import read_capytaine
 from vsb.tools.files import merged
 
 LABELS = ["float__Heave", "spar__Heave"]

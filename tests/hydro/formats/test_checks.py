@@ -6,12 +6,12 @@ import pytest
 import xarray as xr
 from capytaine.io.xarray import merge_complex_values
 
+from vsb.engine.hydro.formats.capytaine import read_capytaine
+from vsb.engine.hydro.formats.checks import coefficient_checks, sizes
+from vsb.engine.hydro.formats.wamit import import_wamit
+from vsb.engine.waves.dispersion import group_velocity, wavenumber
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro.formats.capytaine import read_capytaine
-from vsb.hydro.formats.checks import coefficient_checks, sizes
-from vsb.hydro.formats.wamit import import_wamit
 from vsb.tools import variables
-from vsb.waves.dispersion import group_velocity, wavenumber
 
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
 RHO, G = 1000.0, 9.81

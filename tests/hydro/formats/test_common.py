@@ -8,23 +8,15 @@ import xarray as xr
 
 from examples import barge
 from vsb.cli import main
+from vsb.engine.hydro.bodies import solution as bodystudy
+from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.hydro.formats.bemio import bemio_entries
+from vsb.engine.hydro.formats.common import RIGID, body_names, floating, mode_labels, mode_numbers, rotations, structure
+from vsb.engine.hydro.formats.exchange import exported
+from vsb.engine.hydro.formats.wamit import import_wamit, wamit_texts
+from vsb.engine.waves.dispersion import group_velocity, wavenumber
 from vsb.errors import DatabaseError
-from vsb.hydro.bodies import study as bodystudy
-from vsb.hydro.formats.bemio import bemio_entries
-from vsb.hydro.formats.common import (
-    RIGID,
-    body_names,
-    floating,
-    mode_labels,
-    mode_numbers,
-    rotations,
-    structure,
-)
-from vsb.hydro.formats.exchange import exported
-from vsb.hydro.formats.wamit import import_wamit, wamit_texts
-from vsb.study.body import BodyFile
 from vsb.tools import files, variables
-from vsb.waves.dispersion import group_velocity, wavenumber
 
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")
 RHO, G = 1000.0, 9.81

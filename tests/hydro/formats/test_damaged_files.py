@@ -8,9 +8,9 @@ import pytest
 
 from tests.hydro.formats.test_checks import CIRCLE, LABELS, sound
 from vsb.cli import main
+from vsb.engine.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
+from vsb.engine.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.bemio import bemio_entries, read_bemio, write_h5
-from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 
 FACTS = {
     name: [0.0, 0.0, z]

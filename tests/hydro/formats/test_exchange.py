@@ -10,14 +10,14 @@ import xarray as xr
 from hydro.formats.test_capytaine import dataset
 
 from vsb.cli import main
+from vsb.engine.hydro import database
+from vsb.engine.hydro.database import load_database
+from vsb.engine.hydro.formats.bemio import read_bemio, write_h5
+from vsb.engine.hydro.formats.capytaine import read_capytaine
+from vsb.engine.hydro.formats.exchange import exported, is_own, read_source, source_checks
+from vsb.engine.hydro.formats.wamit import import_wamit, wamit_texts
+from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError, DatabaseError
-from vsb.hydro import database
-from vsb.hydro.database import load_database
-from vsb.hydro.formats.bemio import read_bemio, write_h5
-from vsb.hydro.formats.capytaine import read_capytaine
-from vsb.hydro.formats.exchange import exported, is_own, read_source, source_checks
-from vsb.hydro.formats.wamit import import_wamit, wamit_texts
-from vsb.study.sections import Water
 from vsb.tools import files, variables
 
 PAIR, WAVE = ("influenced_dof", "radiating_dof"), ("omega", "wave_direction", "influenced_dof")

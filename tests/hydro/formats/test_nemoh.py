@@ -8,8 +8,8 @@ import pytest
 from hydro.bodies.test_files import damaged
 
 from vsb.cli import main
+from vsb.engine.hydro.formats.nemoh import read_nemoh
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.nemoh import read_nemoh
 from vsb.tools.files import load
 
 OMEGA = np.array([0.2, 0.4, 0.6])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vsb.hydro.formats.points import point_checks
+from vsb.engine.hydro.formats.points import point_checks
 
 RHO, G, K = 1025.0, 9.81, np.linspace(0.02, 1.2, 30)
 LENGTH, WIDTH, DRAFT = 6.0, 4.0, 1.5

@@ -18,8 +18,8 @@ from hydro.formats.test_exchange import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vsb.engine.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.errors import DatabaseError
-from vsb.hydro.formats.wamit import import_wamit, wamit_texts
 from vsb.tools import files
 
 

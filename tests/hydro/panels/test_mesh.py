@@ -1,15 +1,9 @@
 import numpy as np
 import pytest
 
-from vsb.hydro.panels.mesh import (
-    deformed_mesh,
-    graded_colatitudes,
-    mean_mesh,
-    polygon_radius,
-    revolved,
-)
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import mode_basis
+from vsb.engine.hydro.panels.mesh import deformed_mesh, graded_colatitudes, mean_mesh, polygon_radius, revolved
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.modes import mode_basis
 
 
 def panel_area(vertices, faces):

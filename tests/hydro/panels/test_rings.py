@@ -6,14 +6,14 @@ import capytaine as cpt
 import numpy as np
 import pytest
 
+from vsb.engine.hydro import dofs
+from vsb.engine.hydro.panels import rings as bem
+from vsb.engine.hydro.panels.mesh import mean_mesh
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.shell.deformed import rigid_sphere
+from vsb.engine.waves.dispersion import group_velocity
 from vsb.errors import DatabaseError
-from vsb.hydro import dofs
-from vsb.hydro.panels import rings as bem
-from vsb.hydro.panels.mesh import mean_mesh
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.shell.deformed import rigid_sphere
 from vsb.tools.stamps import read_manifest
-from vsb.waves.dispersion import group_velocity
 
 DEGREES = tuple(range(7))
 

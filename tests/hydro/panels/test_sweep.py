@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 
-from vsb.hydro import dofs
-from vsb.hydro.panels import rings as bem
-from vsb.hydro.panels.mesh import deformed_mesh
-from vsb.hydro.panels.sweep import TwoMeshes
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.hydro.sweep import coefficients, largest
-from vsb.shell.deformed import rigid_sphere
+from vsb.engine.hydro import dofs
+from vsb.engine.hydro.panels import rings as bem
+from vsb.engine.hydro.panels.mesh import deformed_mesh
+from vsb.engine.hydro.panels.sweep import TwoMeshes
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.hydro.sweep import coefficients, largest
+from vsb.engine.shell.deformed import rigid_sphere
 
 LEGENDRE = dofs.displacements(f"Radial{n}" for n in range(5))
 LOW = [round(0.1 * i, 10) for i in range(1, 33)]

@@ -7,14 +7,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import hankel1, ive, j0, jv, kve, struve, y0
 
+from vsb.engine.hydro import dofs
+from vsb.engine.hydro.spectral.green import FiniteDepthWavePart, WavePart, wave_profile
+from vsb.engine.hydro.spectral.meridian import WetMeridian
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.shell.deformed import DeformedShell, rigid_sphere
+from vsb.engine.shell.modes import mode_basis
+from vsb.engine.waves.dispersion import group_velocity, wavenumber
 from vsb.errors import ConfigError
-from vsb.hydro import dofs
-from vsb.hydro.spectral.green import FiniteDepthWavePart, WavePart, wave_profile
-from vsb.hydro.spectral.meridian import WetMeridian
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.shell.deformed import DeformedShell, rigid_sphere
-from vsb.shell.modes import mode_basis
-from vsb.waves.dispersion import group_velocity, wavenumber
 
 NODE, WEIGHT = np.polynomial.legendre.leggauss(80)
 

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vsb.hydro.spectral.meridian import WetMeridian, log_rule, ring
-from vsb.shell.deformed import DeformedShell, rigid_sphere
-from vsb.shell.modes import Mode, ModeBasis
-from vsb.shell.shell import Shell
-from vsb.study.meridian import capsule
+from vsb.engine.hydro.spectral.meridian import WetMeridian, log_rule, ring
+from vsb.engine.shell.deformed import DeformedShell, rigid_sphere
+from vsb.engine.shell.meridian import capsule
+from vsb.engine.shell.modes import Mode, ModeBasis
+from vsb.engine.shell.shell import Shell
 
 
 def wet_sphere(nodes=32, height=0.0, order=0):

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from conftest import varied
 
-from vsb.hydro.database import displacements_of, in_modes, with_excitation
-from vsb.hydro.dofs import displacements
-from vsb.hydro.quality import haskind_damping
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.scenes.ports import buoy_at
-from vsb.scenes.rest import reference_shell
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.modes import Mode, ModeBasis, natural_shapes
-from vsb.shell.shell import Shell
+from vsb.engine.hydro.database import displacements_of, in_modes, with_excitation
+from vsb.engine.hydro.dofs import displacements
+from vsb.engine.hydro.quality import haskind_damping
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.meridian import capsule, spheroid
+from vsb.engine.shell.modes import Mode, ModeBasis, natural_shapes
+from vsb.engine.shell.shell import Shell
+from vsb.models.ports import buoy_at
+from vsb.models.rest import reference_shell
 from vsb.stages.campaign import swept_shape
-from vsb.study.meridian import capsule, spheroid
 
 DENSITY, GRAVITY = 1025.0, 9.81
 

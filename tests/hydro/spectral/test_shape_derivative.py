@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from vsb.engine.hydro.dofs import displacements
+from vsb.engine.hydro.spectral.shape_derivative import shape_derivative
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.loaded import complete_basis
+from vsb.engine.shell.shell import Curve, Shell
 from vsb.errors import ConfigError
-from vsb.hydro.dofs import displacements
-from vsb.hydro.spectral.shape_derivative import shape_derivative
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.shell.deformed import DeformedShell
-from vsb.shell.loaded import complete_basis
-from vsb.shell.shell import Curve, Shell
 
 BASIS = complete_basis(Shell(2.0, 0.01, 1e7, 0.3, 2700.0), 3, 17170.0)
 MOVED = displacements(["Radial0", "Radial1", "Meridional1", "Radial3", "Meridional3"])

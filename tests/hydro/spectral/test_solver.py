@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from scipy.special import gammaln
 
+from vsb.engine.hydro import dofs
+from vsb.engine.hydro.database import with_excitation
+from vsb.engine.hydro.dofs import legendre_function
+from vsb.engine.hydro.quality import haskind_damping
+from vsb.engine.hydro.spectral.green import WavePart
+from vsb.engine.hydro.spectral.solver import SpectralProblem
+from vsb.engine.hydro.variables import RESOLUTION
+from vsb.engine.shell.deformed import rigid_sphere
 from vsb.errors import ConfigError
-from vsb.hydro import dofs
-from vsb.hydro.database import with_excitation
-from vsb.hydro.dofs import legendre_function
-from vsb.hydro.quality import haskind_damping
-from vsb.hydro.spectral.green import WavePart
-from vsb.hydro.spectral.solver import SpectralProblem
-from vsb.hydro.variables import RESOLUTION
-from vsb.scenes.rest import reference_shell
-from vsb.shell.deformed import rigid_sphere
+from vsb.models.rest import reference_shell
 from vsb.study import study as config
 
 HERE = Path(__file__).parents[2]

@@ -1,6 +1,6 @@
 // Power of a damper in seas and years, from ports; also runs outside a page.
 // A port has drive = |Z V0|^2, resistance R and reactance X over frequency; a damping c absorbs
-// c drive / (2 ((R + c)^2 + X^2)) per squared wave amplitude (vsb.motion.port).
+// c drive / (2 ((R + c)^2 + X^2)) per squared wave amplitude (vsb.engine.motion.port).
 "use strict";
 
 /** Numbers of base64 text of little-endian floats of four or eight bytes. */
@@ -89,7 +89,7 @@ function peak(value, from, to) {
   return (a + b) / 2;
 }
 
-/** Squared amplitudes of the components of a JONSWAP sea [m^2] (vsb.waves.seas.components). */
+/** Squared amplitudes of the components of a JONSWAP sea [m^2] (vsb.engine.waves.seas.components). */
 function jonswapSquares({ hs, gamma, integral, width }, omega, tp) {
   const top = (2 * Math.PI) / tp;
   const inside = Math.ceil(width / (0.02 * top));

@@ -1,0 +1,107 @@
+"""Panels of the wetted mean shell and of its deformed shapes."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import meshio
+import numpy as np
+import xarray as xr
+
+from vsb.engine.shell.deformed import DeformedShell, rigid_sphere
+from vsb.tools.arrays import FloatArray
+from vsb.tools.files import atomic_write
+
+DISPLAY_AMPLITUDE = 0.1
+"""Modal amplitude of the deformed meshes for display, in radii or, where less, double drafts: all shapes stay wet."""
+
+
+def graded_colatitudes(waterline: float, rows: int, keel: float = np.pi) -> FloatArray:
+    """Return the edges of panel rows between waterline and keel, shape (rows + 1,) [rad], ever finer to the waterline.
+
+    The flow varies fastest at the waterline corner; with 1 - cos(pi s/2) spacing the error there is of second order.
+    """
+    s = np.linspace(0.0, 1.0, rows + 1)
+    return waterline + (keel - waterline) * (1 - np.cos(np.pi * s / 2))
+
+
+def polygon_radius(azimuth: int) -> float:
+    """Return the factor by which a regular polygon's corners must lie outside a circle of equal area [-]."""
+    angle = 2 * np.pi / azimuth
+    return float(np.sqrt(angle / np.sin(angle)))
+
+
+def mean_mesh(radius: float, centre_height: float, rows: int, azimuth: int, lid_rows: int) -> xr.Dataset:
+    """Return the mesh of a wetted sphere and the interior lid; see `deformed_mesh`."""
+    return deformed_mesh(rigid_sphere(radius, centre_height), rows, azimuth, lid_rows)
+
+
+def deformed_mesh(shell: DeformedShell, rows: int, azimuth: int, lid_rows: int) -> xr.Dataset:
+    """Return the meridian of a wetted deformed shell and of the interior lid, to be revolved in `azimuth` panels.
+
+    Raises `ConfigError` if the shell at rest does not cross the water exactly once, or its meridian the axis or itself.
+
+    Returns
+    -------
+    xarray.Dataset
+        meridian_radius, meridian_height (node) and lid_radius (lid_node) [m], from waterline to keel and from axis to
+        waterline; the corner radii keep the area of every circle. Per row of panels the colatitude of its middle on
+        the undeformed sphere [rad] and the shell's unit normal there, normal_radius and normal_height (row).
+    """
+    phi = graded_colatitudes(shell.waterline, rows)
+    middle = (phi[1:] + phi[:-1]) / 2
+    nodes, at = shell.meridian(phi), shell.meridian(middle)
+    nodes.z[0] = nodes.x[-1] = 0.0
+    length, corner = np.hypot(at.dx, at.dz), polygon_radius(azimuth)
+    return xr.Dataset(
+        {
+            "meridian_radius": ("node", corner * nodes.x),
+            "meridian_height": ("node", nodes.z),
+            "lid_radius": ("lid_node", corner * np.linspace(0.0, nodes.x[0], lid_rows + 1)),
+            "row_colatitude": ("row", middle),
+            "normal_radius": ("row", -at.dz / length),
+            "normal_height": ("row", at.dx / length),
+        },
+        attrs={"azimuth": azimuth},
+    )
+
+
+def revolved(x: FloatArray, z: FloatArray, azimuth: int) -> tuple[FloatArray, FloatArray]:
+    """Return vertices (vertex, 3) [m] and quadrilaterals (face, 4) of a meridian revolved about the z axis."""
+    theta = 2 * np.pi * np.arange(azimuth) / azimuth
+    ring = np.stack([np.cos(theta), np.sin(theta)], axis=1)
+    vertices = np.concatenate([np.column_stack([xi * ring, np.full(azimuth, zi)]) for xi, zi in zip(x, z, strict=True)])
+    j = np.arange(azimuth)
+    following = (j + 1) % azimuth
+    quad = np.stack([j, following, azimuth + following, azimuth + j], axis=1)[:, ::-1]
+    faces = np.concatenate([quad + azimuth * i for i in range(len(x) - 1)])
+    return vertices, faces
+
+
+def write_wet_shell(shell: DeformedShell, path: str | Path, rows: int = 40, azimuth: int = 80) -> None:
+    """Write the wetted part of a (deformed) shell as quadrilaterals to any format meshio knows.
+
+    Each wet segment is a band of rows, so shells with several waterlines are written, too.
+    """
+    points: list[FloatArray] = []
+    faces: list[FloatArray] = []
+    for start, end in shell.wet_segments:
+        meridian = shell.meridian(graded_colatitudes(start, rows, end))
+        vertices, quads = revolved(meridian.x, meridian.z, azimuth)
+        faces.append(quads + sum(len(p) for p in points))
+        points.append(vertices)
+    mesh = meshio.Mesh(np.concatenate(points), [("quad", np.concatenate(faces))])
+    with atomic_write(path) as temporary:
+        mesh.write(temporary, file_format=Path(path).suffix.removeprefix("."))
+
+
+def display_shapes(shell: DeformedShell) -> dict[str, DeformedShell]:
+    """Return the mean shell and the shell deformed by plus and minus `DISPLAY_AMPLITUDE` radii of every mode."""
+    shapes = {"mean": shell}
+    radius = shell.basis.shell.radius
+    size = DISPLAY_AMPLITUDE * min(radius, 2 * (radius - shell.centre_height))
+    for j, label in enumerate(shell.basis.labels[1:], start=1):
+        for name, sign in (("minus", -1.0), ("plus", 1.0)):
+            moved = shell.modal_amplitude.copy()
+            moved[j] += sign * size
+            shapes[f"{label}_{name}"] = replace(shell, modal_amplitude=moved)
+    return shapes

@@ -1,0 +1,266 @@
+"""Hydrodynamic coefficients over a band of frequencies from as few solves as a tolerance allows.
+
+Two families of functions are interpolated, each with common poles: A + iB/omega, whose poles lie deep below the real
+axis, and the excitation X. Waves act where they meet the waterline, of radius R, so the phase of X turns by k R over
+the band; turned back X is as smooth as the radiated far field, which it is by Haskind's relation. Froude-Krylov forces,
+which oscillate with both signs of k R, need no solving; diffraction is the rest of X.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy.interpolate import CubicSpline
+
+from vsb.engine.hydro.rational import Rational, Selected, selected
+from vsb.errors import ConfigError
+from vsb.tools.arrays import ComplexArray, FloatArray
+
+FIRST_SOLVES = 7
+"""Frequencies solved before any interpolation."""
+MOST_SOLVES = 40
+"""With more solves than this, or than half the frequencies, coefficients count as too rough to be interpolated."""
+FORCES = ("Froude_Krylov_force", "diffraction_force")
+
+_TURNING = 2.0
+"""Phase k R from which on excitation is turned back fully."""
+
+Solve = Callable[[list[float]], xr.Dataset]
+
+
+class IncidentWave(NamedTuple):
+    """Parts of the excitation known without solving."""
+
+    phase: Callable[[FloatArray], FloatArray]
+    """Phase k R of the wave from axis to waterline, of frequencies [rad/s], shape (omega,) [rad]."""
+    froude_krylov: Callable[[FloatArray], ComplexArray]
+    """Froude-Krylov force of frequencies [rad/s], shape (omega, wave direction, displacement) [N/m]."""
+    order: int
+    """Azimuthal order m of the motions, which see the component i^m J_m(kR) of the wave."""
+
+    def turn(self, omega: FloatArray) -> ComplexArray:
+        """Factor that turns excitation back, shape (omega, 1) [-].
+
+        Its phase nears k R like an odd analytic function of frequency, as the spectra of real forces have it:
+        k R = omega^2 R/g itself, continued to -omega as the phase must be, -k R, would have a kink at zero.
+        """
+        phase = self.phase(omega)
+        turned = np.exp(1j * phase * np.sqrt(phase / (_TURNING + phase)))[:, None]
+        return np.asarray((-1j) ** self.order * turned)
+
+
+class _Family(NamedTuple):
+    """Functions with common poles, at the frequencies solved."""
+
+    values: ComplexArray  # (omega, column)
+    scale: Callable[[FloatArray], FloatArray]  # how much an error counts at frequencies, shape (omega,)
+
+
+def rows_of(ds: xr.Dataset, name: str) -> ComplexArray:
+    """Return the values of a variable, one row for each frequency."""
+    return np.asarray(ds[name].values.reshape(ds.sizes["omega"], -1))
+
+
+def apart(one: npt.NDArray[np.inexact[Any]], other: npt.NDArray[np.inexact[Any]]) -> float:
+    """Return the largest difference of two arrays."""
+    return float(np.abs(one - other).max())
+
+
+def relative(difference: ComplexArray | FloatArray, value: ComplexArray | FloatArray) -> float:
+    """Return the largest difference relative to the largest value; as it is if all values are zero."""
+    return float(np.abs(difference).max() / (np.abs(value).max() or 1.0))
+
+
+def coefficients(ds: xr.Dataset) -> tuple[FloatArray, FloatArray, ComplexArray]:
+    """Return added mass, damping and excitation, each shape (omega, entry)."""
+    a, b = rows_of(ds, "added_mass").real, rows_of(ds, "radiation_damping").real
+    return a, b, np.asarray(sum(rows_of(ds, name) for name in FORCES))
+
+
+def largest(*parts: xr.Dataset) -> tuple[float, ...]:
+    """Return the largest added mass, damping and excitation of all parts; one for motions that move no water."""
+    sizes = [[float(np.abs(rows).max()) for rows in coefficients(ds)] for ds in parts]
+    return tuple(max(size) or 1.0 for size in zip(*sizes, strict=True))
+
+
+def _families(ds: xr.Dataset, incident: IncidentWave, elsewhere: Sequence[xr.Dataset]) -> tuple[_Family, _Family]:
+    """Radiation, errors of A relative to the largest A and of B to the largest B; and excitation, to the largest X."""
+    omega = ds.omega.values
+    of_a, of_b, of_x = (1 / size for size in largest(ds, *elsewhere))
+    a, b, x = coefficients(ds)
+    x = x * incident.turn(omega)
+
+    def radiation(at: FloatArray) -> FloatArray:
+        return np.asarray(np.maximum(of_a, of_b * at))
+
+    return _Family(a + 1j * b / omega[:, None], radiation), _Family(x, lambda at: np.full(len(at), of_x))
+
+
+@dataclass(frozen=True)
+class AdaptiveSweep:
+    """Coefficients at every frequency of a band, from those solved."""
+
+    solved: xr.Dataset  # ascending frequencies
+    radiation: Rational
+    excitation: Rational
+    incident: IncidentWave
+    error: float  # estimated, of added mass, damping and excitation, relative to the band's largest entry of each
+
+    @property
+    def at_infinity(self) -> FloatArray:
+        """Added mass at infinite frequency, extrapolated, shape (displacement, displacement) [kg]."""
+        return self.radiation.at_infinity.reshape(self.solved.added_mass.shape[1:])
+
+    @property
+    def at_zero(self) -> FloatArray:
+        """Added mass at frequency zero, extrapolated, shape (displacement, displacement) [kg]."""
+        return self.radiation(np.zeros(1)).real.reshape(self.solved.added_mass.shape[1:])
+
+    def at(self, omegas: Sequence[float]) -> xr.Dataset:
+        """Return the coefficients at frequencies within the band [rad/s], a dataset as of the solver.
+
+        Raises `ConfigError`: outside the band.
+        """
+        omega, (first, last) = np.asarray(omegas, dtype=float), self.solved.omega.values[[0, -1]]
+        if not np.all((omega >= first) & (omega <= last)):
+            raise ConfigError(
+                f"omega: received {omega.min():g} to {omega.max():g} rad/s, the sweep holds {first:g} to {last:g}; "
+                "sweep a wider band"
+            )
+        radiated = self.radiation(omega)
+        total = self.excitation(omega) / self.incident.turn(omega)
+        known = self.incident.froude_krylov(omega).reshape(total.shape)
+        values = (radiated.real, omega[:, None] * radiated.imag, known, total - known)
+        names = ("added_mass", "radiation_damping", *FORCES)
+        shaped = {
+            name: (self.solved[name].dims, rows.reshape(len(omega), *self.solved[name].shape[1:]))
+            for name, rows in zip(names, values, strict=True)
+        }
+        return xr.Dataset(shaped, {**self.solved.coords, "omega": omega})
+
+
+def crowded(count: int) -> list[int]:
+    """Return the indices of the first frequencies solved, crowded to both ends of the band like Chebyshev's."""
+    ends = (1 - np.cos(np.linspace(0.0, np.pi, FIRST_SOLVES))) / 2
+    return [int(i) for i in np.unique(np.rint(ends * (count - 1)).astype(int))]
+
+
+def _doubtful(fits: Sequence[Selected], solved: Sequence[int]) -> list[int]:
+    """Indices of the largest doubt of each interpolant, the worse one first, unless they are neighbours."""
+    chosen: list[int] = []
+    for fit in sorted(fits, key=lambda f: -f.error):
+        doubt = fit.doubt.copy()
+        doubt[[*solved, *chosen]] = -1.0
+        worst = int(np.argmax(doubt))
+        if not chosen or abs(worst - chosen[0]) > 1:
+            chosen.append(worst)
+    return chosen
+
+
+def _surprise(fits: Sequence[Selected], families: Sequence[_Family], omega: FloatArray, new: int) -> float:
+    """Largest misfit of the interpolants at the last `new` frequencies, which they were made without."""
+    at = omega[-new:]
+    missed = [
+        np.abs(f.rational(at) - family.values[-new:]).max(axis=1) * family.scale(at)
+        for f, family in zip(fits, families, strict=True)
+    ]
+    return float(np.max(missed))
+
+
+def _sampled(
+    solve: Solve,
+    frequencies: Sequence[float],
+    tolerance: float,
+    incident: IncidentWave,
+    elsewhere: Sequence[xr.Dataset],
+    most: int | None = None,
+) -> AdaptiveSweep:
+    """Sweep until the estimated error is below the tolerance twice in a row, or too many frequencies are solved."""
+    grid = np.asarray(frequencies, dtype=float)
+    most = min(MOST_SOLVES, len(grid) // 2) if most is None else min(most, len(grid))
+    solved, new = crowded(len(grid)), 0
+    ds = solve([frequencies[i] for i in solved])
+    fits: list[Selected] = []
+    while True:
+        families, omega = _families(ds, incident, elsewhere), ds.omega.values
+        error = max(_surprise(fits, families, omega, new), *(fit.error for fit in fits)) if fits else np.inf
+        fits = [selected(omega, f.values, f.scale(omega), grid, f.scale(grid)) for f in families]
+        error = max(error, *(fit.error for fit in fits))
+        if error <= tolerance or len(solved) + 2 > most:
+            return AdaptiveSweep(ds.sortby("omega"), fits[0].rational, fits[1].rational, incident, error)
+        chosen = _doubtful(fits, solved)
+        new, solved = len(chosen), solved + chosen
+        ds = joined(ds, solve([frequencies[i] for i in chosen]))
+
+
+def joined(*parts: xr.Dataset) -> xr.Dataset:
+    """Return coefficients at the frequencies of all parts, one after the other."""
+    return xr.concat(parts, dim="omega", data_vars="minimal", coords="minimal", compat="override")
+
+
+@dataclass(frozen=True)
+class GridSweep:
+    """Coefficients on a grid of frequencies: of a sweep if one reaches a tolerance, else all solved."""
+
+    coefficients: xr.Dataset
+    sweep: AdaptiveSweep | None
+
+    @property
+    def solved(self) -> list[float]:
+        """Frequencies solved, ascending [rad/s]."""
+        omega: list[float] = (self.sweep.solved if self.sweep else self.coefficients).omega.values.tolist()
+        return omega
+
+    def spline_error(self, exact: Solve) -> float:
+        """Return how far cubic splines are off half-way between frequencies, relative to the band's largest entry."""
+        omega = self.coefficients.omega.values
+        if len(omega) < 2:
+            return 0.0
+        between = (omega[1:] + omega[:-1]) / 2
+        true = exact(between.tolist())
+        errors = []
+        for name in ("added_mass", "radiation_damping", *FORCES):
+            missed = CubicSpline(omega, self.coefficients[name].values)(between) - true[name].values
+            errors.append(relative(missed, true[name].values))
+        return max(errors)
+
+
+def on_grid(
+    solve: Solve,
+    frequencies: Sequence[float],
+    tolerance: float,
+    incident: IncidentWave,
+    elsewhere: Sequence[xr.Dataset] = (),
+    most: int | None = None,
+) -> GridSweep:
+    """Return coefficients over a band from as few solves as a tolerance needs, each frequency at most once.
+
+    After every one or two solves, at the largest doubts, both families are interpolated again. The estimated error is
+    the largest of the change by one support point more or less on the frequencies given, the misfit of the previous
+    interpolants at the frequencies solved last, and the misfit at those solved.
+
+    All frequencies are solved if they are few, or if coefficients are too rough to be interpolated to the tolerance
+    from `most` solves (None: `MOST_SOLVES`, or half the frequencies), as with noise above the tolerance.
+
+    Parameters
+    ----------
+    solve : callable
+        Coefficients at given frequencies, a dataset as of `vsb.engine.hydro.spectral.solver.SpectralProblem.solve`.
+    frequencies : sequence of float [rad/s]
+        Ascending, the band; spaced more finely than the coefficients vary. Only these are solved.
+    tolerance : float [-]
+        Of added mass, damping and excitation, relative to the band's largest entry of each.
+    elsewhere : sequence of xarray.Dataset
+        Coefficients at other frequencies of the same band, which count for its largest entries.
+    """
+    if len(frequencies) < 2 * FIRST_SOLVES:
+        return GridSweep(solve(list(frequencies)), None)
+    swept = _sampled(solve, frequencies, tolerance, incident, elsewhere, most)
+    if swept.error <= tolerance:
+        return GridSweep(swept.at(frequencies), swept)
+    left = sorted({*map(float, frequencies)} - {*swept.solved.omega.values.tolist()})
+    parts = [swept.solved, *([solve(left)] if left else [])]
+    return GridSweep(joined(*parts).sortby("omega"), None)

@@ -1,0 +1,228 @@
+"""The equation of motion in the frequency domain: dynamic stiffness, motion without take-off, port, restraint."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import eigh, null_space
+
+from vsb.engine.hydro.database import Coefficients
+from vsb.engine.motion.damper_matrix import Ports
+from vsb.engine.motion.port import ROUND_OFF, Port
+from vsb.tools.arrays import ComplexArray, FloatArray
+
+UNRESTRAINED = 1e-6
+"""Share of a steady force without restoring force from which on the port is unrestrained [-]."""
+
+
+@dataclass(frozen=True)
+class LinearEquation:
+    """The linear equation of motion at some frequencies, in waves of unit amplitude.
+
+        [-w^2 (M + A) - i w (B + D) + K + K_v] q = X - b F    (C1)
+
+    Every design of a floating system moves by it within its own motions N.
+    """
+
+    omega: FloatArray  # (omega,) [rad/s]
+    water: Coefficients  # A, B, X at these frequencies
+    mass: FloatArray  # M (dof, dof) [kg]
+    damping: FloatArray  # D of everything but radiation ([omega,] dof, dof) [N s/m]
+    stiffness: FloatArray  # K, that at rest ([omega,] dof, dof) [N/m]
+    stiffening: FloatArray | float = 0.0  # K_v, what a viscous material adds in motion (omega, dof, dof) [N/m]
+    chamber: float = 0.0  # compliance in series with a port, of the gas before a turbine [m^3/Pa]
+
+    @cached_property
+    def dynamic_stiffness(self) -> ComplexArray:
+        """-w^2 (M + A) - i w (B + D) + K + K_v, shape (omega, dof, dof) [N/m]."""
+        w, (added_mass, radiated, _) = self.omega[:, None, None], self.water
+        inertia, lossy = self.mass + added_mass, radiated + self.damping
+        return np.asarray(-(w**2) * inertia - 1j * w * lossy + self.stiffness + self.stiffening, dtype=complex)
+
+    def response(self, load: ComplexArray, motions: FloatArray) -> ComplexArray:
+        """Return the motion of a design under a load, both of shape (..., omega, dof) [N], [m].
+
+        Parameters
+        ----------
+        load : ndarray, shape (..., omega, dof)
+        motions : ndarray, shape (dof, free)
+            N, the motions the design allows.
+        """
+        projected = motions.T @ self.dynamic_stiffness @ motions
+        return np.asarray(np.linalg.solve(projected, (load @ motions)[..., None])[..., 0] @ motions.T)
+
+    def free_motion(self, motions: FloatArray, direction: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return displacements without take-off, per wave amplitude [m/m], and under its unit force [m/N].
+
+        Parameters
+        ----------
+        motions : ndarray, shape (dof, free)
+            The motions the design allows.
+        direction : ndarray, shape (dof,)
+            b: the take-off moves with b.q.
+
+        Returns
+        -------
+        free, forced : ndarray, each shape (omega, dof)
+            A take-off's force F against the motion leaves free - F forced.
+        """
+        load = np.broadcast_to(allowed_part(direction, motions), (len(self.omega), motions.shape[1]))
+        loads = np.stack([self.water.excitation @ motions, load], axis=-1)
+        solved = np.linalg.solve(motions.T @ self.dynamic_stiffness @ motions, loads)
+        return solved[..., 0] @ motions.T, solved[..., 1] @ motions.T
+
+    def port(self, motions: FloatArray, direction: FloatArray) -> Port:
+        """Return the port of a design, V0 = -i w b.q_free and Y = -i w b.q_forced; parameters as `free_motion`.
+
+        A chamber is in series with it.
+        """
+        return self.port_of_motion(*self.free_motion(motions, direction), motions, direction)
+
+    def motion_of_ports(self, motions: FloatArray, directions: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Return displacements without take-off (omega, dof) [m/m], and under unit forces of ports (omega, dof, port).
+
+        Parameters
+        ----------
+        motions : ndarray, shape (dof, free)
+        directions : ndarray, shape (dof, port)
+            B.
+        """
+        allowed = _allowed_parts(directions, motions)
+        loads = np.empty((len(self.omega), motions.shape[1], 1 + allowed.shape[1]), dtype=complex)
+        loads[..., 0], loads[..., 1:] = self.water.excitation @ motions, allowed
+        solved = motions @ np.linalg.solve(motions.T @ self.dynamic_stiffness @ motions, loads)
+        return solved[..., 0], solved[..., 1:]
+
+    def ports(self, motions: FloatArray, directions: FloatArray) -> Ports:
+        """Return several ports of a design at once, V0 = -i w B^T q_free and Y = -i w B^T q_forced.
+
+        Parameters as `motion_of_ports`.
+        """
+        free, forced = self.motion_of_ports(motions, directions)
+        along, rate = motions @ _allowed_parts(directions, motions), -1j * self.omega[:, None]
+        lossy = self.water.damping + self.damping
+        loss = sum(part.swapaxes(1, 2) @ lossy @ part for part in (forced.real, forced.imag))
+        reactive = (rate[..., None] * (along.T @ forced)).imag
+        admittance = self.omega[:, None, None] ** 2 * loss + 1j * (reactive + reactive.swapaxes(1, 2)) / 2
+        return Ports(self.omega, admittance, rate * (free @ along))
+
+    def port_of_motion(
+        self, free: ComplexArray, forced: ComplexArray, motions: FloatArray, direction: FloatArray
+    ) -> Port:
+        """Return `port` from the motions of `free_motion`.
+
+        Re Y is what a unit force loses, w^2 q^H (B + D) q: of a port that is nearly all spring, Re Y/|Y| down to
+        1e-13, the real part of b.q is round-off.
+        """
+        allowed, rate = allowed_part(direction, motions), -1j * self.omega
+        along = motions @ allowed
+        parts = np.stack([forced.real, forced.imag], axis=-1)
+        loss = self.omega**2 * (parts * ((self.water.damping + self.damping) @ parts)).sum(axis=(1, 2))
+        yields = compliance(motions.T @ self.stiffness @ motions, allowed)
+        port = Port(self.omega, loss + 1j * (rate * (forced @ along)).imag, rate * (free @ along), yields)
+        return port.behind(self.chamber)
+
+
+def compliance(stiffness: FloatArray, force: FloatArray) -> float:
+    """Return the displacement of a port under a steady unit force along it, infinite if it is unrestrained [m/N].
+
+    Parameters
+    ----------
+    stiffness : ndarray, shape (free, free) [N/m]
+    force : ndarray, shape (free,)
+    """
+    size = np.sqrt(np.abs(np.diag(stiffness)))
+    if size.all() and np.linalg.cond(stiffness / np.outer(size, size)) < 1 / ROUND_OFF:
+        return float(force @ np.linalg.solve(stiffness, force))
+    moved = np.linalg.lstsq(stiffness, force, rcond=ROUND_OFF)[0]
+    unrestrained = np.abs(stiffness @ moved - force).max(initial=0.0) > UNRESTRAINED * np.abs(force).max(initial=0.0)
+    return np.inf if unrestrained else float(force @ moved)
+
+
+def allowed_part(direction: FloatArray, motions: FloatArray) -> FloatArray:
+    """Return a port's direction in the motions of a design, N^T b, shape (free,): zero where only round-off is left."""
+    part = motions.T @ direction
+    return np.where(np.abs(part) > ROUND_OFF * np.linalg.norm(direction), part, 0.0)
+
+
+def _allowed_parts(directions: FloatArray, motions: FloatArray) -> FloatArray:
+    """The same of several ports, shape (free, port)."""
+    return np.stack([allowed_part(direction, motions) for direction in directions.T], axis=-1)
+
+
+SAME = 1e-9
+"""Relative difference of frequencies that are the same but for round-off."""
+
+
+def with_others(omega: FloatArray, others: Iterable[float]) -> FloatArray:
+    """Return ascending frequencies with others but those that differ by round-off alone: splines would magnify it."""
+    kept = omega
+    for one in others:
+        if np.all(np.abs(kept - one) > SAME * one):
+            kept = np.append(kept, one)
+    return np.sort(kept)
+
+
+def frequency_grid(step: float, lowest: float, omega_max: float, extra: Iterable[float]) -> FloatArray:
+    """Return the frequencies of a response: a grid of a fifth of the solved step, and the extra ones."""
+    first, last = int(np.ceil(5 * lowest / step - 1e-9)), int(np.floor(5 * omega_max / step + 1e-9))
+    grid = [round(step / 5 * i, 10) for i in range(first, last + 1)]
+    return with_others(np.array([*extra]), grid)
+
+
+SLIDING = ("Surge", "Sway", "Yaw")
+"""Rigid motions restrained by a mooring alone."""
+_ROUND_OFF = 1e-13
+"""Share of the largest stiffness that is round-off, each coordinate in terms of its own [-]."""
+
+
+def unrestrained_motions(stiffness: FloatArray, labels: Sequence[str], motions: FloatArray) -> FloatArray:
+    """Return the motions without restoring force, orthonormal in those a design allows, shape (free, unrestrained).
+
+    Parameters
+    ----------
+    stiffness : ndarray, shape (free, free) [N/m]
+        Symmetric, of the whole system.
+    labels : sequence of str
+        Degrees of freedom.
+    motions : ndarray, shape (dof, free)
+        Those a design allows.
+
+    Notes
+    -----
+    K v = 0, v of surge, sway and yaw: all of them without a mooring, the motion across a single mooring line.
+    """
+    sliding = motions[[label in SLIDING for label in labels]].T
+    sliding = sliding[:, sliding.any(axis=0)]
+    size = np.sqrt(np.abs(stiffness).max(axis=0, initial=0.0))
+    size[size == 0.0] = 1.0
+    own = np.abs(sliding).T @ size
+    _, values, rows = np.linalg.svd(stiffness @ (sliding / own) / size[:, None])
+    left = rows[np.count_nonzero(values > _ROUND_OFF) :].T / own[:, None]
+    return np.linalg.qr(sliding @ (left / np.abs(left).max(axis=0, initial=0.0)))[0]
+
+
+def softest(stiffness: FloatArray, loose: FloatArray) -> tuple[float, FloatArray]:
+    """Return the least stiffness of the restrained motions, above 0 if stable, and its motion, shape (free,)."""
+    held = null_space(loose.T) if loose.size else np.eye(len(stiffness))
+    values, shapes = np.linalg.eigh(held.T @ stiffness @ held)
+    return float(values[0]), held @ shapes[:, 0]
+
+
+def normal_modes(stiffness: FloatArray, mass: FloatArray, loose: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return squared frequencies and normal modes V, V^T M V = 1; zero for unrestrained motions.
+
+    Parameters
+    ----------
+    stiffness, mass : ndarray, shape (free, free) [N/m], [kg]
+    loose : ndarray, shape (free, unrestrained)
+        Of `unrestrained_motions`: round-off of their stiffness would give them a mean position.
+    """
+    squares, modes = eigh(stiffness, mass)
+    if np.count_nonzero(squares == 0.0) >= loose.shape[1]:  # uncoupled ones are exact already
+        return squares, modes
+    held, unrestrained = null_space(loose.T @ mass), loose @ eigh(loose.T @ mass @ loose)[1]
+    unrestrained = unrestrained / np.sqrt(np.einsum("ij,ij->j", unrestrained, mass @ unrestrained))
+    squares, shapes = eigh(held.T @ stiffness @ held, held.T @ mass @ held)
+    return np.append(np.zeros(unrestrained.shape[1]), squares), np.hstack([unrestrained, held @ shapes])

@@ -1,0 +1,309 @@
+"""Force of the water on the instantaneous wet part of the deformed shell, compiled: the hot loop of body-exact motion.
+
+With c = cos phi and s^2 = 1 - c^2 the deformed meridian is polynomial in c: height z(c), radius x = s X(c). So are all
+integrands, and Gauss-Legendre quadrature on each wet interval is exact:
+
+    Q_j = -2 pi int p X (s^2 z' h_j + T v_j) dc,   T = c X - s^2 X' = dx/dphi,
+
+with the vertical shape v_j and the horizontal shape s h_j. All are kept as Chebyshev series; of the meridian at rest,
+x = sum a_k sin k phi and z = sum b_k cos k phi, these are X = sum a_k U_{k-1}(c), z = sum b_k T_k(c),
+z' = sum k b_k U_{k-1}(c) and T = sum k a_k T_k(c). Sums over points come before those over shapes, so that every loop
+runs along one of the two. `vsb.engine.shell.deformed.DeformedShell` computes the same without compilation.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from vsb.engine.shell.meridian import ClosedMeridian, RestMeridian
+from vsb.engine.shell.modes import ModeBasis
+from vsb.engine.shell.shell import curve
+from vsb.tools.arrays import FloatArray
+from vsb.tools.compiled import njit
+
+REORDERED = {"reassoc", "contract", "nsz"}
+"""What the compiler may do to sums: add in any order, fuse; never assume that there are no NaN."""
+
+
+ARC_TERMS = 96
+"""Terms that stand for a meridian whose curvature jumps: they follow it to 1e-5 of its radius, its volume to 1e-7."""
+
+
+class Shape(NamedTuple):
+    """What the compiled loops know of a shell and its basis: Chebyshev coefficients of X, z, z' and T."""
+
+    radius: float
+    at_rest: FloatArray  # of the undeformed meridian (4, order) [m]
+    series: FloatArray  # of the shapes, X: h_j, z: v_j (dof, 4, order)
+    node: FloatArray  # Gauss-Legendre on [-1, 1] (point,)
+    weight: FloatArray
+    grid: FloatArray  # where the sign of z is looked up, c ascending from -1 to 1 (sample,)
+    on_grid: FloatArray  # Chebyshev polynomials there (order, sample)
+
+
+@njit(cache=True)
+def meridian_series(shape: Shape, q: FloatArray) -> FloatArray:
+    """Return the Chebyshev coefficients of X, z, z' and T of a deformed shell, shape (4, order)."""
+    out = shape.at_rest.copy()
+    for j in range(len(q)):
+        for i in range(4):
+            for k in range(out.shape[1]):
+                out[i, k] += q[j] * shape.series[j, i, k]
+    return out
+
+
+@njit(cache=True, fastmath=REORDERED)
+def chebyshev_table(c: FloatArray, order: int) -> FloatArray:
+    """Return T_k(c), k < order, shape (order, point)."""
+    table = np.ones((order, len(c)))
+    table[1] = c
+    for k in range(2, order):
+        for i in range(len(c)):
+            table[k, i] = 2 * c[i] * table[k - 1, i] - table[k - 2, i]
+    return table
+
+
+@njit(cache=True, fastmath=REORDERED)
+def values(series: FloatArray, table: FloatArray) -> FloatArray:
+    """Return series @ table, shape (series, point)."""
+    out = np.zeros((len(series), table.shape[1]))
+    for i in range(len(series)):
+        for k in range(len(table)):
+            for j in range(table.shape[1]):
+                out[i, j] += series[i, k] * table[k, j]
+    return out
+
+
+@njit(cache=True)
+def value(series: FloatArray, c: float) -> float:
+    """Return a Chebyshev series at a point, by Clenshaw's recurrence."""
+    one, two = 0.0, 0.0
+    for k in range(len(series) - 1, 0, -1):
+        one, two = series[k] + 2 * c * one - two, one
+    return float(series[0] + c * one - two)
+
+
+@njit(cache=True)
+def _zero(f: FloatArray, slope: FloatArray, low: float, high: float, start: float, below: bool) -> float:
+    """Zero of a series in a bracket: Newton, halving where that leaves it.
+
+    `below` is the sign at the lower end as the caller knows it: round-off here may see the other one.
+    """
+    c = start if low < start < high else 0.5 * (low + high)
+    for _ in range(100):
+        here, rise = value(f, c), value(slope, c)
+        if (here < 0) == below:
+            low = c
+        else:
+            high = c
+        following = c - here / rise if rise != 0.0 else low
+        if not low < following < high:
+            following = 0.5 * (low + high)
+        if abs(following - c) < 1e-15 or here == 0.0:
+            return c
+        c = following
+    return c
+
+
+@njit(cache=True)
+def _extremum(slope: FloatArray, low: float, high: float, below: bool) -> float:
+    """Zero of z' in a bracket, by halving."""
+    while high - low > 1e-15:
+        c = 0.5 * (low + high)
+        if not low < c < high:
+            break
+        if (value(slope, c) < 0) == below:
+            low = c
+        else:
+            high = c
+    return 0.5 * (low + high)
+
+
+@njit(cache=True)
+def _secant(low: float, high: float, f_low: float, f_high: float) -> float:
+    """Where a straight line crosses zero."""
+    return low + (high - low) * f_low / (f_low - f_high) if f_low != f_high else low
+
+
+@njit(cache=True)
+def wet_intervals(shape: Shape, series: FloatArray) -> FloatArray:
+    """Return the edges of the wet intervals in c, ascending, an even number of them.
+
+    Between two samples of one sign z may still dip through the surface: where its slopes say that |z| has a minimum
+    there, that extremum is looked at.
+    """
+    z, slope = series[1], series[2]
+    count, at = len(shape.grid), values(series[1:3], shape.on_grid)
+    edges = np.empty(2 * count + 2)
+    found = 0
+    if at[0, 0] < 0:
+        edges[found], found = -1.0, found + 1
+    for i in range(count - 1):
+        low, high, wet = shape.grid[i], shape.grid[i + 1], at[0, i] < 0
+        if wet != (at[0, i + 1] < 0):
+            start = _secant(low, high, at[0, i], at[0, i + 1])
+            edges[found], found = _zero(z, slope, low, high, start, wet), found + 1
+        elif at[1, i] * at[1, i + 1] < 0 and (at[1, i] > 0) == wet:
+            middle = _extremum(slope, low, high, not wet)
+            if (value(z, middle) < 0) != wet:
+                edges[found] = _zero(z, slope, low, middle, low, wet)
+                edges[found + 1] = _zero(z, slope, middle, high, low, not wet)
+                found += 2
+    if at[0, count - 1] < 0:
+        edges[found], found = 1.0, found + 1
+    return edges[:found]
+
+
+@njit(cache=True, fastmath=REORDERED)
+def add_force(shape: Shape, table: FloatArray, pressure: FloatArray, meridian: FloatArray, out: FloatArray) -> None:
+    """Add sum_i pressure_i (s^2 z' h_j + T v_j), sums over points first; pressure holds the weights."""
+    c = table[1]
+    for k in range(len(table)):
+        level, upright = 0.0, 0.0
+        for i in range(len(c)):
+            weighed = pressure[i] * table[k, i]
+            level += weighed * (1 - c[i] * c[i]) * meridian[2, i]
+            upright += weighed * meridian[3, i]
+        for j in range(len(out)):
+            out[j] += level * shape.series[j, 0, k] + upright * shape.series[j, 1, k]
+
+
+@njit(cache=True)
+def wet_force(shape: Shape, q: FloatArray, static: FloatArray, uniform: FloatArray) -> float:
+    """Fill the generalized forces on the wet shell of the pressure -rho g z, per rho g, and of a uniform one, per Pa.
+
+    Parameters
+    ----------
+    q : ndarray, shape (dof,) [m]
+    static, uniform : ndarray, shape (dof,)
+        Filled with the forces [m^3] and [m^2].
+
+    Returns
+    -------
+    float
+        int z dV over the displaced water [m^4]; static is its gradient, -rho g times it the potential energy.
+    """
+    static[:], uniform[:], moment = 0.0, 0.0, 0.0
+    series = meridian_series(shape, q)
+    edges = wet_intervals(shape, series)
+    for k in range(0, len(edges), 2):
+        half, middle = 0.5 * (edges[k + 1] - edges[k]), 0.5 * (edges[k + 1] + edges[k])
+        c = middle + half * shape.node
+        table = chebyshev_table(c, series.shape[1])
+        meridian = values(series, table)
+        x, z, slope = meridian[0], meridian[1], meridian[2]
+        flux = -2 * np.pi * half * shape.weight * x
+        moment -= 0.5 * np.sum(flux * (1 - c * c) * x * z * slope)
+        add_force(shape, table, flux, meridian, uniform)
+        add_force(shape, table, -flux * z, meridian, static)
+    return moment
+
+
+@njit(cache=True)
+def _along(shape: Shape, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """`wet_force` at every instant of a motion."""
+    static, uniform, moment = np.empty(q.shape), np.empty(q.shape), np.empty(len(q))
+    for i in range(len(q)):
+        moment[i] = wet_force(shape, q[i], static[i], uniform[i])
+    return static, uniform, moment
+
+
+@dataclass(frozen=True)
+class WetShell:
+    """Generalized forces of water on the wet part of a shell, for any heave and modal amplitudes."""
+
+    basis: ModeBasis
+    centre_height: float  # of the undisplaced shell above still water [m]
+
+    @cached_property
+    def shape(self) -> Shape:
+        """Tables of the compiled loops; as many points as integrate their polynomials exactly."""
+        shell, rest = self.basis.shell, _series(self.basis.shell.meridian)
+        highest = self.basis.highest_degree + len(rest[1]) - 2
+        node, weight = np.polynomial.legendre.leggauss(2 * highest + 3)
+        grid = -np.cos(np.linspace(0.0, np.pi, 6 * (highest + 1) + 1))
+        at_rest = _at_rest(rest, highest + 2)
+        at_rest[1, 0] += self.centre_height
+        on_grid = np.ascontiguousarray(chebyshev.chebvander(grid, highest + 1).T)
+        return Shape(shell.radius, at_rest, _of_shapes(self.basis, highest + 2), node, weight, grid, on_grid)
+
+    def forces(self, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return `wet_force` along a motion.
+
+        Parameters
+        ----------
+        q : ndarray, shape (time, dof) [m]
+            Heave and modal amplitudes.
+
+        Returns
+        -------
+        static, uniform : ndarray, shape (time, dof) [m^3], [m^2]
+        moment : ndarray, shape (time,) [m^4]
+        """
+        return _along(self.shape, np.ascontiguousarray(q, dtype=float))
+
+
+def _series(rest: ClosedMeridian) -> tuple[Sequence[float], Sequence[float]]:
+    """Terms a_1, a_2, ... and b_0, b_1, ... of a meridian at rest [m]; of one with junctions the first `ARC_TERMS`.
+
+    By the discrete orthogonality of sines and cosines at many midpoints.
+    """
+    if isinstance(rest, RestMeridian):
+        return rest.radial, rest.axial
+    count = 64 * ARC_TERMS
+    phi = np.pi * (np.arange(count) + 0.5) / count
+    angles, at = np.outer(np.arange(ARC_TERMS), phi), curve(rest, phi)
+    radial, axial = 2 / count * np.sin(angles) @ at.x, 2 / count * np.cos(angles) @ at.z
+    axial[0] /= 2
+    return radial[1:].tolist(), axial.tolist()
+
+
+def _at_rest(rest: tuple[Sequence[float], Sequence[float]], terms: int) -> FloatArray:
+    """Chebyshev coefficients of X, z, z' and T of a meridian at rest by its terms, shape (4, term) [m]."""
+    out = np.zeros((4, terms))
+    radial, axial = rest
+    for k, a in enumerate(radial, 1):
+        out[0] += a * _second_kind(k - 1, terms)
+        out[3, k] += k * a
+    for k, b in enumerate(axial):
+        out[1, k] += b
+        out[2] += k * b * _second_kind(k - 1, terms)
+    return out
+
+
+def _second_kind(degree: int, terms: int) -> FloatArray:
+    """U_n in terms of T_k, shape (term,): 2 T_n + 2 T_{n-2} + ..., the last T_0 once; zero of n = -1."""
+    out = np.zeros(terms)
+    if degree >= 0:
+        out[degree::-2] = 2.0
+        out[0] /= 2
+    return out
+
+
+def _of_shapes(basis: ModeBasis, terms: int) -> FloatArray:
+    """Chebyshev coefficients of h_j, v_j, dv_j/dc and c h_j - s^2 dh_j/dc of each shape, (dof, 4, term)."""
+    order = basis.highest_degree + 2
+    c = chebyshev.chebpts1(order)
+    single = [_displacement(c, n, 1.0, 0.0) for n in range(order - 1)]
+    single += [_displacement(c, n, 0.0, 1.0) for n in range(1, order - 1)]
+    to_series = np.linalg.inv(chebyshev.chebvander(c, order - 1)).T
+    found = np.zeros((len(basis.labels), 4, terms))
+    found[:, :, :order] = np.einsum("id,dpk->ipk", basis.displacements, np.array(single)) @ to_series
+    return found
+
+
+def _displacement(c: FloatArray, n: int, radial: float, meridional: float) -> list[FloatArray]:
+    """h, v, dv/dc and c h - s^2 dh/dc of a radial and a meridional displacement of degree n."""
+    legendre = np.polynomial.legendre.Legendre.basis(n)
+    p, dp, s2, lam = legendre(c), legendre.deriv()(c), 1 - c * c, n * (n + 1)
+    turn = radial * (c * p - s2 * dp) + meridional * (dp - lam * c * p)
+    return [
+        radial * p - meridional * c * dp,
+        radial * c * p + meridional * s2 * dp,
+        radial * (p + c * dp) - meridional * lam * p,
+        turn,
+    ]

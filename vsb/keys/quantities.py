@@ -1,0 +1,159 @@
+"""Numbers and names a study file may hold, and the sections they stand in.
+
+Imports nothing heavy: the Snakefile reads a study at every parse.
+"""
+
+import hashlib
+import json
+import math
+import re
+from dataclasses import dataclass
+from pathlib import PurePath
+from typing import Annotated, Any, ClassVar, cast
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetJsonSchemaHandler,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    WithJsonSchema,
+    model_serializer,
+)
+from pydantic._internal._model_construction import ModelMetaclass  # the type of BaseModel
+from pydantic_core import CoreSchema
+
+from vsb.errors import ConfigError
+
+
+def number(value: object) -> object:
+    """Refuse what pydantic would silently turn into a number (true -> 1.0)."""
+    if isinstance(value, bool):
+        raise ValueError("a number is needed, not true/false")
+    return value
+
+
+@dataclass(frozen=True)
+class Range(AfterValidator):
+    """A check that a number lies in a range, and the range for those who write the number down."""
+
+    least: float
+    most: float
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Return the number's JSON schema with its range."""
+        return {**handler(core), "minimum": self.least, "maximum": self.most}
+
+
+def within(least: float, most: float, unit: str, because: str) -> Range:
+    """Return what refuses a number beyond its physical range, and says why there is nothing."""
+
+    def checked(value: float) -> float:
+        if not least <= value <= most:
+            bound = f"at most {most:g}" if value > most else f"at least {least:g}"
+            raise ValueError(f"needs {bound} {unit}, because {because}")
+        return value
+
+    return Range(checked, least, most)
+
+
+Number = Annotated[float, BeforeValidator(number)]
+Count = Annotated[int, BeforeValidator(number)]
+Positive = Annotated[Number, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[Number, Field(ge=0, allow_inf_nan=False)]
+Finite = Annotated[Number, Field(allow_inf_nan=False)]
+Colatitude = Annotated[Number, Field(ge=0, le=180)]  # [degrees]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=64)]  # of files, too
+
+
+OR_AUTO = WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"const": "auto"}]})
+"""JSON schema of a number that follows from the size of the buoy if it is not given."""
+
+
+def mass_or_draft(schema: dict[str, Any]) -> None:
+    """Tell editors that a draft may stand for a mass, or nothing."""
+    schema["required"].remove("mass")
+    schema["properties"]["draft"] = {"type": "number", "exclusiveMinimum": 0}
+
+
+class _Reported(ModelMetaclass):
+    """Reports wrong values of a section made in Python as those of a file are: one line each, as `ConfigError`."""
+
+    def __call__(cls, *args: Any, **values: Any) -> Any:
+        """Make a section; pydantic itself makes those within a section without this call."""
+        try:
+            return super().__call__(*args, **values)
+        except ValidationError as error:
+            from vsb.keys.reading import lines_of
+
+            lines = [f"{cls.__name__}: {line}" for line in lines_of(error, values, cast(type[BaseModel], cls))]
+            raise ConfigError(lines[0], lines) from None
+
+
+class Section(BaseModel, metaclass=_Reported):
+    """A part of a study: unknown keys are errors, values never change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+
+class Brief(Section):
+    """A section that leaves keys out of its JSON while they have their defaults: those of `BRIEF`, or all.
+
+    A key that came later changes no id of a study that does not use it.
+    """
+
+    BRIEF: ClassVar[tuple[str, ...]] = ()
+
+    @model_serializer(mode="wrap")
+    def _without_defaults(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        said: dict[str, Any] = dump(self)
+        fields = type(self).model_fields
+        absent = {
+            n for n in self.BRIEF or fields if getattr(self, n) == fields[n].get_default(call_default_factory=True)
+        }
+        return {key: value for key, value in said.items() if key not in absent}
+
+
+def canonical(data: object) -> str:
+    """Return the canonical JSON of plain data: sorted keys, no spaces, infinity as a string."""
+    return json.dumps(_plain(data), sort_keys=True, separators=(",", ":"), allow_nan=False)
+
+
+def _plain(data: object) -> object:
+    """Make data fit for JSON: tuples to lists, numbers that are whole stay as floats, infinity to "inf"."""
+    if isinstance(data, float):  # first: most of what is named by its contents are frequencies
+        return ("inf" if data > 0 else "-inf") if math.isinf(data) else data + 0.0  # no negative zero
+    if isinstance(data, BaseModel):
+        return _plain(data.model_dump())
+    if isinstance(data, dict):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_plain(value) for value in data]
+    return data
+
+
+def leaves(data: object, name: str = "") -> dict[str, object]:
+    """Return the values of nested mappings and lists by their names with dots."""
+    below = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list | tuple) else None
+    if not below:
+        return {name: data}
+    return {key: leaf for part, inner in below for key, leaf in leaves(inner, f"{name}.{part}".lstrip(".")).items()}
+
+
+def content_id(data: object) -> str:
+    """Return the content id (16 hex digits of sha256 over the canonical JSON) of a spec."""
+    return hashlib.sha256(canonical(data).encode()).hexdigest()[:16]
+
+
+def result_id(spec: object, *inputs: str) -> str:
+    """Return the content id of a result: of its specification and the ids of its inputs it does not name itself."""
+    return content_id({"spec": spec, "inputs": inputs} if inputs else spec)
+
+
+def id_in(path: str | PurePath) -> str:
+    """Return the content id in the name of a file that studies share, or the name of the folder it lies in."""
+    name = PurePath(path)
+    return name.stem if re.fullmatch("[0-9a-f]{16}", name.stem) else name.parent.name

@@ -1,0 +1,381 @@
+"""Where a buoy rests and what holds it: degrees of freedom, equilibrium, stiffness and mooring, checks of stability.
+
+A buoy heaves with its axisymmetric shell modes; one that also moves along and across the waves has further degrees of
+freedom, azimuthal order by order.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import block_diag, null_space
+
+from vsb.engine.motion.frequency import allowed_part, compliance, softest, unrestrained_motions
+from vsb.engine.motion.linear import gas_compliance
+from vsb.engine.motion.port import port_direction
+from vsb.engine.motion.viscous import loss, stiffening
+from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
+from vsb.engine.shell.elastic import ElasticShell
+from vsb.engine.shell.loaded import Buckling, LoadedShell, buckling, complete_shell, equilibrium
+from vsb.engine.shell.lobes import with_lobes
+from vsb.engine.shell.modes import ModeBasis, mode_basis, rigid_basis
+from vsb.engine.shell.orders import OrderBasis, ballast_of, order_basis, prestress_stiffness, yaw
+from vsb.errors import ConfigError, ConvergenceError
+from vsb.study.directions import RIGID
+from vsb.study.specs import AnyBuoy, AtRest, Designed, ModesSpec, RestSpec
+from vsb.study.study import Study
+from vsb.tools.arrays import FloatArray
+
+Moving = AnyBuoy | RestSpec
+"""What says in which directions a buoy moves."""
+
+# degrees of freedom -------------------------------------------------------------------------------------------------
+
+
+def study_basis(study: AtRest) -> ModeBasis:
+    """Return the union of the axisymmetric modes of all designs of a study."""
+    if not study.flexible or study.modes is None:
+        return rigid_basis(study.device)
+    return mode_basis(study.device, study.modes.basis, study.modes.max_degree)
+
+
+def order_bases(study: Moving, basis: ModeBasis) -> tuple[OrderBasis, ...]:
+    """Return the degrees of freedom beside heave and axisymmetric modes, order by order; none of heave alone.
+
+    A buoy that is free has each order twice, to both sides, and yaw.
+    """
+    if study.motion == "heave":
+        return ()
+    ballast, highest = ballast_of(study.device), study.modes.order if basis.modes and study.modes else 1
+    even = [order_basis(basis, order, ballast) for order in range(1, highest + 1)]
+    if study.motion == "planar":
+        return tuple(even)
+    return (*(each for one in even for each in (one, one.turned())), yaw(basis, ballast))
+
+
+def side_by_side(own: FloatArray, *others: FloatArray) -> FloatArray:
+    """Return the block-diagonal matrix of the axisymmetric part and of further orders, if there are any."""
+    return np.asarray(block_diag(own, *others)) if others else own
+
+
+def whole_labels(study: Moving, reference: ReferenceShell) -> tuple[str, ...]:
+    """Return the names of the degrees of freedom of all orders, axisymmetric ones first."""
+    others = (label for basis in order_bases(study, reference.basis) for label in basis.labels)
+    return (*reference.basis.labels, *others)
+
+
+def design_motions(study: Designed, basis: ModeBasis, design: str) -> FloatArray:
+    """Return the motions a design allows, shape (dof, free) [-]: heave alone, or heave and the unclamped modes.
+
+    Likewise of the other azimuthal orders, where the buoy moves in more directions; less what the mooring holds. Raises
+    `ConfigError` if the clamps leave no shell mode free.
+    """
+    chosen, clamps = study.designs[design], np.deg2rad(study.designs[design].clamp)
+    others = (order.allowed(chosen.flexible, clamps) for order in order_bases(study, basis))
+    if not chosen.flexible:
+        return side_by_side(np.eye(len(basis.labels), 1), *others)
+    free = basis.clamped(clamps) if chosen.clamp else np.eye(len(basis.labels))
+    if basis.rings and not loaded_at_ring(study, design):
+        free = free[:, : -len(basis.rings.labels)]
+    if free.shape[1] < 2:
+        raise ConfigError(
+            f"designs.{design}.clamp: received {list(chosen.clamp)}, which leaves none of the {len(basis.modes)} shell "
+            f"modes free; use fewer clamps, a larger modes.degree, or flexible: false"
+        )
+    if (held := mooring_rows(study, basis)).size:
+        free = free @ null_space(held @ free)
+    return side_by_side(free, *others)
+
+
+def loaded_at_ring(study: Designed, design: str) -> bool:
+    """Return whether a clamp, a take-off at the shell or a mooring acts at a ring of the shell of a design."""
+    if study.designs[design].clamp:
+        return True
+    held = None if isinstance(study, ModesSpec) else study.pto.held
+    on_shell = not isinstance(study, ModesSpec) and study.pto.on_shell
+    return bool(on_shell or (held and held.place == "ring"))
+
+
+def mooring_rows(study: Designed, basis: ModeBasis) -> FloatArray:
+    """Return what `pto.held` holds at zero of heave and axisymmetric modes, Phi q = 0, shape (constraint, dof) [-]."""
+    held = None if isinstance(study, ModesSpec) else study.pto.held
+    if held is None:
+        return np.zeros((0, len(basis.labels)))
+    if held.place == "heave":
+        return np.eye(1, len(basis.labels))
+    at = np.deg2rad([held.colatitude])
+    radial, meridional = basis.ring_displacement(at)
+    return np.asarray((radial * np.cos(at) - meridional * np.sin(at)).T)
+
+
+def motions_to_degree(study: Designed, basis: ModeBasis, design: str, degree: int) -> FloatArray:
+    """Return the motions a heaving design has with the shell modes to a degree, in a basis of more, (dof, free) [-].
+
+    Raises `ConfigError` if the clamps leave none of those modes free.
+    """
+    smaller = replace(mode_basis(study.device, study.modes.basis, degree), rings=basis.rings)
+    motions = design_motions(study, smaller, design)
+    found = np.zeros((len(basis.labels), motions.shape[1]))
+    found[[basis.labels.index(label) for label in smaller.labels]] = motions
+    return found
+
+
+# the loaded shell ---------------------------------------------------------------------------------------------------
+
+
+def loaded_shell(study: AtRest, basis: ModeBasis) -> LoadedShell:
+    """Return the shell of a study under weight, water and internal pressure."""
+    device, water = study.device, study.water
+    elastic = ElasticShell(basis)
+    return LoadedShell(elastic, study.centre_height, water.density, water.gravity, device.internal_pressure, device.gas)
+
+
+def rubber_shell(study: AtRest, basis: ModeBasis) -> LoadedShell | None:
+    """Return the same of a flexible shell of rubber; None of another, whose forces about its rest are linear."""
+    return loaded_shell(study, basis) if basis.shell.rubber and basis.modes else None
+
+
+def complete_loaded_shell(study: AtRest) -> LoadedShell:
+    """Return the same in a basis that resolves buckling, whatever the modes of the study."""
+    return complete_shell(study.device, study.centre_height, study.water, study.device.internal_pressure)
+
+
+def computed_buckling(study: AtRest) -> Buckling:
+    """Return the linear buckling of the loaded shell in a basis that resolves it; of the sphere's the axisymmetric."""
+    loaded = complete_loaded_shell(study)
+    return buckling(loaded) if loaded.basis.shell.rest is None else with_lobes(loaded)
+
+
+@lru_cache(maxsize=4)
+def _at_rest(loaded: LoadedShell) -> FloatArray:
+    """The equilibrium of a shell, computed once; not to be written to."""
+    q = equilibrium(loaded)
+    q.setflags(write=False)
+    return q
+
+
+def complete_at_rest(study: AtRest) -> tuple[LoadedShell, FloatArray]:
+    """Return the loaded shell in a basis that resolves its buckling, and its equilibrium, shape (dof,) [m].
+
+    Raises `ConvergenceError` if the growing load does not lead it to a stable rest shape.
+    """
+    loaded = complete_loaded_shell(study)
+    return loaded, _at_rest(loaded)
+
+
+def carries_load(study: AtRest) -> bool:
+    """Return whether the growing load leads the shell to a stable rest shape, in a basis that resolves its buckling."""
+    try:
+        complete_at_rest(study)
+    except ConvergenceError:
+        return False
+    return True
+
+
+def reference_shell(study: AtRest, basis: ModeBasis | None = None) -> ReferenceShell:
+    """Return the shell a study is linearised about.
+
+    Raises `ConfigError` if `reference_shape: equilibrium` is asked for and the shell buckles before it carries its
+    load, in a basis that resolves its buckling: few modes would hide it.
+
+    Parameters
+    ----------
+    basis : ModeBasis, optional
+        Another basis than the study's own.
+
+    Notes
+    -----
+    `undeformed`, open to constant pressure: the paper's shell, elastic and hydrostatic stiffness of the sphere. With
+    internal pressure also its prestress, the geometric stiffness of the mean pressure difference and the follower part
+    of the internal pressure. `equilibrium`: the tangent of the whole potential where the loaded shell rests. Trapped
+    gas adds its own.
+    """
+    basis = basis or study_basis(study)
+    loaded = loaded_shell(study, basis)
+    if study.at_equilibrium:
+        try:
+            complete_at_rest(study)
+        except ConvergenceError as error:
+            raise ConfigError(f"reference_shape: received 'equilibrium', but {error}") from None
+        undamped = replace(basis, alpha=0.0, beta=0.0)  # at rest nothing moves
+        q = _at_rest(replace(loaded, elastic=ElasticShell(undamped)))
+    else:
+        q = np.zeros(len(basis.labels))
+    return ReferenceShell(DeformedShell(basis, study.centre_height, q), stiffness_about(study, loaded, q))
+
+
+def stiffness_about(study: AtRest, loaded: LoadedShell, q: FloatArray) -> dict[str, FloatArray]:
+    """Return the stiffness of a study's shell about a shape at rest, by the names of `reference_shell`, (dof, dof)."""
+    basis = loaded.basis
+    stiffness = {"structural": basis.stiffness, "hydrostatic": loaded.hydrostatic_stiffness(q)}
+    if study.at_equilibrium:
+        stiffness["structural"] = loaded.elastic.material_stiffness(q)
+        geometric = loaded.elastic.geometric_stiffness(*loaded.elastic.resultants(q))
+        stiffness["prestress"] = geometric + loaded.pressure_stiffness(q)
+    elif study.device.internal_pressure and study.flexible:
+        stiffness["prestress"] = loaded.prestress_stiffness
+    if study.device.gas and study.flexible:
+        stiffness["gas"] = loaded.gas_stiffness(q)
+    return {name: (k + k.T) / 2 for name, k in stiffness.items()}
+
+
+def seen_by_take_off(study: AnyBuoy, reference: ReferenceShell) -> tuple[ReferenceShell, float]:
+    """Return the shell at rest as the port finds it, and the compliance of the chamber before the take-off [m^3/Pa].
+
+    Gas that a take-off of the volume lets out is in series with it, and no longer holds the shell.
+    """
+    if not (study.opens_chamber and "gas" in reference.stiffness):
+        return reference, 0.0
+    others = {name: stiffness for name, stiffness in reference.stiffness.items() if name != "gas"}
+    chamber = gas_compliance(reference.stiffness["gas"], port_direction(study.pto.port, reference.shape))
+    return replace(reference, stiffness=others), chamber
+
+
+# stiffness of all directions ----------------------------------------------------------------------------------------
+
+
+def order_stiffness(study: Moving, basis: OrderBasis, reference: ReferenceShell) -> dict[str, FloatArray]:
+    """Return the stiffness of one order about the undeformed sphere, by the names of `reference_shell`.
+
+    Trapped gas has none: no shape that varies around the axis changes the volume in proportion to its amplitude.
+    """
+    water = study.water
+    still = basis.hydrostatic_stiffness(study.centre_height, water.density, water.gravity)
+    found = {"structural": basis.stiffness, "hydrostatic": (still + still.T) / 2}
+    if "prestress" in reference.stiffness:
+        load = prestress_stiffness(basis, loaded_shell(study, reference.basis))
+        found["prestress"] = (load + load.T) / 2
+    return found | ({"gas": np.zeros_like(still)} if "gas" in reference.stiffness else {})
+
+
+def mooring_stiffness(study: Moving, labels: tuple[str, ...]) -> dict[str, FloatArray]:
+    """Return the stiffness of the mooring over labelled degrees of freedom, by its name; empty without one."""
+    if study.mooring is None:
+        return {}
+    among = np.array([[float(label == name.capitalize()) for name in RIGID] for label in labels])
+    return {"mooring": among @ np.array(study.mooring) @ among.T}
+
+
+def whole_stiffness(study: Moving, reference: ReferenceShell) -> FloatArray:
+    """Return the sum of all stiffness over the degrees of freedom of all orders, shape (dof, dof) [N/m]."""
+    orders = (order_stiffness(study, basis, reference) for basis in order_bases(study, reference.basis))
+    whole = side_by_side(reference.total, *(np.sum(list(parts.values()), axis=0) for parts in orders))
+    return np.asarray(whole + sum(mooring_stiffness(study, whole_labels(study, reference)).values()))
+
+
+def viscous_parts(study: Moving, reference: ReferenceShell, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return damping [N s/m] and added stiffness [N/m] of the material's Maxwell branches, each (omega, dof, dof)."""
+    orders = (basis.stiffness for basis in order_bases(study, reference.basis))
+    own, branches = side_by_side(reference.stiffness["structural"], *orders), study.device.damping.maxwell
+    damping, stiffness = (share(branches, omega)[:, None, None] * own for share in (loss, stiffening))
+    return damping, stiffness
+
+
+def design_stiffness(
+    study: Designed, reference: ReferenceShell, design: str, beside: FloatArray | float = 0.0
+) -> float:
+    """Return the least stiffness of a design about the reference shape [N/m]; one that rests stably has more than 0.
+
+    Only of what is held at all: surge without a mooring may drift. `beside` is that of springs of the take-off, shape
+    (dof, dof).
+    """
+    motions = design_motions(study, reference.basis, design)
+    stiffness = motions.T @ (whole_stiffness(study, reference) + beside) @ motions
+    return softest(stiffness, unrestrained_motions(stiffness, whole_labels(study, reference), motions))[0]
+
+
+# checks -------------------------------------------------------------------------------------------------------------
+
+
+def _rigid_stiffness(study: Moving, reference: ReferenceShell) -> tuple[list[str], FloatArray]:
+    """Rigid motions a buoy has, and their stiffness."""
+    labels = whole_labels(study, reference)
+    names: list[str] = [name for name in ("Surge", "Sway", "Heave", "Yaw", "Roll", "Pitch") if name in labels]
+    rigid = [labels.index(name) for name in names]
+    return names, whole_stiffness(study, reference)[np.ix_(rigid, rigid)]
+
+
+def check_upright(study: Moving, reference: ReferenceShell) -> None:
+    """Check that the buoy as a rigid body does not fall over; raises `ConfigError`."""
+    names, stiffness = _rigid_stiffness(study, reference)
+    tilts = {name: float(stiffness[i, i]) for i, name in enumerate(names) if name in ("Pitch", "Roll")}
+    if tilts and min(tilts.values()) <= 0.0:
+        name = min(tilts, key=tilts.__getitem__)
+        raise ConfigError(
+            f"device.centre_of_mass: received {study.device.centre_of_mass:g} m above the sphere's centre, with which "
+            f"the buoy does not stay upright (stiffness of {name.lower()} {tilts[name]:.4g} N m); needs one below it, "
+            f"or a mooring that holds {name.lower()}"
+        )
+
+
+def check_moored(study: Moving, reference: ReferenceShell) -> None:
+    """Check that the mooring does not drive the buoy as a rigid body out of its rest; what nothing holds may drift.
+
+    Raises `ConfigError`.
+    """
+    names, stiffness = _rigid_stiffness(study, reference)
+    least, shape = softest(stiffness, unrestrained_motions(stiffness, names, np.eye(len(names))))
+    if least <= 0.0:
+        most = names[np.argmax(np.abs(shape))].lower()
+        raise ConfigError(
+            f"mooring: received a stiffness that drives the buoy out of its rest, most in {most}; needs one that "
+            "brings it back"
+        )
+
+
+def check_stable(study: Designed, reference: ReferenceShell) -> None:
+    """Check that every design rests stably about the reference shape: else a linear model of it grows without bound.
+
+    Raises `ConfigError`.
+    """
+    check_upright(study, reference)
+    check_moored(study, reference)
+    for design in study.designs:
+        least = design_stiffness(study, reference, design)
+        if least <= 0:
+            raise ConfigError(
+                f"device: the shell of design {design} is unstable (least stiffness {least:.3g} N/m) with "
+                f"young_modulus {study.device.young_modulus:g} Pa, thickness {study.device.thickness:g} m and "
+                f"internal_pressure {study.device.internal_pressure:g} Pa; needs more of one of them"
+            )
+
+
+def check_spring(study: Study, reference: ReferenceShell) -> None:
+    """Check that the take-off's spring does not push a buoy out of its rest; raises `ConfigError`."""
+    if study.pto.several:  # without a spring
+        return
+    direction = port_direction(study.pto.port, reference.shape, order_bases(study, reference.basis))
+    reference, chamber = seen_by_take_off(study, reference)
+    stiffness, least = whole_stiffness(study, reference), -np.inf
+    for design in study.designs:
+        motions = design_motions(study, reference.basis, design)
+        yields = chamber + compliance(motions.T @ stiffness @ motions, allowed_part(direction, motions))
+        if yields == np.inf and study.pto.stroke_limit < np.inf:
+            raise ConfigError(
+                f"pto.stroke_limit: received {study.pto.stroke_limit:g} m, but the port of design {design} has "
+                "no position of rest to measure it from; needs a mooring that holds it"
+            )
+        least = max(least, -1 / yields if yields > 0 else -np.inf)
+    if not (study.pto.stiffness > least or study.pto.stiffness == least == 0.0):
+        raise ConfigError(
+            f"pto.stiffness: received {study.pto.stiffness:g} N/m, which makes the buoy statically unstable; needs "
+            f"more than {least + 0.0:.6g} N/m"
+        )
+
+
+def check_rests(study: Study, reference: ReferenceShell) -> None:
+    """Check that every design comes to rest where the water acts on the shell as it is; a linear model needs no rest.
+
+    Raises `ConfigError`.
+    """
+    if study.hydro.model == "linear":
+        return
+    from vsb.engine.motion.builders import still_scene  # compiled
+
+    water = study.water
+    for design in study.designs:
+        motions = design_motions(study, reference.basis, design)
+        try:
+            still_scene(reference, water.density, water.gravity, motions, rubber_shell(study, reference.basis))
+        except ConvergenceError as error:
+            raise ConfigError(f"hydro.model: received {study.hydro.model!r} for design {design}, but {error}") from None

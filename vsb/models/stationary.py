@@ -1,0 +1,155 @@
+"""Causal control in a stationary sea: ports at equally spaced frequencies to beyond the band, controllers in time."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from vsb.engine.integrators.switching import Mode, Switching
+from vsb.engine.motion.causal import RmsLimits, StationaryPort, optimum
+from vsb.engine.motion.controller import achieved, realised, within_limit
+from vsb.engine.motion.port import Port
+from vsb.engine.motion.scene import Scene
+from vsb.engine.motion.system import System
+from vsb.engine.motion.take_off import Pto
+from vsb.engine.motion.tuning import best_dampers
+from vsb.engine.waves.kinds import Irregular, IrregularSea, RecordedSea, Wave, WhiteNoise
+from vsb.engine.waves.seas import PARTS, Sea
+from vsb.engine.waves.spectra import spectrum
+from vsb.errors import StabilityError
+from vsb.models.floating_system import FINE, FloatingSystem, heading, heading_in, port_in_seas
+from vsb.tools.arrays import FloatArray
+
+BEYOND = 4.0
+"""End of the frequencies of a controller, over that of the band: its force may change within a time step."""
+POINTS = 64
+"""Frequencies beyond the band at which the port is computed; between them it is interpolated."""
+
+
+def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dict[str, StationaryPort]:
+    """Return the ports of all designs in a sea whose components carry its spectrum.
+
+    Parameters
+    ----------
+    wave : Irregular
+    sea : Sea
+        See `vsb.models.floating_system.expected_sea`.
+
+    Notes
+    -----
+    Outside the band ports have the coefficients of its nearest end. Of a record and of white noise the spectrum is
+    taken at frequencies of its own, of a record averaged (`vsb.engine.waves.spectra.spectrum`). The directions of a
+    spread sea take turns along its components: the density of the free velocity is averaged over a round of them.
+    """
+    if isinstance(wave, RecordedSea | WhiteNoise):
+        sea = _of_density(wave, floating.band)
+    spacing = float(np.diff(sea.omega).min())
+    at = np.rint(sea.omega / spacing - 0.5).astype(int)
+    count = int(np.ceil(max(floating.band[1] / spacing, at.max() + 1)))
+    inside, beyond = grid(spacing, count)
+    linear = floating.towards(heading(wave))
+    near, far = linear.extended_equation(inside), linear.extended_equation(beyond)
+    spread = floating.towards(heading_in(wave, sea)).equation(sea.omega) if sea.heading is not None else None
+    spreading = None if isinstance(wave, RecordedSea) else wave.spreading
+    parts = spreading.directions if spreading else PARTS
+    found = {}
+    for design, motions in floating.motions.items():
+        port = near.port(motions, floating.port)
+        free = port.velocity[at] if spread is None else spread.port(motions, floating.port).velocity
+        density: FloatArray = np.zeros(count)
+        density[at] = np.abs(free * sea.amplitude) ** 2 / (2 * spacing)
+        if spread is not None:
+            density = _averaged(density, parts)
+        found[design] = continued(spacing, port, far.port(motions, floating.port), density)
+    return found
+
+
+def grid(spacing: float, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return the frequencies of a band, (k + 1/2) spacing, and some beyond, at which a port is to be known [rad/s]."""
+    first, last = (count + 0.5) * spacing, (int(BEYOND * count) - 0.5) * spacing
+    return (np.arange(count) + 0.5) * spacing, np.geomspace(first, last, POINTS)
+
+
+def continued(spacing: float, near: Port, far: Port, density: FloatArray) -> StationaryPort:
+    """Return a port known at both frequencies of `grid`, with a density of its free velocity in the band [m^2/s]."""
+    count, omega = len(near.omega), (np.arange(int(BEYOND * len(near.omega))) + 0.5) * spacing
+    beyond = np.interp(np.log(omega[count:]), np.log(far.omega), far.admittance)
+    admittance = np.append(near.admittance, beyond)
+    passive = np.maximum(admittance.real, 0.0) + 1j * admittance.imag  # where no waves are that the port would show
+    return StationaryPort(spacing, passive, np.append(density, np.zeros(len(beyond))))
+
+
+def rms_limits(pto: Pto, seen: Port, squares: FloatArray) -> RmsLimits:
+    """Return the rms values a causal controller keeps: the limits given; of force without one its optimal damper's.
+
+    Parameters
+    ----------
+    squares : ndarray, shape (omega,) [m^2]
+        Squared amplitudes of the sea at the frequencies of the port.
+    """
+    if pto.force_limit < np.inf:
+        return RmsLimits(pto.force_limit, pto.stroke_limit)
+    best = best_dampers(seen, squares[None], pto.stiffness, pto.efficiency)
+    load = seen.load(best.damping, best.stiffness)[0]
+    force = 0.5 * np.abs(load * seen.velocity_under(load)) ** 2 @ squares
+    return RmsLimits(float(np.sqrt(force)), pto.stroke_limit)
+
+
+def controlled(
+    scene: Scene, floating: FloatingSystem, design: str, pto: Pto, wave: Wave, sea: Sea
+) -> tuple[Scene, dict[str, float]]:
+    """Return a scene whose take-off follows the causal control of its sea, and what a run records of it.
+
+    Raises `StabilityError` if the loop of controller and scene, linear about its rest, is not stable.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a take-off that switches.
+    sea : Sea
+        See `vsb.models.floating_system.expected_sea`.
+    """
+    law = scene.law
+    assert law is not None
+    assert isinstance(wave, IrregularSea)  # a study's own check
+    one = replace(floating, motions={design: floating.motions[design]})
+    seen, squares, _ = port_in_seas(floating, design, [(wave, sea)])
+    port, limits = stationary_ports(one, wave, sea)[design], rms_limits(pto, seen, squares[0])
+    best = optimum(port, limits, pto.control.noise, 0.0, pto.efficiency)
+    if best.power <= 0:
+        return scene, {}
+    gain = port.controller(best.weights, pto.control.noise)
+    if law.limit < np.inf:
+        gain = within_limit(port, best, pto.control.noise, law.limit)
+    controller, error = realised(port, gain)
+    _, margin = controller.stability(port.omega, port.admittance)
+    own = replace(law, damping=controller.damping, stiffness=controller.stiffness, controller=controller)
+    scene = replace(scene, forces={**scene.forces, scene.take_off: own})
+    runner = Switching(System.of(scene))
+    loop = runner.phase(Mode(1), runner.lookout(np.array([0.0, 1.0]), 1))[0].matrix[:-1, :-1]
+    if (growth := float(np.linalg.eigvals(loop).real.max())) >= 0:
+        raise StabilityError(
+            f"pto.law causal: the loop of controller and {design} is unstable, a disturbance grows by {growth:.2g}/s; "
+            "lower pto.force_limit, or raise pto.control.noise"
+        )
+    power, force = achieved(port, controller.gain(port.omega, port.admittance))
+    notes = {"states": len(controller.output), "error": error, "margin": margin, "power": power, "force_rms": force}
+    return scene, {f"controller_{name}": value for name, value in notes.items()}
+
+
+def _averaged(density: FloatArray, parts: int) -> FloatArray:
+    """A density averaged over a round of directions, without what an average flattens of a peak, to second order.
+
+    Twice the average less the average of it (twicing, Tukey 1977); a density is not below zero.
+    """
+    kernel = np.full(parts + 1, 1 / parts)
+    kernel[[0, -1]] /= 2
+    once = np.convolve(density, kernel, mode="same")
+    return np.asarray(np.maximum(2 * once - np.convolve(once, kernel, mode="same"), 0.0))
+
+
+def _of_density(wave: RecordedSea | WhiteNoise, band: tuple[float, float]) -> Sea:
+    """Components with the spectrum of a sea, at the centres of equal bands that begin at zero."""
+    spacing = FINE * wave.omega
+    omega = (np.arange(int(band[1] / spacing)) + 0.5) * spacing
+    omega = omega[omega >= band[0]]
+    return Sea(omega, np.sqrt(2 * spectrum(wave, omega) * spacing).astype(complex))

@@ -1,4 +1,0 @@
-"""Scenes: what a study lets float, where it rests, its take-off, drag and ports, ready to be solved or simulated.
-
-May import from errors, tools, study, shell, waves, hydro, motion and integrators.
-"""
