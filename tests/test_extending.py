@@ -60,10 +60,9 @@ def test_first_change_of_contributing():
     """Its sea, its density under its own test, and a described key for every field."""
     text = (HERE.parent / "CONTRIBUTING.md").read_text(encoding="utf-8")
     blocks = [textwrap.dedent(block) for block in re.findall(r"```python\n(.*?) *```", text, re.S)]
-    sea, density, described, test = blocks
+    sea, described, test = blocks
     exec(sea, names := vars(waves) | {"__name__": "swell"})
     names |= {"np": np, "pytest": pytest} | {name: vars(keys)[name] for name in ("Key", "_GOING", "_SEA")}
-    exec(f"def spectrum(wave, omega):\n{textwrap.indent(density, '    ')}", names)
     exec(test, names)
     names["test_swell_has_the_energy_of_its_height_about_its_peak"]()
     (section,) = eval(f"{{{described}}}", names).values()

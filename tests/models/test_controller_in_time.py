@@ -16,7 +16,6 @@ from vsb.engine.motion.port import LinearPto
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.waves.seas import Sea
-from vsb.engine.waves.spectra import spectrum
 from vsb.models.floating_system import expected_sea
 from vsb.models.stationary import controlled
 
@@ -32,7 +31,7 @@ def bare(example, radiation_of):  # noqa: F811
     spacing = 2 * np.pi / DURATION
     omega = spacing * np.arange(np.ceil(1.0 / spacing), 6.0 / spacing)
     phases = np.random.default_rng(5).uniform(0, 2 * np.pi, len(omega))
-    sea = Sea(omega, np.sqrt(2 * spectrum(wave, omega) * spacing) * np.exp(1j * phases))
+    sea = Sea(omega, np.sqrt(2 * wave.density(omega) * spacing) * np.exp(1j * phases))
     linear = replace(floating.linear, pto=LinearPto(0.0))
     return study, floating, wave, sea, linear_scene(linear, radiation_of(study), sea, floating.motions["FSB"])
 

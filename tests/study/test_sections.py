@@ -89,3 +89,14 @@ def test_invalid_value_is_one_line_with_file_key_and_need(tmp_path, path, value,
 def test_labels_and_descriptions_of_seas(seed, wave, label, words):
     (read,) = varied(seed, waves=[wave]).waves
     assert (read.label, read.description) == (label, words)
+
+
+def test_a_sea_of_finite_depth_is_in_water_of_that_depth(seed):
+    wave = {"kind": "tma", "hs": 0.5, "tp": 4, "depth": 8}
+    (read,) = varied(seed, waves=[wave], water={"depth": 8.0}).waves
+    words = "a TMA sea of Hs = 0.5 m and Tp = 4 s in 8 m of water"
+    assert (read.label, read.description) == ("tma_Hs0.5_Tp4_g3.3_h8_s1", words)
+    with pytest.raises(
+        ConfigError, match=r"waves\.0\.depth 8 m: is that of another water; needs water\.depth, here inf m"
+    ):
+        varied(seed, waves=[wave])

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from vsb.engine.waves.kinds import Jonswap, RecordedSea, TabulatedSea
-from vsb.engine.waves.spectra import spectrum
 from vsb.errors import ConfigError
 from vsb.tools.units import Frequency, density, frequency, number, unit
 
 HERTZ = np.linspace(0.05, 1.2, 231)
 SEA = Jonswap(kind="jonswap", hs=1.0, tp=4.0)
-DENSITY = 2 * np.pi * spectrum(SEA, 2 * np.pi * HERTZ)
+DENSITY = 2 * np.pi * SEA.density(2 * np.pi * HERTZ)
 TIME = 0.5 * np.arange(240)
 ELEVATION = 0.3 * np.cos(2 * np.pi * TIME / 4.0) + 0.1 * np.cos(2 * np.pi * TIME / 7.5 + 1.0)
 

@@ -11,7 +11,6 @@ from conftest import EXAMPLE, SMALL, SMALL_PLAN, varied
 from vsb.engine.waves.kinds import RecordedSea
 from vsb.engine.waves.records import read_record
 from vsb.engine.waves.seas import components, sea
-from vsb.engine.waves.spectra import share_above, share_below, spectrum
 from vsb.errors import ConfigError
 from vsb.stages.simulate import run_simulate
 from vsb.study.plan import StudyPlan, plan_for
@@ -59,10 +58,10 @@ def test_phase_is_that_of_the_convention():
 def test_spectrum_and_bands_hold_the_variance_of_the_record():
     _, elevation = measured()
     wave, omega = recorded(elevation), np.linspace(0.0, 12.0, 12001)
-    assert np.trapezoid(spectrum(wave, omega), omega) == pytest.approx(elevation.var(), rel=1e-5)
+    assert np.trapezoid(wave.density(omega), omega) == pytest.approx(elevation.var(), rel=1e-5)
     _, amplitude = components(wave, 12.0, 20.0)
     assert np.sum(amplitude**2) / 2 == pytest.approx(elevation.var(), rel=1e-9)
-    assert share_above(wave, 2.5) + share_below(wave, 2.5) == pytest.approx(1.0)
+    assert wave.share_above(2.5) + wave.share_below(2.5) == pytest.approx(1.0)
     time = STEP * np.arange(400)
     two = recorded(0.3 * np.cos(0.02 * np.pi * 10 * time) + 0.1 * np.cos(0.02 * np.pi * 50 * time))
     assert 2 * np.pi / two.omega == pytest.approx(

@@ -4,9 +4,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.engine.waves.climate import Climate
-from vsb.engine.waves.kinds import Jonswap, OchiHubble, PiersonMoskowitz, RegularWave, StillWater, WhiteNoise
-from vsb.engine.waves.seas import FEW, Sea, components, irregular, sea, superposed
-from vsb.engine.waves.spectra import jonswap_spectrum, sea_energy, share_above, share_below, spectrum
+from vsb.engine.waves.dispersion import group_velocity, wavenumber
+from vsb.engine.waves.kinds import Jonswap, OchiHubble, PiersonMoskowitz, RegularWave, StillWater, Tma, WhiteNoise
+from vsb.engine.waves.seas import FEW, Sea, components, irregular, sea, sea_energy, superposed
+from vsb.engine.waves.spectra import jonswap_spectrum
 from vsb.engine.waves.water import Water
 
 
@@ -73,10 +74,10 @@ def test_white_noise_has_one_density_in_its_band():
     """Density, shares above and below any frequency, components and their energy, by hand for a band off zero."""
     wave = WhiteNoise(kind="white_noise", hs=2.0, band=(1.0, 3.5), seed=2)
     level = 4.0 / 16 / 2.5
-    assert spectrum(wave, np.array([0.99, 1.0, 2.0, 3.5, 3.51])) == pytest.approx([0.0, level, level, level, 0.0])
+    assert wave.density(np.array([0.99, 1.0, 2.0, 3.5, 3.51])) == pytest.approx([0.0, level, level, level, 0.0])
     for omega, above in ((0.5, 1.0), (1.0, 1.0), (1.5, 0.8), (3.0, 0.2), (3.5, 0.0), (5.0, 0.0)):
-        assert share_above(wave, omega) == pytest.approx(above, abs=1e-14)
-        assert share_below(wave, omega) == pytest.approx(1 - above, abs=1e-14)
+        assert wave.share_above(omega) == pytest.approx(above, abs=1e-14)
+        assert wave.share_below(omega) == pytest.approx(1 - above, abs=1e-14)
     omega, amplitude = components(wave, 12.0, 300.0)
     count = int(np.ceil(2.5 * 1.1 * 300.0 / (2 * np.pi)))
     assert omega == pytest.approx(1.0 + 2.5 * (np.arange(count) + 0.5) / count, rel=1e-12)
@@ -92,22 +93,22 @@ def two_peaks(swell=3.0, wind_sea=1.0, **more):
 def test_two_peaks_carry_the_energy_of_both_at_their_periods(swell, wind_sea):
     """Variance, energy period and peaks by quadrature; nothing below the reach, little above the fastest."""
     wave, omega = two_peaks(swell, wind_sea), np.geomspace(0.05, 2e4, 200_001)
-    density = spectrum(wave, omega)
+    density = wave.density(omega)
     assert 4 * np.sqrt(np.trapezoid(density * omega, np.log(omega))) == pytest.approx(2.5, rel=1e-5)
     assert wave.hs == 2.5
     period = np.trapezoid(density, np.log(omega)) / np.trapezoid(density * omega, np.log(omega))
     assert wave.omega == pytest.approx(1 / period, rel=1e-5)
-    assert share_below(wave, wave.reach[0]) < 1e-10
+    assert wave.share_below(wave.reach[0]) < 1e-10
     assert density[omega > wave.fastest].max() <= density.max() / 400
     for tp, one in ((12.0, two_peaks(swell).swell), (5.0, two_peaks(1.0, wind_sea).wind_sea)):
         alone = two_peaks(swell, wind_sea).model_copy(update={"swell": one, "wind_sea": one})
-        assert omega[spectrum(alone, omega).argmax()] == pytest.approx(2 * np.pi / tp, rel=1e-4)
+        assert omega[alone.density(omega).argmax()] == pytest.approx(2 * np.pi / tp, rel=1e-4)
 
 
 def test_two_peaks_of_peakedness_one_are_pierson_moskowitz():
     wave, omega = two_peaks(1.0, 1.0), np.linspace(0.2, 6.0, 57)
     alone = [PiersonMoskowitz(kind="pierson_moskowitz", hs=hs, tp=tp) for hs, tp in ((1.5, 12.0), (2.0, 5.0))]
-    assert spectrum(wave, omega) == pytest.approx(sum(spectrum(one, omega) for one in alone), rel=2e-6)
+    assert wave.density(omega) == pytest.approx(sum(one.density(omega) for one in alone), rel=2e-6)
 
 
 @pytest.mark.parametrize("relative", [0.8, 1.0, 1.5, 3.0])
@@ -115,8 +116,22 @@ def test_share_of_variance_above_and_below_a_frequency(relative):
     """1 - exp(-1.25 (peak/w)^4) of the variance lies above w."""
     wave = PiersonMoskowitz(kind="pierson_moskowitz", hs=2.5, tp=6.0)
     omega, above = relative * 2 * np.pi / 6.0, -np.expm1(-1.25 * relative**-4.0)
-    assert share_above(wave, omega) == pytest.approx(above, rel=3e-3)
-    assert share_below(wave, omega) == pytest.approx(1 - above, rel=1e-3)
+    assert wave.share_above(omega) == pytest.approx(above, rel=3e-3)
+    assert wave.share_below(omega) == pytest.approx(1 - above, rel=1e-3)
+
+
+@given(st.floats(0.5, 12.0), st.floats(2.0, 20.0), st.floats(2.0, 300.0))
+def test_a_sea_of_finite_depth_carries_its_height_and_a_saturated_tail(hs, tp, depth):
+    """16 m0 = hs^2; over JONSWAP it has the factor of the depth, (w^2 h/g)/2 in shallow water, 1 in deep."""
+    wave = Tma(kind="tma", hs=hs, tp=tp, gamma=3.3, depth=depth)
+    omega = np.linspace(0.02, 40.0, 40001) * 2 * np.pi / tp
+    assert np.trapezoid(wave.density(omega), omega) == pytest.approx(hs**2 / 16, rel=1e-12)
+    some = omega[500::800]
+    k = np.array([wavenumber(w, depth, 9.81) for w in some])
+    group = np.array([group_velocity(w, depth, 9.81) for w in some])
+    factor = np.tanh(k * depth) ** 2 * some / (2 * k * group)  # c_g = w/2k (1 + 2kh/sinh 2kh)
+    over = wave.density(some) / jonswap_spectrum(some, hs, tp, 3.3)
+    assert over / over[-1] == pytest.approx(factor / factor[-1], rel=1e-9)
 
 
 @pytest.mark.parametrize("seed", [0, 5])
@@ -175,6 +190,6 @@ def test_energy_of_a_sea_is_that_of_a_climate_with_its_spectrum(wave, depth):
     """Two routes: moments of the sea's own bands, and a year that consists of this sea alone in even narrow bands."""
     water = Water(depth=depth)
     omega = np.arange(0.1, 30.0, 1e-2) + 5e-3
-    year = Climate.of_spectra(omega, spectrum(wave, omega)[None], np.ones(1), "one sea")
+    year = Climate.of_spectra(omega, wave.density(omega)[None], np.ones(1), "one sea")
     found = sea_energy(wave, water)
     assert found == pytest.approx((year.hs[0], year.te[0], year.flux(water)[0]), rel=2e-3)

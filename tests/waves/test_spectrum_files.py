@@ -7,7 +7,6 @@ from conftest import SMALL
 
 from vsb.engine.waves.kinds import Jonswap, TabulatedSea
 from vsb.engine.waves.seas import components, sea
-from vsb.engine.waves.spectra import share_above, share_below, spectrum
 from vsb.errors import ConfigError
 from vsb.study.plan import plan_for
 from vsb.study.study import load, parse
@@ -33,22 +32,20 @@ def of_file(tmp_path, text, **keys):
 
 @pytest.fixture
 def density():
-    return 2 * np.pi * spectrum(SAME, 2 * np.pi * HERTZ)
+    return 2 * np.pi * SAME.density(2 * np.pi * HERTZ)
 
 
 @pytest.mark.parametrize("head", ["frequency [Hz],density [m2/Hz]\n", "f S\n0 0\n", "", "# a buoy\n"])
 def test_spectrum_of_a_file_is_the_sea_it_was_written_from(head, density, tmp_path):
     wave, fine = of_file(tmp_path, columns(density, head)), np.linspace(0.01, 12.0, 50001)
     assert wave.hs == pytest.approx(SAME.hs, rel=1e-3)
-    assert 16 * np.trapezoid(spectrum(wave, fine), fine) == pytest.approx(wave.hs**2, rel=1e-6)
-    assert 1 / wave.omega == pytest.approx(
-        np.trapezoid(spectrum(wave, fine) / fine, fine) / (wave.hs**2 / 16), rel=1e-5
-    )
+    assert 16 * np.trapezoid(wave.density(fine), fine) == pytest.approx(wave.hs**2, rel=1e-6)
+    assert 1 / wave.omega == pytest.approx(np.trapezoid(wave.density(fine) / fine, fine) / (wave.hs**2 / 16), rel=1e-5)
     amplitude, expected = (components(one, 7.0, 200.0)[1] for one in (wave, SAME))
     assert amplitude == pytest.approx(expected, abs=5e-3 * expected.max())
     for cut in (1.2, 2.0):
-        assert share_above(wave, cut) == pytest.approx(share_above(SAME, cut), abs=2e-3)
-        assert share_above(wave, cut) + share_below(wave, cut) == pytest.approx(1.0, abs=1e-12)
+        assert wave.share_above(cut) == pytest.approx(SAME.share_above(cut), abs=2e-3)
+        assert wave.share_above(cut) + wave.share_below(cut) == pytest.approx(1.0, abs=1e-12)
 
 
 def test_a_triangle_by_hand(tmp_path):
@@ -57,7 +54,7 @@ def test_a_triangle_by_hand(tmp_path):
     assert wave.hs == pytest.approx(4 * np.sqrt(0.3))
     inverse = 30 * (0.1 - 0.1 * np.log(2)) + 30 * (0.3 * np.log(1.5) - 0.1)
     assert 2 * np.pi / wave.omega == pytest.approx(inverse / 0.3)
-    assert share_below(wave, 0.3 * np.pi) == pytest.approx(1 / 8)  # of 0.15 Hz
+    assert wave.share_below(0.3 * np.pi) == pytest.approx(1 / 8)  # of 0.15 Hz
     assert wave.directions == (0.0,)
 
 

@@ -383,6 +383,14 @@ KEYS: dict[str, dict[str, Key]] = {
         "kind": Key("", "pierson_moskowitz", "a fully developed sea"),
         "tp": Key("s", "8.0", "period at the spectrum's peak"),
     },
+    "Tma": {
+        **_GOING,
+        **_SEA,
+        "kind": Key("", "tma", "a JONSWAP sea in water that is not deep"),
+        "tp": Key("s", "8.0", "period at the peak of the deep-water spectrum"),
+        "gamma": Key("-", "3.3", "peakedness of the deep-water spectrum"),
+        "depth": Key("m", "20.0", "depth of the water, that of the section water"),
+    },
     "OchiHubble": {
         **_GOING,
         **_DRAWN,

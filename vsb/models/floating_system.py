@@ -28,7 +28,7 @@ from vsb.engine.motion.tuning import frequencies
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.modes import check_rank, mode_basis, rigid_basis
 from vsb.engine.shell.rings import HIGHEST
-from vsb.engine.waves.kinds import SeaOfFile, SpectralSea, StillWater, Wave, WhiteNoise
+from vsb.engine.waves.kinds import SeaOfFile, SpectralSea, StillWater, Wave
 from vsb.engine.waves.seas import Sea, expected, sea
 from vsb.errors import ConfigError
 from vsb.models.rest import design_motions, order_bases
@@ -297,11 +297,6 @@ def _within_band(study: InSeas, wave: Wave, ds: xr.Dataset, duration: float) -> 
     return found if kept.all() else found.part(kept)
 
 
-FINE, FEWEST_BANDS = 0.01, 100
-"""Largest width of the bands a spectrum is divided into for expectations, over the frequency of its peak; fewest bands
-of white noise."""
-
-
 def expected_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
     """Return a sea whose components carry its spectrum: mean powers in it are expectations, whatever is simulated.
 
@@ -310,10 +305,7 @@ def expected_sea(study: InSeas, wave: Wave, ds: xr.Dataset) -> Sea:
     """
     if not isinstance(wave, SpectralSea):
         return study_sea(study, wave, ds)
-    widest = FINE * wave.omega
-    if isinstance(wave, WhiteNoise):
-        widest = min(widest, (wave.band[1] - wave.band[0]) / FEWEST_BANDS)
-    width = 2.0 ** np.floor(np.log2(widest))
+    width = 2.0 ** np.floor(np.log2(wave.resolution))
     spectral = expected(wave).model_copy(update={"seed": 1})  # which a spread sea takes its directions by
     return _within_band(study, spectral, ds, 2 * np.pi / (1.1 * width))
 

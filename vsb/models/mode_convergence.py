@@ -26,7 +26,7 @@ from vsb.engine.motion.tuning import best_dampers, best_pairs, mean_power
 from vsb.engine.shell.deformed import DeformedShell, ReferenceShell
 from vsb.engine.shell.orders import goes_with_sine
 from vsb.engine.waves.climate import Climate
-from vsb.engine.waves.kinds import IrregularSea, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
 from vsb.engine.waves.water import Water
 from vsb.errors import ConvergenceError
@@ -290,7 +290,7 @@ def full(degree: int) -> Modes:
 
 def one_of_each_family(waves: Sequence[Wave]) -> list[int]:
     """Return the first of each sea's realisations, by index."""
-    names = [wave.family if isinstance(wave, IrregularSea) else wave.label for wave in waves]
+    names = [wave.family for wave in waves]
     return [names.index(name) for name in dict.fromkeys(names)]
 
 

@@ -12,11 +12,10 @@ from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.motion.tuning import best_dampers
-from vsb.engine.waves.kinds import Irregular, IrregularSea, RecordedSea, Wave, WhiteNoise
+from vsb.engine.waves.kinds import RESOLVED, Irregular, IrregularSea, RecordedSea, Wave, WhiteNoise
 from vsb.engine.waves.seas import PARTS, Sea
-from vsb.engine.waves.spectra import spectrum
 from vsb.errors import StabilityError
-from vsb.models.floating_system import FINE, FloatingSystem, heading, heading_in, port_in_seas
+from vsb.models.floating_system import FloatingSystem, heading, heading_in, port_in_seas
 from vsb.tools.arrays import FloatArray
 
 BEYOND = 4.0
@@ -149,7 +148,7 @@ def _averaged(density: FloatArray, parts: int) -> FloatArray:
 
 def _of_density(wave: RecordedSea | WhiteNoise, band: tuple[float, float]) -> Sea:
     """Components with the spectrum of a sea, at the centres of equal bands that begin at zero."""
-    spacing = FINE * wave.omega
+    spacing = RESOLVED * wave.omega
     omega = (np.arange(int(band[1] / spacing)) + 0.5) * spacing
     omega = omega[omega >= band[0]]
-    return Sea(omega, np.sqrt(2 * spectrum(wave, omega) * spacing).astype(complex))
+    return Sea(omega, np.sqrt(2 * wave.density(omega) * spacing).astype(complex))

@@ -16,7 +16,8 @@ from vsb.engine.motion.coefficient_errors import CoefficientError, sensitivity
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.motion.tuning import damper_within_force
 from vsb.engine.waves.climate import YEAR_HOURS, Climate
-from vsb.models.floating_system import FINE, AnyBody, Floating, InWaves
+from vsb.engine.waves.kinds import RESOLVED
+from vsb.models.floating_system import AnyBody, Floating, InWaves
 from vsb.models.stationary import continued, grid, rms_limits
 from vsb.results.left_out import LeftOut
 from vsb.results.year import DesignYear, Values, best_for_all, bins_of, frequencies, gains_within, powers_within
@@ -81,7 +82,7 @@ def causal_years(
     """
     bins, omega = bins_of(climate), frequencies(climate, *floating.band)
     density, flux = bins.mean_densities(climate), climate.flux(study.water)
-    spacing = FINE * 2 * np.pi / float(climate.te @ climate.hours)
+    spacing = RESOLVED * 2 * np.pi / float(climate.te @ climate.hours)
     inside, beyond = grid(spacing, next_fast_len(int(np.ceil(floating.band[1] / spacing))))
     waves, near, far = floating.at(omega).in_waves(), floating.at(inside).ports(), floating.at(beyond).ports()
     spectra = np.array([np.interp(inside, climate.omega, row, left=0.0, right=0.0) for row in density])

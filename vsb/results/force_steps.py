@@ -13,9 +13,8 @@ from vsb.engine.motion.constrained import optimum_in_sea
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.tuning import best_dampers
-from vsb.engine.waves.kinds import Irregular, IrregularSea, RegularWave, SeaOfFile, SpectralSea
+from vsb.engine.waves.kinds import Irregular, IrregularSea, RegularWave, SpectralSea
 from vsb.engine.waves.seas import Sea, regular
-from vsb.engine.waves.spectra import band_variances, spectrum
 from vsb.errors import VsbError
 from vsb.results.constrained_year import SECONDS_AT_LEAST, SECONDS_PER_CUBE
 from vsb.tools.arrays import FloatArray
@@ -57,13 +56,8 @@ def repeating(wave: Irregular, harmonics: Harmonics) -> Sea:
 
     A record's own phases are not of these harmonics: it has random ones, too.
     """
-    inside = (np.arange(WITHIN) + 0.5) / WITHIN - 0.5
-    if isinstance(wave, SeaOfFile):
-        low, high = (harmonics.omega + side * harmonics.spacing / 2 for side in (-1, 1))
-        amplitude = np.sqrt(2 * band_variances(wave, low, high))
-    else:
-        density = spectrum(wave, (harmonics.omega[:, None] + harmonics.spacing * inside).ravel())
-        amplitude = np.sqrt(2 * harmonics.spacing * density.reshape(-1, WITHIN).mean(axis=1))
+    low, high = (harmonics.omega + side * harmonics.spacing / 2 for side in (-1, 1))
+    amplitude = np.sqrt(2 * wave.variances(low, high))
     phase = np.random.default_rng(wave.seed if isinstance(wave, SpectralSea) else 1).uniform(
         0.0, 2 * np.pi, harmonics.count
     )

@@ -12,7 +12,6 @@ from vsb.engine.motion.controller import achieved
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.motion.tuning import damper_within_force, mean_power
 from vsb.engine.waves.kinds import Irregular, Jonswap, PiersonMoskowitz, Wave
-from vsb.engine.waves.spectra import share_above
 from vsb.errors import VsbError
 from vsb.models.floating_system import FloatingSystem, InSeas, expected_sea, port_in_seas
 from vsb.models.stationary import rms_limits, stationary_ports
@@ -53,7 +52,7 @@ def elsewhere(study: InSeas, floating: FloatingSystem, waves: Sequence[Wave]) ->
         if not isinstance(wave, Jonswap | PiersonMoskowitz):
             continue
         seas = [wave.model_copy(update={"tp": factor * wave.tp}) for factor in PERIODS]
-        seas = [one for one in seas if share_above(one, floating.band[1]) < LEFT_OUT]
+        seas = [one for one in seas if one.share_above(floating.band[1]) < LEFT_OUT]
         tuned: dict[tuple[str, float], tuple[StationaryPort, ComplexArray]] = {}
         for one in seas:
             sea = expected_sea(study, one, floating.linear.database)

@@ -7,7 +7,7 @@ import numpy as np
 
 from vsb.engine.hydro.database import Check, Verdict
 from vsb.engine.motion.take_off import Pto, port_kind
-from vsb.engine.waves.kinds import IrregularSea, Wave
+from vsb.engine.waves.kinds import Wave
 from vsb.models.drag import LINEARISED
 from vsb.results.budget import Budget, Rows, Source, mean_budget
 from vsb.results.comparison import Attributes, gains
@@ -222,7 +222,7 @@ def _by_sea(study: BaseStudy, levels: Sequence[ControlLevel]) -> dict[str, list[
 
 def _sea(wave: Wave) -> str:
     """Name of a sea, one for all realisations."""
-    return wave.family if isinstance(wave, IrregularSea) else wave.label
+    return wave.family
 
 
 def _means(levels: Sequence[ControlLevel], level: str) -> dict[str, tuple[float | None, float]]:

@@ -24,7 +24,6 @@ from vsb.engine.shell.shell import Shell
 from vsb.engine.shell.surface import largest_displacement
 from vsb.engine.waves.dispersion import power_limit, wavenumber
 from vsb.engine.waves.kinds import IrregularSea, RecordedSea, RegularWave, StillWater, Wave
-from vsb.engine.waves.spectra import share_above, share_below
 from vsb.engine.waves.water import Water
 from vsb.keys.meanings import KEYS
 from vsb.keys.quantities import leaves
@@ -124,9 +123,9 @@ def wave_checks(wave: Wave, water: Water, omega_max: float, omega_min: float = 0
     text = "wave height over wavelength"
     checks = [check_at_most("steepness", steepness, 0.05, "-", text, doubt=True, wave=wave.label)]
     if isinstance(wave, IrregularSea):
-        share, text = share_above(wave, omega_max), "share of the sea above hydro.omega_max"
+        share, text = wave.share_above(omega_max), "share of the sea above hydro.omega_max"
         if omega_min:
-            share += share_below(wave, omega_min)
+            share += wave.share_below(omega_min)
             text = f"share of the sea left out, beyond {omega_min:.4g} to {omega_max:.4g} rad/s of the database"
         checks.append(check_at_most("spectrum_cut", share, 0.01, "-", text, doubt=True, wave=wave.label))
     return checks
@@ -393,7 +392,7 @@ def invalid_designs(study: BaseStudy, checks: Sequence[Check]) -> list[Invalid]:
     A check that names no design invalidates all it may (`vsb.engine.hydro.database.INVALIDATING`), one without a sea
     all seas; of several realisations the worst is kept.
     """
-    families = {wave.label: wave.family if isinstance(wave, IrregularSea) else wave.label for wave in study.waves}
+    families = {wave.label: wave.family for wave in study.waves}
     found: dict[tuple[str, str, str], Invalid] = {}
     for check in checks:
         if (whose := check.invalidates) is None:

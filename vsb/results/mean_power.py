@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.engine.motion.take_off import Pto
-from vsb.engine.waves.kinds import IrregularSea, SpectralSea, StillWater, Wave
+from vsb.engine.waves.kinds import SpectralSea, StillWater, Wave
 from vsb.models.drag import LINEARISED
 from vsb.results.budget import Budget, Source
 from vsb.results.comparison import Attributes, Row, gains, linear_mean, relative_difference
@@ -110,7 +110,7 @@ def mean_powers(
     seas: dict[str, list[Wave]] = {}
     for wave in study.waves:
         if not isinstance(wave, StillWater):
-            seas.setdefault(wave.family if isinstance(wave, IrregularSea) else wave.label, []).append(wave)
+            seas.setdefault(wave.family, []).append(wave)
     found: dict[tuple[str, str], MeanPower] = {}
     for waves in seas.values():
         labels, rung = [wave.label for wave in waves], LEVELS[study.tuning(waves[0])]

@@ -78,7 +78,7 @@ def sea_lines(plan: Plan) -> list[str]:
 
         seas = read_climate(plan.climate, plan.loaded.climate_path)
         return [f"seas         {len(seas.hours)} over the year: {seas.means(plan.loaded.base.water)}"]
-    from vsb.engine.waves.spectra import sea_energy
+    from vsb.engine.waves.seas import sea_energy
 
     found = {}
     for wave in plan.study.waves if plan.study.needs_bem else ():

@@ -23,8 +23,7 @@ from vsb.engine.waves.dispersion import group_velocity
 from vsb.engine.waves.kinds import (
     Irregular,
     IrregularSea,
-    Jonswap,
-    PiersonMoskowitz,
+    PeakedSea,
     RegularWave,
     SeaOfFile,
     SpectralSea,
@@ -32,7 +31,7 @@ from vsb.engine.waves.kinds import (
     Wave,
 )
 from vsb.engine.waves.seas import components
-from vsb.engine.waves.spectra import jonswap_spectrum, spectrum
+from vsb.engine.waves.spectra import jonswap_spectrum
 from vsb.models.floating_system import FloatingSystem, band, floating_system
 from vsb.report.band import lowest
 from vsb.report.canvas import PORT, StudyData
@@ -127,7 +126,7 @@ def _spectra(study: AnyStudy, highest: float) -> xr.DataArray:
         return xr.DataArray()
     omega = np.geomspace(0.5 * min(wave.reach[0] for wave in waves), highest, FREQUENCIES)
     coords = {"sea": [wave.description for wave in waves], "omega": omega}
-    return xr.DataArray([spectrum(wave, omega) for wave in waves], coords)
+    return xr.DataArray([wave.density(omega) for wave in waves], coords)
 
 
 def _period(study: AnyStudy, wave: Wave, response: xr.Dataset) -> float:
@@ -259,11 +258,11 @@ def _sea(
     if isinstance(wave, IrregularSea):
         duration = min(study.simulation.duration, _longest(len(study.designs), highest))
         omega, amplitude = components(wave, highest, duration)
-        width = 2 * float(omega[0]) if isinstance(wave, Jonswap | PiersonMoskowitz) else 0.0
+        width = 2 * float(omega[0])
         kept = (omega >= known[0]) & (omega <= known[1])
         omega, squares = omega[kept], amplitude[kept] ** 2
-        if isinstance(wave, Jonswap | PiersonMoskowitz):
-            squares, jonswap = None, _jonswap(wave, width, known)
+        if isinstance(wave, PeakedSea) and wave.jonswap_gamma is not None:
+            squares, jonswap = None, _jonswap(wave, wave.jonswap_gamma, width, known)
     else:
         omega, squares = np.array([wave.omega]), np.array([wave.amplitude**2])
     same = (i for i, (on, to) in enumerate(grids) if to == wave.direction and np.array_equal(on, omega))
@@ -278,9 +277,8 @@ def _longest(designs: int, highest: float) -> float:
     return 2 * math.pi * MOST / (1.1 * highest * designs)
 
 
-def _jonswap(wave: Jonswap | PiersonMoskowitz, width: float, band: tuple[float, float]) -> dict[str, float]:
+def _jonswap(wave: PeakedSea, gamma: float, width: float, band: tuple[float, float]) -> dict[str, float]:
     """Parameters of a spectrum, and peak periods between which it lies within a band of frequencies."""
-    gamma = wave.gamma if isinstance(wave, Jonswap) else 1.0
     periods = 2 * math.pi / np.array(band)
     own = {"hs": wave.hs, "tp": wave.tp, "gamma": gamma, "width": width, "integral": _integral(gamma)}
     return own | {"shortest": min(wave.tp, 5 * float(periods[1])), "longest": max(wave.tp, 0.5 * float(periods[0]))}

@@ -8,7 +8,7 @@ from typing import Any
 
 from vsb.engine.motion.take_off import port_kind
 from vsb.engine.waves.climate import YEAR_HOURS
-from vsb.engine.waves.kinds import IrregularSea, StillWater, Wave
+from vsb.engine.waves.kinds import StillWater, Wave
 from vsb.errors import ConfigError
 from vsb.report.side_by_side import Line, as_csv, as_page, as_text
 from vsb.stages.planning import plan_of
@@ -94,7 +94,7 @@ def _width(plan: AnyPlan, found: dict[str, list[dict[str, Any]]], row: dict[str,
 
 def _sea(wave: Wave) -> str:
     """Name of a sea, one for all realisations, which have one mean power."""
-    return wave.family if isinstance(wave, IrregularSea) else wave.label
+    return wave.family
 
 
 def _of_year(plan: CampaignPlan) -> Iterator[Line]:

@@ -226,6 +226,7 @@ class BodyStudy(Brief, BaseStudy):
             self.check_labels,
             self.check_records,
             self.check_control,
+            self.check_depths,
             self._check_spreading,
             self.check_dampers_of_designs,
             self.check_published,

@@ -29,6 +29,7 @@ from vsb.engine.waves.kinds import (
     RecordedSea,
     SpectralSea,
     StillWater,
+    Tma,
     Travelling,
     Wave,
     WhiteNoise,
@@ -168,6 +169,15 @@ class BaseStudy(WithDesigns):
             if self.pto.law == "causal" and not isinstance(wave, IrregularSea):
                 raise ValueError(f"pto.law 'causal': controls in irregular seas alone, received waves.{i} {wave.label}")
 
+    def check_depths(self) -> None:
+        """Check that seas of a finite depth are in water of that depth; `ValueError`."""
+        for i, wave in enumerate(self.waves):
+            if isinstance(wave, Tma) and wave.depth != self.water.depth:
+                raise ValueError(
+                    f"waves.{i}.depth {wave.depth:g} m: is that of another water; needs water.depth, here "
+                    f"{self.water.depth:g} m"
+                )
+
     def check_dampers_of_designs(self) -> None:
         """Check that dampers given one by one are those of the designs; `ValueError`."""
         if isinstance(self.pto.damping, dict) and set(self.pto.damping) != set(self.designs):
@@ -241,7 +251,7 @@ class BaseStudy(WithDesigns):
     @property
     def drawn_waves(self) -> tuple[Wave, ...]:
         """The seas figures are drawn of: of several realisations the first."""
-        first = {wave.family if isinstance(wave, IrregularSea) else wave.label: wave for wave in reversed(self.waves)}
+        first = {wave.family: wave for wave in reversed(self.waves)}
         return tuple(wave for wave in self.waves if wave in first.values())
 
     @property
@@ -332,7 +342,7 @@ class Study(Buoy, BaseStudy):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        of_the_sea = (self._check_floats, self._check_waves, self.check_records, self.check_control)
+        of_the_sea = (self._check_floats, self._check_waves, self.check_records, self.check_control, self.check_depths)
         check_all(*of_the_sea, self._check_model, self._check_take_off, self._check_shape)
         return self
 

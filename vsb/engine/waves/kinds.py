@@ -1,6 +1,7 @@
-"""The seas of a study: still water, regular waves, spectra; validated and frozen.
+"""The kinds of seas: what a file may say of each, its words, and its spectral density; validated and frozen.
 
-Imports nothing heavy: the Snakefile reads a study at every parse.
+A new kind is a class here, with `kind`, `density` and `words`, a name in `Spectral`, and its keys in
+`vsb.keys.meanings`. Realisations are in `vsb.engine.waves.seas`.
 """
 
 import bisect
@@ -12,15 +13,24 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from vsb.engine.waves.record_faults import Acceptable, Repairable
 from vsb.engine.waves.records import LEFT_OUT, Samples, read_record
+from vsb.engine.waves.spectra import jonswap_spectrum, ochi_hubble_peak, tma_spectrum
 from vsb.engine.waves.spectrum_table import SpectrumTable, read_spectrum
 from vsb.errors import ConfigError
 from vsb.keys.quantities import Brief, Count, Number, Positive, Section, within
 from vsb.keys.reading import Located
+from vsb.tools.arrays import FloatArray
 
+RESOLVED = 0.01
+"""Of the frequency of the peak: bands within which a density hardly changes."""
+SMOOTHED = 0.05
+"""Of the frequency of the energy period: width of the bands a record's spectrum is averaged over."""
+BANDS, HIGHEST = 2000, 40.0
+"""Bands a spectrum is summed over, to this multiple of its highest peak frequency: beyond it lies 1e-6 of JONSWAP's."""
 Height = Annotated[Positive, within(1e-9, 100.0, "m", "the highest wave ever measured had 30 m, molecules have 1e-9 m")]
 Period = Annotated[Positive, within(1e-3, 1e7, "s", "waves of gravity take longer than ripples and less than seasons")]
 
@@ -39,6 +49,11 @@ class StillWater(Section):
     def description(self) -> str:
         """The sea in words."""
         return "still water"
+
+    @property
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+        return self.label
 
 
 class Travelling(Section):
@@ -78,6 +93,11 @@ class RegularWave(Travelling):
     def omega(self) -> float:
         """Angular frequency [rad/s]."""
         return 2 * math.pi / self.period
+
+    @property
+    def family(self) -> str:
+        """Name of the sea without its seed."""
+        return self.label
 
     @property
     def fastest(self) -> float:
@@ -137,6 +157,39 @@ class IrregularSea(Travelling):
     def memory(self) -> float:
         """Time after which the waves have forgotten what they were [s]: ten peak periods."""
         return 20 * math.pi / self.omega
+
+    @property
+    def resolution(self) -> float:
+        """Width of bands within which the density hardly changes [rad/s]."""
+        return RESOLVED * self.omega
+
+    @abstractmethod
+    def density(self, omega: FloatArray) -> FloatArray:
+        """Return the spectral density, shape of `omega` [m^2 s/rad]: 16 m0 = hs^2."""
+
+    def variances(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return the variance of the elevation in bands between frequencies [rad/s], shape (band,) [m^2]."""
+        width = high - low
+        inside = math.ceil(float(np.max(width, initial=0.0)) / (2 * self.resolution))  # a band may hold the peak
+        fine = low[:, None] + (np.arange(inside) + 0.5) / inside * width[:, None]
+        return np.asarray(self.density(fine).mean(axis=1) * width)
+
+    def bands(self) -> tuple[FloatArray, FloatArray]:
+        """Return middles [rad/s] and variances [m^2] of bands that hold all of the sea."""
+        low, high = self.reach
+        edges = np.geomspace(low, HIGHEST * high, BANDS + 1)
+        middle = (edges[1:] + edges[:-1]) / 2
+        return middle, self.density(middle) * np.diff(edges)
+
+    def share_below(self, omega: float) -> float:
+        """Return the share of the sea's energy below a frequency [rad/s]."""
+        below = np.linspace(0.0, omega, 4001)[1:]
+        return float(np.trapezoid(self.density(below), below)) * 16 / self.hs**2
+
+    def share_above(self, omega: float) -> float:
+        """Return the share of the sea's energy above a frequency [rad/s]."""
+        beyond = np.linspace(omega, 20 * omega, 4001)
+        return float(np.trapezoid(self.density(beyond), beyond)) * 16 / self.hs**2
 
 
 class Spreading(Section):
@@ -239,6 +292,11 @@ class PeakedSea(SpectralSea):
         """Peak angular frequency [rad/s]."""
         return 2 * math.pi / self.tp
 
+    @property
+    def jonswap_gamma(self) -> float | None:
+        """Peakedness of the JONSWAP sea it is [-]; None if it is none."""
+        return None
+
 
 class Jonswap(PeakedSea):
     """JONSWAP sea: peakedness [-]."""
@@ -256,6 +314,37 @@ class Jonswap(PeakedSea):
         """The spectrum in words."""
         return f"a JONSWAP sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s"
 
+    @property
+    def jonswap_gamma(self) -> float:
+        """Its peakedness [-]."""
+        return self.gamma
+
+    def density(self, omega: FloatArray) -> FloatArray:
+        """Return the spectral density, shape of `omega` [m^2 s/rad]."""
+        return jonswap_spectrum(omega, self.hs, self.tp, self.gamma)
+
+
+class Tma(PeakedSea):
+    """JONSWAP sea on water of a depth [m] that breaks its longer waves (Bouws et al. 1985)."""
+
+    kind: Literal["tma"]
+    gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
+    depth: Annotated[Positive, within(0.1, 2e4, "m", "no sea is deeper")]
+
+    @property
+    def size(self) -> str:
+        """Height, period, peakedness and depth, for names of files."""
+        return f"{super().size}_g{self.gamma:g}_h{self.depth:g}"
+
+    @property
+    def words(self) -> str:
+        """The spectrum in words."""
+        return f"a TMA sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s in {self.depth:g} m of water"
+
+    def density(self, omega: FloatArray) -> FloatArray:
+        """Return the spectral density, shape of `omega` [m^2 s/rad]."""
+        return tma_spectrum(omega, self.hs, self.tp, self.gamma, self.depth)
+
 
 class PiersonMoskowitz(PeakedSea):
     """Fully developed sea of Pierson and Moskowitz."""
@@ -266,6 +355,15 @@ class PiersonMoskowitz(PeakedSea):
     def words(self) -> str:
         """The spectrum in words."""
         return f"a Pierson-Moskowitz sea of Hs = {self.hs:g} m and Tp = {self.tp:g} s"
+
+    @property
+    def jonswap_gamma(self) -> float:
+        """Peakedness of the JONSWAP sea it is [-]."""
+        return 1.0
+
+    def density(self, omega: FloatArray) -> FloatArray:
+        """Return the spectral density, shape of `omega` [m^2 s/rad]."""
+        return jonswap_spectrum(omega, self.hs, self.tp, 1.0)
 
 
 class WhiteNoise(SpectralSea):
@@ -298,6 +396,11 @@ class WhiteNoise(SpectralSea):
         return max(20 * math.pi / self.omega, 4 * math.pi / (self.band[1] - self.band[0]))
 
     @property
+    def resolution(self) -> float:
+        """Width of bands within which the density hardly changes [rad/s]; a hundred of the whole."""
+        return min(super().resolution, (self.band[1] - self.band[0]) / 100)
+
+    @property
     def size(self) -> str:
         """Height and band, for names of files."""
         return f"Hs{self.hs:g}_w{self.band[0]:g}-{self.band[1]:g}"
@@ -311,6 +414,31 @@ class WhiteNoise(SpectralSea):
     def omega(self) -> float:
         """Frequency in the middle of the band [rad/s]."""
         return 0.5 * (self.band[0] + self.band[1])
+
+    def density(self, omega: FloatArray) -> FloatArray:
+        """Return the spectral density, shape of `omega` [m^2 s/rad]."""
+        low, high = self.band
+        return np.where((omega >= low) & (omega <= high), self.hs**2 / 16 / (high - low), 0.0)
+
+    def variances(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return the variance of the elevation in bands between frequencies [rad/s], shape (band,) [m^2]."""
+        inside = np.clip(high, *self.band) - np.clip(low, *self.band)
+        return np.asarray(self.hs**2 / 16 / (self.band[1] - self.band[0]) * inside)
+
+    def bands(self) -> tuple[FloatArray, FloatArray]:
+        """Return middles [rad/s] and variances [m^2] of bands that hold all of the sea."""
+        edges = np.linspace(*self.band, BANDS + 1)
+        middle = (edges[1:] + edges[:-1]) / 2
+        return middle, self.density(middle) * np.diff(edges)
+
+    def share_below(self, omega: float) -> float:
+        """Return the share of the sea's energy below a frequency [rad/s]."""
+        low, high = self.band
+        return min(1.0, max(0.0, (omega - low) / (high - low)))
+
+    def share_above(self, omega: float) -> float:
+        """Return the share of the sea's energy above a frequency [rad/s]."""
+        return 1.0 - self.share_below(omega)
 
 
 class SeaPart(Section):
@@ -403,6 +531,10 @@ class OchiHubble(SpectralSea):
         """Time after which the waves have forgotten what they were [s]: ten peak periods of the swell."""
         return 10 * self.swell.tp
 
+    def density(self, omega: FloatArray) -> FloatArray:
+        """Return the spectral density, shape of `omega` [m^2 s/rad]."""
+        return np.asarray(sum(ochi_hubble_peak(omega, part.hs, part.tp, part.peakedness) for part in self.parts))
+
 
 class SeaOfFile(IrregularSea):
     """A sea that was measured or computed elsewhere, of what its file holds."""
@@ -445,6 +577,14 @@ class SeaOfFile(IrregularSea):
         """Height and period in words."""
         return f"Hs = {self.hs:.3g} m and Te = {2 * math.pi / self.omega:.3g} s"
 
+    def share_below(self, omega: float) -> float:
+        """Return the share of the sea's energy below a frequency [rad/s]."""
+        return self.file.share_outside(omega, math.inf)
+
+    def share_above(self, omega: float) -> float:
+        """Return the share of the sea's energy above a frequency [rad/s]."""
+        return self.file.share_outside(0.0, omega)
+
     def check_band(self, low: float, high: float, where: str) -> None:
         """Check that a band [rad/s] holds the sea, but for little of its variance; raises `ConfigError`."""
         if (share := self.file.share_outside(low, high)) > LEFT_OUT:
@@ -484,6 +624,24 @@ class RecordedSea(SeaOfFile):
         """The record in words."""
         return f"a record of {self.file.length:g} s of {self._size_in_words}"
 
+    def density(self, omega: FloatArray) -> FloatArray:
+        """Return the spectral density, shape of `omega` [m^2 s/rad], averaged over bands of `SMOOTHED`."""
+        width = SMOOTHED * self.omega
+        return self.variances(omega - width / 2, omega + width / 2) / width
+
+    def variances(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return the variance of the elevation in bands between frequencies [rad/s], shape (band,) [m^2].
+
+        Each harmonic stands for the band of frequencies nearest to it, and is cut with it.
+        """
+        edges = 2 * math.pi / self.file.length * (np.arange(len(self.file.omega) + 1) + 0.5)
+        below = np.concatenate([[0.0], np.cumsum(self.file.variances)])
+        return np.asarray(np.interp(high, edges, below) - np.interp(low, edges, below))
+
+    def bands(self) -> tuple[FloatArray, FloatArray]:
+        """Return frequencies [rad/s] and variances [m^2] of its harmonics."""
+        return self.file.omega, self.file.variances
+
 
 class TabulatedSea(SeaOfFile, SpectralSea):
     """A sea of a spectrum in a file, over frequency or over frequency and direction; random seed."""
@@ -520,6 +678,19 @@ class TabulatedSea(SeaOfFile, SpectralSea):
         """The spectrum in words."""
         directional = "directional " if self.file.directions else ""
         return f"a {directional}spectrum of {self._size_in_words}"
+
+    def density(self, omega: FloatArray) -> FloatArray:
+        """Return the spectral density, shape of `omega` [m^2 s/rad], linear between frequencies of the file."""
+        return self.file.at(omega)
+
+    def variances(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return the variance of the elevation in bands between frequencies [rad/s], shape (band,) [m^2]."""
+        return self.file.variance_below(high) - self.file.variance_below(low)
+
+    def bands(self) -> tuple[FloatArray, FloatArray]:
+        """Return middles [rad/s] and variances [m^2] of bands that hold all of the sea."""
+        edges = np.linspace(self.file.omega[0], self.file.omega[-1], BANDS + 1)
+        return (edges[1:] + edges[:-1]) / 2, self.variances(edges[:-1], edges[1:])
 
 
 def directions_of(wave: Travelling) -> tuple[float, ...]:
@@ -569,7 +740,7 @@ def with_files(raw: Any, source: str) -> Any:
     return found
 
 
-Spectral = Jonswap | PiersonMoskowitz | OchiHubble | WhiteNoise | TabulatedSea
-"""Seas of a spectrum: what `vsb.engine.waves.spectra.spectrum` has a density for."""
+Spectral = Jonswap | PiersonMoskowitz | Tma | OchiHubble | WhiteNoise | TabulatedSea
+"""Seas of a spectrum."""
 Irregular = Spectral | RecordedSea
 Wave = Annotated[StillWater | RegularWave | Irregular, Field(discriminator="kind")]

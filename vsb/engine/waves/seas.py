@@ -1,21 +1,22 @@
 """Regular and irregular seas as sums of regular components."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from vsb.engine.waves.dispersion import group_velocity
 from vsb.engine.waves.kinds import (
     Irregular,
     RecordedSea,
     RegularWave,
-    SeaOfFile,
     Spectral,
     SpectralSea,
     TabulatedSea,
     Wave,
     WhiteNoise,
 )
-from vsb.engine.waves.spectra import band_variances, spectrum
+from vsb.engine.waves.water import Water
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 
 PARTS = 36
@@ -127,11 +128,7 @@ def components(wave: Irregular, omega_max: float, duration: float) -> tuple[Floa
     count = int(np.ceil((high - low) * 1.1 * duration / (2 * np.pi)))
     width = (high - low) / count
     omega = low + (np.arange(count) + 0.5) * width
-    if isinstance(wave, SeaOfFile):
-        return omega, np.sqrt(2 * band_variances(wave, omega - width / 2, omega + width / 2))
-    inside = int(np.ceil(width / (0.02 * wave.omega)))  # the spectrum may peak within a band of a short record
-    fine = low + (np.arange(count * inside) + 0.5) * width / inside
-    return omega, np.sqrt(2 * spectrum(wave, fine).reshape(count, inside).mean(axis=1) * width)
+    return omega, np.sqrt(2 * wave.variances(omega - width / 2, omega + width / 2))
 
 
 def recorded(wave: RecordedSea, omega_max: float) -> Sea:
@@ -189,3 +186,33 @@ def sea(wave: Wave, omega_max: float, duration: float) -> Sea:
     if isinstance(wave, SpectralSea):
         return irregular(wave, omega_max, duration)
     return NO_WAVES
+
+
+class SeaEnergy(NamedTuple):
+    """Height, energy period and energy flux of a sea."""
+
+    height: float  # significant height of an irregular sea, crest to trough of regular waves [m]
+    period: float  # energy period of an irregular sea, Te = 2 pi m_-1/m_0 [s]
+    flux: float  # rho g int v_g S dw, per metre of crest [W/m]
+
+
+def sea_energy(wave: RegularWave | Irregular, water: Water) -> SeaEnergy:
+    """Return height, period and energy flux of a sea in water of a depth (IEC TS 62600-101).
+
+    Examples
+    --------
+    In deep water the flux is rho g^2 Hs^2 Te/(64 pi):
+
+    >>> from vsb.engine.waves.kinds import Jonswap
+    >>> sea = sea_energy(Jonswap(kind="jonswap", hs=2.0, tp=8.0), Water())
+    >>> round(sea.period, 2), round(sea.flux / (1025 * 9.81**2 * 2.0**2 * sea.period / (64 * math.pi)), 6)
+    (7.23, 1.0)
+    """
+    if isinstance(wave, RegularWave):
+        omega, variance = np.array([wave.omega]), np.array([wave.amplitude**2 / 2])
+        height = 2 * wave.amplitude
+    else:
+        (omega, variance), height = wave.bands(), wave.hs
+    speed = np.array([group_velocity(w, water.depth, water.gravity) for w in omega])
+    period = 2 * np.pi * float(variance @ (1 / omega) / variance.sum())
+    return SeaEnergy(height, period, water.density * water.gravity * float(variance @ speed))
