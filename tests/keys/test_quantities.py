@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vsb.errors import ConfigError
-from vsb.keys import quantities
 from vsb.keys.quantities import canonical, content_id, result_id, within
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
@@ -46,17 +45,6 @@ def test_band_below_the_peak_of_damping_is_refused():
         else:
             with pytest.raises(ConfigError, match=r"omega_max: received 2 rad/s, needs at least 5.515 .* beyond its"):
                 plan.check_waves()
-
-
-@pytest.mark.parametrize(
-    ("label", "body", "motion", "rigid"),
-    [("Heave", "", "Heave", True), ("float__Heave", "float", "Heave", True), ("Mode7", "", "Mode7", False),
-     ("left__float__Pitch", "left__float", "Pitch", True), ("Heave__Mode7", "Heave", "Mode7", False)],
-)  # fmt: skip
-def test_labels_of_motions_of_several_bodies(label, body, motion, rigid):
-    """A body's name may be two words, or that of a motion."""
-    assert (quantities.body_of(label), quantities.motion_of(label)) == (body, motion)
-    assert quantities.is_rigid(label) is rigid
 
 
 PLAIN = st.recursive(

@@ -135,3 +135,12 @@ def test_one_key_is_drawn_as_a_line_with_its_interval():
 def over(values, gains, **attrs):
     """A campaign over values of the thickness alone."""
     return campaign(gains=np.atleast_2d(gains), modulus=(1e6,), thickness=values, **attrs)
+
+
+def test_without_a_rigid_design_powers_are_drawn_with_their_intervals():
+    ds = campaign(gains=GAINS[:, :1], thickness=(0.01,)).sel(design=["VSWEC"])
+    ax = sweep(ds, "one", None).axes[0]
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), 10 * (1 + GAINS[:, 0] / 100))
+    band = ax.collections[0].get_paths()[0].vertices
+    assert (band[:, 1].min(), band[:, 1].max()) == pytest.approx((0.99 * 9.5, 1.02 * 10.8))
+    assert ax.get_ylabel() == "mean power of the year [kW]"

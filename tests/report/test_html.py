@@ -26,3 +26,10 @@ def test_sea_is_named_in_a_table_of_several_only():
 def test_missing_value_of_a_template_raises():
     with pytest.raises(jinja2.UndefinedError, match="is undefined"):
         html.page("campaign.html.j2")
+
+
+def test_negative_numbers_have_one_minus_sign():
+    """Numbers of text alone: no name, date, exponent, script, figure, file or study is changed."""
+    text = '<p title="-1">-6.3 % (-.5 to -1e-05), 2026-11-29, VSWEC-2, up-1, -</p><pre>x: -0.8</pre><svg>-1</svg>'
+    signs = text.replace(">-6.3 % (-.5 to -1e", ">\N{MINUS SIGN}6.3 % (\N{MINUS SIGN}.5 to \N{MINUS SIGN}1e")
+    assert html.with_minus_signs(text) == signs

@@ -218,7 +218,7 @@ def test_reader_drags_the_damper_and_the_table_follows(page, tmp_path):
     assert found["within"], "a stored optimum is of the sea as it was"
     assert found["tip"].startswith("damping [N s/m]: ")
     assert "FSB: " in found["tip"]
-    assert found["sorted"] == ["-3", "20", "100"]
+    assert found["sorted"] == ["\N{MINUS SIGN}3", "20", "100"]
 
 
 def test_force_limit_steps_through_stored_optima(page, tmp_path):

@@ -160,6 +160,8 @@ def sweep(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     others = [design for design in ds.design.values if design != reference]
     if not bool(ds.viable.any()):
         return _without_curves(NOT_VIABLE)
+    if reference is None and not is_mapped(ds):
+        return _powers(ds, tuning, keys[0])
     if reference is None or not others:
         nothing = "a rigid design that absorbs no power" if ds.attrs.get("reference") else "no rigid design"
         return _without_curves(f"{'no flexible design' if reference else nothing} to compare with")
@@ -180,22 +182,46 @@ def is_mapped(ds: xr.Dataset) -> bool:
 
 def _lines(ds: xr.Dataset, tuning: str, key: str, others: Sequence[str]) -> Figure:
     """Gains over one key, with their intervals."""
-    figure, axes = grid_of_axes(3.4)
-    ax, ordered = axes[0, 0], ds.sortby(key) if ds[key].dtype.kind == "f" else ds
-    at, places = ordered.sel(tuning=tuning), _places(ordered, key)
-    marker = "" if ds[key].size > 12 else "o"
+    figure, ax, places, at = _over_key(ds, tuning, key)
     for design in others:
         line, one = style(design, list(ds.design.values)), at.sel(design=design).squeeze()
-        ax.plot(places, reported_gain(one, tuning), marker=marker, markersize=4, **line)
+        _with_interval(ax, places, line, reported_gain(one, tuning), reported_bounds(one, tuning))
         if is_verified(one, tuning):
             ax.plot(places, one.gain_percent, color=line["color"], linewidth=0.8, ls=":")
-        ax.fill_between(places, *reported_bounds(one, tuning), color=line["color"], alpha=0.2, linewidth=0)
     ax.axhline(0, color="black", linewidth=0.8)
-    ax.set(xlabel=_label(ds, key), ylabel="gain [%]", xscale=_scale(ds, key))
-    if not _is_spaced(ds, key):
-        _tick(ax.xaxis, ordered, key)
+    ax.set(ylabel="gain [%]")
     legend_above(figure, ax)
     return figure
+
+
+def _powers(ds: xr.Dataset, tuning: str, key: str) -> Figure:
+    """Mean powers of the year over one key, with their intervals."""
+    figure, ax, places, at = _over_key(ds, tuning, key)
+    for design in ds.design.values:
+        names = ("annual_mean_power", "annual_mean_power_low", "annual_mean_power_high")
+        power, low, high = (at[name].sel(design=design).squeeze() / 1e3 for name in names)
+        _with_interval(ax, places, style(design, list(ds.design.values)), power, (low, high))
+    ax.set(ylabel="mean power of the year [kW]")
+    legend_above(figure, ax)
+    return figure
+
+
+def _over_key(ds: xr.Dataset, tuning: str, key: str) -> tuple[Figure, Axes, Any, xr.Dataset]:
+    """Axes over one key, the places of its values, and the results there."""
+    figure, axes = grid_of_axes(3.4)
+    ax, ordered = axes[0, 0], ds.sortby(key) if ds[key].dtype.kind == "f" else ds
+    ax.set(xlabel=_label(ds, key), xscale=_scale(ds, key))
+    if not _is_spaced(ds, key):
+        _tick(ax.xaxis, ordered, key)
+    return figure, ax, _places(ordered, key), ordered.sel(tuning=tuning)
+
+
+def _with_interval(
+    ax: Axes, places: Any, line: dict[str, Any], values: xr.DataArray, bounds: tuple[xr.DataArray, xr.DataArray]
+) -> None:
+    """A curve, its points marked where they are few, in the band of its interval."""
+    ax.plot(places, values, marker="" if len(places) > 12 else "o", markersize=4, **line)
+    ax.fill_between(places, *bounds, color=line["color"], alpha=0.2, linewidth=0)
 
 
 def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str]) -> Figure:

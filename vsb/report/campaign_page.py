@@ -128,7 +128,10 @@ def captions(ds: xr.Dataset) -> dict[str, str]:
     words["marks"] = (BUCKLING if of_shells(ds) else "") + MAPPED if is_mapped(ds) else "; shaded: interval"
     if is_verified(ds, tuning):
         words["marks"] += "; corrected by time-domain runs" + ("" if is_mapped(ds) else "; dotted: linear theory alone")
-    return {name: text.format(**words) for name, text in CAPTIONS.items()}
+    found = {name: text.format(**words) for name, text in CAPTIONS.items()}
+    if reference is None and not is_mapped(ds):
+        found["sweep"] = f"Mean power of the year, {TUNED[tuning]}, by linear theory; shaded: interval."
+    return found
 
 
 def statements(ds: xr.Dataset, reference: str | None, tuning: str) -> list[str]:
@@ -168,7 +171,10 @@ def warnings(ds: xr.Dataset) -> list[str]:
             "quantities set by a few storms (breaking, limits, large deformation) coverage is 77 to 95 % with 12 seas, "
             "89 to 96 % with 24.",
         ]
-    if bool(ds.viable.any()) and of_shells(ds):
+    if (
+        of_shells(ds)
+        and 100 * float(ds.energy_beyond.sel(limit="heave", tuning=leading(ds)[0]).where(ds.viable).max()) >= 0.5
+    ):
         found.append(
             f"In seas that bring {_shares(ds, 'heave', leading(ds)[0])} of the energy the heave amplitude exceeds 0.3 "
             "of the radius; coefficients of the shape at rest are then inaccurate."

@@ -25,6 +25,10 @@ FOLDED = {
 }
 """Figures for specialists, folded under these titles."""
 SECTION = re.compile(r'<section id="(\w+)">\s*<h2>(.*?)</h2>')
+VERBATIM = re.compile(r"(<(?:script|style|svg|pre|code)\b.*?</(?:script|style|svg|pre|code)>|<[^>]*>)", re.DOTALL)
+MINUS = "\N{MINUS SIGN}"
+HYPHEN = re.compile(r"(?<![\w.)-])-(?=[\d.]*\d)")
+"""A hyphen that is the sign of a number: not in 2026-11-29, e-05 or a name."""
 CONTENTS = '<nav aria-label="Contents"></nav>'
 """Place of the table of contents in a page."""
 NO_SEAS: Mapping[str, str] = {}
@@ -45,9 +49,15 @@ def page(template: str, **values: Any) -> str:
         "kinds": FIGURE_KINDS,
         "scripts": SCRIPTS,
     }
-    text = environment.get_template(template).render(**values)
+    text = with_minus_signs(environment.get_template(template).render(**values))
     links = " ".join(f'<a href="#{name}">{title}</a>' for name, title in SECTION.findall(text))
     return text.replace(CONTENTS, CONTENTS.replace("><", f">{links}<"), 1)
+
+
+def with_minus_signs(text: str) -> str:
+    """Return a page whose negative numbers have a minus sign for a hyphen, but in scripts, figures, files and tags."""
+    parts = VERBATIM.split(text)
+    return "".join(part if i % 2 else HYPHEN.sub(MINUS, part) for i, part in enumerate(parts))
 
 
 def text_of(name: str) -> str:

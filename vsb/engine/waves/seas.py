@@ -203,6 +203,7 @@ def sea_energy(wave: RegularWave | Irregular, water: Water) -> SeaEnergy:
     --------
     In deep water the flux is rho g^2 Hs^2 Te/(64 pi):
 
+    >>> import math
     >>> from vsb.engine.waves.kinds import Jonswap
     >>> sea = sea_energy(Jonswap(kind="jonswap", hs=2.0, tp=8.0), Water())
     >>> round(sea.period, 2), round(sea.flux / (1025 * 9.81**2 * 2.0**2 * sea.period / (64 * math.pi)), 6)
