@@ -1,6 +1,7 @@
 """The public names, described in docs/api.md: `vsb/__init__.py` reads here where each is, type checkers what it is."""
 
 from vsb.api.best_buoy import BestBuoy as BestBuoy
+from vsb.api.buoy import Buoy as Buoy
 from vsb.api.campaign import Campaign as Campaign
 from vsb.api.gradient import gradient as gradient
 from vsb.api.opened import open as open

@@ -45,6 +45,11 @@ def init(path: str, radius: float | None = None) -> None:
     write_text(path, text)
 
 
+def example_of_radius(radius: float) -> str:
+    """Return the text of the shipped study, scaled by Froude to a radius [m]."""
+    return scaled(EXAMPLE.read_text(encoding="utf-8"), radius / load(EXAMPLE).device.radius)
+
+
 def init_body(path: str) -> None:
     """Write a commented study of a body that is named after its file; raises as `init`."""
     target = _new(path)
