@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from conftest import SEED, SMALL, SMALL_PLAN, error_line
+from conftest import EXAMPLE, SEED, SMALL, SMALL_PLAN, error_line
 from stages.test_members import planned, with_seas
 
 from vsb import __version__
@@ -155,7 +155,7 @@ def test_output_that_cannot_be_written_is_reported_before_any_work(workplace, ca
 )
 def test_wrong_tasks_of_a_rule(workplace, capsys, monkeypatch, text, message):
     given(monkeypatch, text)
-    assert error_line(["modes"], capsys).startswith(message)
+    assert error_line(["stage", "modes"], capsys).startswith(message)
 
 
 def test_only_the_database_of_the_study_is_exported(finished, workplace, capsys):
@@ -305,20 +305,29 @@ def test_a_rule_replaces_its_own_products_only(workplace, capsys, monkeypatch):
 
     for _ in range(2):
         given_paths("modes", "modes.nc", ("modes.nc",))
-        assert main(["modes"]) == 0
+        assert main(["stage", "modes"]) == 0
     Path("text.nc").write_text("mine")
     for name in ("small.yaml", "text.nc"):
         before = Path(name).read_bytes()
         given_paths("modes", name, (name,))
-        assert f"{name}: is no earlier output of the rule modes, and would be lost" in error_line(["modes"], capsys)
+        assert f"{name}: is no earlier output of the rule modes, and would be lost" in error_line(
+            ["stage", "modes"], capsys
+        )
         assert Path(name).read_bytes() == before
     Path("mine").mkdir()
     Path("mine/mean.vtu").write_text("mine")
     given_paths("display", "mine", ("mine/mean.vtu",), manifest="mine/manifest.json")
-    assert "mine/mean.vtu: is no earlier output of the rule meshes" in error_line(["meshes"], capsys)
+    assert "mine/mean.vtu: is no earlier output of the rule meshes" in error_line(["stage", "meshes"], capsys)
     given_paths("display", "new", ("new/mean.vtu",), manifest="small.yaml")
-    assert "small.yaml: is no earlier output of the rule meshes" in error_line(["meshes"], capsys)
+    assert "small.yaml: is no earlier output of the rule meshes" in error_line(["stage", "meshes"], capsys)
     Path("modes.nc").rename("one.nc")
     Path("search/starts").mkdir(parents=True)
     Path("one.nc").rename("search/starts/one.nc")
     check_product("search", "design_results", "design_results")  # a design's folder before its tables: starts alone
+
+
+def test_results_lie_where_they_are_asked_for(capsys, tmp_path):
+    """The plan of a check, and of a workflow that Snakemake only shows."""
+    folder = str(tmp_path / "elsewhere")
+    assert main(["check", str(EXAMPLE), "--results", folder]) == 0
+    assert f"database     {folder}/hydro/db/" in capsys.readouterr().out

@@ -29,6 +29,30 @@ if TYPE_CHECKING:
     from vsb.engine.hydro.database import Check
 
 Handler = Callable[[argparse.Namespace], int]
+FIRST = """a study of your own:
+  vsb init my.yaml      write it, with comments
+  vsb check my.yaml     what it costs, and what to doubt
+  vsb run my.yaml       results/my/report.html"""
+EXAMPLES = {
+    "init": "my.yaml --radius 3", "run": "my.yaml", "design": "my_design.yaml", "check": "my.yaml",
+    "schema": "campaign > campaign.json", "verify": "results/my", "shell": "my.yaml --json",
+    "shape-dependence": "my.yaml shape", "body": "float.yaml results/float", "export": "my.yaml wec-sim",
+    "series": "results/my/trajectories/free-regular_A0.2_T2.9.nc free.csv",
+    "import-wamit": "wamit/ float float.nc --length 1", "import-bemio": "rm3.h5 rm3.nc",
+    "import-nemoh": "nemoh/ float.nc",
+    "compare": "soft.yaml stiff.yaml --out both.html", "figures": "my.yaml --pdf --out paper",
+    "stage": "database < tasks.json",
+}  # fmt: skip
+"""Arguments of an example of each command."""
+ARGUMENTS = {
+    "STUDY.yaml": "file to write, which must not exist", "CONFIG": "file of a study, campaign or design problem",
+    "DESIGN": "file of a design problem", "CONFIG|FOLDER": "file of a study, or a folder of results",
+    "CONFIG|DATABASE.nc": "file of a study, or a hydro database", "OUT": "name of the files to write, without ending",
+    "TRAJECTORY.nc": "file of results/STUDY/trajectories", "OUT.csv|OUT.nc": "file to write",
+    "FOLDER": "folder of files", "NAME": "name of the files without ending", "DATABASE.nc": "hydro database to write",
+    "FILE.h5": "file of BEMIO",
+}  # fmt: skip
+"""What positional arguments are, by their names."""
 AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
 
 
@@ -53,7 +77,7 @@ def check(args: argparse.Namespace) -> int:
 
     Nothing is solved.
     """
-    plan = plan_of(args.config)
+    plan = plan_of(args.config, args.results)
     check_name(plan)
     lines = summary(plan)
     print(*lines, sep="\n")
@@ -186,7 +210,7 @@ def figures(args: argparse.Namespace) -> int:
     """Draw the figures of finished results for print, as PDF or PNG, beside those of the page or into a folder."""
     from vsb.stages.printing import print_figures
 
-    plan = plan_of(args.config)
+    plan = plan_of(args.config, args.results)
     folder = args.out or f"{plan.folder}/figures"
     written = [path for kind in args.kinds or ["pdf"] for path in print_figures(plan, folder, kind)]
     print(*written, sep="\n")
@@ -248,32 +272,45 @@ class Parser(argparse.ArgumentParser):
 
 def parser() -> argparse.ArgumentParser:
     """Return the argument parser of the command line."""
-    rules = "\n".join(f"  {name:20} {words}" for name, words in RULES.items())
-    top = Parser(
-        prog="vsb",
-        description="Does a flexible wave-energy buoy absorb more than a rigid one?",
-        epilog=f"rules of the workflow, each a command that reads its tasks from standard input:\n{rules}",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    top = Parser(prog="vsb", description="Does a flexible wave-energy buoy absorb more than a rigid one?", epilog=FIRST)
+    top.formatter_class = argparse.RawDescriptionHelpFormatter
     top.set_defaults(writes={})
     top.add_argument("--version", action="version", version=f"vsb {__version__}")
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
     _add_commands(commands)
     _add_imports(commands)
     _add_compared(commands)
-    for name, words in RULES.items():
-        one = commands.add_parser(name, description=f"Rule {name}: {words}.")  # no help: not in the list
-        one.set_defaults(handler=rule, rule=name)
+    text = "one rule of the workflow; it reads its tasks as JSON from standard input"
+    one = _command(commands, "stage", text, rule)
+    one.formatter_class = argparse.RawDescriptionHelpFormatter
+    one.epilog = "rules:\n" + "\n".join(f"  {name:20} {words}" for name, words in RULES.items())
+    one.add_argument("rule", metavar="RULE", choices=list(RULES), help="which, see below")
     return top
 
 
 def _command(commands: Any, name: str, text: str, handler: Handler, /, **places: str) -> argparse.ArgumentParser:
-    """Declare a command for people with its positional arguments and how these are called in its help."""
+    """Declare a command with its positional arguments and how these are called in its help, which has an example."""
     one: argparse.ArgumentParser = commands.add_parser(name, help=text, description=handler.__doc__)
+    if example := EXAMPLES.get(name):
+        one.epilog = f"example: vsb {name} {example}"
     for place, metavar in places.items():
-        one.add_argument(place, metavar=metavar)
+        one.add_argument(place, metavar=metavar, help=ARGUMENTS[metavar])
     one.set_defaults(handler=handler, command=one)
     return one
+
+
+def _in_results(one: argparse.ArgumentParser) -> None:
+    """Let the folder of all results be named."""
+    one.add_argument("--results", metavar="FOLDER", default="results", help="folder of all results (default: results)")
+
+
+def _running(one: argparse.ArgumentParser) -> None:
+    """Declare the options of a run."""
+    _in_results(one)
+    one.add_argument("--profile", help="of Snakemake: default, slurm, or the path of a folder of your own")
+    one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
+    one.add_argument("--quiet", "-q", action="store_true", help="print the answer alone")
+    one.add_argument("--verbose", action="store_true", help="show what Snakemake says")
 
 
 def _add_commands(commands: Any) -> None:
@@ -285,17 +322,14 @@ def _add_commands(commands: Any) -> None:
     one.add_argument("--design", action="store_true", help="a design problem, and the study it varies")
     one = _command(commands, "run", "run a whole study, campaign or design", run, config="CONFIG")
     one.epilog = (
-        "What is short runs in this process, all else through Snakemake; it always does if one of these options, or of "
-        "snakemake's own such as -n, is given."
+        f"{one.epilog}. What is short runs in this process, all else through Snakemake; it always does if --profile, "
+        "--cores, --verbose, or an option of snakemake's own such as -n, is given."
     )
-    one.add_argument("--profile", help="default, slurm, or the path of a folder of your own")
-    one.add_argument("--cores", "-c", type=cores, metavar="N", help="processor cores to use, or all")
-    one.add_argument("--verbose", action="store_true", help="show what Snakemake says")
-    one = _command(commands, "design", "find the best buoy: the same as run, of a design file", run, config="DESIGN")
-    one.add_argument("--profile", help="as of run")
-    one.add_argument("--cores", "-c", type=cores, metavar="N", help="as of run")
-    one.add_argument("--verbose", action="store_true", help="as of run")
-    _command(commands, "check", "validate a study, campaign or design, solve nothing", check, config="CONFIG")
+    _running(one)
+    words = "find the best buoy: the same as run, of a design file"
+    _running(_command(commands, "design", words, run, config="DESIGN"))
+    words = "validate a study, campaign or design, solve nothing"
+    _in_results(_command(commands, "check", words, check, config="CONFIG"))
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
     kinds = ("study", "body-study", "body", "campaign", "design")
     one.add_argument("kind", nargs="?", choices=kinds, default="study", help="kind of file")
@@ -317,6 +351,7 @@ def _add_compared(commands: Any) -> None:
     one.add_argument("--out", metavar="FILE", help="write all of the table as FILE.csv, or a page, FILE.html")
     words = "figures of finished results for print, as PDF or PNG"
     one = _command(commands, "figures", words, figures, config="CONFIG")
+    _in_results(one)
     for kind in ("pdf", "png"):
         words = f"write {kind.upper()}{' (default)' if kind == 'pdf' else ''}"
         one.add_argument(f"--{kind}", action="append_const", dest="kinds", const=kind, help=words)

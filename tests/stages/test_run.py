@@ -81,7 +81,7 @@ def test_caches_are_kept_elsewhere_if_there_is_no_place_for_them_at_home(tmp_pat
 
 OUTPUT = """Building DAG of jobs...
 CalledProcessError in file "workflow/rules/simulate.smk", line 24:
-Command 'set -euo pipefail;  vsb simulate <<< '[{"stage":"simulate"}]' > results/logs/simulate/seed/FSB-still.log 2>&1' returned non-zero exit status 137.
+Command 'set -euo pipefail;  vsb stage simulate <<< '[{"stage":"simulate"}]' > results/logs/simulate/seed/FSB-still.log 2>&1' returned non-zero exit status 137.
 Exiting because a job execution failed. Look above for error messages
 """
 

@@ -166,7 +166,7 @@ def test_specification_longer_than_a_shell_argument(folder, monkeypatch, tmp_pat
     plan = StudyPlan(config.parse(with_(waves=seas)))
     assert len(canonical(plan.comparison)) > 2**17
     task = replace(next(iter(tasks(plan))), files={"out": "modes.nc"}, makes=("modes.nc",))
-    shell("vsb modes <<< {text:q}", text=canonical([task.handed]) + " " * 2**17)
+    shell("vsb stage modes <<< {text:q}", text=canonical([task.handed]) + " " * 2**17)
     assert load("modes.nc").equals(load(folder / "results/base/modes.nc"))
 
 

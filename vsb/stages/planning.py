@@ -14,9 +14,9 @@ from vsb.study.plans import Plan
 from vsb.study.study import Study
 
 
-def plan_of(path: str) -> Plan:
+def plan_of(path: str, root: str = "results") -> Plan:
     """Return the plan of a study file, of a buoy or of a body, or of a campaign file; see `with_degree`."""
-    return with_degree(plans.plan_of(path))
+    return with_degree(plans.plan_of(path, root))
 
 
 def planned(raw: dict[str, Any], source: str) -> Plan:

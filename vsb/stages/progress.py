@@ -13,7 +13,7 @@ BEGUN = re.compile(r"^(?:local)?rule (\w+):$")
 WILDCARD = re.compile(r"^\s+wildcards: job=(.+)$")
 LAST = re.compile(r"^\s+resources: ")
 DONE = re.compile(r"^(\d+) of (\d+) steps \(\d+%\) done$")
-FAILED = re.compile(r"\bvsb (\w+)\s.* > (\S+) 2>&1' returned non-zero exit status \d+")
+FAILED = re.compile(r"\bvsb stage (\w+)\s.* > (\S+) 2>&1' returned non-zero exit status \d+")
 
 
 FIRM = 10.0
@@ -26,14 +26,20 @@ class Progress:
 
     name: str
     seconds: Sequence[float]  # CPU time of its parts as estimated, in their order [s]
+    quiet: bool = False
     begun: float = field(default_factory=time.monotonic)
+
+    def say(self, words: str) -> None:
+        """Print a line of the run, unless it is quiet."""
+        if not self.quiet:
+            print(f"{self.name}: {words}", file=sys.stderr, flush=True)
 
     def begin(self, words: str, done: int) -> None:
         """Say what begins, when so many parts are done, and how long all that is left takes."""
         before, left = sum(self.seconds[:done]), sum(self.seconds[done:])
         rate = (time.monotonic() - self.begun + FIRM) / (before + FIRM)
         still = f", about {plain_seconds(rate * left)} left" if rate * left >= 1.0 else ""
-        print(f"{self.name}: {done} of {len(self.seconds)} done{still}; {words}", file=sys.stderr, flush=True)
+        self.say(f"{done} of {len(self.seconds)} done{still}; {words}")
 
 
 def followed(
@@ -71,7 +77,7 @@ def followed(
         elif found := DONE.match(line.strip()):
             done = min(int(found[1]), len(progress.seconds))
             if words and (said := words()):
-                print(f"{progress.name}: {said}", file=sys.stderr, flush=True)
+                progress.say(said)
 
 
 def failed(lines: Iterable[str]) -> dict[str, str]:

@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
 
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # as in a job of Snakemake's: threads of small matrices only wait
-    plan = plan_of(args.config)
+    plan = plan_of(args.config, args.results)
     check_name(plan)
     check_plan(plan)
     for words in unit_lines(plan):
@@ -69,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
     with exclusive_lock(Path(plan.folder), waits=not dry) as held:
         stale = verify.stale_products(plan, dry=dry)
         if not asked and is_faster_here(plan, stale):
-            _run_here(plan, stale)
+            _run_here(plan, stale, quiet=args.quiet)
         elif code := _run_by_snakemake(args, plan, stale, profile, given, held, dry=dry):
             return code
     if dry or not (report := Path(plan.folder) / "report.html").is_file():
@@ -78,10 +78,10 @@ def run(args: argparse.Namespace) -> int:
     return 0 if _is_answered(plan) else 1
 
 
-def _run_here(plan: Plan, stale: Sequence[str]) -> None:
+def _run_here(plan: Plan, stale: Sequence[str], *, quiet: bool) -> None:
     """Make all products in this process; if terminated, end after one line."""
     some = due(tasks(plan), products(plan), stale)
-    progress = Progress(plan.name, [task.seconds for task in some])
+    progress = Progress(plan.name, [task.seconds for task in some], quiet)
     before = {number: signal.signal(number, _ask_to_end) for number in _heard()}
     try:
         make(plan, products(plan), stale, lambda task: progress.begin(task.words, some.index(task)))
@@ -135,7 +135,8 @@ def _run_by_snakemake(
             if on_slurm
             else contextlib.nullcontext()
         ):
-            line = None if args.snakemake or args.verbose else partial(_followed, plan, left(plan, stale), lines)
+            follow = partial(_followed, plan, left(plan, stale), lines, quiet=args.quiet)
+            line = None if args.snakemake or args.verbose else follow
             if line:  # rules that begin are needed to say so
                 command += ["--quiet", "host"]
             code = finished(command, env=environment, pass_fds=[*held, *shared], line=line)
@@ -172,6 +173,7 @@ def _caches() -> Iterator[dict[str, str]]:
 def _command(args: argparse.Namespace, profile: Path, whole: Sequence[str]) -> list[str]:
     """The package's workflow as a profile says; as here if `whole`, a command of Slurm's, runs all of it."""
     workflow = ["--snakefile", str(SNAKEFILE), "--configfile", args.config, "--nolock"]
+    workflow += ["--config", f"root={args.results}"] if args.results != "results" else []
     place, cores = (HOME / "profiles" / "default", args.cores or str(slurm.CORES)) if whole else (profile, args.cores)
     settings = ["--profile", str(place), "--workflow-profile", "none", *(["--cores", cores] if cores else [])]
     return [*whole, sys.executable, "-m", "snakemake", *workflow, *settings]
@@ -336,10 +338,12 @@ def _best_so_far(plan: DesignPlan) -> str:
     return max(found)[1] if found else ""
 
 
-def _followed(plan: Plan, some: Sequence[Job], kept: MutableSequence[str], lines: Iterable[str]) -> None:
+def _followed(
+    plan: Plan, some: Sequence[Job], kept: MutableSequence[str], lines: Iterable[str], *, quiet: bool
+) -> None:
     """Say how far Snakemake is by its output, of which the last lines are kept."""
     words = partial(_best_so_far, plan) if isinstance(plan, DesignPlan) else None
-    followed(lines, Progress(plan.name, [job.seconds for job in some]), rules(plan), kept, words)
+    followed(lines, Progress(plan.name, [job.seconds for job in some], quiet), rules(plan), kept, words)
 
 
 def finished(

@@ -22,9 +22,12 @@ def planned(raw: dict[str, Any], source: str) -> Plan:
     return _plan(own, os.path.relpath(source), raw.get("root", "results"))
 
 
-def plan_of(path: str) -> Plan:
-    """Return the plan of a study file, of a buoy or of a body, of a campaign file or of a design file."""
-    return _plan(read_yaml(path, "a study file such as config/buoy.yaml"), path, "results")
+def plan_of(path: str, root: str = "results") -> Plan:
+    """Return the plan of a study file, of a buoy or of a body, of a campaign file or of a design file.
+
+    `root` is the folder of all results.
+    """
+    return _plan(read_yaml(path, "a study file such as config/buoy.yaml"), path, root)
 
 
 def _plan(raw: object, source: str, root: str) -> Plan:

@@ -24,7 +24,7 @@ if "members" in RULES:
             ids=RULES["members"].ids,
             tasks=RULES["members"].text,
         shell:
-            "vsb members <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage members <<< {params.tasks:q} > {log} 2>&1"
 
 
 for one in batches("verification"):
@@ -53,7 +53,7 @@ for one in batches("verification"):
             ids=one.ids,
             tasks=one.text,
         shell:
-            "vsb verification <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage verification <<< {params.tasks:q} > {log} 2>&1"
 
 
 if "campaign" in RULES:
@@ -80,4 +80,4 @@ if "campaign" in RULES:
             ids=RULES["campaign"].ids,
             tasks=RULES["campaign"].text,
         shell:
-            "vsb campaign <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage campaign <<< {params.tasks:q} > {log} 2>&1"

@@ -26,7 +26,7 @@ for one in batches("design_start"):
             ids=one.ids,
             tasks=one.text,
         shell:
-            "vsb design_start <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage design_start <<< {params.tasks:q} > {log} 2>&1"
 
 
 if "design_front" in RULES:
@@ -53,7 +53,7 @@ if "design_front" in RULES:
             ids=RULES["design_front"].ids,
             tasks=RULES["design_front"].text,
         shell:
-            "vsb design_front <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage design_front <<< {params.tasks:q} > {log} 2>&1"
 
 
 if "design_verification" in RULES:
@@ -80,7 +80,7 @@ if "design_verification" in RULES:
             ids=RULES["design_verification"].ids,
             tasks=RULES["design_verification"].text,
         shell:
-            "vsb design_verification <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage design_verification <<< {params.tasks:q} > {log} 2>&1"
 
 
 if "design_results" in RULES:
@@ -107,4 +107,4 @@ if "design_results" in RULES:
             ids=RULES["design_results"].ids,
             tasks=RULES["design_results"].text,
         shell:
-            "vsb design_results <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage design_results <<< {params.tasks:q} > {log} 2>&1"

@@ -24,7 +24,7 @@ if "response" in RULES:
             ids=RULES["response"].ids,
             tasks=RULES["response"].text,
         shell:
-            "vsb response <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage response <<< {params.tasks:q} > {log} 2>&1"
 
 
 for one in batches("simulate"):
@@ -53,4 +53,4 @@ for one in batches("simulate"):
             ids=one.ids,
             tasks=one.text,
         shell:
-            "vsb simulate <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage simulate <<< {params.tasks:q} > {log} 2>&1"

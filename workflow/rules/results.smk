@@ -24,4 +24,4 @@ if "results" in RULES:
             ids=RULES["results"].ids,
             tasks=RULES["results"].text,
         shell:
-            "vsb results <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage results <<< {params.tasks:q} > {log} 2>&1"

@@ -25,7 +25,7 @@ if "modes" in RULES:
             ids=RULES["modes"].ids,
             tasks=RULES["modes"].text,
         shell:
-            "vsb modes <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage modes <<< {params.tasks:q} > {log} 2>&1"
 
 
 if "meshes" in RULES:
@@ -53,4 +53,4 @@ if "meshes" in RULES:
             ids=RULES["meshes"].ids,
             tasks=RULES["meshes"].text,
         shell:
-            "vsb meshes <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage meshes <<< {params.tasks:q} > {log} 2>&1"

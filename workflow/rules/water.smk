@@ -24,7 +24,7 @@ if "green" in RULES:
             ids=RULES["green"].ids,
             tasks=RULES["green"].text,
         shell:
-            "vsb green <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage green <<< {params.tasks:q} > {log} 2>&1"
 
 
 if "mesh" in RULES:
@@ -52,7 +52,7 @@ if "mesh" in RULES:
             ids=RULES["mesh"].ids,
             tasks=RULES["mesh"].text,
         shell:
-            "vsb mesh <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage mesh <<< {params.tasks:q} > {log} 2>&1"
 
 
 if "panels" in RULES:
@@ -79,7 +79,7 @@ if "panels" in RULES:
             ids=RULES["panels"].ids,
             tasks=RULES["panels"].text,
         shell:
-            "vsb panels <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage panels <<< {params.tasks:q} > {log} 2>&1"
 
 
 if "spectral" in RULES:
@@ -106,7 +106,7 @@ if "spectral" in RULES:
             ids=RULES["spectral"].ids,
             tasks=RULES["spectral"].text,
         shell:
-            "vsb spectral <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage spectral <<< {params.tasks:q} > {log} 2>&1"
 
 
 if "cross_check" in RULES:
@@ -133,7 +133,7 @@ if "cross_check" in RULES:
             ids=RULES["cross_check"].ids,
             tasks=RULES["cross_check"].text,
         shell:
-            "vsb cross_check <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage cross_check <<< {params.tasks:q} > {log} 2>&1"
 
 
 if "database" in RULES:
@@ -160,7 +160,7 @@ if "database" in RULES:
             ids=RULES["database"].ids,
             tasks=RULES["database"].text,
         shell:
-            "vsb database <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage database <<< {params.tasks:q} > {log} 2>&1"
 
 
 for one in batches("coefficients"):
@@ -189,4 +189,4 @@ for one in batches("coefficients"):
             ids=one.ids,
             tasks=one.text,
         shell:
-            "vsb coefficients <<< {params.tasks:q} > {log} 2>&1"
+            "vsb stage coefficients <<< {params.tasks:q} > {log} 2>&1"
