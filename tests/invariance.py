@@ -89,6 +89,7 @@ UNITS = {
     "power_linear": "W", "power_linear_record": "W", "force_rms": "N", "force_peak": "N", "stroke_peak": "m", "best_damping": "N s/m",
     "best_power": "W", "power": "W", "power_error": "W", "best_power_low": "W", "best_power_high": "W",
     "damper_power": "W", "record_power_mean": "W", "record_power_low": "W", "record_power_high": "W", "record_start": "s", "record_end": "s",
+    "own_power": "W", "own_force_rms": "N", "period": "s",
 }  # fmt: skip
 """Of the columns of tables that have some."""
 MACHINE = ("seconds", "energy_residual", "constraint_drift")

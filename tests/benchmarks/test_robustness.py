@@ -53,6 +53,7 @@ def test_cheap_cases_end_as_expected(name, tmp_path):
         assert bool(row.message) or case.expected == "completed"
 
 
+@pytest.mark.slow
 def test_the_wave_is_tuned_to_a_natural_mode(tmp_path):
     """Without water's inertia: sqrt(rho g pi r^2/m)."""
     base = str(CASES.parent / "paper.yaml")

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from vsb.engine.hydro import database
 from vsb.engine.hydro.statespace import RadiationModel, fit_radiation
+from vsb.engine.integrators import settings as run_settings
 from vsb.engine.integrators.audit import TERMS, energies, flow, residual
 from vsb.engine.integrators.exact import propagate
 from vsb.engine.integrators.simulate import legs, recorded, simulate
@@ -22,7 +23,6 @@ from vsb.engine.motion.system import Motion, System
 from vsb.engine.waves.seas import sea
 from vsb.errors import ConvergenceError
 from vsb.models.rest import design_motions, reference_shell, study_basis
-from vsb.study import sections
 
 
 def one_mass(**forces):
@@ -161,7 +161,7 @@ def test_thinned_record_keeps_the_extremes(scene, monkeypatch):
     plant, waves, settings, spectrum = scene()
     (whole,) = legs(System.of(plant), waves, settings, spectrum)
     full = recorded(System.of(plant), whole, waves, settings.window)
-    monkeypatch.setattr(sections, "KEPT", 1000)
+    monkeypatch.setattr(run_settings, "KEPT", 1000)
     (leg,) = legs(System.of(plant), waves, settings, spectrum)
     run = recorded(System.of(plant), leg, waves, settings.window)
     assert leg.thinning == 5

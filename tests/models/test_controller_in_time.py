@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes.test_stationary import PUBLISHED, example  # noqa: F401
+from models.test_stationary import PUBLISHED, example  # noqa: F401
 
 from vsb.engine.integrators.settings import Simulation
 from vsb.engine.integrators.simulate import legs

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes.test_stationary import example  # noqa: F401
+from models.test_stationary import example  # noqa: F401
 
 from vsb.engine.waves.scatter import climate_of_cells
 from vsb.results.causal_year import causal_years

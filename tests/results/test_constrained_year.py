@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from conftest import varied
+from models.test_ports import water
 from results.test_year import WATER, climate, port
-from scenes.test_ports import water
 
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.models.ports import BuoyOfShape, buoy_at

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes.test_stationary import PUBLISHED, example  # noqa: F401
+from models.test_stationary import PUBLISHED, example  # noqa: F401
 
 from vsb.engine.motion.causal import RmsLimits, optimum
 from vsb.engine.motion.controller import achieved

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from conftest import varied
+from models.test_ports import water
 from results.test_year import climate
-from scenes.test_ports import water
 
 from vsb.engine.waves.climate import Climate
 from vsb.models.ports import BuoyOfShape, buoy_at

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from conftest import varied
+from models.test_ports import water
 from results.test_year import climate
-from scenes.test_ports import water
 
 from vsb.engine.waves.dispersion import wavenumber
 from vsb.engine.waves.scatter import climate_of_cells

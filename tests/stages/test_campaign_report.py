@@ -10,6 +10,7 @@ from results.test_year import climate
 from stages.test_members import gather, planned, with_seas
 
 from vsb.report.campaign_answer import closing_answer
+from vsb.report.html import with_minus_signs
 from vsb.results.campaign import stacked
 from vsb.stages import campaign_report
 from vsb.study.campaign_plan import members
@@ -65,7 +66,7 @@ def test_report_states_the_answer_of_its_data(plan, written):
     page = written[f"{plan.folder}/report.html"].decode()
     words = " ".join(re.sub("<[^>]+>", " ", page).split())
     data = load(plan.data_path, expected=plan.identity)
-    assert closing_answer(data) in words
+    assert with_minus_signs(closing_answer(data)) in words
     for path in plan.figure_paths:
         assert Path(path).stem in page
 

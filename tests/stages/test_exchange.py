@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from study.test_device import raw
+from shell.test_device import raw
 
 from tests.hydro.formats.test_checks import sound
 from vsb.engine.hydro.formats.bemio import bemio_entries, write_h5

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from browser import asked, evaluated
 from conftest import varied
-from scenes.test_ports import water
+from models.test_ports import water
 from stages.test_members import folder, planned, run  # noqa: F401
 
 from vsb.engine.waves.seas import Sea

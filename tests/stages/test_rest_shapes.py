@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from study.test_device import raw
+from shell.test_device import raw
 
 from vsb.engine.hydro import database
 from vsb.engine.hydro.formats.common import floating

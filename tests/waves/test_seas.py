@@ -120,6 +120,7 @@ def test_share_of_variance_above_and_below_a_frequency(relative):
     assert wave.share_below(omega) == pytest.approx(1 - above, rel=1e-3)
 
 
+@settings(max_examples=15)
 @given(st.floats(0.5, 12.0), st.floats(2.0, 20.0), st.floats(2.0, 300.0))
 def test_a_sea_of_finite_depth_carries_its_height_and_a_saturated_tail(hs, tp, depth):
     """16 m0 = hs^2; over JONSWAP it has the factor of the depth, (w^2 h/g)/2 in shallow water, 1 in deep."""

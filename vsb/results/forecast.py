@@ -11,7 +11,7 @@ from vsb.engine.motion.causal import RmsLimits, StationaryPort, optimum
 from vsb.engine.motion.controller import achieved
 from vsb.engine.motion.take_off import Pto
 from vsb.engine.motion.tuning import damper_within_force, mean_power
-from vsb.engine.waves.kinds import Irregular, Jonswap, PiersonMoskowitz, Wave
+from vsb.engine.waves.kinds import Irregular, PeakedSea, Wave
 from vsb.errors import VsbError
 from vsb.models.floating_system import FloatingSystem, InSeas, expected_sea, port_in_seas
 from vsb.models.stationary import rms_limits, stationary_ports
@@ -49,7 +49,7 @@ def elsewhere(study: InSeas, floating: FloatingSystem, waves: Sequence[Wave]) ->
     """
     pto, found = study.pto, []
     for wave in waves:
-        if not isinstance(wave, Jonswap | PiersonMoskowitz):
+        if not isinstance(wave, PeakedSea):
             continue
         seas = [wave.model_copy(update={"tp": factor * wave.tp}) for factor in PERIODS]
         seas = [one for one in seas if one.share_above(floating.band[1]) < LEFT_OUT]

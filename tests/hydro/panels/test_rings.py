@@ -89,7 +89,7 @@ def test_changed_table_of_the_green_function_is_refused(green_folder, tmp_path, 
         bem.green_function(place)
 
 
-@pytest.mark.parametrize("damaged", [False, True])
+@pytest.mark.parametrize("damaged", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_table_of_the_green_function_is_computed_once_for_all_folders_of_a_machine(
     green_folder, tmp_path, monkeypatch, damaged
 ):
