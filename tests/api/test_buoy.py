@@ -24,3 +24,11 @@ def test_wrong_key_and_period_are_one_line_each(tmp_path, monkeypatch):
     with pytest.raises(vsb.VsbError, match=r"periods: received \[100\.0\] s, needs 0\.\d+ to \d+\.\d s"):
         vsb.Buoy().rao([100.0])
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_shell_beyond_its_law_gives_no_numbers():
+    """30 kPa in a wall of 5 MPa: p r/2 E h (1 - nu) = 28 % of strain; the example's 3 % is a doubt."""
+    with pytest.raises(vsb.VsbError, match=r"vsb\.Buoy: fail +static_strain = 0\.\d+ "):
+        vsb.Buoy(young_modulus=5e6, internal_pressure=30e3).power([2.9])
+    (doubt,) = vsb.Buoy().doubts
+    assert doubt.startswith("doubt        static_strain = 0.0289 ")

@@ -11,9 +11,12 @@ import yaml
 
 from vsb.api.plots import StudyPlots
 from vsb.api.results import Results
+from vsb.engine.hydro.database import Check
 from vsb.engine.hydro.labels import RIGID
 from vsb.engine.waves.dispersion import power_limit
 from vsb.errors import ConfigError
+from vsb.models.rest import reference_shell
+from vsb.results.ledger import shell_checks
 from vsb.stages import make
 from vsb.stages.init import example_of_radius
 from vsb.stages.planning import with_degree
@@ -41,9 +44,10 @@ class Buoy:
     Raises
     ------
     ConfigError
-        If a key or value is none of a device's.
+        If a key or value is none of a device's; by its tables and figures if the shell fails a check at rest, such as
+        that of its strain.
     ConvergenceError
-        If the shell does not carry its load at rest.
+        By these if the shell does not carry its load at rest.
     """
 
     def __init__(
@@ -95,11 +99,24 @@ class Buoy:
         """Figures over frequency: `plot.power()`, `plot.rao()`, `plot.excitation()`."""
         return StudyPlots(self._results)
 
+    @property
+    def doubts(self) -> list[str]:
+        """What is doubtful about the shell at rest, such as strains at which Hooke's law is not trusted."""
+        return [check.line for check in self._checks if check.verdict != "ok"]
+
+    @cached_property
+    def _checks(self) -> list[Check]:
+        """Checks of the shell at rest."""
+        study = with_degree(StudyPlan(self.study)).study
+        return shell_checks(study, reference_shell(study))
+
     @cached_property
     def _results(self) -> Results:
         """The hydrodynamics and the response, solved when first asked for."""
         self._folder = tempfile.TemporaryDirectory(prefix="vsb-")
         plan = with_degree(StudyPlan(self.study, root=self._folder.name))
+        if failed := [check for check in self._checks if check.verdict == "fail"]:
+            raise ConfigError(f"vsb.Buoy: {failed[0].line}")
         make.hydro_files(plan.study, self._folder.name)
         make.make(plan, plan.response_files.values())
         return Results(plan.study, self._folder.name)
@@ -114,9 +131,7 @@ class Buoy:
         return pd.Index(at, name="period [s]"), 2 * np.pi / at
 
     def __repr__(self) -> str:
-        """Say what is compared."""
+        """Say what is compared, and what to doubt."""
         device = self.study.device
-        return (
-            f"<vsb.Buoy: rigid and flexible, radius {device.radius:g} m, wall {device.thickness:g} m of "
-            f"{device.young_modulus:.3g} Pa>"
-        )
+        head = f"<vsb.Buoy: rigid and flexible, radius {device.radius:g} m, wall {device.thickness:g} m of "
+        return "\n".join([f"{head}{device.young_modulus:.3g} Pa>", *self.doubts])

@@ -30,7 +30,7 @@ CERTAIN = 0.02
 SHARE = 0.05
 """Part of the largest weight from which on a limit or bound is named."""
 FAR = 1e3
-"""Violation of a buoy that does not rest."""
+"""Residual of a buoy without an equilibrium."""
 
 
 class _Within(Exception):
@@ -65,24 +65,24 @@ def within_limits(problem: Problem, start: Point, seen: Callable[[Point], None] 
             raise _Within
         return found
 
-    def rest(place: FloatArray) -> FloatArray:
+    def residuals(place: FloatArray) -> FloatArray:
         nonlocal last
         last = at(place) or last
-        return _rest(last) if last.place.tobytes() == place.tobytes() else np.full(len(start.excess), FAR)
+        return _residuals(last) if last.place.tobytes() == place.tobytes() else np.full(len(start.excess), FAR)
 
     def slopes(place: FloatArray) -> FloatArray:
         return _slopes(problem.at(place))
 
     try:
         end = least_squares(
-            rest, start.place, slopes, bounds=(0.0, 1.0), method="dogbox", xtol=1e-5, ftol=1e-4, max_nfev=MOST
+            residuals, start.place, slopes, bounds=(0.0, 1.0), method="dogbox", xtol=1e-5, ftol=1e-4, max_nfev=MOST
         )
     except _Within:
         return Phase(best)
     return _conflict(problem, problem.at(end.x))
 
 
-class _Unmade:
+class _NotEvaluated:
     """A model of buoys that are not evaluated, of which only what bounds every buoy is known."""
 
     def at(self, values: Sequence[float]) -> Evaluation:
@@ -94,14 +94,14 @@ def led_at_rest(problem: Problem, place: FloatArray) -> Phase:
 
     Raises one of `IMPOSSIBLE` where no buoy can be evaluated on the way.
     """
-    unmade = replace(problem, model=_Unmade(), limits={}, twin=None, margins=None, known={})
-    found = within_limits(unmade, unmade.at(place))
+    bounded = replace(problem, model=_NotEvaluated(), limits={}, twin=None, margins=None, known={})
+    found = within_limits(bounded, bounded.at(place))
     if found.conflict or (rest := problem.at_rest) is None:
         return found
     return within_limits(rest, rest.at(found.point.place))
 
 
-def _rest(point: Point) -> FloatArray:
+def _residuals(point: Point) -> FloatArray:
     """What is minimised, r (limit,)."""
     return np.asarray(np.log1p(np.maximum(point.excess + INSIDE, 0.0)))
 
@@ -114,7 +114,7 @@ def _slopes(point: Point) -> FloatArray:
 
 def _conflict(problem: Problem, point: Point) -> Phase:
     """The limits and bounds that conflict at a buoy, and whether the conditions of least violation hold."""
-    weight, slopes = _rest(point), _slopes(point)
+    weight, slopes = _residuals(point), _slopes(point)
     parts = weight[:, None] * slopes
     gradient, size = parts.sum(axis=0), np.abs(parts).sum(axis=0).max(initial=0.0)
     held = ((point.place <= 0.0) & (gradient > 0)) | ((point.place >= 1.0) & (gradient < 0))

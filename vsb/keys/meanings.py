@@ -390,6 +390,7 @@ KEYS: dict[str, dict[str, Key]] = {
         "tp": Key("s", "8.0", "period at the peak of the deep-water spectrum"),
         "gamma": Key("-", "3.3", "peakedness of the deep-water spectrum"),
         "depth": Key("m", "20.0", "depth of the water, that of the section water"),
+        "gravity": Key("m/s^2", "9.81", "gravity, that of the section water"),
     },
     "OchiHubble": {
         **_GOING,

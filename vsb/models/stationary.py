@@ -36,8 +36,8 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
     Notes
     -----
     Outside the band ports have the coefficients of its nearest end. Of a record and of white noise the spectrum is
-    taken at frequencies of its own, of a record averaged (`vsb.engine.waves.spectra.spectrum`). The directions of a
-    spread sea take turns along its components: the density of the free velocity is averaged over a round of them.
+    taken at frequencies of its own, of a record averaged (`vsb.engine.waves.kinds.RecordedSea.density`). The directions
+    of a spread sea take turns along its components: the density of the free velocity is averaged over a round of them.
     """
     if isinstance(wave, RecordedSea | WhiteNoise):
         sea = _of_density(wave, floating.band)

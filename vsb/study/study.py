@@ -170,13 +170,14 @@ class BaseStudy(WithDesigns):
                 raise ValueError(f"pto.law 'causal': controls in irregular seas alone, received waves.{i} {wave.label}")
 
     def check_depths(self) -> None:
-        """Check that seas of a finite depth are in water of that depth; `ValueError`."""
+        """Check that seas of a finite depth are in water of that depth and gravity; `ValueError`."""
         for i, wave in enumerate(self.waves):
-            if isinstance(wave, Tma) and wave.depth != self.water.depth:
-                raise ValueError(
-                    f"waves.{i}.depth {wave.depth:g} m: is that of another water; needs water.depth, here "
-                    f"{self.water.depth:g} m"
-                )
+            for key, unit in (("depth", "m"), ("gravity", "m/s^2")):
+                if isinstance(wave, Tma) and (given := getattr(wave, key)) != (here := getattr(self.water, key)):
+                    raise ValueError(
+                        f"waves.{i}.{key} {given:g} {unit}: is that of another water; needs water.{key}, here "
+                        f"{here:g} {unit}"
+                    )
 
     def check_dampers_of_designs(self) -> None:
         """Check that dampers given one by one are those of the designs; `ValueError`."""

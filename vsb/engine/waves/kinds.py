@@ -325,11 +325,12 @@ class Jonswap(PeakedSea):
 
 
 class Tma(PeakedSea):
-    """JONSWAP sea on water of a depth [m] that breaks its longer waves (Bouws et al. 1985)."""
+    """JONSWAP sea on water of a depth [m] that breaks its longer waves (Bouws et al. 1985); gravity [m/s^2]."""
 
     kind: Literal["tma"]
     gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
     depth: Annotated[Positive, within(0.1, 2e4, "m", "no sea is deeper")]
+    gravity: Annotated[Positive, within(0.01, 300.0, "m/s^2", "on the sun it is 274 m/s^2")] = 9.81
 
     @property
     def size(self) -> str:
@@ -343,7 +344,7 @@ class Tma(PeakedSea):
 
     def density(self, omega: FloatArray) -> FloatArray:
         """Return the spectral density, shape of `omega` [m^2 s/rad]."""
-        return tma_spectrum(omega, self.hs, self.tp, self.gamma, self.depth)
+        return tma_spectrum(omega, self.hs, self.tp, self.gamma, self.depth, self.gravity)
 
 
 class PiersonMoskowitz(PeakedSea):

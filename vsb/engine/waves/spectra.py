@@ -8,10 +8,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from vsb.engine.waves.dispersion import wavenumbers
 from vsb.tools.arrays import FloatArray
-
-GRAVITY = 9.81
-"""Of Earth, in the factor of the depth [m/s^2]."""
 
 
 def jonswap_spectrum(omega: FloatArray, hs: float, tp: float, gamma: float) -> FloatArray:
@@ -28,24 +26,19 @@ def jonswap_spectrum(omega: FloatArray, hs: float, tp: float, gamma: float) -> F
     return _scaled(lambda w: _jonswap_shape(w, tp, gamma), omega, hs, tp)
 
 
-def tma_spectrum(omega: FloatArray, hs: float, tp: float, gamma: float, depth: float) -> FloatArray:
+def tma_spectrum(omega: FloatArray, hs: float, tp: float, gamma: float, depth: float, gravity: float) -> FloatArray:
     """Return the TMA spectral density, shape of `omega` [m^2 s/rad]: JONSWAP's in water of a depth [m], 16 m0 = hs^2.
 
     S = S_J(w) tanh^2(kh)/(1 + 2kh/sinh 2kh): a saturated sea has in any depth the same spectrum over wavenumber
     (Kitaigorodskii et al. 1975; Bouws et al., J. Geophys. Res. 90, 1985). In deep water it is JONSWAP's.
     """
-    return _scaled(lambda w: _jonswap_shape(w, tp, gamma) * depth_factor(w, depth), omega, hs, tp)
+    return _scaled(lambda w: _jonswap_shape(w, tp, gamma) * depth_factor(w, depth, gravity), omega, hs, tp)
 
 
-def depth_factor(omega: FloatArray, depth: float) -> FloatArray:
+def depth_factor(omega: FloatArray, depth: float, gravity: float) -> FloatArray:
     """Return tanh^2(kh)/(1 + 2kh/sinh 2kh), shape of `omega` [-]: (w^2 h/g)/2 in shallow, 1 in deep water."""
-    deep = omega**2 * depth / GRAVITY
-    kh = np.where(deep > 1.0, deep, np.sqrt(deep))
-    for _ in range(30):  # Newton's method for kh tanh kh = w^2 h/g, from above
-        tanh = np.tanh(kh)
-        kh = kh - (kh * tanh - deep) / (tanh + kh * (1 - tanh**2))
-    twice = 2 * np.minimum(kh, 300.0)
-    return np.asarray(np.tanh(kh) ** 2 / (1 + twice / np.sinh(twice)))
+    kh = np.minimum(depth * wavenumbers(omega, depth, gravity), 300.0)
+    return np.asarray(np.tanh(kh) ** 2 / (1 + 2 * kh / np.sinh(2 * kh)))
 
 
 def _jonswap_shape(omega: FloatArray, tp: float, gamma: float) -> FloatArray:
