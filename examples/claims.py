@@ -40,7 +40,7 @@ from vsb.keys.reading import read_yaml
 from vsb.models.build import linear_design
 from vsb.models.floating_system import floating_system
 from vsb.models.mode_convergence import TAKE_OFFS, ModeConvergence
-from vsb.report.canvas import STYLES, grid_of_axes, legend_above
+from vsb.report.canvas import RIGID_STYLE, STYLES, grid_of_axes, legend_above
 from vsb.report.svg import drawn
 from vsb.stages.make import hydro_files, make
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan
@@ -56,9 +56,9 @@ PERIODS = np.linspace(2.0, 10.0, 161)
 PERIOD, POWER = "wave period [s]", "mean power [kW/m²]"
 """Labels of axes; power of a wave of 1 m amplitude."""
 LOOKS: dict[str, dict[str, Any]] = {
-    "rigid": {"color": STYLES["FSB"][0], "label": "rigid"},
-    "flexible": {"color": STYLES["VSWEC"][0], "label": "flexible"},
-    "hinged": {"color": STYLES["VSWEC90"][0], "linestyle": "-.", "label": "hinged"},
+    "rigid": {"color": RIGID_STYLE[0], "label": "rigid"},
+    "flexible": {"color": STYLES[0][0], "label": "flexible"},
+    "hinged": {"color": STYLES[2][0], "linestyle": "-.", "label": "hinged"},
     "limit": {"color": "0.5", "linestyle": ":", "label": "limit λ/2π"},
 }
 """Colour and line of each design and of the limit, in all figures."""

@@ -67,7 +67,7 @@ def campaign(gains=GAINS, margin=0.5, modulus=(1e6, 1e8), thickness=(0.01, 0.02)
 
 
 def colour(design):
-    return to_hex(style(design, DESIGNS)["color"])
+    return to_hex(style(design, DESIGNS, "FSB")["color"])
 
 
 def test_member_shown_gains_most_among_those_that_do_not_buckle():

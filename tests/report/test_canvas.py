@@ -9,8 +9,18 @@ from vsb.report.canvas import (
     grid_of_axes,
     heave_force,
     period_axis,
+    style,
 )
 from vsb.report.svg import drawn
+
+
+def test_designs_are_drawn_by_their_role_whatever_their_names():
+    names = ["a", "stiff", "z"]
+    rigid, *others = (style(name, names, "stiff") for name in ("stiff", "a", "z"))
+    assert rigid == {"color": "#000000", "linestyle": "-", "label": "stiff"}
+    assert [look["color"] for look in others] == [style(name, ["a", "z"])["color"] for name in ("a", "z")]
+    many = [f"{i}" for i in range(14)]
+    assert len({(look["color"], look["linestyle"]) for look in (style(name, many) for name in many)}) == 14
 
 
 def test_axis_of_periods_is_2_pi_over_frequency():

@@ -90,6 +90,7 @@ def shapes():
             "expansion": list(_EXPANSIONS),
             "deformation": sizes,
         },
+        attrs={"reference": "FSB"},
     )
 
 
@@ -151,7 +152,7 @@ def test_axes_with_numbers_are_labelled(name):
 @pytest.mark.parametrize("name", CASES)
 def test_legends_match_the_lines_and_designs_keep_their_colour(name):
     figure = figure_of(name)
-    designs = {design: style(design, ["FSB", "VSWEC"])["color"] for design in ("FSB", "VSWEC")}
+    designs = {design: style(design, ["FSB", "VSWEC"], "FSB")["color"] for design in ("FSB", "VSWEC")}
     for legend in figure.findobj(Legend):
         names = [text.get_text() for text in legend.get_texts()]
         assert len(set(names)) == len(names)

@@ -1,5 +1,6 @@
 """Figures of a study and their captions: what they show and what they leave out."""
 
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 import xarray as xr
 from conftest import varied
 
-from vsb.report.canvas import StudyData
+from vsb.report.canvas import StudyData, style
 from vsb.report.figures import (
     added_mass_damping,
     captions,
@@ -77,8 +78,9 @@ def body():
             {"position": (("time", "dof"), position), "stroke": ("time", wave), "stroke_rate": ("time", np.cos(time))},
             coords={"time": time, "dof": labels},
         )
+    looks = partial(style, designs=("rigid", "flexible"), reference="rigid")
     return SimpleNamespace(
-        designs=("rigid", "flexible"), runs=runs, window=(2.0, 9.0), periods={"swell": 6.3}, port=FORCE
+        designs=("rigid", "flexible"), style=looks, runs=runs, window=(2.0, 9.0), periods={"swell": 6.3}, port=FORCE
     )
 
 

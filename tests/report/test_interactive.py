@@ -202,7 +202,9 @@ def test_reader_drags_the_damper_and_the_table_follows(page, tmp_path):
     found = asked(page, script, tmp_path)
     assert found["errors"] == []
     assert not found["hidden"]
-    assert found["keys"] == [style(name, list(POWERS))["color"] for name in POWERS], "names stand beside their lines"
+    assert found["keys"] == [style(name, list(POWERS), "FSB")["color"] for name in POWERS], (
+        "names stand beside their lines"
+    )
     swell = np.array([0.04])
     best = [best_dampers(port, swell[None]) for port in ports(SWELL).values()]
     assert [float(row[2]) for row in found["own"]] == pytest.approx([one.power[0] for one in best], rel=1e-3)

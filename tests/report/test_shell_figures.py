@@ -84,7 +84,7 @@ def test_wires_in_space_lie_on_the_deformed_shell():
         assert others == [(low, high)] * 2
         assert low == -high < -np.abs(points).max()
         assert len(set(ax.get_box_aspect())) == 1
-        assert {to_hex(line.get_color()) for line in ax.lines} == {STYLES["VSWEC"][0].lower()}
+        assert {to_hex(line.get_color()) for line in ax.lines} == {STYLES[0][0].lower()}
 
 
 def test_mode_of_order_one_moves_both_meridians_the_same_way():

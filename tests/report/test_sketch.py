@@ -21,7 +21,7 @@ def test_sketch_has_the_colour_and_clamps_of_its_design(name):
     text = sketch(name, DESIGNS, 0.2)
     root = ET.fromstring(text)
     assert root.get("aria-label").startswith(f"{name}, ")
-    assert style(name, list(DESIGNS))["color"] in text
+    assert style(name, list(DESIGNS), "FSB")["color"] in text
     assert text.count('class="clamp"') == 2 * len(DESIGNS[name]["clamp"])
     assert ("stroke-dasharray" in text) == DESIGNS[name]["flexible"]
 

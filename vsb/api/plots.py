@@ -137,10 +137,10 @@ class StudyPlots:
         if at not in power:
             raise ConfigError(f"at: received {at!r}, needs one of {', '.join(power)}")
         axes = self._curves(_along(power[at], direction) / 1e3, "absorbed power per amplitude² [kW/m²]", ax)
-        limit = _along(response.power_limit, direction) / 1e3
-        top = axes.get_ylim()[1]
-        axes.plot(limit.omega, limit, color="0.6", linewidth=3, alpha=0.6, label="limit", zorder=0)
-        axes.set_ylim(0, top)
+        if self._results.study.buoy:  # of other bodies no limit is known
+            limit, top = _along(response.power_limit, direction) / 1e3, axes.get_ylim()[1]
+            axes.plot(limit.omega, limit, color="0.6", linewidth=3, alpha=0.6, label="limit", zorder=0)
+            axes.set_ylim(0, top)
         axes.legend(frameon=False)
         return axes
 
@@ -152,7 +152,7 @@ class StudyPlots:
             run = results.trajectory(design, wave)
             if dof in run.dof.values:
                 run = run.sel(time=slice(start, end))
-                axes.plot(run.time, run.position.sel(dof=dof), **style(design, list(results.study.designs)))
+                axes.plot(run.time, run.position.sel(dof=dof), **self._style(design))
         axes.set(xlabel="time [s]", ylabel=f"{dof} [{_unit(dof)}]")
         axes.legend(frameon=False)
         return axes
@@ -176,7 +176,7 @@ class StudyPlots:
         time = np.arange(max(first, end - PERIODS_SHOWN * period), end, period / FRAMES_PER_PERIOD)
         seen = (self._meridian if results.study.buoy else self._hull)(run.interp(time=time), wave, magnify)
         figure, axes = plt.subplots()
-        (hull,) = axes.plot([], [], **style(design, list(results.study.designs)))
+        (hull,) = axes.plot([], [], **self._style(design))
         (water,) = axes.plot([], [], color="#0072B2", linewidth=1)
         axes.set(xlim=seen.place[[0, -1]], ylim=seen.heights, aspect="equal", xlabel="x [m]", ylabel="z [m]")
 
@@ -219,12 +219,16 @@ class StudyPlots:
         points = np.concatenate([lines, apart], axis=2).reshape(len(lines), -1, 2)
         return _Moving(points[..., 0], points[..., 1], place, level, (-data["bottom"], data["top"]))
 
+    def _style(self, design: str) -> dict[str, Any]:
+        """Colour, line style and label of a design."""
+        study = self._results.study
+        return style(design, list(study.designs), study.reference_design)
+
     def _curves(self, values: xr.DataArray, label: str, ax: Axes | None) -> Axes:
         """Values of all designs over frequency."""
         axes = _axes(ax)
-        designs = [str(name) for name in values.design.values]
-        for design in designs:
-            axes.plot(values.omega, values.sel(design=design), **style(design, designs))
+        for design in map(str, values.design.values):
+            axes.plot(values.omega, values.sel(design=design), **self._style(design))
         axes.set(xlabel="wave frequency [rad/s]", ylabel=label)
         axes.legend(frameon=False)
         return axes
@@ -279,7 +283,7 @@ class CampaignPlots:
         axes = _axes(ax)
         data = self._campaign.at(**point).sel(tuning=tuning or self._campaign.tunings[0])
         designs = [str(name) for name in data.design.values]
-        colours = [style(design, designs)["color"] for design in designs]
+        colours = [style(design, designs, data.attrs.get("reference"))["color"] for design in designs]
         axes.bar(designs, data.annual_mean_power / 1e3, color=colours)
         axes.set_ylabel("annual mean power [kW]")
         return axes

@@ -48,7 +48,7 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
     image = None
     for ax, design in zip(axes.ravel(), designs, strict=False):
         ax.grid(visible=False)
-        ax.set_title(design, fontsize=9, color=style(design, designs)["color"])
+        ax.set_title(design, fontsize=9, color=_style(ds, design)["color"])
         if not bool(one.viable.sel(design=design)):
             note(ax, "not viable")
             continue
@@ -69,6 +69,11 @@ def power_matrices(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure
         bar: dict[str, Any] = {"orientation": "horizontal", "aspect": 50} if numbered else {}  # width is for numbers
         figure.colorbar(image, ax=axes, label="mean power [kW]", **bar)
     return figure
+
+
+def _style(ds: xr.Dataset, design: str) -> dict[str, Any]:
+    """Colour, line style and label of a design of a campaign."""
+    return style(design, list(ds.design.values), ds.attrs.get("reference"))
 
 
 def _span(occupied: np.ndarray) -> int:
@@ -97,7 +102,7 @@ def tuned_power(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     figure, axes = grid_of_axes(3.4)
     ax, dampers = axes[0, 0], damper(one)
     for design in designs:
-        line, at = style(design, designs), one.sel(design=design)
+        line, at = _style(ds, design), one.sel(design=design)
         if not bool(at.viable):
             continue
         ax.plot(at.tried_damping, at.power_of_damping / 1e3, **line)
@@ -125,7 +130,7 @@ def pareto(ds: xr.Dataset, tuning: str, reference: str | None) -> Figure:
     figure, axes = grid_of_axes(3.4)
     ax = axes[0, 0]
     for design in designs:
-        at, line = one.sel(design=design), style(design, designs)
+        at, line = one.sel(design=design), _style(ds, design)
         if bool(at.viable):
             upto = int(np.argmax(at.power_of_damping.values)) + 1
             force, power = at.force_of_damping[:upto] / 1e3, at.power_of_damping[:upto] / 1e3
@@ -184,7 +189,7 @@ def _lines(ds: xr.Dataset, tuning: str, key: str, others: Sequence[str]) -> Figu
     """Gains over one key, with their intervals."""
     figure, ax, places, at = _over_key(ds, tuning, key)
     for design in others:
-        line, one = style(design, list(ds.design.values)), at.sel(design=design).squeeze()
+        line, one = _style(ds, design), at.sel(design=design).squeeze()
         _with_interval(ax, places, line, reported_gain(one, tuning), reported_bounds(one, tuning))
         if is_verified(one, tuning):
             ax.plot(places, one.gain_percent, color=line["color"], linewidth=0.8, ls=":")
@@ -200,7 +205,7 @@ def _powers(ds: xr.Dataset, tuning: str, key: str) -> Figure:
     for design in ds.design.values:
         names = ("annual_mean_power", "annual_mean_power_low", "annual_mean_power_high")
         power, low, high = (at[name].sel(design=design).squeeze() / 1e3 for name in names)
-        _with_interval(ax, places, style(design, list(ds.design.values)), power, (low, high))
+        _with_interval(ax, places, _style(ds, design), power, (low, high))
     ax.set(ylabel="mean power of the year [kW]")
     legend_above(figure, ax)
     return figure
@@ -242,7 +247,7 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
         image = ax.pcolormesh(*cells, reported_gain(one, tuning), cmap=GAIN, vmin=-largest, vmax=largest)
         _mark(ax, ds, one, x, y, reported_bounds(one, tuning))
         if not any(place.values()):
-            ax.set_title(design, fontsize=9, color=style(design, list(ds.design.values))["color"])
+            ax.set_title(design, fontsize=9, color=_style(ds, design)["color"])
         ax.grid(visible=False)
         ax.set(xscale=_scale(ds, x), yscale=_scale(ds, y))
         for axis, key in ((ax.xaxis, x), (ax.yaxis, y)):

@@ -32,15 +32,14 @@ FEW_DIGITS = 99.5
 """From where on a number has three digits before the point."""
 PORT = "take-off port"
 """Label of the port among the motions of `StudyData.raos`."""
-# Okabe & Ito's colour-blind-safe palette: the paper's designs, then others in the order of the study. Its orange marks
-# the waves and is replaced by wine red.
-STYLES = {
-    "FSB": ("#000000", "-"),
-    "VSWEC": ("#D55E00", "-"),
-    "VSWEC0": ("#0072B2", "--"),
-    "VSWEC90": ("#009E73", "-."),
-}
-SPARE = (("#CC79A7", "-"), ("#882255", "--"), ("#56B4E9", "-."), ("#999999", ":"))
+RIGID_STYLE = ("#000000", "-")
+"""Colour and line style of the rigid design gains are measured against."""
+# Okabe & Ito's colour-blind-safe palette. Its orange marks the waves and is replaced by wine red.
+STYLES = (
+    ("#D55E00", "-"), ("#0072B2", "--"), ("#009E73", "-."),
+    ("#CC79A7", "-"), ("#882255", "--"), ("#56B4E9", "-."), ("#999999", ":"),
+)  # fmt: skip
+"""Colours and line styles of the other designs, in the order of the study."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,7 @@ class StudyData:
     runs: Mapping[tuple[str, str], xr.Dataset]  # (design, wave label) -> trajectory
     witness: xr.Dataset  # empty without a second solver
     tuned: bool = False  # no damper is given
-    limit: str = "limit λ/2π"  # what a capture width of a wavelength over 2 pi is called
+    limit: str = "limit λ/2π"  # name of the limit of a body of revolution; empty for any other body
     spectra: xr.DataArray = field(default_factory=xr.DataArray)  # of irregular seas (sea, omega) [m^2 s/rad]
     port: PortKind = FORCE
     ports: Mapping[str, PortKind] = field(default_factory=dict)  # of several by name
@@ -67,15 +66,26 @@ class StudyData:
     knowledge: Mapping[str, xr.Dataset] = field(default_factory=dict)
     raos: xr.DataArray = field(default_factory=xr.DataArray)  # (wave_direction, design, omega, dof), `PORT` among dof
 
+    def style(self, design: str) -> dict[str, Any]:
+        """Colour, line style and label of a design."""
+        return style(design, self.designs, self.reference)
 
-def style(design: str, designs: Sequence[str]) -> dict[str, Any]:
-    """Return colour, line style and label of a design: fixed for the paper's, by order in the study for others."""
-    others = [name for name in designs if name not in STYLES]
-    if design in STYLES:
-        colour, line = STYLES[design]
+
+def style(design: str, designs: Sequence[str], reference: str | None = None) -> dict[str, Any]:
+    """Return colour, line style and label of a design: by its role, then by its place among the designs.
+
+    Parameters
+    ----------
+    designs : sequence of str
+        All designs of the study.
+    reference : str, optional
+        The rigid design gains are measured against.
+    """
+    if design == reference:
+        colour, line = RIGID_STYLE
     else:  # after each round of colours the line styles move on by one
-        turn, index = divmod(others.index(design), len(SPARE))
-        colour, line = SPARE[index][0], SPARE[(index + turn) % len(SPARE)][1]
+        turn, index = divmod([name for name in designs if name != reference].index(design), len(STYLES))
+        colour, line = STYLES[index][0], STYLES[(index + turn) % len(STYLES)][1]
     return {"color": colour, "linestyle": line, "label": design}
 
 
@@ -169,7 +179,7 @@ def panels(
     for ax, (label, quantity) in zip(axes[:, 0], quantities, strict=True):
         for design in data.designs:
             run = data.runs[design, wave].sel(time=slice(*window))
-            ax.plot(run.time, quantity(run), **style(design, data.designs))
+            ax.plot(run.time, quantity(run), **data.style(design))
         ax.set_ylabel(label)
         zero_axis(ax)
     axes[-1, 0].set(xlabel="time [s]", xlim=window)

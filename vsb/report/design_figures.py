@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
-from vsb.report.canvas import SPARE, grid_of_axes, legend_above, style
+from vsb.report.canvas import STYLES, grid_of_axes, legend_above, style
 from vsb.report.design_answer import OBJECTIVES, Facts, in_full
 from vsb.study.design import unit_of
 from vsb.tools.words import superscripts
@@ -24,8 +24,8 @@ def look(facts: Facts, name: str) -> dict[str, Any]:
     """Return colour, line style and label of a buoy: the best ones as their designs are drawn everywhere."""
     designs = facts["designs"]
     if name in designs:
-        return {**style(designs[name], list(designs.values())), "label": name}
-    colour, line = {TWIN: (SPARE[0][0], "--"), SPHERE: SPARE[3]}[name]  # the twin's hull lies on the flexible one's
+        return {**style(designs[name], list(designs.values()), designs.get(COMPETITOR)), "label": name}
+    colour, line = {TWIN: (STYLES[3][0], "--"), SPHERE: STYLES[6]}[name]  # the twin's hull lies on the flexible one's
     return {"color": colour, "linestyle": line, "label": name}
 
 

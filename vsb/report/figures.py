@@ -21,7 +21,6 @@ from vsb.report.canvas import (
     period_axis,
     shown_band,
     shown_window,
-    style,
     zero_axis,
 )
 from vsb.report.hydro_figures import added_mass_damping, radiation_kernel, spectra, witness
@@ -43,9 +42,10 @@ def absorbed_power(data: StudyData) -> Figure:
     size: dict[str, Any] = {"height": 5.2, "rows": 2, "height_ratios": [3, 2]} if _compares(data) else {"height": 3.4}
     figure, axes = grid_of_axes(columns=len(powers), sharex=True, sharey="row", **size)
     for (title, power), (top, *below) in zip(powers.items(), axes.T, strict=True):
-        top.plot(omega, limit, color="#999999", linewidth=3, alpha=0.6, label=data.limit)
+        if data.limit:
+            top.plot(omega, limit, color="#999999", linewidth=3, alpha=0.6, label=data.limit)
         for design in data.designs:
-            top.plot(omega, power.sel(design=design) / 1e3, **style(design, data.designs))
+            top.plot(omega, power.sel(design=design) / 1e3, **data.style(design))
         for bottom in below:
             _gain(data, power, bottom)
         [top, *below][-1].set(xlabel="wave frequency [rad/s]")
@@ -68,7 +68,7 @@ def reactance(data: StudyData) -> Figure:
     figure, axes = grid_of_axes(4.6, 2, 1, sharex=True)
     top, bottom = axes[:, 0]
     for design in data.designs:
-        line, q = style(design, data.designs), quality.sel(design=design)
+        line, q = data.style(design), quality.sel(design=design)
         top.plot(q.omega, q, **line)
         bottom.plot(q.omega, 2 / (1 + np.sqrt(1 + q**2)), **line)
     shown = quality.where(_shown(data))
@@ -114,7 +114,7 @@ def _gain(data: StudyData, power: xr.DataArray, ax: Axes) -> None:
     gain = 100 * (power / power.sel(design=data.reference) - 1).where(useful_band(power))
     for design in data.designs:
         if design != data.reference:
-            ax.plot(power.omega, gain.sel(design=design), **style(design, data.designs))
+            ax.plot(power.omega, gain.sel(design=design), **data.style(design))
     ax.axhspan(0, 1e4, color="#009E73", alpha=0.06)
     ax.axhspan(-100, 0, color="#D55E00", alpha=0.06)
     ax.axhline(0, color="black", linewidth=0.8)
@@ -168,7 +168,7 @@ def power_energy(data: StudyData, wave: str) -> Figure:
     figure, axes = grid_of_axes(4.6, 2, 1)
     top, bottom = axes[:, 0]
     for design in data.designs:
-        run, line = data.runs[design, wave], style(design, data.designs)
+        run, line = data.runs[design, wave], data.style(design)
         inside = run.sel(time=slice(*shown_window(data, wave)))
         top.plot(inside.time, inside.power_absorbed / 1e3, **line)
         bottom.plot(run.time, run.energy.sel(term="pto") / 1e3, **line)
@@ -226,7 +226,7 @@ def degrees_of_freedom(data: StudyData, wave: str) -> Figure:
         run = data.runs[design, wave].sel(time=slice(*data.window)).position
         half = (run.max("time") - run.min("time")) / 2
         rows = np.array([labels.index(str(label)) for label in half.dof.values])
-        line = style(design, data.designs)
+        line = data.style(design)
         ax.barh(
             rows + (i - (len(data.designs) - 1) / 2) * height,
             half.values,
@@ -249,7 +249,7 @@ def forecast(data: StudyData, wave: str) -> Figure:
     figure, axes = grid_of_axes(3.2, columns=2, sharey="row")
     left, right = axes[0]
     for design in map(str, found.design.values):
-        line, own = style(design, data.designs), found.sel(design=design)
+        line, own = data.style(design), found.sel(design=design)
         left.plot(own.forecast, own.over_forecast, **line)
         right.plot(10 * np.log10(own.noise), own.over_noise, **line)
         left.axhline(float(own.known_future), color=line["color"], linestyle=":", linewidth=0.8)
@@ -281,13 +281,13 @@ def draw(name: str, data: StudyData) -> Figure:
 
 
 CAPTIONS = {
-    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band{gain}, {dampings}. Grey: "
-    "{limit}.{useful}",
+    "absorbed_power": "Mean absorbed power per squared wave amplitude over the whole band{gain}, {dampings}."
+    "{limit}{useful}",
     "reactance": "The reason: at its port a design is one impedance R + iX. Optimal damping absorbs the share "
     "2/(1 + √(1 + Q²)), Q = |X|/R, of the most any take-off could{same}.",
     "rao": "Response amplitude operators of the rigid motions and of the take-off's port, {taken}: amplitude per wave "
-    "amplitude, and phase lag behind the wave crest at the origin. Motions of less than a thousandth of the largest "
-    "are left out, as is the port where it moves as one of the motions.",
+    "amplitude, and phase lag behind the wave crest at the origin.{long_waves} Motions of less than a thousandth of "
+    "the largest are left out, as is the port where it moves as one of the motions.",
     "excitation": "Wave excitation per wave amplitude: amplitude, and phase lag behind the wave crest at the origin."
     "{modal}",
     "spectra": "Spectra of the irregular seas. Simulations use components up to the highest frequency of the study.",
@@ -322,8 +322,11 @@ CAPTIONS = {
 }
 HEAVE = "heave and modes. Heave (dotted) coincides with the mode of degree 1 where both move the surface alike"
 OPTIMAL = "each design at its optimal damping at every frequency"
-LIMIT = "a capture width of a wavelength over 2π"
-HEAVING = f"{LIMIT}, the limit of an axisymmetric heaving body"
+HEAVING = "a capture width of a wavelength over 2π, the limit of an axisymmetric heaving body"
+LONG_WAVES = (
+    " In long waves heave tends to 1/√2 of the wave's amplitude, not to 1: the optimal damper, |X|, resists as "
+    "strongly as buoyancy does."
+)
 REVOLUTION = "a body of revolution at this port"
 SAME = (
     ". That limit is the same for all shells apart from structural loss: at optimal damping, flexibility pays if and "
@@ -331,7 +334,9 @@ SAME = (
 )
 
 
-def captions(neglected: str = "", *, given: bool, body: bool, limit: str = "", compared: bool = True) -> dict[str, str]:
+def captions(
+    neglected: str = "", *, given: bool, body: bool, limit: str = "", compared: bool = True, heaving: bool = False
+) -> dict[str, str]:
     """Return the captions of a study's figures by kind.
 
     Parameters
@@ -346,13 +351,17 @@ def captions(neglected: str = "", *, given: bool, body: bool, limit: str = "", c
         The capture width of that limit where the port reaches more than heave.
     compared : bool
         Whether there are a rigid design and another one, whose gain is drawn.
+    heaving : bool
+        Whether the take-off is a damper alone, between heave and the sea bed.
     """
+    bound = f"a capture width of {limit}, the limit of {REVOLUTION}" if limit else HEAVING
     words = {
         "dampings": f"left {OPTIMAL}, right all at the given damping" if given else OPTIMAL,
-        "limit": LIMIT if body else f"a capture width of {limit}, the limit of {REVOLUTION}" if limit else HEAVING,
+        "limit": "" if body else f" Grey: {bound}.",
         "gain": ", and the gain over the rigid design" if compared else "",
         "useful": " Gains are drawn where at least 5 % of the largest power is absorbed." if compared else "",
         "same": "" if body else SAME,
+        "long_waves": LONG_WAVES if heaving and not given else "",
         "taken": "with the given damping" if given else OPTIMAL,
         "modal": "" if body else " Modes: generalised forces on the first of them.",
         "moving": "all degrees of freedom; dotted: heave" if body else HEAVE,

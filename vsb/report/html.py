@@ -1,6 +1,7 @@
 """A self-contained HTML page: what the reports of studies and of campaigns have in common."""
 
 import importlib.resources
+import itertools
 import re
 import urllib.parse
 from collections.abc import Mapping, Sequence
@@ -98,12 +99,13 @@ def captioned(
     """
     groups: dict[str, list[dict[str, Any]]] = {}
     room = INLINE
-    for number, (name, svg) in enumerate(figures.items(), 1):
+    for name, svg in figures.items():
         kind, _, sea = name.partition("-")
         drawn = svg[svg.index("<svg") :]
         room -= len(drawn.encode())
-        shown = {"name": name, "number": number, "caption": captions[kind], "svg": drawn if room >= 0 else ""}
-        shown["folded"] = FOLDED.get(kind, "")
-        groups.setdefault(sea, []).append(shown)
+        shown = {"name": name, "caption": captions[kind], "svg": drawn if room >= 0 else ""}
+        groups.setdefault(sea, []).append({**shown, "folded": FOLDED.get(kind, "")})
+    for number, figure in enumerate(itertools.chain.from_iterable(groups.values()), 1):
+        figure["number"] = number  # in the order of the page
     first = next((sea for sea in groups if sea), "")
     return [{"sea": seas.get(sea, sea), "open": sea == first, "figures": of} for sea, of in groups.items()]

@@ -221,7 +221,7 @@ def _draw_powers(ax: Axes, ds: xr.Dataset) -> None:
     phase, designs = np.arange(ds.sizes["instant"]) / ds.sizes["instant"], [str(d) for d in ds.design.values]
     for design in designs:
         run = ds.isel(wave=0).sel(design=design)
-        look, power = style(design, designs), float(run.power_at_reference)
+        look, power = style(design, designs, ds.attrs.get("reference")), float(run.power_at_reference)
         ax.plot(phase, 100 * (run.power_at_shape / power - 1), **look)
         if "power_at_rest" in run:
             ax.plot(1.02, 100 * (float(run.power_at_rest) / power - 1), "<", color=look["color"], markersize=5)

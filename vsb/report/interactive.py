@@ -61,7 +61,7 @@ def packed(values: npt.ArrayLike, kind: str = "<f4") -> str:
 
 def designs_data(designs: Sequence[str], reference: str | None) -> list[dict[str, Any]]:
     """Return names and styles of designs, the same as in all figures, and which one gains are measured against."""
-    looks = {name: style(name, designs) for name in designs}
+    looks = {name: style(name, designs, reference) for name in designs}
     return [
         {"name": name, "colour": look["color"], "dash": DASHES[look["linestyle"]], "reference": name == reference}
         for name, look in looks.items()
@@ -93,7 +93,7 @@ def study_data(
     efficiency : float
         Of the take-off [-].
     bound : str
-        The capture width of that limit.
+        The capture width of that limit; empty where it does not hold.
     """
     designs = list(bands[0].ports)
     return {

@@ -352,7 +352,9 @@ def render(report: Report) -> str:
     failed, answer = warnings(report.checks), _answer(report, in_seas)
     limit = "" if response is None else str(response.attrs.get("limit", ""))
     compared = report.reference is not None and len({row["design"] for row in report.rows}) > 1
-    words = captions(_neglected(report), given=given, body=report.thing == "body", limit=limit, compared=compared)
+    heaving = pto.get("port") in (None, "heave") and not pto.get("stiffness")
+    known = {"given": given, "compared": compared, "heaving": heaving}
+    words = captions(_neglected(report), body=report.thing == "body", limit=limit, **known)
     return page(
         "report.html.j2",
         study=report.study["study"],

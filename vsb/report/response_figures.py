@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from vsb.engine.hydro.labels import ROTATIONS, body_of, is_rigid, motion_of
-from vsb.report.canvas import PORT, StudyData, grid_of_axes, legend_above, note, period_axis, shown_band, style
+from vsb.report.canvas import PORT, StudyData, grid_of_axes, legend_above, note, period_axis, shown_band
 from vsb.tools.arrays import BoolArray, ComplexArray, FloatArray
 from vsb.tools.words import superscripts
 
@@ -53,7 +53,7 @@ def rao(data: StudyData) -> Figure:
             for design in data.designs
             for at, look in zip(
                 values.sel(dof=dof, design=design).values,
-                _looks(style(design, data.designs), values.wave_direction.values),
+                _looks(data.style(design), values.wave_direction.values),
                 strict=True,
             )
         ]

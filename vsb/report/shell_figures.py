@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from vsb.engine.hydro.dofs import flexible
 from vsb.engine.hydro.labels import RIGID, is_of_ring
 from vsb.engine.shell.orders import goes_with_sine
-from vsb.report.canvas import StudyData, folded, grid_of_axes, panels, style
+from vsb.report.canvas import StudyData, folded, grid_of_axes, panels
 from vsb.tools.arrays import FloatArray
 
 
@@ -136,7 +136,7 @@ def _snapshot(data: StudyData, ax: Axes, run: xr.Dataset, design: str, factor: f
     ax.axhspan(-3 * reach, level, color="#56B4E9", alpha=0.25, linewidth=0)
     ax.axhline(level, color="#0072B2", linewidth=0.8)
     ax.plot(rest_x, centre + rest_z, color="#999999", linewidth=0.6, linestyle=":")
-    ax.plot(x, z, color=style(design, data.designs)["color"])
+    ax.plot(x, z, color=data.style(design)["color"])
     ax.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach), xticks=[], yticks=[])
     ax.grid(visible=False)
     ax.spines[:].set_visible(False)
@@ -165,7 +165,7 @@ def extreme_shapes(data: StudyData, wave: str) -> Figure:
     for design in data.designs:
         run = data.runs[design, wave].sel(time=slice(*data.window))
         lowest = run.isel(time=int(np.argmin(_height(data, run).values)))
-        ax.plot(*outline(data.modes, lowest, factor), **style(design, data.designs))
+        ax.plot(*outline(data.modes, lowest, factor), **data.style(design))
     ax.set(aspect="equal", xlabel="radius [m]", ylabel="height above the sphere centre [m]")
     figure.suptitle(f"Smallest distance between the poles; shell displacement magnified {factor:g} times", fontsize=9)
     ax.legend(loc="center left", bbox_to_anchor=(1.02, 0.5), fontsize=8)
@@ -188,7 +188,7 @@ def shapes_3d(data: StudyData, wave: str) -> Figure:
     for i, (instant, name) in enumerate(zip(instants, ("start", "smallest height", "largest height"), strict=True)):
         ax: Any = figure.add_subplot(1, 3, i + 1, projection="3d")
         x, z = (a[::3] for a in _meridians(data.modes, run.sel(time=instant, method="nearest"), factor)[0])
-        _draw_wires(ax, x, z, style(design, data.designs)["color"])
+        _draw_wires(ax, x, z, data.style(design)["color"])
         ax.set(xlim=(-limit, limit), ylim=(-limit, limit), zlim=(-limit, limit), xticks=[], yticks=[])
         ax.set_box_aspect((1, 1, 1))
         ax.tick_params(labelsize=7, pad=-2)

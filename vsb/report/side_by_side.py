@@ -1,11 +1,12 @@
 """Finished studies and campaigns side by side: as text, as CSV, as one page of HTML with a figure."""
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vsb.report.answer import interval_text
 from vsb.report.campaign_answer import TUNED
 from vsb.report.canvas import grid_of_axes, legend_above, style
 from vsb.report.html import page
@@ -49,6 +50,8 @@ MEASURES = {
     "power_mean": "power [W]",
 }
 """What the figure shows of every line: the first two that are known."""
+BOUNDS = {"gain_percent": ("low", "high"), "power_mean": ("power_low", "power_high")}
+"""Bounds of the interval of a measure."""
 DOUBTS = (
     "Mean powers and gains are those of the reports at the tuning of their row, with the interval of all known errors: "
     "each: every design at its own best damper; fixed: at the given one; one: its best single damper of all seas.",
@@ -144,9 +147,11 @@ def answer(lines: Sequence[Line]) -> str:
     if gains:
         gain, best = max(gains, key=lambda one: one[0])
         subject, rigid = f"{best.design} of {_place(best)} absorbs", f"its rigid design ({TUNED[best.tuning]})."
+        interval = interval_text(best.low, best.high)
+        known = f" ({interval})" if interval else ""
         if gain >= EQUAL:
-            return f"Flexibility brings most where {subject} {gain:.1f} % more than {rigid}"
-        how = "as much as" if gain > -EQUAL else f"{-gain:.1f} % less than"
+            return f"Flexibility brings most where {subject} {gain:.1f} % more{known} than {rigid}"
+        how = "as much as" if gain > -EQUAL else f"{-gain:.1f} % less{known} than"
         return f"Flexibility brings nothing here: at best, {subject} {how} {rigid}"
     powers = [(line.power_mean, line) for line in lines if line.power_mean is not None]
     if not powers:
@@ -173,10 +178,15 @@ def figure(lines: Sequence[Line]) -> Figure:
     designs = list(dict.fromkeys(line.design for line in lines))
     known = [kind for kind in MEASURES if any(getattr(line, kind) is not None for line in lines)]
     kinds = known[:2] or ["power_mean"]
+    reference = next((line.design for line in lines if line.gain_percent == 0), None)  # gains are over it
+    looks = {
+        design: style(design, designs, reference) | {"linestyle": "none", "marker": "osD^v"[i % 5]}
+        for i, design in enumerate(designs)
+    }
     canvas, axes = grid_of_axes(1.1 + 0.22 * len(rows), columns=len(kinds), sharey=True)
     for ax, kind in zip(axes[0], kinds, strict=True):
         for design in designs:
-            _mark(ax, [line for line in lines if line.design == design], kind, rows, designs)
+            _mark(ax, [line for line in lines if line.design == design], kind, rows, looks[design])
         ax.set_xlabel(MEASURES[kind])
         ax.margins(x=0.08)
     axes[0, 0].set_yticks(range(len(rows)), rows, fontsize=8)
@@ -185,11 +195,14 @@ def figure(lines: Sequence[Line]) -> Figure:
     return canvas
 
 
-def _mark(ax: Axes, lines: Sequence[Line], kind: str, rows: Sequence[str], designs: Sequence[str]) -> None:
+def _mark(ax: Axes, lines: Sequence[Line], kind: str, rows: Sequence[str], look: Mapping[str, Any]) -> None:
     """Mark one measure of one design in every row that has it."""
     known = [(getattr(line, kind), rows.index(_place(line))) for line in lines if getattr(line, kind) is not None]
     values, at = ([pair[k] for pair in known] for k in (0, 1))
-    look = style(lines[0].design, designs) | {"linestyle": "none"}
-    ax.plot(values, at, marker="osD^v"[designs.index(lines[0].design) % 5], markersize=4, alpha=0.8, **look)
+    for line in lines if kind in BOUNDS else ():
+        low, high = (getattr(line, name) for name in BOUNDS[kind])
+        if low is not None and high is not None:
+            ax.plot([low, high], 2 * [rows.index(_place(line))], color=look["color"], linewidth=1.5, alpha=0.5)
+    ax.plot(values, at, markersize=4, alpha=0.8, **look)
     if kind == "gain_percent":
         ax.axvline(0.0, color="#444444", linewidth=0.8, label="_zero")

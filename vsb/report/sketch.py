@@ -62,7 +62,8 @@ def sketch(name: str, designs: dict[str, dict[str, Any]], height: float, outline
     outline : callable
         Of the buoy.
     """
-    design, colour = designs[name], style(name, list(designs))["color"]
+    reference = next((one for one, values in designs.items() if not values["flexible"]), None)
+    design, colour = designs[name], style(name, list(designs), reference)["color"]
     scale = _SCALE / max(1.0, outline(0.0)[1], -outline(math.pi)[1])
     centre = _WATERLINE - scale * height
     keel = centre - scale * outline(math.pi)[1]

@@ -83,7 +83,7 @@ def figures_of(found: Inputs) -> Iterator[tuple[str, Figure]]:
         runs=found.runs,
         witness=found.witness,
         tuned=study.pto.damping is None,
-        limit=f"limit {found.response.attrs.get('limit', 'λ/2π')}" if study.buoy else "λ/2π",
+        limit=f"limit {found.response.attrs.get('limit', 'λ/2π')}" if study.buoy else "",
         spectra=_spectra(study, found.plan.highest),
         port=port_kind(study.pto.port),
         ports={name: port_kind(port) for name, port in named_ports(study.pto).items()},
@@ -193,7 +193,10 @@ def interactive_study(
         seas = seen.with_steps(seas, list(waves.values()), (low, highest))
     shown = _band(in_direction(response, study.waves[0]), max(lowest(low, high), low), high)
     limit = np.interp(shown, response.omega.values, response.power_limit.values)
-    bands, bound = [seen.grid(shown, towards) for towards in going], response.attrs.get("limit", "λ/2π")
+    bands, bound = (
+        [seen.grid(shown, towards) for towards in going],
+        response.attrs.get("limit", "λ/2π" if study.buoy else ""),
+    )
     on = [seen.grid(*one) for one in grids]
     return study_data(on, seas, bands, limit, study.reference_design, pto.efficiency, bound, port_kind(pto.port))
 

@@ -52,7 +52,7 @@ def shape_dependence(study: Study, out_nc: str, out_figure: str) -> str:
         store = Path(out_nc).with_suffix(".shapes")
         family = replace(study_family(study, reference_shell(study)), store=store)
         ds = shape_dataset(study, replace(family, after_each=counter(shapes_of_study(study, family))))
-        save(ds.assign_attrs(spec_id=identity), out_nc)
+        save(ds.assign_attrs(spec_id=identity, reference=study.reference_design or ""), out_nc)
         shutil.rmtree(store)
     write_text(out_figure, svg_text(shape_figure(ds)))
     return answer(ds, study.study)

@@ -10,6 +10,7 @@ class InteractiveStudy {
     this.bands = data.bands.map(unpackedGrid);
     this.limit = unpacked(data.limit);
     root.querySelector('[data-part="bound"]').textContent = data.bound;
+    root.querySelector('[data-part="limited-by"]').hidden = !data.bound; // none is known of a body
     this.reference = data.designs.findIndex((design) => design.reference);
     this.damping = null; // each design at its optimal damping
     this.part = (name) => root.querySelector(`[data-part="${name}"]`);
@@ -183,7 +184,7 @@ class InteractiveStudy {
       return { ...this.data.designs[i], x: omega, y: Float64Array.from(omega, value) };
     });
     const top = 1.15 * Math.max(...this.curvesTop(), 1e-9);
-    const low = [...omega.keys()].filter((j) => limit[j] / 1e3 <= top);
+    const low = [...omega.keys()].filter((j) => this.data.bound && limit[j] / 1e3 <= top);
     const bound = { x: low.map((j) => omega[j]), y: low.map((j) => limit[j] / 1e3) };
     const clipped = { name: this.data.bound, colour: "#999999", dash: "", ...bound };
     const largest = Math.max(...this.squares);
