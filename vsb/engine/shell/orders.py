@@ -19,12 +19,13 @@ second-order part of the volume. Neither depends on the buoy's attitude, so rigi
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import factorial, sqrt
 from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag, svd
+from scipy.special import eval_gegenbauer, factorial2
 
 from vsb.engine.shell.device import Device
 from vsb.engine.shell.loaded import LoadedShell
@@ -45,11 +46,16 @@ def semi_normalisation(degree: int, order: int) -> float:
 def semi_normalised(degree: int, order: int, colatitude: FloatArray) -> FloatArray:
     """Return S_n^m(cos phi) of m >= 1, its first and second derivative by phi, S/sin(phi) and its, shape (5, point).
 
-    From sin^m(phi) times the m-th derivative of P_n, which is regular at the poles.
+    From sin^m(phi) times the m-th derivative of P_n, (2m-1)!! C_(n-m)^(m+1/2) of Gegenbauer, regular at the poles.
     """
     cos, sin, m = np.cos(colatitude), np.sin(colatitude), order
-    p = semi_normalisation(degree, order) * np.polynomial.legendre.Legendre.basis(degree).deriv(m)
-    q, dq, ddq = p(cos), -sin * p.deriv()(cos), sin**2 * p.deriv(2)(cos) - cos * p.deriv()(cos)
+    q, by_cos, twice = (
+        semi_normalisation(degree, order) * factorial2(2 * k - 1) * eval_gegenbauer(degree - k, k + 0.5, cos)
+        if degree >= k
+        else 0.0 * cos
+        for k in (m, m + 1, m + 2)
+    )
+    dq, ddq = -sin * by_cos, sin**2 * twice - cos * by_cos
     beside = (m - 1) * sin ** max(m - 2, 0) * cos  # derivative of sin^(m-1)
     slope = m * sin ** (m - 1) * cos
     bend = m * (beside * cos - sin**m)
@@ -343,6 +349,7 @@ def yaw(basis: ModeBasis, ballast: Ballast) -> Yaw:
     return Yaw(basis.shell, 0, (), ballast, False, odd=True)
 
 
+@lru_cache(maxsize=1024)
 def _scaled(mode: Mode, order: int) -> Mode:
     """An axisymmetric mode's shape at another order, scaled to max|displacement| = 1, V positive."""
 
