@@ -16,10 +16,11 @@ from tests.design.conftest import study_of
 from vsb.design.budgets import drawn_years, power_parts, uncertainty
 from vsb.design.compared import Buoy, gain
 from vsb.design.evaluation import DesignModel, Quantity
-from vsb.design.margins import bending_degree
 from vsb.design.optimise import left_out
 from vsb.design.problem import IMPOSSIBLE, POWER
 from vsb.design.year import FrequencyGrid
+from vsb.models.further_modes import reach_of_modes
+from vsb.study.degree import expected_change
 from vsb.study.design import load_design
 from vsb.study.sections import DEGREES
 
@@ -66,18 +67,16 @@ def holds_truth(kind, seed, climate):
     try:
         rigid, rigid_truth = (buoy_of(raw, 1, "FSB", climate, finer) for finer in (False, True))
         powers = {degree: buoy_of(raw, degree, "X", climate).power for degree in DEGREES[:3]}
-        bending = bending_degree(rigid.study, "X")
         for i, degree in enumerate(DEGREES[:-3]):
             powers |= {n: buoy_of(raw, n, "X", climate).power for n in DEGREES[i : i + 3] if n not in powers}
             changes = [powers[n] / powers[degree] - 1 for n in DEGREES[i + 1 : i + 3]]
-            bound = left_out(changes, 0.005, DEGREES[i : i + 3], bending)
-            if bound is not None and np.abs(bound).max() <= 0.005:
+            last = DEGREES[i + 2]
+            bound = left_out(changes, reach_of_modes(rigid.study, "X", last), expected_change(rigid.study, last))
+            if np.abs(bound).max() <= 0.005:
                 break
         flexible = replace(buoy_of(raw, degree, "X", climate), truncation=bound)
         truth = buoy_of(raw, DEGREES[i + 3], "X", climate, finer=True).power
     except IMPOSSIBLE:
-        return None
-    if bound is None:
         return None
     parts = [power_parts(one, climate) for one in (flexible, rigid)]
     low, high = uncertainty(parts).budget.interval(gain(flexible.power, rigid.power))

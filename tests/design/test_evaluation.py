@@ -9,7 +9,6 @@ from tests.design.conftest import study_of
 from vsb.design.compared import Buoy
 from vsb.design.evaluation import DesignModel
 from vsb.design.linearised import displacements
-from vsb.design.margins import bending_degree
 from vsb.design.optimise import left_out
 from vsb.design.resting import RestingBuoy
 from vsb.design.year import FrequencyGrid
@@ -17,6 +16,7 @@ from vsb.engine.hydro.database import Coefficients, with_excitation
 from vsb.engine.hydro.spectral.solver import SpectralProblem
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
+from vsb.models.further_modes import reach_of_modes
 from vsb.models.ports import ShapeWater, buoy_at
 from vsb.models.rest import reference_shell, stiffness_about
 from vsb.study.design import PARTS
@@ -279,7 +279,7 @@ def test_what_a_clamped_design_leaves_out_holds_the_power_of_all_degrees(climate
     port = buoy_at(whole, reference, ShapeWater(moved, grid.omega, coefficients)).ports(0.0)[design]
     change = float(port.power(damping) @ (2 * grid.variance)) / power[9] - 1
     finer = [power[degree] / power[9] - 1 for degree in few[1:]]
-    low, high = left_out(finer, study.modes.tolerance, few, bending_degree(study, design))
+    low, high = left_out(finer, reach_of_modes(study, design, few[-1]))
     assert low < change < 0.0 < high
     assert high - low < 10 * abs(change)
 

@@ -109,13 +109,11 @@ def _with_take_off(name: str, search: Search, climate: Climate, found: Outcome) 
         study = study_of(search, found.degree, point | values)
     except IMPOSSIBLE:
         return None
-    shape_error = _by_rest_shape(model, end.point.values, quantities[POWER], search.tolerance)
+    shape_error = _by_rest_shape(model, end.point.values, quantities[POWER])
     return Buoy(name, study, search.design, found.degree, quantities, shape_error)
 
 
-def _by_rest_shape(
-    model: DesignModel, values: FloatArray, power: float, tolerance: float
-) -> tuple[float, float] | None:
+def _by_rest_shape(model: DesignModel, values: FloatArray, power: float) -> tuple[float, float] | None:
     """Change of a rigid buoy's power by shell modes that its shape at rest leaves out, see `left_out`."""
     if not (model.study.flexible and model.study.at_equilibrium):
         return 0.0, 0.0
@@ -124,7 +122,7 @@ def _by_rest_shape(
         finer = [replace(model, degree=degree).at(list(values))[POWER].value for degree in degrees[1:]]
     except IMPOSSIBLE:
         return None
-    return left_out([one / power - 1 for one in finer], tolerance) if len(finer) == FURTHER else None
+    return left_out([one / power - 1 for one in finer]) if len(finer) == FURTHER else None
 
 
 def displacement_held(outline: tuple[FloatArray, FloatArray], density: float, gravity: float, spring: float) -> float:

@@ -13,10 +13,8 @@ import numpy as np
 
 from vsb.design.evaluation import DAMPER, DesignModel
 from vsb.design.problem import excesses
-from vsb.engine.shell.shell import Shell
-from vsb.models.rest import loaded_at_ring
+from vsb.models.further_modes import by_all_modes
 from vsb.study.design import OF_RIGID, limit_of
-from vsb.study.specs import AnyBuoy
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
@@ -24,89 +22,22 @@ DRAWS = 100_000
 """Buoys drawn for the probability that all limits hold together."""
 ROUND_OFF = 1e-8
 """Excess over a limit, relative to it, that is none."""
-SAFETY = 2.0
-"""Of the last steps of the list, for what all further degrees may change where powers do not approach a limit yet."""
-RESOLVED = 2.0
-"""Degree that resolves what bends about a loaded ring, in terms of `bending_degree`."""
 
 
-def beyond(changes: Sequence[FloatArray], degrees: Sequence[int] = (), bending: float | None = None) -> FloatArray:
-    """Return the most that shell modes beyond the last degree may change numbers, as in studies.
+def by_modes(changes: Sequence[FloatArray], reach: float = 1.0) -> FloatArray:
+    """Return the most by which shell modes left out may raise excesses over limits, 0 or more, shape (limit,).
 
     Parameters
     ----------
     changes : sequence of ndarray
-        Of the numbers from a basis to each of the degrees beyond it, ascending.
-    degrees : sequence of int
-        Of the basis and those; needed with `bending` only.
-    bending : float, optional
-        See `bending_degree`.
-    """
-    numbers = [np.zeros_like(changes[0]), *changes]
-    return further(numbers) if bending is None else further_about_rings(numbers, degrees, bending)
-
-
-def further(powers: Sequence[FloatArray]) -> FloatArray:
-    """Return what degrees beyond the last may change, shape of the powers [W]: the span of the last three powers.
-
-    That holds of errors that fall like 1/degree or faster, because two steps of `DEGREES` double the degree. One step
-    would not do: before bending is resolved it may be small by chance. Steps of opposite signs have a small span, and
-    count at least `SAFETY` times the last; where the last step is larger than the one before, errors do not fall yet:
-    `SAFETY` times both.
-
-    Parameters
-    ----------
-    powers : sequence of ndarray [W]
-        With two or more ascending degrees of `DEGREES`.
-    """
-    step = np.abs(powers[-1] - powers[-2])
-    if len(powers) == 2:
-        return SAFETY * step
-    previous = np.abs(powers[-2] - powers[-3])
-    falling = np.maximum(np.ptp(powers[-3:], axis=0), SAFETY * step)
-    return np.where(step > previous, SAFETY * (step + previous), falling)
-
-
-def further_about_rings(powers: Sequence[FloatArray], degrees: Sequence[int], bending: float) -> FloatArray:
-    """Return what degrees beyond the last may change where a load acts at a ring of the shell, shape of the powers [W].
-
-    Below `bending_degree` each degree yields about as much to such a load as the one before, more or less with its
-    amplitude at the ring: the steepest change per degree seen counts up to `RESOLVED` times that degree. Beyond it
-    errors fall like 1/degree, unevenly. `SAFETY` times the larger of that and of both last steps.
-
-    Parameters
-    ----------
-    powers : sequence of ndarray [W]
-        With two or more ascending degrees of `DEGREES`.
-    degrees : sequence of int
-    bending : float
-        See `bending_degree`.
-    """
-    steps, widths = np.abs(np.diff(powers[-3:], axis=0)), np.diff(degrees[-3:])
-    per_degree = (steps.T / widths).T.max(axis=0)
-    missing = max(RESOLVED * bending - degrees[-1], 0.0)
-    return np.asarray(SAFETY * np.maximum(steps.sum(axis=0), missing * per_degree))
-
-
-def bending_degree(study: AnyBuoy, design: str) -> float | None:
-    """Return the degree at which the shell is as stiff by bending as by its membrane; None if no load acts at a ring.
-
-    D n^4/r^4 = E h/r^2 with D = E h^3/(12 (1 - nu^2)), r the largest radius or half the height. See `loaded_at_ring`.
-    """
-    if not loaded_at_ring(study, design):
-        return None
-    shell = Shell.of(study.device)
-    return float((12 * (1 - shell.poisson_ratio**2)) ** 0.25 * np.sqrt(shell.reach / shell.thickness))
-
-
-def by_modes(changes: Sequence[FloatArray], degrees: Sequence[int] = (), bending: float | None = None) -> FloatArray:
-    """Return the most by which shell modes left out may raise excesses over limits, 0 or more, shape (limit,).
-
-    Parameters are those of `beyond`; no changes, as of a rigid sphere, are none.
+        Of the excesses from a basis to each of some with more degrees, ascending; none, as of a rigid sphere, are none.
+    reach : float
+        See `vsb.models.further_modes.by_all_modes`.
     """
     if not changes:
         return np.zeros(())
-    return np.asarray(np.maximum(0.0, np.max(changes, axis=0) + beyond(changes, degrees, bending)))
+    none = np.zeros_like(changes[0])
+    return np.asarray(by_all_modes(none, [none, *changes], reach)[..., 1])
 
 
 def depends(study: Study, key: str) -> bool:

@@ -24,10 +24,11 @@ from vsb.design.certificate import (
     multipliers,
     newton_step,
 )
-from vsb.design.margins import beyond, by_modes
+from vsb.design.margins import by_modes
 from vsb.design.problem import IMPOSSIBLE, POWER, SMALLEST, Point, Problem
 from vsb.design.violation import led_at_rest, within_limits
 from vsb.errors import ConvergenceError
+from vsb.models.further_modes import by_all_modes
 from vsb.tools.arrays import FloatArray
 
 ROUNDS = ((3e-3, 1e-7), (1e-3, 1e-9), (1e-4, 1e-11), (1e-5, 1e-13), (0.0, 1e-15), (0.0, 1e-16))
@@ -263,32 +264,22 @@ class Converged:
 
 FURTHER = 2
 """Degrees beyond that of an optimum with which it is evaluated, too."""
+Expected = Callable[[Point, int], tuple[float, float]]
+"""What shell modes beyond a degree are expected to change of a buoy, see `finer`."""
 
 
-def left_out(
-    changes: Sequence[float], tolerance: float, degrees: Sequence[int] = (), bending: float | None = None
-) -> tuple[float, float] | None:
+def left_out(changes: Sequence[float], reach: float = 1.0, least: float = 0.0) -> tuple[float, float]:
     """Return the ends between which all further degrees of shell modes change a power, relative, zero included.
-
-    What they change beyond the last degree evaluated is bounded as in studies (`vsb.design.margins.beyond`). None where
-    it is not known: the last step is the larger one, and more than a tolerance may be left out.
 
     Parameters
     ----------
     changes : sequence of float
-        By the two degrees evaluated beyond that of the power, ascending, relative to it.
-    tolerance : float
-        Of the power, relative.
-    degrees : sequence of int
-        Of the power and those two; needed with `bending` only.
-    bending : float, optional
-        See `vsb.design.margins.bending_degree`.
+        By the degrees evaluated beyond that of the power, ascending, relative to it.
+    reach, least : float
+        See `vsb.models.further_modes.by_all_modes`.
     """
-    first, last = changes
-    more = float(beyond([np.asarray(change) for change in changes], degrees, bending))
-    low, high = min(0.0, last - more), max(0.0, last + more)
-    grows = abs(last - first) > abs(first)
-    return None if grows and max(-low, high) > tolerance else (low, high)
+    low, high = by_all_modes(np.zeros(()), [np.zeros(()), *map(np.asarray, changes)], reach, least)
+    return float(low), float(high)
 
 
 @dataclass(frozen=True)
@@ -304,8 +295,7 @@ def finer(
     problem_of: Callable[[int | None], Problem],
     degrees: Sequence[int | None],
     point: Point,
-    tolerance: float,
-    bending: Callable[[Point], float | None] = lambda point: None,
+    expected: Expected = lambda point, degree: (1.0, 0.0),
 ) -> Finer:
     """Return a buoy with more shell modes, and what all further ones may change.
 
@@ -315,16 +305,19 @@ def finer(
     ----------
     degrees : sequence of int, or of one None
         Of the buoy, and those beyond it that are evaluated; one of none: a rigid buoy.
+    expected : callable
+        Buoy and degree -> `reach` and `least` of `vsb.models.further_modes.by_all_modes`, the latter of the power.
     """
-    if degrees[0] is None:
+    last = degrees[-1]
+    if last is None:
         return Finer(None, np.zeros_like(point.excess))
     own, *points = (problem_of(degree).at(point.place) for degree in degrees)
     if len(points) < FURTHER:
         return Finer(None, np.full_like(point.excess, np.nan), tuple(points))
-    known, at = [one for one in degrees if one is not None], bending(point)
+    reach, least = expected(point, last)
     changes = [one.evaluation[POWER].value / own.evaluation[POWER].value - 1 for one in points]
-    margins = by_modes([one.excess - own.excess for one in points], known, at)
-    return Finer(left_out(changes, tolerance, known, at), margins, tuple(points))
+    margins = by_modes([one.excess - own.excess for one in points], reach)
+    return Finer(left_out(changes, reach, least), margins, tuple(points))
 
 
 MARGIN_ROUNDS, SAFE = 4, 1.1
@@ -384,7 +377,7 @@ def converged(
     tolerance: float,
     places: Sequence[FloatArray],
     seen: Progress | None = None,
-    bending: Callable[[Point], float | None] = lambda point: None,
+    expected: Expected = lambda point, degree: (1.0, 0.0),
     spread: Callable[[Problem, Point], FloatArray] | None = None,
 ) -> Converged:
     """Return the best buoy from one start, solved again with more shell modes until they change little.
@@ -404,8 +397,8 @@ def converged(
         Tried in turn until a buoy rests.
     seen : callable, optional
         Is called with every buoy evaluated.
-    bending : callable
-        Buoy -> what `left_out` needs where a load acts at a ring.
+    expected : callable
+        See `finer`.
     spread : callable, optional
         Problem and buoy -> margins of its limits for what is uncertain, (limit,).
     """
@@ -423,7 +416,7 @@ def converged(
         found = optimised(of(degree), begin, seen)
 
         def finer_at(point: Point, tried: Sequence[int | None] = degrees[i : i + 1 + FURTHER]) -> Finer:
-            return finer(of, tried, point, tolerance, bending)
+            return finer(of, tried, point, expected)
 
         try:
             known = finer_at(found.point)

@@ -12,13 +12,15 @@ import xarray as xr
 import vsb.design.variables  # noqa: F401  registers them
 from vsb.design.certificate import VIOLATION
 from vsb.design.evaluation import DAMPER, SPRING, AtRest, DesignModel
-from vsb.design.margins import bending_degree, spread
+from vsb.design.margins import spread
 from vsb.design.optimise import FURTHER, Converged, Finer, Optimum, Progress, converged, finer, start_places
 from vsb.design.problem import IMPOSSIBLE, Point, Problem
 from vsb.design.resting import with_values
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConvergenceError
+from vsb.models.further_modes import reach_of_modes
 from vsb.study.campaign import study_at
+from vsb.study.degree import expected_change
 from vsb.study.design import Variable
 from vsb.study.feasible import shares
 from vsb.study.specs import Search
@@ -123,8 +125,8 @@ def from_start(search: Search, climate: Climate, seed: int, start: int, seen: Pr
         return problem_of(search, climate, degree)
 
     degrees = degrees_of(search)
-    begin, bending = places(of(degrees[0]), seed, start), partial(bending_of, search)
-    return converged(of, degrees, search.tolerance, begin, seen, bending, uncertain_margins(search))
+    begin, expected = places(of(degrees[0]), seed, start), partial(expected_of, search)
+    return converged(of, degrees, search.tolerance, begin, seen, expected, uncertain_margins(search))
 
 
 def finer_of(search: Search, of: Callable[[int | None], Problem], point: Point, degree: int | None) -> Finer:
@@ -134,7 +136,7 @@ def finer_of(search: Search, of: Callable[[int | None], Problem], point: Point, 
     """
     tried = degrees_of(search)
     degrees = tried[tried.index(degree) :][: 1 + FURTHER]
-    return finer(of, degrees, point, search.tolerance, partial(bending_of, search))
+    return finer(of, degrees, point, partial(expected_of, search))
 
 
 def uncertain_margins(search: Search) -> Callable[[Problem, Point], FloatArray] | None:
@@ -159,10 +161,11 @@ def _deviations(search: Search, problem: Problem, point: Point) -> FloatArray:
     return np.append(deviations, np.zeros(len(point.excess) - len(deviations)))
 
 
-def bending_of(search: Search, point: Point) -> float | None:
-    """Return what errors of a buoy's shell modes need to be known, see `vsb.design.margins.bending_degree`."""
+def expected_of(search: Search, point: Point, degree: int) -> tuple[float, float]:
+    """Return what further shell modes may change of a buoy, see `vsb.design.optimise.finer`."""
     keys = [one.key for one in search.variables]
-    return bending_degree(study_of(search, None, dict(zip(keys, point.values, strict=True))), search.design)
+    study = study_of(search, None, dict(zip(keys, point.values, strict=True)))
+    return reach_of_modes(study, search.design, degree), expected_change(study, degree)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
 from vsb.models.floating_system import AnyBody, Floating
+from vsb.models.further_modes import by_all_modes
 from vsb.models.mode_convergence import SAMPLED, ModeConvergence, directed, mean_sea, take_offs
 from vsb.models.ports import BuoyOfShape
 from vsb.models.rest import loaded_at_ring
@@ -102,27 +103,23 @@ def _left_out(convergence: ModeConvergence) -> LeftOut:
     before = finer[0] if own else convergence.powers(study.modes, convergence.finer)
     at_ring = np.array([loaded_at_ring(study, design) for design in study.designs])
     expected = expected_change(study, convergence.enough) * before * at_ring[:, None, None]
-    power, gain = _relative(_bounds(before, finer, expected), before), np.zeros((*before.shape, len(ENDS)))
+    power, gain = (
+        _relative(by_all_modes(before, finer, 1 + SAMPLED, expected), before),
+        np.zeros((*before.shape, len(ENDS))),
+    )
     if not study.at_equilibrium:  # else the shape at rest depends on the modes, too
         power[[i for i, design in enumerate(study.designs.values()) if not design.flexible]] = 0.0
     if (reference := study.reference_design) is not None:
         at = list(study.designs).index(reference)
         base = before[[at]]
         points = np.divide(100 * expected, base, out=np.zeros_like(before), where=base > 0)
-        gain = _bounds(_gains(before, at), [_gains(one, at) for one in finer], points)
+        gain = by_all_modes(_gains(before, at), [_gains(one, at) for one in finer], 1 + SAMPLED, points)
     return LeftOut(power, gain)
 
 
 def _widest(bounds: FloatArray) -> FloatArray:
     """The widest range (design, end) of some take-offs, (design, take_off, end)."""
     return np.stack([bounds[..., 0].min(axis=1), bounds[..., 1].max(axis=1)], axis=-1)
-
-
-def _bounds(before: FloatArray, finer: Sequence[FloatArray], expected: FloatArray) -> FloatArray:
-    """Range (..., end) about zero of what all modes change: to the last finer one, and as much as by these beyond."""
-    change = finer[-1] - before
-    missed = np.maximum(np.ptp(finer, axis=0), expected) + SAMPLED * np.abs(change)
-    return np.stack([np.minimum(change, 0.0) - missed, np.maximum(change, 0.0) + missed], axis=-1)
 
 
 def _gains(power: FloatArray, at: int) -> FloatArray:
