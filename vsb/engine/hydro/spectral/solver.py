@@ -28,6 +28,7 @@ from vsb.engine.hydro.spectral.meridian import WetMeridian
 from vsb.engine.hydro.sweep import AdaptiveSweep, IncidentWave, crowded, on_grid, relative
 from vsb.engine.hydro.variables import PAIR, RESOLUTION
 from vsb.engine.shell.deformed import DeformedShell
+from vsb.engine.shell.orders import semi_normalisation
 from vsb.engine.waves.dispersion import wavenumber
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.tools.arrays import ComplexArray, FloatArray
@@ -71,6 +72,12 @@ class SpectralProblem:
         """Normal velocities of the displacements at the nodes, shape (displacement, node) [m/s per m/s]."""
         p = self.meridian.points
         return normal_velocities(self.displacements, p.colatitude, np.array([p.x, p.z]), np.array([p.n_x, p.n_z]))
+
+    @property
+    def _normalisation(self) -> FloatArray:
+        """Semi-normalised functions over those of the displacements, shape (displacement,) [-]; 1 of rigid motions."""
+        m = self.order
+        return np.array([semi_normalisation(d.degree, m) if m and not d.rigid else 1.0 for d in self.displacements])
 
     @cached_property
     def onto(self) -> FloatArray:
@@ -150,6 +157,8 @@ class SpectralProblem:
     def error_estimate(self, omegas: list[float]) -> xr.Dataset:
         """Return estimates of the errors of a run, relative to the largest entry at each frequency.
 
+        Shapes count by their semi-normalised functions: P_n^m grows like n^m.
+
         Twice the largest difference from a run with three quarters of the points, whose own error is the larger one;
         for damping and excitation plus the misfit of Haskind's relation, an error common to both runs. `RESOLUTION` is
         the same of each displacement by itself, relative to its largest over these frequencies: the points that the
@@ -158,11 +167,13 @@ class SpectralProblem:
         runs = [with_excitation(p.solve(omegas)) for p in (replace(self, nodes=int(_COARSER * self.nodes)), self)]
         forces = [ds.excitation_force.values[:, 0] for ds in runs]
         haskind = haskind_damping(runs[1], self.depth, self.density, self.gravity, self.order)
-        missed = _relative(haskind, runs[1].radiation_damping.values)
+        share = self._normalisation
+        shares = np.outer(share, share)
+        missed = _relative(shares * haskind, shares * runs[1].radiation_damping.values)
         errors = {
-            "added_mass": _relative(*(ds.added_mass.values for ds in runs)),
-            "radiation_damping": _relative(*(ds.radiation_damping.values for ds in runs)) + missed,
-            "excitation_force": _relative(*forces) + missed,
+            "added_mass": _relative(*(shares * ds.added_mass.values for ds in runs)),
+            "radiation_damping": _relative(*(shares * ds.radiation_damping.values for ds in runs)) + missed,
+            "excitation_force": _relative(*(share * force for force in forces)) + missed,
         }
         mass, damping = (
             [np.einsum("wii->iw", ds[name].values) for ds in runs] for name in ("added_mass", "radiation_damping")
