@@ -22,7 +22,7 @@ nb_execution_mode = "force"  # notebooks are run from the root of the repository
 nb_execution_timeout = 900
 nb_execution_raise_on_error = True
 nb_merge_streams = True
-exclude_patterns = ["_build", "requirements.*"]
+exclude_patterns = ["_build", "requirements.*", "reference/materials.md"]  # which is included in a page
 html_theme, html_title = "furo", f"vsb {release}"
 html_copy_source = html_show_sourcelink = False
 autodoc_member_order = "bysource"

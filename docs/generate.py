@@ -9,6 +9,7 @@ from typing import Any
 import vsb
 from vsb.cli import parser
 from vsb.engine.hydro.bodies.body_file import BodyFile
+from vsb.engine.shell.named_materials import NAMED
 from vsb.keys.meanings import KEYS
 from vsb.keys.schema import Schema, schema_of
 from vsb.study.body import BodyStudy
@@ -60,10 +61,22 @@ reported in one line each."""
 def write(folder: Path) -> None:
     """Write all pages of reference into a folder."""
     folder.mkdir(exist_ok=True)
-    for name, text in {"keys": keys_page(), "commands": commands_page(), "python": python_page()}.items():
+    pages = {"keys": keys_page(), "commands": commands_page(), "python": python_page(), "materials": materials_table()}
+    for name, text in pages.items():
         path = folder / f"{name}.md"
         if not path.exists() or path.read_text(encoding="utf-8") != text:  # else it would be built anew each time
             path.write_text(text, encoding="utf-8")
+
+
+def materials_table() -> str:
+    """Return the materials by name with their constants and sources."""
+    lines = ["| `material` | constants | density [kg/m³] | source |", "|---|---|---|---|"]
+    for name, found in NAMED.items():
+        of_rubber = found.mu is not None
+        law = f"neo-Hookean, μ = {found.mu / 1e6:g} MPa" if of_rubber else f"E = {found.young_modulus / 1e9:g} GPa, "
+        law += "" if of_rubber else f"Poisson's ratio {found.poisson_ratio:g}"
+        lines.append(f"| `{name}` | {law} | {found.density:g} | {found.source} |")
+    return "\n".join(lines)
 
 
 def keys_page() -> str:

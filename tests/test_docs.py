@@ -51,7 +51,7 @@ def test_every_key_stands_in_the_reference(generate):
             assert f"\n| `{name.rpartition('.')[2]}` |" in page
     assert (
         page.count(
-            "| `young_modulus` | Young's modulus of the shell; required except for rubber | Pa | none | from 1 to 1e+16 |"
+            "| `young_modulus` | Young's modulus of the shell; required without a material | Pa | none | from 1 to 1e+16 |"
         )
         == 1
     )

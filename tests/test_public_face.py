@@ -1,6 +1,7 @@
 """The public names of the package, and the example that uses them."""
 
 import importlib
+import itertools
 import json
 import re
 import runpy
@@ -13,6 +14,9 @@ import xarray as xr
 from conftest import HERE
 
 import vsb
+from vsb.cli import main
+from vsb.engine.waves.scatter import energy_over_peak_period
+from vsb.engine.waves.spectra import jonswap_spectrum
 from vsb.errors import ConfigError, DatabaseError
 from vsb.tools.files import save
 
@@ -167,6 +171,26 @@ def test_year_knows_the_spring_of_the_take_off(results):
     lossy = results.study.pto.model_copy(update={"efficiency": 0.8})
     with pytest.raises(ConfigError, match="efficiency"):
         vsb.Results(results.study.model_copy(update={"pto": lossy})).year(climate)
+
+
+def test_power_matrix_is_the_mean_over_the_spectrum_of_each_sea(results, tmp_path, capsys):
+    """Against a trapezoidal rule over JONSWAP's density; a higher sea has the same damper, and more power by Hs²."""
+    hs, te = [1.0, 2.5], [5.0, 8.0]
+    found = results.power_matrix(hs, te).isel(tuning=0)
+    omega = np.linspace(*results.database.omega.values[[0, -1]], 4000)
+    for design, period in itertools.product(found.design.values, te):
+        one = found.sel(design=design, te=period)
+        assert float(one.power_matrix[1] / one.power_matrix[0]) == pytest.approx(2.5**2, rel=1e-12)
+        assert float(one.damping[1]) == pytest.approx(float(one.damping[0]), rel=1e-12)
+        density = jonswap_spectrum(omega, 1.0, period / energy_over_peak_period(3.3), 3.3)
+        power = results.port(design, omega).power(float(one.damping[0]))
+        assert float(one.power_matrix[0]) == pytest.approx(np.trapezoid(2 * density * power, omega), rel=5e-3)
+    with pytest.raises(ConfigError, match=r"te: received 0\.5 s, seas of which more than 1%"):
+        results.power_matrix(te=[0.5, 5.0])
+    table = tmp_path / "matrix.csv"
+    assert main(["matrix", results.plan.folder, "--out", str(table)]) == 0
+    assert "mean power [kW] over Hs [m], down, and Te [s], across" in capsys.readouterr().out
+    assert len(table.read_text().splitlines()) == 1 + results.power_matrix().power_matrix.size
 
 
 def test_annual_energy_and_matrices_agree_with_mhkit():

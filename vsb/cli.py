@@ -40,6 +40,7 @@ EXAMPLES = {
     "series": "results/my/trajectories/free-regular_A0.2_T2.9.nc free.csv",
     "import-wamit": "wamit/ float float.nc --length 1", "import-bemio": "rm3.h5 rm3.nc",
     "import-nemoh": "nemoh/ float.nc",
+    "matrix": "results/my --out matrix.csv",
     "compare": "soft.yaml stiff.yaml --out both.html", "figures": "my.yaml --pdf --out paper",
     "stage": "database < tasks.json",
 }  # fmt: skip
@@ -50,7 +51,7 @@ ARGUMENTS = {
     "CONFIG|DATABASE.nc": "file of a study, or a hydro database", "OUT": "name of the files to write, without ending",
     "TRAJECTORY.nc": "file of results/STUDY/trajectories", "OUT.csv|OUT.nc": "file to write",
     "FOLDER": "folder of files", "NAME": "name of the files without ending", "DATABASE.nc": "hydro database to write",
-    "FILE.h5": "file of BEMIO",
+    "FILE.h5": "file of BEMIO", "RESULTS": "folder of finished results of a study",
 }  # fmt: skip
 """What positional arguments are, by their names."""
 AXISYMMETRIC = "the body and its generalized modes are: more can be checked"
@@ -206,6 +207,32 @@ def print_verdict(checks: "list[Check]", files: str) -> int:
     return int(any(check.verdict == "fail" for check in checks))
 
 
+def matrix(args: argparse.Namespace) -> int:
+    """Print the power matrix of a finished study: every design in JONSWAP seas over Hs and Te, by linear theory.
+
+    Each design has the optimal damper of each sea. With --out capture widths and dampers are written, too.
+    """
+    from vsb.api.opened import open as opened
+    from vsb.api.results import Results
+    from vsb.tools.files import write_text
+    from vsb.tools.tables import check_table, csv_text
+
+    results, head = opened(args.folder), ("design", "hs", "te", "power", "capture_width", "damping")
+    if not isinstance(results, Results):
+        raise ConfigError(f"{args.folder}: needs the results of a study; a campaign has its own matrices")
+    if args.out:
+        check_table(args.out, head)
+    found = results.power_matrix(tunings=[args.tuning], gamma=args.gamma).sel(tuning=args.tuning)
+    for design in map(str, found.design.values):
+        table = (found.power_matrix.sel(design=design) / 1e3).to_pandas().map("{:.3g}".format)
+        print(f"{design}: mean power [kW] over Hs [m], down, and Te [s], across", table.to_string(), sep="\n")
+    print("by linear theory: not valid of steep seas, Hs above 0.05 wavelengths, and of heave above 0.3 radii")
+    if args.out:
+        rows = found.drop_vars("tuning").to_dataframe().reset_index()
+        write_text(args.out, csv_text(head, rows[["design", "hs", "te", *found.data_vars]].to_numpy().tolist(), 9))
+    return 0
+
+
 def figures(args: argparse.Namespace) -> int:
     """Draw the figures of finished results for print, as PDF or PNG, beside those of the page or into a folder."""
     from vsb.stages.printing import print_figures
@@ -333,6 +360,11 @@ def _add_commands(commands: Any) -> None:
     one = _command(commands, "schema", "JSON schema of study files, for editors", schema)
     kinds = ("study", "body-study", "body", "campaign", "design")
     one.add_argument("kind", nargs="?", choices=kinds, default="study", help="kind of file")
+    one = _command(commands, "matrix", "power over heights and periods of seas", matrix, folder="RESULTS")
+    words = "damper: optimal in each sea (each, the default), one for all seas, or as given (fixed)"
+    one.add_argument("--tuning", choices=("each", "one", "fixed"), default="each", help=words)
+    one.add_argument("--gamma", type=float, default=3.3, help="peakedness of the spectra (default: 3.3)")
+    one.add_argument("--out", metavar="FILE.csv", help="write power, capture width and damping of every sea")
     _command(commands, "verify", "whether results are what they should be", verify, config="CONFIG|FOLDER")
     one = _command(commands, "shell", "natural frequencies of the dry shell", shell, config="CONFIG")
     one.add_argument("--json", action="store_true", help="print JSON")

@@ -58,7 +58,7 @@ def test_modulus_and_pressure_that_are_advised_carry_the_shell_at_strains_hookes
         reference_shell(study)
     text = str(advised(study, error.value))
     assert "without straining it too far; from about" in text
-    modulus, pressure = re.search(r"or from young_modulus (\S+) MPa at (\S+) Pa, it stands \(tried\)", text).groups()
+    modulus, pressure = re.search(r"or from young_modulus (\S+) MPa at (\S+) Pa, it is stable \(tried\)", text).groups()
     better = soft({"young_modulus": 1e6 * float(modulus), "internal_pressure": float(pressure)}, **device)
     rest = reference_shell(better)
     assert static_strain(rest.basis, rest.modal_amplitude) < 0.1
@@ -90,7 +90,7 @@ def test_a_shell_that_its_pressure_makes_unstable_is_advised_less():
     with pytest.raises(ConfigError, match="is unstable") as error:
         check_stable(study, reference_shell(study))
     text = str(advised(study, error.value))
-    modulus, pressure = re.search(r"from young_modulus (\S+) MPa at (\S+) Pa, it stands \(tried\)", text).groups()
+    modulus, pressure = re.search(r"from young_modulus (\S+) MPa at (\S+) Pa, it is stable \(tried\)", text).groups()
     assert float(pressure) < 2e5
     device = {"young_modulus": 1e6 * float(modulus), "internal_pressure": float(pressure)}
     better = study.model_copy(update={"device": study.device.model_copy(update=device)})

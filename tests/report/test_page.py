@@ -116,7 +116,7 @@ def test_page_is_self_contained_and_escaped():
     assert page.index("Over the whole band, each design at its optimal damping") < page.rindex("A absorbs most")
     assert page.rindex("A absorbs most") < page.index("Over the whole band, all at the given damping")
     assert page.index("A: the same within 1 %") < page.index("A absorbs more in waves of")
-    assert "1 further point is in doubt" in page
+    assert "1 further check is in doubt" in page
     contents = page[page.index("<nav") : page.index("</nav>")]
     assert re.findall('href="#(.*?)">(.*?)<', contents)[-1] == ("making", "How it was made")
     assert all(f'<section id="{name}">' in page for name in re.findall('href="#(.*?)"', contents))

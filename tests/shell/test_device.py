@@ -16,6 +16,7 @@ from vsb.engine.shell.device import (
     volume_to,
     waterline_radius,
 )
+from vsb.engine.shell.named_materials import NAMED
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.keys.quantities import canonical
@@ -204,6 +205,18 @@ def test_rubber_implies_its_moduli_and_stands_in_their_place(material, modulus):
     assert Device(**said) == device
 
 
+@pytest.mark.parametrize("name", NAMED)
+def test_a_material_by_name_stands_for_its_constants(name):
+    """Also for its density where none is given; ids are those of the constants written out."""
+    rest = {"radius": 2.0, "thickness": 0.05, "mass": 34000.0}
+    named, found = Device(**rest, material=name), NAMED[name]
+    assert named == Device(**rest, density=found.density, **found.keys)
+    assert Device(**named.model_dump()) == named
+    assert Device(**rest, material=name, density=999.0).density == 999.0
+    modulus = 3 * found.mu if found.mu else found.young_modulus
+    assert named.young_modulus == modulus
+
+
 def test_hookes_law_is_the_default_and_changes_no_id():
     said = Device(**GIVEN, material={"law": "hookean"}).model_dump()
     assert said == Device(**GIVEN).model_dump()
@@ -215,12 +228,14 @@ def test_hookes_law_is_the_default_and_changes_no_id():
     [
         ({"material": {"law": "gent", "mu": 4e5, "jm": 30.0}, "young_modulus": 1e7}, "young_modulus: received"),
         ({"material": {"law": "gent", "mu": 4e5}}, "material.jm: missing, but required"),
+        ({"material": "nitril"}, "material: received 'nitril'; did you mean nitrile?"),
+        ({"material": "steel", "young_modulus": 1e7}, "young_modulus: received 10000000.0 beside material steel"),
         ({"material": {"law": "wood"}}, "material: kind 'wood': needs one of 'hookean', 'neo_hookean'"),
         ({"material": {"law": "neo_hookean", "mu": -1.0}}, "material.mu: received -1.0"),
         ({"young_modulus": 1e7, "poisson_ratio": 0.5}, "poisson_ratio 0.5: needs less than 0.5, or a material of rub"),
         ({}, "young_modulus: missing, but required"),
     ],
-    ids=["both", "no_jm", "wood", "negative", "half", "none"],
+    ids=["both", "no_jm", "name", "beside", "wood", "negative", "half", "none"],
 )
 def test_what_a_material_may_not_be(changes, message):
     with pytest.raises(ConfigError, match=message):

@@ -18,11 +18,11 @@ def test_check_counts_finished_work(small, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     before = preview.summary(small)
     blocks = len(small.bem_blocks)
-    assert any(f"BEM jobs     {blocks} of {blocks} to do" in line for line in before)
-    assert any(f"BEM jobs     0 of {blocks} to do" in line for line in there)
+    assert any(f"to solve     {blocks} of {blocks} blocks" in line for line in before)
+    assert any(f"to solve     0 of {blocks} blocks" in line for line in there)
     assert any(line.endswith("(there)") for line in there)
     assert not any(line.endswith("(there)") for line in before)
-    assert any("witness      none: hydro.witness: none" in line for line in there)
+    assert any("cross-check  none: hydro.witness: none" in line for line in there)
     assert there[0].startswith("study        small: FSB, VSWEC in ")
 
 

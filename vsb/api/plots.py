@@ -51,6 +51,9 @@ class StudyResults(Protocol):
     def period(self, wave: str | None = None) -> float:
         """Period of a sea."""
 
+    def power_matrix(self, **seas: Any) -> xr.Dataset:
+        """Power over heights and periods of seas."""
+
 
 class _Moving(NamedTuple):
     """What an animation draws, frame by frame."""
@@ -142,6 +145,23 @@ class StudyPlots:
             axes.plot(limit.omega, limit, color="0.6", linewidth=3, alpha=0.6, label="limit", zorder=0)
             axes.set_ylim(0, top)
         axes.legend(frameon=False)
+        return axes
+
+    def power_matrix(self, design: str, ax: Axes | None = None, **seas: Any) -> Axes:
+        """Draw the power matrix of a design over Hs and Te [kW], numbers in the cells.
+
+        Parameters
+        ----------
+        design : str
+        ax : Axes, optional
+        **seas
+            Of `vsb.Results.power_matrix`: `hs`, `te`, `gamma`, ….
+        """
+        found = self._results.power_matrix(**seas).isel(tuning=0)
+        if design not in found.design.values:
+            raise ConfigError(f"design: received {design!r}, needs one of {', '.join(map(str, found.design.values))}")
+        axes = _matrix(found.power_matrix.sel(design=design) / 1e3, "mean power [kW]", ax)
+        axes.set_title(design)
         return axes
 
     def motion(self, dof: str = "Heave", wave: str | None = None, ax: Axes | None = None) -> Axes:

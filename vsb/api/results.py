@@ -21,15 +21,16 @@ from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.take_off import Pto, port_kind
-from vsb.engine.waves.climate import Climate
+from vsb.engine.waves.climate import OUTSIDE, Climate
 from vsb.engine.waves.kinds import StillWater, Wave
+from vsb.engine.waves.scatter import climate_of_cells
 from vsb.errors import ConfigError
 from vsb.models.build import DesignInSea, design_in_sea
 from vsb.models.floating_system import FloatingSystem, band, floating_system, heading_in, study_sea
 from vsb.pipeline.tasks import file_ids
 from vsb.report.answer import closing_line
 from vsb.results.series import time_series
-from vsb.results.year import Tuning, frequencies, year
+from vsb.results.year import HEIGHT, PERIOD, Tuning, Year, frequencies, year
 from vsb.stages import make
 from vsb.stages.planning import with_degree
 from vsb.study.body import AnyStudy, LocatedBody
@@ -37,8 +38,10 @@ from vsb.study.design import LoadedDesign
 from vsb.study.design_plan import DesignPlan
 from vsb.study.plan import AnyPlan, BodyPlan, StudyPlan, plan_for
 from vsb.study.study import Study
+from vsb.tools.arrays import FloatArray
 from vsb.tools.files import load
 from vsb.tools.stamps import read_text
+from vsb.tools.variables import described
 
 UNITS = {
     "displacement_pp": "m", "velocity_pp": "m/s", "power_peak": "W", "power_mean": "W", "energy": "J",
@@ -47,6 +50,9 @@ UNITS = {
     "record_power_mean": "W", "record_power_low": "W", "record_power_high": "W", "record_start": "s", "record_end": "s",
 }  # fmt: skip
 """Units of the columns of tables that do not depend on the port."""
+HEIGHTS = HEIGHT * (np.arange(12) + 0.5)
+PERIODS = PERIOD * (np.arange(2, 17) + 0.5)
+"""Centres of the bins of a power matrix [m], [s]."""
 
 
 @overload
@@ -242,15 +248,85 @@ class Results:
         ConfigError
             If the study has drag or an efficiency below 1, which a year by linear theory does not know.
         """
+        return self._over(climate, tunings, direction).dataset()
+
+    def power_matrix(
+        self,
+        hs: npt.ArrayLike = HEIGHTS,
+        te: npt.ArrayLike | None = None,
+        tunings: Sequence[Tuning] = ("each",),
+        gamma: float = 3.3,
+        direction: float = 0.0,
+    ) -> xr.Dataset:
+        """Return power, capture width and damping in JONSWAP seas of many heights and periods, by linear theory.
+
+        Limits of force and stroke are not part of it; a campaign over a scatter table has intervals, too.
+
+        Parameters
+        ----------
+        hs : array_like, shape (hs,) [m]
+            Significant wave heights.
+        te : array_like, shape (te,) [s], optional
+            Energy periods; by default the centres of bins of 1 s whose seas lie in the band of the hydrodynamics.
+        tunings : sequence of {'fixed', 'one', 'each'}
+            The damper as given, one optimal damper for all these seas, the optimal one in each.
+        gamma : float
+            Peakedness of the spectra.
+        direction : float [degrees]
+            All seas go to.
+
+        Returns
+        -------
+        Dataset, dims (design, tuning, hs, te)
+            `power_matrix` [W], `capture_width_matrix` [m], `damping`.
+
+        Raises
+        ------
+        ConfigError
+            If more than 1 % of a sea lies outside the band of the hydrodynamics, or as `year`.
+        """
+        heights, ends = np.atleast_1d(np.asarray(hs, dtype=float)), (float(self.database.omega[0]), self._highest)
+
+        def seas_of(hs: FloatArray, te: FloatArray) -> Climate:
+            return climate_of_cells(hs, te, np.full(len(hs), 1 / len(hs)), gamma, "matrix")
+
+        def outside(period: float) -> float:
+            return seas_of(np.ones(1), np.array([period])).variance_outside(*ends)
+
+        asked = PERIODS if te is None else np.atleast_1d(np.asarray(te, dtype=float))
+        periods = np.array([period for period in asked if outside(float(period)) <= OUTSIDE])
+        if not len(periods) or (te is not None and len(periods) < len(asked)):
+            far = [f"{period:g}" for period in asked if period not in periods]
+            raise ConfigError(
+                f"te: received {', '.join(far)} s, seas of which more than {OUTSIDE:.0%} lies outside "
+                f"{ends[0]:.4g} to {ends[1]:.4g} rad/s, which the study solves; needs other periods or hydro.omega_max"
+            )
+        every = np.repeat(heights, len(periods)), np.tile(periods, len(heights))
+        found = self._over(seas_of(*every), tunings, direction)
+        of_seas = {
+            "power_matrix": found.power, "capture_width_matrix": found.power / found.flux, "damping": found.dampers
+        }  # fmt: skip
+        shape, dims = (*found.power.shape[:2], len(heights), len(periods)), ("design", "tuning", "hs", "te")
+        at = {"design": list(found.designs), "tuning": list(found.tunings), "hs": heights, "te": periods}
+        values = {name: (dims, value.reshape(shape)) for name, value in of_seas.items()}
+        return described(xr.Dataset(values, coords=at, attrs={"port_kind": port_kind(self.study.pto.port).load}))
+
+    @property
+    def _highest(self) -> float:
+        """End of the band of the hydrodynamics [rad/s]."""
+        return float(band(self.study, self.database)[1])
+
+    def _over(self, climate: Climate, tunings: Sequence[Tuning], direction: float) -> Year:
+        """All designs over the seas of a climate, by linear theory."""
         pto = self.study.pto
         if self.study.plates:
             raise ConfigError("drag: a year by linear theory does not know it; needs a study without drag")
         if pto.efficiency != 1.0:
             raise ConfigError(f"pto.efficiency: received {pto.efficiency:g}; a year needs 1")
-        omega = frequencies(climate, float(self.database.omega[0]), band(self.study, self.database)[1])
+        omega = frequencies(climate, float(self.database.omega[0]), self._highest)
         ports = {design: self.port(design, omega, direction).beside(pto.stiffness) for design in self.study.designs}
         given = {design: damping for design in ports if (damping := pto.damper(design)) is not None}
-        return year(ports, climate, self.study.water, tunings, given, self.study.reference_design).dataset()
+        return year(ports, climate, self.study.water, tunings, given, self.study.reference_design)
 
     def period(self, wave: str | None = None) -> float:
         """Return the period of a sea [s]: of an irregular one the peak period, of still water the record."""

@@ -79,10 +79,10 @@ KEYS: dict[str, dict[str, Key]] = {
             "", "{spheroid: {height: 3.0}}", "another shape at rest than the sphere: spheroid, capsule, profile"
         ),
         "thickness": Key("m", "0.01", "thickness of the shell; thin-shell theory needs less than radius/10"),
-        "young_modulus": Key("Pa", "1.0e+7", "Young's modulus of the shell; required except for rubber"),
-        "poisson_ratio": Key("-", "0.3", "Poisson's ratio of the shell; required except for rubber"),
-        "material": Key("", "{law: neo_hookean, mu: 4.0e+5}", "law of elasticity of the shell: Hooke's, or of rubber"),
-        "density": Key("kg/m^3", "2700.0", "density of the shell's material"),
+        "young_modulus": Key("Pa", "1.0e+7", "Young's modulus of the shell; required without a material"),
+        "poisson_ratio": Key("-", "0.3", "Poisson's ratio of the shell; required without a material"),
+        "material": Key("", "{law: neo_hookean, mu: 4.0e+5}", "material by name, or law of elasticity of the shell"),
+        "density": Key("kg/m^3", "2700.0", "density of the shell's material; required unless that is given by name"),
         "mass": Key("kg", "17170.0", "mass of shell and ballast together; it decides the draft"),
         "draft": Key("m", "2.0", "in place of the mass: depth of the keel; without both the sphere is half immersed"),
         "internal_pressure": Key(

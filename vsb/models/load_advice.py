@@ -83,7 +83,7 @@ def _advice_at_rest(study: Study) -> str:
     none = f"no device.internal_pressure from 0 to {highest} Pa carries this wall without straining it too far"
     if not found:
         return f"{none}, and {NOTHING}"
-    return f"{none}; from {', or from '.join(found)}, it stands (tried)"
+    return f"{none}; from {', or from '.join(found)}, it is stable (tried)"
 
 
 def _advice_undeformed(study: Study) -> str:
@@ -100,7 +100,7 @@ def _advice_undeformed(study: Study) -> str:
             return text
         none = f"{text}, where its law ends at {100 * _range(study):g} %"
     found = [text for of_wall in (True, False) if (text := _least_undeformed(study, of_wall=of_wall))]
-    return f"{none}; from {', or from '.join(found)}, it stands (tried)" if found else f"{none}; {NOTHING}"
+    return f"{none}; from {', or from '.join(found)}, it is stable (tried)" if found else f"{none}; {NOTHING}"
 
 
 class Viable(NamedTuple):

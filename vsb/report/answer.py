@@ -119,7 +119,8 @@ def _in_seas(shown: Lines, lines: Lines, reference: str, seas: dict[str, str]) -
     least, elsewhere = min(float(line["best_gain_percent"]) for line in shown), ""
     if count > 1 and least < 0:
         pays = len({line["sea"] for line in shown if float(line["best_gain_percent"]) > 0})
-        elsewhere = f"; flexibility pays in {pays or 'none'} of the {count}, and costs up to {-least:.1f} %"
+        elsewhere = f"; flexible designs absorb more in {pays or 'none'} of the {count} seas, "
+        elsewhere += f"at worst {-least:.1f} % less"
     return f"{where}, each design at its optimal damping, {what}{elsewhere}."
 
 
@@ -140,6 +141,11 @@ def interval_text(low: float | None, high: float | None) -> str:
     return f"{(low + high) / 2:+z.1f} %, exact to 1e-{DIGITS} points"
 
 
+USEFUL = "a design absorbs at least 5 % of the maximum"
+WITH_RIGID = "the rigid design absorbs at least 5 % of its maximum, or a tenth of the best one's power"
+"""Bands over which gains are stated, see `vsb.report.band`."""
+
+
 def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list[str]:
     """What flexible designs absorb over all waves: the most and the least, where, and which of them."""
     useful, counts = useful_band(best_power), gain_band(best_power, reference)
@@ -156,8 +162,8 @@ def _over_band(best_power: xr.DataArray, reference: str, neglected: str) -> list
             amount = multiple(float(at)) or f"{size:.{0 if size >= 1 else 1}f} % {word}"
             parts.append(f"up to {amount} ({which}in waves of {2 * math.pi / float(at.omega):.2f} s)")
     who = "flexible designs absorb" if several else f"{gain.design.values[0]} absorbs"
-    but = " except those in which the rigid design absorbs next to nothing" if bool((useful & ~counts).any()) else ""
-    where = f"Over all waves that carry power{but}, with damping optimal at each frequency"
+    least = WITH_RIGID if bool((useful & ~counts).any()) else USEFUL
+    where = f"Over the band where {least}, with damping optimal at each frequency"
     return [f"{where}{neglected and f' and {neglected}'}, {who} {' and '.join(parts)}."] if parts else []
 
 

@@ -142,9 +142,12 @@ def of_points(ds: xr.Dataset, reference: str, tuning: str) -> str:
         somewhere = f"At {int(pays.sum())} of {ds.margin.size} points a design absorbs more than {reference}."
         return somewhere if bool(pays.any()) else f"No design absorbs more than {reference} at any point."
     if not bool(carries.any()):
-        return f"None of the {ds.margin.size} points carries its static load without buckling."
-    carried = f"{int(carries.sum())} of {ds.margin.size} points carry their static load without buckling"
-    return f"{carried}; flexibility pays at {int((pays & carries).sum()) or 'none'} of these."
+        return f"None of the {ds.margin.size} points is stable against buckling under its static load."
+    count, stable = ds.margin.size, int(carries.sum())
+    both = "Both" if count == 2 else f"All {count}"  # a sentence on points has several
+    which = f"{both} points are" if stable == count else f"{stable} of {count} points {'is' if stable == 1 else 'are'}"
+    gaining = int((pays & carries).sum())
+    return f"{which} stable against buckling; a flexible design absorbs more at {gaining or 'none'} of these."
 
 
 def of_shells(ds: xr.Dataset) -> bool:

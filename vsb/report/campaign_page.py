@@ -176,8 +176,8 @@ def warnings(ds: xr.Dataset) -> list[str]:
         and 100 * float(ds.energy_beyond.sel(limit="heave", tuning=leading(ds)[0]).where(ds.viable).max()) >= 0.5
     ):
         found.append(
-            f"In seas that bring {_shares(ds, 'heave', leading(ds)[0])} of the energy the heave amplitude exceeds 0.3 "
-            "of the radius; coefficients of the shape at rest are then inaccurate."
+            f"Seas with {_shares(ds, 'heave', leading(ds)[0])} of the year's energy have heave amplitudes above 0.3 of "
+            "the radius, where coefficients of the shape at rest are inaccurate."
         )
     if CONSTRAINED in ds.tuning.values:
         found += _warned_of_optima(ds)

@@ -54,7 +54,7 @@ BOUNDS = {"gain_percent": ("low", "high"), "power_mean": ("power_low", "power_hi
 """Bounds of the interval of a measure."""
 DOUBTS = (
     "Mean powers and gains are those of the reports at the tuning of their row, with the interval of all known errors: "
-    "each: every design at its own best damper; fixed: at the given one; one: its best single damper of all seas.",
+    "each: every design at its optimal damping in each sea; fixed: at the given one; one: at its best for all seas.",
     "They are by linear theory; by runs in time where those are not linear and have this damper. At another damper the "
     "interval then contains what linear theory leaves out.",
     "Each gain is over the rigid design of the same study; studies of other sizes and waters also differ in power.",
@@ -146,18 +146,18 @@ def answer(lines: Sequence[Line]) -> str:
     gains = [(line.gain_percent, line) for line in lines if line.gain_percent is not None and line.gain_percent != 0]
     if gains:
         gain, best = max(gains, key=lambda one: one[0])
-        subject, rigid = f"{best.design} of {_place(best)} absorbs", f"its rigid design ({TUNED[best.tuning]})."
+        subject, rigid = f"in {_place(best)}: design {best.design} absorbs", f"the rigid one ({TUNED[best.tuning]})."
         interval = interval_text(best.low, best.high)
         known = f" ({interval})" if interval else ""
         if gain >= EQUAL:
-            return f"Flexibility brings most where {subject} {gain:.1f} % more{known} than {rigid}"
+            return f"Flexibility brings most {subject} {gain:.1f} % more{known} than {rigid}"
         how = "as much as" if gain > -EQUAL else f"{-gain:.1f} % less{known} than"
-        return f"Flexibility brings nothing here: at best, {subject} {how} {rigid}"
+        return f"Flexibility brings nothing here; at best, {subject} {how} {rigid}"
     powers = [(line.power_mean, line) for line in lines if line.power_mean is not None]
     if not powers:
         return "No design is viable."
     power, most = max(powers, key=lambda one: one[0])
-    return f"{most.design} of {_place(most)} absorbs most: {plain(power)} W ({TUNED[most.tuning]})."
+    return f"Most power in {_place(most)}: design {most.design} absorbs {plain(power)} W ({TUNED[most.tuning]})."
 
 
 def _leading(lines: Sequence[Line]) -> list[Line]:

@@ -250,7 +250,7 @@ def fair_damping_checks(lines: Sequence[Tuned], pto: Pto) -> list[Check]:
     for line in lines:
         if line.share is None or line.power is None or line.damping is None or line.best_damping is None:
             continue
-        text = f"power lost against the own best damper: {plain(line.power)} W at {plain(line.damping)} {unit}, "
+        text = f"power lost against the optimal damper: {plain(line.power)} W at {plain(line.damping)} {unit}, "
         text += f"{plain(line.best_power)} W at {plain(line.best_damping)} {unit}, by linear theory"
         lost = max(0.0, 1 - line.share)
         verdict: Verdict = "doubt" if lost > LOST else "ok"  # never a failure: it answers another question
@@ -266,8 +266,8 @@ def reference_power_checks(study: BaseStudy, levels: Sequence[ControlLevel]) -> 
         if best > 0 and matched > 0:
             ratio = matched / best
             verdict: Verdict = "doubt" if ratio > NEXT_TO_NOTHING else "ok"
-            text = f"{reference} could absorb {plain(matched)} W, and absorbs {plain(best)} W at its best damper: "
-            text += "gains over next to nothing mean nothing"
+            text = f"{reference} could absorb {plain(matched)} W, and absorbs {plain(best)} W at its optimal damper: "
+            text += "above the limit it absorbs too little for a gain to have a meaning"
             checks.append(Check("reference_power", ratio, NEXT_TO_NOTHING, "-", verdict, text, wave=sea))
     return checks
 

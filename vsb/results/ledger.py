@@ -100,9 +100,8 @@ def record_checks(study: Study | BodyStudy, linear: Collection[str] = ()) -> lis
     (start, end), checks = study.simulation.window, []
     for name, waves in families(study).items():
         if study.power_of_spectrum or name in linear:
-            whole = "the whole record" if isinstance(waves[0], RecordedSea) else "its spectrum"
-            text = f"mean power of a sea is that of {whole}: the {end - start:.4g} s simulated do not change it, and "
-            text += "their own mean may be far from it"
+            whole = "the whole record" if isinstance(waves[0], RecordedSea) else "the spectrum"
+            text = f"mean power follows from {whole}, whatever the {end - start:.4g} s simulated; their mean may differ"
             checks.append(check_at_most("record_length", 0.0, 1.0, "-", text, doubt=True, wave=name))
             continue
         batches = len(waves) * batches_in(end - start, waves[0].memory)
@@ -309,8 +308,8 @@ def mode_checks(study: Study, levels: Sequence[ControlLevel]) -> list[Check]:
             for source in level.power_error or ()
             if source["name"] == MODES and level.power_mean
         ]
-        text = f"mean power may change with more shell modes than {study.modes.basis} to degree "
-        text += f"{study.modes.max_degree}"
+        modes = f"{study.modes.basis} to degree {study.modes.max_degree}"
+        text = f"relative change of mean power by shell modes left out, beyond {modes}"
         where = {"design": design, "wave": wave.label}
         worst = max(shares, default=0.0)
         checks.append(check_at_most("modes_left_out", worst, tolerance, "-", text, doubt=True, **where))

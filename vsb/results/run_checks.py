@@ -170,7 +170,7 @@ def transient_checks(runs: Attributes, rows: Sequence[Row]) -> list[Check]:
             steady, mean = attrs["steady_power"], row["record_power_mean"]
             text = f"mean power is {mean:.6g} W in the window, {steady:.6g} W in the steady state; "
             if "steady_decay" in attrs:
-                text += f"a period leaves {attrs['steady_decay']:.3g} of a transient"
+                text += f"in a period a transient falls to {attrs['steady_decay']:.3g} of its size"
             else:
                 text += f"its periods differ by {attrs['steady_difference']:.1e}"
             difference = relative_difference(mean, steady)

@@ -81,9 +81,9 @@ def _bem_lines(plan: StudyPlan) -> list[str]:
     return [
         f"hydro        {sum(len(block.omega) for block in blocks)} frequencies up to {study.hydro.omega_max:g} "
         f"rad/s, {how}",
-        f"BEM jobs     {len(todo)} of {len(blocks)} to do, at most about {seconds:.0f} s on one core",
+        f"to solve     {len(todo)} of {len(blocks)} blocks of frequencies, at most about {seconds:.0f} s on one core",
         f"database     {plan.database_path}" + (" (there)" if Path(plan.database_path).exists() else ""),
-        f"witness      {_witness_words(plan)}",
+        f"cross-check  {_witness_words(plan)}",
     ]
 
 
@@ -119,7 +119,8 @@ def _witness_words(plan: StudyPlan) -> str:
     shapes, rows = len(plan.deformed_paths), plan.witness.meshes.rows
     there = all(Path(path).exists() for path in plan.witness_files.values())
     seconds = "there" if there else f"about {shapes * WITNESS_ROW2_SECONDS * rows**2:.0f} s on one core"
-    return f"{shapes} shapes at {len(plan.witness.omega)} frequencies by {rows} rows and the spectral solver, {seconds}"
+    work = f"{shapes} shapes at {len(plan.witness.omega)} frequencies"
+    return f"{work}, by panels in {rows} rows and by the spectral solver: {seconds}"
 
 
 def _panel_words(blocks: Sequence[BlockSpec]) -> str:

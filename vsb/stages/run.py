@@ -306,8 +306,8 @@ def _settings(profile: Path) -> dict[str, Any]:
     given = read if isinstance(read, dict) else {}
     name = str(given.get("executor", "local"))
     if name != "local" and not find_spec(f"snakemake_executor_plugin_{name.replace('-', '_')}"):
-        extra = "'vsb[slurm]'" if name == "slurm" else f"snakemake-executor-plugin-{name}"
-        raise VsbError(f"{profile}: executor: received {name}, which is not installed; needs pip install {extra}")
+        package = f"snakemake-executor-plugin-{name}"
+        raise VsbError(f"{profile}: executor: received {name}, which is not installed; needs pip install {package}")
     return given
 
 

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from vsb.engine.motion.take_off import Pto
 from vsb.keys.quantities import Name, NonNegative, Positive, Section, within
 
-Coefficient = Annotated[NonNegative, within(0.0, 100.0, "", "no body of any shape drags more")]
+Coefficient = Annotated[NonNegative, within(0.0, 100.0, "", "this exceeds any shape")]
 
 
 class Plate(Section):

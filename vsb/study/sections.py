@@ -102,9 +102,7 @@ class Hydro(Section):
     """
 
     model: Literal["linear", "body_exact", "assumed_pressure", "auto"] = "linear"
-    pressure: Annotated[NonNegative, within(0.0, 1e8, "Pa", "no wave presses like a thousand atmospheres")] | None = (
-        None
-    )
+    pressure: Annotated[NonNegative, within(0.0, 1e8, "Pa", "this exceeds a thousand atmospheres")] | None = None
     power_tolerance: Annotated[Number, Field(gt=0, le=0.5)] | None = None
     solver: Literal["auto", "spectral", "panels"] = "auto"
     tolerance: Annotated[Number, Field(ge=1e-6, le=0.02)] = 1e-3

@@ -175,7 +175,7 @@ def estimate_checks(blocks: Sequence[Mapping[str, Any]], tolerance: float) -> li
     meaning = {
         "error_estimate": "estimated error of added mass, damping and excitation, relative to the largest entry; "
         f"{solves} solves for {frequencies} frequencies",
-        "interpolation_error": "of what is interpolated from these solves, relative to the band's largest entry",
+        "interpolation_error": "estimated error of interpolation between them, relative to the band's largest entry",
         "limit_difference": "added mass extrapolated to frequencies zero and infinity, from that solved there",
     }
     limit = dict.fromkeys(meaning, tolerance) | {"limit_difference": LARGEST_LIMIT_DIFFERENCE}

@@ -11,10 +11,10 @@ from vsb.keys.quantities import Finite, NonNegative, Number, Positive, Section, 
 class Simulation(Section):
     """Time-domain run: duration [s], window of the statistics [s], initial heave [m] and heave velocity [m/s]."""
 
-    duration: Annotated[Positive, within(1e-3, 2e5, "s", "no sea stays the same for two days")] = 60.0
+    duration: Annotated[Positive, within(1e-3, 2e5, "s", "a sea state does not last two days")] = 60.0
     window: tuple[NonNegative, Positive] = (40.0, 60.0)
-    initial_position: Annotated[Finite, within(-1e4, 1e4, "m", "no buoy starts out of sight of the sea")] = 0.0
-    initial_velocity: Annotated[Finite, within(-1e3, 1e3, "m/s", "faster it would be a shell of another kind")] = 0.0
+    initial_position: Annotated[Finite, within(-1e4, 1e4, "m", "a buoy starts near the surface")] = 0.0
+    initial_velocity: Annotated[Finite, within(-1e3, 1e3, "m/s", "this is faster than sound in air")] = 0.0
     tolerance: Annotated[Number, Field(ge=1e-12, le=0.1)] = 1e-6
     method: Literal["auto", "exact", "convolution", "exponential"] = "auto"
 

@@ -329,7 +329,7 @@ class Control(Brief):
     The noise is white; it is given by its density over the largest one of the force of the waves at the port.
     """
 
-    noise: Annotated[Positive, within(1e-14, 1.0, "-", "less is not resolved, more hides the waves")] = 1e-5
+    noise: Annotated[Positive, within(1e-14, 1.0, "-", "below noise is not resolved, above it hides the waves")] = 1e-5
     forecast: Annotated[NonNegative, within(0.0, 600.0, "s", "no sea is known so far ahead")] = 0.0
 
 

@@ -20,6 +20,7 @@ from pydantic import (
 
 from vsb.engine.shell.material import Hookean, Material, with_moduli
 from vsb.engine.shell.meridian import ClosedMeridian, capsule, spheroid, through
+from vsb.engine.shell.named_materials import NAMED
 from vsb.engine.waves.water import Water
 from vsb.errors import ConfigError
 from vsb.keys.quantities import (
@@ -43,13 +44,13 @@ SLENDEREST = 10.0
 class Spheroid(Section):
     """An ellipsoid of revolution by its height from pole to pole [m]; the device's radius is that of its equator."""
 
-    height: Annotated[Positive, within(1e-3, 1e4, "m", "no buoy is larger")]
+    height: Annotated[Positive, within(1e-3, 1e4, "m", "this exceeds any buoy")]
 
 
 class Capsule(Section):
     """A cylinder between two hemispheres by its length [m]."""
 
-    length: Annotated[NonNegative, within(0.0, 1e4, "m", "no buoy is larger")]
+    length: Annotated[NonNegative, within(0.0, 1e4, "m", "this exceeds any buoy")]
 
 
 class Shape(Section):
@@ -150,15 +151,15 @@ THINNEST_SHELL = 1 / 3e4
 class MaxwellBranch(Section):
     """A spring and a dashpot in series beside the shell: its stiffness over the shell's own [-], its time [s]."""
 
-    ratio: Annotated[Positive, within(1e-6, 100.0, "", "beyond it the shell at rest is none beside the branch")]
-    time: Annotated[Positive, within(1e-4, 1e6, "s", "what relaxes faster or slower is no motion of a buoy")]
+    ratio: Annotated[Positive, within(1e-6, 100.0, "", "the shell needs a stiffness beside the branch")]
+    time: Annotated[Positive, within(1e-4, 1e6, "s", "relaxation so fast or slow does not affect a buoy")]
 
 
 class StructuralDamping(Brief):
     """Structural damping D = alpha M + beta K, alpha [1/s], beta [s], and Maxwell branches of a viscous material."""
 
     BRIEF = ("maxwell",)
-    alpha: Annotated[NonNegative, within(0.0, 1e4, "1/s", "what dies in a tenth of a millisecond does not move")] = 0.0
+    alpha: Annotated[NonNegative, within(0.0, 1e4, "1/s", "a motion so damped decays within 0.1 ms")] = 0.0
     beta: Annotated[NonNegative, within(0.0, 100.0, "s", "a shell damped for minutes is rigid: flexible: false")] = 0.0
     maxwell: tuple[MaxwellBranch, ...] = ()
 
@@ -167,19 +168,19 @@ class Gas(Section):
     """Gas trapped in the shell: adiabatic index [-], pressure of the atmosphere outside [Pa]."""
 
     adiabatic_index: Annotated[Number, Field(ge=1, le=2)] = 1.4
-    atmospheric_pressure: Annotated[Positive, within(1.0, 1e7, "Pa", "no atmosphere is denser than that of Venus")] = (
-        ATMOSPHERE
-    )
+    atmospheric_pressure: Annotated[Positive, within(1.0, 1e7, "Pa", "the pressure on Venus is 9.2e6 Pa")] = ATMOSPHERE
 
 
-Inertia = Annotated[NonNegative, within(0.0, 1e18, "kg m^2", "no buoy is as heavy")]
+Inertia = Annotated[NonNegative, within(0.0, 1e18, "kg m^2", "this exceeds any buoy")]
 
 
 def _material_or_moduli(schema: dict[str, Any]) -> None:
-    """Tell editors that a material of rubber may stand for the moduli, and a draft for the mass."""
+    """Tell editors that a material of rubber or by name may stand for constants, and a draft for the mass."""
     mass_or_draft(schema)
-    for key in ("young_modulus", "poisson_ratio"):
+    for key in ("young_modulus", "poisson_ratio", "density"):
         schema["required"].remove(key)
+    law = schema["properties"]["material"]
+    schema["properties"]["material"] = {"anyOf": [{"enum": list(NAMED)}, law]}
 
 
 class Device(Section):
@@ -195,19 +196,19 @@ class Device(Section):
 
     model_config = ConfigDict(json_schema_extra=_material_or_moduli)
 
-    radius: Annotated[Positive, within(0.01, 1e3, "m", "below surface tension matters, above nothing floats")]
+    radius: Annotated[Positive, within(0.01, 1e3, "m", "surface tension matters below 1 cm, no buoy has 1 km")]
     thickness: Positive
-    young_modulus: Annotated[Positive, within(1.0, 1e16, "Pa", "no material is; for a rigid buoy set flexible: false")]
+    young_modulus: Annotated[Positive, within(1.0, 1e16, "Pa", "no material has more; if rigid set flexible: false")]
     poisson_ratio: Annotated[
-        Number, Field(gt=-1, le=0.5), within(-0.99, 0.5, "", "no material keeps its shape so while it shrinks")
+        Number, Field(gt=-1, le=0.5), within(-0.99, 0.5, "", "no isotropic material is known below")
     ]
     density: Annotated[Positive, within(0.1, 2.5e4, "kg/m^3", "aerogel has 0.2 kg/m^3, osmium 22 590 kg/m^3")]
     mass: Positive
-    internal_pressure: Annotated[Finite, within(-1e8, 1e8, "Pa", "no vessel holds a thousand atmospheres")] = 0.0
+    internal_pressure: Annotated[Finite, within(-1e8, 1e8, "Pa", "this exceeds a thousand atmospheres")] = 0.0
     gas: Gas | None = None
     damping: StructuralDamping = StructuralDamping()
     material: Material = Hookean()
-    centre_of_mass: Annotated[Finite, within(-1e3, 1e3, "m", "no buoy is larger")] | None = None
+    centre_of_mass: Annotated[Finite, within(-1e3, 1e3, "m", "this exceeds any buoy")] | None = None
     ballast_inertia: Inertia | None = None
     ballast_yaw_inertia: Inertia | None = None
     shape: Shape | None = None

@@ -7,7 +7,9 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import Field
 
+from vsb.engine.shell.named_materials import NAMED
 from vsb.keys.quantities import NonNegative, Positive, Section, within
+from vsb.keys.reading import nearest
 
 Modulus = Annotated[Positive, within(1.0, 1e9, "Pa", "rubber has 1e5 to 1e7 Pa")]
 
@@ -63,14 +65,33 @@ Material = Annotated[Hookean | Rubber, Field(discriminator="law")]
 def with_moduli(device: Any) -> Any:
     """Return the section `device` as nested mappings with the moduli that rubber implies.
 
-    Raises `ValueError` if it has moduli beside those.
+    A material by name stands for its constants, and for its density where none is given. Raises `ValueError` if the
+    section has moduli beside those of its material, or the name is unknown.
     """
+    if isinstance(device, dict) and isinstance(device.get("material"), str):
+        device = _by_name(device)
     if not isinstance(device, dict) or (law := _law(device.get("material"))) in (None, "hookean"):
         return device
     for key in ("young_modulus", "poisson_ratio"):
         if key in device:
             raise ValueError(f"{key}: received {device[key]!r} beside material {law}, which has its own; remove it")
     return {**device, "young_modulus": _young_modulus(device["material"]), "poisson_ratio": 0.5}
+
+
+def _by_name(device: dict[str, Any]) -> dict[str, Any]:
+    """The section with the constants of its named material."""
+    name = device["material"]
+    if name not in NAMED:
+        near = nearest(name, NAMED)
+        meant = f"did you mean {near}? It" if near else "it"
+        law = "a law, such as {law: neo_hookean, mu: 4.0e+5}"
+        raise ValueError(f"material: received {name!r}; {meant} needs one of {', '.join(NAMED)}, or {law}")
+    found = NAMED[name]
+    for key in ("young_modulus", "poisson_ratio"):
+        if key in device:
+            raise ValueError(f"{key}: received {device[key]!r} beside material {name}, which has its own; remove it")
+    rest = {key: value for key, value in device.items() if key != "material"}
+    return {"density": found.density, **rest, **found.keys}
 
 
 def _law(material: Any) -> Any:

@@ -32,7 +32,7 @@ SMOOTHED = 0.05
 BANDS, HIGHEST = 2000, 40.0
 """Bands a spectrum is summed over, to this multiple of its highest peak frequency: beyond it lies 1e-6 of JONSWAP's."""
 Height = Annotated[Positive, within(1e-9, 100.0, "m", "the highest wave ever measured had 30 m, molecules have 1e-9 m")]
-Period = Annotated[Positive, within(1e-3, 1e7, "s", "waves of gravity take longer than ripples and less than seasons")]
+Period = Annotated[Positive, within(1e-3, 1e7, "s", "gravity waves have periods between")]
 
 
 class StillWater(Section):
@@ -330,7 +330,7 @@ class Tma(PeakedSea):
     kind: Literal["tma"]
     gamma: Annotated[Number, Field(ge=1, le=10)] = 3.3
     depth: Annotated[Positive, within(0.1, 2e4, "m", "no sea is deeper")]
-    gravity: Annotated[Positive, within(0.01, 300.0, "m/s^2", "on the sun it is 274 m/s^2")] = 9.81
+    gravity: Annotated[Positive, within(0.01, 300.0, "m/s^2", "the sun has 274 m/s^2")] = 9.81
 
     @property
     def size(self) -> str:

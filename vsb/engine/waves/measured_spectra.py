@@ -242,8 +242,7 @@ def _by_wavespectra(path: str | Path, reader: str, options: dict[str, float | No
         import wavespectra
     except ImportError:
         raise ConfigError(
-            f"{path}: received {EXPECTED[reader]}; needs the package wavespectra to read them: pip install "
-            "'vsb[spectra]'"
+            f"{path}: received {EXPECTED[reader]}; needs the package that reads them: pip install wavespectra"
         ) from None
     try:
         with _silent(path):

@@ -16,7 +16,7 @@ class Water(Section):
 
     density: Annotated[Positive, within(1.0, 2e4, "kg/m^3", "mercury has 13 534 kg/m^3")] = 1025.0
     depth: Annotated[Number, Field(gt=0)] = math.inf
-    gravity: Annotated[Positive, within(0.01, 300.0, "m/s^2", "on the sun it is 274 m/s^2")] = 9.81
+    gravity: Annotated[Positive, within(0.01, 300.0, "m/s^2", "the sun has 274 m/s^2")] = 9.81
 
     @field_validator("depth")
     @classmethod
