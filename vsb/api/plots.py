@@ -51,7 +51,7 @@ class StudyResults(Protocol):
     def period(self, wave: str | None = None) -> float:
         """Period of a sea."""
 
-    def power_matrix(self, **seas: Any) -> xr.Dataset:
+    def power_matrix(self) -> xr.Dataset:
         """Power over heights and periods of seas."""
 
 
@@ -147,17 +147,17 @@ class StudyPlots:
         axes.legend(frameon=False)
         return axes
 
-    def power_matrix(self, design: str, ax: Axes | None = None, **seas: Any) -> Axes:
+    def power_matrix(self, design: str, matrix: xr.Dataset | None = None, ax: Axes | None = None) -> Axes:
         """Draw the power matrix of a design over Hs and Te [kW], numbers in the cells.
 
         Parameters
         ----------
         design : str
+        matrix : Dataset, optional
+            Of `vsb.Results.power_matrix`; by default that of all bins.
         ax : Axes, optional
-        **seas
-            Of `vsb.Results.power_matrix`: `hs`, `te`, `gamma`, ….
         """
-        found = self._results.power_matrix(**seas).isel(tuning=0)
+        found = (self._results.power_matrix() if matrix is None else matrix).isel(tuning=0)
         if design not in found.design.values:
             raise ConfigError(f"design: received {design!r}, needs one of {', '.join(map(str, found.design.values))}")
         axes = _matrix(found.power_matrix.sel(design=design) / 1e3, "mean power [kW]", ax)
