@@ -239,8 +239,7 @@ def figures(args: argparse.Namespace) -> int:
 
     plan = plan_of(args.config, args.results)
     folder = args.out or f"{plan.folder}/figures"
-    written = [path for kind in args.kinds or ["pdf"] for path in print_figures(plan, folder, kind)]
-    print(*written, sep="\n")
+    print(*print_figures(plan, folder, args.kinds or ["pdf"]), sep="\n")
     return 0
 
 

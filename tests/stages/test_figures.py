@@ -25,17 +25,19 @@ def test_every_figure_is_drawn_and_stamped(small):
 
 
 def test_figures_are_drawn_for_print_and_a_file_of_the_user_stays(small, tmp_path, capsys):
-    """Every figure as PDF and PNG, again in place of them, but not of another file of that name."""
-    command = ["figures", f"{small.name}.yaml", "--pdf", "--png", "--out", str(tmp_path)]
-    for _ in range(2):
-        assert main(command) == 0
-    named = {f"{name}.{kind}" for name in of_buoy(small.study) for kind in ("pdf", "png")}
-    assert {path.name for path in tmp_path.iterdir()} == named
-    own = tmp_path / f"{of_buoy(small.study)[0]}.pdf"
+    """Every figure as PDF and PNG; none at all if one would replace another file."""
+    names, command = of_buoy(small.study), ["figures", f"{small.name}.yaml", "--out", str(tmp_path)]
+    assert main([*command, "--pdf", "--png"]) == 0
+    drawn = {path.name: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
+    assert set(drawn) == {f"{name}.{kind}" for name in names for kind in ("pdf", "png")}
+    own = tmp_path / f"{names[-1]}.pdf"
     own.write_bytes(b"%PDF-1.4 my thesis")
-    assert main(command) == 2
+    assert main([*command, "--pdf"]) == 2
     assert "no earlier output of vsb" in capsys.readouterr().err
     assert own.read_bytes() == b"%PDF-1.4 my thesis"
+    assert {path.name: path.stat().st_mtime_ns for path in tmp_path.iterdir() if path != own} == {
+        name: time for name, time in drawn.items() if name != own.name
+    }
 
 
 def test_spectra_of_irregular_seas_have_their_significant_height(seed):

@@ -1,12 +1,13 @@
 """Figures of finished results as files for print, drawn anew."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from vsb.keys.quantities import content_id
+from vsb.pipeline.tasks import products
 from vsb.report.svg import for_print
 from vsb.stages import campaign_report, design_report, report
 from vsb.stages.climate import read_climate
@@ -18,21 +19,24 @@ from vsb.tools.files import atomic_write, load
 from vsb.tools.stamps import check_output
 
 
-def print_figures(plan: Plan, folder: str, kind: str) -> list[str]:
-    """Write all figures of a finished study, campaign or design problem as `pdf` or `png` and return their paths.
+def print_figures(plan: Plan, folder: str, kinds: Sequence[str]) -> list[str]:
+    """Write all figures of a finished study, campaign or design problem as `pdf`, `png` or both and return their paths.
 
     Raises
     ------
     DatabaseError
-        If a result is missing, damaged, or of another study, or a file of that name is the user's.
+        If a result is missing, damaged, or of another study, or a file of that name is the user's; nothing is written.
     """
+    for name in (Path(path).stem for path in products(plan) if path.endswith(".svg")):
+        for kind in kinds:
+            check_output(Path(folder, f"{name}.{kind}"), [], f"{kind.upper()} of a figure")
     written = []
     with mpl.rc_context():
         for name, figure in _figures(plan):
-            check_output(path := Path(folder, f"{name}.{kind}"), [], f"{kind.upper()} of a figure")
-            with atomic_write(path) as temporary:
-                temporary.write_bytes(for_print(figure, kind))
-            written.append(str(path))
+            for kind in kinds:
+                with atomic_write(path := Path(folder, f"{name}.{kind}")) as temporary:
+                    temporary.write_bytes(for_print(figure, kind))
+                written.append(str(path))
     return written
 
 
