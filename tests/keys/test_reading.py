@@ -75,6 +75,7 @@ def test_invalid_yaml(tmp_path, text, message):
         ("a: b: c\n", 1, "two colons in one line"),
         ("a: 1\nb: 'c\nd: 1\n", 2, "the quotation mark ' in column 4 is not closed"),
         ("a: @b\n", 1, "a text cannot begin with @"),
+        ("a: 1\nb: {[1, 2]}\n", 2, r"a list or a section stands where a key belongs; write {key: value}, or \[value"),
         ("a: *.csv\n", 1, r"a text cannot begin with \*"),
         ("a: 1\n---\nb: 1\n", 2, "--- begins a second document"),
         ("a: 1\nb: \x00\n", 2, "a character of number 0 is no text"),

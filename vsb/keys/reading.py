@@ -101,6 +101,9 @@ class _UniqueKeyLoader(yaml.SafeLoader):
         for key_node, _ in node.value:
             if key_node.tag == "tag:yaml.org,2002:merge":
                 continue
+            if not isinstance(key_node, yaml.ScalarNode):
+                problem = "a list or a section stands where a key belongs; write {key: value}, or [value, value] alone"
+                raise yaml.MarkedYAMLError(problem=problem, problem_mark=key_node.start_mark)
             key = self.construct_object(key_node, deep=deep)
             if key in seen:
                 problem = f"key {shortened(repr(key))} is given twice, first in line {seen[key]}"
