@@ -1,5 +1,6 @@
 """How the documentation is built: `make docs`, every warning an error."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -22,13 +23,19 @@ nb_execution_mode = "force"  # notebooks are run from the root of the repository
 nb_execution_timeout = 900
 nb_execution_raise_on_error = True
 nb_merge_streams = True
+nb_output_stderr = "remove"  # lines of progress
 exclude_patterns = ["_build", "requirements.*", "reference/materials.md"]  # which is included in a page
+html_static_path, html_css_files = ["_static"], ["vsb.css"]
 html_theme, html_title = "furo", f"vsb {release}"
 html_copy_source = html_show_sourcelink = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # docstrings state types, shapes and units
 
 generate.write(HERE / "reference")
+# Kernels say nothing of their transport: it stays on this machine.
+(profile := HERE / "_build" / "ipython" / "profile_default").mkdir(parents=True, exist_ok=True)
+(profile / "ipython_kernel_config.json").write_text('{"IPKernelApp": {"log_level": 40}}', encoding="utf-8")
+os.environ["IPYTHONDIR"] = str(profile.parent)
 
 
 def _bars(app, what, name, obj, options, lines):

@@ -8,7 +8,7 @@ import ast
 import importlib
 from pathlib import Path
 
-__version__ = "1.0.0"
+__version__ = "1.1.0"
 _HOMES = {
     alias.name: node.module
     for node in ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")).body

@@ -127,9 +127,11 @@ def test_one_key_is_drawn_as_a_line_with_its_interval():
     ax = sweep(ds, "one", "FSB").axes[0]
     line = ax.lines[0]
     np.testing.assert_allclose(line.get_ydata(), GAINS[:, 0])
-    band = ax.collections[0].get_paths()[0].vertices
-    assert (band[:, 1].min(), band[:, 1].max()) == (-8.0, 11.0)
-    assert ax.get_xlabel() == "young modulus [Pa]"
+    ends = np.array([segment[:, 1] for segment in ax.collections[0].get_segments()])
+    assert (ends.min(), ends.max(), line.get_linestyle()) == (-8.0, 11.0, "None")  # of two points
+    ax.figure.draw_without_rendering()
+    assert ax.get_xlabel() == "young modulus"
+    assert "100 MPa" in {tick.get_text() for tick in ax.get_xticklabels()}
 
 
 def over(values, gains, **attrs):
@@ -141,6 +143,6 @@ def test_without_a_rigid_design_powers_are_drawn_with_their_intervals():
     ds = campaign(gains=GAINS[:, :1], thickness=(0.01,)).sel(design=["VSWEC"])
     ax = sweep(ds, "one", None).axes[0]
     np.testing.assert_allclose(ax.lines[0].get_ydata(), 10 * (1 + GAINS[:, 0] / 100))
-    band = ax.collections[0].get_paths()[0].vertices
-    assert (band[:, 1].min(), band[:, 1].max()) == pytest.approx((0.99 * 9.5, 1.02 * 10.8))
+    ends = np.array([segment[:, 1] for segment in ax.collections[0].get_segments()])
+    assert (ends.min(), ends.max()) == pytest.approx((0.99 * 9.5, 1.02 * 10.8))
     assert ax.get_ylabel() == "mean power of the year [kW]"

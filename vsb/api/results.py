@@ -2,6 +2,7 @@
 
 import csv
 import json
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -56,10 +57,12 @@ PERIODS = PERIOD * (np.arange(2, 17) + 0.5)
 
 
 @overload
-def run(study: Study | LocatedBody, folder: str | Path = "results") -> "Results": ...
+def run(study: Study | LocatedBody, folder: str | Path = "results", *, quiet: bool | None = None) -> "Results": ...
 @overload
-def run(study: LoadedDesign, folder: str | Path = "results") -> BestBuoy: ...
-def run(study: Study | LocatedBody | LoadedDesign, folder: str | Path = "results") -> "Results | BestBuoy":
+def run(study: LoadedDesign, folder: str | Path = "results", *, quiet: bool | None = None) -> BestBuoy: ...
+def run(
+    study: Study | LocatedBody | LoadedDesign, folder: str | Path = "results", *, quiet: bool | None = None
+) -> "Results | BestBuoy":
     """Run a whole study or design problem in this process: files and numbers are those of `vsb run`.
 
     Parameters
@@ -68,21 +71,25 @@ def run(study: Study | LocatedBody | LoadedDesign, folder: str | Path = "results
         See `vsb.load`, `vsb.load_body`, `vsb.load_design`.
     folder : str or Path
         Folder of all results, of which finished ones are kept; studies in it share their hydrodynamics.
+    quiet : bool, optional
+        Whether to say nothing of what begins and the time left; by default in a terminal and in notebooks it is said.
 
     Raises
     ------
     VsbError
         If the study cannot be run, a check of its hydrodynamics fails, or another run is at work in the folder.
     """
+    if quiet is None:
+        quiet = not (sys.stderr.isatty() or "ipykernel" in sys.modules)
     if isinstance(study, LoadedDesign):
         problem = DesignPlan(study, root=str(folder))
-        make.run(problem)
+        make.run(problem, quiet=quiet)
         return BestBuoy(problem.folder)
     if isinstance(study, LocatedBody):
         plan: AnyPlan = BodyPlan(study.study, root=str(folder), files=study.files)
     else:
         plan = with_degree(StudyPlan(study, root=str(folder)))
-    make.run(plan)
+    make.run(plan, quiet=quiet)
     return Results(plan.study, str(folder))
 
 

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
 
 from vsb.report.campaign_answer import is_verified, reported_bounds, reported_gain, shown_member
 from vsb.report.canvas import bin_edges, grid_of_axes, legend_above, note, number_cells, plain_numbers, style
@@ -28,6 +29,10 @@ GAIN = "RdBu"
 NOT_VIABLE = "no design is viable"
 HATCH = "////"
 LIMIT = "force_limit"
+FEWEST_OF_A_LINE = 3
+"""Points from which on a line is drawn through them."""
+PREFIXED = ("Pa", "N", "W")
+"""Units that ticks have with a prefix: 3 MPa, 20 kN."""
 MOST_ROWS = 6
 """Values of a third key that have a map."""
 MOST_TICKS = 5
@@ -192,7 +197,8 @@ def _lines(ds: xr.Dataset, tuning: str, key: str, others: Sequence[str]) -> Figu
         line, one = _style(ds, design), at.sel(design=design).squeeze()
         _with_interval(ax, places, line, reported_gain(one, tuning), reported_bounds(one, tuning))
         if is_verified(one, tuning):
-            ax.plot(places, one.gain_percent, color=line["color"], linewidth=0.8, ls=":")
+            look = {"ls": ":"} if len(places) >= FEWEST_OF_A_LINE else {"ls": "none", "marker": "x", "markersize": 4}
+            ax.plot(places, one.gain_percent, color=line["color"], linewidth=0.8, **look)
     ax.axhline(0, color="black", linewidth=0.8)
     ax.set(ylabel="gain [%]")
     legend_above(figure, ax)
@@ -218,15 +224,21 @@ def _over_key(ds: xr.Dataset, tuning: str, key: str) -> tuple[Figure, Axes, Any,
     ax.set(xlabel=_label(ds, key), xscale=_scale(ds, key))
     if not _is_spaced(ds, key):
         _tick(ax.xaxis, ordered, key)
+    elif ds[key].attrs.get("units") in PREFIXED:
+        ax.xaxis.set_major_formatter(EngFormatter(unit=ds[key].attrs["units"]))
     return figure, ax, _places(ordered, key), ordered.sel(tuning=tuning)
 
 
 def _with_interval(
     ax: Axes, places: Any, line: dict[str, Any], values: xr.DataArray, bounds: tuple[xr.DataArray, xr.DataArray]
 ) -> None:
-    """A curve, its points marked where they are few, in the band of its interval."""
+    """A curve, its points marked where they are few, in the band of its interval; two points have no line between."""
+    if len(places) < FEWEST_OF_A_LINE:
+        ax.vlines(places, *bounds, color=line["color"], alpha=0.4, linewidth=3)
+        line = {**line, "linestyle": "none"}
+    else:
+        ax.fill_between(places, *bounds, color=line["color"], alpha=0.2, linewidth=0)
     ax.plot(places, values, marker="" if len(places) > 12 else "o", markersize=4, **line)
-    ax.fill_between(places, *bounds, color=line["color"], alpha=0.2, linewidth=0)
 
 
 def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str]) -> Figure:
@@ -253,6 +265,8 @@ def _maps(ds: xr.Dataset, tuning: str, keys: Sequence[str], others: Sequence[str
         for axis, key in ((ax.xaxis, x), (ax.yaxis, y)):
             if ds.sizes[key] <= MOST_TICKS or not _is_spaced(ds, key):
                 _tick(axis, ds, key)
+            elif ds[key].attrs.get("units") in PREFIXED:
+                axis.set_major_formatter(EngFormatter(unit=ds[key].attrs["units"]))
     for ax in axes.ravel()[len(shown) :]:
         ax.set_visible(False)
     for ax in axes[-1]:
@@ -299,7 +313,9 @@ def _places(ds: xr.Dataset, key: str) -> np.ndarray:
 
 def _tick(axis: Axis, ds: xr.Dataset, key: str) -> None:
     """Put a tick where each value of a key stands, and no others."""
-    axis.set_ticks(_places(ds, key), [_number(value) for value in ds[key].values.tolist()])
+    units = ds[key].attrs.get("units", "1")
+    numbered = EngFormatter(unit=units) if units in PREFIXED else _number
+    axis.set_ticks(_places(ds, key), [numbered(value) for value in ds[key].values.tolist()])
     axis.set_ticks([], minor=True)
 
 
@@ -328,7 +344,8 @@ def _scale(ds: xr.Dataset, key: str) -> str:
 def _label(ds: xr.Dataset, key: str) -> str:
     """Label of the axis of a key."""
     units = ds[key].attrs.get("units", "1")
-    return f"{key.replace('_', ' ')} [{'-' if units == '1' else units}]"
+    name = key.replace("_", " ")
+    return name if units in PREFIXED else f"{name} [{'-' if units == '1' else units}]"
 
 
 DRAWN = {"power_matrices": power_matrices, "tuned_power": tuned_power, "pareto": pareto, "sweep": sweep}

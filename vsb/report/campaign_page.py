@@ -28,7 +28,7 @@ from vsb.report.campaign_answer import (
     where,
     whole_answer,
 )
-from vsb.report.campaign_figures import is_mapped
+from vsb.report.campaign_figures import FEWEST_OF_A_LINE, is_mapped
 from vsb.report.html import captioned, page
 from vsb.report.interactive import as_script
 from vsb.study.campaign import CONSTRAINED
@@ -125,12 +125,15 @@ def captions(ds: xr.Dataset) -> dict[str, str]:
     words["load"], words["over"] = kind_of(ds).load, compared_with(ds, reference)
     words["deformed"] = " or deforms the shell by more than a tenth of its radius" if of_shells(ds) else ""
     words["within"] = " Squares: optimal force within each limit." if CONSTRAINED in ds.tuning.values else ""
-    words["marks"] = (BUCKLING if of_shells(ds) else "") + MAPPED if is_mapped(ds) else "; shaded: interval"
+    points = max((ds[name].size for name in str(ds.attrs["varied"]).split()), default=1)
+    band, linear = ("bars", "crosses") if points < FEWEST_OF_A_LINE else ("shaded", "dotted")
+    words["marks"] = (BUCKLING if of_shells(ds) else "") + MAPPED if is_mapped(ds) else f"; {band}: interval"
     if is_verified(ds, tuning):
-        words["marks"] += "; corrected by time-domain runs" + ("" if is_mapped(ds) else "; dotted: linear theory alone")
+        alone = "" if is_mapped(ds) else f"; {linear}: linear theory alone"
+        words["marks"] += f"; corrected by time-domain runs{alone}"
     found = {name: text.format(**words) for name, text in CAPTIONS.items()}
     if reference is None and not is_mapped(ds):
-        found["sweep"] = f"Mean power of the year, {TUNED[tuning]}, by linear theory; shaded: interval."
+        found["sweep"] = f"Mean power of the year, {TUNED[tuning]}, by linear theory; {band}: interval."
     return found
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from vsb.pipeline.tasks import Task, blocks, due, products, tasks
 from vsb.stages.check import check_plan
 from vsb.stages.locks import exclusive_lock, shared_lock
+from vsb.stages.progress import Progress
 from vsb.stages.stage import run_task
 from vsb.stages.verify import stale_products
 from vsb.study.plan import StudyPlan
@@ -17,17 +18,24 @@ Begun = Callable[[Task], None]
 """Told of each task before it is done."""
 
 
-def run(plan: Plan) -> None:
+def run(plan: Plan, *, quiet: bool = True) -> None:
     """Make all products of a plan in this process: files and numbers are those of `vsb run`, finished ones are kept."""
     check_plan(plan)
     check_folder(plan.root)
     with exclusive_lock(Path(plan.folder)):
-        make(plan, products(plan), stale=stale_products(plan, dry=False))
+        stale = stale_products(plan, dry=False)
+        make_each(plan, due(tasks(plan), products(plan), stale), stale, quiet=quiet)
 
 
-def make(plan: Plan, targets: Collection[str], stale: Collection[str] = (), begun: Begun | None = None) -> None:
+def make_each(plan: Plan, some: Sequence[Task], stale: Collection[str], *, quiet: bool) -> None:
+    """Do tasks in their order, saying what begins, how much is done and the time left, unless quiet."""
+    progress = Progress(plan.name, [task.seconds for task in some], quiet)
+    _run(plan, some, stale, lambda task: progress.begin(task.words, some.index(task)))
+
+
+def make(plan: Plan, targets: Collection[str], stale: Collection[str] = ()) -> None:
     """Make files of a plan, and what they need; those that are there, and not stale, are kept."""
-    _run(plan, due(tasks(plan), targets, stale), stale, begun)
+    _run(plan, due(tasks(plan), targets, stale), stale)
 
 
 def hydro_files(study: Study, folder: str | Path) -> dict[str, str]:

@@ -29,7 +29,7 @@ from vsb.pipeline.tasks import due, products, tasks
 from vsb.stages import slurm
 from vsb.stages.check import check_plan, unit_lines
 from vsb.stages.locks import exclusive_lock, shared_lock
-from vsb.stages.make import make
+from vsb.stages.make import make_each
 from vsb.stages.planning import plan_of
 from vsb.stages.progress import Progress, failed, followed
 from vsb.study.campaign_plan import CampaignPlan
@@ -81,10 +81,9 @@ def run(args: argparse.Namespace) -> int:
 def _run_here(plan: Plan, stale: Sequence[str], *, quiet: bool) -> None:
     """Make all products in this process; if terminated, end after one line."""
     some = due(tasks(plan), products(plan), stale)
-    progress = Progress(plan.name, [task.seconds for task in some], quiet)
     before = {number: signal.signal(number, _ask_to_end) for number in _heard()}
     try:
-        make(plan, products(plan), stale, lambda task: progress.begin(task.words, some.index(task)))
+        make_each(plan, some, stale, quiet=quiet)
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
