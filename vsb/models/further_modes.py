@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vsb.engine.shell.shell import Shell
 from vsb.models.rest import loaded_at_ring
+from vsb.study.degree import bending_degree
 from vsb.study.specs import AnyBuoy
 from vsb.tools.arrays import FloatArray
 
@@ -16,7 +16,7 @@ RESOLVED = 2.0
 
 
 def by_all_modes(
-    before: FloatArray, finer: Sequence[FloatArray], reach: float = 1.0, least: FloatArray | float = 0.0
+    before: FloatArray, finer: Sequence[FloatArray], reach: FloatArray | float = 1.0, least: FloatArray | float = 0.0
 ) -> FloatArray:
     """Return the range (..., end) about zero of what all modes change: to the last finer number, and as much beyond.
 
@@ -26,7 +26,7 @@ def by_all_modes(
         Numbers of which the change is asked.
     finer : sequence of ndarray
         The same with ascending degrees, to about twice the first of them.
-    reach : float
+    reach : ndarray or float
         What degrees beyond the last change at most, in terms of the span of these; 1 where errors fall like 1/degree.
     least : ndarray or float
         What they change at least, whatever the span: it may be small by chance.
@@ -40,11 +40,8 @@ def reach_of_modes(study: AnyBuoy, design: str, degree: int) -> float:
     """Return what degrees beyond one may change, in terms of the change from half of it, where modes stand alone [-].
 
     Errors fall like 1/degree or faster, but where a load acts at a ring of the shell. There each degree yields about as
-    much as the one before up to that at which bending is as stiff as the membrane, D n^4/r^4 = E h/r^2 with
-    D = E h^3/(12 (1 - nu^2)) and r the largest radius or half the height.
+    much as the one before up to that at which bending is as stiff as the membrane.
     """
     if not loaded_at_ring(study, design):
         return 1.0
-    shell = Shell.of(study.device)
-    bending = (12 * (1 - shell.poisson_ratio**2)) ** 0.25 * np.sqrt(shell.reach / shell.thickness)
-    return float(SAFETY * max(1.0, 2 * RESOLVED * bending / degree - 2))
+    return SAFETY * max(1.0, 2 * RESOLVED * bending_degree(study) / degree - 2)

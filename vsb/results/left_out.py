@@ -10,10 +10,11 @@ from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
 from vsb.models.floating_system import AnyBody, Floating
-from vsb.models.further_modes import by_all_modes
-from vsb.models.mode_convergence import SAMPLED, ModeConvergence, directed, mean_sea, take_offs
+from vsb.models.further_modes import by_all_modes, reach_of_modes
+from vsb.models.mode_convergence import SAMPLED, ModeConvergence, directed, mean_sea, motion_of_port, take_offs
 from vsb.models.ports import BuoyOfShape
 from vsb.models.rest import loaded_at_ring
+from vsb.models.ring_loads import has_attachment_modes
 from vsb.study.degree import expected_change
 from vsb.study.specs import BuoySystem
 from vsb.study.study import Study
@@ -103,17 +104,18 @@ def _left_out(convergence: ModeConvergence) -> LeftOut:
     before = finer[0] if own else convergence.powers(study.modes, convergence.finer)
     at_ring = np.array([loaded_at_ring(study, design) for design in study.designs])
     expected = expected_change(study, convergence.enough) * before * at_ring[:, None, None]
-    power, gain = (
-        _relative(by_all_modes(before, finer, 1 + SAMPLED, expected), before),
-        np.zeros((*before.shape, len(ENDS))),
-    )
+    alone = not has_attachment_modes(study) or motion_of_port(study) != "heave"
+    far = np.array([reach_of_modes(study, one, convergence.finer) if alone else 1.0 for one in study.designs])
+    reach = SAMPLED + far[:, None, None]
+    power = _relative(by_all_modes(before, finer, reach, expected), before)
+    gain = np.zeros_like(power)
     if not study.at_equilibrium:  # else the shape at rest depends on the modes, too
         power[[i for i, design in enumerate(study.designs.values()) if not design.flexible]] = 0.0
     if (reference := study.reference_design) is not None:
         at = list(study.designs).index(reference)
         base = before[[at]]
         points = np.divide(100 * expected, base, out=np.zeros_like(before), where=base > 0)
-        gain = by_all_modes(_gains(before, at), [_gains(one, at) for one in finer], 1 + SAMPLED, points)
+        gain = by_all_modes(_gains(before, at), [_gains(one, at) for one in finer], reach, points)
     return LeftOut(power, gain)
 
 
