@@ -49,13 +49,20 @@ def step_integrals(generator: FloatArray, forms: FloatArray) -> FloatArray:
     terms, doublings = series(generator)
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
     flows = np.tensordot(np.vander((nodes + 1) / 2, len(terms), increasing=True), np.array(terms), 1)
-    out = np.asarray(0.5**doublings / 2 * sum(w * (e.T @ forms @ e) for w, e in zip(weights, flows, strict=True)))
+    start = np.array([sum(w * _through(form, e) for w, e in zip(weights, flows, strict=True)) for form in forms])
+    out = 0.5**doublings / 2 * start
     change = np.sum(terms[:0:-1], axis=0)
     for _ in range(doublings):
         end = np.eye(len(generator)) + change
         out = out + end.T @ out @ end
         change = 2 * change + change @ change
     return out
+
+
+def _through(form: FloatArray, flow: FloatArray) -> FloatArray:
+    """E^T Q E by the rows and columns of Q that are not zero."""
+    rows, columns = form.any(axis=1), form.any(axis=0)
+    return np.asarray(flow[rows].T @ (form[np.ix_(rows, columns)] @ flow[columns]))
 
 
 class Factor(NamedTuple):

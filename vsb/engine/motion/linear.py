@@ -161,17 +161,17 @@ class LinearSystem:
         going = own_headings(self.database)
         return [Channel(self.database, group, going[group[0]]) for group in order_groups(self.database).values()]
 
-    def _spline(self, name: str) -> CubicSpline:
-        """Spline of a coefficient through the solved frequencies; a force on a shell is that of its exciting waves."""
+    @cached_property
+    def _unit(self) -> CubicSpline:
+        """Splines through unit vectors, of which those of all coefficients are sums: few values are asked for."""
+        omega = self.database.omega.values
+        return CubicSpline(omega, np.eye(len(omega)))
+
+    def _between(self, name: str, omega: FloatArray) -> FloatArray | ComplexArray:
+        """Cubic splines of a coefficient between the solved frequencies; a force on a shell is that of its waves."""
         of_shell = self.axisymmetric and name.endswith("_force")
         values = most_exciting(self.database, name) if of_shell else self.database[name].values
-        return CubicSpline(self.database.omega.values, values)
-
-    @cached_property
-    def _splines(self) -> tuple[CubicSpline, CubicSpline | None, CubicSpline]:
-        """Added mass, damping if not of channels, and excitation between the solved frequencies."""
-        damping = None if self.axisymmetric else self._spline("radiation_damping")
-        return self._spline("added_mass"), damping, self._spline("excitation_force")
+        return np.tensordot(self._unit(omega), values, 1)
 
     def check_band(self, omega: FloatArray) -> None:
         """Check that frequencies lie in the band solved; raises `DatabaseError`."""
@@ -198,23 +198,25 @@ class LinearSystem:
         the channel where a port hardly radiates.
         """
         self.check_band(omega)
-        added_mass, damping, excitation = self._splines
-        if damping is not None:
-            force = excitation(omega).astype(complex)
-            return Coefficients(added_mass(omega), damping(omega), force[:, self.heading_index])
+        added_mass = self._between("added_mass", omega).real
+        if not self.axisymmetric:
+            force = self._between("excitation_force", omega).astype(complex)
+            return Coefficients(
+                added_mass, self._between("radiation_damping", omega).real, force[:, self.heading_index]
+            )
         force = self.most_exciting_force(omega)
         radiated = np.sum([channel.damping(omega, force) for channel in self._channels], axis=0)
         shares = self._shares(omega)
-        return Coefficients(added_mass(omega), radiated, np.asarray(force * shares, dtype=complex))
+        return Coefficients(added_mass, radiated, np.asarray(force * shares, dtype=complex))
 
     def most_exciting_force(self, omega: FloatArray) -> ComplexArray:
         """Return the excitation of a shell by the waves that excite each motion most, shape (omega, dof) [N/m]."""
-        return np.asarray(self._splines[2](omega), dtype=complex)
+        return self._between("excitation_force", omega).astype(complex)
 
     def diffraction(self, omega: FloatArray) -> ComplexArray:
         """Return the diffraction force on a shell per wave amplitude, shape (omega, dof) [N/m]; in the band solved."""
         self.check_band(omega)
-        force = self._spline("diffraction_force")(omega)
+        force = self._between("diffraction_force", omega)
         return np.asarray(force * self._shares(omega), dtype=complex)
 
     def _shares(self, omega: FloatArray) -> FloatArray:
@@ -232,7 +234,7 @@ class LinearSystem:
         if self.axisymmetric:
             return np.asarray(self.added_mass_inf + self.spectrum.added_mass_difference(np.array([omega]))[0])
         first, last = self.database.omega.values[[0, -1]]
-        inside = np.asarray(self._splines[0](np.clip(omega, first, last)))
+        inside = self._between("added_mass", np.clip(omega, first, last)).real
         return self.added_mass_inf + (inside - self.added_mass_inf) * min(1.0, float(last / omega)) ** 2
 
     @cached_property
