@@ -9,7 +9,7 @@ are known however fast a transient dies out or a mode rings. Each step starts fr
 gain in energy is compared with work they were not made from.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import factorial
 from typing import NamedTuple
@@ -24,6 +24,7 @@ TERMS = ("wave", "pto", "radiated", "structural", "stored")
 """Of every run; see `terms`."""
 RECORDS = 6  # that make a polynomial, two before the step
 GAUSS = 6
+ROUND_OFF = 1e-13  # of the largest force
 BLOCK = 512  # steps at a time: they stay in the cache
 
 
@@ -81,45 +82,42 @@ class Flow:
     states: FloatArray  # z at the records (time, state)
     driven: FloatArray  # g at the records and two beyond either end, times dt (time + 4, free)
 
-    @property
-    def free(self) -> int:
-        """Number of free coordinates."""
-        return int(self.driven.shape[1])
-
-    def generator(self) -> FloatArray:
-        """Return X of w' = X w over a step, w = (z, derivatives of g), shape (state + free records, ...)."""
-        n, order = self.free, self.states.shape[1]
-        out = np.zeros((order + n * RECORDS, order + n * RECORDS))
+    def generator(self, directions: FloatArray) -> FloatArray:
+        """Return X of w' = X w over a step, w = (z, derivatives of g along directions), as of `integrals`."""
+        (n, few), order = directions.shape, self.states.shape[1]
+        out = np.zeros((order + few * RECORDS, order + few * RECORDS))
         out[:order, :order] = self.dt * self.matrix
-        out[order:, order:] = np.kron(np.eye(n), np.eye(RECORDS, k=1))
-        out[n : 2 * n, order::RECORDS] = np.eye(n)
+        out[order:, order:] = np.kron(np.eye(few), np.eye(RECORDS, k=1))
+        out[n : 2 * n, order::RECORDS] = directions
         return out
 
-    def integrals(self, losses: FloatArray) -> tuple[list[Factor], FloatArray]:
+    def integrals(self, losses: FloatArray, directions: FloatArray) -> tuple[list[Factor], FloatArray]:
         """Return factors of the losses over a step, and the moments of the velocity against the records of a force.
 
         Parameters
         ----------
         losses : ndarray, shape (loss, state, state) [1/s]
+        directions : ndarray, shape (free, direction)
+            Orthonormal, of all forces.
 
         Returns
         -------
         factors : list of Factor
             Of the energy lost.
-        moments : ndarray, shape (free records, state + free records)
+        moments : ndarray, shape (direction records, state + direction records)
         """
-        n, order = self.free, self.states.shape[1]
-        x = self.generator()
+        (n, few), order = directions.shape, self.states.shape[1]
+        x = self.generator(directions)
         forms = np.zeros((len(losses) + 1, *x.shape))
         forms[:-1, :order, :order] = self.dt * losses
-        forms[-1, order::RECORDS, n : 2 * n] = np.eye(n)
+        forms[-1, order::RECORDS, n : 2 * n] = directions.T
         to_derivatives = np.eye(len(x))
-        to_derivatives[order:, order:] = np.kron(np.eye(n), DERIVATIVES)
+        to_derivatives[order:, order:] = np.kron(np.eye(few), DERIVATIVES)
         found = to_derivatives.T @ step_integrals(x, forms) @ to_derivatives
         return [_factor(form) for form in found[:-1]], found[-1, order:]
 
     def steps(self, force: FloatArray, start: int) -> FloatArray:
-        """Return the records about each step of a block, shape (step, free records)."""
+        """Return the records about each step of a block, shape (step, direction records)."""
         windows = np.lib.stride_tricks.sliding_window_view(force, RECORDS, axis=0)
         stop = min(start + BLOCK, len(self.states) - 1)
         return windows[start:stop].reshape(stop - start, -1)
@@ -138,13 +136,15 @@ class Flow:
         -------
         ndarray, shape (loss + acting, time)
         """
-        factors, moments = self.integrals(losses)
         pushes = [_extended(self.dt * force) for force in acting]
+        directions = _spanned([self.driven, *pushes])
+        driven, pushes = self.driven @ directions, [np.asarray(force @ directions) for force in pushes]
+        factors, moments = self.integrals(losses, directions)
         rows = np.vstack([*(factor.rows for factor in factors), moments])
         ends = np.cumsum([len(factor.signs) for factor in factors])
         out = np.zeros((len(factors) + len(pushes), len(self.states)))
         for start in range(0, len(self.states) - 1, BLOCK):
-            records = self.steps(self.driven, start)
+            records = self.steps(driven, start)
             here = slice(start + 1, start + 1 + len(records))
             *lost, velocity = np.split(rows @ np.vstack([self.states[start : here.stop - 1].T, records.T]), ends)
             for i, (part, factor) in enumerate(zip(lost, factors, strict=True)):
@@ -152,6 +152,12 @@ class Flow:
             for i, push in enumerate(pushes, len(factors)):
                 out[i, here] = np.einsum("it,ti->t", velocity, self.steps(push, start))
         return np.asarray(np.cumsum(out, axis=1))
+
+
+def _spanned(forces: Sequence[FloatArray]) -> FloatArray:
+    """Orthonormal directions of all forces but for round-off, (free, direction): regular waves push along two."""
+    _, sizes, directions = np.linalg.svd(np.concatenate(forces), full_matrices=False)
+    return np.asarray(directions[sizes > ROUND_OFF * sizes[0]].T)
 
 
 def _factor(form: FloatArray) -> Factor:
