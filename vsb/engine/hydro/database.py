@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -281,8 +282,16 @@ def open_database(path: str | Path) -> xr.Dataset:
 def load_database(path: str | Path, expected_id: str) -> xr.Dataset:
     """Return the frequency sweep of a stored database after checking its id.
 
-    Raises `DatabaseError` if the file is unreadable, no database, or holds another spec than its name says.
+    The last one read is kept while its file does not change: every stage of a study in one process needs it. Raises
+    `DatabaseError` if the file is unreadable, no database, or holds another spec than its name says.
     """
+    known = Path(path).stat() if Path(path).is_file() else None
+    return _loaded(str(path), expected_id, (known.st_mtime_ns, known.st_size) if known else ()).copy(deep=True)
+
+
+@lru_cache(maxsize=1)
+def _loaded(path: str, expected_id: str, written: tuple[int, ...]) -> xr.Dataset:
+    """The sweep of a database as its file was written, nanoseconds and bytes; callers get copies."""
     ds = load(path)
     found = ds.attrs.get("spec_id")
     if found != expected_id:
