@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from vsb.engine.integrators.exact import propagate, steady_state
-from vsb.engine.integrators.harmonic_balance import harmonic_balance
+from vsb.engine.integrators.harmonic_balance import check_stable, harmonic_balance
 from vsb.engine.integrators.periodic import periodic_power
 from vsb.engine.integrators.simulate import in_words, legs, recorded
 from vsb.engine.motion.system import System
@@ -85,6 +85,11 @@ def _steady(system: System) -> dict[str, float | str]:
     try:
         if system.has_latching_time or system.jumps:
             return _settled(system)
+        if system.linear and system.scene.take_off not in system.scene.memories:
+            period = 2 * np.pi / float(system.omega[0])
+            power, left = _swinging_power(system), np.exp(np.linalg.eigvals(system.matrix) * period)
+            check_stable(left, period)
+            return {"steady_power": power, "steady_decay": float(np.abs(left).max())}
         found = harmonic_balance(system, 1e-6)
     except (ConvergenceError, StabilityError) as error:
         return _settled(system) if system.switching else {"no_steady_state": str(error)}
