@@ -73,7 +73,7 @@ def test_what_is_advised_about_the_undeformed_shape_passes_its_checks(shape):
     study = soft({}, mass=17170.0, **shape).model_copy(update={"reference_shape": "undeformed"})
     (line,) = (check for check in shell_checks(study, reference_shell(study)) if check.name == "computed_buckling")
     words = r"where its law ends at 10 %; from about (\S+) mm at (\S+) Pa, or from young_modulus (\S+) MPa at (\S+) Pa"
-    wall, at, modulus, pressure = map(float, re.search(words, line.explanation).groups())
+    wall, at, modulus, pressure = map(float, re.search(words, line.advice).groups())
     for changes in (
         {"thickness": 1e-3 * wall, "internal_pressure": at},
         {"young_modulus": 1e6 * modulus, "internal_pressure": pressure},
@@ -102,7 +102,21 @@ def test_pressure_that_strains_a_shell_beyond_its_law_is_advised_to_be_less():
     study = soft({"young_modulus": 4e7, "thickness": 0.015}, mass=17170.0, internal_pressure=2e5)
     (line,) = (check for check in shell_checks(study, reference_shell(study)) if check.name == "static_strain")
     assert line.verdict == "fail"
-    (pressure,) = re.search(
-        r"device.internal_pressure of (\S+) Pa carries this shell \(tried\)", line.explanation
-    ).groups()
+    (pressure,) = re.search(r"device.internal_pressure of (\S+) Pa carries this shell \(tried\)", line.advice).groups()
     assert float(pressure) < 2e5
+
+
+def test_pressure_that_is_advised_for_rubber_leaves_no_wrinkles():
+    """Four spans between too little pressure and too much: buckled, wrinkled, at rest, burst."""
+    device = {"radius": 2.0, "thickness": 0.05, "density": 1100.0, "mass": 17170.0}
+    device |= {"material": {"law": "neo_hookean", "mu": 1e6}, "internal_pressure": 1e4}
+    study = parse(
+        {"study": "a", "device": device, "modes": {"degree": 4}, "reference_shape": "equilibrium",
+         "designs": {"V": {}}, "pto": {"damping": 1e4}, "waves": [{"kind": "still"}]}
+    )  # fmt: skip
+    with pytest.raises(ConfigError, match="buckles at") as error:
+        reference_shell(study)
+    (pressure,) = re.search(r"device.internal_pressure of (\S+) Pa carries", str(advised(study, error.value))).groups()
+    device = study.device.model_copy(update={"internal_pressure": float(pressure)})
+    better = study.model_copy(update={"device": device})
+    assert all(check.verdict == "ok" for check in shell_checks(better, reference_shell(better)))

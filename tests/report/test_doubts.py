@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from vsb.keys.meanings import KEYS
-from vsb.report.doubts import ADVICE, reasons, warnings
+from vsb.report.doubts import ADVICE, no_answer, reasons, warnings
 
 BUCKLING = {
     "name": "buckling",
@@ -31,6 +31,14 @@ def test_failed_checks_head_the_page():
     (accepted,) = warnings([{**HEAVE, "verdict": "accepted"}])
     assert accepted.startswith("heave of A in w: 0.4, limit 0.3 (large)")
     assert warnings([{**HEAVE, "verdict": "ok"}]) == []
+
+
+def test_what_was_tried_for_a_shell_replaces_general_advice():
+    """A page that says "raise the pressure" of a wall that no pressure carries sends its reader in circles."""
+    tried = {**BUCKLING, "advice": "no pressure carries this wall; from 90 mm it stands (tried)"}
+    assert warnings([tried])[0].endswith(f"Change first: {tried['advice']}")
+    both = no_answer([tried, {**tried, "name": "computed_buckling"}])
+    assert both.endswith(f"Change first: {tried['advice']}."), "said once"
 
 
 def test_a_reason_has_the_largest_of_its_values():

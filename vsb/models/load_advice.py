@@ -11,7 +11,7 @@ from vsb.engine.shell.material import Hookean
 from vsb.engine.shell.shell import Shell
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.models.rest import complete_loaded_shell, reference_shell
-from vsb.models.viability import static_modal_amplitude, static_strain
+from vsb.models.viability import static_modal_amplitude, static_strain, wrinkles
 from vsb.study.study import Study
 from vsb.tools.words import plain
 
@@ -238,9 +238,10 @@ def _range(study: Study) -> float:
 
 
 def _standing(trials: Sequence[Trial]) -> float | None:
-    """The pressure of one of some studies that its growing load leads to a rest, not overstrained; None if none is.
+    """The pressure of one of some studies that its growing load leads to a rest; None if none is.
 
-    Two at most are followed: the safest, and that of the least pressure, which strains least.
+    Neither overstrained nor wrinkled. Two at most are followed: the safest, and that of the least pressure, which
+    strains least.
     """
     allowed = _allowed(trials)
     for trial in [max(allowed, key=lambda trial: trial.load_factor), allowed[0]] if allowed else []:
@@ -248,7 +249,8 @@ def _standing(trials: Sequence[Trial]) -> float | None:
         if loaded.basis.shell.rest is not None and with_lobes(loaded).load_factor <= 1.0:
             continue
         path = stable_path(loaded)
-        strain = static_strain(loaded.basis, path.amplitudes) if path.reached >= 1.0 else math.inf
-        if not loaded.basis.shell.law.range.is_invalid(strain):
+        if path.reached < 1.0 or loaded.basis.shell.law.range.is_invalid(static_strain(loaded.basis, path.amplitudes)):
+            continue
+        if not loaded.basis.shell.rubber or wrinkles(loaded, path.amplitudes).stiffness > 0:
             return trial.pressure
     return None

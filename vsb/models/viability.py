@@ -5,11 +5,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from vsb.engine.motion.port import LinearPto, port_direction
+from vsb.engine.shell.azimuthal import softest_order
 from vsb.engine.shell.deformed import ReferenceShell
 from vsb.engine.shell.elastic import ElasticShell
 from vsb.engine.shell.loaded import Buckling, LoadedShell, stable_path
@@ -39,6 +40,10 @@ MODULUS = 1e9
 
 MOST_LOAD = 2.0
 """Factor of its load to which a shell of rubber is followed."""
+ORDERS, FOLDED = 12, 32
+"""Azimuthal orders, and Legendre degrees, of the wrinkles that are looked for."""
+ROUND_OFF = 1e-6
+"""Compression over tension that is none."""
 
 
 Some = TypeVar("Some", Study, BodyStudy | BodySystem, Study | BodyStudy | BodySystem)
@@ -104,6 +109,29 @@ def viability(study: Study) -> Viability:
     words = f"doubtful: strained by {100 * strain:.3g} % at rest, above {100 * holds.doubted:g} %"
     doubts = dict.fromkeys(flexible, words) if holds.is_doubted(strain) else {}
     return Viability(study, reference, margin, reasons, doubts)
+
+
+class Wrinkles(NamedTuple):
+    """What compresses the wall of a shell at rest, and whether it folds into wrinkles."""
+
+    force: float  # largest compressive membrane force [N/m]
+    share: float  # over the largest tension [-]
+    stiffness: float  # least of shapes that vary around the axis; not above 0 where the shell wrinkles [-]
+    order: int  # azimuthal, of that shape
+
+    @property
+    def compressed(self) -> bool:
+        """Whether anything is compressed."""
+        return self.share > ROUND_OFF
+
+
+def wrinkles(loaded: LoadedShell, q: FloatArray) -> Wrinkles:
+    """Return the compression of a shell at rest, and how stiff its softest shape is where there is any."""
+    meridional, hoop = loaded.elastic.resultants(q)
+    least, most = float(np.minimum(meridional, hoop).min()), float(np.maximum(meridional, hoop).max())
+    force = max(0.0, -least)
+    found = Wrinkles(force, force / (max(most, -least) or 1.0), 1.0, 0)
+    return Wrinkles(*found[:2], *softest_order(loaded, q, ORDERS, FOLDED)) if found.compressed else found
 
 
 def static_modal_amplitude(study: Study, reference: ReferenceShell) -> FloatArray:

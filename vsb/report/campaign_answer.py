@@ -55,7 +55,8 @@ def whole_answer(ds: xr.Dataset, reference: str | None, tuning: str) -> Answer:
     most = short(1 - float(best[0].margin))
     where_so = f" at all {ds.margin.size} points" if ds.margin.size > 1 else ""
     why = f"the shell buckles under its static load{where_so} ({most} times what it can carry)"
-    return Answer([f"No valid answer yet: {why}. Change first: {ADVICE['buckling']}."], [f"{COMPUTED}{' '.join(said)}"])
+    change = ds.attrs.get("advice") or ADVICE["buckling"]
+    return Answer([f"No valid answer yet: {why}. Change first: {change}."], [f"{COMPUTED}{' '.join(said)}"])
 
 
 def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:

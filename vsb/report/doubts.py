@@ -10,7 +10,7 @@ ADVICE = {
     "computed_buckling": "raise device.internal_pressure to carry the load, or device.thickness",
     "static_deformation": "reference_shape: equilibrium if it is undeformed, or a stiffer shell",
     "static_strain": "a stiffer shell",
-    "load_path": "a thicker or stiffer shell; with rubber less device.internal_pressure may help, or device.gas",
+    "load_path": "a thicker or stiffer shell",
     "wrinkling": "raise device.internal_pressure until all of the shell is in tension",
     "angles": "angles in degrees",
     "specific_energy": "a thicker shell, or a smaller damper: the material converts less than the waves offer",
@@ -68,7 +68,7 @@ ADVICE = {
         ("long_waves", "haskind_scale", "haskind_long_waves"), "length, gravity and depth of the coefficient file"
     ),
 }  # fmt: skip
-"""Name of a check -> what to change first in the study where it fails."""
+"""Name of a check -> what to change first in the study where it fails, if the check itself has tried nothing."""
 REASONS = {
     "buckling": "the shell buckles under its static load ({value} times the classical buckling pressure)",
     "computed_buckling": "the shell buckles under its static load ({value} times what it can carry)",
@@ -102,7 +102,7 @@ def reasons(invalid: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def no_answer(invalid: Sequence[Mapping[str, Any]]) -> str:
     """Return why there is no valid answer, and what to change."""
-    changes = dict.fromkeys(ADVICE[line["name"]] for line in invalid)
+    changes = dict.fromkeys(line.get("advice") or ADVICE[line["name"]] for line in invalid)
     return f"No valid answer yet: {'; '.join(reasons(invalid))}. Change first: {'; '.join(changes)}."
 
 
@@ -130,7 +130,7 @@ def in_words(check: dict[str, Any]) -> str:
 
 def advice(check: dict[str, Any]) -> str:
     """Return what to change first if a check does not hold; empty if it holds or no general advice exists."""
-    return "" if check["verdict"] == "ok" else ADVICE.get(str(check["name"]), "")
+    return "" if check["verdict"] == "ok" else check.get("advice") or ADVICE.get(str(check["name"]), "")
 
 
 def _subject(check: dict[str, Any]) -> str:

@@ -15,7 +15,6 @@ import xarray as xr
 from vsb.engine.hydro import witness
 from vsb.engine.hydro.database import Check, Verdict, check_at_most, stored_checks
 from vsb.engine.motion.tuning import best_dampers
-from vsb.engine.shell.azimuthal import softest_order
 from vsb.engine.shell.deformed import ReferenceShell
 from vsb.engine.shell.elasticity import Range
 from vsb.engine.shell.lobes import LobedShell
@@ -38,7 +37,14 @@ from vsb.models.rest import (
     loaded_shell,
 )
 from vsb.models.ring_loads import has_attachment_modes, ring_loads
-from vsb.models.viability import MOST_LOAD, rubber_load_factor, static_modal_amplitude, static_strain
+from vsb.models.viability import (
+    MOST_LOAD,
+    ROUND_OFF,
+    rubber_load_factor,
+    static_modal_amplitude,
+    static_strain,
+    wrinkles,
+)
 from vsb.results.budget import MODES
 from vsb.results.comparison import Row
 from vsb.results.ladder import ControlLevel
@@ -53,10 +59,8 @@ DEGREES = {name for keys in KEYS.values() for name, key in keys.items() if key.u
 """Last words of the keys that are angles."""
 RESERVE = 1.5
 """Factor of its load a shell of rubber should bear: thickness and modulus are known to some ten per cent."""
-ORDERS, FOLDED = 12, 32
-"""Azimuthal orders, and Legendre degrees, of the wrinkles that are looked for."""
-WRINKLED = 1e-6
-"""Compression over tension that is round-off."""
+OF_LOAD = ("buckling", "computed_buckling", "static_strain", "wrinkling")
+"""Checks of what the static load does to a shell: what one pressure, wall or modulus mends, all are to hold with."""
 RING_WIDTH = 0.01
 """Change of a power by the width of rings that is worth a doubt."""
 LIKE_RADIANS = 4e-3
@@ -137,23 +141,15 @@ def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
     """Return what the static load does to a flexible shell: buckling by two criteria, deformation, strain, wrinkles."""
     if not study.flexible:
         return []
-    checks, static = viability_checks(study), static_checks(study, reference)
-    if all(check.verdict != "fail" for check in checks):  # else it is said there
-        static = [_with_advice(study, check) for check in static]
+    checks = [*viability_checks(study), *static_checks(study, reference)]
     if reference.basis.shell.rubber and study.at_equilibrium:
-        return [*checks, *static, wrinkling_check(study)]
-    if study.device.shape is not None:
-        return [*checks, *static]
-    classical, carried = classical_check(study, reference), all(check.verdict != "fail" for check in checks)
-    decides = classical.verdict == "ok" or not carried
-    return [*([classical] if decides else []), *checks, *static]
-
-
-def _with_advice(study: Study, check: Check) -> Check:
-    """The strain of a shell with what keeps it within its law, if it is beyond: less pressure, or a stiffer shell."""
-    if (check.name, check.verdict) != ("static_strain", "fail"):
-        return check
-    return replace(check, explanation=f"{check.explanation}; {advice(study)}")
+        checks.append(wrinkling_check(study))
+    elif study.device.shape is None:
+        classical, carried = classical_check(study, reference), checks[0].verdict != "fail"
+        checks = [classical, *checks] if classical.verdict == "ok" or not carried else checks
+    failed = [check.name in OF_LOAD and check.verdict == "fail" for check in checks]
+    tried = advice(study) if any(failed) else ""
+    return [replace(check, advice=tried) if fails else check for check, fails in zip(checks, failed, strict=True)]
 
 
 def classical_check(study: Study, reference: ReferenceShell) -> Check:
@@ -177,7 +173,7 @@ def pressure_at_rest(study: Study, reference: ReferenceShell) -> float:
 
 
 def viability_checks(study: Study) -> list[Check]:
-    """Return the linear buckling load, and the internal pressure that would carry a shell that buckles.
+    """Return the static load over the linear buckling load.
 
     With internal pressure linear buckling is advice: a shell that comes to a stable rest shape along the nonlinear
     path of the growing load carries it, and the check is a doubt at most. About the equilibrium there is nothing to
@@ -196,8 +192,6 @@ def viability_checks(study: Study) -> list[Check]:
     if carried:
         text += "; advice only: along the nonlinear path of the growing load the shell comes to a stable rest shape, "
         text += "which reference_shape: equilibrium computes"
-    elif found.load_factor < 1.0:
-        text += f"; {advice(study)}"
     check = check_at_most("computed_buckling", 1 / found.load_factor, 1.0, "-", text)
     return [replace(check, verdict="doubt") if carried else check]
 
@@ -206,8 +200,6 @@ def _lobes_check(study: Study) -> Check:
     """Return the static load over that of linear buckling into lobes around the axis."""
     (found,) = LobedShell.of(complete_loaded_shell(study)).buckling(1)
     text = f"static load over the linear buckling load, into a shape of azimuthal order {found.order}"
-    if found.inverse_load_factor > 1.0:
-        text += f"; {advice(study)}"
     return check_at_most("computed_buckling", max(0.0, found.inverse_load_factor), 1.0, "-", text)
 
 
@@ -225,18 +217,15 @@ def wrinkling_check(study: Study) -> Check:
 
     Compression that bending holds is a doubt; the check fails if a shape of azimuthal orders to `ORDERS` is unstable.
     """
-    loaded, q = complete_at_rest(study)
-    meridional, hoop = loaded.elastic.resultants(q)
-    least, most = float(np.minimum(meridional, hoop).min()), float(np.maximum(meridional, hoop).max())
-    text = f"compressive membrane force at rest, {plain(max(0.0, -least))} N/m, over the largest tension"
-    share = max(0.0, -least) / (max(most, -least) or 1.0)
-    if share <= WRINKLED:
-        return Check("wrinkling", share, WRINKLED, "-", "ok", text)
-    softest, order = softest_order(loaded, q, ORDERS, FOLDED)
-    if softest > 0:
-        text += f": bending holds it, shapes of azimuthal order {order} keep {softest:.2g} of their stiffness"
-        return Check("wrinkling", share, WRINKLED, "-", "doubt", text)
-    return Check("wrinkling", share, WRINKLED, "-", "fail", f"{text}: the shell wrinkles into azimuthal order {order}")
+    found = wrinkles(*complete_at_rest(study))
+    text = f"compressive membrane force at rest, {plain(found.force)} N/m, over the largest tension"
+    verdict: Verdict = "ok" if not found.compressed else "doubt" if found.stiffness > 0 else "fail"
+    if verdict == "doubt":
+        text += f": bending holds it, shapes of azimuthal order {found.order} keep {found.stiffness:.2g} of their "
+        text += "stiffness"
+    elif verdict == "fail":
+        text += f": the shell wrinkles into azimuthal order {found.order}"
+    return Check("wrinkling", found.share, ROUND_OFF, "-", verdict, text)
 
 
 def static_checks(study: Study, reference: ReferenceShell) -> list[Check]:
@@ -378,6 +367,7 @@ class Invalid(NamedTuple):
     name: str  # of the check
     value: float
     limit: float
+    advice: str  # of the check
 
 
 def flexible_designs(study: BaseStudy) -> list[str]:
@@ -400,7 +390,7 @@ def invalid_designs(study: BaseStudy, checks: Sequence[Check]) -> list[Invalid]:
         designs = [check.design] if check.design else list(study.designs) if whose == "all" else flexible_designs(study)
         seas = [families[check.wave]] if check.wave else list(dict.fromkeys(families.values()))
         for design, sea in product(designs, seas):
-            line = Invalid(design, sea, name, check.value, check.limit)
+            line = Invalid(design, sea, name, check.value, check.limit, check.advice)
             before = found.get((design, sea, name), line)
             found[design, sea, name] = max(before, line, key=lambda one: one.value)
     return list(found.values())

@@ -18,6 +18,7 @@ from vsb.engine.waves.climate import Climate
 from vsb.errors import DatabaseError
 from vsb.keys.quantities import canonical, content_id
 from vsb.models.floating_system import AnyBody, Floating, floating_body, stored_body
+from vsb.models.load_advice import advice
 from vsb.models.ports import STATED, BuoyOfShape, SweptShape
 from vsb.models.rest import order_bases
 from vsb.models.viability import Viability, viability, viability_of_body, with_designs
@@ -160,12 +161,21 @@ class _Swept(NamedTuple):
         return cls(whole, checks, errors)
 
 
+def _tried(spec: CampaignSpec, found: xr.Dataset) -> dict[str, str]:
+    """What would carry the load of the shell that is nearest to it, where the shells of all points buckle."""
+    nearest = int(found.margin.argmax())
+    if float(found.margin.values.flat[nearest]) >= 0:
+        return {}
+    (one,) = members(spec.base, [spec.vary.points[nearest]], spec.climate, spec.tuning)
+    return {"advice": advice(one.study)} if isinstance(one.study, Study) else {}
+
+
 def run_campaign(spec: CampaignSpec, batches: str, verifications: str, out: str, table: str, manifest: str) -> None:
     """Write the results of a campaign from its batches and from what runs in time say."""
     found = gathered(spec, [load(Path(batches) / f"{batch}.nc", expected=batch) for batch in spec.batches])
     runs = [load(Path(verifications) / f"{one}.nc", expected=one) for one in spec.verifications]
     found = with_verification(spec, found, runs)
     identity = content_id(spec)
-    save(found.assign_attrs(spec=canonical(spec), spec_id=identity), out)
+    save(found.assign_attrs(_tried(spec, found), spec=canonical(spec), spec_id=identity), out)
     write_text(table, as_csv(spec, found))
     record(manifest, identity, [table])

@@ -112,8 +112,8 @@ def summary(plan: CampaignPlan) -> list[str]:
 def _load_lines(plan: CampaignPlan) -> list[str]:
     """Whether the shells carry their static load: the answer is void if none does. Only of few points, for its time."""
     from vsb.engine.hydro.database import Check, Verdict
+    from vsb.models.load_advice import advice
     from vsb.models.viability import buckling_margin
-    from vsb.report.doubts import ADVICE
 
     shells = [one.study.buoy for one in plan.members if one.study.buoy and one.study.flexible]
     if not 0 < len(shells) <= MOST_POINTS:
@@ -123,9 +123,9 @@ def _load_lines(plan: CampaignPlan) -> list[str]:
     text = (
         f"static load over the load at which the shell buckles: it does at {buckled or 'none'} of {len(loads)} points"
     )
-    text += f"; {ADVICE['buckling']}" if buckled else ""
     verdict: Verdict = "fail" if buckled == len(loads) else "doubt" if buckled else "ok"
-    return [Check("buckling", max(loads), 1.0, "-", verdict, text).line]
+    tried = advice(shells[loads.index(min(loads))]) if verdict == "fail" else ""
+    return [Check("buckling", max(loads), 1.0, "-", verdict, text, advice=tried).line]
 
 
 def _angle_lines(plan: CampaignPlan) -> list[str]:

@@ -81,6 +81,7 @@ class Check:
     explanation: str
     design: str = ""  # empty: all designs
     wave: str = ""  # label of the sea; empty: all seas
+    advice: str = ""  # what would do, tried for this case; empty: general advice of its name, if any
 
     @property
     def invalidates(self) -> Literal["flexible", "all"] | None:
@@ -91,7 +92,8 @@ class Check:
     @property
     def line(self) -> str:
         """The check as printed by commands."""
-        return f"{self.verdict:12} {self.name} = {self.value:.3g} (limit {self.limit:g}): {self.explanation}"
+        text = f"{self.explanation}; {self.advice}" if self.advice else self.explanation
+        return f"{self.verdict:12} {self.name} = {self.value:.3g} (limit {self.limit:g}): {text}"
 
 
 def check_at_most(
