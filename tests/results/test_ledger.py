@@ -17,6 +17,7 @@ from vsb.engine.waves.dispersion import power_limit, wavenumber
 from vsb.engine.waves.kinds import Jonswap, PiersonMoskowitz, RegularWave, WhiteNoise
 from vsb.engine.waves.water import Water
 from vsb.keys.reading import validated
+from vsb.models.load_advice import advice
 from vsb.models.rest import reference_shell, study_basis
 from vsb.models.viability import static_modal_amplitude
 from vsb.report.doubts import ADVICE, REASONS
@@ -53,8 +54,7 @@ def test_advised_internal_pressure_passes_the_checks(seed, radius, slenderness, 
     device = {"radius": radius, "thickness": slenderness * radius, "young_modulus": 10.0**modulus}
     device["gas"] = index and {"adiabatic_index": index}
     vented = varied(seed, device={**device, "mass": 4.0 / 3.0 * np.pi * radius**3 * 512.0})
-    (check,) = ledger.viability_checks(vented)
-    advised = float(check.explanation.split("internal_pressure = ")[1].split(" Pa")[0])
+    advised = float(advice(vented).split("internal_pressure = ")[1].split(" Pa")[0])
     study = varied(vented, device={"internal_pressure": advised})
     computed, *others = ledger.shell_checks(study, reference_shell(study))
     assert (computed.name, computed.verdict) == ("computed_buckling", "ok")
@@ -82,11 +82,10 @@ def test_nonlinear_path_decides_on_viability(seed, pressure, verdict):
 def test_a_long_spheroid_buckles_into_lobes(seed):
     """The seed's soft shell, with the pressure that would carry it."""
     shaped = varied(seed, device={"shape": {"spheroid": {"height": 6.0}}}, modes={"basis": "full", "degree": 3})
-    (check,) = ledger.viability_checks(shaped)
+    check, *_ = ledger.shell_checks(shaped, reference_shell(shaped))
     assert (check.name, check.verdict) == ("computed_buckling", "fail")
-    assert re.search(
-        r"azimuthal order \d+; by linear buckling viable from device.internal_pressure = \d+ Pa", check.explanation
-    )
+    assert re.search(r"azimuthal order \d+$", check.explanation)
+    assert check.advice.startswith("by linear buckling viable from device.internal_pressure = ")
     assert ledger.viability_checks(varied(seed, reference_shape="equilibrium")) == []
 
 

@@ -141,11 +141,12 @@ def shell_checks(study: Study, reference: ReferenceShell) -> list[Check]:
     """Return what the static load does to a flexible shell: buckling by two criteria, deformation, strain, wrinkles."""
     if not study.flexible:
         return []
-    checks = [*viability_checks(study), *static_checks(study, reference)]
+    viability = viability_checks(study)
+    checks = [*viability, *static_checks(study, reference)]
     if reference.basis.shell.rubber and study.at_equilibrium:
         checks.append(wrinkling_check(study))
     elif study.device.shape is None:
-        classical, carried = classical_check(study, reference), checks[0].verdict != "fail"
+        classical, carried = classical_check(study, reference), all(check.verdict != "fail" for check in viability)
         checks = [classical, *checks] if classical.verdict == "ok" or not carried else checks
     failed = [check.name in OF_LOAD and check.verdict == "fail" for check in checks]
     tried = advice(study) if any(failed) else ""
