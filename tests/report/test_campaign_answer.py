@@ -3,6 +3,7 @@
 import numpy as np
 from report.test_campaign_figures import by_runs, campaign
 
+from vsb.engine.waves.climate import YEAR_HOURS
 from vsb.report.campaign_answer import (
     answer,
     best_flexible,
@@ -58,11 +59,24 @@ def test_no_gain_over_a_rigid_design_without_power():
     assert closing_answer(ds).endswith(
         "VSWEC at young modulus 100 MPa, thickness 0.01 m absorbs most: 94.67 MWh (93.73 to 96.57 with all known errors)."
     )
-    ds["annual_energy"] = 0.0 * ds.annual_energy
+    ds["annual_mean_power"] = 0.0 * ds.annual_mean_power
     assert closing_answer(ds).endswith("optimal damping for the year, no design absorbs power.")
     ds = campaign()
     ds.gain_percent.loc[{"tuning": "fixed"}] = np.nan
     assert leading(ds) == ("one", "FSB")
+
+
+def test_without_a_rigid_design_power_is_that_of_the_runs_too():
+    """The power that `vsb compare` shows, with its interval; linear theory's has another column."""
+    ds = campaign(gains=np.full((2, 2), 3.0))
+    ds.gain_percent.loc[{"tuning": "one"}] = np.nan
+    ds = by_runs(ds, ds.gain_percent)
+    ds["body_exact_mean_power"] = 0.9 * ds.annual_mean_power.sel(tuning="one", drop=True)
+    ds["body_exact_power_low"], ds["body_exact_power_high"] = 0.8 * ds.body_exact_mean_power, ds.body_exact_mean_power
+    most = float(ds.body_exact_mean_power.max()) * YEAR_HOURS / 1e6
+    assert closing_answer(ds).endswith(
+        f"absorbs most: {most:.4g} MWh ({0.8 * most:.4g} to {most:.4g} with all known errors)."
+    )
 
 
 def test_points_that_buckle_are_not_counted_as_paying():

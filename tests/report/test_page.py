@@ -126,14 +126,23 @@ LINE = {
     "design": "A", "sea": "noise", "amplitudes": "random", "realisations": "4", "batches": "40", "power_mean": "120",
     "power_low": "110", "power_high": "130", "power_linear": "125", "power_linear_record": "121", "gain_percent": "20", "gain_low": "18.04", "gain_high": "21.96", "record_power_mean": "119", "record_gain_percent": "19",
 }  # fmt: skip
-BASE = {**LINE, "design": "FSB", "power_mean": "100", "gain_percent": "0", "gain_low": "0", "gain_high": "0"}
+BASE = {
+    **LINE,
+    "design": "FSB",
+    "power_mean": "100",
+    "power_low": "98",
+    "power_high": "103",
+    "gain_percent": "0",
+    "gain_low": "0",
+    "gain_high": "0",
+}
 SHORT = {**LINE, "power_low": "", "power_high": "", "gain_low": "", "gain_high": ""}
 
 
 def test_irregular_seas_are_answered_with_the_interval_of_the_gain():
     (text,) = irregular_statements([BASE, LINE], "FSB", {"noise": "white noise"})
     assert text == (
-        "At the given damping, in white noise, FSB absorbs 100 W, A absorbs 120 W (+20.0 %; +18.0 to +22.0 %)."
+        "At the given damping, in white noise, FSB absorbs 100 (98 to 103) W, A absorbs 120 W (+20.0 %; +18.0 to +22.0 %)."
     )
     assert irregular_statements([SHORT], "FSB", {"noise": "it"}) == [
         "At the given damping, in it, A absorbs 120 W (+20.0 %)."

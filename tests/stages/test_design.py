@@ -430,6 +430,17 @@ def test_limits_never_reached_change_nothing_printed(folder):
     assert [row for row in limits_table(facts[1])["body"] if row[0] not in names] == limits_table(facts[0])["body"]
 
 
+def test_a_limit_of_the_shell_holds_no_rigid_buoy(folder):
+    """Along a front of the strain at rest the competitor is the same; its front asked for a strain it does not have."""
+    plan = planned(folder, "strained", pareto={"static_strain": [0.2, 0.4]})
+    for task in tasks(plan):
+        run_task(task)
+    powers = {(row["buoy"], row["value"]): float(row["annual_mean_power"]) for row in rows(plan, "pareto.csv")}
+    rigid = [power for (buoy, _), power in powers.items() if buoy == COMPETITOR]
+    assert len(rigid) == 2
+    assert rigid[0] == pytest.approx(rigid[1], rel=1e-9)
+
+
 def test_gain_as_an_objective_is_over_the_rigid_twin(folder):
     plan = planned(folder, "gained", maximise="gain")
     (task,) = (task for task in tasks(plan) if task.stage == "design_start" and task.spec.search.flexible)

@@ -1,13 +1,17 @@
 """What must not change the numbers of a run: limits out of reach, another window, other names."""
 
+import re
+
 import pytest
 import yaml
 from stages.test_body_invariance import barge
 
 import vsb
 from vsb.engine.hydro.database import save_database
+from vsb.stages.side_by_side import lines
 from vsb.study.body import load_body
 from vsb.study.study import parse
+from vsb.tools.words import power
 
 STUDY = {
     "study": "plain",
@@ -39,7 +43,10 @@ def table(tmp_path_factory):
     folder = tmp_path_factory.mktemp("metamorphic")
 
     def found(name, **changes):
-        return vsb.run(parse({**STUDY, "study": name, **changes}), folder).comparison.set_index(["design", "wave"])
+        results = vsb.run(parse({**STUDY, "study": name, **changes}), folder)
+        table = results.comparison.set_index(["design", "wave"])
+        table.attrs["results"] = results
+        return table
 
     return found
 
@@ -47,6 +54,30 @@ def table(tmp_path_factory):
 @pytest.fixture(scope="module")
 def plain(table):
     return table("plain")
+
+
+def test_every_surface_shows_one_power_with_its_interval(plain):
+    """Table, control levels, page, comparison of studies and the words of notebooks, of one buoy without a gain."""
+    results = plain.attrs["results"]
+    ladder = results.ladder.set_index(["design", "wave", "rung"])
+    compared = {(one.design, one.sea, one.tuning): one for one in lines([results.plan])}
+    page = re.sub("<[^>]+>", "", results.report.read_text(encoding="utf-8"))
+    for (design, label), row in plain.iterrows():
+        shown = (row.power_mean, row.power_low, row.power_high)
+        sea = next(wave.family for wave in results.study.waves if wave.label == label)
+        level, line = ladder.loc[design, label, "fixed"], compared[design, sea, "fixed"]
+        assert (level.power_mean, level.low, level.high) == pytest.approx(shown, rel=1e-9)
+        assert (line.power_mean, line.power_low, line.power_high) == pytest.approx(shown, rel=1e-9)
+        assert f"{design} absorbs" in page
+        assert power(*shown) in page
+        best = ladder.loc[design, label, "best_damper"]
+        line = compared[design, sea, "each"]
+        shown = (best.power_mean, best.low, best.high)
+        assert (line.power_mean, line.power_low, line.power_high) == pytest.approx(shown, rel=1e-9)
+        assert power(*shown) in page
+    most = ladder.xs("best_damper", level="rung").power_mean.idxmax()
+    best = ladder.loc[(*most, "best_damper")]
+    assert power(best.power_mean, best.low, best.high) in repr(results)
 
 
 LIMITS = {

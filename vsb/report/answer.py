@@ -1,7 +1,7 @@
 """The answer of a study in sentences: gains with every design at its own optimal damping, and what is not valid."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import xarray as xr
@@ -13,6 +13,8 @@ from vsb.tools.words import SAME, against, multiple, plain, power, the_rigid, wa
 
 Lines = Sequence[dict[str, Any]]
 """Rows of `vsb.results.gains`: gains of designs in seas, optima within limits, or designs that are not valid."""
+MISSING = ("", None)
+"""What a table has where a quantity does not exist."""
 DIGITS = 5
 """Most decimals of an interval [%]."""
 COMPUTED = "Computed although the model does not hold: "
@@ -188,7 +190,8 @@ def tuned_statements(lines: Lines, reference: str | None, seas: dict[str, str]) 
         base = next((line for line in sea if line["design"] == reference), None)
         others = [line for line in sea if line is not base and line["best_gain_percent"] is not None]
         if base is None or not others:
-            parts = [f"{line['design']} absorbs {power(line['best_power'])}" for line in sea]
+            ends = ("best_power", "best_power_low", "best_power_high")
+            parts = [f"{line['design']} absorbs {power(*map(line.get, ends))}" for line in sea]
         else:
             parts = [f"{line['design']} absorbs {_gain(line, base)}" for line in others]
         statements.append(f"In {seas[name]}, each design at its optimal damping: {'; '.join(parts)}.")
@@ -210,8 +213,8 @@ def limited_statements(lines: Lines, reference: str | None, seas: dict[str, str]
         parts = []
         for line in (line for line in lines if line["sea"] == name):
             known = line["gain_percent"] is not None and line["design"] != reference
-            gain = f" ({line['gain_percent']:+z.1f} %)" if known else ""
-            parts.append(f"{line['design']} {line['power']:.4g} W{gain}")
+            ends = () if known else (line["power_low"], line["power_high"])
+            parts.append(f"{line['design']} {power(line['power'], *ends)}{gain_text(line) if known else ''}")
         statements.append(f"In {seas[name]}, no take-off within its limits absorbs more than: {', '.join(parts)}.")
     return statements
 
@@ -267,6 +270,12 @@ def knowledge_text(lines: Lines) -> str:
     noise, forecast = lines[0]["noise"], lines[0]["forecast"]
     ahead = f"the waves {forecast:g} s ahead" if forecast else "no future waves"
     return f"It knows {ahead}, and measures with noise of {10 * math.log10(noise):.0f} dB of the waves' force."
+
+
+def gain_text(line: Mapping[str, Any], gain: str = "gain_percent", ends: tuple[str, str] = ("low", "high")) -> str:
+    """Return a gain in brackets, with its interval if there is one."""
+    interval = interval_text(*(None if line.get(end) in MISSING else float(line[end]) for end in ends))
+    return f" ({float(line[gain]):+z.1f} %{interval and f'; {interval}'})"
 
 
 def _gain(line: dict[str, Any], base: dict[str, Any]) -> str:
@@ -364,8 +373,7 @@ def _most_absorbed(lines: Lines, invalid: Lines) -> str:
     best = max(valid, key=lambda line: float(line["best_power"]), default=None)
     if best is None or best.get("best_power_low") is None:
         return ""
-    (value, low, high), unit = watts([best["best_power"], best["best_power_low"], best["best_power_high"]])
-    interval = f" ({low} to {high})" if low != high else ""
+    value = power(best["best_power"], best["best_power_low"], best["best_power_high"])
     where = f" in {best['sea']}" if len({line["sea"] for line in lines}) > 1 else ""
     verb = "absorbs most," if len({line["design"] for line in lines}) > 1 else "absorbs"
-    return f"{best['design']} {verb} {value}{interval} {unit}{where} at optimal damping; "
+    return f"{best['design']} {verb} {value}{where} at optimal damping; "

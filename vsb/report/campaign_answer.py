@@ -64,14 +64,15 @@ def answer(ds: xr.Dataset, reference: str | None, tuning: str) -> str:
     begins, ends = f"Over a year of {ds.attrs['climate']}", f", {TUNED[tuning]}"
     best = best_flexible(ds, reference, tuning)
     if best is None or not of_shells(ds):
-        power = ds.annual_energy.sel(tuning=tuning)
+        at_tuning, names = ds.sel(tuning=tuning), power_names(ds, tuning)
+        power = at_tuning[names[0]]
         if not bool(power.notnull().any()):
             return f"{begins}, no design is viable."
         if not float(power.max()) > 0:
             return f"{begins}{ends}, no design absorbs power."
-        most = ds.isel({dim: int(at) for dim, at in power.argmax(...).items()})
-        low, high = (short_energy(most[name].sel(tuning=tuning)) for name in POWER_ENDS)
-        value = f"{float(power.max()):.4g} MWh ({low} to {high} with all known errors)"
+        most = at_tuning.isel({dim: int(at) for dim, at in power.argmax(...).items()})
+        value, low, high = (short_energy(most[name]) for name in names)
+        value = f"{value} MWh ({low} to {high} with all known errors)"
         return f"{begins}{ends}, {most.design.item()}{at_point(most)} absorbs most: {value}."
     return f"{begins}{ends}, {_absorbed(ds, reference, tuning, best)}."
 
@@ -101,9 +102,7 @@ def _absorbed(ds: xr.Dataset, reference: str | None, tuning: str, best: tuple[xr
 
 def _energy(one: xr.Dataset, tuning: str) -> float:
     """Annual energy of one design at a tuning, corrected by time-domain runs like its gain [MWh]."""
-    if not is_verified(one, tuning):
-        return float(one.annual_energy)
-    return float(one[in_time(one.attrs["verified_model"], POWER[0])]) * YEAR_HOURS / 1e6
+    return float(one[power_names(one, tuning)[0]]) * YEAR_HOURS / 1e6
 
 
 def second_tuning(ds: xr.Dataset, tuning: str) -> str | None:
@@ -194,9 +193,8 @@ def shown_place(ds: xr.Dataset, tuning: str, reference: str | None) -> dict[str,
     points = [str(dim) for dim in ds.margin.dims]
     if not points:
         return {}
-    gain = (
-        ds.annual_mean_power.sel(tuning=tuning) if reference is None else reported_gain(ds.sel(tuning=tuning), tuning)
-    )
+    of_tuning = ds.sel(tuning=tuning)
+    gain = of_tuning[power_names(ds, tuning)[0]] if reference is None else reported_gain(of_tuning, tuning)
     others = gain if reference is None else gain.where(gain.design != reference)
     best = others.max("design", skipna=True).fillna(-np.inf)
     score = best.where(ds.margin >= 0, best - 1e6)
@@ -207,6 +205,13 @@ def shown_place(ds: xr.Dataset, tuning: str, reference: str | None) -> dict[str,
 def shown_member(ds: xr.Dataset, tuning: str, reference: str | None) -> xr.Dataset:
     """Return the member whose curves are drawn; see `shown_place`."""
     return ds.isel(shown_place(ds, tuning, reference))
+
+
+def power_names(ds: xr.Dataset, tuning: str) -> tuple[str, ...]:
+    """Return the names of the annual mean power reported at one tuning, and of the ends of its interval."""
+    if is_verified(ds, tuning):
+        return tuple(in_time(ds.attrs["verified_model"], name) for name in POWER)
+    return "annual_mean_power", *POWER_ENDS
 
 
 def reported_gain(ds: xr.Dataset, tuning: str) -> xr.DataArray:

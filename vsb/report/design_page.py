@@ -181,7 +181,7 @@ def front_table(facts: Facts, limit: str) -> dict[str, Any]:
 def budget_table(facts: Facts) -> dict[str, Any]:
     """Return what the gain is uncertain by."""
     rows = [
-        [one["name"], f"{one['low']:+.3f}", f"{one['high']:+.3f}", one["kind"], "yes" if one["shared"] else "no"]
+        [one["name"], f"{one['low']:+z.3f}", f"{one['high']:+z.3f}", one["kind"], "yes" if one["shared"] else "no"]
         for one in facts["budget"]
     ]
     return {"head": ["source", "low [points]", "high [points]", "kind", "shared"], "body": rows}

@@ -14,14 +14,15 @@ from vsb.report.answer import (
     COMPUTED,
     ELSEWHERE,
     GIVEN,
+    MISSING,
     NO_OPTIMUM,
     PARTS,
     Answer,
     at_force_table,
     damping_in_words,
     elsewhere_table,
+    gain_text,
     headline,
-    interval_text,
     knowledge_text,
     limited_statements,
     parts_table,
@@ -47,8 +48,6 @@ DETAILS = (
     ("energy_residual", "energy residual [-]", 1.0, ".1e"),
 )
 """Measures of the whole run, start-up included."""
-MISSING = ("", None)
-"""A quantity that does not exist, in a table for people and in data."""
 STILL = "No animation: the coefficients of this body come without its mesh."
 MOST_WARNINGS = 3
 """Failed checks listed at the top of a page."""
@@ -186,10 +185,9 @@ def sea_statements(
         name, most = str(best["design"]), " most" if len(sea) > 1 else ""
         name = the_rigid(name) if name == reference else name
         text = f"{where}, in {seas[wave]}, {name} absorbs{most}: "
-        value = float(best[key])
-        text += f"{plain(1e-3 * value)} kJ from the start" if still else f"{power(value)} on average"
+        text += f"{plain(1e-3 * float(best[key]))} kJ from the start" if still else f"{_absorbed(best)} on average"
         base = next((row for row in sea if row["design"] == reference), None)
-        against = _against(sea, base, key) if base is not None else ""
+        against = _against(sea, base, still=still) if base is not None else ""
         statements.append(f"{text}{against}{shares_text(tuned, wave, unit)}.")
     return statements
 
@@ -202,12 +200,14 @@ def irregular_statements(
     where: str = GIVEN,
     unit: str = FORCE.damping_unit,
 ) -> list[str]:
-    """Return, for each irregular sea, mean power of the sea and its gain with its interval."""
+    """Return, for each irregular sea, mean power of the sea and its gain with its interval; without a gain its own."""
     statements = []
     for name in dict.fromkeys(line["sea"] for line in lines):
         sea = [line for line in lines if line["sea"] == name]
+        gains = [_gain_text(line, reference) for line in sea]
         parts = [
-            f"{line['design']} absorbs {power(float(line['power_mean']))}{_gain_text(line, reference)}" for line in sea
+            f"{line['design']} absorbs {power(float(line['power_mean'])) if gain else _absorbed(line)}{gain}"
+            for line, gain in zip(sea, gains, strict=True)
         ]
         statements.append(f"{where}, in {seas[name]}, {', '.join(parts)}{shares_text(tuned, name, unit)}.")
     return statements
@@ -217,18 +217,24 @@ def _gain_text(line: dict[str, Any], reference: str | None) -> str:
     """Gain over the reference in brackets, with its interval if there is one."""
     if line["design"] == reference or line["gain_percent"] in MISSING:
         return ""
-    known = line["gain_low"] not in MISSING
-    interval = interval_text(float(line["gain_low"]), float(line["gain_high"])) if known else ""
-    return f" ({float(line['gain_percent']):+z.1f} %{interval and f'; {interval}'})"
+    return gain_text(line, ends=("gain_low", "gain_high"))
 
 
-def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], key: str) -> str:
-    """How the other designs stand against the reference in one sea, in brackets."""
-    own = float(base[key])
-    if own <= 0 or len(sea) < 2:
-        return ""
-    gains = (f"{row['design']} {100 * (float(row[key]) / own - 1):+z.1f} %" for row in sea if row is not base)
-    return f" (against {base['design']}: {', '.join(gains)})"
+def _absorbed(row: dict[str, Any]) -> str:
+    """Mean power of a design with its interval, if that is known."""
+    low, high = (None if row[end] in MISSING else float(row[end]) for end in ("power_low", "power_high"))
+    return power(float(row["power_mean"]), low, high)
+
+
+def _against(sea: Sequence[dict[str, Any]], base: dict[str, Any], *, still: bool) -> str:
+    """How the other designs stand against the reference in one sea, in brackets; in still water by their energy."""
+    own, others = float(base["energy"]), [row for row in sea if row is not base]
+    if still:
+        gains = [f"{row['design']} {100 * (float(row['energy']) / own - 1):+z.1f} %" for row in others if own > 0]
+    else:
+        known = [row for row in others if row["power_gain_percent"] not in MISSING]
+        gains = [f"{row['design']}{gain_text(row, 'power_gain_percent')}" for row in known]
+    return f" (against {base['design']}: {', '.join(gains)})" if gains else ""
 
 
 def measures(kind: PortKind, thing: str) -> list[Measure]:

@@ -71,6 +71,8 @@ class Limited(NamedTuple):
     gain_percent: float | None
     low: float | None = None  # interval of the gain by all known sources of error [%]
     high: float | None = None
+    power_low: float | None = None  # likewise of the power [W]
+    power_high: float | None = None
 
 
 class AtForce(NamedTuple):
@@ -142,9 +144,7 @@ def _at_level(
     for design, (damper, power) in means.items():
         if (mean := in_time.get((level, design, sea))) is None:
             more = beyond.get((design, sea), Beyond())
-            own = mean_budget(
-                [Budget.of(one.power_error) for one in levels if (one.design, one.rung) == (design, level)]
-            )
+            own = power_budget(levels, design, level)
             of_gain = gain_budget(levels, design, level) + more.gain
             mean = MeanPower(power, own + more.power.scaled(power) if power > 0 else own, over[design], of_gain)
         found[design] = (damper, mean)
@@ -179,7 +179,8 @@ def within_limits(study: BaseStudy, levels: Sequence[ControlLevel]) -> list[Limi
         over = gains(powers, study.reference_design if study.reference_design in powers else None)
         for design, power in powers.items():
             ends = _interval(over[design], gain_budget(here, design, "constrained"))
-            found.append(Limited(design, sea, power, over[design], *ends))
+            of_power = power_budget(here, design, "constrained").interval(power)
+            found.append(Limited(design, sea, power, over[design], *ends, *of_power))
     return found
 
 
@@ -204,6 +205,11 @@ def gain_budget(levels: Sequence[ControlLevel], design: str, level: str) -> Budg
     """Return the error budget of the gain of a design at a level, realisations together; the reference has none."""
     rows = [one.gain_error for one in levels if one.rung == level and one.design == design]
     return mean_budget([Budget.of(each) for each in rows if each is not None])
+
+
+def power_budget(levels: Sequence[ControlLevel], design: str, level: str) -> Budget:
+    """Return the error budget of the power of a design at a level, realisations together."""
+    return mean_budget([Budget.of(one.power_error) for one in levels if (one.design, one.rung) == (design, level)])
 
 
 def _interval(gain: float | None, errors: Budget) -> tuple[float | None, float | None]:

@@ -368,7 +368,7 @@ class Invalid(NamedTuple):
     name: str  # of the check
     value: float
     limit: float
-    advice: str  # of the check
+    advice: str = ""  # of the check
 
 
 def flexible_designs(study: BaseStudy) -> list[str]:

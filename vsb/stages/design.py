@@ -18,6 +18,7 @@ from vsb.engine.waves.climate import Climate
 from vsb.errors import ConvergenceError
 from vsb.stages.climate import read_climate
 from vsb.stages.stage import stamp
+from vsb.study.design import OF_SHELL
 from vsb.study.specs import DesignFrontSpec, DesignStartSpec, Search
 from vsb.tools.files import load, save
 
@@ -85,11 +86,17 @@ def front(search: Search, climate: Climate, limit: str, values: Sequence[float],
         if begin.values.tobytes() in begun[i]:
             continue
         begun[i].add(begin.values.tobytes())
-        limited = search.model_copy(update={"limits": {**search.limits, limit: values[i]}})
-        found = _best_from(limited, climate, begin, first.degree)
+        found = _best_from(_limited(search, limit, values[i]), climate, begin, first.degree)
         if found and (i not in ends or (found.accepted, found.objective) > (ends[i].accepted, ends[i].objective)):
             ends[i] = found
     return as_dataset(limit, [(values[i], end) for i, end in sorted(ends.items())])
+
+
+def _limited(search: Search, limit: str, value: float) -> Search:
+    """The search under a value of a limit; those of a shell hold no rigid buoy."""
+    if limit in OF_SHELL and not search.flexible:
+        return search
+    return search.model_copy(update={"limits": {**search.limits, limit: value}})
 
 
 def _best_from(search: Search, climate: Climate, begin: Outcome, degree: int | None) -> Outcome | None:

@@ -130,10 +130,19 @@ def gains_within(values: Sequence[tuple[float, float, float]]) -> list[str]:
     return [f"{value:+z.{digits}f} % ({low:+z.{digits}f} to {high:+z.{digits}f} %)" for value, low, high in values]
 
 
-def power(value: float) -> str:
-    """Return a power [W] to four digits with a unit that suits it."""
-    (text,), unit = watts([value])
-    return f"{text} {unit}"
+def power(value: float, low: float | None = None, high: float | None = None) -> str:
+    """Return a power [W] to four digits with a unit that suits it, and with its interval if it has one.
+
+    Examples
+    --------
+    >>> power(74.1), power(1500.0, 1480.0, 1521.0)
+    ('74.1 W', '1.5 (1.48 to 1.521) kW')
+    """
+    if low is None or high is None or low == high:
+        (text,), unit = watts([value])
+        return f"{text} {unit}"
+    (text, *ends), unit = watts([value, low, high])
+    return f"{text} ({ends[0]} to {ends[1]}) {unit}" if ends[0] != ends[1] else f"{text} {unit}"
 
 
 def multiple(gain: float) -> str:
