@@ -52,6 +52,11 @@ def _seconds_side_by_side(some: Collection[Job], cores: int) -> float:
     return costs.WORKFLOW_SECONDS + max(busy, *over.values(), 0.0)
 
 
+def seconds_of_jobs(plan: Plan) -> float:
+    """Return the CPU time of starting jobs [s]: none where one process does all."""
+    return 0.0 if is_faster_here(plan) else costs.WORKFLOW_SECONDS + costs.JOB_SECONDS * len(left(plan))
+
+
 def cost_line(plan: Plan, known: Mapping[str, float]) -> str:
     """Return the line `vsb check` prints of the jobs left and their CPU time.
 
@@ -64,6 +69,5 @@ def cost_line(plan: Plan, known: Mapping[str, float]) -> str:
     some = left(plan)
     better = sum(known[task.makes[0]] - task.seconds for job in some for task in job.tasks if task.makes[0] in known)
     seconds = costs.START_OF_A_PROCESS + sum(_seconds_here(plan, job) for job in some) + better
-    if not is_faster_here(plan):
-        seconds += costs.WORKFLOW_SECONDS + costs.JOB_SECONDS * len(some)
+    seconds += seconds_of_jobs(plan)
     return f"cost         {len(some)} of {len(jobs(plan))} jobs to do: about {costs.plain_seconds(seconds)} on one core"

@@ -135,8 +135,8 @@ def power(value: float, low: float | None = None, high: float | None = None) -> 
 
     Examples
     --------
-    >>> power(74.1), power(1500.0, 1480.0, 1521.0)
-    ('74.1 W', '1.5 (1.48 to 1.521) kW')
+    >>> power(74.1), power(15000.0, 14800.0, 15210.0)
+    ('74.1 W', '15 (14.8 to 15.21) kW')
     """
     if low is None or high is None or low == high:
         (text,), unit = watts([value])
