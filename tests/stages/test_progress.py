@@ -45,7 +45,7 @@ def test_lines_say_what_begins_what_is_done_and_the_time_left(capsys):
     first, *others = capsys.readouterr().err.splitlines()
     assert re.fullmatch(r"seed: 0 of 8 done, about \d+ s left; all frequencies by the spectral solver", first)
     assert others[0] == others[2] == "seed: best so far: 3 kW"
-    assert re.fullmatch(r"seed: 1 of 8 done, about \d+ s left; designs in seas, followed in time FSB-still", others[1])
+    assert re.fullmatch(r"seed: 1 of 8 done, about \d+ s left; designs in seas, simulated in time FSB-still", others[1])
     assert len(others) == 3
 
 

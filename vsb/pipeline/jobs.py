@@ -26,7 +26,7 @@ RULES = {
     "coefficients": "hydro database of a body, solved or read",
     "database": "hydro database and radiation memory",
     "response": "frequency response and control levels",
-    "simulate": "designs in seas, followed in time",
+    "simulate": "designs in seas, simulated in time",
     "results": "tables, figures and report of a study",
     "members": "points of a campaign over the year",
     "verification": "seas of the year in time",

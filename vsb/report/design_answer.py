@@ -90,14 +90,14 @@ def verdict(facts: Facts) -> str:
     """Return whether the gain is one: above all that is known of its errors, runs in time among it."""
     gain, verified = facts["gain"], facts["verified"]
     if gain["low"] <= 0 <= gain["high"]:
-        return "Its interval includes zero: within the errors known neither of the two is better."
+        return "The interval includes zero: within the known errors neither buoy is better."
     word = "more" if gain["value"] > 0 else "less"
     if verified is None:
         return (
-            f"By linear theory the flexible buoy absorbs {word}, by more than the errors known; it has not been "
+            f"By linear theory the flexible buoy absorbs {word}, by more than the known errors; it has not been "
             "confirmed by runs in time (verify: {seas: 48, model: body_exact})."
         )
-    return f"The flexible buoy absorbs {word}, by more than the errors known, {verified['runs']} among them."
+    return f"The flexible buoy absorbs {word}, by more than the known errors, those of {verified['runs']} among them."
 
 
 def in_time(facts: Facts) -> list[str]:
@@ -105,10 +105,7 @@ def in_time(facts: Facts) -> list[str]:
     if (runs := facts["verified"]) is None:
         return []
     interval = f"{runs['low']:+z.2f} to {runs['high']:+z.2f} %"
-    return [
-        f"In the same seas both buoys, as they are, were followed in time ({runs['runs']}): {runs['value']:+z.2f} % "
-        f"({interval})."
-    ]
+    return [f"Both buoys simulated in time in the same seas ({runs['runs']}): {runs['value']:+z.2f} % ({interval})."]
 
 
 def size_or_flexibility(facts: Facts) -> list[str]:
@@ -149,16 +146,16 @@ def where_it_gains(limit: str, points: Sequence[Mapping[str, Any]]) -> str:
     values = [with_unit(one["limit"], unit_of(limit)) for one in points]
     count = sum(gains)
     if not count:
-        return f"Flexibility gains at no limit of the {in_full(limit)} by more than the errors known"
+        return f"Flexibility gains at no limit of the {in_full(limit)} by more than the known errors"
     if count == len(points):
-        return f"Flexibility gains at all limits of the {in_full(limit)} by more than the errors known"
+        return f"Flexibility gains at all limits of the {in_full(limit)} by more than the known errors"
     if all(gains[:count]):
         where = f"{values[count - 1]} or less"
     elif all(gains[-count:]):
         where = f"{values[-count]} or more"
     else:
         where = " and ".join(value for value, gain in zip(values, gains, strict=True) if gain)
-    return f"Flexibility gains by more than the errors known with the {in_full(limit)} limited to {where}"
+    return f"Flexibility gains by more than the known errors with the {in_full(limit)} limited to {where}"
 
 
 def limited(facts: Facts) -> list[str]:

@@ -62,7 +62,9 @@ def warnings(facts: Facts) -> list[str]:
     """Return what makes the answer doubtful."""
     found = [f"{note}." for note in facts["notes"]]
     if facts["verified"] is None:
-        found.append("All results are linear theory; its own error is not in the interval (verify would say it).")
+        found.append(
+            "All results are linear theory; its own error is not in the interval; verify in the file estimates it."
+        )
     found += [f"Not in the interval: {name}." for name in facts["unknown"]]
     for name in (FLEXIBLE, COMPETITOR):
         one = facts["found"][name]
@@ -78,11 +80,12 @@ def warnings(facts: Facts) -> list[str]:
             found.append(
                 f"The {name} does not come back once it is {held:.3g} m from its rest in still water, "
                 f"{held / stroke:.2g} times its rms stroke: its spring is below zero and then stronger than the water. "
-                "Linear theory does not know this; a greater pto.stiffness prevents it, verify shows it."
+                "Linear theory does not contain this; a greater pto.stiffness prevents it, verify shows it in time."
             )
     if facts["doubted"]:
         found.append(
-            f"The best flexible buoy is {facts['doubted'].removeprefix('doubtful: ')}, where its law is doubted."
+            f"The best flexible buoy is {facts['doubted'].removeprefix('doubtful: ')}, where its material's law is "
+            "doubtful."
         )
     return found
 
@@ -133,7 +136,7 @@ def limits_table(facts: Facts) -> dict[str, Any]:
             cells = [limit, "-", "-", "-", *["-"] * len(built)]
             cells[2 if name == FLEXIBLE else 3] = worth(facts, limit, multiplier).partition("(")[2].rstrip(")")
             rows.append(cells)
-    head = ["limit", "value", f"{FLEXIBLE}: wider brings", f"{COMPETITOR}: wider brings"]
+    head = ["limit", "value", f"{FLEXIBLE}: gain if wider", f"{COMPETITOR}: gain if wider"]
     return {"head": [*head, *(f"{name}: holds as built" for name in built)], "body": rows}
 
 
