@@ -68,6 +68,10 @@ def _with_axes(figure: Figure, ax: Axes, omega: FloatArray, densities: FloatArra
     return figure
 
 
+MOST_NAMED = 24
+"""Degrees of freedom the legend of added mass names."""
+
+
 def added_mass_damping(data: StudyData) -> Figure:
     """Draw the diagonal of added mass and radiation damping; dashed: added mass at infinite frequency."""
     database = data.database
@@ -79,7 +83,7 @@ def added_mass_damping(data: StudyData) -> Figure:
         own = {"influenced_dof": label, "radiating_dof": label}
         if not database.added_mass.sel(own).any():  # pitch about a sphere's centre moves no water
             continue
-        line = {"color": "black" if i == 0 else colours(i - 1), "label": label}
+        line = {"color": "black" if i == 0 else colours(i - 1), "label": label if i < MOST_NAMED else f"_{label}"}
         if i == 0:  # above a mode that moves the same water, which is seen between its dots
             line |= {"linestyle": (0, (1, 1.5)), "linewidth": 2.2, "zorder": 3}
         top.plot(database.omega, database.added_mass.sel(own), **line)

@@ -14,10 +14,15 @@ from vsb.engine.shell.orders import goes_with_sine
 from vsb.report.canvas import StudyData, folded, grid_of_axes, panels
 from vsb.tools.arrays import FloatArray
 
+MOST_SHAPES = 24
+"""Shell modes that are drawn, the lowest degrees first."""
+
 
 def mode_shapes(data: StudyData) -> Figure:
-    """Draw the undeformed circle and each deformed meridian, the paper's Fig. 4."""
-    modes, columns = data.modes, 4
+    """Draw the undeformed circle and each deformed meridian, the paper's Fig. 4; of many modes the lowest degrees."""
+    modes, columns, total = data.modes, 4, data.modes.sizes["mode"]
+    if total > MOST_SHAPES:
+        modes = modes.isel(mode=np.argsort(modes.degree.values, kind="stable")[:MOST_SHAPES])
     count = modes.sizes["mode"]
     rows = max(1, math.ceil(count / columns))
     figure, axes = grid_of_axes(0.4 + 1.75 * rows, rows, columns)
@@ -36,7 +41,8 @@ def mode_shapes(data: StudyData) -> Figure:
         ax.plot(*_closed(*2 * [_half(1.0, phi, *rest)]), color="black", linewidth=0.8)
         ax.plot(*_closed(*halves), color="#D55E00")
         ax.set_title(f"{mode}\n{float(shape.dry_frequency):.2f} rad/s dry", fontsize=8)
-    title = "Shell modes (black: undeformed)" if count else "A rigid study has no shell modes"
+    some = f"{count} of {total} shell modes" if count < total else "Shell modes"
+    title = f"{some} (black: undeformed)" if count else "A rigid study has no shell modes"
     figure.suptitle(title, fontsize=9)
     return figure
 
