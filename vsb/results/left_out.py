@@ -11,7 +11,15 @@ from vsb.engine.waves.kinds import Wave
 from vsb.engine.waves.seas import Sea
 from vsb.models.floating_system import AnyBody, Floating
 from vsb.models.further_modes import by_all_modes, reach_of_modes
-from vsb.models.mode_convergence import SAMPLED, ModeConvergence, directed, mean_sea, motion_of_port, take_offs
+from vsb.models.mode_convergence import (
+    SAMPLED,
+    SOLVED_EACH,
+    ModeConvergence,
+    directed,
+    mean_sea,
+    motion_of_port,
+    take_offs,
+)
 from vsb.models.ports import BuoyOfShape
 from vsb.models.rest import loaded_at_ring
 from vsb.models.ring_loads import has_attachment_modes
@@ -20,6 +28,8 @@ from vsb.study.specs import BuoySystem
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
 
+SCATTER = 2.0
+"""Of powers of two degrees that do not share their water, over the tolerance of each [-]."""
 ENDS = ("low", "high")
 """Of a range about zero: the value with all modes less the one computed."""
 
@@ -103,7 +113,10 @@ def _left_out(convergence: ModeConvergence) -> LeftOut:
     own = study.modes.basis == "full" and study.modes.max_degree == convergence.enough < convergence.finer
     before = finer[0] if own else convergence.powers(study.modes, convergence.finer)
     at_ring = np.array([loaded_at_ring(study, design) for design in study.designs])
-    expected = expected_change(study, convergence.enough) * before * at_ring[:, None, None]
+    share = expected_change(study, convergence.enough) * at_ring
+    if study.at_equilibrium:  # each degree has its own water
+        share = np.maximum(share, SCATTER * SOLVED_EACH)
+    expected = share[:, None, None] * before
     alone = not has_attachment_modes(study) or motion_of_port(study) != "heave"
     far = np.array([reach_of_modes(study, one, convergence.finer) if alone else 1.0 for one in study.designs])
     reach = SAMPLED + far[:, None, None]
