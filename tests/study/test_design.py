@@ -154,6 +154,10 @@ def test_what_to_know_before_solving(folder):
         ({"uncertain": {"device.internal_pressure": 0.1}}, "uncertain.device.internal_pressure: seed.yaml has no"),
         ({"climate": {"spectra": "absent.txt"}}, r"design.yaml:\d+: climate: received absent.txt, which cannot be read"),
         ({"starts": 0}, "starts: received 0"),
+        ({"tuning": "each"}, "tuning: received 'each'"),
+        ({"tuning": "causal"}, r"design.yaml:\d+: limits: received no force_rms; tuning causal needs it"),
+        ({"tuning": "causal", "limits": {"force_rms": 1e4}, "variables": {"pto.damping": [1e3, 1e5]}}, "variables.pto.damping: received with tuning causal, whose controller is the whole force"),
+        ({"tuning": "causal", "limits": {"force_rms": 1e4}, "verify": {"seas": 8}}, "verify: received with tuning causal; runs in time of designs need one damper"),
         ({"study": "absent.yaml"}, "absent.yaml: cannot be read"),
     ],
 )  # fmt: skip

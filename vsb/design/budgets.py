@@ -15,11 +15,11 @@ import numpy as np
 from scipy.integrate import quad
 
 from vsb.design.compared import Buoy, gain
-from vsb.design.evaluation import DAMPER, RESOLVED, DesignModel
-from vsb.design.linearised import linearised
+from vsb.design.controlled import ControlledYear
+from vsb.design.evaluation import RESOLVED, DesignModel
 from vsb.design.margins import depends
 from vsb.design.problem import POWER
-from vsb.design.year import PortYear, band
+from vsb.design.year import band
 from vsb.engine.shell.meridian import also_through
 from vsb.engine.waves.climate import Climate
 from vsb.engine.waves.dispersion import power_limit
@@ -73,7 +73,7 @@ def power_parts(buoy: Buoy, climate: Climate, uncertain: Sequence[str] = (), *, 
     """
     built, keys = buoy.with_damper(), [key for key in uncertain if depends(buoy.study, key)]
     model = built.model(climate, keys)
-    finer = replace(model, variables=(DAMPER,)).finer
+    finer = replace(model, variables=model.variables[len(keys) :]).finer
     slopes = dict.fromkeys(uncertain, 0.0)
     if keys:
         found = model.at(model.point)[POWER]
@@ -118,7 +118,7 @@ def _unsolved(study: Study, climate: Climate) -> float:
 
 
 def power_of_seas(buoy: Buoy, model: DesignModel, climate: Climate) -> FloatArray:
-    """Return the mean power of a buoy in each sea under its damper of the year, shape (sea,) [W].
+    """Return the mean power of a buoy in each sea under its take-off of the year, shape (sea,) [W].
 
     The mean over the bands of the climate of c w^2 |u|^2, times the variance of each sea in them.
 
@@ -127,15 +127,17 @@ def power_of_seas(buoy: Buoy, model: DesignModel, climate: Climate) -> FloatArra
     model : DesignModel
         Of the buoy over the climate: its nodes and frequencies are used.
     """
-    matrices = linearised(buoy.resting, buoy.design, [], model.grid.solved, model.nodes)
-    port, damper = PortYear.of(model.grid, *matrices, buoy.study.pto.stiffness), buoy.quantities["damping"]
-    omega = model.grid.omega
-    moved = port.motion / (1 - 1j * omega * damper * port.receptance)
-    absorbed = damper * omega**2 * np.abs(moved) ** 2 * model.grid.variance
-    at = np.searchsorted(climate.edges, omega, side="right") - 1
-    of_band = np.bincount(at, absorbed, minlength=len(climate.omega))
+    port, lost = buoy.port_year(model), 0.0
+    if buoy.control:
+        controlled = ControlledYear(port, buoy.control, buoy.study.pto.control)
+        omega, (absorbed, lost) = controlled.port.omega, controlled.absorbed
+    else:
+        omega, damper = model.grid.omega, buoy.quantities["damping"]
+        moved = port.motion / (1 - 1j * omega * damper * port.receptance)
+        absorbed = damper * omega**2 * np.abs(moved) ** 2 * model.grid.variance
+    of_band = np.histogram(omega, climate.edges, weights=absorbed)[0]
     mean = climate.mean_density
-    return np.asarray(climate.density @ np.divide(of_band, mean, out=np.zeros_like(mean), where=mean > 0))
+    return np.asarray(climate.density @ np.divide(of_band, mean, out=np.zeros_like(mean), where=mean > 0) - lost)
 
 
 def drawn_years(power: FloatArray, hours: FloatArray, seed: int = 1) -> FloatArray:

@@ -13,10 +13,13 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from vsb.design.evaluation import DAMPER, DesignModel
+from vsb.design.linearised import linearised
 from vsb.design.optimise import FURTHER, left_out, optimised
 from vsb.design.problem import IMPOSSIBLE, POWER, Problem
 from vsb.design.resting import RestingBuoy
-from vsb.design.searched import Outcome, searching, study_of, with_rest
+from vsb.design.searched import Outcome, control_of, searching, study_of, with_rest
+from vsb.design.year import PortYear
+from vsb.engine.motion.causal import RmsLimits
 from vsb.engine.waves.climate import Climate
 from vsb.study.sections import DEGREES
 from vsb.study.specs import DesignSpec, Search
@@ -40,6 +43,7 @@ class Buoy:
     degree: int | None
     quantities: Mapping[str, float]
     truncation: tuple[float, float] | None = (0.0, 0.0)  # of its power, as `Outcome.truncation`; none of a rigid sphere
+    control: RmsLimits | None = None  # limits of its causal control; none: a damper
 
     @property
     def power(self) -> float:
@@ -65,19 +69,30 @@ class Buoy:
 
     def model(self, climate: Climate, variables: Sequence[str] = ()) -> DesignModel:
         """Return its model in some variables and its damper."""
-        return DesignModel.of(self.study, self.design, climate, [*variables, DAMPER], self.degree)
+        keys = variables if self.control else [*variables, DAMPER]
+        return DesignModel.of(self.study, self.design, climate, keys, self.degree, self.control)
+
+    def port_year(self, model: DesignModel) -> PortYear:
+        """Return its port over the year, with the nodes and frequencies of its model."""
+        matrices = linearised(self.resting, self.design, [], model.grid.solved, model.nodes)
+        return PortYear.of(model.grid, *matrices, self.study.pto.stiffness)
 
     def with_damper(self) -> "Buoy":
-        """Return the same with the damper it has been found with given."""
-        pto = self.study.pto.model_copy(update={"damping": self.quantities["damping"], "tuning": "fixed"})
-        return replace(self, study=self.study.model_copy(update={"pto": pto}))
+        """Return the same with the damper it has been found with given; with causal control, with its limit of force.
+
+        A study reads that as the rms force of its control level `causal`.
+        """
+        given: dict[str, object] = {"damping": self.quantities.get("damping"), "tuning": "fixed"}
+        if self.control:
+            given = {"damping": None, "tuning": "each", "force_limit": self.control.force}
+        return replace(self, study=self.study.model_copy(update={"pto": self.study.pto.model_copy(update=given)}))
 
 
 def buoy_of(name: str, search: Search, found: Outcome) -> Buoy:
     """Return the buoy a search has found."""
     truncation = (0.0, 0.0) if found.degree is None else found.truncation
     study = study_of(search, found.degree, found.point)
-    return Buoy(name, study, search.design, found.degree, found.quantities, truncation)
+    return Buoy(name, study, search.design, found.degree, found.quantities, truncation, control_of(search))
 
 
 def twin(spec: DesignSpec, climate: Climate, found: Outcome) -> Buoy | None:
@@ -100,7 +115,7 @@ def _with_take_off(name: str, search: Search, climate: Climate, found: Outcome) 
         study = study_of(search, found.degree, point)
         keys = [one.key for one in free]
         model = searching(search, study, climate, keys, found.degree)
-        limits = {key: value for key, value in search.limits.items() if key in OF_TAKE_OFF}
+        limits = {key: value for key, value in search.kept.items() if key in OF_TAKE_OFF}
         problem = Problem(model, free, POWER, with_rest(limits, free))
         place = problem.place([found.point[key] for key in keys])
         end = optimised(problem, problem.at(place))
@@ -110,7 +125,7 @@ def _with_take_off(name: str, search: Search, climate: Climate, found: Outcome) 
     except IMPOSSIBLE:
         return None
     shape_error = _by_rest_shape(model, end.point.values, quantities[POWER])
-    return Buoy(name, study, search.design, found.degree, quantities, shape_error)
+    return Buoy(name, study, search.design, found.degree, quantities, shape_error, model.control)
 
 
 def _by_rest_shape(model: DesignModel, values: FloatArray, power: float) -> tuple[float, float] | None:

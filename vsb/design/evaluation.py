@@ -6,11 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
+from vsb.design.controlled import ControlGrid, ControlledYear, controlled_band
 from vsb.design.limits import hull, inverse_load_factors, static_strain
 from vsb.design.linearised import Angle, Linearised, displacements, linearised, of_all
 from vsb.design.resting import RestingBuoy, Stepped, value_of, with_values
 from vsb.design.year import FrequencyGrid, PortYear, band, chebyshev, interpolation
 from vsb.engine.hydro.spectral.solver import SpectralProblem, largest_error
+from vsb.engine.motion.causal import KEPT, RmsLimits
 from vsb.engine.shell.deformed import DeformedShell
 from vsb.engine.shell.modes import rigid_basis
 from vsb.engine.waves.climate import Climate
@@ -66,10 +68,16 @@ class Evaluation:
     """What a design does and needs, by name: see `DesignModel.at`."""
 
     quantities: Mapping[str, Quantity]
+    worth: Mapping[str, float] = field(default_factory=dict)  # relative gain of power per widening of a control's limit
 
     def __getitem__(self, name: str) -> Quantity:
         """Return a quantity by name."""
         return self.quantities[name]
+
+    @property
+    def damping(self) -> float | None:
+        """The damper [N s/m]; None under causal control."""
+        return self["damping"].value if "damping" in self.quantities else None
 
 
 @dataclass(frozen=True)
@@ -90,12 +98,21 @@ class DesignModel:
     grid: FrequencyGrid
     beyond: bool = False
     cost: Mapping[str, float] = field(default_factory=dict)  # prices by the quantity they are of
+    control: RmsLimits | None = None  # limits of causal control; none: a damper
 
     @classmethod
     def of(
-        cls, study: Study, design: str, climate: Climate, variables: Sequence[str], degree: int | None = None
+        cls,
+        study: Study,
+        design: str,
+        climate: Climate,
+        variables: Sequence[str],
+        degree: int | None = None,
+        control: RmsLimits | None = None,
     ) -> "DesignModel":
         """Return the model of a design; the degree is that of the study if not given.
+
+        With limits of rms force and displacement its take-off is the optimal causal control within them.
 
         Raises
         ------
@@ -121,15 +138,27 @@ class DesignModel:
             raise ConfigError(f"modes.basis: received {study.modes.basis!r}; derivatives of designs need full")
         if degree is None:
             degree = study.modes.max_degree if study.flexible else 1
-        nodes, solves = _resolution(study, band(climate, study.hydro.omega_max), degree)
-        grid = FrequencyGrid.of(climate, study.hydro.omega_max, solves, POINTS)
-        return cls(study, design, climate, tuple(variables), degree, nodes, grid)
+        if control and (given := next((key for key in (DAMPER, SPRING) if key in variables), None)):
+            raise ConfigError(f"variables: received {given}; causal control is the whole force of the take-off")
+        if control and study.pto.stiffness:
+            raise ConfigError(f"pto.stiffness: received {study.pto.stiffness:g}; causal control is the whole force")
+        high = study.hydro.omega_max
+        nodes, solves = _resolution(study, (controlled_band if control else band)(climate, high), degree)
+        grid = (
+            ControlGrid.of_control(climate, high, solves)
+            if control
+            else FrequencyGrid.of(climate, high, solves, POINTS)
+        )
+        return cls(study, design, climate, tuple(variables), degree, nodes, grid, control=control)
 
     @property
     def finer(self) -> "DesignModel":
         """The same by half again as many nodes, frequencies solved and twice the points: for the numerical error."""
-        high = self.study.hydro.omega_max
-        grid = FrequencyGrid.of(self.climate, high, 3 * len(self.grid.solved) // 2, 2 * POINTS)
+        high, solves = self.study.hydro.omega_max, 3 * len(self.grid.solved) // 2
+        if self.control:
+            grid: FrequencyGrid = ControlGrid.of_control(self.climate, high, solves, finer=2)
+        else:
+            grid = FrequencyGrid.of(self.climate, high, solves, 2 * POINTS)
         return replace(self, nodes=3 * self.nodes // 2, grid=grid)
 
     @cached_property
@@ -172,7 +201,8 @@ class DesignModel:
         -------
         Evaluation
             `annual_mean_power` [W] under one damper all year, the optimal one unless it is a variable; `damping`, that
-            damper [N s/m]; root mean squares of the take-off's `force_rms` [N] and `stroke_rms` [m]; `beam` and `draft`
+            damper [N s/m]; or, without `damping`, under one causal controller; root mean squares of the take-off's
+            `force_rms` [N] and `stroke_rms` [m]; `beam` and `draft`
             of the hull at rest [m], its `surface` [m^2] and `volume` [m^3]; `mass` [kg]. Where heave moves the port
             `spring_pull_above` and `_below`, the force of a spring below zero at the rms stroke over the most by which
             the water brings the buoy back from above and from below [-]; `spring_share`, the stiffness of a spring
@@ -197,8 +227,8 @@ class DesignModel:
         steps = [*stepped, *(angles[self.variables[i]] for i in turned)]
         linear, change = linearised(buoy, self.design, steps, self.grid.solved, self.nodes)
         _check_stable(linear, 0.0 if self.beyond else study.pto.stiffness, self.design)
-        found = self._year(study, linear, change, of_device + turned)
-        found |= self._at_rest(buoy, of_device, stepped)
+        year = self._year(study, linear, change, of_device + turned)
+        found = {**year.quantities, **self._at_rest(buoy, of_device, stepped)}
         if study.pto.moved_by_heave:
             found |= self._spring_pulls(study, found)
         if self.cost:
@@ -206,7 +236,7 @@ class DesignModel:
                 sum(price * found[of].value for of, price in self.cost.items()),
                 np.sum([price * found[of].gradient for of, price in self.cost.items()], axis=0),
             )
-        return Evaluation(found)
+        return Evaluation(found, year.worth)
 
     def _stepped(self, buoy: RestingBuoy) -> tuple[list[int], list[Stepped]]:
         """Places of the variables of the device, and the buoy with a step of each."""
@@ -236,14 +266,21 @@ class DesignModel:
         force = Quantity(0.0 - k * stroke.value, -k * stroke.gradient - k_change * stroke.value)
         return {"spring_pull_above": force / weight, "spring_pull_below": force / left}
 
-    def _year(self, study: Study, buoy: Linearised, change: Linearised, places: Sequence[int]) -> dict[str, Quantity]:
+    def _year(self, study: Study, buoy: Linearised, change: Linearised, places: Sequence[int]) -> Evaluation:
         """Power, damper, force and stroke over the year; derivatives of matrices are by the variables at `places`."""
         count, k = len(self.variables), study.pto.stiffness
         parts = {part.name: of_all(getattr(change, part.name), places, count) for part in fields(change)}
         is_damper, k_change = (np.array([float(key == name) for key in self.variables]) for name in (DAMPER, SPRING))
         parts["stiffness"] = parts["stiffness"] + k_change[:, None, None] * np.outer(buoy.port, buoy.port)
         port = PortYear.of(self.grid, buoy, Linearised(**parts), k)
-        if is_damper.any():
+        steadiness = {"spring_share": _spring_share(k, k_change, buoy, Linearised(**parts))}
+        controlled = ControlledYear(port, self.control, study.pto.control) if self.control else None
+        if controlled and controlled.damper is None:
+            found = _controlled(controlled)
+            return replace(found, quantities={**found.quantities, **steadiness})
+        if controlled and controlled.damper:
+            c, c_change, *_ = controlled.damper
+        elif is_damper.any():
             c, c_change = study.pto.damper(self.design) or 0.0, is_damper
         else:
             c = port.optimal_damping
@@ -252,13 +289,14 @@ class DesignModel:
         stroke, stroke_change = port.mean_square(c, np.ones_like(self.grid.omega), c_change)
         force = np.sqrt(c**2 * speed + k**2 * stroke)
         half = c**2 * speed_change / 2 + c * c_change * speed + k**2 * stroke_change / 2 + k * k_change * stroke
-        return {
+        quantities = {
             "annual_mean_power": Quantity(c * speed, c * speed_change + c_change * speed),
-            "damping": Quantity(c, c_change),
+            **({} if controlled else {"damping": Quantity(c, c_change)}),
             "force_rms": Quantity(float(force), half / force),
             "stroke_rms": Quantity(float(np.sqrt(stroke)), stroke_change / (2 * np.sqrt(stroke))),
-            "spring_share": _spring_share(k, k_change, buoy, Linearised(**parts)),
         }
+        worth = {"force_rms": controlled.damper.worth} if controlled and controlled.damper else {}
+        return Evaluation(quantities | steadiness, worth)
 
 
 @dataclass(frozen=True)
@@ -275,6 +313,21 @@ class AtRest:
         except ConvergenceError:
             buoy = RestingBuoy.of(study.model_copy(update={"reference_shape": "undeformed"}), self.model.degree)
         return Evaluation(self.model._at_rest(buoy, *self.model._stepped(buoy)))
+
+
+def _controlled(year: ControlledYear) -> Evaluation:
+    """Power, force and stroke under causal control, and what a wider limit of either is worth."""
+    found, slopes, limits = year.found, year.slopes, year.limits
+    quantities, worth = {"annual_mean_power": Quantity(found.power, slopes.power)}, {}
+    for name, limit, rms, change, weight in (
+        ("force_rms", limits.force, found.force_rms, slopes.force, found.weights.force),
+        ("stroke_rms", limits.stroke, found.stroke_rms, slopes.stroke, found.weights.stroke),
+    ):
+        binds = rms > limit * (1 - KEPT)
+        quantities[name] = Quantity(limit if binds else rms, change / (2 * rms))
+        if binds:
+            worth[name] = 2 * weight * limit**2 / found.power
+    return Evaluation(quantities, worth)
 
 
 def _spring_share(k: float, k_change: FloatArray, buoy: Linearised, change: Linearised) -> Quantity:

@@ -46,11 +46,11 @@ def depends(study: Study, key: str) -> bool:
 
 
 def spread(
-    model: DesignModel, study: Study, damping: float, limits: Mapping[str, float], shares: Mapping[str, float]
+    model: DesignModel, study: Study, damping: float | None, limits: Mapping[str, float], shares: Mapping[str, float]
 ) -> FloatArray:
     """Return what one standard deviation of each uncertain input changes excesses over limits, shape (part, input).
 
-    The buoy keeps the damper it was designed with.
+    The buoy keeps the damper it was designed with; a causal controller is that of the buoy as built.
 
     Parameters
     ----------
@@ -58,14 +58,15 @@ def spread(
         Whose nodes and frequencies are used.
     study : Study
         The buoy.
-    damping : float
-        Its damper [N s/m].
+    damping : float, optional
+        Its damper [N s/m]; none under causal control.
     limits, shares : mapping
         Limits, and relative standard deviations of inputs.
     """
     keys = [key for key in shares if depends(study, key)]
-    pto = study.pto.model_copy(update={"damping": damping, "tuning": "fixed"})
-    built = replace(model, study=study.model_copy(update={"pto": pto}), variables=(*keys, DAMPER))
+    if damping is not None:
+        study = study.model_copy(update={"pto": study.pto.model_copy(update={"damping": damping, "tuning": "fixed"})})
+    built = replace(model, study=study, variables=tuple(keys) if damping is None else (*keys, DAMPER))
     terms = excesses(built.at(built.point), limits)
     sizes = np.array([shares[key] * value for key, value in zip(keys, built.point, strict=False)])
     return np.array([one.gradient[: len(keys)] * sizes for one in terms]).reshape(len(terms), len(keys))

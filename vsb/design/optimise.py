@@ -134,6 +134,10 @@ def optimised(problem: Problem, start: Point, seen: Progress | None = None) -> O
     return best
 
 
+OF_POWER = (POWER, "power_per_mass", "power_per_surface")
+"""Objectives that gain by a wider limit of a causal controller what the power does."""
+
+
 class _Close(Exception):
     """Ends a run of the optimiser: its steps have become small."""
 
@@ -222,6 +226,8 @@ def _certified(problem: Problem, point: Point, found: Multipliers, curved: Curva
     kkt = found.kkt * max(abs(point.objective), SMALLEST) / problem.scale
     named = {name: float(value) for name, value in zip(problem.limit_names, found.limits, strict=True) if value > 0}
     named |= {name: float(value) for name, value in bound_names(found, keys).items()}
+    if problem.maximise in OF_POWER:
+        named |= point.evaluation.worth
     saddle = curved is not None and curved.saddle
     accepted = kkt <= KKT and point.violation <= VIOLATION and not saddle
     worst = problem.limit_names[int(point.excess.argmax())] if point.excess.size else ""

@@ -16,12 +16,13 @@ from vsb.design.margins import spread
 from vsb.design.optimise import FURTHER, Converged, Finer, Optimum, Progress, converged, finer, start_places
 from vsb.design.problem import IMPOSSIBLE, Point, Problem
 from vsb.design.resting import with_values
+from vsb.engine.motion.causal import RmsLimits
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConvergenceError
 from vsb.models.further_modes import reach_of_modes
-from vsb.study.campaign import study_at
+from vsb.study.campaign import CAUSAL, study_at
 from vsb.study.degree import expected_change
-from vsb.study.design import Variable
+from vsb.study.design import CONTROLLED, Variable
 from vsb.study.feasible import shares
 from vsb.study.specs import Search
 from vsb.study.study import Study
@@ -46,7 +47,7 @@ def problem_of(search: Search, climate: Climate, degree: int | None) -> Problem:
         model=model,
         variables=search.variables,
         maximise=search.maximise,
-        limits=with_rest(search.limits, search.variables),
+        limits=with_rest(search.kept, search.variables),
         shares=shares_of(study, keys),
         twin=twin,
         resting=AtRest(model),
@@ -72,8 +73,15 @@ def searching(
     design: str | None = None,
 ) -> DesignModel:
     """Return a model for a search, which looks beyond what bounds a buoy, and knows its cost; of its design if none."""
-    model = DesignModel.of(study, design or search.design, climate, keys, degree)
+    model = DesignModel.of(study, design or search.design, climate, keys, degree, control_of(search))
     return replace(model, beyond=True, cost=search.cost)
+
+
+def control_of(search: Search) -> RmsLimits | None:
+    """Return the limits of causal control; none of a damper."""
+    if search.tuning != CAUSAL:
+        return None
+    return RmsLimits(*(search.limits.get(name, np.inf) for name in CONTROLLED))
 
 
 def shares_of(study: Study, keys: Sequence[str]) -> Callable[[FloatArray], Mapping[str, float]] | None:
@@ -153,7 +161,7 @@ def _deviations(search: Search, problem: Problem, point: Point) -> FloatArray:
     scatter = spread(
         problem.model,
         problem.model.study_at([float(value) for value in point.values]),
-        point.evaluation["damping"].value,
+        point.evaluation.damping,
         problem.limits,
         search.uncertain,
     )

@@ -9,8 +9,10 @@ l is also the adjoint state: du_0 = l^T (dX - dD q), dy = -l^T dD l. With the ye
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from vsb.design.linearised import Linearised
 from vsb.engine.hydro.spectral.meridian import unit_rule
@@ -76,9 +78,29 @@ class FrequencyGrid:
         return cls(chebyshev(low, high, solves), omega.ravel()[used], variance.ravel()[used])
 
     @cached_property
+    def known(self) -> FloatArray:
+        """Frequencies whose coefficients stand for those at the frequencies of the year, shape (omega,) [rad/s]."""
+        return self.omega
+
+    @cached_property
     def interpolation(self) -> FloatArray:
         """Values at the frequencies of the year per value at those solved, shape (omega, solved) [-]; barycentric."""
-        return interpolation(self.solved, self.omega)
+        return interpolation(self.solved, self.known)
+
+    def radiation(self, solved: ComplexArray) -> ComplexArray:
+        """Return A + iB/w at the frequencies of the year from A + iB/w at those solved (solved, motion, motion)."""
+        found = np.tensordot(self.interpolation, solved, 1)
+        return np.asarray(found.real + 1j * (self.known / self.omega)[:, None, None] * found.imag)
+
+
+class Damper(NamedTuple):
+    """The best damper of a given rms force at most."""
+
+    damping: float  # [N s/m]
+    change: FloatArray  # derivatives by the variables (variable,)
+    power: float  # [W]
+    stroke: float  # rms [m]
+    worth: float  # relative gain of power per relative widening of the limit of force [-]
 
 
 @dataclass(frozen=True)
@@ -96,10 +118,9 @@ class PortYear:
         """Return the port of a buoy beside a spring [N/m] and its derivatives."""
         w, between, b = grid.omega, grid.interpolation, buoy.port
         count, free = change.port.shape
-        radiation = (between @ buoy.radiation.reshape(-1, free**2)).reshape(-1, free, free)
         excitation, along_port = between @ buoy.excitation, np.outer(b, b)
         dynamic = (
-            -(w**2)[:, None, None] * (buoy.mass + radiation)
+            -(w**2)[:, None, None] * (buoy.mass + grid.radiation(buoy.radiation))
             - 1j * w[:, None, None] * buoy.damping
             + buoy.stiffness
             + spring * along_port
@@ -115,8 +136,12 @@ class PortYear:
             mass, damping, stiffness = (
                 values.reshape(count, free**2) @ pairs for values in (change.mass, change.damping, stiffness_change)
             )
-            radiated = (change.radiation.reshape(-1, free**2) @ pairs).reshape(count, len(grid.solved), len(w))
-            return np.asarray(-(w**2) * (mass + (radiated * between.T).sum(axis=1)) - 1j * w * damping + stiffness)
+            added, damped = (
+                ((part.reshape(-1, free**2) @ pairs).reshape(count, len(grid.solved), len(w)) * between.T).sum(axis=1)
+                for part in (change.radiation.real, change.radiation.imag)
+            )
+            radiated = added + 1j * grid.known / w * damped
+            return np.asarray(-(w**2) * (mass + radiated) - 1j * w * damping + stiffness)
 
         forced = (between @ change.excitation * under).sum(axis=-1)
         return cls(
@@ -154,6 +179,28 @@ class PortYear:
         """Return the derivatives of the optimal damper, -(d2P/dc dx)/(d2P/dc2), shape (variable,)."""
         _, bend, change = self._optimality(c)
         return -change / bend
+
+    def damper_within(self, force: float) -> "Damper":
+        """Return the damper that absorbs most with a force of a given rms at most [N].
+
+        Its force^2 = int w^2 S |u_0/(1/c - i w y)|^2 dw grows with c, and its power is force^2/c.
+        """
+        best, w, still = self.optimal_damping, self.grid.omega, np.zeros(len(self.motion_change))
+        speed = w**2 * self.grid.variance * np.abs(self.motion) ** 2
+
+        def square(c: float) -> float:
+            return float(speed @ np.abs(1 / c - 1j * w * self.receptance) ** -2)
+
+        if square(best) <= force**2:
+            stroke, _ = self.mean_square(best, np.ones_like(w), still)
+            return Damper(best, self.optimal_damping_change(best), square(best) / best, float(np.sqrt(stroke)), 0.0)
+        least, most = (float(np.log(end)) for end in (force / np.sqrt(speed.sum()), best))
+        c = float(np.exp(brentq(lambda x: float(np.log(square(np.exp(x)) / force**2)), least, most, xtol=1e-13)))
+        along = 1 / c - 1j * w * self.receptance
+        by_c = 2 / c**2 * float(speed @ (along.real / np.abs(along) ** 4))
+        change = -(c**2) * self.mean_square(c, w**2, still)[1] / by_c
+        stroke, _ = self.mean_square(c, np.ones_like(w), still)
+        return Damper(c, change, force**2 / c, float(np.sqrt(stroke)), 2 - 2 * force**2 / (c * by_c))
 
     def mean_square(self, c: float, weight: FloatArray, c_change: FloatArray) -> tuple[float, FloatArray]:
         """Return sum weight S |u|^2 dw under a damper and its derivatives, weights fixed, by the variables.

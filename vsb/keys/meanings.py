@@ -586,6 +586,12 @@ KEYS: dict[str, dict[str, Key]] = {
             "keys of the study that are free, each between two bounds; log: by the logarithm. Without pto.damping "
             "every buoy has the damper that is optimal for its year",
         ),
+        "tuning": Key(
+            "",
+            "causal",
+            "one: a damper for the year; causal: a controller for the year that knows no future waves, within "
+            "limits.force_rms; pto.control of the study says what it knows",
+        ),
         "maximise": Key(
             "",
             "power_per_mass",

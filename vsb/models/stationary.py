@@ -62,9 +62,9 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
     return found
 
 
-def grid(spacing: float, count: int) -> tuple[FloatArray, FloatArray]:
+def grid(spacing: float, count: int, beyond: float = BEYOND) -> tuple[FloatArray, FloatArray]:
     """Return the frequencies of a band, (k + 1/2) spacing, and some beyond, at which a port is to be known [rad/s]."""
-    first, last = (count + 0.5) * spacing, (int(BEYOND * count) - 0.5) * spacing
+    first, last = (count + 0.5) * spacing, (int(beyond * count) - 0.5) * spacing
     return (np.arange(count) + 0.5) * spacing, np.geomspace(first, last, POINTS)
 
 

@@ -1,9 +1,11 @@
 """The answer of a design problem in sentences: the best buoys, the gain and its interval, what limits it."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from vsb.design.compared import COMPETITOR, FLEXIBLE, SPHERE, TWIN
+from vsb.engine.motion.take_off import Control
 from vsb.report.answer import Answer
 from vsb.study.design import LIMITS, limit_of, unit_of
 from vsb.study.feasible import OF_EVERY_BUOY
@@ -53,8 +55,30 @@ def answer(facts: Facts) -> Answer:
     stands = [*fronts(facts), best_of_all]
     if unproven := [name for name in (FLEXIBLE, COMPETITOR) if not facts["found"][name]["accepted"]]:
         stands.append(f"The {' and the '.join(unproven)} shown are not proven optima.")
-    below = [verdict(facts), *in_time(facts), *size_or_flexibility(facts), *limited(facts)]
+    below = [verdict(facts), *under_control(facts), *in_time(facts), *size_or_flexibility(facts), *limited(facts)]
     return Answer(stands, below)
+
+
+def in_control(control: Control) -> str:
+    """Return the causal control of a design in words."""
+    ahead = f"knows the waves {control.forecast:g} s ahead" if control.forecast else "knows no future waves"
+    return f"one controller for the year, which {ahead} (noise of {10 * math.log10(control.noise):.3g} dB)"
+
+
+def under_control(facts: Facts) -> list[str]:
+    """Return what the take-off is under causal control, and what other levels absorb at the same rms force."""
+    if not (control := facts.get("control")):
+        return []
+    words = []
+    for name in (FLEXIBLE, COMPETITOR):
+        of = control["levels"][name]
+        damper, known = (100 * (of["causal"] / of[level] - 1) for level in ("damper_same_force", "future_known"))
+        words.append(f"the {name} {damper:+.1f} % and {known:+.1f} %")
+    return [
+        f"The take-off is {in_control(Control(noise=control['noise'], forecast=control['forecast']))}, the best of its "
+        "rms force. Compared with the best damper of that force, and with control that knows all waves, it absorbs: "
+        f"{', '.join(words)}."
+    ]
 
 
 def no_answer(facts: Facts) -> str:

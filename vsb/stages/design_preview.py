@@ -13,8 +13,9 @@ from vsb.engine.waves.climate import OUTSIDE, Climate, climate_line
 from vsb.errors import ConfigError, ConvergenceError
 from vsb.pipeline.costs import START_OF_A_PROCESS
 from vsb.pipeline.schedule import seconds_of_jobs
+from vsb.report.design_answer import in_control
 from vsb.stages.climate import read_climate
-from vsb.study.campaign import study_at
+from vsb.study.campaign import CAUSAL, study_at
 from vsb.study.design import PARTS, Variable, unit_of
 from vsb.study.design_plan import DesignPlan
 from vsb.study.specs import Search
@@ -136,6 +137,7 @@ def summary(plan: DesignPlan) -> list[str]:
         *(f"variable     {_bounds(one)}" for one in search.variables),
         f"limits       {limits or 'none'}"
         + (f", kept by {search.sigmas:g} standard deviations" if search.sigmas else ""),
+        *([f"take-off     {in_control(plan.loaded.base.pto.control)}"] if search.tuning == CAUSAL else []),
         f"competitor   {plan.loaded.rigid}, optimised in {kept or 'nothing'}",
         f"jobs         {left} of {len(plan.start_paths)} starts to do, {points} points of Pareto fronts"
         + (f", {problem.verify.seas} seas in time" if problem.verify else ""),

@@ -24,6 +24,7 @@ from vsb.design.compared import (
     sphere,
     twin,
 )
+from vsb.design.controlled import ControlledYear
 from vsb.design.evaluation import Evaluation, Quantity
 from vsb.design.margins import depends, probabilities, spread
 from vsb.design.problem import IMPOSSIBLE, POWER, excesses, limit_parts
@@ -68,6 +69,7 @@ def run_design_results(
         "holds": {
             name: _holds(spec, search, found[name], buoys[name], seas) for name, search in _searches(spec).items()
         },
+        "control": _control(buoys, seas),
         "held": {name: one.displacement_held for name, one in buoys.items() if one.study.pto.stiffness < 0},
         "fronts": curves,
         "verified": known.runs,
@@ -175,17 +177,28 @@ class Known:
 
 def _holds(spec: DesignSpec, search: Search, found: Outcome, buoy: Buoy, climate: Climate) -> dict[str, float]:
     """Probability that each limit holds of a buoy as built, and that `all` hold; none without uncertain inputs."""
-    parts = limit_parts(search.limits)
+    parts = limit_parts(search.kept)
     shares = {key: share for key, share in spec.uncertain.items() if depends(buoy.study, key)}
     margins = [found.margins.get(part, math.nan) for part in parts]
     if not shares or not parts or not np.isfinite(margins).all():
         return {}
     evaluation = Evaluation({name: Quantity(value, found.gradients[name]) for name, value in found.quantities.items()})
-    excess = np.array([one.value for one in excesses(evaluation, search.limits)]) + margins
+    excess = np.array([one.value for one in excesses(evaluation, search.kept)]) + margins
     scatter = spread(
-        replace(buoy.model(climate), cost=search.cost), buoy.study, buoy.quantities["damping"], search.limits, shares
+        replace(buoy.model(climate), cost=search.cost), buoy.study, evaluation.damping, search.kept, shares
     )
     return probabilities(excess, scatter, parts)
+
+
+def _control(buoys: Mapping[str, Buoy], climate: Climate) -> dict[str, Any] | None:
+    """What causal controllers know, and by buoy the power of other take-offs of the same rms force."""
+    if (limits := buoys[FLEXIBLE].control) is None:
+        return None
+    known, found = buoys[FLEXIBLE].study.pto.control, {}
+    for name, one in buoys.items():
+        levels = ControlledYear(one.port_year(one.model(climate)), limits, known).other_levels
+        found[name] = {"damper_same_force": levels["damper_same_force"], "causal": one.power, **levels}
+    return {"noise": known.noise, "forecast": known.forecast, "levels": found}
 
 
 def _facts(

@@ -18,7 +18,7 @@ from vsb.keys.meanings import KEYS, Key
 from vsb.keys.quantities import Count, Name, NonNegative, Positive, Section
 from vsb.keys.reading import Located, nearest, read_yaml, validated
 from vsb.keys.schema import range_at, schema_of
-from vsb.study.campaign import ClimateFile, Verify, check_no_direction, sections, study_at
+from vsb.study.campaign import CAUSAL, ClimateFile, Verify, check_no_direction, sections, study_at
 from vsb.study.feasible import Ranges, Unmet
 from vsb.study.study import Study, not_reserved
 from vsb.study.study import load as load_study
@@ -41,6 +41,10 @@ OF_RIGID = (
 Objective = Literal[
     "annual_mean_power", "gain", "power_per_force", "power_per_mass", "power_per_surface", "power_per_cost"
 ]
+DesignTuning = Literal["one", "causal"]
+"""Take-off of a design: one damper for the year, or one causal controller."""
+CONTROLLED = ("force_rms", "stroke_rms")
+"""Limits that a causal controller keeps itself."""
 DIVISORS = {
     "power_per_force": "force_rms", "power_per_mass": "mass", "power_per_surface": "surface", "power_per_cost": "cost",
 }  # fmt: skip
@@ -245,6 +249,7 @@ class Optimisation(Section):
     optimise: Name | None = None  # none: the first flexible design by name
     climate: ClimateFile
     variables: Variables
+    tuning: DesignTuning = "one"
     maximise: Objective = "annual_mean_power"
     cost: Cost | None = None
     limits: Limits = Limits()
@@ -399,7 +404,7 @@ class LoadedDesign(Section):
                 "name, is optimised"
             )
         bound = [name for name in ("force_rms", "stroke_rms") if name in limits]
-        if bound and "pto.damping" not in keys:
+        if bound and "pto.damping" not in keys and problem.tuning != CAUSAL:
             found.append(
                 f"limits.{bound[0]}: the damper is the optimal one for power, whatever the limit; with pto.damping "
                 "among the variables it could give way"
@@ -432,6 +437,8 @@ def read(raw: object, source: str) -> LoadedDesign:
     _check_variables(problem, study, given, mistakes)
     _check_competitor(problem, mistakes)
     _check_others(problem, study, mistakes)
+    if problem.tuning == CAUSAL:
+        _check_control(problem, study, mistakes)
     climate = folder / problem.climate.file
     try:
         digest = sha256_of(climate)[:16]
@@ -555,6 +562,22 @@ def _check_competitor(problem: Optimisation, mistakes: _Mistakes) -> None:
             mistakes.add(
                 ("competitor", "variables"), f"received {key}, which has no bounds; needs it among variables too"
             )
+
+
+def _check_control(problem: Optimisation, study: Study, mistakes: _Mistakes) -> None:
+    """Check what causal control needs, and what it takes the place of."""
+    if problem.limits.force_rms is None:
+        mistakes.add("limits", "received no force_rms; tuning causal needs it, the rms force of the controller")
+    for key in (one.key for one in problem.variables if one.key in ("pto.damping", "pto.stiffness")):
+        mistakes.add(("variables", key), "received with tuning causal, whose controller is the whole force; remove it")
+    if study.pto.stiffness:
+        mistakes.add(
+            "tuning",
+            f"received causal, and {problem.study} has pto.stiffness {study.pto.stiffness:g}; the controller is the "
+            "whole force, needs 0",
+        )
+    if problem.verify:
+        mistakes.add("verify", "received with tuning causal; runs in time of designs need one damper, tuning: one")
 
 
 def _no_wall(device: Device, variables: Sequence[Variable]) -> dict[str, float]:

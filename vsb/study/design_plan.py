@@ -59,6 +59,7 @@ class DesignPlan(ResultsFolder):
             cost=problem.prices,
             degrees=self._degrees,
             tolerance=loaded.base.modes.tolerance,
+            tuning=problem.tuning,
             **self._kept_away,
         )
 
@@ -89,6 +90,7 @@ class DesignPlan(ResultsFolder):
             maximise=over,
             limits=problem.limits.without_shell().given,
             cost=problem.prices,
+            tuning=problem.tuning,
             **self._kept_away,
         )
 

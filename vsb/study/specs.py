@@ -23,8 +23,8 @@ from vsb.engine.waves.kinds import StillWater, Wave
 from vsb.engine.waves.water import Water
 from vsb.keys.quantities import Brief, Name, Section
 from vsb.study.body import AnyStudy, Body, BodyDesign, BodyHydro
-from vsb.study.campaign import Constrained, Scatter, Spectra, Tunings, Verify
-from vsb.study.design import Objective, Variable
+from vsb.study.campaign import CAUSAL, Constrained, Scatter, Spectra, Tunings, Verify
+from vsb.study.design import CONTROLLED, DesignTuning, Objective, Variable
 from vsb.study.directions import Mooring, Motion
 from vsb.study.drag import BodyDrag, Drag
 from vsb.study.sections import Design, Hydro, Modes, RestShape
@@ -483,7 +483,7 @@ class CampaignSpec(Spec):
     verifications: tuple[str, ...] = ()  # by id, in the order of the members; none if nothing is simulated in time
 
 
-class Search(Section):
+class Search(Brief):
     """What one buoy is optimised over: a design of a study in a site's year, its variables, objective and limits."""
 
     base: dict[str, Any]  # sections of the study
@@ -497,6 +497,15 @@ class Search(Section):
     cost: dict[str, float] = Field(default_factory=dict)  # prices by the quantity they are of
     sigmas: float = 0.0  # standard deviations by the uncertain inputs that limits are kept away by
     uncertain: dict[str, float] = Field(default_factory=dict)  # those of these inputs, relative; none without sigmas
+    tuning: DesignTuning = "one"
+
+    BRIEF: ClassVar[tuple[str, ...]] = ("tuning",)
+
+    @property
+    def kept(self) -> dict[str, float]:
+        """Limits that the search keeps; those of force and stroke a causal controller keeps itself."""
+        own = CONTROLLED if self.tuning == CAUSAL else ()
+        return {name: limit for name, limit in self.limits.items() if name not in own}
 
     @property
     def flexible(self) -> bool:

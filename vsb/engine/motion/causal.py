@@ -175,7 +175,7 @@ class StationaryPort:
     def known_future(self, weights: Weights, noise: float = 0.0) -> Controlled:
         """Return the optimum of a controller that knows all waves, past and future; noise as in `controlled`."""
         y, s_v, s_e = self.admittance, self.spectrum, self.excitation
-        cost, kappa = self._cost(weights)
+        cost, kappa = self.cost(weights)
         measured = s_e + noise * s_e.max(initial=0.0)
         share = np.divide(s_e, measured, out=np.zeros_like(s_e), where=measured > 0)
         gain = (y + 2 * kappa * np.abs(y) ** 2) / (2 * cost)  # F/F_e without noise
@@ -186,8 +186,8 @@ class StationaryPort:
         squares = self.integral(force), self.integral(speed / self.omega**2), self.integral(speed)
         return Controlled(power, *squares, weights)
 
-    def _cost(self, weights: Weights) -> tuple[FloatArray, FloatArray]:
-        """|W|^2 and kappa, each shape (omega,)."""
+    def cost(self, weights: Weights) -> tuple[FloatArray, FloatArray]:
+        """Return |W|^2 and kappa, each shape (omega,)."""
         kappa = weights.speed + weights.stroke / self.omega**2
         return self.admittance.real + weights.force + kappa * np.abs(self.admittance) ** 2, kappa
 
@@ -203,20 +203,17 @@ class StationaryPort:
         """
         if np.isinf(forecast):
             return self.known_future(weights, noise)
-        cost, kappa = self._cost(weights)
-        size = np.abs(self.admittance) ** 2
-        whitened = self._whitened(noise) * np.exp(1j * self.omega * forecast)
-        factor = np.exp(-np.conj(self.causal_part(0.5 * np.log(cost)))) / 2
-        cross = 1 / self.admittance.conj() + 2 * kappa
-        g = whitened * cross * factor
-        signal = _Tail(self, g)
+        cost, kappa = self.cost(weights)
+        size, cross = np.abs(self.admittance) ** 2, 1 / self.admittance.conj() + 2 * kappa
+        g = self.wanted(weights, noise, forecast)
+        signal = Tail(self, g)
         paid = self.integral(kappa * self.spectrum)
         objective = signal.square(signal) - paid
 
         def mean_square(of_cost: FloatArray, of_kappa: FloatArray | float, free: float) -> float:
             """Less the slope of the objective by a weight."""
-            change = whitened * 2 * of_kappa * factor - g * np.conj(self.causal_part(0.5 * of_cost / cost))
-            return free - 2 * signal.square(_Tail(self, change))
+            change = g * (2 * of_kappa / cross - np.conj(self.causal_part(0.5 * of_cost / cost)))
+            return free - 2 * signal.square(Tail(self, change))
 
         one = np.ones_like(cost)
         force = mean_square(one, 0.0, 0.0)
@@ -227,19 +224,22 @@ class StationaryPort:
 
     def controller(self, weights: Weights, noise: float = NOISE, forecast: float = 0.0) -> ComplexArray:
         """Return K = Q/H of the optimum, the force over the Thevenin force, shape (omega,) [-]; see `controlled`."""
-        (cost, kappa), size = self._cost(weights), len(self.omega)
+        (cost, _), size = self.cost(weights), len(self.omega)
         ahead = np.exp(1j * self.omega * forecast)
         density = self.excitation + noise * self.excitation.max()
         w, h = (np.exp(self.causal_part(0.5 * np.log(square))) for square in (cost, density))
-        wanted = self.signal(self._whitened(noise) * ahead * (1 / self.admittance.conj() + 2 * kappa) / (2 * w.conj()))
+        wanted = self.signal(self.wanted(weights, noise, forecast))
         wanted[0] /= 2
         wanted[size:] = 0.0
         return np.asarray(self.phasors(wanted) / (w * h * ahead))
 
-    def _whitened(self, noise: float) -> ComplexArray:
-        """S_v/conj(H), shape (omega,)."""
+    def wanted(self, weights: Weights, noise: float, forecast: float) -> ComplexArray:
+        """Return G of a controller, ahead of it by its forecast: what W Q would be if it knew the future (omega,)."""
+        cost, kappa = self.cost(weights)
         density = self.excitation + noise * self.excitation.max()
-        return np.asarray(self.spectrum * np.exp(-np.conj(self.causal_part(0.5 * np.log(density)))))
+        factors = np.exp(-np.conj(self.causal_part(0.5 * np.log(density * cost))))  # 1/conj(H W)
+        ahead = np.exp(1j * self.omega * forecast)
+        return np.asarray(self.spectrum * ahead * factors * (1 / self.admittance.conj() + 2 * kappa) / 2)
 
 
 def numerical_error(port: StationaryPort, found: Controlled, noise: float, forecast: float) -> float:
@@ -359,7 +359,7 @@ def _least_weight(
     return at(float(np.exp(root)))
 
 
-class _Tail:
+class Tail:
     """The part of a signal at times t >= 0, for integrals of products of two of them."""
 
     def __init__(self, port: StationaryPort, phasors: ComplexArray) -> None:
@@ -367,7 +367,7 @@ class _Tail:
         rate = -1j * port.omega
         self.slopes = [2 * port.spacing * float(np.sum(rate**n * phasors).real) for n in (0, 1, 2, 3)]
 
-    def square(self, other: "_Tail") -> float:
+    def square(self, other: "Tail") -> float:
         """Return the integral over frequency of the product of the phasors of two causal parts.
 
         By the trapezoidal rule over time with the first two terms of Euler and Maclaurin at t = 0.

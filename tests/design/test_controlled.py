@@ -1,0 +1,71 @@
+"""Designs under causal control: derivatives, order of take-offs, an optimum without better neighbours."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.design.conftest import study_of
+from tests.design.test_evaluation import differences
+from vsb.design.controlled import ControlGrid, ControlledYear
+from vsb.design.evaluation import DesignModel
+from vsb.design.linearised import linearised
+from vsb.design.optimise import VIOLATION, optimised
+from vsb.design.problem import Problem
+from vsb.design.resting import RestingBuoy
+from vsb.design.year import PortYear
+from vsb.engine.motion.causal import RmsLimits
+from vsb.study.design import Variable
+
+FORCE, BOTH, NONE = RmsLimits(8e3), RmsLimits(8e3, 0.66), RmsLimits()
+
+
+def model_of(climate, limits, keys, design="VSWEC", **changes):
+    """A model of fewer nodes and frequencies."""
+    model = DesignModel.of(study_of(**changes), design, climate, keys, control=limits)
+    return replace(model, nodes=28, grid=ControlGrid.of_control(climate, 12.0, 10))
+
+
+@pytest.mark.parametrize(
+    ("limits", "key", "control"),
+    [
+        (FORCE, "device.radius", {}),
+        (FORCE, "device.mass", {"noise": 1e-3, "forecast": 1.0}),
+        (BOTH, "device.internal_pressure", {}),
+        (NONE, "device.young_modulus", {}),
+        (FORCE, "device.radius", {"noise": 0.1}),  # a damper absorbs more
+        (NONE, "device.mass", {"noise": 1.0}),
+    ],
+)
+def test_derivatives_are_those_of_differences(climate, limits, key, control):
+    model = model_of(climate, limits, [key], pto={"control": control})
+    found, expected = model.at(model.point).quantities, differences(model, 0, 1e-4)
+    for name in ("annual_mean_power", "force_rms", "stroke_rms"):
+        error = (found[name].gradient[0] - expected[name]) * model.point[0]
+        assert abs(error) <= 1e-6 * max(found[name].value, abs(expected[name] * model.point[0])), name
+
+
+@pytest.mark.parametrize(("design", "force"), [("FSB", 1e3), ("VSWEC90", 3e4)])
+def test_power_grows_with_knowledge_and_the_worth_of_the_limit_is_its_slope(climate, design, force):
+    model = model_of(climate, RmsLimits(force), [], design)
+    found = model.at([])
+    power, study = found["annual_mean_power"].value, model.study
+    matrices = linearised(RestingBuoy.of(study, model.degree), design, [], model.grid.solved, model.nodes)
+    levels = ControlledYear(PortYear.of(model.grid, *matrices, 0.0), model.control, study.pto.control).other_levels
+    assert levels["damper_same_force"] * (1 - 1e-9) <= power < levels["future_known"] < 1.1 * power
+    wider, closer = (
+        replace(model, control=RmsLimits(force * (1 + s))).at([])["annual_mean_power"].value for s in (1e-3, -1e-3)
+    )
+    assert (wider - closer) / (2e-3 * power) == pytest.approx(found.worth["force_rms"], rel=1e-4)
+
+
+def test_no_neighbour_within_the_limits_of_an_optimum_is_better(climate):
+    keys, bounds = ["device.radius", "device.young_modulus", "device.mass"], [(1.8, 2.2), (1e7, 4e7), (1.4e4, 2e4)]
+    variables = tuple(Variable(key=key, low=low, high=high) for key, (low, high) in zip(keys, bounds, strict=True))
+    of = Problem(model_of(climate, FORCE, keys), variables, "annual_mean_power", {"beam": 4.2})
+    found = optimised(of, of.at(np.full(3, 0.5)))
+    assert found.accepted, found.message
+    assert found.multipliers["force_rms"] > 0.5
+    for step in np.random.default_rng(5).normal(size=(8, 3)):
+        near = of.at(np.clip(found.point.place + 0.02 * step, 0.0, 1.0))
+        assert near.objective <= found.objective * (1 + 1e-9) or near.violation > VIOLATION
