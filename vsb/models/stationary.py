@@ -3,10 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from vsb.engine.integrators.switching import Mode, Switching
 from vsb.engine.motion.causal import RmsLimits, StationaryPort, optimum
+from vsb.engine.motion.causal_ports import StationaryPorts
 from vsb.engine.motion.controller import achieved, realised, within_limit
+from vsb.engine.motion.damper_matrix import Ports
 from vsb.engine.motion.port import Port
 from vsb.engine.motion.scene import Scene
 from vsb.engine.motion.system import System
@@ -16,7 +19,7 @@ from vsb.engine.waves.kinds import RESOLVED, Irregular, IrregularSea, RecordedSe
 from vsb.engine.waves.seas import PARTS, Sea
 from vsb.errors import StabilityError
 from vsb.models.floating_system import FloatingSystem, heading, heading_in, port_in_seas
-from vsb.tools.arrays import FloatArray
+from vsb.tools.arrays import ComplexArray, FloatArray, IntArray
 
 BEYOND = 4.0
 """End of the frequencies of a controller, over that of the band: its force may change within a time step."""
@@ -39,11 +42,7 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
     taken at frequencies of its own, of a record averaged (`vsb.engine.waves.kinds.RecordedSea.density`). The directions
     of a spread sea take turns along its components: the density of the free velocity is averaged over a round of them.
     """
-    if isinstance(wave, RecordedSea | WhiteNoise):
-        sea = _of_density(wave, floating.band)
-    spacing = float(np.diff(sea.omega).min())
-    at = np.rint(sea.omega / spacing - 0.5).astype(int)
-    count = int(np.ceil(max(floating.band[1] / spacing, at.max() + 1)))
+    sea, spacing, at, count = _on_grid(floating, wave, sea)
     inside, beyond = grid(spacing, count)
     linear = floating.towards(heading(wave))
     near, far = linear.extended_equation(inside), linear.extended_equation(beyond)
@@ -60,6 +59,44 @@ def stationary_ports(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dic
             density = _averaged(density, parts)
         found[design] = continued(spacing, port, far.port(motions, floating.port), density)
     return found
+
+
+def _on_grid(floating: FloatingSystem, wave: Irregular, sea: Sea) -> tuple[Sea, float, IntArray, int]:
+    """A sea, the spacing of a controller's frequencies, the places of its components, and how many the band has."""
+    if isinstance(wave, RecordedSea | WhiteNoise):
+        sea = _of_density(wave, floating.band)
+    spacing = float(np.diff(sea.omega).min())
+    at = np.rint(sea.omega / spacing - 0.5).astype(int)
+    return sea, spacing, at, int(np.ceil(max(floating.band[1] / spacing, at.max() + 1)))
+
+
+def stationary_several(floating: FloatingSystem, wave: Irregular, sea: Sea) -> dict[str, StationaryPorts]:
+    """Return several ports of all designs in a sea whose components carry its spectrum, see `stationary_ports`.
+
+    Of buoys of revolution, which answer waves of all directions alike.
+    """
+    sea, spacing, at, count = _on_grid(floating, wave, sea)
+    inside, beyond = grid(spacing, count)
+    near, far = floating.linear.extended_equation(inside), floating.linear.extended_equation(beyond)
+    found = {}
+    for design, motions in floating.motions.items():
+        ports, further = near.ports(motions, floating.port), far.ports(motions, floating.port)
+        free = np.zeros_like(ports.velocity)
+        free[at] = ports.velocity[at] * (np.abs(sea.amplitude) / np.sqrt(2 * spacing))[:, None]
+        found[design] = continued_several(spacing, ports, further, free[:, :, None] * free[:, None].conj())
+    return found
+
+
+def continued_several(spacing: float, near: Ports, far: Ports, density: ComplexArray) -> StationaryPorts:
+    """Return several ports known at both frequencies of `grid`, with densities of free velocities, as `continued`."""
+    count = len(near.omega)
+    omega = (np.arange(int(BEYOND * count)) + 0.5) * spacing
+    between = make_interp_spline(np.log(far.omega), far.admittance, k=1)
+    beyond = between(np.log(omega[count:]))
+    admittance = np.concatenate([near.admittance, beyond])
+    loss, along = np.linalg.eigh(admittance.real)
+    passive = (along * np.maximum(loss, 0.0)[:, None]) @ along.swapaxes(1, 2)
+    return StationaryPorts(spacing, passive + 1j * admittance.imag, np.concatenate([density, np.zeros_like(beyond)]))
 
 
 def grid(spacing: float, count: int, beyond: float = BEYOND) -> tuple[FloatArray, FloatArray]:

@@ -14,6 +14,8 @@ import xarray as xr
 
 from vsb.engine.hydro.database import Check, check_at_most
 from vsb.engine.motion.causal import RmsLimits, StationaryPort, numerical_error, optimum
+from vsb.engine.motion.causal_ports import StationaryPorts
+from vsb.engine.motion.causal_ports import optimum as optimum_of_several
 from vsb.engine.motion.coefficient_errors import (
     CoefficientError,
     Sensitivity,
@@ -26,7 +28,7 @@ from vsb.engine.motion.damper_matrix import best_matrix, matrix_text
 from vsb.engine.motion.drag import DraggedPort, best_damper, best_pair, with_load
 from vsb.engine.motion.force_bound import Harmonics, Limits
 from vsb.engine.motion.port import Port
-from vsb.engine.motion.take_off import Pto
+from vsb.engine.motion.take_off import Pto, SeveralPorts, named_ports, port_kind
 from vsb.engine.motion.tuning import (
     Load,
     best_dampers,
@@ -53,7 +55,7 @@ from vsb.models.floating_system import (
     study_sea,
 )
 from vsb.models.mode_convergence import one_of_each_family
-from vsb.models.stationary import stationary_ports
+from vsb.models.stationary import stationary_ports, stationary_several
 from vsb.models.take_off import given_matrix, matrix_kind
 from vsb.results.budget import MODES, Budget, Rows, Source
 from vsb.results.left_out import modes_left_out
@@ -86,6 +88,7 @@ NAMED = 6
 """Ports up to which the damper matrix is reported."""
 STILL = "waves do not move this port"
 NUMERICAL = "time step of the controller"
+DAMPER_BETTER = "a damper absorbs no less than the controller with this noise"
 GAP = 0.005
 """Of the best force found within limits, as a part of the bound of all forces [-]."""
 
@@ -154,6 +157,9 @@ def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
     if pto.several:
         matrices = several_matrices(study, floating, seas, families)
         levels = several_levels(floating, seas, matrices)
+        if isinstance(pto.port, SeveralPorts):
+            levels += causal_levels_of_several(pto, floating, pairs, matrices, levels)
+            levels.sort(key=partial(_order, list(study.designs), list(seas)))
         levels = with_errors(levels, floating, pairs, study.reference_design, left_out, matrices)
         return [*levels, *material_levels(study, floating, seas, levels)]
     both = [*pairs, *zip(waves, records.values(), strict=True)]
@@ -169,10 +175,14 @@ def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
         levels += [in_sea(level, matched[level[:2]]) for level in constrained_levels(study, floating, records)]
     if dragged is None:
         levels += causal_levels(study, floating, pairs, ports, levels)
-    designs, labels = list(study.designs), list(seas)
-    levels.sort(key=lambda r: (designs.index(r.design), labels.index(r.wave), CONTROL_LEVELS.index(r.rung)))
+    levels.sort(key=partial(_order, list(study.designs), list(seas)))
     levels = with_errors(levels, floating, pairs, study.reference_design, left_out)
     return [*levels, *material_levels(study, floating, seas, levels)]
+
+
+def _order(designs: Sequence[str], waves: Sequence[str], level: ControlLevel) -> tuple[int, int, int]:
+    """Place of a level in a table."""
+    return designs.index(level.design), waves.index(level.wave), CONTROL_LEVELS.index(level.rung)
 
 
 # dampers, springs and the matched force -----------------------------------------------------------------------------
@@ -528,10 +538,64 @@ def causal_level(
     share = best.converted(pto.efficiency) / port.matched_power
     power = share * (matched.power_mean or 0.0)
     if stroke <= limits.stroke and (damper.power_mean or 0.0) >= power:
-        note = "a damper absorbs no less than the controller with this noise"
-        return damper._replace(rung=CAUSAL, noise=noise, forecast=forecast, note=note)
+        return damper._replace(rung=CAUSAL, noise=noise, forecast=forecast, note=DAMPER_BETTER)
     away = numerical_error(port, best, noise, forecast)
     return unknown._replace(power_mean=power, limit_fraction=share, force_rms=best.force_rms, numerical=away)
+
+
+def causal_levels_of_several(
+    pto: Pto,
+    floating: FloatingSystem,
+    seas: Sequence[tuple[Wave, Sea]],
+    matrices: Matrices,
+    levels: Sequence[ControlLevel],
+) -> list[ControlLevel]:
+    """Return the optimal causal control of several ports in every irregular sea, beside the best damper matrix.
+
+    The rms of all forces together, sqrt(sum of mean squares), is that of this matrix. Forces of ports of unlike kinds
+    are counted in units of those that it has.
+    """
+    omega, found = frequencies([sea for _, sea in seas]), []
+    rows, ports = squares([sea for _, sea in seas], omega), floating.several_ports(omega)
+    alike = len({port_kind(one).load_unit for one in named_ports(pto).values()}) == 1
+    by = {(level.design, level.wave, level.rung): level for level in levels}
+    for (wave, sea), row in zip(seas, rows, strict=True):
+        if not isinstance(wave, IrregularSea):
+            continue
+        for design, stationary in stationary_several(floating, wave, sea).items():
+            best, matched = (by[design, wave.label, rung] for rung in ("best_damper", "matched"))
+            if not best.power_mean or not matched.power_mean:
+                continue
+            matrix = matrices[design, wave.label, "best_damper"]
+            force = np.sqrt(0.5 * row @ np.abs(ports[design].velocity_under(matrix) @ matrix) ** 2)
+            units = np.ones_like(force) if alike else np.where(force > 0, force, 1.0)
+            limit = float(np.linalg.norm(force / units))
+            together = "of all forces together" if alike else "of all forces together, each in units of the damper's"
+            same = best._replace(rung=SAME_FORCE, force_rms=limit if alike else None)
+            found += [
+                same,
+                _causal_of_several(stationary.over(np.diag(units)).moved(), same, limit, matched.power_mean, pto),
+            ]
+            found[-1] = found[-1]._replace(note="; ".join(filter(None, [f"rms {together}", found[-1].note])))
+    return found
+
+
+def _causal_of_several(
+    ports: StationaryPorts, damper: ControlLevel, limit: float, matched: float, pto: Pto
+) -> ControlLevel:
+    """The level `causal` of several ports in a sea, see `causal_level`."""
+    noise, forecast = pto.control.noise, pto.control.forecast
+    unknown = damper._replace(rung=CAUSAL, damping=None, noise=noise, forecast=forecast, note="")
+    try:
+        best = optimum_of_several(ports, limit, noise, forecast)
+        away = numerical_error(ports, best, noise, forecast)
+    except VsbError as error:
+        return unknown._replace(power_mean=None, limit_fraction=None, force_rms=None, note=str(error))
+    share = best.power / ports.matched_power
+    if (damper.power_mean or 0.0) >= share * matched:
+        return damper._replace(rung=CAUSAL, noise=noise, forecast=forecast, note=DAMPER_BETTER)
+    rms = None if damper.force_rms is None else best.force_rms
+    return unknown._replace(power_mean=share * matched, limit_fraction=share, force_rms=rms, numerical=away)
 
 
 # errors -------------------------------------------------------------------------------------------------------------
@@ -597,7 +661,7 @@ def with_errors(
                 of_gain = Budget((*numbers, *_by_modes(left_out, level, "gain", 1.0)))
             budgets[design, wave.label, name] = (of_power, of_gain)
         for (design, name), level in here.items():
-            ends = [linear[end] for end in ((design, "best_damper"), (design, "matched")) if end in linear]
+            ends = [linear[design, end] for end in ("best_damper", "matched") if (design, wave.label, end) in budgets]
             if name in NEAR_LIMITS and (ends := [end for end in ends if end.power_mean]):
                 budgets[design, wave.label, name] = _within_limits(level, ends, budgets)
     found = []

@@ -28,7 +28,7 @@ Applied Ocean Research 42 (2013), which solves the same problem with rational mo
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 from scipy.fft import fft, ifft
@@ -144,6 +144,12 @@ class StationaryPort:
         """Return the port at every third of its frequencies: what is resolved changes little."""
         return StationaryPort(3 * self.spacing, self.admittance[1::3], self.spectrum[1::3])
 
+    def shorter(self) -> "StationaryPort":
+        """Return the port with half of the frequencies beyond the spectrum."""
+        used = int(np.flatnonzero(self.spectrum)[-1]) + 1
+        kept = used + (len(self.admittance) - used) // 2
+        return StationaryPort(self.spacing, self.admittance[:kept], self.spectrum[:kept])
+
     # signals and factors ----------------------------------------------------------------------------------------------
 
     @cached_property
@@ -242,17 +248,31 @@ class StationaryPort:
         return np.asarray(self.spectrum * ahead * factors * (1 / self.admittance.conj() + 2 * kappa) / 2)
 
 
-def numerical_error(port: StationaryPort, found: Controlled, noise: float, forecast: float) -> float:
+class OnGrid(Protocol):
+    """Ports at the frequencies of a grid."""
+
+    @property
+    def matched_power(self) -> float:
+        """Mean power without limits [W]."""
+
+    def coarser(self) -> Self:
+        """Return the same with a larger spacing."""
+
+    def shorter(self) -> Self:
+        """Return the same with fewer frequencies."""
+
+    def controlled(self, weights: Weights, noise: float, forecast: float) -> Controlled:
+        """Return the optimum at given weights."""
+
+
+def numerical_error(port: OnGrid, found: Controlled, noise: float, forecast: float) -> float:
     """Return the relative error of an optimum by spacing and time step of its signals [-].
 
     The changes by three times the spacing and by half the frequencies beyond the spectrum: both errors fall by a factor
     of four or more with each halving, so that what is left is smaller than these.
     """
-    used = int(np.flatnonzero(port.spectrum)[-1]) + 1
-    kept = used + (len(port.admittance) - used) // 2
-    shorter = StationaryPort(port.spacing, port.admittance[:kept], port.spectrum[:kept])
     power, changes = found.objective / port.matched_power, 0.0
-    for other in (port.coarser(), shorter):
+    for other in (port.coarser(), port.shorter()):
         changes += abs(other.controlled(found.weights, noise, forecast).objective / other.matched_power - power)
     return changes * port.matched_power / abs(found.power)
 
@@ -326,10 +346,10 @@ def _within_limits(
             return controlled(Weights(force, stroke, least.speed))
 
         start = np.sqrt(port.integral(port.spectrum)) / (2 * limits.force)  # where the force alone costs, it holds
-        return _least_weight(at, least.force, start, lambda found: found.force_rms / limits.force)
+        return least_weight(at, least.force, start, lambda found: found.force_rms / limits.force)
 
     start = float(np.abs(port.admittance * port.omega).max() ** -1)
-    found = _least_weight(with_force_limit, 0.0, start, lambda found: found.stroke_rms / limits.stroke)
+    found = least_weight(with_force_limit, 0.0, start, lambda found: found.stroke_rms / limits.stroke)
     if found.stroke_rms > limits.stroke * (1 + KEPT):
         raise StabilityError(
             f"pto: no control within force_limit keeps an rms displacement of {limits.stroke:.4g} m in this sea, "
@@ -338,10 +358,10 @@ def _within_limits(
     return found
 
 
-def _least_weight(
+def least_weight(
     at: Callable[[float], Controlled], least: float, start: float, share: Callable[[Controlled], float]
 ) -> Controlled:
-    """The optimum at the least weight, no less than a given one, at which a quantity keeps its limit.
+    """Return the optimum at the least weight, no less than a given one, at which a quantity keeps its limit.
 
     The quantity falls with its weight. If no weight keeps the limit, the optimum at the largest one.
     """

@@ -1,0 +1,82 @@
+"""Causal control of several ports: what one port gives, turned ports, order of dampers, causal control and all waves."""
+
+import numpy as np
+import pytest
+from motion.test_causal import buoy
+
+from vsb.engine.motion import causal
+from vsb.engine.motion.causal import NOISE, RmsLimits, Weights, numerical_error
+from vsb.engine.motion.causal_ports import StationaryPorts, optimum
+from vsb.engine.motion.damper_matrix import Ports, best_matrix
+from vsb.engine.waves.spectra import jonswap_spectrum
+
+
+def diagonal(*ports):
+    """Uncoupled ports in waves that have nothing to do with each other."""
+    admittance, spectrum = (
+        np.stack([getattr(port, name) for port in ports], axis=-1)[:, :, None] * np.eye(len(ports))
+        for name in ("admittance", "spectrum")
+    )
+    return StationaryPorts(ports[0].spacing, admittance, spectrum + 0j)
+
+
+def coupled():
+    """Two masses on springs, coupled, with losses and one channel of radiation, in a sea; and what its waves see."""
+    spacing = 0.01
+    omega = (np.arange(1200) + 0.5) * spacing
+    pushed = np.stack([3e4 * np.exp(-((omega / 2) ** 2)), 1e4 * np.exp(-((omega / 2.2) ** 2))], axis=1)
+    lost = pushed[:, :, None] * pushed[:, None] * (omega**3 / 2e7)[:, None, None] + np.diag([6e3, 3e3])
+    mass, stiffness = np.array([[3e4, 4e3], [4e3, 1e4]]), np.array([[1e5, 1e4], [1e4, 9e4]])
+    at = omega[:, None, None]
+    admittance = np.linalg.inv(lost - 1j * at * mass + 1j * stiffness / at)
+    free = np.einsum("wij,wj->wi", admittance, pushed)
+    density = jonswap_spectrum(omega, 1.0, 4.0, 3.3)
+    spectrum = free[:, :, None] * free[:, None].conj() * density[:, None, None]
+    return StationaryPorts(spacing, admittance, spectrum), Ports(omega, admittance, free), 2 * density * spacing
+
+
+@pytest.mark.parametrize("forecast", [0.0, 1.0, np.inf])
+def test_one_port_is_a_matrix_of_one_entry(forecast):
+    port, noise = buoy(spacing=0.02, top=12.0), 0.0 if np.isinf(forecast) else NOISE
+    one, many = (
+        causal.optimum(port, RmsLimits(2e3), noise, forecast),
+        optimum(diagonal(port), 2e3, noise, forecast),
+    )
+    assert (many.power, many.force) == pytest.approx((one.power, one.force), rel=1e-9)
+
+
+def test_uncoupled_ports_are_controlled_each_by_itself():
+    """At one weight, and with the same density of the noise at both."""
+    first, second = buoy(spacing=0.02, top=12.0), buoy(6.0, 0.02, 12.0, 1.2)
+    both, peaks = diagonal(first, second), [port.excitation.max() for port in (first, second)]
+    level = 1e-5 * min(peaks)
+    alone = [port.controlled(Weights(1e-4), level / peak) for port, peak in zip((first, second), peaks, strict=True)]
+    found = both.controlled(Weights(1e-4), level / float(np.einsum("wii->w", both.excitation).real.max()))
+    assert found.power == pytest.approx(sum(one.power for one in alone), rel=1e-9)
+    assert found.force == pytest.approx(sum(one.force for one in alone), rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.1, 1.0])
+def test_power_grows_with_knowledge_whatever_the_ports_are_turned_by(share):
+    ports, seen, squares = coupled()
+    matrix = best_matrix(seen, squares, "full").damping
+    if share < 1:
+        matrix = 0.05 * matrix
+    force = float(np.sqrt(0.5 * squares @ (np.abs(seen.velocity_under(matrix) @ matrix) ** 2).sum(axis=1)))
+    found = [optimum(ports, force, 1e-7, time) for time in (0.0, 1.0, 4.0)]
+    rising = [float(squares @ seen.power(matrix)), *(one.power for one in found)]
+    rising += [optimum(ports, force, 0.0, np.inf).power, ports.matched_power]
+    assert np.all(np.diff(rising) > 0), rising
+    assert found[0].force_rms == pytest.approx(force, rel=1e-6)
+    assert numerical_error(ports, found[0], 1e-7, 0.0) < 0.02
+    turn = np.array([[np.cos(0.7), -np.sin(0.7)], [np.sin(0.7), np.cos(0.7)]])
+    assert optimum(ports.over(turn), force, 1e-7).power == pytest.approx(found[0].power, rel=1e-6)
+    idle = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0]])  # a third port moves as the first: two share a force better
+    assert optimum(ports.over(idle), force, 1e-7).power > found[0].power
+
+
+def test_the_mean_square_of_the_forces_is_the_slope_of_the_optimum():
+    ports, weight, step = coupled()[0], 3e-5, 1e-4
+    found = ports.controlled(Weights(weight))
+    ends = [ports.controlled(Weights(weight * (1 + s))).objective for s in (step, -step)]
+    assert (ends[1] - ends[0]) / (2 * step * weight) == pytest.approx(found.force, rel=1e-6)
