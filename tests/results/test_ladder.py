@@ -364,3 +364,21 @@ def test_damper_is_the_causal_level_where_noise_hides_the_waves(small):
     assert by["causal"].power_mean == by["damper_same_force"].power_mean
     assert by["causal"].damping == by["damper_same_force"].damping > 0
     assert "damper" in by["causal"].note
+
+
+def test_causal_control_of_several_ports_lies_between_damper_matrix_and_matched_power(small):
+    """A rigid buoy, which moves one of the ports alone, has the level that this port has by itself."""
+    data = small.study.model_dump() | {"waves": [{"kind": "jonswap", "hs": 0.5, "tp": 3.0}]}
+    both = {"ports": {"heave": "heave", "top": {"colatitude": 0.0, "against": "frame"}}}
+    several, one = (
+        study_ladder(StudyPlan(parse(data | {"pto": pto})).ladder, small.database_path)
+        for pto in (both, {"tuning": "each"})
+    )
+    assert {level.rung for level in several} >= {"damper_same_force", "causal", "best_diagonal"}
+    for design in data["designs"]:
+        by, alone = ({level.rung: level for level in levels if level.design == design} for levels in (several, one))
+        assert by["damper_same_force"].power_mean < by["causal"].power_mean < by["matched"].power_mean
+        assert by["causal"].force_rms == pytest.approx(by["damper_same_force"].force_rms, rel=1e-6)
+        assert by["causal"].low < by["causal"].power_mean < by["causal"].high
+        if not small.study.designs[design].flexible:
+            assert by["causal"].power_mean == pytest.approx(alone["causal"].power_mean, rel=1e-5)

@@ -23,8 +23,8 @@ from vsb.errors import ConvergenceError
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
 
 STEPS, FACTORED, LEFT = 60, 1e-10, 1e-3
-"""Most iterations for a factor, the relative error of its square that ends them, and the most that may be left where
-signals outlast the grid: what that does to powers is part of `numerical_error`."""
+"""Most iterations for a factor, the relative error of its square, mean over frequencies, that ends them, and the most
+that may be left where signals outlast the grid: what that does to powers is part of `numerical_error`."""
 
 
 STILL = 1e-14
@@ -114,7 +114,7 @@ class StationaryPorts:
         found, before, size = begin, np.inf, np.abs(square).max(axis=(1, 2))
         for _ in range(STEPS):
             found = found @ self._causal(self._seen(found, square) + one)
-            away = float((np.abs(found @ found.conj().swapaxes(1, 2) - square).max(axis=(1, 2)) / size).max())
+            away = float((np.abs(found @ found.conj().swapaxes(1, 2) - square).max(axis=(1, 2)) / size).mean())
             if away <= FACTORED or before / 2 < away <= LEFT:
                 return np.asarray(found)
             before = away
