@@ -22,7 +22,7 @@ from vsb.engine.motion.damper_matrix import ROUND_OFF
 from vsb.errors import ConvergenceError
 from vsb.tools.arrays import AnyArray, ComplexArray, FloatArray
 
-STEPS, FACTORED, LEFT = 60, 1e-10, 1e-3
+STEPS, FACTORED, LEFT = 60, 1e-10, 1e-2
 """Most iterations for a factor, the relative error of its square, mean over frequencies, that ends them, and the most
 that may be left where signals outlast the grid: what that does to powers is part of `numerical_error`."""
 
@@ -115,7 +115,7 @@ class StationaryPorts:
         for _ in range(STEPS):
             found = found @ self._causal(self._seen(found, square) + one)
             away = float((np.abs(found @ found.conj().swapaxes(1, 2) - square).max(axis=(1, 2)) / size).mean())
-            if away <= FACTORED or before / 2 < away <= LEFT:
+            if away <= FACTORED or 0.99 * before < away <= LEFT:
                 return np.asarray(found)
             before = away
         raise ConvergenceError(
