@@ -235,7 +235,7 @@ def at_force_table(lines: Lines) -> list[list[str]]:
     damper = {True: "", False: " (the damper)"}
     return [
         [
-            line["design"], line["sea"], plain(line["force_rms"]),
+            line["design"], line["sea"], "-" if line["force_rms"] is None else plain(line["force_rms"]),
             plain(line["power"]) + damper[line["damper"] is None], percent(line["gain_percent"]),
             interval_text(line["low"], line["high"]) or "-", plain(line["damper_power"]),
             percent(line["damper_gain_percent"]),

@@ -83,7 +83,7 @@ class AtForce(NamedTuple):
 
     design: str
     sea: str
-    force_rms: float  # [N]
+    force_rms: float | None  # [N]; None of several ports whose forces have no unit in common
     noise: float  # see `vsb.engine.motion.take_off.Control` [-]
     forecast: float  # [s]
     power: float  # under causal control [W]
@@ -194,7 +194,7 @@ def at_force(study: BaseStudy, levels: Sequence[ControlLevel]) -> list[AtForce]:
         over, beside = (gains({d: p for d, (_, p) in some.items()}, reference) for some in (causal, dampers))
         for design, level in known.items():
             low, high = _interval(over[design], gain_budget(here, design, CAUSAL))
-            knows = (level.force_rms or 0.0, level.noise or 0.0, level.forecast or 0.0)
+            knows = (level.force_rms, level.noise or 0.0, level.forecast or 0.0)
             power, damper = causal[design][1], dampers[design][1]
             line = AtForce(design, sea, *knows, power, over[design], low, high, damper, beside[design], level.damping)
             found.append(line)

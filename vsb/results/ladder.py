@@ -89,6 +89,7 @@ NAMED = 6
 STILL = "waves do not move this port"
 NUMERICAL = "time step of the controller"
 DAMPER_BETTER = "a damper absorbs no less than the controller with this noise"
+NO_DRAG = "quadratic drag damps each motion by what it does: no linear controller is the best"
 GAP = 0.005
 """Of the best force found within limits, as a part of the bound of all forces [-]."""
 
@@ -175,6 +176,12 @@ def study_ladder(study: LadderSpec, database: str) -> list[ControlLevel]:
         levels += [in_sea(level, matched[level[:2]]) for level in constrained_levels(study, floating, records)]
     if dragged is None:
         levels += causal_levels(study, floating, pairs, ports, levels)
+    else:
+        irregular = [wave.label for wave in waves if isinstance(wave, IrregularSea)]
+        levels += [
+            ControlLevel(design, label, CAUSAL, None, None, None, None, None, None, None, None, NO_DRAG)
+            for design, label in product(study.designs, irregular)
+        ]
     levels.sort(key=partial(_order, list(study.designs), list(seas)))
     levels = with_errors(levels, floating, pairs, study.reference_design, left_out)
     return [*levels, *material_levels(study, floating, seas, levels)]
