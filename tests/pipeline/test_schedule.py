@@ -61,6 +61,21 @@ def test_points_about_their_own_equilibrium_cost_their_shape_and_rest(tmp_path):
     assert found["undeformed", 20] - found["undeformed", 10] == pytest.approx(10 * 0.016)
 
 
+def test_points_of_panels_cost_their_panels(tmp_path):
+    """A campaign whose study has them was announced as if the spectral solver took 0.4 s."""
+    with_seas(tmp_path, (1.0, 6.0), (2.2, 9.0))
+    raw = yaml.safe_load(EXAMPLE.read_text()) | {"study": "shell", "reference_shape": "undeformed"}
+    raw |= {"modes": {"degree": 6}, "hydro": {"solver": "panels", "omega_max": 6.0}}
+    (tmp_path / "shell.yaml").write_text(yaml.safe_dump(raw))
+    (tmp_path / "one.yaml").write_text("{campaign: one, study: shell.yaml, climate: {spectra: sea.txt}}")
+    plan = replace(plan_of(str(tmp_path / "one.yaml")), root=str(tmp_path / "results"))
+    (found,) = (task.seconds for task in tasks(plan) if task.stage == "members")
+    study = StudyPlan(parse(raw), root=str(tmp_path / "results"))
+    panels = sum(task.seconds for task in tasks(study) if task.stage == "panels")
+    assert panels > 1.0
+    assert found == pytest.approx(panels, rel=0.2)
+
+
 def test_a_job_that_fills_the_memory_is_doubted():
     """22 GB on a machine of 23 GB end in the system's killer, not in a result."""
     there = psutil.virtual_memory().total / 1e9

@@ -13,6 +13,7 @@ from vsb.engine.hydro.bodies.cost import SECONDS as SECONDS_PER_PANEL2
 from vsb.engine.waves.kinds import IrregularSea, RegularWave, StillWater, Wave
 from vsb.study.blocks import BlockSpec
 from vsb.study.campaign_plan import CampaignPlan, Member
+from vsb.study.plan import StudyPlan
 from vsb.study.specs import PanelsSpec, VerificationSpec, WitnessSpec
 from vsb.study.study import BaseStudy
 
@@ -124,8 +125,9 @@ def run_seconds(study: BaseStudy, wave: Wave) -> float:
 def members_seconds(plan: CampaignPlan, some: Sequence[Member]) -> float:
     """Return the CPU time of members of a campaign [s]: their coefficients, their rest, their year."""
     resting = [one for one in some if one.study.buoy and one.study.buoy.at_equilibrium]
-    shapes = {one.spec.sweep for one in some if one.study.buoy}
-    return plan.member_seconds * len(some) + REST_SECONDS * len(resting) + SPECTRAL_SECONDS * len(shapes)
+    shapes = {one.spec.sweep: one.study.buoy for one in some if one.study.buoy}
+    water = sum(block_seconds(block) for buoy in shapes.values() for block in StudyPlan(buoy).sweep_blocks)
+    return plan.member_seconds * len(some) + REST_SECONDS * len(resting) + water
 
 
 def verification_seconds(spec: VerificationSpec) -> float:
