@@ -13,7 +13,7 @@ from vsb.design.linearised import linearised
 from vsb.design.optimise import VIOLATION, optimised
 from vsb.design.problem import Problem
 from vsb.design.resting import RestingBuoy
-from vsb.design.year import PortYear
+from vsb.design.year import PortYear, YearMotion
 from vsb.engine.motion.causal import RmsLimits
 from vsb.study.design import Variable
 
@@ -51,7 +51,9 @@ def test_power_grows_with_knowledge_and_the_worth_of_the_limit_is_its_slope(clim
     found = model.at([])
     power, study = found["annual_mean_power"].value, model.study
     matrices = linearised(RestingBuoy.of(study, model.degree), design, [], model.grid.solved, model.nodes)
-    levels = ControlledYear(PortYear.of(model.grid, *matrices, 0.0), model.control, study.pto.control).other_levels
+    levels = ControlledYear(
+        PortYear.of(YearMotion(model.grid, *matrices, 0.0)), model.control, study.pto.control
+    ).other_levels
     assert levels["damper_same_force"] * (1 - 1e-9) <= power < levels["future_known"] < 1.1 * power
     wider, closer = (
         replace(model, control=RmsLimits(force * (1 + s))).at([])["annual_mean_power"].value for s in (1e-3, -1e-3)

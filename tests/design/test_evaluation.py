@@ -19,7 +19,7 @@ from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.models.further_modes import reach_of_modes
 from vsb.models.ports import ShapeWater, buoy_at
 from vsb.models.rest import reference_shell, stiffness_about
-from vsb.study.design import PARTS
+from vsb.study.design import PARTS, Fatigue
 from vsb.study.sections import Modes
 
 RUBBER = {
@@ -49,7 +49,8 @@ def model_of(study, design, climate, variables):
     """A model of fewer frequencies and nodes: derivatives are those of the discrete model."""
     model = DesignModel.of(study, design, climate, variables)
     profile = study.device.shape is not None and study.device.shape.profile
-    return replace(model, nodes=64 if profile else 28, grid=FrequencyGrid.of(climate, 12.0, 8, 3))
+    grid, fatigue = FrequencyGrid.of(climate, 12.0, 8, 3), Fatigue(exponent=4.0, strain=0.1)
+    return replace(model, nodes=64 if profile else 28, grid=grid, fatigue=fatigue)
 
 
 def differences(model, variable, part):

@@ -79,6 +79,7 @@ def test_a_design_file_names_variables_limits_and_a_competitor(folder):
         ({"limits": {"mass": 100}}, r"limits.mass: received 100 kg, which no buoy of VSWEC can keep: .* 7000 kg"),
         ({"pareto": {"beam": [0.5, 4.0]}}, r"pareto.beam: received 0.5 m, which no buoy of VSWEC can keep"),
         ({"pareto": {"force_rms": [1e4, 1e4]}}, "pareto.force_rms: received 10000, 10000; needs every value once"),
+        ({"limits": {"damage": 1.0, "beam": 4.8}}, r"limits.damage: needs cycles of strain that the wall bears"),
     ],
 )
 def test_what_no_buoy_of_the_ranges_can_meet_is_refused(folder, changes, message):

@@ -18,7 +18,7 @@ from vsb.design.optimise import FURTHER, left_out, optimised
 from vsb.design.problem import IMPOSSIBLE, POWER, Problem
 from vsb.design.resting import RestingBuoy
 from vsb.design.searched import Outcome, control_of, searching, study_of, with_rest
-from vsb.design.year import PortYear
+from vsb.design.year import PortYear, YearMotion
 from vsb.engine.motion.causal import RmsLimits
 from vsb.engine.waves.climate import Climate
 from vsb.study.sections import DEGREES
@@ -75,7 +75,7 @@ class Buoy:
     def port_year(self, model: DesignModel) -> PortYear:
         """Return its port over the year, with the nodes and frequencies of its model."""
         matrices = linearised(self.resting, self.design, [], model.grid.solved, model.nodes)
-        return PortYear.of(model.grid, *matrices, self.study.pto.stiffness)
+        return PortYear.of(YearMotion(model.grid, *matrices, self.study.pto.stiffness))
 
     def with_damper(self) -> "Buoy":
         """Return the same with the damper it has been found with given; with causal control, with its limit of force.

@@ -7,10 +7,11 @@ from functools import cached_property
 import numpy as np
 
 from vsb.design.controlled import ControlGrid, ControlledYear, controlled_band
+from vsb.design.fatigue import damage
 from vsb.design.limits import hull, inverse_load_factors, static_strain
 from vsb.design.linearised import Angle, Linearised, displacements, linearised, of_all
 from vsb.design.resting import RestingBuoy, Stepped, value_of, with_values
-from vsb.design.year import FrequencyGrid, PortYear, band, chebyshev, interpolation
+from vsb.design.year import FrequencyGrid, PortYear, YearMotion, band, chebyshev, interpolation
 from vsb.engine.hydro.spectral.solver import SpectralProblem, largest_error
 from vsb.engine.motion.causal import KEPT, RmsLimits
 from vsb.engine.shell.deformed import DeformedShell
@@ -18,7 +19,7 @@ from vsb.engine.shell.modes import rigid_basis
 from vsb.engine.waves.climate import Climate
 from vsb.errors import ConfigError, ConvergenceError, StabilityError
 from vsb.study.campaign import sections, study_at
-from vsb.study.design import VARIABLES
+from vsb.study.design import VARIABLES, Fatigue
 from vsb.study.feasible import OF_EVERY_BUOY, shares
 from vsb.study.study import Study
 from vsb.tools.arrays import FloatArray
@@ -99,6 +100,7 @@ class DesignModel:
     beyond: bool = False
     cost: Mapping[str, float] = field(default_factory=dict)  # prices by the quantity they are of
     control: RmsLimits | None = None  # limits of causal control; none: a damper
+    fatigue: Fatigue | None = None  # what the wall bears, of which the damage is told; none: not told
 
     @classmethod
     def of(
@@ -227,8 +229,14 @@ class DesignModel:
         steps = [*stepped, *(angles[self.variables[i]] for i in turned)]
         linear, change = linearised(buoy, self.design, steps, self.grid.solved, self.nodes)
         _check_stable(linear, 0.0 if self.beyond else study.pto.stiffness, self.design)
-        year = self._year(study, linear, change, of_device + turned)
+        places = of_device + turned
+        motion = self._motion(study, linear, change, places)
+        year = self._year(study, motion)
         found = {**year.quantities, **self._at_rest(buoy, of_device, stepped)}
+        if self.fatigue and study.designs[self.design].flexible:
+            damper = found["damping"].value, found["damping"].gradient
+            of_wall = damage(self.fatigue, self.climate, buoy, self.design, steps, places, motion, damper)
+            found["damage"] = Quantity(*of_wall)
         if study.pto.moved_by_heave:
             found |= self._spring_pulls(study, found)
         if self.cost:
@@ -266,14 +274,21 @@ class DesignModel:
         force = Quantity(0.0 - k * stroke.value, -k * stroke.gradient - k_change * stroke.value)
         return {"spring_pull_above": force / weight, "spring_pull_below": force / left}
 
-    def _year(self, study: Study, buoy: Linearised, change: Linearised, places: Sequence[int]) -> Evaluation:
-        """Power, damper, force and stroke over the year; derivatives of matrices are by the variables at `places`."""
-        count, k = len(self.variables), study.pto.stiffness
-        parts = {part.name: of_all(getattr(change, part.name), places, count) for part in fields(change)}
-        is_damper, k_change = (np.array([float(key == name) for key in self.variables]) for name in (DAMPER, SPRING))
-        parts["stiffness"] = parts["stiffness"] + k_change[:, None, None] * np.outer(buoy.port, buoy.port)
-        port = PortYear.of(self.grid, buoy, Linearised(**parts), k)
-        steadiness = {"spring_share": _spring_share(k, k_change, buoy, Linearised(**parts))}
+    def _motion(self, study: Study, buoy: Linearised, change: Linearised, places: Sequence[int]) -> YearMotion:
+        """The motion over the year beside the spring; derivatives of matrices are by the variables at `places`."""
+        parts = {part.name: of_all(getattr(change, part.name), places, len(self.variables)) for part in fields(change)}
+        parts["stiffness"] = parts["stiffness"] + self._is(SPRING)[:, None, None] * np.outer(buoy.port, buoy.port)
+        return YearMotion(self.grid, buoy, Linearised(**parts), study.pto.stiffness)
+
+    def _is(self, name: str) -> FloatArray:
+        """Derivatives of a variable by all variables, 1 by itself, shape (variable,)."""
+        return np.array([float(key == name) for key in self.variables])
+
+    def _year(self, study: Study, motion: YearMotion) -> Evaluation:
+        """Power, damper, force and stroke over the year."""
+        k, is_damper, k_change = study.pto.stiffness, self._is(DAMPER), self._is(SPRING)
+        port = PortYear.of(motion)
+        steadiness = {"spring_share": _spring_share(k, k_change, motion.buoy, motion.change)}
         controlled = ControlledYear(port, self.control, study.pto.control) if self.control else None
         if controlled and controlled.damper is None:
             found = _controlled(controlled)

@@ -105,7 +105,7 @@ def linearised(
         found = shape @ values @ shape.T
         return np.asarray((found + found.swapaxes(-1, -2)) / 2)  # symmetric but for the solver's error
 
-    motions = _motions(buoy, design)
+    motions, turning = motions_of(buoy, design, steps)
     solved = shape_derivative(problem, list(omega), directions)
     values = Linearised(*buoy.matrices, radiated(solved.radiation), solved.excitation @ shape.T, _port(buoy))
     if not (values.port @ motions).any():
@@ -127,8 +127,8 @@ def linearised(
         excitation_change.swapaxes(0, 1),
         change(_port, dof) + by_port,
     ).over(motions)
-    if "clamp" in steps or (flexible and buoy.frame is not None):
-        changes = changes.plus(values.turned(motions, _motions_change(buoy, design, steps, motions)))
+    if turning.any():
+        changes = changes.plus(values.turned(motions, turning))
     return values.over(motions), changes
 
 
@@ -170,6 +170,17 @@ def _held(buoy: RestingBuoy, design: str, derivative: bool = False) -> FloatArra
         clamps, fixed = clamps @ buoy.frame, fixed @ buoy.frame
     clamps = clamps * (np.arange(len(basis.labels)) > 0)  # relative to the frame
     return np.vstack([clamps, fixed])
+
+
+def motions_of(buoy: RestingBuoy, design: str, steps: Sequence[Stepped | Angle]) -> tuple[FloatArray, FloatArray]:
+    """Return the motions a design allows, (dof, free) [-], and their derivatives by variables, (variable, dof, free).
+
+    Parameters are those of `linearised`.
+    """
+    motions, flexible = _motions(buoy, design), buoy.study.designs[design].flexible
+    if "clamp" in steps or (flexible and buoy.frame is not None):
+        return motions, _motions_change(buoy, design, steps, motions)
+    return motions, np.zeros((len(steps), *motions.shape))
 
 
 def _motions(buoy: RestingBuoy, design: str) -> FloatArray:

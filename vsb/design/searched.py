@@ -74,7 +74,7 @@ def searching(
 ) -> DesignModel:
     """Return a model for a search, which looks beyond what bounds a buoy, and knows its cost; of its design if none."""
     model = DesignModel.of(study, design or search.design, climate, keys, degree, control_of(search))
-    return replace(model, beyond=True, cost=search.cost)
+    return replace(model, beyond=True, cost=search.cost, fatigue=search.fatigue)
 
 
 def control_of(search: Search) -> RmsLimits | None:

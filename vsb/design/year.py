@@ -104,6 +104,79 @@ class Damper(NamedTuple):
 
 
 @dataclass(frozen=True)
+class YearMotion:
+    """The free motions of a buoy over the year beside its spring, without its damper; derivatives by each variable."""
+
+    grid: FrequencyGrid
+    buoy: Linearised
+    change: Linearised
+    spring: float  # [N/m]
+
+    @cached_property
+    def excitation(self) -> ComplexArray:
+        """X, shape (omega, free) [N/m]."""
+        return np.asarray(self.grid.interpolation @ self.buoy.excitation)
+
+    @cached_property
+    def dynamic(self) -> ComplexArray:
+        """D, shape (omega, free, free) [N/m]."""
+        w, buoy = self.grid.omega[:, None, None], self.buoy
+        beside = buoy.stiffness + self.spring * np.outer(buoy.port, buoy.port)
+        return np.asarray(-(w**2) * (buoy.mass + self.grid.radiation(buoy.radiation)) - 1j * w * buoy.damping + beside)
+
+    @cached_property
+    def undamped(self) -> tuple[ComplexArray, ComplexArray]:
+        """Motion q = D^-1 X in the waves, and l = D^-1 b under a unit force at the port, (omega, free) [m], [m/N]."""
+        load = np.broadcast_to(self.buoy.port, self.excitation.shape)
+        q, under = np.moveaxis(np.linalg.solve(self.dynamic, np.stack([self.excitation, load], axis=-1)), -1, 0)
+        return q, under
+
+    def damped(self, damper: float, undamped: ComplexArray) -> ComplexArray:
+        """Return a motion D^-1 f beside a damper at the port [N s/m] from the one without, shape (omega, free) [m]."""
+        b, under, resisting = self.buoy.port, self.undamped[1], 1j * self.grid.omega * damper
+        moved = (undamped @ b) / (1 - resisting * (under @ b))
+        return np.asarray(undamped + (resisting * moved)[:, None] * under)
+
+    def slopes(
+        self, left: ComplexArray, motion: ComplexArray, damper: float = 0.0, by: FloatArray | None = None
+    ) -> ComplexArray:
+        """Return l^T (dX - dD q) for each variable, shape (variable, omega); parameters are those of `reaction`."""
+        forced = (self.grid.interpolation @ self.change.excitation * left).sum(axis=-1)
+        return np.asarray(forced - self.reaction(left, motion, damper, by))
+
+    def reaction(
+        self, left: ComplexArray, motion: ComplexArray, damper: float = 0.0, by: FloatArray | None = None
+    ) -> ComplexArray:
+        """Return l^T dD q for each variable, shape (variable, omega), D with a damper at the port.
+
+        Parameters
+        ----------
+        left, motion : ndarray, shape (omega, free)
+            l and q.
+        damper : float [N s/m]
+        by : ndarray, shape (variable,)
+            Derivatives of the damper; none: 0.
+        """
+        w, between, b, change = self.grid.omega, self.grid.interpolation, self.buoy.port, self.change
+        count, free = change.port.shape
+        pairs = (left[:, :, None] * motion[:, None, :]).reshape(-1, free**2).T
+        mass, damping, stiffness = (
+            values.reshape(count, free**2) @ pairs for values in (change.mass, change.damping, change.stiffness)
+        )
+        added, damped = (
+            ((part.reshape(-1, free**2) @ pairs).reshape(count, len(self.grid.solved), len(w)) * between.T).sum(axis=1)
+            for part in (change.radiation.real, change.radiation.imag)
+        )
+        radiated = added + 1j * self.grid.known / w * damped
+        dynamic = -(w**2) * (mass + radiated) - 1j * w * damping + stiffness
+        ported = (left @ b) * (change.port @ motion.T) + (motion @ b) * (change.port @ left.T)
+        taken = (self.spring - 1j * w * damper) * ported
+        if by is not None:
+            taken = taken - 1j * w * by[:, None] * (left @ b) * (motion @ b)
+        return np.asarray(dynamic + taken)
+
+
+@dataclass(frozen=True)
 class PortYear:
     """The port of a buoy over the year beside its spring, without its damper; derivatives by each variable."""
 
@@ -114,39 +187,12 @@ class PortYear:
     receptance_change: ComplexArray
 
     @classmethod
-    def of(cls, grid: FrequencyGrid, buoy: Linearised, change: Linearised, spring: float) -> "PortYear":
-        """Return the port of a buoy beside a spring [N/m] and its derivatives."""
-        w, between, b = grid.omega, grid.interpolation, buoy.port
-        count, free = change.port.shape
-        excitation, along_port = between @ buoy.excitation, np.outer(b, b)
-        dynamic = (
-            -(w**2)[:, None, None] * (buoy.mass + grid.radiation(buoy.radiation))
-            - 1j * w[:, None, None] * buoy.damping
-            + buoy.stiffness
-            + spring * along_port
-        )
-        load = np.broadcast_to(b, excitation.shape)
-        q, under = np.moveaxis(np.linalg.solve(dynamic, np.stack([excitation, load], axis=-1)), -1, 0)
-        turned = change.port[:, :, None] * b
-        stiffness_change = change.stiffness + spring * (turned + turned.swapaxes(1, 2))
-
-        def forces(motion: ComplexArray) -> ComplexArray:
-            """l^T dD motion for each variable, shape (variable, omega)."""
-            pairs = (under[:, :, None] * motion[:, None, :]).reshape(-1, free**2).T
-            mass, damping, stiffness = (
-                values.reshape(count, free**2) @ pairs for values in (change.mass, change.damping, stiffness_change)
-            )
-            added, damped = (
-                ((part.reshape(-1, free**2) @ pairs).reshape(count, len(grid.solved), len(w)) * between.T).sum(axis=1)
-                for part in (change.radiation.real, change.radiation.imag)
-            )
-            radiated = added + 1j * grid.known / w * damped
-            return np.asarray(-(w**2) * (mass + radiated) - 1j * w * damping + stiffness)
-
-        forced = (between @ change.excitation * under).sum(axis=-1)
-        return cls(
-            grid, q @ b, under @ b, forced - forces(q) + change.port @ q.T, 2 * change.port @ under.T - forces(under)
-        )
+    def of(cls, motion: YearMotion) -> "PortYear":
+        """Return the port of a buoy that moves over the year, and its derivatives."""
+        b, change = motion.buoy.port, motion.change.port
+        q, under = motion.undamped
+        moved, receptance = motion.slopes(under, q), 2 * change @ under.T - motion.reaction(under, under)
+        return cls(motion.grid, q @ b, under @ b, moved + change @ q.T, receptance)
 
     @property
     def optimal_damping(self) -> float:

@@ -604,6 +604,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "prices, in any currency, of mass, of the take-off's rms force and of the shell's area: for "
             "power_per_cost, and for a limit of cost",
         ),
+        "fatigue": Key("", "{exponent: 5.0, strain: 0.6}", "cycles of strain the wall bears, for a limit of damage"),
         "limits": Key("", "{load_factor: 1.5, beam: 4.8, force_rms: 2.0e+4}", "limits that every buoy must satisfy"),
         "competitor": Key("", "{variables: [device.radius, device.mass]}", "the rigid buoy that is also optimised"),
         "starts": Key("-", "8", "how many places the optimiser starts from: the study's own and others spread evenly"),
@@ -613,6 +614,12 @@ KEYS: dict[str, dict[str, Key]] = {
             "-", "{device.young_modulus: 0.1}", "relative standard deviations of inputs, for the interval of the gain"
         ),
         "verify": Key("", "{seas: 48}", "seas in which the best buoys are simulated in time"),
+    },
+    "Fatigue": {
+        "exponent": Key("-", "5.0", "m of the cycles to failure N = cycles (range/strain)^-m"),
+        "strain": Key("-", "0.6", "range of strain, from its least to its largest, that the wall bears for `cycles`"),
+        "cycles": Key("-", "1.0e+6", "cycles to failure under that range"),
+        "years": Key("-", "20.0", "years the wall is to last [a]"),
     },
     "Cost": {
         "per_kg": Key("", "4.0", "price of a kilogram of shell and ballast"),
@@ -636,6 +643,7 @@ KEYS: dict[str, dict[str, Key]] = {
             "weight or, if less, its buoyancy left; at 0.05 it comes back from 20 rms strokes",
         ),
         "cost": Key("-", "5.0e+4", "cost by the prices given, in their currency"),
+        "damage": Key("-", "1.0", "fatigue of the wall by Miner's sum over its years; at 1 it is expected to fail"),
         "sigmas": Key(
             "-",
             "2.0",

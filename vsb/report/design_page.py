@@ -14,9 +14,9 @@ from vsb.tools.words import gains_within, watts_and_ends, watts_within
 
 BUOYS = (
     "annual_mean_power", "damping", "force_rms", "stroke_rms", "beam", "draft", "mass", "surface", "volume",
-    "static_strain", "load_factor",
+    "static_strain", "load_factor", "damage",
 )  # fmt: skip
-"""Rows of the table of buoys."""
+"""Rows of the table of buoys; that of the damage only where cycles of strain are given."""
 
 STROKES_HELD = 20.0
 """Rms strokes of the year from rest to where a spring below zero takes over, below which the page says so: the storms
@@ -103,7 +103,8 @@ def buoys_table(facts: Facts) -> dict[str, Any]:
             for title, place in ((in_full(key), 0), ("from", 1), ("to", 2)):
                 rows.append([title, *(f"{text[place]} {unit}" for text in texts)])
             continue
-        rows.append([in_full(key), *(with_unit(value, unit_of(key)) for value in known)])
+        if key != "damage" or any(value is not None for value in known):
+            rows.append([in_full(key), *(with_unit(value, unit_of(key)) for value in known)])
     return {"head": ["", *names], "body": rows}
 
 

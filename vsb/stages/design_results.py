@@ -185,7 +185,11 @@ def _holds(spec: DesignSpec, search: Search, found: Outcome, buoy: Buoy, climate
     evaluation = Evaluation({name: Quantity(value, found.gradients[name]) for name, value in found.quantities.items()})
     excess = np.array([one.value for one in excesses(evaluation, search.kept)]) + margins
     scatter = spread(
-        replace(buoy.model(climate), cost=search.cost), buoy.study, evaluation.damping, search.kept, shares
+        replace(buoy.model(climate), cost=search.cost, fatigue=search.fatigue),
+        buoy.study,
+        evaluation.damping,
+        search.kept,
+        shares,
     )
     return probabilities(excess, scatter, parts)
 

@@ -49,7 +49,7 @@ DIVISORS = {
     "power_per_force": "force_rms", "power_per_mass": "mass", "power_per_surface": "surface", "power_per_cost": "cost",
 }  # fmt: skip
 """Objective -> the quantity annual mean power is divided by."""
-OF_SHELL = ("load_factor", "static_strain")
+OF_SHELL = ("load_factor", "static_strain", "damage")
 """Limits of a flexible shell; a rigid sphere meets them."""
 LIMITS = tuple(name for name in KEYS["Limits"] if name != "sigmas")
 """Names of the limits."""
@@ -74,7 +74,7 @@ PARTS = {
 """Limits of which several parts must be met, with names of their own, and a multiplier each."""
 PRICED = {"per_kg": "mass", "per_newton": "force_rms", "per_square_metre": "surface"}
 """Price -> the quantity it is of."""
-OF_WAVES = ("force_rms", "stroke_rms", "spring_pull", "spring_share", "cost")
+OF_WAVES = ("force_rms", "stroke_rms", "spring_pull", "spring_share", "cost", "damage")
 """Limits that a buoy meets in waves, by its take-off; the others at rest."""
 OF_SIZE = ("beam", "surface", "volume", "force_rms")
 """Limits of which one must hold where the radius is free, or power grows with it up to its bound."""
@@ -204,6 +204,7 @@ class Limits(Section):
     stroke_rms: Positive | None = None
     spring_pull: Positive | None = 0.05
     cost: Positive | None = None
+    damage: Positive | None = None
     sigmas: NonNegative = 0.0  # standard deviations by the uncertain inputs that are kept away from them
 
     @property
@@ -241,6 +242,15 @@ class Cost(Section):
         return {of: price for name, of in PRICED.items() if (price := getattr(self, name))}
 
 
+class Fatigue(Section):
+    """Cycles of strain that a wall bears, N = cycles (range/strain)^-exponent, and the years it is to last."""
+
+    exponent: Annotated[Positive, Field(ge=1, le=40)]
+    strain: Annotated[Positive, Field(le=10)]  # range, from the least to the largest strain of a cycle [-]
+    cycles: Positive = 1e6
+    years: Positive = 20.0
+
+
 class Optimisation(Section):
     """One design file; names of files are relative to it."""
 
@@ -252,6 +262,7 @@ class Optimisation(Section):
     tuning: DesignTuning = "one"
     maximise: Objective = "annual_mean_power"
     cost: Cost | None = None
+    fatigue: Fatigue | None = None
     limits: Limits = Limits()
     competitor: Competitor = Competitor()
     starts: Annotated[Count, Field(ge=1, le=200)] = 8
@@ -576,6 +587,10 @@ def _check_control(problem: Optimisation, study: Study, mistakes: _Mistakes) -> 
             f"received causal, and {problem.study} has pto.stiffness {study.pto.stiffness:g}; the controller is the "
             "whole force, needs 0",
         )
+    if problem.fatigue:
+        mistakes.add(
+            "fatigue", "received with tuning causal; the damage of the wall is computed with a damper, tuning: one"
+        )
     if problem.verify:
         mistakes.add("verify", "received with tuning causal; runs in time of designs need one damper, tuning: one")
 
@@ -652,6 +667,13 @@ def _check_others(problem: Optimisation, study: Study, mistakes: _Mistakes) -> N
     }
     for key in (key for key, of_cost in asked.items() if of_cost and not problem.cost):
         mistakes.add((key,), "received the cost without prices; needs them, such as cost: {per_kg: 4, per_newton: 0.3}")
+    for key in ("limits", "pareto"):
+        if "damage" in (problem.limits.given if key == "limits" else problem.pareto) and not problem.fatigue:
+            mistakes.add(
+                (key, "damage"),
+                "needs cycles of strain that the wall bears beside it, such as fatigue: {exponent: 5, strain: 0.6}: "
+                "1e6 cycles with a range of 0.6",
+            )
     if problem.limits.sigmas and not problem.uncertain:
         mistakes.add(
             ("limits", "sigmas"),

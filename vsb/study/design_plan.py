@@ -57,6 +57,7 @@ class DesignPlan(ResultsFolder):
             maximise=problem.maximise,
             limits=problem.limits.given,
             cost=problem.prices,
+            fatigue=problem.fatigue,
             degrees=self._degrees,
             tolerance=loaded.base.modes.tolerance,
             tuning=problem.tuning,

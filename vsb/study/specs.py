@@ -24,7 +24,7 @@ from vsb.engine.waves.water import Water
 from vsb.keys.quantities import Brief, Name, Section
 from vsb.study.body import AnyStudy, Body, BodyDesign, BodyHydro
 from vsb.study.campaign import CAUSAL, Constrained, Scatter, Spectra, Tunings, Verify
-from vsb.study.design import CONTROLLED, DesignTuning, Objective, Variable
+from vsb.study.design import CONTROLLED, DesignTuning, Fatigue, Objective, Variable
 from vsb.study.directions import Mooring, Motion
 from vsb.study.drag import BodyDrag, Drag
 from vsb.study.sections import Design, Hydro, Modes, RestShape
@@ -495,11 +495,12 @@ class Search(Brief):
     degrees: tuple[int, ...] = ()  # of shell modes, to be tried in turn, the last two for errors; none of a rigid buoy
     tolerance: float = 0.0  # change of the power by the next two degrees that is small enough
     cost: dict[str, float] = Field(default_factory=dict)  # prices by the quantity they are of
+    fatigue: Fatigue | None = None  # what the wall of a flexible buoy bears
     sigmas: float = 0.0  # standard deviations by the uncertain inputs that limits are kept away by
     uncertain: dict[str, float] = Field(default_factory=dict)  # those of these inputs, relative; none without sigmas
     tuning: DesignTuning = "one"
 
-    BRIEF: ClassVar[tuple[str, ...]] = ("tuning",)
+    BRIEF: ClassVar[tuple[str, ...]] = ("tuning", "fatigue")
 
     @property
     def kept(self) -> dict[str, float]:
