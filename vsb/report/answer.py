@@ -190,8 +190,8 @@ def tuned_statements(lines: Lines, reference: str | None, seas: dict[str, str]) 
         base = next((line for line in sea if line["design"] == reference), None)
         others = [line for line in sea if line is not base and line["best_gain_percent"] is not None]
         if base is None or not others:
-            ends = ("best_power", "best_power_low", "best_power_high")
-            parts = [f"{line['design']} absorbs {power(*map(line.get, ends))}" for line in sea]
+            ends = ("best_power_low", "best_power_high")
+            parts = [f"{line['design']} absorbs {power(line['best_power'], *map(line.get, ends))}" for line in sea]
         else:
             parts = [f"{line['design']} absorbs {_gain(line, base)}" for line in others]
         statements.append(f"In {seas[name]}, each design at its optimal damping: {'; '.join(parts)}.")
