@@ -32,6 +32,7 @@ from vsb.models.viability import static_modal_amplitude, static_strain
 from vsb.report.band import gain_band
 from vsb.results.ledger import classical_check
 from vsb.stages.make import hydro_files
+from vsb.study.campaign import AT_FORCE, CAUSAL
 from vsb.study.study import Study, parse
 from vsb.tools.arrays import FloatArray
 from vsb.tools.files import write_text
@@ -238,6 +239,40 @@ def pays_in_a_year(folder: Path) -> dict[str, Value]:
     return found
 
 
+def at_force(folder: Path) -> dict[str, Value]:
+    """Gain over the same year at a given rms force, and at that of the optimal damper, and the rigid buoy's energy."""
+    given = yaml.safe_load((HOME / "config" / "when_it_pays.yaml").read_text(encoding="utf-8"))
+    del given["constrained"]
+    found: dict[str, Value] = {}
+    for name, tunings in (("at_force", AT_FORCE), (OWN_FORCE, ("one", CAUSAL))):
+        files = {"study": str(EXAMPLE), "climate": {"spectra": str(HOME / SEAS)}}
+        raw = {**given, **files, "campaign": name, "tuning": [*tunings], "vary": dict(given["vary"])}
+        if name == OWN_FORCE:
+            del raw["vary"]["pto.force_limit"]
+        write_text(folder / f"{name}.yaml", yaml.safe_dump(raw, sort_keys=False))
+        vsb_command("run", f"{name}.yaml", folder=folder)
+        campaign = vsb.open(folder / "results" / name)
+        assert isinstance(campaign, vsb.Campaign)
+        found |= gains_at_force(campaign.table)
+    return found
+
+
+def gains_at_force(table: pd.DataFrame) -> dict[str, Value]:
+    """Gains of the free shell and energies of the rigid buoy by force and tuning, from the table of a campaign."""
+    found: dict[str, Value] = {}
+    for row in table.to_dict("records"):
+        force = f"{row['pto.force_limit'] / 1e3:g}" if "pto.force_limit" in row else OWN_FORCE
+        place = f"{force}.{row['tuning']}"
+        if row["design"] == RIGID:
+            found[f"rigid.{place}"] = float(row["annual_energy"])
+        if row["design"] == FREE:
+            place = f"{row['device.young_modulus'] / 1e6:g}.{place}"
+            found |= {f"{place}.{end}": float(row[f"gain_{end}"]) for end in ("percent", "low", "high")}
+    return found
+
+
+OWN_FORCE = "own_force"
+"""In place of a limit: the rms force of the optimal damper."""
 MODULI, LIMITS = (20, 40, 80, 160), (4, 12, 40)
 """Young's moduli [MPa] and limits of force [kN] of config/when_it_pays.yaml."""
 DOUBTED = 2.0
@@ -418,6 +453,11 @@ SOURCES: Mapping[str, Source] = {
     "check": Source("vsb check config/buoy.yaml", checked, quick=True),
     "map": Source("python -m examples.when_flexibility_pays results/when_flexibility_pays", pays_map),
     "when_it_pays": Source("vsb run config/when_it_pays.yaml", pays_in_a_year),
+    "at_force": Source(
+        "vsb run config/when_it_pays.yaml, with tuning: [damper_same_force, causal]; with [one, causal] and no "
+        "force_limit",
+        at_force,
+    ),
     "best_buoy": Source("vsb run config/best_buoy.yaml, with verify: {seas: 24, model: body_exact}", best_buoy),
     "directions": Source("python -m examples.directions results/directions.csv", directions_of),
     "strain": Source(

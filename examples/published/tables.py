@@ -20,10 +20,12 @@ from examples.published.sources import (
     HOME,
     LIMITS,
     MODULI,
+    OWN_FORCE,
     PAPERS,
     PEAKS,
     SOURCES,
 )
+from vsb.study.campaign import AT_FORCE, CAUSAL
 
 MODELS = ("linear", "exact")
 YEAR = {"VSWEC": "VSWEC, free", "VSWEC0": "VSWEC0, clamped at the top", "VSWEC90": "VSWEC90, clamped at the equator"}
@@ -75,6 +77,35 @@ def pays_in_a_year(values: Values) -> str:
         gains = [interval(values, f"when_it_pays.{modulus}.{force}", 2) for force in LIMITS]
         rows.append([f"{modulus} MPa", f"{strain:.1f} %{doubt}", *gains])
     return table(["Young's modulus", "strain at rest", "4 kN", "12 kN", "40 kN"], rows)
+
+
+def at_force(values: Values) -> str:
+    """Gain over a year at a given rms force, by modulus and control."""
+    rows = []
+    for modulus in MODULI:
+        strain = float(values[f"when_it_pays.{modulus}.strain"])
+        shell = [f"{modulus} MPa", f"{strain:.1f} %{', in doubt' if strain > DOUBTED else ''}"]
+        for force in LIMITS:
+            weak, control = (interval(values, f"at_force.{modulus}.{force}.{tuning}", 2) for tuning in AT_FORCE)
+            known = interval(values, f"when_it_pays.{modulus}.{force}", 2)
+            rows.append([*shell, f"{force} kN", weak, control, known])
+        damper, control = (interval(values, f"at_force.{modulus}.{OWN_FORCE}.{name}", 2) for name in ("one", CAUSAL))
+        rows.append([*shell, "optimal damper's", damper, control, ""])
+    return table(["Young's modulus", "strain at rest", "rms force", *CONTROLS], rows)
+
+
+CONTROLS = ("best damper of that force", "causal control", "future known, limit of every instant")
+
+
+def at_force_rigid(values: Values) -> str:
+    """Energy of the rigid buoy's year at a given rms force."""
+    named: list[tuple[str, str, tuple[str, str]]] = [(f"{force} kN", f"{force}", AT_FORCE) for force in LIMITS]
+    named.append(("optimal damper's", OWN_FORCE, ("one", CAUSAL)))
+    rows = [
+        [words, *(printed(values[f"at_force.rigid.{force}.{tuning}"], ".1f") for tuning in tunings)]
+        for words, force, tunings in named
+    ]
+    return table(["rms force", *CONTROLS[:2]], rows)
 
 
 def best_buoy(values: Values) -> str:
@@ -234,6 +265,8 @@ BLOCKS: Mapping[str, Callable[[Values], str]] = {
     "last-line": last_line,
     "map": pays_map,
     "when_it_pays": pays_in_a_year,
+    "at_force": at_force,
+    "at_force-rigid": at_force_rigid,
     "directions": directions,
     "best-buoy": best_buoy,
     "best-buoy-errors": best_buoy_errors,
