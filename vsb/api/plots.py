@@ -87,6 +87,11 @@ class StudyPlots:
     def __init__(self, results: StudyResults) -> None:
         self._results = results
 
+    def style(self, design: str) -> dict[str, Any]:
+        """Return colour, line style and label of a design, as all figures have them: options of `Axes.plot`."""
+        study = self._results.study
+        return style(design, list(study.designs), study.reference_design)
+
     def rao(self, dof: str = "Heave", direction: float | None = None, ax: Axes | None = None) -> Axes:
         """Draw the modulus of the response amplitude operator of a degree of freedom over frequency.
 
@@ -172,7 +177,7 @@ class StudyPlots:
             run = results.trajectory(design, wave)
             if dof in run.dof.values:
                 run = run.sel(time=slice(start, end))
-                axes.plot(run.time, run.position.sel(dof=dof), **self._style(design))
+                axes.plot(run.time, run.position.sel(dof=dof), **self.style(design))
         axes.set(xlabel="time [s]", ylabel=f"{dof} [{_unit(dof)}]")
         axes.legend(frameon=False)
         return axes
@@ -196,7 +201,7 @@ class StudyPlots:
         time = np.arange(max(first, end - PERIODS_SHOWN * period), end, period / FRAMES_PER_PERIOD)
         seen = (self._meridian if results.study.buoy else self._hull)(run.interp(time=time), wave, magnify)
         figure, axes = plt.subplots()
-        (hull,) = axes.plot([], [], **self._style(design))
+        (hull,) = axes.plot([], [], **self.style(design))
         (water,) = axes.plot([], [], color="#0072B2", linewidth=1)
         axes.set(xlim=seen.place[[0, -1]], ylim=seen.heights, aspect="equal", xlabel="x [m]", ylabel="z [m]")
 
@@ -239,16 +244,11 @@ class StudyPlots:
         points = np.concatenate([lines, apart], axis=2).reshape(len(lines), -1, 2)
         return _Moving(points[..., 0], points[..., 1], place, level, (-data["bottom"], data["top"]))
 
-    def _style(self, design: str) -> dict[str, Any]:
-        """Colour, line style and label of a design."""
-        study = self._results.study
-        return style(design, list(study.designs), study.reference_design)
-
     def _curves(self, values: xr.DataArray, label: str, ax: Axes | None) -> Axes:
         """Values of all designs over frequency."""
         axes = _axes(ax)
         for design in map(str, values.design.values):
-            axes.plot(values.omega, values.sel(design=design), **self._style(design))
+            axes.plot(values.omega, values.sel(design=design), **self.style(design))
         axes.set(xlabel="wave frequency [rad/s]", ylabel=label)
         axes.legend(frameon=False)
         return axes
