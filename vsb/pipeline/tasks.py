@@ -88,14 +88,28 @@ class Task:
 
 
 def tasks(plan: Plan) -> list[Task]:
-    """Return the tasks of a study, campaign or design problem, each after those whose files it needs."""
+    """Return the tasks of a study, campaign or design problem, each after those whose files it needs.
+
+    The plan keeps them: of thousands of points they take seconds.
+    """
+    known: dict[str, tuple[Task, ...]] = plan.__dict__
+    if "_tasks" not in known:
+        known["_tasks"] = tuple(_tasks(plan))
+    return [*known["_tasks"]]
+
+
+def _tasks(plan: Plan) -> Iterator[Task]:
+    """The tasks of a plan."""
     if isinstance(plan, CampaignPlan):
-        return [*_year(plan)]
-    if isinstance(plan, DesignPlan):
-        return [*_design(plan)]
-    water = [*_body(plan)] if isinstance(plan, BodyPlan) else [*_buoy(plan)]
-    motion = [*_coefficients(plan)] if plan.study.needs_bem else []
-    return [*water, *motion, *_runs(plan), *_answers(plan)]
+        yield from _year(plan)
+    elif isinstance(plan, DesignPlan):
+        yield from _design(plan)
+    else:
+        yield from _body(plan) if isinstance(plan, BodyPlan) else _buoy(plan)
+        if plan.study.needs_bem:
+            yield from _coefficients(plan)
+        yield from _runs(plan)
+        yield from _answers(plan)
 
 
 def file_ids(plan: Plan) -> dict[str, str]:
