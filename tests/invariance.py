@@ -157,7 +157,11 @@ def assert_same_in_other_units(own, other, units=UNITS, free=()):
         for row, restated_row in zip(rows, found[table], strict=True):
             for key, value in row.items():
                 here = (table, row.get("name"), row.get("design"), key)
-                if row.get("name") in MACHINE or key in MACHINE or key in {"wave", "sea", "explanation", "note"}:
+                if (
+                    row.get("name") in MACHINE
+                    or key in MACHINE
+                    or key in {"wave", "sea", "explanation", "advice", "note"}
+                ):
                     continue
                 if isinstance(value, float):
                     unit = units.get(key.partition(" ")[0], "-")

@@ -260,7 +260,7 @@ def test_length_of_records_is_judged_before_anything_runs(seed):
         assert (found.verdict, found.value) == (verdict, pytest.approx(FEWEST_BATCHES / (2 * realisations)))
         (found,) = (check for check in seas_checks(varied(seed, waves=waves)) if check.name == "record_length")
         assert (found.verdict, found.value) == ("ok", 0.0)
-        assert "mean power of a sea is that of its spectrum" in found.explanation
+        assert "mean power follows from the spectrum" in found.explanation
         names = set(families(exact))
         (found,) = (check for check in seas_checks(exact, linear=names) if check.name == "record_length")
         assert found.verdict == "ok"  # the runs turned out to be linear

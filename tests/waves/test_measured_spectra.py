@@ -200,7 +200,9 @@ def test_swan_text_packed_with_gzip_and_one_dimensional(tmp_path):
 
 def test_a_file_for_wavespectra_names_it_where_it_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "wavespectra", None)
-    with pytest.raises(ConfigError, match=r"swan\.spec: received .* SWAN writes them; needs the package wavespectra"):
+    with pytest.raises(
+        ConfigError, match=r"swan\.spec: received .* SWAN writes them; needs .*: pip install wavespectra"
+    ):
         read_spectra(WRITTEN / "swan.spec")
 
 
