@@ -87,6 +87,7 @@ def test_waves_above_the_frequencies_solved_widen_a_power_by_the_most_they_hold(
     assert parts.power < more < parts.power + parts.unsolved
 
 
+@pytest.mark.slow
 def test_the_interval_of_a_profile_holds_the_power_of_the_curve_its_points_are_of():
     """Eleven points of a spheroid: through them go the spline that is solved, and the spheroid."""
     omega, density = np.array([0.8, 1.2, 1.6]), np.array([[0.4, 0.6, 0.0]])

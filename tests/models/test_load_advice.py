@@ -65,7 +65,11 @@ def test_modulus_and_pressure_that_are_advised_carry_the_shell_at_strains_hookes
     assert computed_buckling(better).load_factor > 1.0
 
 
-@pytest.mark.parametrize("shape", [{}, {"shape": {"spheroid": {"height": 3.0}}}], ids=["sphere", "spheroid"])
+@pytest.mark.parametrize(
+    "shape",
+    [{}, pytest.param({"shape": {"spheroid": {"height": 3.0}}}, marks=pytest.mark.slow)],
+    ids=["sphere", "spheroid"],
+)
 def test_what_is_advised_about_the_undeformed_shape_passes_its_checks(shape):
     """The pressure from which a shell of 10 MPa does not buckle strains it beyond the 10 % of Hooke's law: raising the
     pressure and then a stiffer shell would be advised in turn.

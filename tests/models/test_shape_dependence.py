@@ -75,6 +75,7 @@ def test_power_slope_matches_responses_on_deformed_shapes(small, reference, fami
         np.testing.assert_allclose(changes.absorbed_power.sel(design=design), power(0 * direction, design), rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_relative_slopes_are_logarithmic_derivatives(dataset, family):
     h = 0.01
     for name in ("added_mass", "excitation_force"):

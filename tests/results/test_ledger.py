@@ -79,6 +79,7 @@ def test_nonlinear_path_decides_on_viability(seed, pressure, verdict):
     assert ("advice only" in computed.explanation) == (verdict == "doubt")
 
 
+@pytest.mark.slow
 def test_a_long_spheroid_buckles_into_lobes(seed):
     """The seed's soft shell, with the pressure that would carry it."""
     shaped = varied(seed, device={"shape": {"spheroid": {"height": 6.0}}}, modes={"basis": "full", "degree": 3})

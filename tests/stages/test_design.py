@@ -483,6 +483,7 @@ def test_a_climate_beyond_the_frequencies_solved_is_refused(folder):
         check(planned(folder, "beyond", study="low.yaml"))
 
 
+@pytest.mark.slow
 def test_starts_none_of_which_rests_are_named(folder):
     """Walls of 1 to 2 mm with at most 100 Pa inside buckle before they carry their load, some 20 kPa at the keel."""
     plan = planned(folder, "limp", {"device.thickness": [1e-3, 2e-3], "device.internal_pressure": [0.0, 100.0]})
