@@ -163,7 +163,7 @@ class _Swept(NamedTuple):
 
 def _tried(spec: CampaignSpec, found: xr.Dataset) -> dict[str, str]:
     """What would carry the load of the shell that is nearest to it, where the shells of all points buckle."""
-    nearest = int(found.margin.argmax())
+    nearest = int(found.margin.values.argmax())
     if float(found.margin.values.flat[nearest]) >= 0:
         return {}
     (one,) = members(spec.base, [spec.vary.points[nearest]], spec.climate, spec.tuning)
