@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from vsb.cli import main
 from vsb.errors import DatabaseError, VsbError
 from vsb.pipeline.tasks import file_ids
 from vsb.stages import report
+from vsb.stages.locks import shared_lock
 from vsb.stages.verify import differences, stale_products, study_faults, verify
 from vsb.study import study as config
 from vsb.study.plan import StudyPlan
@@ -126,6 +128,21 @@ def test_run_keeps_what_a_user_put_in_the_place_of_a_product(place):
         assert table.exists() == there
     (kept,) = Path(PLAN.root, "trash").rglob("comparison.csv")
     assert kept.read_text() == "hers"
+
+
+def test_what_another_run_is_making_for_both_stays(place):
+    """Meshes that are written and not yet in their manifest are not moved: the run waits for the other one."""
+    meshes = PLAN.display_paths
+    manifest, aside = Path(PLAN.display_folder, "manifest.json"), Path("manifest.json")
+    with ThreadPoolExecutor() as pool:
+        with shared_lock(PLAN.root, meshes):
+            manifest.rename(aside)
+            found = pool.submit(stale_products, PLAN, dry=False)
+            with pytest.raises(TimeoutError):
+                found.result(timeout=0.3)
+            aside.rename(manifest)
+        assert found.result(timeout=60.0) == []
+    assert all(Path(path).is_file() for path in meshes)
 
 
 @pytest.mark.parametrize(("path", "damage"), DAMAGE)

@@ -9,6 +9,7 @@ from pathlib import Path
 from vsb.errors import DatabaseError, VsbError
 from vsb.keys.quantities import id_in, leaves
 from vsb.pipeline import tasks
+from vsb.stages.locks import shared_lock
 from vsb.stages.planning import plan_of
 from vsb.study.body import is_body, located
 from vsb.study.campaign_plan import CampaignPlan
@@ -185,13 +186,14 @@ def stale_products(plan: Plan, *, dry: bool) -> list[str]:
     """
     if changes := differences(plan):
         print(f"vsb: {plan.folder} {'holds' if dry else 'held'} another study of this name: {changes}", flush=True)
-    stale = []
-    for fault in study_faults(plan):
-        if plan.is_shared(fault.path) and fault.path.endswith(".nc"):
-            raise DatabaseError(f"{fault.path}: {fault.reason}; {DELETE}")
-        stale.append(fault)
-    if stale:
+    shared = [fault.path for fault in study_faults(plan) if plan.is_shared(fault.path)]
+    with shared_lock(plan.root, [] if dry else shared):  # another run may be making them just now
+        stale = [one for one in study_faults(plan) if one.path in shared or not plan.is_shared(one.path)]
+        for fault in stale:
+            if plan.is_shared(fault.path) and fault.path.endswith(".nc"):
+                raise DatabaseError(f"{fault.path}: {fault.reason}; {DELETE}")
         moved = [] if dry else _moved(Path(plan.root), [one for one in stale if one.kind in ("nameless", "damaged")])
+    if stale:
         kept = f", what was there is in {Path(plan.root, TRASH)}" if moved else ""
         print(f"vsb: {stale[0].path}: {stale[0].reason}{_more(stale)}; computed anew{kept}", flush=True)
     return [fault.path for fault in stale]
