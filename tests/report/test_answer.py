@@ -8,6 +8,7 @@ from vsb.report.answer import (
     closing_line,
     damping_in_words,
     interval_text,
+    limits_aside,
 )
 from vsb.report.answer import headline as answered
 
@@ -44,6 +45,21 @@ def test_best_design_with_interval_and_band():
         second
         == "Over the band where a design absorbs at least 5 % of the maximum, with damping optimal at each frequency, A absorbs up to 20 % more (in waves of 3.14 s)."
     )
+
+
+def test_optimal_damping_says_that_it_knows_no_limits():
+    """Power at optimal damping may exceed what any take-off within its limits absorbs."""
+    for pto, words in (
+        ({}, ""),
+        ({"law": "linear", "force_limit": "inf"}, ""),
+        ({"force_limit": 4e3}, " without limits"),
+        ({"law": "saturated", "force_limit": 4e3}, " of a linear take-off"),
+    ):
+        aside = limits_aside(pto)
+        assert aside == words
+        lines = [gained("FSB", 0.0), gained("A", 20.0)]
+        (first, _) = headline(lines, best_power(A=0.2), "FSB", SEAS, aside=aside)
+        assert first.startswith(f"In a swell, each design at its optimal damping{words}, A absorbs")
 
 
 def test_most_favourable_sea_and_largest_loss():

@@ -29,7 +29,7 @@ from vsb.errors import ConfigError
 from vsb.models.build import DesignInSea, design_in_sea
 from vsb.models.floating_system import FloatingSystem, band, floating_system, heading_in, study_sea
 from vsb.pipeline.tasks import file_ids
-from vsb.report.answer import closing_line
+from vsb.report.answer import closing_line, limits_aside
 from vsb.results.series import time_series
 from vsb.results.year import HEIGHT, PERIOD, Tuning, Year, frequencies, year
 from vsb.stages import make
@@ -391,7 +391,8 @@ class Results:
         """Say what was compared, the answer, and what the ledger says."""
         found = self._tables
         known = found["equal_tuning"], self.study.reference_design, found["invalid"]
-        answer = closing_line(*known, flexible=self.study.flexible).strip()
+        aside = limits_aside(self.study.pto.model_dump())
+        answer = closing_line(*known, flexible=self.study.flexible, aside=aside).strip()
         verdicts = pd.Series([check["verdict"] for check in found["checks"]]).value_counts()
         seas = ", ".join(wave.label for wave in self.study.waves)
         lines = [

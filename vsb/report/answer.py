@@ -52,6 +52,7 @@ def headline(
     seas: dict[str, str],
     invalid: Lines = (),
     neglected: str = "",
+    aside: str = "",
 ) -> Answer:
     """Return the answer of a study in its seas and over all waves; empty if there is no gain.
 
@@ -67,17 +68,19 @@ def headline(
         Designs that are not valid in a sea; the best one is chosen among the others.
     neglected : str
         What `best_power` leaves out, in words.
+    aside : str
+        What powers at optimal damping leave aside, see `limits_aside`.
     """
     others = [line for line in lines if line["design"] != reference and line["best_gain_percent"] is not None]
     if reference is None or not others:
         return Answer([], [])
     valid = valid_lines(others, reference, invalid)
     if not valid:
-        found = [_in_seas(others, lines, reference, seas), *_over_band(best_power, reference, neglected)]
+        found = [_in_seas(others, lines, reference, seas, aside), *_over_band(best_power, reference, neglected)]
         return Answer([no_answer(invalid)], [f"{COMPUTED}{' '.join(found)}"])
     kept = [reference, *dict.fromkeys(line["design"] for line in valid)]
     designs = [design for design in best_power.design.values if design in kept]
-    stands = [_in_seas(valid, lines, reference, seas)]
+    stands = [_in_seas(valid, lines, reference, seas, aside)]
     stands += _over_band(best_power.sel(design=designs), reference, neglected)
     return Answer(stands, _left_out(others, valid, invalid, reference, seas))
 
@@ -105,7 +108,7 @@ def _left_out(others: Lines, valid: Lines, invalid: Lines, reference: str, seas:
     return found
 
 
-def _in_seas(shown: Lines, lines: Lines, reference: str, seas: dict[str, str]) -> str:
+def _in_seas(shown: Lines, lines: Lines, reference: str, seas: dict[str, str], aside: str) -> str:
     """The largest gain of some lines, in which sea, and its interval."""
     best = max(shown, key=lambda line: float(line["best_gain_percent"]))
     gain, sea = float(best["best_gain_percent"]), best["sea"]
@@ -123,7 +126,18 @@ def _in_seas(shown: Lines, lines: Lines, reference: str, seas: dict[str, str]) -
         pays = len({line["sea"] for line in shown if float(line["best_gain_percent"]) > 0})
         elsewhere = f"; flexible designs absorb more in {pays or 'none'} of the {count} seas, "
         elsewhere += f"at worst {-least:.1f} % less"
-    return f"{where}, each design at its optimal damping, {what}{elsewhere}."
+    return f"{where}, each design at its optimal damping{aside}, {what}{elsewhere}."
+
+
+def limits_aside(pto: Mapping[str, Any]) -> str:
+    """Return what powers at optimal damping leave aside of a take-off, in words that follow; empty if it is nothing.
+
+    Optimal damping is that of a linear take-off, which may exceed limits of force and stroke.
+    """
+    if pto.get("law", "linear") != "linear":
+        return " of a linear take-off"
+    limits = [float(pto.get(name, math.inf)) for name in ("force_limit", "stroke_limit")]
+    return " without limits" if min(limits) < math.inf else ""
 
 
 def interval_text(low: float | None, high: float | None) -> str:
@@ -182,7 +196,7 @@ def damping_in_words(pto: dict[str, Any]) -> str:
     return f"{GIVEN} of each" if isinstance(pto.get("damping"), dict) and words == GIVEN else words
 
 
-def tuned_statements(lines: Lines, reference: str | None, seas: dict[str, str]) -> list[str]:
+def tuned_statements(lines: Lines, reference: str | None, seas: dict[str, str], aside: str = "") -> list[str]:
     """Return, for each sea, what the designs absorb at their optimal damping; see `headline`."""
     statements = []
     for name in dict.fromkeys(line["sea"] for line in lines):
@@ -194,7 +208,7 @@ def tuned_statements(lines: Lines, reference: str | None, seas: dict[str, str]) 
             parts = [f"{line['design']} absorbs {power(line['best_power'], *map(line.get, ends))}" for line in sea]
         else:
             parts = [f"{line['design']} absorbs {_gain(line, base)}" for line in others]
-        statements.append(f"In {seas[name]}, each design at its optimal damping: {'; '.join(parts)}.")
+        statements.append(f"In {seas[name]}, each design at its optimal damping{aside}: {'; '.join(parts)}.")
     return statements
 
 
@@ -336,21 +350,23 @@ def tuning_table(lines: Lines) -> list[list[str]]:
     ]  # fmt: skip
 
 
-def closing_line(lines: Lines, reference: str | None, invalid: Lines = (), *, flexible: bool = True) -> str:
+def closing_line(
+    lines: Lines, reference: str | None, invalid: Lines = (), *, flexible: bool = True, aside: str = ""
+) -> str:
     """Return the answer of a study in one line that another sentence continues; empty if there is none.
 
     Gains, and the largest mean power, with their intervals. Only valid designs count; where there is none, the line
-    says so and why. `flexible` says whether any design is.
+    says so and why. `flexible` says whether any design is, `aside` what `limits_aside` does.
     """
     others = valid_lines(lines, reference, invalid)
     if not others and invalid:
         return f"{no_answer(invalid)} "
     parts = [
         f"{_range([line for line in others if line[f'{of}gain_percent'] is not None], of)} at {where}"
-        for of, where in (("best_", "optimal damping"), ("", "the given damping"))
+        for of, where in (("best_", f"optimal damping{aside}"), ("", "the given damping"))
         if any(line[f"{of}gain_percent"] is not None for line in others)
     ]
-    most = _most_absorbed(lines, invalid)
+    most = _most_absorbed(lines, invalid, aside)
     if not (parts and reference):
         return most
     return f"mean power against {the_rigid(reference) if flexible else reference} {', '.join(parts)}; {most}"
@@ -366,7 +382,7 @@ def _range(lines: Lines, of: str) -> str:
     return f"{low} %{interval and f' ({interval})'}"
 
 
-def _most_absorbed(lines: Lines, invalid: Lines) -> str:
+def _most_absorbed(lines: Lines, invalid: Lines, aside: str) -> str:
     """The largest mean power at optimal damping of what is valid, with its interval; empty without one."""
     broken = {(line["design"], line["sea"]) for line in invalid}
     valid = [line for line in lines if (line["design"], line["sea"]) not in broken]
@@ -376,4 +392,4 @@ def _most_absorbed(lines: Lines, invalid: Lines) -> str:
     value = power(best["best_power"], best["best_power_low"], best["best_power_high"])
     where = f" in {best['sea']}" if len({line["sea"] for line in lines}) > 1 else ""
     verb = "absorbs most," if len({line["design"] for line in lines}) > 1 else "absorbs"
-    return f"{best['design']} {verb} {value}{where} at optimal damping; "
+    return f"{best['design']} {verb} {value}{where} at optimal damping{aside}; "

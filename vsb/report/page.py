@@ -25,6 +25,7 @@ from vsb.report.answer import (
     headline,
     knowledge_text,
     limited_statements,
+    limits_aside,
     parts_table,
     shares_text,
     tuned_statements,
@@ -324,16 +325,23 @@ def _neglected(report: Report) -> str:
     return "without drag" if report.study.get("drag") else ""
 
 
+def _aside(report: Report) -> str:
+    """What powers at optimal damping leave aside, in words."""
+    return limits_aside(report.study["pto"])
+
+
 def _answer(report: Report, in_seas: Sequence[str]) -> Answer:
     """The answer at equal tuning if it is known, else as simulated; what is not valid stands below."""
     if report.response is None:
         said = [NO_OPTIMUM, *in_seas[:1]]
     else:
         best, names = report.response.best_power, report.seas
-        found = headline(report.equal_tuning, best, report.rigid, names, report.invalid, _neglected(report))
+        found = headline(
+            report.equal_tuning, best, report.rigid, names, report.invalid, _neglected(report), _aside(report)
+        )
         if found.stands:
             return found
-        said = tuned_statements(report.equal_tuning, report.rigid, report.seas)[:1] or list(in_seas[:1])
+        said = tuned_statements(report.equal_tuning, report.rigid, report.seas, _aside(report))[:1] or list(in_seas[:1])
     designs = {row["design"] for row in report.rows} - {report.reference}
     if designs and designs <= {line["design"] for line in report.invalid}:
         return Answer([no_answer(report.invalid)], [f"{COMPUTED}{' '.join(said)}"])
@@ -379,7 +387,7 @@ def render(report: Report) -> str:
         animated=in_motion(report.animated),
         still="" if report.animated else STILL,
         tuned=[
-            *([] if response is None else tuned_statements(tuned, report.rigid, report.seas)),
+            *([] if response is None else tuned_statements(tuned, report.rigid, report.seas, _aside(report))),
             *limited_statements(report.within_limits, report.reference, report.seas),
         ],
         seas=in_seas,
