@@ -164,22 +164,26 @@ def fronts(facts: Facts) -> list[str]:
     return found
 
 
+LINEAR = "By linear theory, its own error left aside, flexibility gains"
+"""How a sentence on a front begins: its buoys are not followed in time."""
+
+
 def where_it_gains(limit: str, points: Sequence[Mapping[str, Any]]) -> str:
     """Return at which values of a limit, ascending, the gain lies above zero with all its interval, in words."""
     gains = [one["gain"]["low"] > 0 for one in points]
     values = [with_unit(one["limit"], unit_of(limit)) for one in points]
     count = sum(gains)
     if not count:
-        return f"Flexibility gains at no limit of the {in_full(limit)} by more than the known errors"
+        return f"{LINEAR} at no limit of the {in_full(limit)} by more than the known errors"
     if count == len(points):
-        return f"Flexibility gains at all limits of the {in_full(limit)} by more than the known errors"
+        return f"{LINEAR} at all limits of the {in_full(limit)} by more than the known errors"
     if all(gains[:count]):
         where = f"{values[count - 1]} or less"
     elif all(gains[-count:]):
         where = f"{values[-count]} or more"
     else:
         where = " and ".join(value for value, gain in zip(values, gains, strict=True) if gain)
-    return f"Flexibility gains by more than the known errors with the {in_full(limit)} limited to {where}"
+    return f"{LINEAR} by more than the known errors with the {in_full(limit)} limited to {where}"
 
 
 def limited(facts: Facts) -> list[str]:
