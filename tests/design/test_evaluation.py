@@ -289,8 +289,9 @@ def test_numerical_errors_are_small(climate):
     model = DesignModel.of(
         study_of(water={"depth": 6.0}), "VSWEC", climate, ["device.radius", "device.internal_pressure"]
     )
+    model = replace(model, fatigue=Fatigue(exponent=6.0, strain=0.1))
     found, finer = model.at(model.point), model.finer.at(model.point)
-    for name in ("annual_mean_power", "force_rms", "stroke_rms", "damping"):
+    for name in ("annual_mean_power", "force_rms", "stroke_rms", "damping", "damage"):
         one, other = found[name], finer[name]
         assert one.value == pytest.approx(other.value, rel=1e-8)
         np.testing.assert_allclose(one.gradient, other.gradient, rtol=1e-6)

@@ -24,12 +24,12 @@ def coupled():
     """Two masses on springs, coupled, with losses and one channel of radiation, in a sea; and what its waves see."""
     spacing = 0.01
     omega = (np.arange(1200) + 0.5) * spacing
-    pushed = np.stack([3e4 * np.exp(-((omega / 2) ** 2)), 1e4 * np.exp(-((omega / 2.2) ** 2))], axis=1)
-    lost = pushed[:, :, None] * pushed[:, None] * (omega**3 / 2e7)[:, None, None] + np.diag([6e3, 3e3])
+    excitation = np.stack([3e4 * np.exp(-((omega / 2) ** 2)), 1e4 * np.exp(-((omega / 2.2) ** 2))], axis=1)
+    lost = excitation[:, :, None] * excitation[:, None] * (omega**3 / 2e7)[:, None, None] + np.diag([6e3, 3e3])
     mass, stiffness = np.array([[3e4, 4e3], [4e3, 1e4]]), np.array([[1e5, 1e4], [1e4, 9e4]])
     at = omega[:, None, None]
     admittance = np.linalg.inv(lost - 1j * at * mass + 1j * stiffness / at)
-    free = np.einsum("wij,wj->wi", admittance, pushed)
+    free = np.einsum("wij,wj->wi", admittance, excitation)
     density = jonswap_spectrum(omega, 1.0, 4.0, 3.3)
     spectrum = free[:, :, None] * free[:, None].conj() * density[:, None, None]
     return StationaryPorts(spacing, admittance, spectrum), Ports(omega, admittance, free), 2 * density * spacing

@@ -100,7 +100,7 @@ class DesignModel:
     beyond: bool = False
     cost: Mapping[str, float] = field(default_factory=dict)  # prices by the quantity they are of
     control: RmsLimits | None = None  # limits of causal control; none: a damper
-    fatigue: Fatigue | None = None  # what the wall bears, of which the damage is told; none: not told
+    fatigue: Fatigue | None = None  # cycles of strain the wall bears; none: no damage is computed
 
     @classmethod
     def of(

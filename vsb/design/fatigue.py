@@ -6,9 +6,9 @@ Rayleigh's. The wall bears N (range/strain)^-m cycles of a range; by Miner's sum
 
     sum over seas of share T sqrt(m_2/m_0)/(2 pi N) (2 sqrt(2 m_0)/strain)^m Gamma(1 + m/2).
 
-Of a wider band it is a bound from above on what counting rainflow cycles gives (Rychlik, Extremes 16, 2013). Strains
-are those of both faces of the wall along the meridian and around the axis, of membrane and bending, about the shape at
-rest; the damage is that of the point of the wall where it is largest.
+Of a wider band it is a bound from above on what counting rainflow cycles gives (Rychlik, Probabilistic Engineering
+Mechanics 8, 1993). Strains are those of both faces of the wall along the meridian and around the axis, of membrane and
+bending, about the shape at rest; the damage is that of the point of the wall where it is largest.
 """
 
 import math
@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from vsb.design.limits import colatitudes
 from vsb.design.linearised import Angle, motions_of, of_all
 from vsb.design.resting import RestingBuoy, Stepped
 from vsb.design.year import FrequencyGrid, YearMotion
@@ -161,9 +162,7 @@ def damage(
 
 def _worst(wall: Wall, buoy: RestingBuoy) -> tuple[int, FloatArray]:
     """The strain that does most damage, and the colatitude where it does, shape (1,) [rad]."""
-    basis = buoy.loaded.basis
-    aside = 1e-4 if basis.shell.rest else 0.0
-    grid = np.linspace(aside, np.pi - aside, PER_TURN * (basis.turns + 1) + 1)
+    grid = colatitudes(buoy, PER_TURN)
     found = wall.damage(strain_rows(buoy, grid).swapaxes(1, 2))
     face, place = divmod(int(found.argmax()), len(grid))
     bounds = grid[max(place - 1, 0)], grid[min(place + 1, len(grid) - 1)]

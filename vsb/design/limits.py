@@ -56,20 +56,20 @@ def _surface(buoy: RestingBuoy) -> AnyArray:
 
 def _highest(function: Callable[[FloatArray], FloatArray], buoy: RestingBuoy) -> FloatArray:
     """Colatitude where a function of it is largest, shape (1,) [rad]."""
-    grid = _grid(buoy)
+    grid = colatitudes(buoy)
     at = int(np.argmax(function(grid)))
     bounds = grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)]
     found = minimize_scalar(lambda phi: -float(function(np.array([phi]))[0]), bounds=bounds, options={"xatol": 1e-10})
     return np.array([found.x if -found.fun > function(grid[at : at + 1])[0] else grid[at]])
 
 
-def _grid(buoy: RestingBuoy) -> FloatArray:
-    """Colatitudes that resolve the shape [rad], from pole to pole; on other meridians than the sphere's between them.
+def colatitudes(buoy: RestingBuoy, per_turn: int = 40) -> FloatArray:
+    """Return colatitudes that resolve the shape [rad], from pole to pole; on other meridians than the sphere's between.
 
     There strains are not computed at the poles, where their slope is zero.
     """
     aside = 1e-4 if buoy.loaded.basis.shell.rest else 0.0
-    return np.linspace(aside, np.pi - aside, 40 * (buoy.loaded.basis.turns + 1) + 1)
+    return np.linspace(aside, np.pi - aside, per_turn * (buoy.loaded.basis.turns + 1) + 1)
 
 
 def static_strain(buoy: RestingBuoy, stepped: Sequence[Stepped]) -> Slopes:
@@ -85,7 +85,7 @@ def static_strain(buoy: RestingBuoy, stepped: Sequence[Stepped]) -> Slopes:
         return np.array(b.loaded.elastic.strains(q, phi))
 
     q = displaced(buoy)
-    which = int(np.abs(strains(buoy, q, _grid(buoy))).max(axis=1).argmax())
+    which = int(np.abs(strains(buoy, q, colatitudes(buoy))).max(axis=1).argmax())
     at = _highest(lambda phi: np.abs(strains(buoy, q, phi)[which]), buoy)
     value = float(strains(buoy, q, at)[which, 0])
     slopes = [one.derivative(lambda b: strains(b, displaced(b), at)[which, 0]) for one in stepped]

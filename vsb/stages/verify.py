@@ -186,9 +186,11 @@ def stale_products(plan: Plan, *, dry: bool) -> list[str]:
     """
     if changes := differences(plan):
         print(f"vsb: {plan.folder} {'holds' if dry else 'held'} another study of this name: {changes}", flush=True)
-    shared = [fault.path for fault in study_faults(plan) if plan.is_shared(fault.path)]
-    with shared_lock(plan.root, [] if dry else shared):  # another run may be making them just now
-        stale = [one for one in study_faults(plan) if one.path in shared or not plan.is_shared(one.path)]
+    stale = study_faults(plan)
+    shared = [fault.path for fault in stale if plan.is_shared(fault.path)]
+    with shared_lock(plan.root, [] if dry else shared):
+        if shared:  # another run may have been making them
+            stale = [one for one in study_faults(plan) if one.path in shared or not plan.is_shared(one.path)]
         for fault in stale:
             if plan.is_shared(fault.path) and fault.path.endswith(".nc"):
                 raise DatabaseError(f"{fault.path}: {fault.reason}; {DELETE}")

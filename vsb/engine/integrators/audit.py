@@ -136,26 +136,26 @@ class Flow:
         -------
         ndarray, shape (loss + acting, time)
         """
-        pushes = [_extended(self.dt * force) for force in acting]
-        directions = _spanned([self.driven, *pushes])
-        driven, pushes = self.driven @ directions, [np.asarray(force @ directions) for force in pushes]
+        forces = [_extended(self.dt * force) for force in acting]
+        directions = _spanned([self.driven, *forces])
+        driven, forces = self.driven @ directions, [np.asarray(force @ directions) for force in forces]
         factors, moments = self.integrals(losses, directions)
         rows = np.vstack([*(factor.rows for factor in factors), moments])
         ends = np.cumsum([len(factor.signs) for factor in factors])
-        out = np.zeros((len(factors) + len(pushes), len(self.states)))
+        out = np.zeros((len(factors) + len(forces), len(self.states)))
         for start in range(0, len(self.states) - 1, BLOCK):
             records = self.steps(driven, start)
             here = slice(start + 1, start + 1 + len(records))
             *lost, velocity = np.split(rows @ np.vstack([self.states[start : here.stop - 1].T, records.T]), ends)
             for i, (part, factor) in enumerate(zip(lost, factors, strict=True)):
                 out[i, here] = factor.signs @ part**2
-            for i, push in enumerate(pushes, len(factors)):
-                out[i, here] = np.einsum("it,ti->t", velocity, self.steps(push, start))
+            for i, applied in enumerate(forces, len(factors)):
+                out[i, here] = np.einsum("it,ti->t", velocity, self.steps(applied, start))
         return np.asarray(np.cumsum(out, axis=1))
 
 
 def _spanned(forces: Sequence[FloatArray]) -> FloatArray:
-    """Orthonormal directions of all forces but for round-off, (free, direction): regular waves push along two."""
+    """Orthonormal directions of all forces but for round-off, (free, direction): regular waves have two."""
     _, sizes, directions = np.linalg.svd(np.concatenate(forces), full_matrices=False)
     return np.asarray(directions[sizes > ROUND_OFF * sizes[0]].T)
 
